@@ -1,0 +1,46 @@
+# Every command of the project. The first two are the newcomer's; both start from Python 3.11+.
+PYTHON ?= python3
+VENV ?= .venv
+BIN = $(VENV)/bin
+STAMP = $(VENV)/.installed
+
+.PHONY: demo test check lint types docs bench lock clean
+
+demo: $(STAMP)  ## predict the 2-cm germanium disk; table here, figures and data in demo/
+	@test -e demo/flyer.toml || { mkdir -p demo && $(BIN)/lightflyer init demo/flyer.toml > /dev/null; }
+	$(BIN)/lightflyer predict demo/flyer.toml --out demo
+	@echo "copy demo/flyer.toml, change it, and run: $(BIN)/lightflyer predict COPY --out FOLDER"
+
+test: $(STAMP)  ## run the tests
+	$(BIN)/pytest -n auto
+
+check: lint types test docs  ## all that continuous integration checks
+
+lint: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(STAMP)
+	$(BIN)/mypy
+
+docs: $(STAMP)  ## build the documentation into docs/_build; warnings are errors
+	$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build
+
+bench: $(STAMP)  ## measure speed beside SciPy's; prints the table of docs/benchmarks.md
+	$(BIN)/python benchmarks/solver.py
+
+# What is installed is exactly what the lock file names.
+$(STAMP): pyproject.toml requirements.lock
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --requirement requirements.lock
+	$(BIN)/python -m pip install --quiet --no-deps --editable .
+	@touch $@
+
+lock: $(STAMP)  ## resolve the newest versions into requirements.lock
+	$(BIN)/python -m pip install --quiet uv
+	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --no-header \
+		--extra nrlmsis --group test --group lint --group docs --upgrade \
+		--output-file requirements.lock pyproject.toml
+
+clean:
+	rm -rf $(VENV) demo docs/_build .pytest_cache .mypy_cache .ruff_cache

@@ -1,0 +1,247 @@
+r"""Heat balance: the temperature at which a flyer loses what it absorbs.
+
+One residual serves the whole package:
+
+.. math::
+    L(\theta) \equiv Q_c(\theta)
+      + A\sigma(\varepsilon_t+\varepsilon_b)\,(T_h^4-T_c^4) = P, \qquad
+    \theta = \frac{T_h-T_c}{T_c}
+
+with the absorbed power :math:`P` net of what black surroundings at the gas temperature would
+exchange. Both sides vanish together, so the unknown is solved for as :math:`\ln|\theta|`, on
+which the loss is close to a power law: Newton's method then needs about five steps from
+1e-4 Pa to 1e5 Pa. The root lies between gas temperature and radiative equilibrium, which is a
+rigorous bracket for every force model whose heat loss increases with the excess.
+"""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer._types import Numeric
+from lightflyer.environment._base import EnvironmentState
+from lightflyer.errors import ConvergenceError
+from lightflyer.flyer._base import AbstractFlyer
+from lightflyer.force._base import AbstractForceModel
+from lightflyer.precision import entry_point, is_traced
+from lightflyer.rootfind import RootStatus, bracketed_newton, implicit_root
+
+# The bracket reaches down to e^-60 of radiative equilibrium: far below any flyer's excess.
+LOG_SPAN = 60.0
+
+
+class Equilibrium(eqx.Module):
+    r"""A flyer's thermal equilibrium. Fields have the broadcast shape of the inputs.
+
+    Attributes
+    ----------
+    temperature : array
+        Temperature of the flyer [K].
+    excess : array
+        :math:`\theta = (T_h-T_c)/T_c` [1].
+    absorbed_power : array
+        Light absorbed, plus thermal radiation absorbed beyond that of black surroundings at
+        the gas temperature [W].
+    gas_power, radiated_power : array
+        Net loss to the gas and by radiation [W].
+    residual : array
+        Absorbed minus lost power, over the absorbed power [1].
+    converged : bool array
+        Whether the root-find met its tolerance.
+    """
+
+    temperature: Numeric
+    excess: Numeric
+    absorbed_power: Numeric
+    gas_power: Numeric
+    radiated_power: Numeric
+    residual: Numeric
+    converged: Numeric
+
+
+def equilibrium(
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    model: AbstractForceModel,
+    *,
+    throw: bool = True,
+) -> Equilibrium:
+    """Temperature and heat flows of a flyer in the given surroundings.
+
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+    state : EnvironmentState
+    model : AbstractForceModel
+    throw : bool
+        Raise where an element has not converged. Under JAX's transformations nothing can be
+        raised: read ``converged``.
+
+    Returns
+    -------
+    Equilibrium
+
+    Raises
+    ------
+    ConvergenceError
+        If an element has not converged and ``throw`` is true.
+
+    Notes
+    -----
+    Differentiable in every number of flyer, state and model.
+
+    References
+    ----------
+    [Lu2023]_ Eq. (17), with separate faces.
+
+    Examples
+    --------
+    >>> import lightflyer as lf
+    >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    >>> state = lf.lu2023_earth().state(72e3)
+    >>> result = lf.equilibrium(lf.Disk(film, radius=0.01), state, lf.Lu2023())
+    >>> print(f"{result.temperature:.4f} K")
+    382.9028 K
+    """
+    result = _equilibrium(flyer, state, model)
+    if throw:
+        require_converged("heat balance", result.converged, result.residual)
+    return result
+
+
+def absorbed_power(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
+    """Light and excess heat radiation absorbed by a flyer [W].
+
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+    state : EnvironmentState
+
+    Returns
+    -------
+    array, broadcast shape
+    """
+    light = state.radiation.irradiance * beam_area(flyer, state)
+    return light + infrared_power(flyer, state)
+
+
+def beam_area(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
+    """Absorbed light per irradiance of the beam [m²]."""
+    film = flyer.film
+    return flyer.area * state.radiation.beam_power(film.absorptance, film.absorptance_below)
+
+
+def infrared_power(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
+    """Heat radiation absorbed beyond that of black surroundings at the gas temperature [W]."""
+    film = flyer.film
+    flux = state.radiation.infrared_excess(
+        state.temperature, film.emittance_top, film.emittance_bottom
+    )
+    return flyer.area * flux
+
+
+def radiated_power(flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
+    r"""Net radiation of both faces to black surroundings at the gas temperature [W].
+
+    .. math:: A\sigma(\varepsilon_t+\varepsilon_b)\,T_c^4\,\theta(4+6\theta+4\theta^2+\theta^3)
+
+    which is the difference of fourth powers without its cancellation.
+    """
+    growth = excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
+    return _radiation_scale(flyer, state) * growth
+
+
+def _radiation_scale(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
+    per_area = state.radiation.stefan_boltzmann * flyer.film.emittance_sum
+    return flyer.area * per_area * state.temperature**4
+
+
+def total_loss(
+    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel, excess: Numeric
+) -> Array:
+    """Heat lost to gas and by radiation at a relative temperature excess [W]."""
+    gas = model.heat_loss(flyer, state, excess)
+    return gas + radiated_power(flyer, state, excess)
+
+
+def _radiative_excess(power_ratio: Array) -> Array:
+    """Excess in vacuum: solves (1 + θ)⁴ = 1 + ``power_ratio`` without cancellation."""
+    root = jnp.sqrt(jnp.sqrt(jnp.maximum(1.0 + power_ratio, 0.0)))
+    return power_ratio / ((root + 1.0) * (root**2 + 1.0))
+
+
+def _solve_excess(
+    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel, power: Array
+) -> tuple[Array, RootStatus]:
+    """Relative temperature excess at which the flyer loses ``power`` [W]."""
+
+    def loss(excess: Array) -> Array:
+        return total_loss(flyer, state, model, excess)
+
+    def search() -> tuple[Array, RootStatus]:
+        dark = power == 0.0
+        # without light there is nothing to solve; a stand-in keeps the logarithms finite
+        target = jnp.where(dark, _radiation_scale(flyer, state), power)
+        sign = jnp.sign(target)
+        vacuum = jnp.abs(_radiative_excess(target / _radiation_scale(flyer, state)))
+        # the secant from zero through the vacuum temperature: close where gas dominates too
+        secant = vacuum * jnp.abs(target / loss(sign * vacuum))
+        log_excess, status = bracketed_newton(
+            residual=lambda x: jnp.log(loss(sign * jnp.exp(x)) / target),
+            lower=jnp.log(vacuum) - LOG_SPAN,
+            upper=jnp.log(vacuum),
+            guess=jnp.log(secant),
+        )
+        return jnp.where(dark, 0.0, sign * jnp.exp(log_excess)), status
+
+    shape = jnp.shape(jnp.asarray(power) + loss(jnp.zeros(())))
+    return implicit_root(lambda excess: loss(excess) - power, search, shape)
+
+
+@entry_point
+def _equilibrium(
+    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
+) -> Equilibrium:
+    power = absorbed_power(flyer, state)
+    excess, status = _solve_excess(flyer, state, model, power)
+    gas = model.heat_loss(flyer, state, excess)
+    radiated = radiated_power(flyer, state, excess)
+    scale = jnp.where(power == 0.0, 1.0, jnp.abs(power))
+    return Equilibrium(
+        temperature=state.temperature * (1.0 + excess),
+        excess=excess,
+        absorbed_power=power,
+        gas_power=gas,
+        radiated_power=radiated,
+        residual=(power - gas - radiated) / scale,
+        converged=status.converged,
+    )
+
+
+def require_converged(what: str, converged: Numeric, residual: Numeric) -> None:
+    """Raise unless every concrete element converged.
+
+    Parameters
+    ----------
+    what : str
+        What was being solved, for the message.
+    converged : bool array
+    residual : array
+        Scaled residual of each element.
+
+    Raises
+    ------
+    ConvergenceError
+        With the number of elements and the largest residual.
+    """
+    if is_traced(converged) or np.all(converged):
+        return
+    failed = ~np.asarray(converged)
+    residuals = np.abs(np.broadcast_to(residual, failed.shape)[failed])
+    worst = np.nanmax(residuals) if np.any(np.isfinite(residuals)) else np.nan
+    raise ConvergenceError(
+        f"{what}: {failed.sum()} of {failed.size} not converged, largest relative residual "
+        f"{worst:.2g}; check that inputs are finite and that the force model's heat loss "
+        "increases with temperature, or pass throw=False and read `converged`"
+    )

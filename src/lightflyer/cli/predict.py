@@ -1,0 +1,239 @@
+"""``lightflyer predict``: what the flyer of a file will do."""
+
+import gc
+import json
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.table import Table
+
+from lightflyer.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from lightflyer.config.sections import FlyerFile, Setup
+    from lightflyer.prediction import AltitudePrediction, ChamberPrediction
+
+_KILOMETRE = 1e3
+_MILLIGRAMS = 1e6
+
+
+def predict_command(
+    flyer_file: Path,
+    /,
+    *,
+    out: Path | None = None,
+    at: str | None = None,
+    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    csv: Annotated[bool, Parameter(negative=())] = False,
+) -> None:
+    """Predict where a flyer levitates, what it carries and how hot it gets.
+
+    Parameters
+    ----------
+    flyer_file
+        TOML file that describes flyer, film, environment and force model; "lightflyer init"
+        writes one.
+    out
+        Folder to write figures (PNG, SVG), the dataset (NetCDF) and the summary (JSON) into.
+    at
+        Altitudes such as "68 km,72 km", or in a chamber pressures such as "3 Pa,30 mTorr", to
+        report one by one.
+    json_output
+        Print one JSON object instead of tables.
+    csv
+        With --out, write the table as CSV too.
+    """
+    gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
+    from lightflyer.config.reader import read_flyer_file
+    from lightflyer.prediction import predict
+
+    configuration = read_flyer_file(flyer_file)
+    setup = configuration.build()
+    loading = _load_in_background() if out is not None else None
+    prediction = predict(setup, _asked(at, setup))
+    summary = prediction.summary()
+    written = []
+    if out is not None and loading is not None:
+        loading.join()
+        written = _write(out, configuration, flyer_file, setup, prediction, csv=csv)
+    if json_output:
+        print(json.dumps(summary, allow_nan=False))  # noqa: T201
+        return
+    console = Console(highlight=False)
+    _show(console, configuration, setup, prediction, summary)
+    for path in written:
+        console.print(f"wrote {path}", soft_wrap=True)
+    if out is None:
+        console.print("add --out FOLDER to write figures and data")
+
+
+def _load_in_background() -> threading.Thread:
+    """Import what writing needs while XLA, which lets other threads run, compiles the model."""
+
+    def load() -> None:
+        import h5netcdf  # noqa: F401
+        import xarray  # noqa: F401
+
+        import lightflyer.output
+        import lightflyer.plot  # noqa: F401
+
+    thread = threading.Thread(target=load, daemon=True)
+    thread.start()
+    return thread
+
+
+def _asked(at: str | None, setup: "Setup") -> list[float] | None:
+    """The coordinates of ``--at`` in SI units."""
+    from lightflyer.environment.chamber import Chamber
+    from lightflyer.units import parse
+
+    if at is None:
+        return None
+    unit = "Pa" if isinstance(setup.environment, Chamber) else "m"
+    try:
+        points = [parse(part.strip(), unit).value for part in at.split(",") if part.strip()]
+    except ConfigurationError as error:
+        raise ConfigurationError(f"--at: {error}") from None
+    if not points:
+        raise ConfigurationError(f'--at "{at}" names no point')
+    return points
+
+
+def _write(
+    out: Path,
+    configuration: "FlyerFile",
+    flyer_file: Path,
+    setup: "Setup",
+    prediction: "AltitudePrediction | ChamberPrediction",
+    *,
+    csv: bool,
+) -> list[Path]:
+    from lightflyer import output, plot
+
+    dataset = output.to_dataset(prediction, flyer_file.read_text(encoding="utf-8-sig"))
+    dataset.attrs["uncertainties"] = json.dumps(configuration.uncertainties())
+    dataset.attrs["summary"] = json.dumps(prediction.summary())
+    available = float(setup.environment.radiation.irradiance)
+    names = ["prediction.nc", "prediction.json"]
+    with output.output_directory(out) as stage:
+        dataset.to_netcdf(stage("prediction.nc"), engine="h5netcdf")
+        summary = json.dumps(prediction.summary(), indent=2, allow_nan=False)
+        stage("prediction.json").write_text(summary + "\n", encoding="utf-8")
+        if csv:
+            names.append("prediction.csv")
+            output.write_csv(prediction, stage("prediction.csv"))
+        for name, figure in plot.prediction_figures(prediction, available).items():
+            files = [f"{name}.png", f"{name}.svg"]
+            plot.save(figure, [stage(file) for file in files])
+            names += files
+    return [out / name for name in names]
+
+
+def _show(
+    console: Console,
+    configuration: "FlyerFile",
+    setup: "Setup",
+    prediction: "AltitudePrediction | ChamberPrediction",
+    summary: dict[str, Any],
+) -> None:
+    from lightflyer.prediction import AltitudePrediction
+
+    flyer, light = setup.flyer, float(setup.environment.radiation.irradiance)
+    own_mass, payload = float(flyer.own_mass) * _MILLIGRAMS, float(flyer.payload) * _MILLIGRAMS
+    diameter = configuration.flyer.diameter.value * 100.0
+    console.print(
+        f"disk of {diameter:g} cm, {own_mass:.4g} mg, payload {payload:g} mg; "
+        f"light {light:g} W/m² at {configuration.environment.incidence.value:g}° incidence"
+    )
+    if isinstance(prediction, AltitudePrediction):
+        _show_altitude(console, summary, light)
+    else:
+        _show_chamber(console, summary)
+    console.print(_points_table(summary["at"]))
+    uncertain = configuration.uncertainties()
+    if uncertain:
+        console.print(
+            f"uncertainties of {', '.join(uncertain)} are kept with the data, not propagated"
+        )
+
+
+def _show_altitude(console: Console, summary: dict[str, Any], light: float) -> None:
+    rows = Table.grid(padding=(0, 2))
+    pressures, bands = summary["pressure_band_pa"], summary["altitude_bands_km"]
+    easiest, best = summary["minimum_irradiance"], summary["best"]
+    if pressures is None:
+        rows.add_row("levitates", f"nowhere at {light:g} W/m²: {_shortfall(best)}")
+    else:
+        where = ", ".join(f"{low:.3f} km to {high:.3f} km" for low, high in bands)
+        label = "widest at " if len(bands) > 1 else ""
+        rows.add_row(
+            "levitates", f"{where} ({label}{pressures[0]:.3g} Pa to {pressures[1]:.3g} Pa)"
+        )
+    if easiest is None:
+        rows.add_row("least irradiance", "none: no irradiance lifts it at any altitude")
+    else:
+        rows.add_row(
+            "least irradiance",
+            f"{easiest['value_w_m2']:.1f} W/m² at {easiest['altitude_km']:.2f} km "
+            f"({easiest['temperature_k']:.1f} K)",
+        )
+    rows.add_row("best payload", _best(best))
+    console.print(rows)
+
+
+def _shortfall(best: dict[str, Any]) -> str:
+    return (
+        f"lift is at most {best['lift_over_weight']:.2f} of its weight, "
+        f"at {best['altitude_km']:.2f} km"
+    )
+
+
+def _best(best: dict[str, Any]) -> str:
+    where = f"at {best['altitude_km']:.2f} km ({best['temperature_k']:.1f} K)"
+    if best["payload_mg"] < 0.0:
+        return f"none: {-best['payload_mg']:.4g} mg short of lifting itself {where}"
+    return f"{best['payload_mg']:.4g} mg, {best['relative_payload']:.3g} of its own mass, {where}"
+
+
+def _show_chamber(console: Console, summary: dict[str, Any]) -> None:
+    optimum = summary["optimum"]
+    if optimum is None:
+        console.print("no irradiance levitates it at any pressure in the range")
+        return
+    console.print(
+        f"least irradiance {optimum['irradiance_w_m2']:.1f} W/m² at "
+        f"{optimum['pressure_pa']:.3g} Pa ({optimum['temperature_k']:.1f} K)"
+    )
+
+
+# Heading and format of each column; a column is shown where the summary has it.
+_COLUMNS = {
+    "altitude_km": ("altitude\n[km]", "g"),
+    "pressure_pa": ("pressure\n[Pa]", ".4g"),
+    "gas_temperature_k": ("gas\n[K]", ".1f"),
+    "levitation_irradiance_w_m2": ("to levitate\n[W/m²]", ".1f"),
+    "levitation_temperature_k": ("then\n[K]", ".1f"),
+    "temperature_k": ("in the light\n[K]", ".1f"),
+    "lift_n": ("lift\n[µN]", ".4g"),
+    "lift_over_weight": ("lift /\nweight", ".3f"),
+}
+_SCALES = {"lift_n": 1e6}
+
+
+def _points_table(points: list[dict[str, Any]]) -> Table | str:
+    if not points:
+        return ""
+    shown = [name for name in _COLUMNS if name in points[0]]
+    table = Table(box=None, padding=(0, 1))
+    for name in shown:
+        table.add_column(_COLUMNS[name][0], justify="right")
+    for point in points:
+        table.add_row(*(_cell(name, point[name]) for name in shown))
+    return table
+
+
+def _cell(name: str, value: float | None) -> str:
+    return "–" if value is None else format(value * _SCALES.get(name, 1.0), _COLUMNS[name][1])

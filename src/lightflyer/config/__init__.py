@@ -1,0 +1,1 @@
+"""The flyer file: what it may say, and how it is read."""

@@ -1,0 +1,120 @@
+"""Reading a flyer file, with one clear line for every mistake in it."""
+
+import difflib
+import re
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pydantic
+
+from lightflyer.config.sections import FlyerFile, alternative_tags, known_keys
+from lightflyer.errors import ConfigurationError
+
+
+def read_flyer_file(path: str | Path) -> FlyerFile:
+    """Read and check a flyer file.
+
+    Parameters
+    ----------
+    path : str or path
+        A TOML file; ``lightflyer init`` writes a commented one.
+
+    Returns
+    -------
+    FlyerFile
+
+    Raises
+    ------
+    ConfigurationError
+        One line for each mistake: file, line, key, value and what is allowed.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise ConfigurationError(f"{path}: is not a text file (UTF-8)") from None
+    if not text.strip():
+        raise ConfigurationError(f"{path}: is empty; 'lightflyer init' writes an example")
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigurationError(f"{path}: is not valid TOML: {error}") from None
+    try:
+        return FlyerFile.model_validate(document)
+    except pydantic.ValidationError as error:
+        lines = [_explain(mistake, document, text, path) for mistake in error.errors()]
+        raise ConfigurationError("\n".join(lines)) from None
+
+
+def _explain(mistake: Any, document: dict[str, Any], text: str, path: Path) -> str:
+    """One line for one of Pydantic's errors."""
+    keys = [part for part in mistake["loc"] if part not in alternative_tags()]
+    dotted = ".".join(map(str, keys))
+    line = _line_of(keys, text)
+    place = f"{path}:{line}" if line else f"{path}"
+    explain = _EXPLANATIONS.get(mistake["type"], _other_mistake)
+    return f"{place}: {explain(mistake, dotted, document)}"
+
+
+def _unknown_key(_mistake: Any, dotted: str, document: dict[str, Any]) -> str:
+    section, _, key = dotted.rpartition(".")
+    known = known_keys(section, document.get(section))
+    near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
+    where = f"[{section}]" if section else "a flyer file"
+    hint = f'did you mean "{near[0]}"?' if near else f"{where} takes {', '.join(known)}"
+    return f"{dotted} is not a key of {where}; {hint}"
+
+
+def _missing_key(_mistake: Any, dotted: str, _document: dict[str, Any]) -> str:
+    section, _, key = dotted.rpartition(".")
+    return f"[{section}] needs {key}" if section else f"the section [{key}] is missing"
+
+
+def _unknown_alternative(mistake: Any, dotted: str, _document: dict[str, Any]) -> str:
+    expected = mistake["ctx"]["expected_tags"].replace("'", "")
+    found = mistake["ctx"]["tag"]
+    names = {"force": "model", "environment": "kind or atmosphere"}
+    return f'{dotted}: {names[dotted]} "{found}" is unknown; there are: {expected}'
+
+
+def _other_mistake(mistake: Any, dotted: str, _document: dict[str, Any]) -> str:
+    message = mistake["msg"].removeprefix("Value error, ")
+    value = mistake["input"]
+    if isinstance(value, dict):
+        return f"[{dotted}]: {message}" if dotted else message
+    shown = f'"{value}"' if isinstance(value, str) else str(value)
+    if shown in message:
+        return f"{dotted}: {message}"
+    return f"{dotted} = {shown}: {message[0].lower()}{message[1:]}"
+
+
+_EXPLANATIONS: dict[str, Callable[[Any, str, dict[str, Any]], str]] = {
+    "extra_forbidden": _unknown_key,
+    "missing": _missing_key,
+    "union_tag_invalid": _unknown_alternative,
+}
+
+
+def _line_of(keys: list[Any], text: str) -> int | None:
+    """Number of the line where a key, or else its section, stands in a TOML text."""
+    if not keys:
+        return None
+    section, section_line = [], None
+    for number, line in enumerate(text.splitlines(), start=1):
+        header = re.match(r"\s*\[\s*([^\[\]]+?)\s*\]", line)
+        if header:
+            section = [part.strip().strip("\"'") for part in header[1].split(".")]
+            if section == [str(key) for key in keys[: len(section)]]:
+                section_line = section_line or number
+                if section == keys:
+                    return number
+            continue
+        name = line.partition("=")[0]
+        path = section + [part.strip().strip("\"'") for part in name.split(".")]
+        if "=" in line and path == [str(key) for key in keys[: len(path)]]:
+            return number
+    return section_line

@@ -1,0 +1,1 @@
+"""Where it flies: chamber, Earth; gas state, gravity and radiation."""

@@ -1,0 +1,1 @@
+"""What shape it has."""

@@ -1,0 +1,1 @@
+"""How strongly it is pushed: one force model a file."""

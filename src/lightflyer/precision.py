@@ -1,0 +1,142 @@
+"""Double precision, settled in one place.
+
+JAX computes in single precision unless a process-wide switch is set. Setting that switch on
+import would change the precision of every other library in the process, so lightflyer never
+touches it. Instead each public numeric function is wrapped by :func:`entry_point`, which
+
+* opens JAX's *scoped* 64-bit context for the duration of the call,
+* converts every number in its inputs to float64,
+* compiles the function once (:func:`jax.jit`) and reuses it,
+* returns NumPy arrays, whose later arithmetic stays in double precision whatever JAX's
+  switch says; under ``jit``, ``vmap`` or ``grad`` it returns JAX tracers.
+
+Gradients taken outside a :func:`float64` context are computed in double precision and then
+rounded to the precision of the caller's inputs, because ``jax.grad`` itself belongs to the
+caller. To keep all digits::
+
+    with lightflyer.float64():
+        slope = jax.grad(f)(0.08)
+"""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def float64() -> AbstractContextManager[Any]:
+    """Context in which JAX computes in double precision; nothing outside it changes.
+
+    Returns
+    -------
+    context manager
+
+    Examples
+    --------
+    >>> import jax.numpy as jnp
+    >>> with float64():
+    ...     print(jnp.ones(1).dtype)
+    float64
+    """
+    return jax.enable_x64(True)
+
+
+def is_traced(*trees: Any) -> bool:
+    """Whether any leaf is a JAX tracer, that is, has no concrete value yet.
+
+    Parameters
+    ----------
+    *trees : pytrees of arrays or numbers
+
+    Returns
+    -------
+    bool
+    """
+    return any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(trees))
+
+
+def _promote(leaf: Any) -> Any:
+    array = jnp.asarray(leaf)
+    return array if array.dtype == bool else array.astype(jnp.float64)
+
+
+def _to_numpy(leaf: Any) -> Any:
+    return np.asarray(leaf)[()]
+
+
+# Compiling dominates a single prediction, and most of it is XLA's optimisation of small kernels.
+_QUICK_COMPILATION: dict[str, Any] = {
+    "xla_backend_optimization_level": 0,
+    "xla_cpu_use_fusion_emitters": False,
+}
+
+
+def entry_point(function: Callable[P, R]) -> Callable[P, R]:
+    """Make a pure numeric function public: float64, compiled, NumPy out.
+
+    Parameters
+    ----------
+    function : callable
+        Pure function of pytrees of numbers and arrays. It may not read anything else.
+
+    Returns
+    -------
+    callable
+        Same signature. Works on plain numbers, NumPy arrays and JAX arrays, and under
+        ``jit``, ``vmap``, ``grad`` and ``jvp``.
+    """
+    return _scoped(function, jax.jit(_promoting(function)))
+
+
+def quick_entry_point(function: Callable[P, R]) -> Callable[P, R]:
+    """Like :func:`entry_point`, for a function that runs on little data in a short process.
+
+    It is compiled twice as fast into code that runs several times slower, and cannot be used
+    under JAX's transformations.
+
+    Parameters
+    ----------
+    function : callable
+        As for :func:`entry_point`.
+
+    Returns
+    -------
+    callable
+    """
+    quick = jax.jit(_promoting(function), compiler_options=_QUICK_COMPILATION)
+    plain = jax.jit(_promoting(function))
+
+    def compiled(*args: Any, **kwargs: Any) -> Any:
+        try:
+            return quick(*args, **kwargs)
+        except jax.errors.JaxRuntimeError as error:
+            if "compile option" not in str(error):
+                raise
+            return plain(*args, **kwargs)  # another XLA, which has no such option
+
+    return _scoped(function, compiled)
+
+
+def _promoting(function: Callable[..., Any]) -> Callable[..., Any]:
+    def promoted(*args: Any, **kwargs: Any) -> Any:
+        args, kwargs = jax.tree.map(_promote, (args, kwargs))
+        return function(*args, **kwargs)
+
+    return promoted
+
+
+def _scoped(function: Callable[P, R], compiled: Callable[..., Any]) -> Callable[P, R]:
+    @wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        with float64():
+            result: Any = compiled(*args, **kwargs)
+        return result if is_traced(result) else jax.tree.map(_to_numpy, result)
+
+    return wrapper

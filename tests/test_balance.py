@@ -10,9 +10,7 @@ from lightflyer.balance import require_converged
 
 def state(pressure, temperature=220.0, **radiation):
     radiation.setdefault("stefan_boltzmann", 5.67e-8)
-    return lf.EnvironmentState(
-        pressure, temperature, 9.8, lf.LU2023_AIR, lf.Radiation(**radiation)
-    )
+    return lf.EnvironmentState(pressure, temperature, 9.8, lf.LU2023_AIR, lf.Radiation(**radiation))
 
 
 @pytest.mark.parametrize("pressure", [1e-4, 1e-2, 1.0, 100.0, 1e5])

@@ -131,7 +131,9 @@ def test_a_users_own_model_is_one_small_class(disk):
     state = lf.Earth().state(72e3)
     mine, reference = HalfOfFreeMolecular(), lf.FreeMolecular()
     assert lf.lift(disk, state, mine) == pytest.approx(0.5 * lf.lift(disk, state, reference))
-    assert lf.levitate(disk, state, mine).irradiance > lf.levitate(disk, state, reference).irradiance
+    assert (
+        lf.levitate(disk, state, mine).irradiance > lf.levitate(disk, state, reference).irradiance
+    )
 
 
 def test_models_cannot_be_changed():

@@ -14,18 +14,22 @@ CREEP = 1.14
 
 
 def viscosity(t):
+    """Eq. (11) [Pa s]."""
     return 1.716e-5 * (t / 273.0) ** (2.0 / 3.0)
 
 
 def conductivity(t):
+    """Eq. (12) [W/(m K)]."""
     return 2.38e-4 * t**0.8218
 
 
 def heat_capacity(t):
+    """Eq. (13), corrected [J/(kg K)]."""
     return (28.11 + 1.967e-3 * t + 4.802e-6 * t**2 - 1.966e-9 * t**3) * 1000.0 / 28.97
 
 
 def mean_speed(t):
+    """Mean molecular speed [m/s]."""
     return np.sqrt(8.0 * R * t / np.pi)
 
 

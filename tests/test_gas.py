@@ -53,7 +53,7 @@ def test_arrays_equal_scalars():
 
 @pytest.mark.parametrize("bad", [0.0, -1.0, np.nan, np.inf])
 def test_impossible_states_raise(bad):
-    with pytest.raises(lf.ParameterError, match="pressure = .* is not positive"):
+    with pytest.raises(lf.ParameterError, match=r"pressure = .* is not positive"):
         lf.mean_free_path(bad, 300.0)
     with pytest.raises(lf.ParameterError, match="temperature"):
         lf.mean_free_path(1.0, np.array([300.0, bad]))

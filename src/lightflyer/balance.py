@@ -24,7 +24,7 @@ from lightflyer.environment._base import EnvironmentState
 from lightflyer.errors import ConvergenceError
 from lightflyer.flyer._base import AbstractFlyer
 from lightflyer.force._base import AbstractForceModel
-from lightflyer.precision import entry_point, is_traced
+from lightflyer.precision import elementwise_entry_point, is_traced
 from lightflyer.rootfind import RootStatus, bracketed_newton, implicit_root
 
 # The bracket reaches down to e^-60 of radiative equilibrium: far below any flyer's excess.
@@ -202,7 +202,7 @@ def _solve_excess(
     return implicit_root(lambda excess: loss(excess) - power, search, shape)
 
 
-@entry_point
+@elementwise_entry_point
 def _equilibrium(
     flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
 ) -> Equilibrium:

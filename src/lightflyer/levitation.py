@@ -17,12 +17,16 @@ from lightflyer.balance import (
 from lightflyer.environment._base import EnvironmentState
 from lightflyer.flyer._base import AbstractFlyer
 from lightflyer.force._base import AbstractForceModel
-from lightflyer.precision import entry_point
+from lightflyer.precision import elementwise_entry_point, entry_point
 from lightflyer.rootfind import RootStatus, bracketed_newton, implicit_root
 
 HIGHEST_TEMPERATURE = 3000.0
 """Where the search for a levitating temperature ends [K]: no film survives it, and the gas
 correlations end below it."""
+
+
+LOAD_TOLERANCE = 1e-10
+"""Largest difference of force and weight of a converged levitation, over the weight."""
 
 
 class Levitation(eqx.Module):
@@ -111,7 +115,7 @@ def lift(
     return force
 
 
-@entry_point
+@elementwise_entry_point
 def _lift_and_payload(
     flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
 ) -> tuple[Array, Array, Equilibrium]:
@@ -206,7 +210,7 @@ def levitate(
     return result
 
 
-@entry_point
+@elementwise_entry_point
 def _levitate(
     flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
 ) -> Levitation:
@@ -242,11 +246,12 @@ def _levitate(
     collecting = beam_area(flyer, state)
     irradiance = needed / jnp.where(collecting > 0.0, collecting, 1.0)
     levitates &= collecting > 0.0
-    known = ~jnp.isnan(strongest)
+    residual = jnp.where(levitates, force(excess) / load - 1.0, 0.0)
+    held = status.converged & (jnp.abs(residual) <= LOAD_TOLERANCE)
     return Levitation(
         irradiance=jnp.where(levitates, jnp.maximum(irradiance, 0.0), jnp.inf),
         temperature=jnp.where(levitates, state.temperature * (1.0 + excess), jnp.nan),
         levitates=levitates,
-        residual=jnp.where(levitates, force(excess) / load - 1.0, 0.0),
-        converged=known & (status.converged | ~levitates),
+        residual=residual,
+        converged=~jnp.isnan(strongest) & (held | ~levitates),
     )

@@ -5,6 +5,8 @@ own. Gradients do not unroll the loop. :func:`jax.lax.custom_root` differentiate
 at the root, so forward, reverse and higher derivatives cost one linearised residual.
 """
 
+import math
+import sys
 from collections.abc import Callable
 
 import equinox as eqx
@@ -15,7 +17,7 @@ from jax import Array
 RELATIVE_TOLERANCE = 1e-12
 """Default bound on the scaled residual at a root; a hundred times tighter than promised."""
 
-ROUNDING = float(jnp.finfo(jnp.float64).eps)
+ROUNDING = sys.float_info.epsilon
 
 MAXIMUM_STEPS = 100
 """Bound on Newton and bisection steps. Bisection alone needs about 60 for any bracket."""
@@ -66,8 +68,8 @@ def bracketed_newton(
     guess : array, shape (...)
         First point, clipped into the bracket.
     tolerance : float
-        An element is done when ``abs(residual) <= tolerance``, or when no number is left
-        between the ends of its bracket.
+        An element is done when ``abs(residual) <= tolerance``, after a Newton step so small
+        that the next residual must be, or when no number is left in its bracket.
 
     Returns
     -------
@@ -82,6 +84,7 @@ def bracketed_newton(
     ----------
     [Press2007]_ ch. 9.4.
     """
+    near = math.sqrt(tolerance)
 
     def advance(search: _Search) -> _Search:
         value, slope = jax.jvp(residual, (search.point,), (jnp.ones_like(search.point),))
@@ -94,13 +97,15 @@ def bracketed_newton(
         trusted = (newton > lower) & (newton < upper)
         trusted &= jnp.abs(step) <= 0.5 * jnp.abs(search.last_step)
         proposal = jnp.where(trusted, newton, 0.5 * (lower + upper))
-        active = search.active & ~done
+        moving = search.active & ~done
+        # Newton's error falls as its square: after a step from here there is nothing to look at
+        last = trusted & (jnp.abs(step) <= near)
         return _Search(
-            point=jnp.where(active, proposal, search.point),
+            point=jnp.where(moving, proposal, search.point),
             lower=lower,
             upper=upper,
-            last_step=jnp.where(active, proposal - search.point, search.last_step),
-            active=active,
+            last_step=jnp.where(moving, proposal - search.point, search.last_step),
+            active=moving & ~last,
             steps=search.steps + 1,
         )
 

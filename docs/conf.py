@@ -1,0 +1,30 @@
+"""Sphinx configuration."""
+
+import lightflyer
+
+project = "lightflyer"
+author = "The lightflyer developers"
+project_copyright = "2026, the lightflyer developers"
+version = release = lightflyer.__version__
+
+extensions = [
+    "myst_parser",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.mathjax",
+]
+exclude_patterns = ["_build"]
+html_theme = "furo"
+html_title = "lightflyer"
+myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
+myst_heading_anchors = 3
+
+autosummary_generate = True
+autodoc_typehints = "none"
+autodoc_default_options = {"members": True, "show-inheritance": True}
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = False
+# citations stand once, on the page of references
+numpydoc_citation_re = r"[A-Z][A-Za-z]+\d{4}[a-z]?"
+nitpicky = False

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.precision import quick_entry_point
+from lightflyer.precision import elementwise_entry_point, quick_entry_point
 
 
 @lf.entry_point
@@ -73,3 +73,31 @@ def test_quick_compilation_does_not_hide_other_errors():
 
     with pytest.raises(ValueError, match="mine"):
         quick_entry_point(broken)(1.0)
+
+
+@pytest.mark.parametrize("size", [6, 7, 10, 11, 12, 30])
+def test_pieces_make_the_same_whole(monkeypatch, size):
+    monkeypatch.setattr("lightflyer.precision.PIECE", 10)
+    traces = []
+
+    def function(x, y):
+        traces.append(1)
+        return {"sum": x["a"] + 10.0 * x["b"] + y, "constant": 2.0 * y}
+
+    x = {"a": np.arange(float(size)), "b": np.linspace(0.0, 1.0, size)}
+    result = elementwise_entry_point(lambda x, y: function(x, y))(x, 3.0)
+    np.testing.assert_allclose(result["sum"], x["a"] + 10.0 * x["b"] + 3.0, rtol=1e-15)
+    assert result["constant"] == 6.0
+    assert len(traces) == 1  # traced once, whatever the number of pieces
+
+
+def test_pieces_keep_shapes_and_leave_tables_whole(monkeypatch):
+    monkeypatch.setattr("lightflyer.precision.PIECE", 10)
+    grid = np.arange(24.0).reshape(4, 6)
+    doubled = elementwise_entry_point(lambda x: 2.0 * x)
+    np.testing.assert_array_equal(doubled(grid), 2.0 * grid)
+    table = np.linspace(0.0, 1.0, 5)
+    interpolated = elementwise_entry_point(lambda x, table: jnp.interp(x, jnp.arange(5.0), table))
+    np.testing.assert_allclose(
+        interpolated(np.linspace(0.0, 4.0, 33), table), np.linspace(0.0, 1.0, 33), atol=1e-15
+    )

@@ -85,7 +85,7 @@ def scipy_scalar(values, count):
     columns = [column[:count].tolist() for column in (hottest, *arguments)]
     with np.errstate(all="ignore"):
         return [
-            brentq(residual, row[0], hot, args=tuple(row), xtol=1e-9, rtol=1e-11)
+            brentq(residual, row[0], hot, args=tuple(row), xtol=1e-12)
             for hot, *row in zip(*columns, strict=True)
         ]
 
@@ -135,7 +135,8 @@ def run_alone(task, values):
         with lf.float64():
             jax.block_until_ready(lift_and_gradient()[1](*gradient_inputs(values)))
     # not resource.getrusage: a child inherits its parent's peak there
-    status = dict(line.split(":", 1) for line in open("/proc/self/status"))
+    with open("/proc/self/status") as lines:
+        status = dict(line.split(":", 1) for line in lines)
     print(int(status["VmHWM"].split()[0]) / 1024)
 
 

@@ -6,7 +6,7 @@ from jax import Array
 
 from lightflyer._types import Numeric
 from lightflyer.balance import (
-    LOG_SPAN,
+    SMALLEST_SHARE,
     Equilibrium,
     beam_area,
     equilibrium,
@@ -18,7 +18,7 @@ from lightflyer.environment._base import EnvironmentState
 from lightflyer.flyer._base import AbstractFlyer
 from lightflyer.force._base import AbstractForceModel
 from lightflyer.precision import elementwise_entry_point, entry_point
-from lightflyer.rootfind import RootStatus, bracketed_newton, implicit_root
+from lightflyer.rootfind import RootStatus, bracketed_power_newton, implicit_root
 
 HIGHEST_TEMPERATURE = 3000.0
 """Where the search for a levitating temperature ends [K]: no film survives it, and the gas
@@ -231,13 +231,13 @@ def _levitate(
         return jnp.where(strongest == 0.0, excess / hottest, pushed)
 
     def search() -> tuple[Array, RootStatus]:
-        log_excess, status = bracketed_newton(
-            residual=lambda x: jnp.log(reached(jnp.exp(x)) / target),
-            lower=jnp.log(hottest) - LOG_SPAN,
-            upper=jnp.log(hottest) + jnp.zeros_like(target),
-            guess=jnp.log(hottest * target / reached(hottest)),
+        return bracketed_power_newton(
+            reached,
+            target=target,
+            lower=hottest * SMALLEST_SHARE,
+            upper=hottest,
+            guess=hottest * target / reached(hottest),
         )
-        return jnp.exp(log_excess), status
 
     excess, status = implicit_root(
         lambda excess: reached(excess) - target, search, jnp.shape(target)

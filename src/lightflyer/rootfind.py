@@ -84,22 +84,87 @@ def bracketed_newton(
     ----------
     [Press2007]_ ch. 9.4.
     """
+
+    def look(point: Array) -> tuple[Array, Array]:
+        value, slope = _with_slope(residual, point)
+        return value, point - value / slope
+
+    return _search(look, lambda a, b: 0.5 * (a + b), (lower, upper, guess), tolerance)
+
+
+def bracketed_power_newton(
+    function: Callable[[Array], Array],
+    target: Array,
+    lower: Array,
+    upper: Array,
+    guess: Array,
+    tolerance: float = RELATIVE_TOLERANCE,
+) -> tuple[Array, RootStatus]:
+    r"""Find where a positive, increasing function of a positive unknown reaches a target.
+
+    For functions that are nearly power laws, :math:`f \propto x^s`, over many decades: Newton's
+    step is taken in logarithms, :math:`x \leftarrow x\,(f/f_0)^{-1/s}`, with the local exponent
+    :math:`s = x f'/f`. The power is replaced by its Padé approximant about one, which is exact to
+    second order and needs neither logarithm nor exponential. Bisection is geometric.
+
+    Parameters
+    ----------
+    function : callable
+        Increasing positive function of one array, elementwise.
+    target : array, shape (...)
+        Positive.
+    lower, upper : array, shape (...)
+        Positive bracket of the root; the ends are never evaluated.
+    guess : array, shape (...)
+        First point, clipped into the bracket.
+    tolerance : float
+        On ``abs(function / target - 1)``; see :func:`bracketed_newton`.
+
+    Returns
+    -------
+    root : array, shape (...)
+    status : RootStatus
+
+    Notes
+    -----
+    Not differentiable by itself: use :func:`implicit_root`.
+    """
+
+    def look(point: Array) -> tuple[Array, Array]:
+        value, slope = _with_slope(function, point)
+        ratio, inverse_exponent = value / target, value / (point * slope)
+        more, less = 1.0 + inverse_exponent, 1.0 - inverse_exponent
+        return ratio - 1.0, point * (more + less * ratio) / (less + more * ratio)
+
+    return _search(look, lambda a, b: jnp.sqrt(a * b), (lower, upper, guess), tolerance)
+
+
+def _with_slope(function: Callable[[Array], Array], point: Array) -> tuple[Array, Array]:
+    return jax.jvp(function, (point,), (jnp.ones_like(point),))
+
+
+def _search(
+    look: Callable[[Array], tuple[Array, Array]],
+    middle: Callable[[Array, Array], Array],
+    bracket_and_guess: tuple[Array, Array, Array],
+    tolerance: float,
+) -> tuple[Array, RootStatus]:
+    """Search with a rule that gives, at a point, the residual and where Newton would go."""
     near = math.sqrt(tolerance)
 
     def advance(search: _Search) -> _Search:
-        value, slope = jax.jvp(residual, (search.point,), (jnp.ones_like(search.point),))
+        value, newton = look(search.point)
         lower = jnp.where(value < 0, search.point, search.lower)
         upper = jnp.where(value > 0, search.point, search.upper)
         resolution = ROUNDING * (jnp.abs(lower) + jnp.abs(upper))
         done = (jnp.abs(value) <= tolerance) | (upper - lower <= resolution)
-        newton = search.point - value / slope
         step = newton - search.point
         trusted = (newton > lower) & (newton < upper)
         trusted &= jnp.abs(step) <= 0.5 * jnp.abs(search.last_step)
-        proposal = jnp.where(trusted, newton, 0.5 * (lower + upper))
+        proposal = jnp.where(trusted, newton, middle(lower, upper))
         moving = search.active & ~done
         # Newton's error falls as its square: after a step from here there is nothing to look at
-        last = trusted & (jnp.abs(step) <= near)
+        last = trusted & (jnp.abs(step) <= near * jnp.abs(search.point))
         return _Search(
             point=jnp.where(moving, proposal, search.point),
             lower=lower,
@@ -112,7 +177,7 @@ def bracketed_newton(
     def unfinished(search: _Search) -> Array:
         return jnp.any(search.active) & (search.steps < MAXIMUM_STEPS)
 
-    lower, upper, guess = jnp.broadcast_arrays(lower, upper, guess)
+    lower, upper, guess = jnp.broadcast_arrays(*bracket_and_guess)
     start = _Search(
         point=jnp.clip(guess, lower, upper),
         lower=lower,

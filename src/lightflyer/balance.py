@@ -30,6 +30,9 @@ from lightflyer.rootfind import RootStatus, bracketed_newton, implicit_root
 # The bracket reaches down to e^-60 of radiative equilibrium: far below any flyer's excess.
 LOG_SPAN = 60.0
 
+ENERGY_TOLERANCE = 1e-10
+"""Largest imbalance of a converged equilibrium, over the absorbed power."""
+
 
 class Equilibrium(eqx.Module):
     r"""A flyer's thermal equilibrium. Fields have the broadcast shape of the inputs.
@@ -48,7 +51,7 @@ class Equilibrium(eqx.Module):
     residual : array
         Absorbed minus lost power, over the absorbed power [1].
     converged : bool array
-        Whether the root-find met its tolerance.
+        Whether the root-find ended and the residual is below :data:`ENERGY_TOLERANCE`.
     """
 
     temperature: Numeric
@@ -207,15 +210,15 @@ def _equilibrium(
     excess, status = _solve_excess(flyer, state, model, power)
     gas = model.heat_loss(flyer, state, excess)
     radiated = radiated_power(flyer, state, excess)
-    scale = jnp.where(power == 0.0, 1.0, jnp.abs(power))
+    residual = (power - gas - radiated) / jnp.where(power == 0.0, 1.0, jnp.abs(power))
     return Equilibrium(
         temperature=state.temperature * (1.0 + excess),
         excess=excess,
         absorbed_power=power,
         gas_power=gas,
         radiated_power=radiated,
-        residual=(power - gas - radiated) / scale,
-        converged=status.converged,
+        residual=residual,
+        converged=status.converged & (jnp.abs(residual) <= ENERGY_TOLERANCE),
     )
 
 

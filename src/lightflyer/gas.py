@@ -187,7 +187,7 @@ def mean_free_path(pressure: Numeric, temperature: Numeric, gas: AbstractGas = A
     Examples
     --------
     >>> print(f"{mean_free_path(101325.0, 288.15):.3e} m")
-    6.510e-08 m
+    6.366e-08 m
     """
     require_positive(pressure=pressure, temperature=temperature)
     return _mean_free_path(pressure, temperature, gas)

@@ -15,6 +15,8 @@ from jax import Array
 RELATIVE_TOLERANCE = 1e-12
 """Default bound on the scaled residual at a root; a hundred times tighter than promised."""
 
+ROUNDING = float(jnp.finfo(jnp.float64).eps)
+
 MAXIMUM_STEPS = 100
 """Bound on Newton and bisection steps. Bisection alone needs about 60 for any bracket."""
 
@@ -64,7 +66,8 @@ def bracketed_newton(
     guess : array, shape (...)
         First point, clipped into the bracket.
     tolerance : float
-        An element is done when ``abs(residual) <= tolerance``.
+        An element is done when ``abs(residual) <= tolerance``, or when no number is left
+        between the ends of its bracket.
 
     Returns
     -------
@@ -82,9 +85,10 @@ def bracketed_newton(
 
     def advance(search: _Search) -> _Search:
         value, slope = jax.jvp(residual, (search.point,), (jnp.ones_like(search.point),))
-        done = jnp.abs(value) <= tolerance
         lower = jnp.where(value < 0, search.point, search.lower)
         upper = jnp.where(value > 0, search.point, search.upper)
+        resolution = ROUNDING * (jnp.abs(lower) + jnp.abs(upper))
+        done = (jnp.abs(value) <= tolerance) | (upper - lower <= resolution)
         newton = search.point - value / slope
         step = newton - search.point
         trusted = (newton > lower) & (newton < upper)

@@ -6,14 +6,16 @@ A command is one module here, registered by name so that it is imported only whe
 
 import sys
 import warnings
+from collections.abc import Sequence
 from typing import Any
 
 import cyclopts
 
 import lightflyer
-from lightflyer.errors import LightflyerError
+from lightflyer.errors import LightflyerError, ParameterWarning
 
 EXIT_FAILURE = 2
+EXIT_INTERRUPTED = 130
 
 app = cyclopts.App(
     name="lightflyer",
@@ -34,19 +36,27 @@ def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
     print(f"lightflyer: warning: {message}", file=sys.stderr)  # noqa: T201
 
 
-def main() -> None:
-    """Run the command line; mistakes of the user's become one line each and exit code 2."""
-    warnings.showwarning = _warn
-    try:
-        app(exit_on_error=False)
-    except cyclopts.CycloptsError:
-        sys.exit(EXIT_FAILURE)  # cyclopts has said why
-    except LightflyerError as error:
-        for line in str(error).splitlines():
-            print(f"lightflyer: error: {line}", file=sys.stderr)  # noqa: T201
-        sys.exit(EXIT_FAILURE)
-    except KeyboardInterrupt:
-        sys.exit(130)
-    except BrokenPipeError:
-        sys.stderr.close()  # whoever read the output has gone; nothing is left to say
-        sys.exit(0)
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line; mistakes of the user's become one line each and exit code 2.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        What follows the program's name; by default as the process was started.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", ParameterWarning)
+        warnings.showwarning = _warn
+        try:
+            app(sys.argv[1:] if arguments is None else arguments, exit_on_error=False)
+        except cyclopts.CycloptsError:
+            sys.exit(EXIT_FAILURE)  # cyclopts has said why
+        except LightflyerError as error:
+            for line in str(error).splitlines():
+                print(f"lightflyer: error: {line}", file=sys.stderr)  # noqa: T201
+            sys.exit(EXIT_FAILURE)
+        except KeyboardInterrupt:
+            sys.exit(EXIT_INTERRUPTED)
+        except BrokenPipeError:
+            sys.stderr.close()  # whoever read the output has gone; nothing is left to say
+            sys.exit(0)

@@ -53,6 +53,7 @@ def read_flyer_file(path: str | Path) -> FlyerFile:
 def _explain(mistake: Any, document: dict[str, Any], text: str, path: Path) -> str:
     """One line for one of Pydantic's errors."""
     keys = [part for part in mistake["loc"] if part not in alternative_tags()]
+    keys += _deciding_key(mistake)
     dotted = ".".join(map(str, keys))
     line = _line_of(keys, text)
     place = f"{path}:{line}" if line else f"{path}"
@@ -75,10 +76,24 @@ def _missing_key(_mistake: Any, dotted: str, _document: dict[str, Any]) -> str:
 
 
 def _unknown_alternative(mistake: Any, dotted: str, _document: dict[str, Any]) -> str:
-    expected = mistake["ctx"]["expected_tags"].replace("'", "")
-    found = mistake["ctx"]["tag"]
-    names = {"force": "model", "environment": "kind or atmosphere"}
-    return f'{dotted}: {names[dotted]} "{found}" is unknown; there are: {expected}'
+    # a tag is a kind, or a kind and what further divides it
+    *first, found = mistake["ctx"]["tag"].split(" ", 1)
+    tags = mistake["ctx"]["expected_tags"].replace("'", "").split(", ")
+    if first:
+        known = [tag.removeprefix(f"{first[0]} ") for tag in tags if tag.startswith(first[0])]
+    else:
+        known = list(dict.fromkeys(tag.split(" ")[0] for tag in tags))
+    return f'{dotted} = "{found}" is unknown; there are: {", ".join(known)}'
+
+
+def _deciding_key(mistake: Any) -> list[str]:
+    """The key whose value chose an alternative that does not exist."""
+    if mistake["type"] != "union_tag_invalid":
+        return []
+    divided = " " in mistake["ctx"]["tag"]
+    return {"force": ["model"], "environment": ["atmosphere" if divided else "kind"]}[
+        mistake["loc"][0]
+    ]
 
 
 def _other_mistake(mistake: Any, dotted: str, _document: dict[str, Any]) -> str:

@@ -214,7 +214,7 @@ class US1976(AbstractAtmosphere):
 
         .. math:: L = \frac{R^* T}{\sqrt2\, \pi N_A \sigma^2 p}
 
-        with a fixed collision diameter: 1.9 % above :func:`lightflyer.mean_free_path` at sea
+        with a fixed collision diameter: 4.2 % above :func:`lightflyer.mean_free_path` at sea
         level. The force models use the latter.
         """
         cross_section = jnp.sqrt(2.0) * jnp.pi * _COLLISION_DIAMETER**2

@@ -1,0 +1,287 @@
+"""The commands as a user runs them, in a process of their own where that matters."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+import lightflyer
+from lightflyer import cli
+
+PNG, SVG = b"\x89PNG\r\n", b"<?xml"
+
+
+@pytest.fixture
+def run(capsys):
+    """Run a command in this process; returns exit code, output and errors."""
+
+    def command(*arguments):
+        code = 0
+        try:
+            cli.main([str(argument) for argument in arguments])
+        except SystemExit as error:
+            code = error.code or 0
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return command
+
+
+def test_predict_prints_a_table_and_writes_whole_files(run, flyer_file, tmp_path):
+    out = tmp_path / "out"
+    code, text, errors = run("predict", flyer_file(), "--out", out, "--csv")
+    assert (code, errors) == (0, "")
+    assert "68.022 km to 78.047 km" in text
+    assert sorted(path.name for path in out.iterdir()) == [
+        "levitation-irradiance.png",
+        "levitation-irradiance.svg",
+        "payload.png",
+        "payload.svg",
+        "prediction.csv",
+        "prediction.json",
+        "prediction.nc",
+    ]
+    for path in out.glob("*.png"):
+        assert path.read_bytes().startswith(PNG)
+    for path in out.glob("*.svg"):
+        assert path.read_bytes().startswith(SVG)
+        assert "altitude [km]" in path.read_text()
+    for path in out.iterdir():
+        assert str(path.name) in text.replace("\n", "")
+
+
+def test_the_dataset_has_units_configuration_and_version(run, flyer_file, tmp_path):
+    path = flyer_file("tac_bottom = 0.9", 'tac_bottom = "0.90 ± 0.03"')
+    run("predict", path, "--out", tmp_path / "out")
+    with xr.open_dataset(tmp_path / "out" / "prediction.nc", engine="h5netcdf") as dataset:
+        for name in (*dataset.data_vars, *dataset.coords):
+            assert dataset[name].attrs["units"], name
+            assert dataset[name].attrs["long_name"], name
+        assert dataset.attrs["configuration"] == path.read_text()
+        assert dataset.attrs["lightflyer_version"] == lightflyer.__version__
+        assert json.loads(dataset.attrs["uncertainties"])["film.tac_bottom"] == pytest.approx(0.03)
+        near = dataset.sel(altitude=72e3, method="nearest")
+        assert float(near["lift_over_weight"]) == pytest.approx(1.59, rel=0.02)
+    with h5py.File(tmp_path / "out" / "prediction.nc") as file:
+        assert "altitude" in file
+
+
+def test_the_csv_has_units_in_its_header(run, flyer_file, tmp_path):
+    run("predict", flyer_file(), "--out", tmp_path / "out", "--csv")
+    path = tmp_path / "out" / "prediction.csv"
+    header = path.read_text().splitlines()[0].split(",")
+    assert header[:2] == ["altitude [m]", "pressure [Pa]"]
+    values = np.loadtxt(path, delimiter=",", skiprows=1)
+    assert values.shape == (301, len(header))
+
+
+def test_files_are_the_same_every_time(run, flyer_file, tmp_path):
+    path = flyer_file()
+    for name in ("one", "two"):
+        run("predict", path, "--out", tmp_path / name)
+    for first in (tmp_path / "one").iterdir():
+        second = tmp_path / "two" / first.name
+        if first.suffix == ".nc":
+            with xr.open_dataset(first) as a, xr.open_dataset(second) as b:
+                xr.testing.assert_identical(a, b)
+        else:
+            assert first.read_bytes() == second.read_bytes(), first.name
+
+
+def test_json_names_and_values(run, flyer_file):
+    code, text, _ = run("predict", flyer_file(), "--json", "--at", "68 km,72 km, 78000 m")
+    assert code == 0
+    result = json.loads(text)
+    assert result["altitude_band_km"] == pytest.approx([68.022, 78.047], abs=1e-3)
+    assert result["altitude_bands_km"] == [result["altitude_band_km"]]
+    assert result["pressure_band_pa"] == pytest.approx([6.388, 1.280], abs=2e-3)
+    assert set(result["minimum_irradiance"]) == {"value_w_m2", "altitude_km", "temperature_k"}
+    assert set(result["best"]) >= {
+        "altitude_km",
+        "payload_mg",
+        "relative_payload",
+        "temperature_k",
+    }
+    assert [point["altitude_km"] for point in result["at"]] == [68.0, 72.0, 78.0]
+    assert [point["levitation_irradiance_w_m2"] for point in result["at"]] == pytest.approx(
+        [1365.098, 811.018, 1341.540], rel=1e-5
+    )
+    assert set(result["at"][0]) == {
+        "altitude_km",
+        "pressure_pa",
+        "gas_temperature_k",
+        "levitation_irradiance_w_m2",
+        "levitation_temperature_k",
+        "temperature_k",
+        "lift_n",
+        "lift_over_weight",
+    }
+
+
+def test_band_edges_agree_with_the_differentiable_function(run, flyer_file):
+    setup = lightflyer.read_flyer_file(flyer_file()).build()
+    band = lightflyer.altitude_band(setup.flyer, setup.environment, setup.model)
+    edges = json.loads(run("predict", flyer_file(), "--json")[1])["altitude_band_km"]
+    assert edges == pytest.approx([band.lower / 1e3, band.upper / 1e3], abs=1e-6)
+
+
+def test_a_flyer_that_never_levitates_is_an_answer(run, flyer_file):
+    heavy = flyer_file('areal_density = "1.0 g/m^2"', 'areal_density = "100 g/m^2"')
+    code, text, errors = run("predict", heavy)
+    assert (code, errors) == (0, "")
+    assert "no irradiance lifts it" in text
+    result = json.loads(run("predict", heavy, "--json")[1])
+    assert result["altitude_band_km"] is None
+    assert result["pressure_band_pa"] is None
+    assert result["minimum_irradiance"] is None
+    assert result["best"]["payload_mg"] < 0.0
+
+
+def test_figures_are_drawn_of_a_flyer_that_never_levitates(run, flyer_file, tmp_path):
+    heavy = flyer_file('areal_density = "1.0 g/m^2"', 'areal_density = "100 g/m^2"')
+    code, _, errors = run("predict", heavy, "--out", tmp_path / "out")
+    assert (code, errors) == (0, "")
+    assert len(list((tmp_path / "out").glob("*.png"))) == 2
+
+
+def test_chamber(run, tmp_path):
+    path = tmp_path / "chamber.toml"
+    assert run("init", path, "--kind", "chamber")[0] == 0
+    code, text, errors = run("predict", path, "--out", tmp_path / "out", "--at", "3 Pa,30 mTorr")
+    assert (code, errors) == (0, "")
+    assert "least irradiance" in text
+    result = json.loads((tmp_path / "out" / "prediction.json").read_text())
+    assert set(result["optimum"]) == {"pressure_pa", "irradiance_w_m2", "temperature_k"}
+    assert result["at"][1]["pressure_pa"] == pytest.approx(3.99967, rel=1e-5)
+    assert set(result["at"][0]) >= {
+        "pressure_pa",
+        "levitation_irradiance_w_m2",
+        "levitation_temperature_k",
+        "temperature_k",
+        "lift_n",
+    }
+    # no pressure needs less light than the optimum
+    with xr.open_dataset(tmp_path / "out" / "prediction.nc") as dataset:
+        least = float(dataset["levitation_irradiance"].min())
+        assert result["optimum"]["irradiance_w_m2"] == pytest.approx(least, rel=1e-3)
+        assert result["optimum"]["irradiance_w_m2"] <= least
+        assert dataset["map_temperature"].dims == ("map_pressure", "map_irradiance")
+        dark = dataset["map_temperature"].isel(map_irradiance=0)
+        np.testing.assert_allclose(dark, 295.0)
+
+
+def test_init_writes_what_predict_reads(run, tmp_path):
+    path = tmp_path / "flyer.toml"
+    assert run("init", path)[0] == 0
+    code, _, errors = run("init", path)
+    assert code == 2
+    assert "--force" in errors
+    assert run("init", path, "--force")[0] == 0
+    assert lightflyer.read_flyer_file(path).flyer.shape == "disk"
+
+
+def test_tac_above_one_warns_in_one_line(run, flyer_file):
+    code, text, errors = run("predict", flyer_file("tac_bottom = 0.9", "tac_bottom = 1.08"))
+    assert code == 0
+    assert errors.count("\n") == 1
+    assert errors.startswith("lightflyer: warning: tac_bottom = 1.08 exceeds 1")
+    assert "levitates" in text
+
+
+BAD = [
+    (("emittance = 0.08", "emittance = 1.4"), (), "film.emittance = 1.4"),
+    (("", ""), ("--at", "72"), "--at"),
+    (("", ""), ("--at", "5 Pa"), "--at"),
+    (("", ""), ("--at", "400 km"), "altitude"),
+    (("", ""), ("--at", ","), "--at"),
+    (("", ""), ("--colour", "red"), "--colour"),
+    (('"0 deg"', '"0 deg"\naltitude_max = "300 km"'), (), "altitude"),
+]
+
+
+@pytest.mark.parametrize(("change", "options", "message"), BAD)
+def test_bad_input_is_one_line_exit_code_two_and_no_file(
+    run, flyer_file, tmp_path, change, options, message
+):
+    out = tmp_path / "out"
+    code, text, errors = run("predict", flyer_file(*change), "--out", out, *options)
+    assert code == 2
+    assert text == ""
+    assert message in errors
+    assert "Traceback" not in errors
+    assert not out.exists()
+
+
+def test_a_missing_file_is_one_line(run, tmp_path):
+    code, _, errors = run("predict", tmp_path / "nowhere.toml")
+    assert code == 2
+    assert errors.count("\n") == 1
+    assert "cannot be read" in errors
+
+
+def test_a_folder_that_cannot_be_written_is_one_line(run, flyer_file, tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    code, _, errors = run("predict", flyer_file(), "--out", tmp_path / "file")
+    assert code == 2
+    assert errors.count("\n") == 1
+    assert "cannot be written" in errors
+
+
+def test_a_failure_half_way_leaves_nothing(run, flyer_file, tmp_path, monkeypatch):
+    def full_disk(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("lightflyer.plot.save", full_disk)
+    code, _, errors = run("predict", flyer_file(), "--out", tmp_path / "out")
+    assert code == 2
+    assert "No space left" in errors
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_interrupt_leaves_no_partial_file(flyer_file, tmp_path):
+    out = tmp_path / "out"
+    out.mkdir()
+    command = [sys.executable, "-m", "lightflyer", "predict", str(flyer_file()), "--out", str(out)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    # interrupt while files are being staged
+    deadline = time.monotonic() + 60.0
+    while not any(out.iterdir()) and process.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=60.0)
+    names = {path.name for path in out.iterdir()}
+    assert process.returncode in (130, 0)
+    if process.returncode == 130:
+        assert names == set()
+    else:  # it was faster than the signal
+        assert len(names) == 6
+
+
+def test_help_and_version_import_nothing_heavy():
+    code = (
+        "import sys\nfrom lightflyer.cli import app\n"
+        "app('--help', exit_on_error=False, result_action='return_value')\n"
+        "heavy = {'jax', 'numpy', 'xarray', 'matplotlib', 'pint', 'pydantic'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 0, result.stderr
+    assert "predict" in result.stdout
+
+
+def test_runs_as_a_module_with_a_closed_pipe(flyer_file):
+    command = f"{sys.executable} -m lightflyer predict {flyer_file()} | head -1"
+    result = subprocess.run(
+        ["bash", "-c", command], capture_output=True, text=True, check=False, env={**os.environ}
+    )
+    assert "Traceback" not in result.stderr
+    assert "disk of 2 cm" in result.stdout

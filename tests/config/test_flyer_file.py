@@ -1,0 +1,210 @@
+import string
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import lightflyer as lf
+from lightflyer.config.sections import alternative_tags, known_keys
+
+MINIMAL = {
+    "flyer": {"diameter": "2 cm"},
+    "film": {
+        "areal_density": "1.0 g/m^2",
+        "absorptance": 0.75,
+        "emittance": 0.08,
+        "tac_top": 0.8,
+        "tac_bottom": 0.9,
+    },
+}
+
+
+def test_a_file_becomes_the_objects_it_describes(flyer_file):
+    setup = lf.read_flyer_file(flyer_file()).build()
+    assert setup.flyer.radius == 0.01
+    assert setup.flyer.film.areal_density == pytest.approx(1e-3)
+    assert isinstance(setup.environment.atmosphere, lf.Lu2023Atmosphere)
+    assert setup.environment.radiation.irradiance == 1360.0
+    assert setup.model.reading == lf.REPORTED
+
+
+def test_the_same_in_python_and_the_defaults():
+    setup = lf.FlyerFile(**MINIMAL).build()
+    assert isinstance(setup.environment, lf.Earth)
+    assert isinstance(setup.environment.atmosphere, lf.US1976)
+    assert setup.environment.radiation.incidence == 0.0
+    assert isinstance(setup.model, lf.Lu2023)
+    assert setup.coordinate_range == (None, None)
+
+
+def test_paper_atmosphere_implies_gas_gravity_and_rounding_unless_given(flyer_file):
+    implied = lf.read_flyer_file(flyer_file()).build().environment
+    assert implied.gas is lf.LU2023_AIR
+    assert implied.gravity == 9.8
+    assert implied.radiation.stefan_boltzmann == 5.67e-8
+    text = 'incidence = "0 deg"\ngas = "air"\ngravity = "9.7 m/s^2"'
+    given_ = lf.read_flyer_file(flyer_file('incidence = "0 deg"', text)).build().environment
+    assert given_.gas is lf.AIR
+    assert given_.gravity == pytest.approx(9.7)
+
+
+def test_uncertainties_are_kept(flyer_file):
+    file = lf.read_flyer_file(flyer_file("tac_bottom = 0.9", 'tac_bottom = "0.90 ± 0.03"'))
+    assert file.uncertainties() == {"film.tac_bottom": pytest.approx(0.03)}
+    assert file.build().flyer.film.tac_bottom == 0.9
+
+
+def test_faces_may_differ(flyer_file):
+    path = flyer_file("emittance = 0.08", "emittance_top = 0.05\nemittance_bottom = 0.4")
+    film = lf.read_flyer_file(path).build().flyer.film
+    assert (film.emittance_top, film.emittance_bottom) == (0.05, 0.4)
+
+
+def test_chamber(flyer_file):
+    path = flyer_file(
+        'kind = "earth"\natmosphere = "lu2023"',
+        'kind = "chamber"\ntemperature = "22 degC"\npressure_min = "1 mTorr"\npressure_max = "1 Torr"',
+    )
+    setup = lf.read_flyer_file(path).build()
+    assert setup.environment.temperature == pytest.approx(295.15)
+    assert setup.environment.pressure_range == pytest.approx((0.133322, 133.322), rel=1e-5)
+
+
+def test_nrlmsis(flyer_file):
+    place = (
+        'atmosphere = "nrlmsis"\ndate = 2024-06-21T12:00:00Z\nlatitude = "40 deg"\n'
+        'longitude = "-75 deg"\nf107 = 150\nap = 4'
+    )
+    environment = lf.read_flyer_file(flyer_file('atmosphere = "lu2023"', place)).build().environment
+    assert 150.0 < environment.state(85e3).temperature < 210.0
+
+
+def test_searched_altitudes(flyer_file):
+    text = 'incidence = "0 deg"\naltitude_min = "60 km"\naltitude_max = "80 km"'
+    setup = lf.read_flyer_file(flyer_file('incidence = "0 deg"', text)).build()
+    assert setup.coordinate_range == (60e3, 80e3)
+
+
+@pytest.mark.parametrize("model", ["free-molecular", "free-molecular-linear"])
+def test_other_force_models(flyer_file, model):
+    path = flyer_file()
+    text = path.read_text().partition("[force]")[0] + f'[force]\nmodel = "{model}"\n'
+    path.write_text(text)
+    assert isinstance(
+        lf.read_flyer_file(path).build().model, lf.FreeMolecular | lf.LinearFreeMolecular
+    )
+
+
+# what is replaced, by what, the line that must be named, and a part of the message
+MISTAKES = [
+    ("emittance = 0.08", "emittance = 1.4", 9, "film.emittance = 1.4: must be between 0"),
+    ("emittance = 0.08", "emitance = 0.08", 9, 'did you mean "emittance"?'),
+    ('diameter = "2 cm"', 'diameter = "2"', 3, 'has no unit; write "2 m"'),
+    ('diameter = "2 cm"', "diameter = 2", 3, 'has no unit; write "2 m"'),
+    ('diameter = "2 cm"', 'diameter = "2 kg"', 3, "wrong kind"),
+    ('diameter = "2 cm"', 'diameter = "-2 cm"', 3, "must be positive"),
+    ('diameter = "2 cm"\n', "", 1, "[flyer] needs diameter"),
+    ("tac_top = 0.8", "tac_top = 1.5", 10, "film.tac_top = 1.5: must be between"),
+    (
+        '"lu2023"\nirradiance',
+        '"lu2024"\nirradiance',
+        15,
+        'environment.atmosphere = "lu2024" is unknown; there are: us1976',
+    ),
+    ('kind = "earth"', 'kind = "moon"', 14, 'kind = "moon" is unknown; there are: earth, chamber'),
+    (
+        'model = "lu2023"',
+        'model = "lu2024"',
+        20,
+        'force.model = "lu2024" is unknown; there are: lu2023',
+    ),
+    ('"reported"', '"printd"', 21, "'reported' or 'printed'"),
+    ('"0 deg"', '"91 deg"', 17, "must be between 0 and 90 deg"),
+    ('"0 deg"', '["0 deg"]', 17, "is not a number"),
+    ("[film]", "[flim]", 6, 'did you mean "film"?'),
+    ("emittance = 0.08", "emittance_top = 0.08", 6, "both emittance_top and emittance_bottom"),
+    ("emittance = 0.08", "emittance = 0.08\nemittance_top = 0.08", 6, "not both"),
+    ('atmosphere = "lu2023"', 'atmosphere = "nrlmsis"', 13, "[environment] needs date"),
+    ('kind = "earth"', 'kind = "chamber"', 13, "[environment] needs temperature"),
+    ('payload = "0 mg"', 'payload = "-1 mg"', 4, "must be zero or positive"),
+    ("[flyer]\n", "colour = 3\n[flyer]\n", 1, "colour is not a key of a flyer file"),
+    ("[film]\n", "film.payload = 3\n[film2]\n", None, ""),
+    (
+        '"0 deg"',
+        '"0 deg"\naltitude_min = "9 km"\naltitude_max = "8 km"',
+        13,
+        "altitude_min must be below altitude_max",
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "line", "message"), MISTAKES)
+def test_every_mistake_names_its_line_and_what_is_allowed(flyer_file, old, new, line, message):
+    path = flyer_file(old, new)
+    with pytest.raises(lf.ConfigurationError) as error:
+        lf.read_flyer_file(path)
+    lines = str(error.value).splitlines()
+    assert any(message in text for text in lines)
+    if line is not None:
+        assert any(text.startswith(f"{path}:{line}: ") and message in text for text in lines)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "is empty"),
+        (b"  \n", "is empty"),
+        (b"[flyer", "is not valid TOML"),
+        (b"\xff\xfe\x00binary", "is not a text file"),
+        (b"diameter = 2 cm", "is not valid TOML"),
+    ],
+)
+def test_files_that_are_no_flyer_files(tmp_path, content, message):
+    path = tmp_path / "flyer.toml"
+    path.write_bytes(content)
+    with pytest.raises(lf.ConfigurationError, match=message):
+        lf.read_flyer_file(path)
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    with pytest.raises(lf.ConfigurationError, match="cannot be read"):
+        lf.read_flyer_file(tmp_path / "nowhere.toml")
+    with pytest.raises(lf.ConfigurationError, match="cannot be read"):
+        lf.read_flyer_file(tmp_path)
+
+
+def test_a_byte_order_mark_does_no_harm(flyer_file):
+    path = flyer_file()
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert lf.read_flyer_file(path).flyer.diameter.value == pytest.approx(0.02)
+
+
+def test_every_alternative_lists_its_keys():
+    assert "earth us1976" in alternative_tags()
+    assert "f107" in known_keys("environment", {"kind": "earth", "atmosphere": "nrlmsis"})
+    assert "c_fm" in known_keys("force", {})
+
+
+_VALUES = st.one_of(
+    st.integers(),
+    st.floats(),
+    st.booleans(),
+    st.text(string.printable, max_size=12),
+    st.lists(st.integers(), max_size=2),
+    st.dictionaries(st.sampled_from(["kind", "value"]), st.integers(), max_size=2),
+)
+
+
+@given(
+    section=st.sampled_from(["flyer", "film", "environment", "force"]),
+    key=st.sampled_from(["diameter", "emittance", "kind", "atmosphere", "model", "gas", "x"]),
+    value=_VALUES,
+)
+@settings(max_examples=200, suppress_health_check=[HealthCheck.too_slow], deadline=None)
+def test_any_value_anywhere_is_accepted_or_refused_as_invalid(section, key, value):
+    content = {name: dict(keys) for name, keys in MINIMAL.items()}
+    content.setdefault(section, {})[key] = value
+    try:
+        lf.FlyerFile.model_validate(content)
+    except ValueError:  # Pydantic's ValidationError is one
+        return

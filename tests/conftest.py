@@ -1,0 +1,69 @@
+import jax
+import numpy as np
+import pytest
+
+import lightflyer as lf
+
+
+@pytest.fixture
+def film():
+    """The paper's germanium-coated film."""
+    return lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+
+
+@pytest.fixture
+def disk(film):
+    return lf.Disk(film, radius=0.01)
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(20231118)
+
+
+@pytest.fixture(autouse=True)
+def single_precision_elsewhere():
+    """lightflyer must never change the precision of the process it runs in."""
+    before = jax.config.jax_enable_x64
+    yield
+    assert jax.config.jax_enable_x64 == before
+
+
+FLYER_FILE = """\
+[flyer]
+shape = "disk"
+diameter = "2 cm"
+payload = "0 mg"
+
+[film]
+areal_density = "1.0 g/m^2"
+absorptance = 0.75            # for the incoming light
+emittance = 0.08              # per face
+tac_top = 0.8
+tac_bottom = 0.9
+
+[environment]
+kind = "earth"
+atmosphere = "lu2023"
+irradiance = "1360 W/m^2"
+incidence = "0 deg"
+
+[force]
+model = "lu2023"
+reading = "reported"
+c_fm = 0.4
+c_cont = 3.0
+"""
+
+
+@pytest.fixture
+def flyer_file(tmp_path):
+    """Write a flyer file, with one text replaced by another; returns its path."""
+
+    def write(old="", new="", text=FLYER_FILE):
+        assert old in text
+        path = tmp_path / "flyer.toml"
+        path.write_text(text.replace(old, new, 1) if old else text, encoding="utf-8")
+        return path
+
+    return write

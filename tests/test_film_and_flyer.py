@@ -1,0 +1,72 @@
+import jax
+import numpy as np
+import pytest
+
+import lightflyer as lf
+
+GOOD = {
+    "areal_density": 1e-3,
+    "absorptance": 0.75,
+    "emittance_top": 0.08,
+    "emittance_bottom": 0.1,
+    "tac_top": 0.8,
+    "tac_bottom": 0.9,
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("areal_density", 0.0),
+        ("absorptance", 1.1),
+        ("emittance_top", 1.4),
+        ("emittance_bottom", 0.0),
+        ("tac_top", 1.31),
+        ("tac_bottom", 0.0),
+        ("tac_bottom", np.nan),
+        ("absorptance_bottom", -0.1),
+        ("emittance_top", np.array([0.1, 2.0])),
+    ],
+)
+def test_impossible_properties_raise(name, value):
+    with pytest.raises(lf.ParameterError, match=name):
+        lf.FilmProperties(**{**GOOD, name: value})
+
+
+def test_tac_above_one_warns():
+    with pytest.warns(lf.ParameterWarning, match=r"tac_bottom = 1.08 exceeds 1"):
+        lf.FilmProperties(**{**GOOD, "tac_bottom": 1.08})
+
+
+def test_derived_properties():
+    film = lf.FilmProperties(**GOOD)
+    assert film.tac_mean == pytest.approx(0.85)
+    assert film.tac_difference == pytest.approx(0.1)
+    assert film.emittance_sum == pytest.approx(0.18)
+    assert film.absorptance_below == 0.75
+    assert lf.FilmProperties(**GOOD, absorptance_bottom=0.3).absorptance_below == 0.3
+
+
+def test_disk_geometry_and_mass(film):
+    disk = lf.Disk(film, radius=0.02, payload=1e-7)
+    assert disk.area == pytest.approx(np.pi * 4e-4)
+    assert disk.mass == pytest.approx(np.pi * 4e-7 + 1e-7)
+    assert lf.weight(disk, lf.Earth(gravity=10.0).state(0.0)) == pytest.approx(10 * disk.mass)
+
+
+def test_bad_disks_raise(film):
+    with pytest.raises(lf.ParameterError, match="radius"):
+        lf.Disk(film, radius=-0.01)
+    with pytest.raises(lf.ParameterError, match="payload"):
+        lf.Disk(film, radius=0.01, payload=-1e-9)
+
+
+def test_objects_can_be_made_under_transformations():
+    def lifted(radius):
+        film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
+        return lf.lift(lf.Disk(film, radius), lf.lu2023_earth().state(72e3), lf.Lu2023())
+
+    radii = np.array([0.005, 0.01])
+    with lf.float64():
+        batch = jax.vmap(jax.jit(lifted))(radii)
+    np.testing.assert_allclose(batch, [lifted(radius) for radius in radii], rtol=1e-10)

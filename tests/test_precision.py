@@ -1,0 +1,75 @@
+import subprocess
+import sys
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.precision import quick_entry_point
+
+
+@lf.entry_point
+def third(x):
+    return x / 3.0
+
+
+@pytest.mark.parametrize("value", [1.0, 1, np.float32(1), np.ones(3), jnp.ones(3, jnp.float32)])
+def test_results_are_float64_numpy_arrays_whatever_comes_in(value):
+    result = third(value)
+    assert result.dtype == np.float64
+    assert not isinstance(result, jax.Array)
+    np.testing.assert_array_equal(result, np.ones_like(result) / 3.0)
+
+
+def test_other_code_keeps_its_precision():
+    assert jnp.ones(1).dtype == jnp.float32
+    third(1.0)
+    assert jnp.ones(1).dtype == jnp.float32
+
+
+def test_inside_callers_single_precision_jit_the_work_is_double():
+    # 1 + 1e-12 is 1 in single precision
+    inner = lf.entry_point(lambda x: (x + 1e-12) - x)
+    assert float(jax.jit(lambda x: inner(x))(1.0)) == pytest.approx(1e-12, rel=1e-3)
+
+
+def test_float64_context_gives_gradients_all_digits():
+    cube = lf.entry_point(lambda x: x**3)
+    with lf.float64():
+        slope = jax.grad(cube)(0.1)
+    assert float(slope) == pytest.approx(0.03, rel=1e-15)
+
+
+def test_process_with_the_switch_on_gives_the_same_numbers():
+    code = (
+        "import lightflyer as lf, jax.numpy as jnp\n"
+        "film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)\n"
+        "state = lf.lu2023_earth().state(72e3)\n"
+        "print(repr(float(lf.lift(lf.Disk(film, 0.01), state, lf.Lu2023()))), jnp.ones(1).dtype)"
+    )
+    outputs = {}
+    for switch in ("0", "1"):
+        outputs[switch] = subprocess.run(
+            [sys.executable, "-c", code],
+            env={"JAX_ENABLE_X64": switch},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.split()
+    assert outputs["0"][0] == outputs["1"][0]
+    assert [outputs["0"][1], outputs["1"][1]] == ["float32", "float64"]
+
+
+def test_quick_compilation_falls_back_where_xla_lacks_its_options(monkeypatch):
+    monkeypatch.setattr("lightflyer.precision._QUICK_COMPILATION", {"xla_no_such_option": True})
+    assert quick_entry_point(lambda x: x / 3.0)(1.0) == 1.0 / 3.0
+
+
+def test_quick_compilation_does_not_hide_other_errors():
+    def broken(x):
+        raise ValueError("mine")
+
+    with pytest.raises(ValueError, match="mine"):
+        quick_entry_point(broken)(1.0)

@@ -1,0 +1,71 @@
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.prediction import POINTS
+
+
+@pytest.fixture
+def setup(disk):
+    return lf.Setup(disk, lf.lu2023_earth(), lf.Lu2023(), (None, None))
+
+
+def test_tables_are_what_the_functions_give(setup):
+    prediction = lf.predict(setup, at=[68e3, 72e3])
+    flyer, earth, model, _ = setup
+    assert prediction.altitude.size == POINTS
+    for altitude, table in (
+        (prediction.altitude[100:200:20], {k: v[100:200:20] for k, v in prediction.table.items()}),
+        (np.array([68e3, 72e3]), prediction.at_table),
+    ):
+        state = earth.state(altitude)
+        levitation = lf.levitate(flyer, state, model)
+        np.testing.assert_allclose(table["levitation_irradiance"], levitation.irradiance, rtol=1e-9)
+        np.testing.assert_allclose(table["lift"], lf.lift(flyer, state, model), rtol=1e-9)
+        np.testing.assert_allclose(
+            table["payload"], lf.payload(flyer, state, model), rtol=1e-6, atol=1e-15
+        )
+
+
+def test_optima_are_stationary(setup):
+    prediction = lf.predict(setup)
+    flyer, earth, model, _ = setup
+    for point, function, sign in (
+        (prediction.best[0], lf.payload, 1.0),
+        (prediction.easiest[0], lambda *args: lf.levitate(*args).irradiance, -1.0),
+    ):
+        near = earth.state(point + np.array([-20.0, 0.0, 20.0]))
+        below, at, above = sign * function(flyer, near, model)
+        assert at >= max(below, above)
+
+
+def test_no_more_than_the_searched_range(setup):
+    prediction = lf.predict(setup._replace(coordinate_range=(70e3, 74e3)))
+    assert prediction.bands == [(70e3, 74e3)]
+    assert prediction.altitude[[0, -1]].tolist() == [70e3, 74e3]
+    assert prediction.at_altitude.tolist() == [70e3]
+
+
+def test_any_number_of_points_may_be_asked_for(setup):
+    many = np.linspace(60e3, 80e3, POINTS + 7)
+    prediction = lf.predict(setup, at=many)
+    assert len(prediction.summary()["at"]) == POINTS + 7
+    with pytest.raises(lf.ParameterError, match="altitude"):
+        lf.predict(setup, at=[130e3])
+
+
+def test_chamber_map_and_table_agree(disk):
+    chamber = lf.Chamber(radiation=lf.Radiation(1000.0))
+    prediction = lf.predict(lf.Setup(disk, chamber, lf.Lu2023(), (None, None)))
+    row = int(np.argmin(np.abs(prediction.map_irradiance - 1000.0)))
+    irradiance = prediction.map_irradiance[row]
+    state = lf.Chamber(radiation=lf.Radiation(irradiance)).state(prediction.map_pressure)
+    expected = lf.equilibrium(disk, state, lf.Lu2023()).temperature
+    np.testing.assert_allclose(prediction.map_temperature[:, row], expected, rtol=1e-10)
+
+
+def test_dataset_without_a_file(setup):
+    dataset = lf.to_dataset(lf.predict(setup))
+    assert dataset["lift"].attrs["units"] == "N"
+    assert not np.isinf(dataset["levitation_irradiance"]).any()
+    assert np.isnan(dataset["levitation_irradiance"]).any()

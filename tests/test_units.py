@@ -1,0 +1,77 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import lightflyer as lf
+from lightflyer.units import parse
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value", "uncertainty"),
+    [
+        ("2 cm", "m", 0.02, None),
+        ("1.0 g/m^2", "kg/m^2", 1e-3, None),
+        ("1.0 ± 0.1 g/m²", "kg/m^2", 1e-3, 1e-4),
+        ("1.0 g/m^2 ± 0.01 mg/cm^2", "kg/m^2", 1e-3, 1e-4),
+        ("0.90 +/- 0.03", "", 0.9, 0.03),
+        ("75 % ± 2 %", "", 0.75, 0.02),
+        (0.5, "", 0.5, None),
+        ("1.36 kW/m^2", "W/m^2", 1360.0, None),
+        ("1360 W m^-2", "W/m^2", 1360.0, None),
+        ("45°", "deg", 45.0, None),
+        ("0.7853981633974483 rad", "deg", 45.0, None),
+        ("30 mTorr", "Pa", 30e-3 * 101325 / 760, None),
+        ("1e-3 mbar", "Pa", 0.1, None),
+        ("22.0 ± 0.5 °C", "K", 295.15, 0.5),
+        ("500 nm", "m", 5e-7, None),
+        ("5 µm", "m", 5e-6, None),
+        ("5 um", "m", 5e-6, None),
+    ],
+)
+def test_readings(text, unit, value, uncertainty):
+    measured = parse(text, unit)
+    assert measured.value == pytest.approx(value, rel=1e-14)
+    if uncertainty is None:
+        assert measured.uncertainty is None
+    else:
+        assert measured.uncertainty == pytest.approx(uncertainty, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "message"),
+    [
+        ("2", "m", 'has no unit; write "2 m"'),
+        (2, "m", 'has no unit; write "2 m"'),
+        ("2 kg", "m", "is of the wrong kind; give one that converts to m"),
+        ("2 furlong", "m", "is unknown"),
+        ("0.9 m", "", "write a pure number"),
+        ("two cm", "m", "is not a number"),
+        ("", "m", "is not a number"),
+        ("nan", "", "is not a number"),
+        ("1e999", "", "is not a finite number"),
+        (math.inf, "", "is not a finite number"),
+        ("0.9 ± -0.1", "", "the uncertainty is negative"),
+        ("0.9 ± 0.1 ± 0.1", "", "more than one ±"),
+        ("0.9 ± 5 %", "", "relative or absolute"),
+        ("2 m^", "m", "is not a unit"),
+        ("1,5 cm", "m", "is not a unit"),
+        (True, "", "is not a number"),
+        (["2 cm"], "m", "is not a number"),
+    ],
+)
+def test_mistakes_are_explained(text, unit, message):
+    with pytest.raises(lf.ConfigurationError) as error:
+        parse(text, unit)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@given(st.one_of(st.text(), st.from_regex(r"\d+ ?[a-zA-Z°%µ²/*^± ]*", fullmatch=True)))
+def test_any_text_is_read_or_refused_in_one_way(text):
+    try:
+        measured = parse(text, "m")
+    except lf.ConfigurationError:
+        return
+    assert math.isfinite(measured.value)

@@ -11,7 +11,7 @@ from lightflyer.film.emittance import EmittanceCurve, node_temperatures
 from lightflyer.film.spectra import Spectrum, am0, blackbody_fraction, planck
 from lightflyer.film.stack import GRAZING, Film, Side
 from lightflyer.film.transfer import transfer
-from lightflyer.precision import entry_point
+from lightflyer.precision import entry_point, is_traced
 
 DIRECTIONS = 16
 """Angles of a hemispherical average, Gauss-Legendre in the cosine."""
@@ -19,6 +19,7 @@ DIRECTIONS = 16
 POINTS_PER_E_FOLD = 4000
 """Wavelengths of a thermal average per factor e: converged to 1e-5 with the sharp bands of PET."""
 
+_CHUNK = 2048  # wavelengths computed at a time where nothing is differentiated
 _WIDEST = (0.1e-6, 3e-3)  # [m]; outside lies less than 1e-5 of what any body from 100 K radiates
 
 
@@ -97,7 +98,8 @@ def absorptance(
     spectrum = am0() if spectrum is None else spectrum
     covered = film.covered_range
     wavelength, weight = spectrum.between(*covered)
-    cosine, share = _hemisphere() if diffuse else (jnp.cos(incidence), 1.0)
+    beam = jnp.cos(incidence) if is_traced(incidence) else np.cos(incidence)
+    cosine, share = _hemisphere() if diffuse else (beam, 1.0)
     value = _mean(film, side, wavelength, weight[None] / weight.sum(), cosine, share)[0]
     outside = _extrapolating(film, wavelength)
     return Average(
@@ -153,23 +155,54 @@ def emittance(
     """
     require_positive(temperature=temperature)
     temperatures = np.atleast_1d(np.asarray(temperature, float))
-    covered = film.covered_range
-    shortest, longest = max(covered[0], _WIDEST[0]), min(covered[1], _WIDEST[1])
+    shortest, longest = thermal_range(film)
     wavelength, weight = _thermal_weights(shortest, longest, temperatures, points_per_e_fold)
     cosine, share = (1.0, 1.0) if normal else _hemisphere()
     normalised = weight / weight.sum(axis=1, keepdims=True)
     value = _mean(film, side, wavelength, normalised, cosine, share)
-    fraction = [
-        blackbody_fraction(longest, t) - blackbody_fraction(shortest, t) for t in temperatures
-    ]
     outside = _extrapolating(film, wavelength)
     shape = np.shape(temperature)
     return Average(
         value=value.reshape(shape),
-        covered=np.array(fraction).reshape(shape)[()],
+        covered=thermal_coverage(film, temperature),
         extrapolated_share=weight[:, outside].sum(axis=1).reshape(shape)[()],
         extrapolated=film.extrapolated(shortest, longest),
     )
+
+
+def thermal_range(film: Film) -> tuple[float, float]:
+    """Wavelengths over which an emittance is averaged [m].
+
+    Parameters
+    ----------
+    film : Film
+
+    Returns
+    -------
+    shortest, longest : float
+    """
+    shortest, longest = film.covered_range
+    return max(shortest, _WIDEST[0]), min(longest, _WIDEST[1])
+
+
+def thermal_coverage(film: Film, temperature: Numeric) -> np.ndarray:
+    """Share of a black body's radiation at which a film's emittance can be computed.
+
+    Parameters
+    ----------
+    film : Film
+    temperature : array, shape (...)
+        [K].
+
+    Returns
+    -------
+    array, shape (...)
+        [1].
+    """
+    shortest, longest = thermal_range(film)
+    return np.vectorize(
+        lambda t: blackbody_fraction(longest, t) - blackbody_fraction(shortest, t), otypes=[float]
+    )(temperature)[()]
 
 
 def emittance_curve(film: Film, side: Side = "top") -> EmittanceCurve:
@@ -229,22 +262,34 @@ def _mean(
 ) -> Array:
     lit = film if side == "top" else film.flipped()
     n, k = lit.index(wavelength)
-    return _weighted_absorptance(n, k, lit.thickness, wavelength, weights, cosine, share)
+    if is_traced(lit.thickness, cosine):
+        return _weighted(_spectral(n, k, lit.thickness, wavelength, cosine, share), weights)
+    # Concrete: always the same shape, so that one compilation serves every spectrum and side.
+    cosines, shares = np.ones(DIRECTIONS), np.zeros(DIRECTIONS)
+    cosines[: np.size(cosine)], shares[: np.size(share)] = cosine, share
+    padding = (0, -wavelength.size % _CHUNK)
+    n, k = (np.pad(table, [(0, 0), padding], mode="edge") for table in (n, k))
+    padded = np.pad(wavelength, padding, mode="edge")
+    parts = []
+    for start in range(0, wavelength.size, _CHUNK):
+        chunk = slice(start, start + _CHUNK)
+        parts.append(
+            _spectral(n[:, chunk], k[:, chunk], lit.thickness, padded[chunk], cosines, shares)
+        )
+    return _weighted(np.concatenate(parts)[: wavelength.size], weights)
 
 
 @entry_point
-def _weighted_absorptance(
-    n: Numeric,
-    k: Numeric,
-    thickness: Numeric,
-    wavelength: Numeric,
-    weights: Numeric,
-    cosine: Numeric,
-    share: Numeric,
+def _spectral(
+    n: Numeric, k: Numeric, thickness: Numeric, wavelength: Numeric, cosine: Numeric, share: Numeric
 ) -> Array:
-    """Weighted over directions by ``share``, then over wavelengths by each row of ``weights``."""
+    """Absorptance of unpolarised light at each wavelength, weighted over directions."""
     incidence = jnp.arccos(jnp.atleast_1d(cosine))[:, None]
     layers = thickness.reshape(-1, 1, 1)
     optics = transfer(n[:, None], k[:, None], layers, wavelength, incidence).unpolarised()
-    spectral = jnp.atleast_1d(share) @ (1.0 - optics.reflectance - optics.transmittance)
+    return jnp.atleast_1d(share) @ (1.0 - optics.reflectance - optics.transmittance)
+
+
+@entry_point
+def _weighted(spectral: Numeric, weights: Numeric) -> Array:
     return weights @ spectral

@@ -1,13 +1,16 @@
 r"""Emittance of a face as a smooth function of its temperature, for the heat balance."""
 
 from functools import cache
+from typing import Any
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from lightflyer._types import Numeric
+from lightflyer.precision import entry_point
 
 LOWEST_TEMPERATURE, HIGHEST_TEMPERATURE = 100.0, 1500.0
 """Temperatures between which curves are made [K]."""
@@ -36,7 +39,7 @@ class EmittanceCurve(eqx.Module):
     Examples
     --------
     >>> grey = EmittanceCurve.through(np.full(NODES, 0.08))
-    >>> print(f"{grey(300.0):.3f}")
+    >>> print(f"{evaluate(grey, 300.0):.3f}")
     0.080
     """
 
@@ -61,10 +64,7 @@ class EmittanceCurve(eqx.Module):
 
     def __call__(self, temperature: Numeric) -> Array:
         """Emittance at a temperature [K], any shape."""
-        x, coefficients = self._scaled(temperature), jnp.asarray(self.coefficients)
-        value = jnp.zeros_like(x)
-        for coefficient in coefficients:
-            value = value * x + coefficient
+        value, _ = self._horner(self._scaled(temperature), self._scaled(temperature))
         return value
 
     def growth(self, temperature: Numeric, excess: Numeric) -> Array:
@@ -86,11 +86,20 @@ class EmittanceCurve(eqx.Module):
         """
         fourth = excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
         x, y = self._scaled(temperature * (1.0 + excess)), self._scaled(temperature)
-        value, slope = jnp.zeros_like(x), jnp.zeros_like(x)
-        for coefficient in jnp.asarray(self.coefficients):
-            slope = slope * y + value
-            value = value * x + coefficient
+        value, slope = self._horner(x, y)
         return value * fourth + slope * self._distance(temperature, excess)
+
+    def _horner(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Polynomial at ``x``, and its divided difference between ``x`` and ``y``."""
+
+        def step(carry: tuple[Array, Array], coefficient: Array) -> tuple[Any, None]:
+            value, slope = carry
+            return (value * x + coefficient, slope * y + value), None
+
+        zero = jnp.zeros_like(x + y)
+        # a loop, not unrolled: it runs inside every heat balance and has to compile quickly
+        (value, slope), _ = jax.lax.scan(step, (zero, zero), jnp.asarray(self.coefficients))
+        return value, slope
 
     def _scaled(self, temperature: Numeric) -> Array:
         span = jnp.log(self.highest / self.lowest)
@@ -129,6 +138,12 @@ def node_temperatures() -> np.ndarray:
     """Temperatures at which a curve is given [K], shape (NODES,)."""
     middle = np.sqrt(LOWEST_TEMPERATURE * HIGHEST_TEMPERATURE)
     return middle * (HIGHEST_TEMPERATURE / LOWEST_TEMPERATURE) ** (0.5 * _nodes())
+
+
+@entry_point
+def evaluate(curve: EmittanceCurve, temperature: Numeric) -> Array:
+    """Emittance by a curve at temperatures [K], any shape."""
+    return curve(temperature)
 
 
 def emittance_at(emittance: Numeric, temperature: Numeric) -> Numeric:

@@ -131,6 +131,10 @@ class Material:
                 f'extrapolation "{policy}" is unknown; there are: {names}'
             ) from None
 
+    def with_density(self, density: float) -> "Material":
+        """The same material with a density of one's own [kg/m³]."""
+        return dataclasses.replace(self, density=density, density_source=GIVEN)
+
     def covers(self, wavelength: np.ndarray | float) -> np.ndarray:
         """Whether there is data at each wavelength.
 

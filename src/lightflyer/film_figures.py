@@ -66,7 +66,7 @@ def spectra(summary: FilmSummary, ax: Axes) -> Axes:
     ax.plot(micrometres, optics.absorptance, color=VERMILION, label="absorptance")
     _wavelength_axis(ax)
     ax.set_ylabel("share of light, normal incidence on top [1]\n(shaded: arbitrary height)")
-    ax.legend(ncols=2, fontsize="small", loc="upper right")
+    ax.legend(ncols=3, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return ax
 
 

@@ -24,7 +24,7 @@ LED_PHOSPHOR_PEAK = 0.55
 temperature is 6550 K."""
 
 _LED_WAVELENGTHS = np.arange(380, 781) * 1e-9
-_SERIES_TERMS = 40
+_SERIES_TERMS = 80
 _SMALL_ARGUMENT = 0.5
 
 

@@ -119,7 +119,7 @@ def test_areal_density_adds_up():
 
 @pytest.mark.parametrize("thickness", [0.0, -1e-9, np.nan])
 def test_a_thickness_must_be_positive(thickness):
-    with pytest.raises(lf.ParameterError, match="thickness of a = .* is not positive"):
+    with pytest.raises(lf.ParameterError, match=r"thickness of a = .* is not positive"):
         Layer(flat("a", 2.0, 0.0), thickness)
 
 

@@ -205,13 +205,17 @@ def thermal_coverage(film: Film, temperature: Numeric) -> np.ndarray:
     )(temperature)[()]
 
 
-def emittance_curve(film: Film, side: Side = "top") -> EmittanceCurve:
+def emittance_curve(
+    film: Film, side: Side = "top", *, points_per_e_fold: int = POINTS_PER_E_FOLD
+) -> EmittanceCurve:
     """Hemispherical emittance of a face as a smooth function of its temperature.
 
     Parameters
     ----------
     film : Film
     side : {"top", "bottom"}
+    points_per_e_fold : int
+        Wavelengths of the integration per factor e; a tenth of the default is right to 1e-3.
 
     Returns
     -------
@@ -223,7 +227,9 @@ def emittance_curve(film: Film, side: Side = "top") -> EmittanceCurve:
     Differentiable in the thicknesses. Where the materials' data cover little of the spectrum,
     which happens when cold, it is the mean over what they cover: see :func:`emittance`.
     """
-    values = emittance(film, node_temperatures(), side=side).value
+    values = emittance(
+        film, node_temperatures(), side=side, points_per_e_fold=points_per_e_fold
+    ).value
     return EmittanceCurve.through(values)
 
 

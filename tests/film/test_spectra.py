@@ -55,9 +55,10 @@ def test_plancks_law_has_the_stefan_boltzmann_total_and_wiens_peak():
 def test_the_lamp_has_a_blue_chip_and_a_phosphor():
     lamp = cold_white_led()
     at = dict(zip((lamp.wavelength * 1e9).round().astype(int), lamp.irradiance, strict=True))
-    assert at[450] == pytest.approx(1.0, abs=0.01)
-    assert at[440] == pytest.approx(0.5, abs=0.01)  # half maximum, 10 nm from the peak
-    assert at[560] == pytest.approx(0.55, rel=1e-6)
+    chip = {nm: at[nm] - 0.55 * 2.0 ** (-(((nm - 560) / 60.0) ** 2)) for nm in (440, 450, 560)}
+    assert chip[450] == pytest.approx(1.0, rel=1e-9)
+    assert chip[440] == pytest.approx(0.5, rel=1e-9)  # half maximum, 10 nm from the peak
+    assert chip[560] == pytest.approx(0.0, abs=1e-9)
 
 
 GOOD = "wavelength [nm],irradiance [W/m^2/nm]\n400,0\n500,2\n600,0\n"

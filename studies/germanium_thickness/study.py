@@ -20,7 +20,7 @@ BOUNDS = np.array([[2e-9, 100e-9], [100e-9, 2000e-9]])  # germanium, mylar [m]
 STARTS = np.array([[5e-9, 200e-9], [30e-9, 500e-9]])
 RESOLUTION = 100  # wavelengths per factor e; the optimum is confirmed with the default
 
-GE, PET, ALUMINA = (lf.material(name, extrapolation="hold") for name in ("Ge", "PET", "Al2O3"))
+GE, PET, ALUMINA = (lf.material(name) for name in ("Ge", "PET", "Al2O3"))
 SIDES = {
     "below": lambda ge, pet: (lf.Layer(PET, pet), lf.Layer(GE, ge)),
     "above": lambda ge, pet: (lf.Layer(ALUMINA, SKIN), lf.Layer(GE, ge), lf.Layer(PET, pet)),
@@ -55,9 +55,8 @@ def relative_payload(thicknesses, side, resolution=RESOLUTION):
 
 def optimise(side):
     """Best thicknesses [m] and relative payload, from several starts."""
-    negative = jax.jit(
-        jax.value_and_grad(lambda logarithms: -relative_payload(jnp.exp(logarithms), side))
-    )
+    # not compiled as a whole: its parts are, once for both faces and all starts
+    negative = jax.value_and_grad(lambda logs: -relative_payload(jnp.exp(logs), side))
     best = None
     for start in STARTS:
         found = minimize(

@@ -29,8 +29,8 @@ def test_optics_forward_and_reverse():
 
 def test_optics_under_jit_and_vmap():
     points = POINT * np.linspace(0.9, 1.1, 5)[:, None]
-    plain = np.array([outcomes(point) for point in points])
     with lf.float64():
+        plain = np.array([outcomes(point) for point in points])
         mapped = jax.jit(jax.vmap(outcomes))(points)
     np.testing.assert_allclose(mapped, plain, rtol=1e-12, atol=1e-15)
 

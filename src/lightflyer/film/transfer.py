@@ -90,7 +90,7 @@ def stack_optics(
     --------
     >>> optics = stack_optics([1.5], [0.0], [1e-7], 5e-7)
     >>> print(f"{optics.reflectance[0]:.6f} {optics.transmittance[0]:.6f}")
-    0.056575 0.943425
+    0.135720 0.864280
     """
     return transfer(n, k, thickness, wavelength, incidence)
 

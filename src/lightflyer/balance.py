@@ -137,11 +137,8 @@ def beam_area(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
 
 def infrared_power(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
     """Heat radiation absorbed beyond that of black surroundings at the gas temperature [W]."""
-    film = flyer.film
-    flux = state.radiation.infrared_excess(
-        state.temperature, film.emittance_top, film.emittance_bottom
-    )
-    return flyer.area * flux
+    top, bottom = flyer.film.emittances_at(state.temperature)
+    return flyer.area * state.radiation.infrared_excess(state.temperature, top, bottom)
 
 
 def radiated_power(flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
@@ -149,15 +146,16 @@ def radiated_power(flyer: AbstractFlyer, state: EnvironmentState, excess: Numeri
 
     .. math:: A\sigma(\varepsilon_t+\varepsilon_b)\,T_c^4\,\theta(4+6\theta+4\theta^2+\theta^3)
 
-    which is the difference of fourth powers without its cancellation.
+    which is the difference of fourth powers without its cancellation; where the emittance
+    depends on temperature, that of :math:`\varepsilon T^4`.
     """
-    growth = excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
-    return _radiation_scale(flyer, state) * growth
+    growth = flyer.film.emission_growth(state.temperature, excess)
+    return _blackbody_power(flyer, state) * growth
 
 
-def _radiation_scale(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
-    per_area = state.radiation.stefan_boltzmann * flyer.film.emittance_sum
-    return flyer.area * per_area * state.temperature**4
+def _blackbody_power(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
+    """What one black face would radiate at the gas temperature [W]."""
+    return flyer.area * state.radiation.stefan_boltzmann * state.temperature**4
 
 
 def total_loss(
@@ -185,9 +183,11 @@ def _solve_excess(
     def search() -> tuple[Array, RootStatus]:
         dark = power == 0.0
         # without light there is nothing to solve; a stand-in keeps the search finite
-        target = jnp.where(dark, _radiation_scale(flyer, state), power)
+        black = _blackbody_power(flyer, state)
+        target = jnp.where(dark, black, power)
         sign = jnp.sign(target)
-        vacuum = jnp.abs(_radiative_excess(target / _radiation_scale(flyer, state)))
+        bound = flyer.film.emission_bound(state.temperature, target / black)
+        vacuum = jnp.abs(_radiative_excess(bound))
         # the secant from zero through the vacuum temperature: close where gas dominates too
         secant = vacuum * jnp.abs(target / loss(sign * vacuum))
         size, status = bracketed_power_newton(

@@ -51,3 +51,9 @@ GAS_CONSTANT_LU2023: Final = 287.05
 
 SEA_LEVEL_PRESSURE: Final = 101_325.0
 """Standard pressure at sea level [Pa]; [USSA1976]_."""
+
+PLANCK: Final = 6.62607015e-34
+"""Planck constant [J s]; exact, [CODATA2018]_."""
+
+SPEED_OF_LIGHT: Final = 299_792_458.0
+"""Speed of light in vacuum [m/s]; exact, [CODATA2018]_."""

@@ -30,6 +30,16 @@ app.command(
     name="predict",
     help="Predict where a flyer levitates, what it carries and how hot it gets.",
 )
+app.command(
+    "lightflyer.cli.film:film_command",
+    name="film",
+    help="Compute what a film of layers absorbs, radiates and weighs.",
+)
+app.command(
+    "lightflyer.cli.materials:materials_command",
+    name="materials",
+    help="List the materials that layers may be made of.",
+)
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:

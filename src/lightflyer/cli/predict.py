@@ -54,11 +54,11 @@ def predict_command(
     setup = configuration.build()
     loading = _load_in_background() if out is not None else None
     prediction = predict(setup, _asked(at, setup))
-    summary = prediction.summary()
+    summary = prediction.summary() | _film_origins(configuration)
     written = []
     if out is not None and loading is not None:
         loading.join()
-        written = _write(out, configuration, flyer_file, setup, prediction, csv=csv)
+        written = _write(out, configuration, flyer_file, setup, prediction, summary, csv=csv)
     if json_output:
         print(json.dumps(summary, allow_nan=False))  # noqa: T201
         return
@@ -102,12 +102,25 @@ def _asked(at: str | None, setup: "Setup") -> list[float] | None:
     return points
 
 
+def _film_origins(configuration: "FlyerFile") -> dict[str, Any]:
+    """Where the properties of a film of layers come from."""
+    import math
+
+    from lightflyer.config.layered_film import LayeredFilmSection
+
+    if not isinstance(configuration.film, LayeredFilmSection):
+        return {}
+    incidence = math.radians(configuration.environment.incidence.value)
+    return {"film": configuration.film.report(incidence)}
+
+
 def _write(
     out: Path,
     configuration: "FlyerFile",
     flyer_file: Path,
     setup: "Setup",
     prediction: "AltitudePrediction | ChamberPrediction",
+    summary: dict[str, Any],
     *,
     csv: bool,
 ) -> list[Path]:
@@ -115,13 +128,13 @@ def _write(
 
     dataset = output.to_dataset(prediction, flyer_file.read_text(encoding="utf-8-sig"))
     dataset.attrs["uncertainties"] = json.dumps(configuration.uncertainties())
-    dataset.attrs["summary"] = json.dumps(prediction.summary())
+    dataset.attrs["summary"] = json.dumps(summary)
     available = float(setup.environment.radiation.irradiance)
     names = ["prediction.nc", "prediction.json"]
     with output.output_directory(out) as stage:
         dataset.to_netcdf(stage("prediction.nc"), engine="h5netcdf")
-        summary = json.dumps(prediction.summary(), indent=2, allow_nan=False)
-        stage("prediction.json").write_text(summary + "\n", encoding="utf-8")
+        text = json.dumps(summary, indent=2, allow_nan=False)
+        stage("prediction.json").write_text(text + "\n", encoding="utf-8")
         if csv:
             names.append("prediction.csv")
             output.write_csv(prediction, stage("prediction.csv"))
@@ -148,6 +161,8 @@ def _show(
         f"disk of {diameter:g} cm, {own_mass:.4g} mg, payload {payload:g} mg; "
         f"light {light:g} W/m² at {configuration.environment.incidence.value:g}° incidence"
     )
+    if "film" in summary:
+        console.print(_origins_line(summary["film"]), soft_wrap=True)
     if isinstance(prediction, AltitudePrediction):
         _show_altitude(console, summary, light)
     else:
@@ -158,6 +173,24 @@ def _show(
         console.print(
             f"uncertainties of {', '.join(uncertain)} are kept with the data, not propagated"
         )
+
+
+def _origins_line(film: dict[str, Any]) -> str:
+    """Which properties of the film are measured and which computed, in words."""
+    parts = [
+        f"{name} {_film_value(entry['value'])} ({entry['origin']})"
+        for name, entry in film.items()
+        if name != "extrapolated"
+    ]
+    parts += [f"extrapolated {text}" for text in film["extrapolated"]]
+    return "film: " + ", ".join(parts)
+
+
+def _film_value(value: float | dict[str, float]) -> str:
+    if not isinstance(value, dict):
+        return f"{value:.4g}"
+    ends = list(value.items())
+    return " to ".join(f"{number:.3g} at {kelvin} K" for kelvin, number in (ends[0], ends[-1]))
 
 
 def _show_altitude(console: Console, summary: dict[str, Any], light: float) -> None:

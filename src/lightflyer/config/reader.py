@@ -5,10 +5,12 @@ import re
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pydantic
 
+from lightflyer.config.layered_film import FOLDER, LayeredFilmSection
+from lightflyer.config.quantity import Section
 from lightflyer.config.sections import FlyerFile, alternative_tags, known_keys
 from lightflyer.errors import ConfigurationError
 
@@ -30,7 +32,53 @@ def read_flyer_file(path: str | Path) -> FlyerFile:
     ConfigurationError
         One line for each mistake: file, line, key, value and what is allowed.
     """
+    document, text = _load(Path(path))
+    return _validate(FlyerFile, document, text, Path(path))
+
+
+def read_film_file(path: str | Path) -> LayeredFilmSection:
+    """Read the layers of a film.
+
+    Parameters
+    ----------
+    path : str or path
+        A TOML file with a section ``[film]`` that has ``layers``; a flyer file will do, its
+        other sections play no part.
+
+    Returns
+    -------
+    LayeredFilmSection
+
+    Raises
+    ------
+    ConfigurationError
+        One line for each mistake: file, line, key, value and what is allowed.
+    """
     path = Path(path)
+    document, text = _load(path)
+    film = document.get("film")
+    if not isinstance(film, dict) or "layers" not in film:
+        example = '{material = "Ge", thickness = "20 nm"}'
+        raise ConfigurationError(f"{path}: needs a section [film] with layers = [{example}, ...]")
+    return _validate(_FilmFile, {"film": film}, text, path).film
+
+
+class _FilmFile(Section):
+    film: LayeredFilmSection
+
+
+_File = TypeVar("_File", bound=Section)
+
+
+def _validate(model: type[_File], document: dict[str, Any], text: str, path: Path) -> _File:
+    try:
+        return model.model_validate(document, context={FOLDER: path.parent})
+    except pydantic.ValidationError as error:
+        lines = [_explain(mistake, document, text, path) for mistake in error.errors()]
+        raise ConfigurationError("\n".join(lines)) from None
+
+
+def _load(path: Path) -> tuple[dict[str, Any], str]:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
@@ -40,14 +88,9 @@ def read_flyer_file(path: str | Path) -> FlyerFile:
     if not text.strip():
         raise ConfigurationError(f"{path}: is empty; 'lightflyer init' writes an example")
     try:
-        document = tomllib.loads(text)
+        return tomllib.loads(text), text
     except tomllib.TOMLDecodeError as error:
         raise ConfigurationError(f"{path}: is not valid TOML: {error}") from None
-    try:
-        return FlyerFile.model_validate(document)
-    except pydantic.ValidationError as error:
-        lines = [_explain(mistake, document, text, path) for mistake in error.errors()]
-        raise ConfigurationError("\n".join(lines)) from None
 
 
 def _explain(mistake: Any, document: dict[str, Any], text: str, path: Path) -> str:

@@ -7,16 +7,17 @@ to build its object. Adding an alternative is adding a class to the union of its
 
 import datetime
 import math
+import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args
 
 import pydantic
-from pydantic import ConfigDict, Discriminator, Tag
-from pydantic_core import CoreSchema, core_schema
+from pydantic import Discriminator, Tag
 
 from lightflyer import constants
-from lightflyer._checks import require_range
+from lightflyer.config.layered_film import LayeredFilmSection, LayerSection
+from lightflyer.config.quantity import Quantity
+from lightflyer.config.quantity import Section as _Section
 from lightflyer.environment._base import AbstractAtmosphere, AbstractEnvironment
 from lightflyer.environment.chamber import Chamber
 from lightflyer.environment.earth import Earth
@@ -24,7 +25,7 @@ from lightflyer.environment.lu2023 import Lu2023Atmosphere
 from lightflyer.environment.nrlmsis import NRLMSIS
 from lightflyer.environment.radiation import Radiation
 from lightflyer.environment.us1976 import US1976
-from lightflyer.errors import ConfigurationError, ParameterError
+from lightflyer.errors import ConfigurationError
 from lightflyer.film.properties import HIGHEST_TAC, FilmProperties
 from lightflyer.flyer._base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
@@ -32,48 +33,10 @@ from lightflyer.force._base import AbstractForceModel
 from lightflyer.force.free_molecular import FreeMolecular, LinearFreeMolecular
 from lightflyer.force.lu2023 import READINGS, Lu2023
 from lightflyer.gas import AIR, LU2023_AIR, AbstractGas
-from lightflyer.units import Measured, parse
+from lightflyer.units import Measured
 
 GASES: dict[str, AbstractGas] = {"air": AIR, "lu2023-air": LU2023_AIR}
 """Gases by the name they have in a flyer file."""
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """Annotation of a field that holds a number with unit, range and optional uncertainty.
-
-    Attributes
-    ----------
-    unit : str
-        SI unit of the stored value, empty for a pure number.
-    lowest, highest : float
-        Allowed range.
-    open_below : bool
-        Whether ``lowest`` itself is excluded.
-    """
-
-    unit: str = ""
-    lowest: float = -math.inf
-    highest: float = math.inf
-    open_below: bool = False
-
-    def read(self, value: Any) -> Measured:
-        """Parse and check a text or number from the file; a Measured is only checked."""
-        measured = value if isinstance(value, Measured) else parse(value, self.unit)
-        try:
-            require_range("", measured.value, self.lowest, self.highest, open_below=self.open_below)
-        except ParameterError as error:
-            allowed = str(error).partition(" is not ")[2]
-            in_unit = f" {self.unit}" if self.unit and "between" in allowed else ""
-            raise ConfigurationError(f"must be {allowed}{in_unit}") from None
-        return measured
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: pydantic.GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Tell Pydantic to read before it checks the type."""
-        return core_schema.no_info_before_validator_function(self.read, handler(source))
-
 
 _Length = Annotated[Measured, Quantity("m", 0.0, open_below=True)]
 _Altitude = Annotated[Measured, Quantity("m", 0.0)]
@@ -93,10 +56,6 @@ _Longitude = Annotated[Measured, Quantity("deg", -180.0, 360.0)]
 _SolarFlux = Annotated[Measured, Quantity("", 40.0, 500.0)]
 _GeomagneticIndex = Annotated[Measured, Quantity("", 0.0, 400.0)]
 _GasName = Literal["air", "lu2023-air"]
-
-
-class _Section(pydantic.BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class DiskSection(_Section):
@@ -134,8 +93,8 @@ class FilmSection(_Section):
             raise ConfigurationError("give emittance, or both emittance_top and emittance_bottom")
         return self
 
-    def build(self) -> FilmProperties:
-        """The film's properties, without their uncertainties."""
+    def build(self, incidence: float = 0.0) -> FilmProperties:  # noqa: ARG002
+        """The film's properties, without their uncertainties; measured at any incidence."""
         top = self.emittance_top or self.emittance
         bottom = self.emittance_bottom or self.emittance
         assert top is not None  # _one_emittance_a_face saw to both
@@ -324,6 +283,15 @@ def _force_tag(value: Any) -> str:
     return _field(value, "model", "lu2023")
 
 
+def _film_tag(value: Any) -> str:
+    layered = "layers" in value if isinstance(value, dict) else hasattr(value, "layers")
+    return "layered" if layered else "measured"
+
+
+FilmSections = Annotated[
+    Annotated[FilmSection, Tag("measured")] | Annotated[LayeredFilmSection, Tag("layered")],
+    Discriminator(_film_tag),
+]
 EnvironmentSection = Annotated[
     Annotated[Us1976Section, Tag("earth us1976")]
     | Annotated[Lu2023Section, Tag("earth lu2023")]
@@ -373,7 +341,7 @@ class FlyerFile(_Section):
     """
 
     flyer: DiskSection
-    film: FilmSection
+    film: FilmSections
     environment: EnvironmentSection = Us1976Section()
     force: ForceSection = Lu2023ForceSection()
 
@@ -393,7 +361,7 @@ class FlyerFile(_Section):
         low = getattr(section, "altitude_min", None) or getattr(section, "pressure_min", None)
         high = getattr(section, "altitude_max", None) or getattr(section, "pressure_max", None)
         return Setup(
-            flyer=self.flyer.build(self.film.build()),
+            flyer=self.flyer.build(self.film.build(math.radians(section.incidence.value))),
             environment=section.build(),
             model=self.force.build(),
             coordinate_range=(_value(low), _value(high)),
@@ -407,7 +375,9 @@ class FlyerFile(_Section):
         dict of str to float
             Such as ``{"film.tac_bottom": 0.03}``.
         """
-        return {
+        layered = self.film if isinstance(self.film, LayeredFilmSection) else None
+        inner = layered.layer_uncertainties() if layered else {}
+        return inner | {
             f"{section}.{name}": value.uncertainty
             for section in type(self).model_fields
             for name, value in getattr(self, section)
@@ -432,11 +402,13 @@ def known_keys(section: str, content: Any) -> list[str]:
     classes: dict[str, Callable[[], type[pydantic.BaseModel]]] = {
         "": lambda: FlyerFile,
         "flyer": lambda: DiskSection,
-        "film": lambda: FilmSection,
+        "film": lambda: _alternatives(FilmSections)[_film_tag(content)],
+        "film.layers": lambda: LayerSection,
         "environment": lambda: _alternatives(EnvironmentSection)[_environment_tag(content)],
         "force": lambda: _alternatives(ForceSection)[_force_tag(content)],
     }
-    return list(classes[section]().model_fields)
+    known = re.sub(r"\.\d+$", "", section)  # entries of a list are all alike
+    return list(classes[known]().model_fields)
 
 
 def alternative_tags() -> set[str]:
@@ -446,7 +418,11 @@ def alternative_tags() -> set[str]:
     -------
     set of str
     """
-    return {tag for union in (EnvironmentSection, ForceSection) for tag in _alternatives(union)}
+    return {
+        tag
+        for union in (FilmSections, EnvironmentSection, ForceSection)
+        for tag in _alternatives(union)
+    }
 
 
 def _alternatives(union: Any) -> dict[str, type[pydantic.BaseModel]]:

@@ -3,11 +3,13 @@
 import warnings
 
 import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
 
 from lightflyer._checks import require_positive, require_range
 from lightflyer._types import Numeric
 from lightflyer.errors import ParameterWarning
+from lightflyer.film.emittance import EmittanceCurve, emittance_at, emittance_bounds
 from lightflyer.precision import is_traced
 
 HIGHEST_TAC = 1.3
@@ -23,8 +25,9 @@ class FilmProperties(eqx.Module):
         Mass per area [kg/m²].
     absorptance : array
         Absorptance of the top face for the incoming light [1].
-    emittance_top, emittance_bottom : array
-        Hemispherical thermal emittance of each face [1].
+    emittance_top, emittance_bottom : array or EmittanceCurve
+        Hemispherical thermal emittance of each face [1]; a curve makes it a function of the
+        film's own temperature.
     tac_top, tac_bottom : array
         Thermal accommodation coefficient of each face [1]. A flyer is pushed up where the
         bottom's is the larger.
@@ -80,8 +83,75 @@ class FilmProperties(eqx.Module):
 
     @property
     def emittance_sum(self) -> Numeric:
-        """Emittance of both faces together [1]."""
+        """Emittance of both faces together, where neither is a curve [1]."""
         return self.emittance_top + self.emittance_bottom
+
+    def emittances_at(self, temperature: Numeric) -> tuple[Numeric, Numeric]:
+        """Emittance of the top and the bottom face at a temperature [1].
+
+        Parameters
+        ----------
+        temperature : array, shape (...)
+            [K].
+
+        Returns
+        -------
+        top, bottom : array
+        """
+        return (
+            emittance_at(self.emittance_top, temperature),
+            emittance_at(self.emittance_bottom, temperature),
+        )
+
+    def emission_growth(self, temperature: Numeric, excess: Numeric) -> Numeric:
+        r"""Growth of both faces' emission with temperature, over that of one black face.
+
+        .. math:: \sum_\mathrm{faces}\left[\varepsilon(T_h)(1+\theta)^4-\varepsilon(T)\right],
+            \qquad T_h=T(1+\theta)
+
+        Parameters
+        ----------
+        temperature : array, shape (...)
+            :math:`T` [K].
+        excess : array, shape (...)
+            :math:`\theta` [1].
+
+        Returns
+        -------
+        array, broadcast shape
+            [1].
+        """
+        growth = excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
+        faces = (self.emittance_top, self.emittance_bottom)
+        if not any(isinstance(face, EmittanceCurve) for face in faces):
+            return self.emittance_sum * growth
+        return sum(
+            face.growth(temperature, excess) if isinstance(face, EmittanceCurve) else face * growth
+            for face in faces
+        )
+
+    def emission_bound(self, temperature: Numeric, power: Numeric) -> Numeric:
+        r"""Bound of :math:`(1+\theta)^4-1` in radiative equilibrium.
+
+        Parameters
+        ----------
+        temperature : array, shape (...)
+            Of the surroundings [K].
+        power : array, shape (...)
+            Absorbed power over the emission of one black face at that temperature [1].
+
+        Returns
+        -------
+        array, broadcast shape
+            [1]; exact where the emittances are constant, else at or beyond it.
+        """
+        faces = (self.emittance_top, self.emittance_bottom)
+        if not any(isinstance(face, EmittanceCurve) for face in faces):
+            return power / self.emittance_sum
+        cold = sum(self.emittances_at(temperature))
+        bounds = [emittance_bounds(face) for face in faces]
+        lowest, highest = (sum(pair) for pair in zip(*bounds, strict=True))
+        return (power + cold) / jnp.where(power > 0.0, lowest, highest) - 1.0
 
     @property
     def absorptance_below(self) -> Numeric:

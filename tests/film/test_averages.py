@@ -1,0 +1,164 @@
+import numpy as np
+import pytest
+import tmm
+
+import lightflyer as lf
+from lightflyer.film.averages import absorptance, emittance, emittance_curve
+from lightflyer.film.emittance import EmittanceCurve, evaluate
+from lightflyer.film.materials import material, tabulated_material
+from lightflyer.film.spectra import Spectrum, am0, planck
+from lightflyer.film.stack import Film, Layer
+
+TEMPERATURES = np.array([200.0, 300.0, 441.0, 1000.0])
+
+
+def nominal(policy="error"):
+    """The paper's film: alumina, germanium, mylar, germanium."""
+    stack = (("Al2O3", 50e-9), ("Ge", 20e-9), ("PET", 500e-9), ("Ge", 20e-9))
+    return Film(tuple(Layer(material(name, extrapolation=policy), d) for name, d in stack))
+
+
+def test_the_nominal_film_radiates_little():
+    """The paper measured 0.08 ± 0.02 by thermography."""
+    assert emittance(nominal(), 441.0).value == pytest.approx(0.075, abs=0.002)
+    assert nominal().areal_density == pytest.approx(1.058e-3, rel=1e-3)
+
+
+@pytest.mark.parametrize("side", ["top", "bottom"])
+def test_planck_weighted_integration_has_converged(side):
+    plain = emittance(nominal(), TEMPERATURES, side=side).value
+    finer = emittance(nominal(), TEMPERATURES, side=side, points_per_e_fold=16000).value
+    np.testing.assert_allclose(plain, finer, rtol=1e-5)
+
+
+def test_kirchhoff_on_both_faces_by_an_independent_integration():
+    """Emittance of a face is the absorptance for light onto it, here with tmm and few points."""
+    film = Film((Layer(flat(3.0, 0.4), 3e-7), Layer(flat(1.6, 0.02), 1e-6)))
+    wavelength = np.geomspace(2e-6, 90e-6, 60)
+    weight = np.gradient(np.log(wavelength)) * wavelength * planck(wavelength, 400.0)
+    cosines, shares = np.polynomial.legendre.leggauss(8)
+    angles = np.arccos(0.5 * (cosines + 1.0))
+    for side, layers in (("top", film.layers), ("bottom", film.layers[::-1])):
+        index = [1.0, *(complex(*layer.material.index(1e-5)) for layer in layers), 1.0]
+        d = [np.inf, *(layer.thickness for layer in layers), np.inf]
+        spectral = [
+            sum(
+                share * np.cos(angle) * (1.0 - data["R"] - data["T"])
+                for angle, share in zip(angles, shares, strict=True)
+                for data in [tmm.unpolarized_RT(index, d, angle, point)]
+            )
+            for point in wavelength
+        ]
+        expected = np.sum(weight * spectral) / weight.sum()
+        assert emittance(film, 400.0, side=side).value == pytest.approx(expected, rel=5e-3)
+
+
+def flat(n, k):
+    table = np.array([1e-7, 4e-3]), np.array([n, n]), np.array([k, k])
+    return tabulated_material(f"flat {n} {k}", *table, density=1000.0)
+
+
+def test_emittance_is_between_nothing_and_a_black_body(rng):
+    for _ in range(5):
+        n, k, d = rng.uniform(1.0, 5.0), 10 ** rng.uniform(-3, 1), 10 ** rng.uniform(-8, -4)
+        values = emittance(Film((Layer(flat(n, k), d),)), TEMPERATURES).value
+        assert np.all((values > 0.0) & (values <= 1.0))
+    matched = Film((Layer(flat(1.0, 1e-3), 1.0),))  # no reflection, and opaque
+    assert emittance(matched, 300.0, normal=True).value == pytest.approx(1.0, abs=1e-5)
+
+
+def test_what_is_left_out_is_stated_and_bounded():
+    mean = emittance(nominal(), 441.0)
+    assert mean.covered == pytest.approx(0.7842, abs=1e-3)
+    assert mean.upper - mean.lower == pytest.approx(1.0 - mean.covered, rel=1e-12)
+    assert mean.lower < mean.value < mean.upper
+    assert mean.extrapolated == ()
+    held = emittance(nominal("hold"), 441.0)
+    assert held.covered == pytest.approx(1.0, abs=1e-5)
+    assert held.extrapolated_share == pytest.approx(1.0 - mean.covered, abs=1e-3)
+    assert mean.lower < held.value < mean.upper
+    assert "Ge: hold beyond 0.4 µm to 15 µm" in held.extrapolated
+    assert len(held.extrapolated) == 3
+
+
+def test_sunlight_absorbed_is_the_weighted_mean_over_its_own_table():
+    film = nominal()
+    wavelength, weight = am0().between(*film.covered_range)
+    spectral = film.optics(wavelength, 0.5).unpolarised()
+    expected = (weight @ (1.0 - spectral.reflectance - spectral.transmittance)) / weight.sum()
+    assert absorptance(film, incidence=0.5).value == pytest.approx(expected, rel=1e-12)
+
+
+def test_one_colour_is_the_spectral_absorptance():
+    line = Spectrum("line", np.array([0.5e-6, 0.5e-6 * (1 + 1e-12)]), np.ones(2))
+    optics = nominal().optics(0.5e-6).unpolarised()
+    assert absorptance(nominal(), line).value == pytest.approx(optics.absorptance, rel=1e-9)
+
+
+def test_the_curve_follows_the_emittance_everywhere():
+    curve = emittance_curve(nominal(), "bottom")
+    between = np.geomspace(100.0, 1500.0, 37)
+    np.testing.assert_allclose(
+        evaluate(curve, between), emittance(nominal(), between, side="bottom").value, rtol=1e-5
+    )
+    # held beyond its ends
+    ends = evaluate(curve, np.array([50.0, 100.0, 1500.0, 2500.0]))
+    assert ends[0] == ends[1]
+    assert ends[2] == ends[3]
+
+
+@pytest.mark.parametrize("excess", [1e-12, 1e-6, 0.3, 1.5, -0.4, -1e-9])
+def test_growth_does_not_cancel(excess):
+    curve = emittance_curve(nominal())
+    fine = np.linspace(0.0, excess, 2001)
+    with lf.float64():
+        from jax import jvp
+
+        def power(x):
+            return curve(250.0 * (1.0 + x)) * (1.0 + x) ** 4
+
+        slope = np.asarray(jvp(power, (fine,), (np.ones_like(fine),))[1])
+        grown = float(curve.growth(250.0, excess))
+    assert grown == pytest.approx(np.trapezoid(slope, fine), rel=1e-5)
+
+
+def flyer(top, bottom):
+    return lf.Disk(lf.FilmProperties(1e-3, 0.5, top, bottom, 0.8, 0.9), radius=0.01)
+
+
+@pytest.mark.parametrize("irradiance", [1e-3, 1.0, 1360.0, 1e5])
+@pytest.mark.parametrize("altitude", [30e3, 70e3, 140e3])
+def test_the_heat_balance_closes_with_a_curve(irradiance, altitude):
+    curve = emittance_curve(nominal())
+    state = lf.Earth(radiation=lf.Radiation(irradiance)).state(altitude)
+    balance = lf.equilibrium(flyer(curve, curve), state, lf.Lu2023())
+    area, sigma = np.pi * 0.01**2, constants_sigma()
+    hot, cold = float(balance.temperature), float(state.temperature)
+    emitted = [evaluate(curve, np.array(t)) * t**4 for t in (hot, cold)]
+    expected = 2.0 * area * sigma * (emitted[0] - emitted[1])
+    scale = max(abs(expected), 1e-6 * float(balance.absorbed_power))
+    assert balance.radiated_power == pytest.approx(expected, abs=1e-6 * scale + 1e-12 * area * 500)
+    total = balance.radiated_power + balance.gas_power
+    assert total == pytest.approx(float(balance.absorbed_power), rel=1e-10)
+
+
+def constants_sigma():
+    from lightflyer import constants
+
+    return constants.STEFAN_BOLTZMANN
+
+
+def test_a_level_curve_is_a_constant():
+    level = EmittanceCurve.through(np.full(20, 0.08))
+    state = lf.lu2023_earth().state(72e3)
+    curved = lf.levitate(flyer(level, 0.08), state, lf.Lu2023())
+    plain = lf.levitate(flyer(0.08, 0.08), state, lf.Lu2023())
+    assert curved.irradiance == pytest.approx(float(plain.irradiance), rel=1e-10)
+
+
+def test_cooling_below_the_gas_has_a_root_too():
+    curve = emittance_curve(nominal())
+    radiation = lf.Radiation(0.0, infrared_top=0.0, infrared_bottom=100.0)
+    state = lf.EnvironmentState(1.0, 220.0, 9.6, lf.AIR, radiation)
+    balance = lf.equilibrium(flyer(curve, 0.2), state, lf.Lu2023())
+    assert 100.0 < balance.temperature < 220.0

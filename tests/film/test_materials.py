@@ -1,0 +1,113 @@
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.film.materials import (
+    material,
+    material_from_csv,
+    material_names,
+    tabulated_material,
+)
+from lightflyer.film.stack import Film, Layer
+
+
+@pytest.mark.parametrize("name", material_names())
+def test_every_material_is_sound_over_its_whole_range(name):
+    known = material(name)
+    shortest, longest = known.wavelength_range
+    wavelength = np.geomspace(shortest, longest, 2001)
+    n, k = known.index(wavelength)
+    assert np.all(np.isfinite(n) & (n > 0.0))
+    assert np.all(np.isfinite(k) & (k >= 0.0))
+    assert known.source
+    assert known.density_source
+    assert known.density is None or 500.0 < known.density < 2e4
+
+
+def test_published_values():
+    """Spot checks against the papers behind the pages: gold, silica glass, germanium."""
+    n, k = material("Au").index(10e-6)  # Olmon et al. 2012, evaporated
+    assert (n, k) == (pytest.approx(10.6, rel=0.05), pytest.approx(66.0, rel=0.05))
+    n, _ = material("SiO2").index(0.5876e-6)
+    assert n == pytest.approx(1.46, abs=0.02)
+    n, _ = material("Ge-crystal").index(10e-6)
+    assert n == pytest.approx(4.0, abs=0.05)
+
+
+def test_outside_the_range_is_an_error_that_names_it():
+    with pytest.raises(lf.ParameterError, match=r"PET has no data at 0\.3 µm, only from 0\.4 µm"):
+        material("PET").index(np.array([0.5e-6, 0.3e-6]))
+
+
+def test_extrapolation_is_a_choice():
+    ends = [2e-7, 25e-6]
+    inside = [0.4e-6, 19.942e-6]
+    n, k = material("PET").index(inside)
+    hold = material("PET", extrapolation="hold").index(ends)
+    np.testing.assert_array_equal(hold, (n, k))
+    lossless = material("PET", extrapolation="lossless").index(ends)
+    np.testing.assert_array_equal(lossless, (n, np.zeros(2)))
+    with pytest.raises(lf.ParameterError, match="there are: error, hold, lossless"):
+        material("PET", extrapolation="guess")
+
+
+def test_a_gap_between_pages_is_bridged_without_a_jump():
+    ends = np.array([1.59e-6, 1.667e-6])
+    middle = material("polyimide").index(ends.mean())
+    np.testing.assert_allclose(middle, np.mean(material("polyimide").index(ends), axis=1))
+
+
+def test_names_are_forgiving_and_mistakes_are_helped():
+    assert material("mylar").name == material("pet").name == "PET"
+    with pytest.raises(lf.ParameterError, match='"Germaniun" is unknown; did you mean Ge'):
+        material("Germaniun")
+
+
+def test_films_whose_data_do_not_meet():
+    infrared = tabulated_material("ir", np.array([30e-6, 40e-6]), np.ones(2), np.ones(2))
+    film = Film((Layer(infrared, 1e-7), Layer(material("PET"), 1e-7)))
+    with pytest.raises(lf.ParameterError, match="no wavelength in common"):
+        _ = film.covered_range
+
+
+GOOD = "# mine\nwavelength [nm],n,k\n400,1.5,0.1\n800,1.4,0.2\n"
+
+
+def test_ones_own_table(tmp_path):
+    path = tmp_path / "mine.csv"
+    path.write_text(GOOD)
+    own = material_from_csv(path, density=900.0)
+    np.testing.assert_allclose(own.index(600e-9), (1.45, 0.15), rtol=1e-12)
+    path.write_text("k,wavelength_um,n\n0.1,0.4,1.5\n0.2,0.8,1.4\n")
+    np.testing.assert_allclose(material_from_csv(path).index(600e-9), (1.45, 0.15), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("400,", "900,", r"mine\.csv:4: wavelengths must increase"),
+        (",k\n", "\n", r'mine\.csv:2: has no column "k"'),
+        ("[nm]", "[inch]", r'unit "inch" of wavelength is unknown; write \[nm\], \[um\]'),
+        ("[nm]", "", "wavelength has no unit"),
+        ("wavelength", "length", r'has no column "wavelength"'),
+        ("0.2", "", r"mine\.csv:4: column 3 is empty"),
+        ("0.2", "x", r'"x" is not a number'),
+        ("0.2", "nan", r'"nan" is not a number'),
+        ("0.2", "-0.2", "k must be zero or positive; it is -0.2"),
+        ("1.4", "0", "n must be positive"),
+        ("800,1.4,0.2\n", "", "two or more lines of numbers"),
+        ("400,", "-400,", "wavelength must be positive"),
+    ],
+)
+def test_a_bad_table_gets_one_clear_line(tmp_path, old, new, message):
+    path = tmp_path / "mine.csv"
+    assert old in GOOD
+    path.write_text(GOOD.replace(old, new, 1))
+    with pytest.raises(lf.ConfigurationError, match=message) as caught:
+        material_from_csv(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_table(tmp_path):
+    with pytest.raises(lf.ConfigurationError, match="cannot be read"):
+        material_from_csv(tmp_path / "none.csv")

@@ -1,0 +1,129 @@
+"""Limits and identities of the transfer matrix; `tmm` is compared with in tests/validation."""
+
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.film.materials import tabulated_material
+from lightflyer.film.stack import Film, Layer
+from lightflyer.film.transfer import stack_optics
+
+
+def random_stack(rng, layers=4):
+    n = rng.uniform(0.3, 5.0, layers)
+    k = np.where(rng.random(layers) < 0.5, 0.0, 10.0 ** rng.uniform(-4.0, 1.0, layers))
+    return n, k, 10.0 ** rng.uniform(-9.0, -5.5, layers)
+
+
+def test_all_light_goes_somewhere(rng):
+    for _ in range(100):
+        n, k, d = random_stack(rng)
+        optics = stack_optics(n, k, d, 10 ** rng.uniform(-6.6, -4.6), rng.uniform(0.0, 1.55))
+        total = optics.reflectance + optics.transmittance + optics.absorptance
+        assert np.abs(total - 1.0).max() < 1e-12
+        assert optics.layer_absorptance.min() > -1e-12
+
+
+def test_lossless_layers_absorb_nothing(rng):
+    n, _, d = random_stack(rng)
+    optics = stack_optics(n, np.zeros(4), d, 6e-7, 0.7)
+    assert np.abs(optics.layer_absorptance).max() < 1e-13
+
+
+def test_nothing_reflects_where_there_is_nothing():
+    optics = stack_optics(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 1)), np.ones(3), 0.3)
+    np.testing.assert_array_equal(optics.reflectance, np.zeros((2, 3)))
+    np.testing.assert_array_equal(optics.transmittance, np.ones((2, 3)))
+    vacuum = stack_optics([1.0], [0.0], [1e-6], 5e-7, 1.2)
+    np.testing.assert_allclose(vacuum.reflectance, 0.0, atol=1e-28)
+
+
+@pytest.mark.parametrize("incidence", [0.0, 0.6, 1.4])
+def test_one_transparent_layer_is_an_etalon(incidence):
+    """Airy's formula, with Fresnel's coefficients written out."""
+    n, d, wavelength = 1.7, 0.83e-6, np.linspace(0.4e-6, 2e-6, 50)
+    inside = np.sqrt(1.0 - (np.sin(incidence) / n) ** 2)
+    outside = np.cos(incidence)
+    s = ((outside - n * inside) / (outside + n * inside)) ** 2
+    p = ((n * outside - inside) / (n * outside + inside)) ** 2
+    finesse = np.array([4.0 * r / (1.0 - r) ** 2 for r in (s, p)])[:, None]
+    phase = 2.0 * np.pi * n * d * inside / wavelength
+    expected = 1.0 / (1.0 + finesse * np.sin(phase) ** 2)
+    optics = stack_optics([[n]], [[0.0]], [[d]], wavelength, incidence)
+    np.testing.assert_allclose(optics.transmittance, expected, rtol=1e-12)
+
+
+def test_an_opaque_metal_reflects_as_its_surface():
+    n, k = 1.26, 7.19
+    optics = stack_optics([n], [k], [1e-3], 6e-7)
+    surface = abs((1.0 - (n + 1j * k)) / (1.0 + (n + 1j * k))) ** 2
+    np.testing.assert_allclose(optics.reflectance, surface, rtol=1e-13)
+    np.testing.assert_array_equal(optics.transmittance, 0.0)
+    np.testing.assert_allclose(optics.absorptance, 1.0 - surface, rtol=1e-12)
+
+
+def test_thick_and_opaque_layers_stay_finite_with_their_gradients():
+    import jax
+
+    def absorbed(thickness):
+        optics = stack_optics([1.3, 3.0, 1.3], [7.0, 0.5, 20.0], thickness, 5e-7, 1.5)
+        return optics.layer_absorptance[1].sum() + optics.reflectance.sum()
+
+    thickness = np.array([1e-2, 1e2, 1e4])
+    assert np.isfinite(absorbed(thickness))
+    assert np.all(np.isfinite(jax.grad(absorbed)(thickness)))
+
+
+def test_total_reflection_inside_a_layer():
+    """A layer of n < sin(incidence) reflects all light when thick, and tunnels when thin."""
+    thick = stack_optics([0.5], [0.0], [1e-4], 5e-7, 1.2)
+    np.testing.assert_allclose(thick.reflectance, 1.0, rtol=1e-13)
+    thin = stack_optics([0.5], [0.0], [1e-9], 5e-7, 1.2)
+    assert np.all(thin.transmittance > 0.9)
+
+
+def test_polarisations_agree_along_the_normal(rng):
+    optics = stack_optics(*random_stack(rng), 7e-7)
+    np.testing.assert_allclose(optics.reflectance[0], optics.reflectance[1], rtol=1e-12)
+
+
+def test_transmittance_is_the_same_from_either_side(rng):
+    n, k, d = random_stack(rng)
+    down = stack_optics(n, k, 0.1 * d, 8e-7, 0.9)
+    up = stack_optics(n[::-1], k[::-1], 0.1 * d[::-1], 8e-7, 0.9)
+    np.testing.assert_allclose(down.transmittance, up.transmittance, rtol=1e-10)
+    assert np.any(np.abs(down.reflectance - up.reflectance) > 1e-3)
+
+
+def flat(name, n, k, density=1000.0):
+    return tabulated_material(
+        name, np.array([1e-7, 1e-4]), np.array([n, n]), np.array([k, k]), density=density
+    )
+
+
+def test_a_film_takes_light_from_either_side():
+    film = Film((Layer(flat("a", 2.0, 0.0), 1e-7), Layer(flat("b", 3.0, 1.0), 5e-8)))
+    wavelength, incidence = np.array([5e-7, 6e-7]), np.array([[0.0], [0.5], [1.0]])
+    below = film.optics(wavelength, incidence, side="bottom")
+    assert below.layer_absorptance.shape == (2, 2, 3, 2)
+    direct = stack_optics([3.0, 2.0], [1.0, 0.0], [5e-8, 1e-7], 6e-7, 0.5)
+    np.testing.assert_allclose(below.reflectance[:, 1, 1], direct.reflectance, rtol=1e-13)
+
+
+def test_areal_density_adds_up():
+    film = Film((Layer(flat("a", 2.0, 0.0, 2000.0), 1e-7), Layer(flat("b", 2.0, 0.0), 5e-7)))
+    assert film.areal_density == pytest.approx(7e-4, rel=1e-14)
+    with pytest.raises(lf.ParameterError, match="density of b is unknown"):
+        _ = Film((Layer(flat("b", 2.0, 0.0, None), 5e-7),)).areal_density
+
+
+@pytest.mark.parametrize("thickness", [0.0, -1e-9, np.nan])
+def test_a_thickness_must_be_positive(thickness):
+    with pytest.raises(lf.ParameterError, match=r"thickness of a = .* is not positive"):
+        Layer(flat("a", 2.0, 0.0), thickness)
+
+
+def test_light_cannot_come_from_beyond_grazing():
+    film = Film((Layer(flat("a", 2.0, 0.0), 1e-7),))
+    with pytest.raises(lf.ParameterError, match="incidence"):
+        film.optics(5e-7, np.pi / 2)

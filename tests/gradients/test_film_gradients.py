@@ -1,0 +1,81 @@
+"""Derivatives of film optics against finite differences; jit and vmap against the plain call."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.test_util import check_grads
+
+import lightflyer as lf
+from lightflyer.film.averages import absorptance, emittance, emittance_curve
+from lightflyer.film.materials import material
+from lightflyer.film.stack import Film, Layer
+from lightflyer.film.transfer import stack_optics
+
+# n and k of two layers, thickness / 100 nm, wavelength / 500 nm, incidence
+POINT = np.array([1.7, 3.5, 0.02, 0.8, 1.3, 0.4, 1.1, 0.7])
+
+
+def outcomes(x):
+    optics = stack_optics(x[:2], x[2:4], 1e-7 * x[4:6], 5e-7 * x[6], x[7])
+    return jnp.concatenate(
+        [jnp.ravel(part) for part in (optics.reflectance, optics.transmittance, optics.absorptance)]
+    )
+
+
+def test_optics_forward_and_reverse():
+    with lf.float64():
+        check_grads(outcomes, (jnp.asarray(POINT),), order=1, modes=["fwd", "rev"], rtol=1e-5)
+
+
+def test_optics_under_jit_and_vmap():
+    points = POINT * np.linspace(0.9, 1.1, 5)[:, None]
+    with lf.float64():
+        plain = np.array([outcomes(point) for point in points])
+        mapped = jax.jit(jax.vmap(outcomes))(points)
+    np.testing.assert_allclose(mapped, plain, rtol=1e-12, atol=1e-15)
+
+
+COARSE = 60  # wavelengths per factor e: enough for derivatives, which are those of the sum
+
+
+def film(thickness):
+    return Film((Layer(material("Ge"), thickness[0]), Layer(material("PET"), thickness[1])))
+
+
+def averages(x):
+    one = film(1e-8 * x)
+    curve = emittance_curve(one, points_per_e_fold=COARSE)
+    return jnp.stack([absorptance(one, incidence=0.4).value, 10.0 * curve(300.0)])
+
+
+def test_averages_in_thickness():
+    with lf.float64():
+        x = jnp.array([2.0, 30.0])
+        check_grads(averages, (x,), order=1, modes=["fwd", "rev"], rtol=1e-5, eps=1e-4)
+
+
+def face(x):
+    return emittance(film(x), 300.0, side="bottom", points_per_e_fold=COARSE).value
+
+
+def test_averages_traced_equal_concrete():
+    with lf.float64():
+        traced = jax.jit(face)(jnp.array([2e-8, 3e-7]))
+    concrete = face(np.array([2e-8, 3e-7]))
+    np.testing.assert_allclose(traced, concrete, rtol=1e-12)
+
+
+def test_the_flyers_temperature_in_thickness():
+    """Through layers, emittance curve and heat balance at once."""
+
+    def temperature(x):
+        one = film(1e-8 * x)
+        curve = emittance_curve(one, points_per_e_fold=COARSE)
+        properties = lf.FilmProperties(one.areal_density, 0.5, curve, curve, 0.8, 0.9)
+        state = lf.lu2023_earth().state(75e3)
+        flyer = lf.Disk(properties, 0.01)
+        return lf.equilibrium(flyer, state, lf.Lu2023(), throw=False).temperature / 300.0
+
+    with lf.float64():
+        x = jnp.array([2.0, 30.0])
+        check_grads(temperature, (x,), order=1, modes=["rev"], rtol=1e-4, eps=1e-3)

@@ -28,6 +28,11 @@ app.command(
     name="predict",
     help="Predict where a flyer levitates, what it carries and how hot it gets.",
 )
+app.command(
+    "lightflyer.cli.paper:paper_command",
+    name="paper",
+    help="Recompute the paper: its claims, figures and tables beside ours.",
+)
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:

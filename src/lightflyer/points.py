@@ -37,7 +37,10 @@ _NUMBERS: dict[str, tuple[str, float, float, bool]] = {
     "tac_top": ("", 0.0, HIGHEST_TAC, True),
     "tac_bottom": ("", 0.0, HIGHEST_TAC, True),
 }
-_TEXTS = ("sample", "figure", "coating")
+_TEXTS = ("sample", "figure")
+FIGURES = ("2", "5", "S2", "S3")
+"""Figures of the paper that points can be drawn in."""
+
 COLUMNS = (*_NUMBERS, *_TEXTS)
 """All columns that a file may have."""
 
@@ -181,6 +184,10 @@ def _row(cells: Sequence[str], units: dict[str, str], place: str) -> dict[str, s
         if name in _TEXTS:
             if name == "sample" and not cell.strip():
                 raise ConfigurationError(f"{place}: the sample has no name")
+            if name == "figure" and cell.strip().upper() not in FIGURES:
+                raise ConfigurationError(
+                    f'{place}: figure "{cell.strip()}" is none of {", ".join(FIGURES)}'
+                )
             row[name] = cell.strip()
             continue
         try:

@@ -124,8 +124,11 @@ def _draw_5bcd(curves: Curves, points: Points | None) -> Figure:
         ax.set_ylabel("irradiance to levitate [kW/m²]")
         ax.text(0.05, 0.05, f"{size} cm", transform=ax.transAxes)
         _letter(ax, letter)
-    lines, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(lines, labels, fontsize="small", loc="outside lower center", ncols=6)
+    lines: dict[str, Any] = {}
+    for ax in figure.axes[:3]:
+        lines |= {label: line for line, label in zip(*ax.get_legend_handles_labels(), strict=True)}
+    handles = list(lines.values())
+    figure.legend(handles, list(lines), fontsize="small", loc="outside lower center", ncols=6)
     return figure
 
 

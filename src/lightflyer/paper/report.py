@@ -125,8 +125,9 @@ def _blocks(results: Results) -> list[_Block]:
             "p",
             "A verdict is computed: a claim is reproduced by a column where each of its numbers "
             "is within the tolerance shown, which is one unit of the last digit that the paper "
-            "prints unless it says otherwise. The verdict is that of the column “reported”, so that "
-            "no reading is picked claim by claim; “by” names every column that reproduces it. "
+            "prints unless it says otherwise. The verdict is that of the column “reported”, so "
+            "that no reading is picked claim by claim; “by” names every column that reproduces "
+            "it. "
             "Numbers in brackets stand beside claims that cannot be recomputed and decide nothing.",
         ),
         *(_Block("p", f"Column “{column.title}”: {column.description}.") for column in COLUMNS),

@@ -51,6 +51,7 @@ CONFIDENCE = 0.95
 _SMALLEST = 1e-6  # lower bound of every parameter
 _UNREACHABLE = 50.0  # log-irradiance that stands for "no irradiance levitates it"
 _RANK_TOLERANCE = 1e-8  # of the Jacobian's singular values
+_INVOLVED = 0.03  # share of a direction that names a parameter in a message
 _INTERVAL_STEPS = 40  # doublings of the step that looks for an interval's end
 _EFFECTIVE_VARIANCE_PASSES = 3
 
@@ -427,7 +428,9 @@ def _require_distinct(weighted: np.ndarray, names: list[str]) -> None:
     _, singular, directions = np.linalg.svd(weighted, full_matrices=False)
     if singular[-1] > _RANK_TOLERANCE * singular[0]:
         return
-    blurred = [name for name, part in zip(names, directions[-1], strict=True) if abs(part) > 0.1]
+    blurred = [
+        name for name, part in zip(names, directions[-1], strict=True) if abs(part) > _INVOLVED
+    ]
     raise ParameterError(f"the points cannot tell {' and '.join(blurred)} apart; free fewer")
 
 

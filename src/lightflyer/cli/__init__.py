@@ -29,6 +29,11 @@ app.command(
     help="Predict where a flyer levitates, what it carries and how hot it gets.",
 )
 app.command(
+    "lightflyer.cli.calibrate:calibrate_command",
+    name="calibrate",
+    help="Fit force coefficients and film properties to measured levitation points.",
+)
+app.command(
     "lightflyer.cli.paper:paper_command",
     name="paper",
     help="Recompute the paper: its claims, figures and tables beside ours.",

@@ -8,6 +8,8 @@ from .calibrate import calibrate as calibrate
 from .config.reader import read_flyer_file as read_flyer_file
 from .config.sections import FlyerFile as FlyerFile
 from .config.sections import Setup as Setup
+from .design.uncertainty import PredictionUncertainty as PredictionUncertainty
+from .design.uncertainty import propagate as propagate
 from .environment._base import AbstractAtmosphere as AbstractAtmosphere
 from .environment._base import AbstractEnvironment as AbstractEnvironment
 from .environment._base import EnvironmentState as EnvironmentState

@@ -197,3 +197,11 @@ def test_bad_points_stop_before_anything_is_written(tmp_path):
     assert done.stderr.count("\n") == 1
     assert "points.csv:1: column pressure" in done.stderr
     assert not Path(tmp_path / "out").exists()
+
+
+def test_documentation_shows_what_the_report_says(folder):
+    page = (Path(__file__).parents[2] / "docs" / "paper.md").read_text(encoding="utf-8")
+    report = (folder / "report.md").read_text(encoding="utf-8")
+    rows = [line for line in page.splitlines() if line.startswith("|")]
+    assert len(rows) > 40
+    assert [row for row in rows if row not in report] == []

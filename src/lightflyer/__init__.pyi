@@ -3,10 +3,14 @@ from .altitude import altitude_band as altitude_band
 from .altitude import altitude_bands as altitude_bands
 from .balance import Equilibrium as Equilibrium
 from .balance import equilibrium as equilibrium
+from .calibrate import Calibration as Calibration
+from .calibrate import calibrate as calibrate
 from .config.reader import read_film_file as read_film_file
 from .config.reader import read_flyer_file as read_flyer_file
 from .config.sections import FlyerFile as FlyerFile
 from .config.sections import Setup as Setup
+from .design.uncertainty import PredictionUncertainty as PredictionUncertainty
+from .design.uncertainty import propagate as propagate
 from .environment._base import AbstractAtmosphere as AbstractAtmosphere
 from .environment._base import AbstractEnvironment as AbstractEnvironment
 from .environment._base import EnvironmentState as EnvironmentState
@@ -67,6 +71,8 @@ from .levitation import lift as lift
 from .levitation import payload as payload
 from .levitation import weight as weight
 from .output import to_dataset as to_dataset
+from .points import Points as Points
+from .points import read_points as read_points
 from .precision import entry_point as entry_point
 from .precision import float64 as float64
 from .prediction import AltitudePrediction as AltitudePrediction

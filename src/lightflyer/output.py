@@ -104,8 +104,9 @@ def output_directory(directory: Path) -> Iterator[Callable[[str], Path]]:
     Yields
     ------
     callable
-        Takes a final file name, returns the temporary path to write. When the block ends
-        without an error each file is renamed to its final name; otherwise all are removed.
+        Takes a final file name, which may lie in a subfolder, returns the temporary path to
+        write. When the block ends without an error each file is renamed to its final name;
+        otherwise all are removed.
 
     Raises
     ------
@@ -122,13 +123,16 @@ def output_directory(directory: Path) -> Iterator[Callable[[str], Path]]:
 
     def stage(name: str) -> Path:
         names.append(name)
-        return Path(staging.name) / name
+        path = Path(staging.name) / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path
 
     finished = False
     try:
         with staging:
             yield stage
             for name in names:
+                (directory / name).parent.mkdir(exist_ok=True)
                 os.replace(Path(staging.name) / name, directory / name)
         finished = True
     except OSError as error:

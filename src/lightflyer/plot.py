@@ -27,21 +27,24 @@ _IRRADIANCE_SPAN = 30.0  # how far above the least irradiance the axes reach
 _DOTS_PER_INCH = 150
 
 
-def new_figure(columns: int = 1, width: float = 6.0, height: float = 4.2) -> Figure:
-    """An empty figure with axes in a row.
+def new_figure(columns: int = 1, width: float = 6.0, height: float = 4.2, rows: int = 1) -> Figure:
+    """An empty figure with axes in a row, or in several.
 
     Parameters
     ----------
     columns : int
-    width, height : float
-        Size of each axes [inch].
+    width : float
+        Of each axes [inch].
+    height : float
+        Of the figure [inch].
+    rows : int
 
     Returns
     -------
     matplotlib.figure.Figure
     """
     figure = Figure(figsize=(columns * width, height), layout="constrained")
-    figure.subplots(1, columns)
+    figure.subplots(rows, columns)
     return figure
 
 
@@ -69,8 +72,14 @@ def save(figure: Figure, paths: list[Path]) -> None:
                 canvas.print_png(path, metadata={"Software": None})
 
 
-def _plain_decades(axis: Axis) -> None:
-    """Label decades in plain numbers, which read as well as powers and draw much faster."""
+def plain_decades(axis: Axis) -> None:
+    """Label decades in plain numbers, which read as well as powers and draw much faster.
+
+    Parameters
+    ----------
+    axis : matplotlib.axis.Axis
+        A logarithmic one.
+    """
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_locator(LogLocator(subs=range(2, 10)))
     axis.set_minor_formatter(NullFormatter())
@@ -152,7 +161,7 @@ def irradiance_over_altitude(prediction: AltitudePrediction, ax: Axes, available
         ax.set_ylim(0.5 * least, _IRRADIANCE_SPAN * max(least, available) / 2)
     _shade_bands(prediction, ax)
     ax.set_yscale("log")
-    _plain_decades(ax.yaxis)
+    plain_decades(ax.yaxis)
     ax.set_ylabel("irradiance [W/m²]")
     _altitude_axis(prediction, ax)
     ax.legend(loc="lower left")
@@ -245,8 +254,8 @@ def irradiance_over_pressure(prediction: ChamberPrediction, ax: Axes) -> Axes:
     finite = np.isfinite(needed)
     ax.set_xscale("log")
     ax.set_yscale("log")
-    _plain_decades(ax.xaxis)
-    _plain_decades(ax.yaxis)
+    plain_decades(ax.xaxis)
+    plain_decades(ax.yaxis)
     ax.set_xlabel("pressure [Pa]")
     ax.set_ylabel("irradiance to levitate [W/m²]")
     ax.grid(alpha=0.25, which="both")
@@ -291,7 +300,7 @@ def temperature_map(prediction: ChamberPrediction, ax: Axes) -> Axes:
     shown = np.where(needed <= prediction.map_irradiance[-1], needed, np.nan)
     ax.plot(prediction.pressure, shown, color="white", lw=2, label="levitates above")
     ax.set_xscale("log")
-    _plain_decades(ax.xaxis)
+    plain_decades(ax.xaxis)
     ax.set_xlim(prediction.map_pressure[0], prediction.map_pressure[-1])
     ax.set_ylim(prediction.map_irradiance[0], prediction.map_irradiance[-1])
     ax.set_xlabel("pressure [Pa]")

@@ -46,13 +46,26 @@ Table: TypeAlias = dict[str, np.ndarray]
 """Quantities by name, each an array over the same coordinates, in SI units."""
 
 
-@quick_entry_point
-def _behaviour(
+def behaviour(
     setup: tuple[AbstractFlyer, AbstractEnvironment, AbstractForceModel],
     coordinate: Numeric,
     irradiance: Numeric,
 ) -> dict[str, Any]:
-    """Everything a prediction tabulates, at each coordinate under its irradiance."""
+    """Everything a prediction tabulates, at each coordinate under its irradiance.
+
+    Parameters
+    ----------
+    setup : tuple of flyer, environment and force model
+    coordinate : array, shape (...)
+        Altitude [m] or pressure [Pa].
+    irradiance : array, shape (...)
+        [W/m²].
+
+    Returns
+    -------
+    dict of str to array, broadcast shape
+        SI units; to be called under double precision, by way of an entry point.
+    """
     flyer, environment, model = setup
     state = environment.state(coordinate)
     state = eqx.tree_at(lambda state: state.radiation.irradiance, state, irradiance)
@@ -75,6 +88,9 @@ def _behaviour(
         "residual": jnp.abs(balance.residual) + jnp.abs(levitation.residual),
     }
     return {name: value + jnp.zeros_like(coordinate) for name, value in quantities.items()}
+
+
+_behaviour = quick_entry_point(behaviour)
 
 
 class _Evaluator:

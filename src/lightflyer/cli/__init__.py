@@ -40,6 +40,16 @@ app.command(
     name="materials",
     help="List the materials that layers may be made of.",
 )
+app.command(
+    "lightflyer.cli.calibrate:calibrate_command",
+    name="calibrate",
+    help="Fit force coefficients and film properties to measured levitation points.",
+)
+app.command(
+    "lightflyer.cli.paper:paper_command",
+    name="paper",
+    help="Recompute the paper: its claims, figures and tables beside ours.",
+)
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:

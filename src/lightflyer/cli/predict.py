@@ -10,10 +10,11 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.errors import ConfigurationError
+from lightflyer.errors import ConfigurationError, ParameterError
 
 if TYPE_CHECKING:
     from lightflyer.config.sections import FlyerFile, Setup
+    from lightflyer.design.uncertainty import PredictionUncertainty
     from lightflyer.prediction import AltitudePrediction, ChamberPrediction
 
 _KILOMETRE = 1e3
@@ -28,6 +29,8 @@ def predict_command(
     at: str | None = None,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
     csv: Annotated[bool, Parameter(negative=())] = False,
+    samples: int = 500,
+    seed: int = 0,
 ) -> None:
     """Predict where a flyer levitates, what it carries and how hot it gets.
 
@@ -45,20 +48,30 @@ def predict_command(
         Print one JSON object instead of tables.
     csv
         With --out, write the table as CSV too.
+    samples
+        Monte Carlo samples for the bands of a file with ±; 0 for first order alone.
+    seed
+        Of the samples.
     """
     gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
     from lightflyer.config.reader import read_flyer_file
     from lightflyer.prediction import predict
 
+    if samples < 0 or seed < 0:
+        raise ParameterError("--samples and --seed must be zero or positive")
     configuration = read_flyer_file(flyer_file)
     setup = configuration.build()
     loading = _load_in_background() if out is not None else None
     prediction = predict(setup, _asked(at, setup))
     summary = prediction.summary() | _film_origins(configuration)
+    uncertainty = _uncertainty(configuration, prediction, samples, seed)
+    if uncertainty is not None:
+        summary["uncertainty"] = uncertainty.summary()
     written = []
     if out is not None and loading is not None:
         loading.join()
-        written = _write(out, configuration, flyer_file, setup, prediction, summary, csv=csv)
+        results = (prediction, summary, uncertainty)
+        written = _write(out, configuration, flyer_file, setup, results, csv=csv)
     if json_output:
         print(json.dumps(summary, allow_nan=False))  # noqa: T201
         return
@@ -68,6 +81,19 @@ def predict_command(
         console.print(f"wrote {path}", soft_wrap=True)
     if out is None:
         console.print("add --out FOLDER to write figures and data")
+
+
+def _uncertainty(
+    configuration: "FlyerFile",
+    prediction: "AltitudePrediction | ChamberPrediction",
+    samples: int,
+    seed: int,
+) -> "PredictionUncertainty | None":
+    if not configuration.uncertainties():
+        return None  # and nothing is imported or compiled for it
+    from lightflyer.design.uncertainty import propagate
+
+    return propagate(configuration, prediction, samples, seed)
 
 
 def _load_in_background() -> threading.Thread:
@@ -119,17 +145,24 @@ def _write(
     configuration: "FlyerFile",
     flyer_file: Path,
     setup: "Setup",
-    prediction: "AltitudePrediction | ChamberPrediction",
-    summary: dict[str, Any],
+    results: "tuple[AltitudePrediction | ChamberPrediction, Any, PredictionUncertainty | None]",
     *,
     csv: bool,
 ) -> list[Path]:
     from lightflyer import output, plot
 
+    prediction, summary, uncertainty = results
+
     dataset = output.to_dataset(prediction, flyer_file.read_text(encoding="utf-8-sig"))
     dataset.attrs["uncertainties"] = json.dumps(configuration.uncertainties())
     dataset.attrs["summary"] = json.dumps(summary)
     available = float(setup.environment.radiation.irradiance)
+    figures = plot.prediction_figures(prediction, available)
+    if uncertainty is not None:
+        from lightflyer.design import bands
+
+        bands.add_to_dataset(dataset, prediction, uncertainty)
+        bands.add_to_figures(figures, prediction, uncertainty)
     names = ["prediction.nc", "prediction.json"]
     with output.output_directory(out) as stage:
         dataset.to_netcdf(stage("prediction.nc"), engine="h5netcdf")
@@ -138,7 +171,7 @@ def _write(
         if csv:
             names.append("prediction.csv")
             output.write_csv(prediction, stage("prediction.csv"))
-        for name, figure in plot.prediction_figures(prediction, available).items():
+        for name, figure in figures.items():
             files = [f"{name}.png", f"{name}.svg"]
             plot.save(figure, [stage(file) for file in files])
             names += files
@@ -168,11 +201,35 @@ def _show(
     else:
         _show_chamber(console, summary)
     console.print(_points_table(summary["at"]))
-    uncertain = configuration.uncertainties()
-    if uncertain:
-        console.print(
-            f"uncertainties of {', '.join(uncertain)} are kept with the data, not propagated"
-        )
+    if "uncertainty" in summary:
+        _show_bands(console, summary["uncertainty"])
+    elif configuration.uncertainties():
+        uncertain = ", ".join(configuration.uncertainties())
+        console.print(f"uncertainties of {uncertain} are kept with the data, not propagated")
+
+
+def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
+    """The 95 % bands of all results but those asked for one by one."""
+    table = Table(box=None, padding=(0, 1))
+    for heading in ("95 % band of", "value", "first order", "Monte Carlo", "of samples"):
+        first = heading == "95 % band of"
+        table.add_column(heading, justify="left" if first else "right", overflow="fold")
+    for name, result in uncertainty["results"].items():
+        if not name.startswith("at["):
+            sampled = result.get("monte_carlo")
+            share = f"{100.0 * sampled['share_of_samples']:.0f} %" if sampled else "–"
+            cells = (f"{result['value']:.4g}", _span(result["first_order"]), _span(sampled), share)
+            table.add_row(name, *cells)
+    console.print(table)
+    correlation = uncertainty["tac_correlation"]
+    note = "" if correlation is None else f", TAC errors correlated by {correlation:g}"
+    console.print(f"from the ± of {', '.join(uncertainty['inputs'])}{note}")
+
+
+def _span(band: dict[str, Any] | None) -> str:
+    if band is None or band["low"] is None:
+        return "–"
+    return f"{band['low']:.4g} to {band['high']:.4g}"
 
 
 def _origins_line(film: dict[str, Any]) -> str:

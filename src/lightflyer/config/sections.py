@@ -55,6 +55,7 @@ _Latitude = Annotated[Measured, Quantity("deg", -90.0, 90.0)]
 _Longitude = Annotated[Measured, Quantity("deg", -180.0, 360.0)]
 _SolarFlux = Annotated[Measured, Quantity("", 40.0, 500.0)]
 _GeomagneticIndex = Annotated[Measured, Quantity("", 0.0, 400.0)]
+_Correlation = Annotated[Measured, Quantity("", -1.0, 1.0)]
 _GasName = Literal["air", "lu2023-air"]
 
 
@@ -81,6 +82,7 @@ class FilmSection(_Section):
     emittance_bottom: _Emittance | None = None
     tac_top: _Tac
     tac_bottom: _Tac
+    tac_correlation: _Correlation = Measured(0.0)
 
     @pydantic.model_validator(mode="after")
     def _one_emittance_a_face(self) -> "FilmSection":
@@ -383,6 +385,29 @@ class FlyerFile(_Section):
             for name, value in getattr(self, section)
             if isinstance(value, Measured) and value.uncertainty is not None
         }
+
+
+def quantity_of(section: type[pydantic.BaseModel], name: str) -> Quantity:
+    """Unit and range of a section's number.
+
+    Parameters
+    ----------
+    section : type
+        Class of the section.
+    name : str
+        Of the field.
+
+    Returns
+    -------
+    Quantity
+    """
+    field = section.model_fields[name]
+    # the annotation of an optional field stands one level deeper
+    parts = [
+        *field.metadata,
+        *(part for arg in get_args(field.annotation) for part in get_args(arg)),
+    ]
+    return next(part for part in parts if isinstance(part, Quantity))
 
 
 def known_keys(section: str, content: Any) -> list[str]:

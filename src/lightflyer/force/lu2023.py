@@ -25,7 +25,7 @@ _CONVECTION = 0.417  # Rayleigh-number term of [Lu2023] Eq. (7)
 class Reading(eqx.Module):
     """The conventions in which the two readings of the paper differ.
 
-    A weight of 0 stands for the gas temperature, 1 for the mean of gas and disk.
+    A weight of 0 stands for the gas temperature, 1 for the mean of gas and disk, 2 for the disk.
 
     Attributes
     ----------
@@ -35,11 +35,14 @@ class Reading(eqx.Module):
         How often Eq. (5) is counted. The isothermal disk's 8rκΔT is for both faces already.
     force_weight : float
         Temperature that divides the difference in Eq. (19).
+    creep_weight : float
+        Temperature in the numerator of Eq. (20).
     """
 
     heat_weight: float = eqx.field(static=True)
     continuum_faces: float = eqx.field(static=True)
     force_weight: float = eqx.field(static=True)
+    creep_weight: float = eqx.field(static=True, default=2.0)
 
 
 PRINTED = Reading(heat_weight=1.0, continuum_faces=1.0, force_weight=0.0)
@@ -103,7 +106,8 @@ class Lu2023(AbstractForceModel):
         """See :meth:`AbstractForceModel.force`."""
         stretch = 1.0 + 0.5 * self.reading.force_weight * excess
         free_molecular = 0.25 * flyer.area * state.pressure / stretch
-        continuum = _creep_stiffness(flyer, state, excess)
+        creep_temperature = state.temperature * (1.0 + 0.5 * self.reading.creep_weight * excess)
+        continuum = _creep_stiffness(flyer, state, excess, creep_temperature)
         per_difference = _in_series(self.c_fm * free_molecular, self.c_cont * continuum)
         return flyer.film.tac_difference * excess * per_difference
 
@@ -158,20 +162,22 @@ def _continuum_conductance(flyer: AbstractFlyer, state: EnvironmentState, excess
     return nusselt * jnp.pi * flyer.radius * conductivity * state.temperature
 
 
-def _creep_stiffness(flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
+def _creep_stiffness(
+    flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric, creep_temperature: Numeric
+) -> Array:
     r"""Continuum force per relative temperature excess and TAC difference [N].
 
     .. math:: \frac{F_\mathrm{cont}}{\Delta\alpha\,\theta} = 16\mu \cdot 6\kappa_s \frac\mu\rho
         \cdot \frac{T_h\kappa}{r p\bar v}\cdot\frac{\gamma-1}{\gamma+1}\cdot\frac1{\bar\alpha}
 
-    [Lu2023]_ Eq. (20), with the factor μ that its misprint lost.
+    [Lu2023]_ Eq. (20), with the factor μ that its misprint lost and the temperature that the
+    reading chooses for :math:`T_h`.
     """
     mean, gas = _mean_temperature(state, excess), state.gas
     viscosity = gas.viscosity(mean)
     kinematic = viscosity / gas.density(state.pressure, mean)
     creep = 16.0 * viscosity * 6.0 * _THERMAL_CREEP * kinematic
-    hot = state.temperature * (1.0 + excess)
-    flux = hot * gas.conductivity(mean)
+    flux = creep_temperature * gas.conductivity(mean)
     thermal = flux / (flyer.radius * state.pressure * gas.mean_speed(mean))
     internal_modes = (gas.heat_capacity_ratio - 1.0) / (gas.heat_capacity_ratio + 1.0)
     return creep * thermal * internal_modes / flyer.film.tac_mean

@@ -1,0 +1,40 @@
+"""``lightflyer paper``: the published claims, figures and tables beside ours."""
+
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+
+def paper_command(*, out: Path = Path("paper"), data: Path | None = None) -> None:
+    """Recompute the paper: every claim, figure and table that its text lets one compute.
+
+    Parameters
+    ----------
+    out
+        Folder to write the report (HTML, Markdown, JSON), the figures and their data into.
+    data
+        Your own measured points, a CSV with columns such as "sample, pressure [mTorr],
+        irradiance [W/m^2], diameter [cm], figure"; drawn in figures 2, 5, S2 and S3.
+    """
+    from lightflyer.points import read_points
+
+    points = None if data is None else read_points(data)
+
+    from lightflyer.paper.claims import claims
+    from lightflyer.paper.reproduce import STEPS, reproduce
+
+    console = Console(highlight=False)
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task("computing", total=STEPS)
+        results = reproduce(out, points, lambda text: bar.update(task, advance=1, description=text))
+    table = Table(box=None, padding=(0, 1))
+    for heading in ("#", "claim", "verdict", "by"):
+        table.add_column(heading, justify="right" if heading == "#" else "left")
+    for claim in claims():
+        by = ", ".join(claim.reproducing(results.columns))
+        table.add_row(str(claim.number), claim.text, str(claim.overall(results.columns)), by)
+    console.print(table)
+    for name in ("report.html", "report.md", "report.json", "figures", "data"):
+        console.print(f"wrote {out / name}", soft_wrap=True)

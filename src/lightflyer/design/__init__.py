@@ -1,0 +1,1 @@
+"""From one prediction to many: uncertainty."""

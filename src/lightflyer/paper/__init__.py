@@ -1,0 +1,1 @@
+"""The published figures, tables and claims, each beside what this code gives."""

@@ -1,0 +1,166 @@
+"""The paper's claims and what the recomputed numbers say about each.
+
+A verdict is computed: from the paper's value, ours and the tolerance in ``data/lu2023.toml``.
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from lightflyer.paper.conditions import facts
+
+DECIDING = "reported"
+"""Column whose verdict is the claim's."""
+
+_ROUNDING = 1e-9  # of floating-point numbers, not of the paper's
+
+
+class Verdict(StrEnum):
+    """What comparing a claim with our numbers gives."""
+
+    REPRODUCED = "reproduced"
+    DIFFERS = "differs"
+    NOT_RECOMPUTABLE = "reported but not recomputable"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number of a claim.
+
+    Attributes
+    ----------
+    key, name, unit : str
+    lowest, highest : float
+        The paper's value, or the range it gives.
+    tolerance : float
+        Largest difference that still counts as reproduced.
+    tolerance_note : str
+        Why it is not one unit of the last printed digit.
+    """
+
+    key: str
+    name: str
+    unit: str
+    lowest: float
+    highest: float
+    tolerance: float
+    tolerance_note: str = ""
+
+    @property
+    def paper(self) -> str:
+        """The paper's value as text."""
+        if self.lowest == self.highest:
+            return f"{self.lowest:g}"
+        return f"{self.lowest:g}–{self.highest:g}"
+
+    def difference(self, ours: float) -> float:
+        """Ours minus the paper's value; zero inside a range."""
+        return min(ours - self.lowest, 0.0) + max(ours - self.highest, 0.0)
+
+    def agrees(self, ours: float) -> bool:
+        """Whether our value is within tolerance; NaN is not."""
+        return abs(self.difference(ours)) <= self.tolerance + _ROUNDING * abs(self.highest)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim of the paper.
+
+    Attributes
+    ----------
+    number : int
+    text : str
+    quantities : tuple of Quantity
+    missing : str
+        What recomputing it would need and the text does not give; empty if nothing.
+    note : str
+        What explains a difference.
+    """
+
+    number: int
+    text: str
+    quantities: tuple[Quantity, ...]
+    missing: str = ""
+    note: str = ""
+
+    def verdict(self, values: dict[str, float]) -> Verdict:
+        """Verdict on one column's numbers.
+
+        Parameters
+        ----------
+        values : dict of str to float
+            Ours, by the quantities' keys.
+
+        Returns
+        -------
+        Verdict
+        """
+        if self.missing:
+            return Verdict.NOT_RECOMPUTABLE
+        agree = all(quantity.agrees(values[quantity.key]) for quantity in self.quantities)
+        return Verdict.REPRODUCED if agree else Verdict.DIFFERS
+
+    def reproducing(self, columns: dict[str, dict[str, float]]) -> list[str]:
+        """The columns by which the claim is reproduced."""
+        return [
+            name for name, values in columns.items() if self.verdict(values) is Verdict.REPRODUCED
+        ]
+
+    def overall(self, columns: dict[str, dict[str, float]]) -> Verdict:
+        """Verdict by the column that gives the paper's own predictions.
+
+        Not the best of all columns: no reading may be picked claim by claim.
+
+        Parameters
+        ----------
+        columns : dict of str to dict
+            Our values by column.
+
+        Returns
+        -------
+        Verdict
+        """
+        return self.verdict(columns[DECIDING])
+
+    def reason(self, columns: dict[str, dict[str, float]]) -> str:
+        """What is missing, or what is outside the tolerance by which column and why."""
+        if self.missing:
+            return f"missing: {self.missing}"
+        off = {
+            name: [q.name for q in self.quantities if not q.agrees(values[q.key])]
+            for name, values in columns.items()
+        }
+        outside = "; ".join(f"{name}: {', '.join(names)}" for name, names in off.items() if names)
+        return f"outside the tolerance by {outside}. {self.note}" if outside else ""
+
+
+def claims() -> list[Claim]:
+    """The paper's claims, in order.
+
+    Returns
+    -------
+    list of Claim
+    """
+    return [
+        Claim(
+            number=stated["number"],
+            text=stated["text"],
+            quantities=tuple(map(_quantity, stated.get("quantity", []))),
+            missing=stated.get("missing", ""),
+            note=stated.get("note", ""),
+        )
+        for stated in facts()["claim"]
+    ]
+
+
+def _quantity(stated: dict[str, Any]) -> Quantity:
+    lowest, highest = stated.get("range") or (stated["value"], stated["value"])
+    return Quantity(
+        key=stated["key"],
+        name=stated["name"],
+        unit=stated["unit"],
+        lowest=lowest,
+        highest=highest,
+        tolerance=stated["tolerance"],
+        tolerance_note=stated.get("tolerance_note", ""),
+    )

@@ -1,0 +1,179 @@
+"""The numbers behind the paper's figures, as tables that are written beside them."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from lightflyer import constants
+from lightflyer.paper.conditions import COLUMNS, facts, film, in_chamber, over_altitude
+from lightflyer.paper.results import best_payload, film_mass, planck_per_wavenumber
+
+Curves = dict[str, np.ndarray]
+"""Columns by name with unit; all of one figure, or one panel, have one length."""
+
+TORR = constants.SEA_LEVEL_PRESSURE / 760.0
+"""[Pa]; the unit's definition."""
+
+COATINGS = ("ge", "cnt")
+PANEL_SIZES_CM = (2, 3, 4)
+"""Diameters of Fig. 5(b-d) [cm]."""
+
+SIZES_CM = np.round(np.arange(0.2, 6.01, 0.1), 1)
+"""Diameters of Fig. S8 [cm]."""
+
+ALTITUDE_SIZES_CM = (0.5, 1.0, 2.0, 3.0, 4.0)
+"""Diameters of Fig. S7 [cm]."""
+
+PLANCK_TEMPERATURES = (400, 500)
+"""Temperatures of Fig. 3(c) [K]."""
+
+MAP_PRESSURES_MTORR = np.geomspace(1.0, 300.0, 61)
+MAP_IRRADIANCES = np.linspace(0.0, 4000.0, 41)
+
+_CENTIMETRE = 1e-2
+_MILLI = 1e-3
+_KILO = 1e3
+_MILLIGRAM = 1e-6
+_OBLIQUE = 45.0  # degrees, Fig. 6(a)
+_ALTITUDES_KM = np.linspace(55.0, 90.0, 351)
+
+
+def _finite(values: np.ndarray) -> np.ndarray:
+    return np.where(np.isfinite(values), values, np.nan)
+
+
+def figure_3c() -> Curves:
+    """Planck radiance over the wavenumbers of the measured spectra."""
+    wavenumber = np.linspace(400.0, 4000.0, 361)
+    curves = {"wavenumber [1/cm]": wavenumber}
+    for temperature in PLANCK_TEMPERATURES:
+        radiance = planck_per_wavenumber(wavenumber, temperature)
+        curves[f"radiance at {temperature} K [W/(m^2 sr cm^-1)]"] = radiance
+    return curves
+
+
+def figure_5a() -> Curves:
+    """Temperature of the 2-cm disks over pressure and irradiance, reported reading."""
+    pressure, light = np.meshgrid(MAP_PRESSURES_MTORR, MAP_IRRADIANCES, indexing="ij")
+    curves = {"pressure [mTorr]": pressure.ravel(), "irradiance [W/m^2]": light.ravel()}
+    for coating in COATINGS:
+        table = in_chamber(
+            COLUMNS[1],
+            film(coating),
+            curves["pressure [mTorr]"] * _MILLI * TORR,
+            PANEL_SIZES_CM[0] * _CENTIMETRE,
+            curves["irradiance [W/m^2]"],
+        )
+        curves[f"temperature {coating} [K]"] = table["temperature"]
+        curves[f"lift over weight {coating} [1]"] = table["lift_over_weight"]
+    return curves
+
+
+def figure_5bcd() -> Curves:
+    """Irradiance to levitate against pressure, both coatings, three sizes, all readings."""
+    pressure = np.geomspace(1.0, 300.0, 201)
+    curves = {"pressure [mTorr]": pressure, "pressure [Pa]": pressure * _MILLI * TORR}
+    for size in PANEL_SIZES_CM:
+        for coating in COATINGS:
+            for column in COLUMNS:
+                table = in_chamber(
+                    column, film(coating), curves["pressure [Pa]"], size * _CENTIMETRE
+                )
+                name = f"irradiance {size} cm {coating} {column.key} [W/m^2]"
+                curves[name] = _finite(table["levitation_irradiance"])
+    return curves
+
+
+def figure_6() -> Curves:
+    """Irradiance and temperature to levitate against altitude, 2 cm, all readings."""
+    size = PANEL_SIZES_CM[0] * _CENTIMETRE
+    curves = {"altitude [km]": _ALTITUDES_KM}
+    for column in COLUMNS:
+        for name, incidence in (("", 0.0), (" 45 deg", _OBLIQUE)):
+            table = over_altitude(
+                column, _ALTITUDES_KM * _KILO, size, constants.SOLAR_CONSTANT, incidence
+            )
+            irradiance = _finite(table["levitation_irradiance"])
+            curves[f"irradiance{name} {column.key} [W/m^2]"] = irradiance
+        curves[f"temperature {column.key} [K]"] = table["levitation_temperature"]
+    return curves
+
+
+def figure_s7() -> Curves:
+    """Germanium-coated disks of several sizes over altitude, reported reading."""
+    curves = {"altitude [km]": _ALTITUDES_KM}
+    for size in ALTITUDE_SIZES_CM:
+        light = constants.SOLAR_CONSTANT
+        table = over_altitude(COLUMNS[1], _ALTITUDES_KM * _KILO, size * _CENTIMETRE, light)
+        irradiance = _finite(table["levitation_irradiance"])
+        curves[f"irradiance {size:g} cm [W/m^2]"] = irradiance
+        curves[f"temperature {size:g} cm [K]"] = table["temperature"]
+        curves[f"payload {size:g} cm [mg]"] = table["payload"] / _MILLIGRAM
+        curves[f"relative payload {size:g} cm [1]"] = table["relative_payload"]
+    return curves
+
+
+def figure_s8() -> Curves:
+    """Largest payload over size, each at its best altitude, all readings."""
+    curves = {"diameter [cm]": SIZES_CM}
+    for column in COLUMNS:
+        altitude, relative = best_payload(column, SIZES_CM * _CENTIMETRE)
+        curves[f"payload {column.key} [mg]"] = relative * film_mass(SIZES_CM * _CENTIMETRE)
+        curves[f"relative payload {column.key} [1]"] = relative
+        curves[f"altitude {column.key} [km]"] = altitude / _KILO
+    return curves
+
+
+FIGURES: dict[str, tuple[str, Callable[[], Curves]]] = {
+    "figure-3c": ("Fig. 3(c), right axis", figure_3c),
+    "figure-5a": ("Fig. 5(a)", figure_5a),
+    "figure-5bcd": ("Fig. 5(b–d)", figure_5bcd),
+    "figure-6": ("Fig. 6(a, b)", figure_6),
+    "figure-s7": ("Fig. S7(a–d)", figure_s7),
+    "figure-s8": ("Fig. S8(a, b)", figure_s8),
+}
+"""What the figures are called and where their numbers come from, by file name."""
+
+
+def captions() -> dict[str, str]:
+    """What each figure shows and under which conditions, by file name.
+
+    Returns
+    -------
+    dict of str to str
+    """
+    chamber = facts()["chamber"]["note"]
+    versions = (
+        "Figs. 6 and S8 of the paper may come from slightly different versions of its model: with "
+        "the mean temperature for that of the disk in (20) the 3-cm payload of its text comes out."
+    )
+    return {
+        "figure-3c": "Blackbody radiance per wavenumber at 400 K and 500 K; shaded, the window of "
+        "900 ± 400 cm⁻¹. The measured spectra of the left axis are not available and not drawn.",
+        "figure-5a": f"Temperature of 2-cm disks over pressure and irradiance, reported reading; "
+        f"above the white line they levitate. {chamber}",
+        "figure-5bcd": f"Irradiance to levitate against pressure. {chamber}",
+        "figure-6": f"2-cm disk in the paper's atmosphere: (a) irradiance to levitate, at normal "
+        f"incidence and 45°; (b) its temperature when it just levitates. {versions}",
+        "figure-s7": "Disks of several sizes over altitude at 1360 W/m², reported reading. The "
+        "text that we have does not say what the paper's four panels show: this arrangement is "
+        "ours.",
+        "figure-s8": f"Largest payload and relative payload at 1360 W/m² over the disk's diameter, "
+        f"each at the altitude best for it. {versions}",
+    }
+
+
+def rows(curves: Curves) -> Iterator[str]:
+    """The lines of a CSV file with the curves; an empty cell where there is no value.
+
+    Parameters
+    ----------
+    curves : dict of str to array
+
+    Yields
+    ------
+    str
+    """
+    yield ",".join(curves)
+    for values in zip(*curves.values(), strict=True):
+        yield ",".join("" if np.isnan(value) else f"{value:.8g}" for value in values)

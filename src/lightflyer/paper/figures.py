@@ -1,0 +1,294 @@
+"""The paper's figures, drawn from :mod:`lightflyer.paper.curves`.
+
+Points are drawn only where the user gives them; without any, no figure shows measured data.
+"""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from lightflyer import constants
+from lightflyer.paper.conditions import COLUMNS, facts
+from lightflyer.paper.curves import (
+    ALTITUDE_SIZES_CM,
+    COATINGS,
+    MAP_IRRADIANCES,
+    MAP_PRESSURES_MTORR,
+    PANEL_SIZES_CM,
+    PLANCK_TEMPERATURES,
+    TORR,
+    Curves,
+)
+from lightflyer.plot import BLUE, GREEN, GREY, ORANGE, VERMILION, new_figure, plain_decades
+from lightflyer.points import Points
+
+_STYLES = {"printed": "--", "reported": "-", "reported-mean": ":"}
+_COLOURS = {"ge": BLUE, "cnt": VERMILION}
+_NAMES = {"ge": "Ge", "cnt": "CNT"}
+_SIZE_COLOURS = ("black", VERMILION, BLUE, GREEN, ORANGE)
+_SIZE_STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
+_MARKERS = "osD^vP*X"
+_MILLI, _KILO, _CENTIMETRE = 1e-3, 1e3, 1e-2
+_FLIGHT_KM = (60.0, 88.0)  # drawn range of Fig. 6
+_MEASURED_FIGURES = ("2", "S2", "S3")
+
+
+def _letter(ax: Axes, letter: str) -> None:
+    ax.set_title(f"({letter})", loc="left", fontweight="bold")
+
+
+def _torr_axis(ax: Axes) -> None:
+    """Pressure in mTorr below, in Pa above."""
+    ax.set_xscale("log")
+    ax.set_xlabel("pressure [mTorr]")
+    plain_decades(ax.xaxis)
+    scale = _MILLI * TORR
+
+    def to_pascal(pressure: Any) -> Any:
+        return pressure * scale
+
+    def to_millitorr(pressure: Any) -> Any:
+        return pressure / scale
+
+    top = ax.secondary_xaxis("top", functions=(to_pascal, to_millitorr))
+    top.set_xlabel("pressure [Pa]")
+    plain_decades(top.xaxis)
+
+
+def _draw_3c(curves: Curves) -> Figure:
+    figure = new_figure()
+    (ax,) = figure.axes
+    wavenumber = curves["wavenumber [1/cm]"]
+    for colour, style, temperature in zip(
+        (BLUE, VERMILION), ("-", "--"), PLANCK_TEMPERATURES, strict=True
+    ):
+        radiance = curves[f"radiance at {temperature} K [W/(m^2 sr cm^-1)]"]
+        ax.plot(wavenumber, radiance, color=colour, ls=style, label=f"blackbody, {temperature} K")
+    window = facts()["window"]
+    centre, half = window["wavenumber_per_cm"], window["half_width_per_cm"]
+    ax.axvspan(centre - half, centre + half, color=GREY, alpha=0.2, lw=0, label="900 ± 400 cm⁻¹")
+    ax.set_xlim(wavenumber[-1], wavenumber[0])  # spectra run from high to low wavenumbers
+    ax.set_ylim(bottom=0.0)
+    ax.set_xlabel("wavenumber [cm⁻¹]")
+    ax.yaxis.tick_right()
+    ax.yaxis.set_label_position("right")
+    ax.set_ylabel("blackbody radiance [W/(m² sr cm⁻¹)]")
+    ax.legend(loc="upper left")
+    return figure
+
+
+def _draw_5a(curves: Curves) -> Figure:
+    figure = new_figure(columns=2)
+    shape = (MAP_PRESSURES_MTORR.size, MAP_IRRADIANCES.size)
+    tables = {name: curves[f"temperature {name} [K]"].reshape(shape) for name in ("cnt", "ge")}
+    hottest = max(table.max() for table in tables.values())
+    coldest = facts()["chamber"]["temperature_k"]
+    levels = np.arange(np.floor(coldest / 20.0) * 20.0, hottest + 20.0, 20.0)
+    for ax, (coating, table) in zip(figure.axes[:2], tables.items(), strict=True):
+        image = ax.contourf(
+            MAP_PRESSURES_MTORR, MAP_IRRADIANCES / _KILO, table.T, levels=levels, cmap="cividis"
+        )
+        _torr_axis(ax)
+        ax.set_ylabel("irradiance [kW/m²]")
+        name = f"mylar-{_NAMES[coating]}, 2 cm"
+        white = {"facecolor": "white", "edgecolor": "none"}
+        ax.text(0.03, 0.93, name, transform=ax.transAxes, bbox=white, va="top")
+        lift = curves[f"lift over weight {coating} [1]"].reshape(shape)
+        ax.contour(MAP_PRESSURES_MTORR, MAP_IRRADIANCES / _KILO, lift.T, [1.0], colors="white")
+    figure.colorbar(image, ax=figure.axes[:2], label="temperature of the disk [K]")
+    _letter(figure.axes[0], "a")
+    return figure
+
+
+def _draw_5bcd(curves: Curves, points: Points | None) -> Figure:
+    figure = new_figure(columns=3, width=4.6)
+    for ax, letter, size in zip(figure.axes[:3], "bcd", PANEL_SIZES_CM, strict=True):
+        for coating in COATINGS:
+            for column in COLUMNS:
+                needed = curves[f"irradiance {size} cm {coating} {column.key} [W/m^2]"] / _KILO
+                ax.plot(
+                    curves["pressure [mTorr]"],
+                    needed,
+                    color=_COLOURS[coating],
+                    ls=_STYLES[column.key],
+                    label=f"{_NAMES[coating]}, {column.title}",
+                )
+        _draw_points(ax, points, _in_panel(points, size))
+        ax.set_yscale("log")
+        plain_decades(ax.yaxis)
+        ax.set_ylim(0.4, 20.0)
+        ax.set_xlim(1.0, 300.0)
+        _torr_axis(ax)
+        ax.set_ylabel("irradiance to levitate [kW/m²]")
+        ax.text(0.05, 0.05, f"{size} cm", transform=ax.transAxes)
+        _letter(ax, letter)
+    lines: dict[str, Any] = {}
+    for ax in figure.axes[:3]:
+        lines |= {label: line for line, label in zip(*ax.get_legend_handles_labels(), strict=True)}
+    handles = list(lines.values())
+    figure.legend(handles, list(lines), fontsize="small", loc="outside lower center", ncols=6)
+    return figure
+
+
+def _in_panel(points: Points | None, size_cm: float) -> Any:
+    if points is None or "diameter" not in points.numbers:
+        return None
+    return np.isclose(points.numbers["diameter"], size_cm * _CENTIMETRE)
+
+
+def _draw_points(ax: Axes, points: Points | None, chosen: Any) -> None:
+    """Draw the user's own points; the only ones that are ever drawn."""
+    if points is None or chosen is None:
+        return
+    spread = points.numbers.get("irradiance_uncertainty")
+    for marker, sample in zip(_MARKERS * len(points), dict.fromkeys(points.samples), strict=False):
+        here = chosen & points.of(sample)
+        if not here.any():
+            continue
+        ax.errorbar(
+            points.pressure[here] / (_MILLI * TORR),
+            points.irradiance[here] / _KILO,
+            yerr=None if spread is None else spread[here] / _KILO,
+            fmt=marker,
+            color="black",
+            mfc="none",
+            ms=5,
+            label=f"{sample} (your data)",
+        )
+
+
+def _draw_6(curves: Curves) -> Figure:
+    figure = new_figure(columns=2)
+    left, right = figure.axes[:2]
+    altitude = curves["altitude [km]"]
+    for column in COLUMNS:
+        style = _STYLES[column.key]
+        for colour, name, label in ((BLUE, "", "normal"), (ORANGE, " 45 deg", "45°")):
+            needed = curves[f"irradiance{name} {column.key} [W/m^2]"] / _KILO
+            text = f"{label}, {column.title}"
+            left.plot(altitude, needed, color=colour, ls=style, label=text)
+        temperature = curves[f"temperature {column.key} [K]"]
+        right.plot(altitude, temperature, color=BLUE, ls=style, label=column.title)
+    available = constants.SOLAR_CONSTANT / _KILO
+    left.axhline(available, color=GREY, lw=1)
+    left.annotate("1.36 kW/m²", (_FLIGHT_KM[0], available), (4, 4), textcoords="offset points")
+    left.set_ylim(0.0, 4.0)
+    left.set_ylabel("irradiance to levitate [kW/m²]")
+    left.legend(fontsize="x-small", loc="upper center")
+    right.set_ylim(280.0, 600.0)
+    right.set_ylabel("temperature when just levitating [K]")
+    right.legend(fontsize="small")
+    for ax, letter in ((left, "a"), (right, "b")):
+        ax.set_xlabel("altitude [km]")
+        ax.set_xlim(*_FLIGHT_KM)
+        ax.grid(alpha=0.25)
+        _letter(ax, letter)
+    return figure
+
+
+def _draw_s7(curves: Curves) -> Figure:
+    figure = new_figure(columns=2, height=8.0, rows=2)
+    panels = (
+        ("a", "irradiance", "[W/m^2]", "irradiance to levitate [W/m²]", (0.0, 4000.0)),
+        ("b", "temperature", "[K]", "temperature in sunlight [K]", (200.0, 560.0)),
+        ("c", "payload", "[mg]", "payload in sunlight [mg]", (-0.4, 0.4)),
+        ("d", "relative payload", "[1]", "relative payload in sunlight", (-1.0, 1.4)),
+    )
+    for ax, (letter, name, unit, label, limits) in zip(figure.axes[:4], panels, strict=True):
+        for colour, style, size in zip(_SIZE_COLOURS, _SIZE_STYLES, ALTITUDE_SIZES_CM, strict=True):
+            values = curves[f"{name} {size:g} cm {unit}"]
+            ax.plot(curves["altitude [km]"], values, color=colour, ls=style, label=f"{size:g} cm")
+        ax.set_ylim(*limits)
+        ax.set_xlim(55.0, 90.0)
+        ax.set_xlabel("altitude [km]")
+        ax.set_ylabel(label)
+        ax.grid(alpha=0.25)
+        _letter(ax, letter)
+    figure.axes[1].legend(fontsize="small")
+    return figure
+
+
+def _draw_s8(curves: Curves) -> Figure:
+    figure = new_figure(columns=2)
+    panels = (("a", "payload", "[mg]", "payload [mg]"), ("b", "relative payload", "[1]", ""))
+    for ax, (letter, name, unit, label) in zip(figure.axes[:2], panels, strict=True):
+        for column in COLUMNS:
+            values = curves[f"{name} {column.key} {unit}"]
+            ax.plot(
+                curves["diameter [cm]"],
+                values,
+                color=BLUE,
+                ls=_STYLES[column.key],
+                label=column.title,
+            )
+        ax.axhline(0.0, color=GREY, lw=1)
+        ax.set_xlim(0.0, curves["diameter [cm]"][-1])
+        ax.set_xlabel("diameter [cm]")
+        ax.set_ylabel(label or "relative payload [own mass]")
+        ax.grid(alpha=0.25)
+        _letter(ax, letter)
+    figure.axes[0].set_ylim(-0.3, 1.0)
+    figure.axes[1].set_ylim(-0.3, 2.5)
+    figure.axes[1].legend(fontsize="small")
+    return figure
+
+
+def paper_figure(name: str, curves: Curves, points: Points | None = None) -> Figure:
+    """One figure of the paper.
+
+    Parameters
+    ----------
+    name : str
+        A key of :data:`lightflyer.paper.curves.FIGURES`.
+    curves : dict of str to array
+        Its numbers.
+    points : Points, optional
+        The user's own, drawn in Fig. 5(b-d) where their diameter is the panel's.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    if name == "figure-5bcd":
+        return _draw_5bcd(curves, points)
+    draw = {
+        "figure-3c": _draw_3c,
+        "figure-5a": _draw_5a,
+        "figure-6": _draw_6,
+        "figure-s7": _draw_s7,
+        "figure-s8": _draw_s8,
+    }[name]
+    return draw(curves)
+
+
+def measured_figures(points: Points) -> dict[str, Figure]:
+    """Figures 2, S2 and S3 with the user's own points.
+
+    Parameters
+    ----------
+    points : Points
+        Its column ``figure`` says where each belongs; without one all belong to Fig. 2.
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+        By file name; only figures that have points.
+    """
+    belongs = points.texts.get("figure", ["2"] * len(points))
+    figures = {}
+    for name in _MEASURED_FIGURES:
+        chosen = np.array([text.upper() == name for text in belongs])
+        if not chosen.any():
+            continue
+        figure = new_figure()
+        (ax,) = figure.axes
+        _draw_points(ax, points, chosen)
+        ax.set_yscale("log")
+        plain_decades(ax.yaxis)
+        _torr_axis(ax)
+        ax.set_ylabel("irradiance at lift-off [kW/m²]")
+        ax.legend(fontsize="small")
+        figures[f"figure-{name.lower()}"] = figure
+    return figures

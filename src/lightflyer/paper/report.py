@@ -1,0 +1,327 @@
+"""The report: every number of the paper beside ours, as JSON, Markdown and one HTML page."""
+
+import base64
+import html
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import lightflyer
+from lightflyer.paper.claims import Claim, Quantity, claims
+from lightflyer.paper.conditions import COLUMNS, facts
+from lightflyer.paper.curves import FIGURES, captions
+from lightflyer.paper.tables import NOT_AVAILABLE, Row, table_1, table_s2
+
+SOURCE = (
+    "Z. Lu, M. Aldan, D. Levin, M. F. Campbell, I. Bargatin, “Photophoretic Light-flyers with "
+    "Germanium Coatings as Selective Absorbers”, arXiv:2305.19382 (2023)"
+)
+
+# Digits after the point in the check table.
+_CHECK_FORMATS = {
+    "altitude_km": ("altitude [km]", "g"),
+    "gas_temperature_k": ("T_c [K]", ".4f"),
+    "pressure_pa": ("p [Pa]", ".6g"),
+    "levitation_temperature_k": ("T_h to levitate [K]", ".4f"),
+    "levitation_irradiance_w_m2": ("I to levitate [W/m²]", ".3f"),
+    "temperature_k": ("T_h at 1360 W/m² [K]", ".4f"),
+    "lift_over_weight": ("lift/weight at 1360 W/m²", ".6f"),
+}
+
+
+@dataclass
+class Results:
+    """All numbers of the report.
+
+    Attributes
+    ----------
+    columns : dict of str to dict
+        Values by column and key.
+    checks : dict of str to list of dict
+        The check table by column.
+    """
+
+    columns: dict[str, dict[str, float]] = field(default_factory=dict)
+    checks: dict[str, list[dict[str, float]]] = field(default_factory=dict)
+
+
+def as_json(results: Results) -> dict[str, Any]:
+    """The report as a JSON object.
+
+    Parameters
+    ----------
+    results : Results
+
+    Returns
+    -------
+    dict
+    """
+    return {
+        "source": SOURCE,
+        "lightflyer_version": lightflyer.__version__,
+        "columns": {column.key: column.description for column in COLUMNS},
+        "chamber": facts()["chamber"]["note"],
+        "claims": [_claim_json(claim, results.columns) for claim in claims()],
+        "check": results.checks,
+        "values": results.columns,
+        "table_1": table_1(),
+        "table_s2": table_s2(),
+        "figures": captions(),
+    }
+
+
+def _claim_json(claim: Claim, columns: dict[str, dict[str, float]]) -> dict[str, Any]:
+    return {
+        "number": claim.number,
+        "claim": claim.text,
+        "verdict": str(claim.overall(columns)),
+        "why": claim.reason(columns),
+        "reproduced_by": claim.reproducing(columns),
+        "verdicts": {name: str(claim.verdict(values)) for name, values in columns.items()},
+        "quantities": [_quantity_json(quantity, columns) for quantity in claim.quantities],
+    }
+
+
+def _quantity_json(quantity: Quantity, columns: dict[str, dict[str, float]]) -> dict[str, Any]:
+    ours = {name: values[quantity.key] for name, values in columns.items()}
+    return {
+        "key": quantity.key,
+        "name": quantity.name,
+        "unit": quantity.unit,
+        "paper": [quantity.lowest, quantity.highest],
+        "tolerance": quantity.tolerance,
+        "ours": ours,
+        "difference": {name: quantity.difference(value) for name, value in ours.items()},
+        "agrees": {name: quantity.agrees(value) for name, value in ours.items()},
+    }
+
+
+@dataclass(frozen=True)
+class _Block:
+    """A heading, paragraph, table or image of the report."""
+
+    kind: str
+    text: str = ""
+    rows: tuple[tuple[str, ...], ...] = ()
+    image: str = ""
+
+
+def _blocks(results: Results) -> list[_Block]:
+    counts: dict[str, int] = {}
+    for claim in claims():
+        verdict = str(claim.overall(results.columns))
+        counts[verdict] = counts.get(verdict, 0) + 1
+    tally = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+    by_column = ", ".join(
+        f"{column.title} {sum(column.key in c.reproducing(results.columns) for c in claims())}"
+        for column in COLUMNS
+    )
+    blocks = [
+        _Block("h1", "The paper, reproduced"),
+        _Block("p", f"Every number of {SOURCE}, beside what lightflyer computes."),
+        _Block("p", f"Of {len(claims())} claims: {tally}. Reproduced by column: {by_column}."),
+        _Block(
+            "p",
+            "A verdict is computed: a claim is reproduced by a column where each of its numbers "
+            "is within the tolerance shown, which is one unit of the last digit that the paper "
+            "prints unless it says otherwise. The verdict is that of the column “reported”, so "
+            "that no reading is picked claim by claim; “by” names every column that reproduces "
+            "it. "
+            "Numbers in brackets stand beside claims that cannot be recomputed and decide nothing.",
+        ),
+        *(_Block("p", f"Column “{column.title}”: {column.description}.") for column in COLUMNS),
+        _Block("h2", "Claims"),
+        _claims_overview(results),
+    ]
+    for claim in claims():
+        blocks += _claim_blocks(claim, results)
+    blocks += [_Block("h2", "Check values"), _Block("p", _CHECK_TEXT)]
+    for column in COLUMNS:
+        blocks += [_Block("p", f"Column “{column.title}”:"), _check_table(column.key, results)]
+    blocks += _table_blocks()
+    blocks += [_Block("h2", "Figures")]
+    for name, (title, _) in FIGURES.items():
+        blocks += [
+            _Block("h3", title),
+            _Block("p", captions()[name]),
+            _Block("img", title, image=name),
+        ]
+    return blocks
+
+
+_CHECK_TEXT = (
+    "The 2-cm disk (TAC 0.8 and 0.9, emittance 0.08, absorptance 0.75, 1.0 g/m², coefficients 0.4 "
+    "and 3) in the paper's atmosphere, in more digits than the paper gives, to check other "
+    "programs against."
+)
+
+
+def _claims_overview(results: Results) -> _Block:
+    header = ("#", "claim", "verdict", "by", "why")
+    titles = {column.key: column.title for column in COLUMNS}
+    rows = [
+        (
+            str(claim.number),
+            claim.text,
+            str(claim.overall(results.columns)),
+            "; ".join(titles[key] for key in claim.reproducing(results.columns)),
+            claim.reason(results.columns),
+        )
+        for claim in claims()
+    ]
+    return _Block("table", rows=(header, *rows))
+
+
+def _claim_blocks(claim: Claim, results: Results) -> list[_Block]:
+    if not claim.quantities:
+        return []
+    header = ["quantity", "paper", "tolerance"]
+    for column in COLUMNS:
+        header += [column.title, "difference"]
+    rows = []
+    for quantity in claim.quantities:
+        unit = f" {quantity.unit}" if quantity.unit else ""
+        note = f" ({quantity.tolerance_note})" if quantity.tolerance_note else ""
+        row = [quantity.name, f"{quantity.paper}{unit}", f"{quantity.tolerance:g}{unit}{note}"]
+        for column in COLUMNS:
+            ours = results.columns[column.key][quantity.key]
+            row += _ours(claim, quantity, ours)
+        rows.append(tuple(row))
+    table = _Block("table", rows=(tuple(header), *rows))
+    return [_Block("h3", f"Claim {claim.number}: {claim.text}"), table]
+
+
+def _ours(claim: Claim, quantity: Quantity, ours: float) -> list[str]:
+    value, difference = f"{ours:.5g}", f"{quantity.difference(ours):+.3g}"
+    if claim.missing:
+        return [f"({value})", f"({difference})"]
+    mark = "✓" if quantity.agrees(ours) else "✗"
+    return [f"{value} {mark}", difference]
+
+
+def _check_table(key: str, results: Results) -> _Block:
+    header = tuple(title for title, _ in _CHECK_FORMATS.values())
+    rows = [
+        tuple(format(row[name], style) for name, (_, style) in _CHECK_FORMATS.items())
+        for row in results.checks[key]
+    ]
+    return _Block("table", rows=(header, *rows))
+
+
+def _table_blocks() -> list[_Block]:
+    return [
+        _Block("h2", "Tables"),
+        _Block("h3", "Table 1: optical properties"),
+        _Block("p", "Transmittance and reflectance are not in the text that we have."),
+        _plain_table(table_1()),
+        _Block("h3", "Table S2: thermal accommodation coefficients"),
+        _Block(
+            "p",
+            "The text gives ± 0.03–0.05 for all of them. Differences carry their uncertainty "
+            "twice: for independent errors, and for fully correlated ones as of a common "
+            "systematic error.",
+        ),
+        _plain_table(table_s2()),
+    ]
+
+
+def _plain_table(rows: list[Row]) -> _Block:
+    header = tuple(name.replace("_", " ") for name in rows[0])
+    cells = [
+        tuple(
+            NOT_AVAILABLE
+            if value is None
+            else f"{value:.3g}"
+            if isinstance(value, float)
+            else value
+            for value in row.values()
+        )
+        for row in rows
+    ]
+    return _Block("table", rows=(header, *cells))
+
+
+def as_markdown(results: Results) -> str:
+    """The report as Markdown; figures are links to files in ``figures/``.
+
+    Parameters
+    ----------
+    results : Results
+
+    Returns
+    -------
+    str
+    """
+    return "\n\n".join(map(_markdown, _blocks(results))) + "\n"
+
+
+def _markdown(block: _Block) -> str:
+    if block.kind == "p":
+        return block.text
+    if block.kind == "img":
+        return f"![{block.text}](figures/{block.image}.png)"
+    if block.kind == "table":
+        header, *rows = block.rows
+        lines = [header, ("---",) * len(header), *rows]
+        return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    return "#" * int(block.kind[1]) + " " + block.text
+
+
+_STYLE = """
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
+table { border-collapse: collapse; display: block; overflow-x: auto; margin: 1rem 0; }
+th, td { border: 1px solid #bbb; padding: .25rem .6rem; text-align: left; vertical-align: top; }
+th { background: #eee; }
+img { max-width: 100%; }
+"""
+
+
+def as_html(results: Results, images: dict[str, Path]) -> str:
+    """The report as one page that needs no other file.
+
+    Parameters
+    ----------
+    results : Results
+    images : dict of str to Path
+        PNG file of each figure, by name.
+
+    Returns
+    -------
+    str
+    """
+    body = "\n".join(_html(block, images) for block in _blocks(results))
+    return (
+        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        "<title>The paper, reproduced</title>\n"
+        f"<style>{_STYLE}</style>\n</head>\n<body>\n{body}\n</body>\n</html>\n"
+    )
+
+
+def _html(block: _Block, images: dict[str, Path]) -> str:
+    if block.kind == "img":
+        data = base64.b64encode(images[block.image].read_bytes()).decode("ascii")
+        return f'<img alt="{html.escape(block.text)}" src="data:image/png;base64,{data}">'
+    if block.kind == "table":
+        header, *rows = block.rows
+        lines = [_html_row("th", header), *(_html_row("td", row) for row in rows)]
+        return "<table>\n" + "\n".join(lines) + "\n</table>"
+    return f"<{block.kind}>{html.escape(block.text)}</{block.kind}>"
+
+
+def _html_row(cell: str, values: tuple[str, ...]) -> str:
+    return "<tr>" + "".join(f"<{cell}>{html.escape(value)}</{cell}>" for value in values) + "</tr>"
+
+
+def dump(results: Results) -> str:
+    """The report's JSON text.
+
+    Parameters
+    ----------
+    results : Results
+
+    Returns
+    -------
+    str
+    """
+    return json.dumps(as_json(results), indent=2, ensure_ascii=False, allow_nan=False) + "\n"

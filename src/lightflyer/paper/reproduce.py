@@ -1,0 +1,85 @@
+"""Compute everything of the paper and write it."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from lightflyer.output import output_directory
+from lightflyer.paper import report
+from lightflyer.paper.conditions import COLUMNS
+from lightflyer.paper.curves import FIGURES, rows
+from lightflyer.paper.figures import measured_figures, paper_figure
+from lightflyer.paper.results import check_values, column_values, common_values
+from lightflyer.paper.tables import table_1, table_s2, to_csv
+from lightflyer.plot import save
+from lightflyer.points import Points
+
+STEPS = 2 * len(COLUMNS) + 2 * len(FIGURES) + 1
+"""How often :func:`reproduce` reports progress."""
+
+
+def compute(progress: Callable[[str], None] = lambda _: None) -> report.Results:
+    """The numbers of the report.
+
+    Parameters
+    ----------
+    progress : callable
+        Called with a text after each of two steps a column.
+
+    Returns
+    -------
+    Results
+    """
+    results, common = report.Results(), common_values()
+    for column in COLUMNS:
+        results.checks[column.key] = check_values(column)
+        progress(f"check values, {column.title}")
+        results.columns[column.key] = {**common, **column_values(column)}
+        progress(f"claims, {column.title}")
+    return results
+
+
+def reproduce(
+    out: Path, points: Points | None = None, progress: Callable[[str], None] = lambda _: None
+) -> report.Results:
+    """Write report, figures and data into a folder, all of it or nothing.
+
+    Parameters
+    ----------
+    out : Path
+        Gets ``report.html``, ``report.md``, ``report.json``, ``figures/`` and ``data/``.
+    points : Points, optional
+        The user's own measured points.
+    progress : callable
+        Called with a text after each of :data:`STEPS` steps.
+
+    Returns
+    -------
+    Results
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written.
+    """
+    results = compute(progress)
+    with output_directory(out) as stage:
+        images = {}
+        figures = {}
+        for name, (title, curves_of) in FIGURES.items():
+            curves = curves_of()
+            stage(f"data/{name}.csv").write_text("\n".join(rows(curves)) + "\n", encoding="utf-8")
+            progress(title)
+            figures[name] = paper_figure(name, curves, points)
+        if points is not None:
+            figures |= measured_figures(points)
+        for name, figure in figures.items():
+            images[name] = stage(f"figures/{name}.png")
+            save(figure, [images[name], stage(f"figures/{name}.svg")])
+            progress(f"drawing {name}") if name in FIGURES else None
+        stage("data/table-1.csv").write_text(to_csv(table_1()), encoding="utf-8")
+        stage("data/table-s2.csv").write_text(to_csv(table_s2()), encoding="utf-8")
+        stage("report.json").write_text(report.dump(results), encoding="utf-8")
+        stage("report.md").write_text(report.as_markdown(results), encoding="utf-8")
+        stage("report.html").write_text(report.as_html(results, images), encoding="utf-8")
+        progress("report")
+    return results

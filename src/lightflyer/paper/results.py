@@ -1,0 +1,289 @@
+"""The numbers behind the paper's claims, by each reading.
+
+Names are the keys of the quantities in ``data/lu2023.toml``, values are in their units.
+"""
+
+from typing import Any
+
+import numpy as np
+from scipy.constants import c, h, k
+from scipy.optimize import brentq, minimize_scalar
+
+from lightflyer import constants
+from lightflyer.film.properties import FilmProperties
+from lightflyer.paper.conditions import (
+    Column,
+    atmosphere,
+    facts,
+    film,
+    in_chamber,
+    maximum,
+    over_altitude,
+)
+
+SEARCHED_ALTITUDES = (50e3, 95e3)
+"""Altitudes in which bands and best payloads are searched [m]."""
+
+SEARCHED_PRESSURES = (1e-1, 1e2)
+"""Pressures in which the chamber's optimum is searched [Pa]."""
+
+CHECKED_ALTITUDES = (68e3, 72e3, 78e3)
+"""Altitudes of the check table [m]."""
+
+_CENTIMETRE = 1e-2
+_KILOMETRE = 1e3
+_KILOWATT = 1e3
+_MILLIGRAM = 1e-6
+_NANOMETRE = 1e-9
+_DISK = 2.0 * _CENTIMETRE
+_GRAMS = 1e3
+_LAYERS = (("alumina", 50.0), ("germanium", 20.0), ("mylar", 500.0), ("germanium", 20.0))
+_EDGE_TOLERANCE = 1e-6  # metres of altitude
+
+
+def band(column: Column, incidence_deg: float = 0.0) -> tuple[float, float]:
+    """Altitudes [m] between which the 2-cm disk levitates in sunlight.
+
+    Parameters
+    ----------
+    column : Column
+    incidence_deg : float
+        [deg].
+
+    Returns
+    -------
+    lower, upper : float
+        NaN where it levitates nowhere.
+    """
+
+    def margin(altitude: Any) -> np.ndarray:
+        light = constants.SOLAR_CONSTANT
+        return over_altitude(column, altitude, _DISK, light, incidence_deg)["lift_over_weight"] - 1
+
+    peak, height = maximum(margin, *SEARCHED_ALTITUDES)
+    if height[0] < 0.0:
+        return np.nan, np.nan
+    low, high = SEARCHED_ALTITUDES
+    lower, upper = (
+        float(brentq(lambda x: float(margin(x)), end, peak[0], xtol=_EDGE_TOLERANCE))
+        for end in (low, high)
+    )
+    return lower, upper
+
+
+def best_payload(column: Column, diameter: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Largest payload of disks over all altitudes, in sunlight.
+
+    Parameters
+    ----------
+    column : Column
+    diameter : array, shape (m,)
+        [m].
+
+    Returns
+    -------
+    altitude, relative_payload : array, shape (m,)
+        [m] and [1].
+    """
+    diameters = np.atleast_1d(np.asarray(diameter, float))
+
+    def relative(altitude: np.ndarray) -> np.ndarray:
+        table = over_altitude(column, altitude, diameters, constants.SOLAR_CONSTANT)
+        return table["relative_payload"]
+
+    return maximum(relative, *SEARCHED_ALTITUDES)
+
+
+def film_mass(diameter: Any) -> Any:
+    """Mass of a germanium-coated disk [mg] of a diameter [m]."""
+    density = facts()["film"]["ge"]["areal_density_g_m2"] / _GRAMS
+    return np.pi * (0.5 * np.asarray(diameter)) ** 2 * density / _MILLIGRAM
+
+
+def optimum(column: Column, properties: FilmProperties, diameter: float) -> dict[str, float]:
+    """Pressure [Pa], irradiance [W/m²] and temperature [K] where least light levitates a disk.
+
+    Parameters
+    ----------
+    column : Column
+    properties : FilmProperties
+    diameter : float
+        [m].
+
+    Returns
+    -------
+    dict of str to float
+    """
+
+    def table(log_pressure: Any) -> dict[str, np.ndarray]:
+        return in_chamber(column, properties, np.exp(log_pressure), diameter)
+
+    low, high = np.log(SEARCHED_PRESSURES)
+    point, value = maximum(lambda x: -table(x)["levitation_irradiance"], low, high)
+    there = table(point)
+    return {
+        "pressure": float(np.exp(point[0])),
+        "irradiance": float(-value[0]),
+        "temperature": float(there["levitation_temperature"][0]),
+    }
+
+
+def planck_per_wavenumber(wavenumber_per_cm: Any, temperature: Any) -> np.ndarray:
+    r"""Blackbody radiance per wavenumber.
+
+    .. math:: L_{\tilde\nu} = \frac{2hc^2\tilde\nu^3}{\exp(hc\tilde\nu/kT) - 1}
+
+    Parameters
+    ----------
+    wavenumber_per_cm : array, shape (...)
+        [1/cm].
+    temperature : array, shape (...)
+        [K].
+
+    Returns
+    -------
+    array, broadcast shape
+        [W/(m² sr cm⁻¹)].
+    """
+    per_metre = np.asarray(wavenumber_per_cm) / _CENTIMETRE
+    photon = h * c * per_metre / (k * np.asarray(temperature))
+    return 2.0 * h * c**2 * per_metre**3 / np.expm1(photon) / _CENTIMETRE
+
+
+def planck_peak(temperature: float) -> float:
+    """Wavenumber [1/cm] at which the blackbody radiance per wavenumber is largest."""
+    found = minimize_scalar(
+        lambda x: -planck_per_wavenumber(x, temperature), bounds=(1.0, 1e4), method="bounded"
+    )
+    return float(found.x)
+
+
+def _altitude_values(column: Column) -> dict[str, float]:
+    light = constants.SOLAR_CONSTANT
+    values = {}
+    for name, incidence in (("band", 0.0), ("band_45", 45.0)):
+        edges = band(column, incidence)
+        values[f"{name}_low"], values[f"{name}_high"] = (edge / _KILOMETRE for edge in edges)
+        if name == "band":
+            pressures, _ = atmosphere(np.array(edges))
+            values["band_pressure_low"], values["band_pressure_high"] = map(float, pressures)
+    _, coldest = maximum(
+        lambda x: -over_altitude(column, x, _DISK, light)["levitation_temperature"],
+        *SEARCHED_ALTITUDES,
+    )
+    values["coldest"] = float(-coldest[0])
+    return values
+
+
+def _payload_values(column: Column) -> dict[str, float]:
+    small, three = 0.5 * _CENTIMETRE, 3.0 * _CENTIMETRE
+    altitude, relative = best_payload(column, [small, three])
+
+    def excess(diameter: float, wanted: float) -> float:
+        return float(best_payload(column, diameter)[1][0]) - wanted
+
+    largest, own_weight = (
+        brentq(excess, 1e-3, 0.2, args=(wanted,), xtol=1e-7) / _CENTIMETRE for wanted in (0.0, 1.0)
+    )
+    most = minimize_scalar(
+        lambda x: -best_payload(column, x)[1][0] * film_mass(x),
+        bounds=(1e-3, 0.1),
+        method="bounded",
+        options={"xatol": 1e-6},
+    )
+    return {
+        "payload_3cm": float(relative[1] * film_mass(three)),
+        "relative_payload_3cm": float(relative[1]),
+        "altitude_3cm": float(altitude[1] / _KILOMETRE),
+        "payload_05cm": float(relative[0] * film_mass(small)),
+        "relative_payload_05cm": float(relative[0]),
+        "altitude_05cm": float(altitude[0] / _KILOMETRE),
+        "diameter_most_payload": float(most.x / _CENTIMETRE),
+        "diameter_largest": float(largest),
+        "diameter_own_weight": float(own_weight),
+    }
+
+
+def _chamber_values(column: Column) -> dict[str, float]:
+    best = {
+        (coating, size): optimum(column, film(coating), size * _CENTIMETRE)
+        for coating in ("ge", "cnt")
+        for size in (2, 3, 4)
+    }
+    values = {}
+    for coating in ("ge", "cnt"):
+        heavy = film(coating, facts()["chamber"]["heavy_g_m2"])
+        for suffix, there in (
+            ("", best[coating, 2]),
+            ("_heavy", optimum(column, heavy, _DISK)),
+        ):
+            values[f"optimum_temperature_{coating}{suffix}"] = there["temperature"]
+            values[f"optimum_irradiance_{coating}{suffix}"] = there["irradiance"] / _KILOWATT
+    for size in (2, 3, 4):
+        ratio = best["ge", size]["irradiance"] / best["cnt", size]["irradiance"]
+        values[f"reduction_{size}cm"] = 100.0 * (1.0 - ratio)
+    return values
+
+
+def common_values() -> dict[str, float]:
+    """The numbers that do not depend on the reading.
+
+    Returns
+    -------
+    dict of str to float
+    """
+    pressures, _ = atmosphere(np.array([50e3, 100e3]))
+    _, temperatures = atmosphere(np.linspace(50e3, 100e3, 5001))
+    peak = 0.5 * (planck_peak(400.0) + planck_peak(500.0))
+    density = facts()["density"]
+    areal = sum(density[name] * thickness * _NANOMETRE for name, thickness in _LAYERS)
+    return {
+        "pressure_50km": float(pressures[0]),
+        "pressure_100km": float(pressures[1]),
+        "mesosphere_coldest": float(temperatures.min()),
+        "mesosphere_warmest": float(temperatures.max()),
+        "areal_density": float(areal * _GRAMS),
+        "planck_peak": peak,
+        "planck_peak_wavelength": 1e4 / peak,
+    }
+
+
+def column_values(column: Column) -> dict[str, float]:
+    """The numbers of one column, without the common ones.
+
+    Parameters
+    ----------
+    column : Column
+
+    Returns
+    -------
+    dict of str to float
+    """
+    return {**_altitude_values(column), **_payload_values(column), **_chamber_values(column)}
+
+
+def check_values(column: Column) -> list[dict[str, float]]:
+    """The 2-cm disk at three altitudes, in more digits than the paper gives.
+
+    Parameters
+    ----------
+    column : Column
+
+    Returns
+    -------
+    list of dict of str to float
+        One an altitude, names ending in the unit.
+    """
+    altitude = np.array(CHECKED_ALTITUDES)
+    table = over_altitude(column, altitude, _DISK, constants.SOLAR_CONSTANT)
+    pressure, temperature = atmosphere(altitude)
+    columns = {
+        "altitude_km": altitude / _KILOMETRE,
+        "gas_temperature_k": temperature,
+        "pressure_pa": pressure,
+        "levitation_temperature_k": table["levitation_temperature"],
+        "levitation_irradiance_w_m2": table["levitation_irradiance"],
+        "temperature_k": table["temperature"],
+        "lift_over_weight": table["lift_over_weight"],
+    }
+    return [{name: float(v[i]) for name, v in columns.items()} for i in range(altitude.size)]

@@ -1,0 +1,74 @@
+import json
+import subprocess
+import sys
+
+import pytest
+import xarray as xr
+
+FILE = """\
+[flyer]
+diameter = "2 cm"
+[film]
+areal_density = "1.0 g/m^2"
+absorptance = 0.75
+emittance = "0.08 ± 0.01"
+tac_top = "0.8 ± 0.01"
+tac_bottom = "0.9 ± 0.01"
+tac_correlation = 0.5
+[environment]
+atmosphere = "lu2023"
+altitude_min = "55 km"
+altitude_max = "90 km"
+"""
+
+
+def run(folder, *arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "lightflyer", *arguments],
+        capture_output=True, text=True, check=False, cwd=folder,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "flyer.toml").write_text(FILE, encoding="utf-8")
+    return tmp_path
+
+
+def test_bands_for_a_file_with_uncertainties(folder):
+    done = run(folder, "predict", "flyer.toml", "--out", "out", "--samples", "60")
+    assert done.returncode == 0, done.stderr
+    assert "best.payload_mg" in done.stdout
+    assert "correlated by 0.5" in done.stdout
+    summary = json.loads((folder / "out" / "prediction.json").read_text(encoding="utf-8"))
+    assert {"altitude_band_km", "minimum_irradiance", "best", "at", "uncertainty"} <= set(summary)
+    payload = summary["uncertainty"]["results"]["best.payload_mg"]
+    assert payload["value"] == summary["best"]["payload_mg"]
+    assert payload["monte_carlo"]["low"] < payload["value"] < payload["monte_carlo"]["high"]
+    assert payload["first_order"]["low"] < payload["value"] < payload["first_order"]["high"]
+    with xr.open_dataset(folder / "out" / "prediction.nc", engine="h5netcdf") as dataset:
+        assert dataset["payload_low"].units == "kg"
+        assert float((dataset["payload_low"] < dataset["payload_high"]).all())
+
+
+def test_first_order_alone(folder):
+    done = run(folder, "predict", "flyer.toml", "--json", "--samples", "0")
+    results = json.loads(done.stdout)["uncertainty"]["results"]
+    assert "monte_carlo" not in results["best.payload_mg"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "arguments", "says"),
+    [
+        ("", "", ["--samples", "-1"], "--samples and --seed"),
+        ("= 0.5", "= 1.5", [], "film.tac_correlation = 1.5: must be between -1 and 1"),
+    ],
+)
+def test_bad_input(folder, old, new, arguments, says):
+    text = FILE.replace(old, new) if old else FILE
+    (folder / "flyer.toml").write_text(text, encoding="utf-8")
+    done = run(folder, "predict", "flyer.toml", "--out", "out", *arguments)
+    assert done.returncode == 2
+    assert says in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert not (folder / "out").exists()

@@ -1,0 +1,207 @@
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lightflyer.paper.claims import Claim, Quantity, Verdict, claims
+from lightflyer.paper.conditions import COLUMNS
+from lightflyer.paper.curves import FIGURES
+from lightflyer.paper.results import planck_peak
+from lightflyer.paper.tables import difference_uncertainty, table_1, table_s2, to_csv
+
+# T_c, p, T_h and I to levitate (printed, reported), T_h and lift/weight at 1360 W/m² (reported)
+CHECK = {
+    68: ("224.8909", "6.40953", "349.0435", "866.459", "355.0624", "1365.098", "354.6482",
+         "0.995047"),
+    72: ("215.3859", "3.44597", "311.5654", "511.581", "323.6874", "811.018", "382.9028",
+         "1.589948"),
+    78: ("201.9077", "1.29009", "358.6669", "570.523", "452.0910", "1341.540", "454.3642",
+         "1.005716"),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """What the command writes, run as a user runs it."""
+    out = tmp_path_factory.mktemp("paper") / "out"
+    done = subprocess.run(
+        [sys.executable, "-m", "lightflyer", "paper", "--out", str(out)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "reproduced" in done.stdout
+    assert "report.html" in done.stdout
+    return out
+
+
+@pytest.fixture(scope="module")
+def report(folder):
+    return json.loads((folder / "report.json").read_text(encoding="utf-8"))
+
+
+def shown(value, text):
+    """The value with as many digits as the text."""
+    return f"{value:.{len(text.partition('.')[2])}f}"
+
+
+@pytest.mark.parametrize("altitude", CHECK)
+def test_check_values_match_to_all_digits(report, altitude):
+    rows = {
+        key: {row["altitude_km"]: row for row in report["check"][key]}[altitude]
+        for key in ("printed", "reported")
+    }
+    keys = ("levitation_temperature_k", "levitation_irradiance_w_m2")
+    ours = [rows["reported"]["gas_temperature_k"], rows["reported"]["pressure_pa"]]
+    ours += [rows[column][key] for column in ("printed", "reported") for key in keys]
+    ours += [rows["reported"]["temperature_k"], rows["reported"]["lift_over_weight"]]
+    assert tuple(map(shown, ours, CHECK[altitude])) == CHECK[altitude]
+
+
+def test_bands_and_payloads_of_the_reported_reading(report):
+    values = report["values"]["reported"]
+    expected = {
+        "band_low": "68.022", "band_high": "78.047", "band_45_low": "70.28",
+        "payload_05cm": "0.02091", "relative_payload_05cm": "1.065", "altitude_05cm": "65.9",
+        "payload_3cm": "0.268", "relative_payload_3cm": "0.379",
+    }  # fmt: skip
+    assert {key: shown(values[key], text) for key, text in expected.items()} == expected
+    assert values["band_45_high"] == pytest.approx(76.45, abs=0.006)
+    printed = report["values"]["printed"]
+    assert shown(printed["band_low"], "65.457") == "65.457"
+    assert shown(printed["band_high"], "82.861") == "82.861"
+    mean = report["values"]["reported-mean"]
+    assert shown(mean["relative_payload_3cm"], "0.30") == "0.30"
+    assert shown(mean["payload_3cm"], "0.21") == "0.21"
+
+
+def test_every_claim_has_a_verdict_that_follows_from_its_numbers(report):
+    assert [claim["number"] for claim in report["claims"]] == list(range(1, 20))
+    for claim in report["claims"]:
+        agreement = [quantity["agrees"]["reported"] for quantity in claim["quantities"]]
+        if claim["verdict"] == "reported but not recomputable":
+            assert claim["why"].startswith("missing")
+            assert claim["reproduced_by"] == []
+        else:
+            assert (claim["verdict"] == "reproduced") == all(agreement)
+            assert agreement
+    assert {claim["verdict"] for claim in report["claims"]} == set(map(str, Verdict))
+
+
+def test_a_verdict_turns_where_the_tolerance_ends():
+    quantity = Quantity("edge", "edge", "km", 68.0, 68.0, 1.0)
+    claim = Claim(1, "edge at 68 km", (quantity,))
+    assert claim.verdict({"edge": 69.0}) is Verdict.REPRODUCED
+    assert claim.verdict({"edge": 69.001}) is Verdict.DIFFERS
+    assert claim.verdict({"edge": float("nan")}) is Verdict.DIFFERS
+    columns = {"printed": {"edge": 68.0}, "reported": {"edge": 70.0}}
+    assert claim.overall(columns) is Verdict.DIFFERS  # no picking of columns
+    assert claim.reproducing(columns) == ["printed"]
+    within = Quantity("density", "density", "g/m²", 1.0, 1.3, 0.0)
+    assert within.agrees(1.1)
+    assert within.difference(1.5) == pytest.approx(0.2)
+
+
+def test_columns_are_open_to_more_models():
+    assert [column.key for column in COLUMNS][:2] == ["printed", "reported"]
+    assert all(claim.quantities or claim.missing for claim in claims())
+
+
+def test_page_is_self_contained(folder):
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert page.count("data:image/png;base64,") == len(FIGURES)
+    assert "http://" not in page
+    assert "https://" not in page
+    assert "<script" not in page
+    markdown = (folder / "report.md").read_text(encoding="utf-8")
+    for name in FIGURES:
+        assert f"figures/{name}.png" in markdown
+        assert (folder / "figures" / f"{name}.png").stat().st_size > 10_000
+        assert (folder / "figures" / f"{name}.svg").stat().st_size > 10_000
+
+
+def test_no_measured_figure_without_the_users_points(folder):
+    names = {path.stem for path in (folder / "figures").iterdir()}
+    assert names == set(FIGURES)
+    assert "your data" not in (folder / "figures" / "figure-5bcd.svg").read_text(encoding="utf-8")
+
+
+def test_twice_gives_the_same_data(folder, tmp_path):
+    from lightflyer.paper.reproduce import STEPS, reproduce
+    from lightflyer.points import read_points
+
+    points = tmp_path / "points.csv"
+    points.write_text(
+        "sample,pressure [mTorr],irradiance [W/m^2],diameter [cm],figure\n"
+        "synthetic A,30,1500,2,2\nsynthetic B,20,2000,3,S2\n",
+        encoding="utf-8",
+    )
+    steps = []
+    reproduce(tmp_path / "again", read_points(points), steps.append)
+    assert len(steps) == STEPS
+    for path in [folder / "report.json", *sorted((folder / "data").iterdir())]:
+        again = tmp_path / "again" / path.relative_to(folder)
+        assert again.read_bytes() == path.read_bytes(), path.name
+    figures = {path.name for path in (tmp_path / "again" / "figures").iterdir()}
+    assert {"figure-2.png", "figure-s2.png"} <= figures
+    assert "figure-s3.png" not in figures
+    drawn = (tmp_path / "again" / "figures" / "figure-5bcd.svg").read_text(encoding="utf-8")
+    assert "synthetic A (your data)" in drawn
+
+
+def test_figure_data_hold_the_claims(folder):
+    rows = np.genfromtxt(folder / "data" / "figure-6.csv", delimiter=",", skip_header=1)
+    header = (folder / "data" / "figure-6.csv").read_text(encoding="utf-8").splitlines()[0]
+    column = header.split(",").index("irradiance reported [W/m^2]")
+    flies = rows[:, 0][rows[:, column] <= 1360.0]
+    assert flies[0] == pytest.approx(68.022, abs=0.11)
+    assert flies[-1] == pytest.approx(78.047, abs=0.11)
+
+
+def test_tables_invent_nothing():
+    assert {row["infrared_transmittance"] for row in table_1()} == {None}
+    assert "not available" in to_csv(table_1())
+    pairs = {(row["top"], row["bottom"]): row for row in table_s2()}
+    assert pairs["alumina", "Ge"]["tac_difference"] == pytest.approx(0.11)
+    assert pairs["mylar", "CNT"]["tac_difference"] == pytest.approx(0.31)
+    assert pairs["alumina", "CNT"]["tac_mean"] == pytest.approx(0.935)
+
+
+def test_uncertainty_of_a_difference():
+    assert difference_uncertainty(0.03, 0.03, 0.0) == pytest.approx(0.0424, abs=5e-5)
+    assert difference_uncertainty(0.03, 0.05, 1.0) == pytest.approx(0.02)
+    assert difference_uncertainty(0.03, 0.03, 1.0) == 0.0
+
+
+def test_planck_peak_follows_wien():
+    # Wien's displacement per wavenumber: 1.96100 cm⁻¹/K
+    assert planck_peak(400.0) == pytest.approx(784.4, rel=1e-4)
+
+
+def run(*arguments, cwd):
+    return subprocess.run(
+        [sys.executable, "-m", "lightflyer", *arguments],
+        capture_output=True, text=True, check=False, cwd=cwd,
+    )  # fmt: skip
+
+
+def test_bad_points_stop_before_anything_is_written(tmp_path):
+    bad = tmp_path / "points.csv"
+    bad.write_text("sample,pressure [W],irradiance [W/m^2]\na,1,2\n", encoding="utf-8")
+    done = run("paper", "--out", "out", "--data", "points.csv", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "points.csv:1: column pressure" in done.stderr
+    assert not Path(tmp_path / "out").exists()
+
+
+def test_documentation_shows_what_the_report_says(folder):
+    page = (Path(__file__).parents[2] / "docs" / "paper.md").read_text(encoding="utf-8")
+    report = (folder / "report.md").read_text(encoding="utf-8")
+    rows = [line for line in page.splitlines() if line.startswith("|")]
+    assert len(rows) > 40
+    assert [row for row in rows if row not in report] == []

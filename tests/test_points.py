@@ -1,0 +1,70 @@
+import pytest
+
+import lightflyer as lf
+
+GOOD = """\
+# a comment
+sample, pressure [mTorr], irradiance [kW/m^2], irradiance_uncertainty [W/m^2], diameter [cm]
+Ge 2 cm, 30, 1.5, 40, 2
+
+CNT, 20, 2.5, 50, 3
+"""
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write(text):
+        path = tmp_path / "points.csv"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+def test_reads_units_comments_and_blank_lines(write):
+    points = lf.read_points(write(GOOD))
+    assert points.samples == ["Ge 2 cm", "CNT"]
+    assert points.pressure[0] == pytest.approx(30e-3 * 101325.0 / 760.0)
+    assert points.irradiance.tolist() == [1500.0, 2500.0]
+    assert points.numbers["irradiance_uncertainty"].tolist() == [40.0, 50.0]
+    assert points.numbers["diameter"].tolist() == pytest.approx([0.02, 0.03])
+    assert points.of("CNT").tolist() == [False, True]
+
+
+HEADER = "sample,pressure [Pa],irradiance [W/m^2]"
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "says"),
+    [
+        ("", None, "is empty"),
+        (HEADER + "\n", None, "no points"),
+        ("sample,pressure [Pa]\na,1\n", 1, "irradiance is missing"),
+        ("sample,pressure,irradiance [W/m^2]\na,1,2\n", 1, "has no unit"),
+        ("sample,pressure [K],irradiance [W/m^2]\na,1,2\n", 1, "wrong kind"),
+        ("sample,pressure [furlong],irradiance [W/m^2]\na,1,2\n", 1, "unknown"),
+        ("sample,presure [Pa],irradiance [W/m^2]\na,1,2\n", 1, '"presure [Pa]" is unknown'),
+        (HEADER + ",irradiance [W/m^2]\na,1,2,3\n", 1, "stands twice"),
+        (HEADER + "\na,-1,2\n", 2, "pressure = -1 is not positive"),
+        (HEADER + "\na,1,0\n", 2, "irradiance = 0 is not positive"),
+        (HEADER + "\na,nan,2\n", 2, "pressure = nan"),
+        (HEADER + "\na,1,2\nb,many,2\n", 3, '"many" is not a number'),
+        (HEADER + "\na,1\n", 2, "has 2 values"),
+        (HEADER + "\n,1,2\n", 2, "no name"),
+        (HEADER + ",tac_top\na,1,2,1.5\n", 2, "tac_top = 1.5"),
+        (HEADER + ",figure\na,1,2,7\n", 2, 'figure "7" is none of'),
+    ],
+)
+def test_one_clear_line_for_each_mistake(write, text, line, says):
+    path = write(text)
+    with pytest.raises(lf.ConfigurationError) as error:
+        lf.read_points(path)
+    message = str(error.value)
+    assert "\n" not in message
+    assert message.startswith(f"{path}:{line}: " if line else f"{path}: ")
+    assert says in message
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(lf.ConfigurationError, match="cannot be read"):
+        lf.read_points(tmp_path / "nothing.csv")

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _KILOMETRE = 1e3
 _MILLIGRAMS = 1e6
+_BANDS_WIDTH = 100  # wider than a narrow terminal: names and numbers stay whole
 
 
 def predict_command(
@@ -213,14 +214,14 @@ def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
     table = Table(box=None, padding=(0, 1))
     for heading in ("95 % band of", "value", "first order", "Monte Carlo", "of samples"):
         first = heading == "95 % band of"
-        table.add_column(heading, justify="left" if first else "right", overflow="fold")
+        table.add_column(heading, justify="left" if first else "right", no_wrap=True)
     for name, result in uncertainty["results"].items():
         if not name.startswith("at["):
             sampled = result.get("monte_carlo")
             share = f"{100.0 * sampled['share_of_samples']:.0f} %" if sampled else "–"
             cells = (f"{result['value']:.4g}", _span(result["first_order"]), _span(sampled), share)
             table.add_row(name, *cells)
-    console.print(table)
+    console.print(table, width=_BANDS_WIDTH, crop=False)
     correlation = uncertainty["tac_correlation"]
     note = "" if correlation is None else f", TAC errors correlated by {correlation:g}"
     console.print(f"from the ± of {', '.join(uncertainty['inputs'])}{note}")

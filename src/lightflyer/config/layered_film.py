@@ -28,6 +28,7 @@ _ArealDensity = Annotated[Measured, Quantity("kg/m^2", 0.0, open_below=True)]
 _Fraction = Annotated[Measured, Quantity("", 0.0, 1.0)]
 _Emittance = Annotated[Measured, Quantity("", 0.0, 1.0, open_below=True)]
 _Tac = Annotated[Measured, Quantity("", 0.0, HIGHEST_TAC, open_below=True)]
+_Correlation = Annotated[Measured, Quantity("", -1.0, 1.0)]
 _Policy = Literal["error", "hold", "lossless"]
 
 
@@ -97,6 +98,7 @@ class LayeredFilmSection(Section):
     emittance_bottom: _Emittance | None = None
     tac_top: _Tac | None = None
     tac_bottom: _Tac | None = None
+    tac_correlation: _Correlation = Measured(0.0)
 
     @pydantic.field_validator("spectrum")
     @classmethod

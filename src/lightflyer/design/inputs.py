@@ -31,6 +31,8 @@ NOT_PROPAGATED = frozenset(
 """Fields that say where to search, what an atmosphere's table is built from, or how the errors
 of others are correlated."""
 
+_LAYERS = "film.layers"  # thickness and density of layers: kept with the data, not propagated
+
 
 @dataclass(frozen=True)
 class Inputs:
@@ -87,7 +89,9 @@ def uncertain_inputs(configuration: FlyerFile) -> Inputs | None:
     stated = {
         name: spread
         for name, spread in configuration.uncertainties().items()
-        if spread > 0.0 and name.rpartition(".")[2] not in NOT_PROPAGATED
+        if spread > 0.0
+        and name.rpartition(".")[2] not in NOT_PROPAGATED
+        and not name.startswith(_LAYERS)
     }
     if not stated:
         return None

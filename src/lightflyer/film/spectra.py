@@ -241,7 +241,7 @@ def blackbody_fraction(wavelength: float, temperature: float) -> float:
 
     References
     ----------
-    [Chang1976]_ for the series in :math:`e^{-x}`.
+    [Chang1984]_ for the series in :math:`e^{-x}`.
 
     Examples
     --------

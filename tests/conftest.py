@@ -1,3 +1,13 @@
+import importlib.metadata
+import os
+
+# Most of the suite's time is XLA's optimisation of small kernels. These are the flags of the XLA
+# in the lock file; another's might not know them, and would refuse to start.
+if importlib.metadata.version("jaxlib").startswith("0.10."):
+    os.environ.setdefault(
+        "XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+    )
+
 import jax
 import numpy as np
 import pytest

@@ -220,7 +220,7 @@ def knudsen_number(
     Examples
     --------
     >>> print(f"{knudsen_number(3.446, 215.4, 0.01):.4f}")
-    0.0646
+    0.0640
     """
     require_positive(radius=radius)
     return mean_free_path(pressure, temperature, gas) / (2.0 * radius)

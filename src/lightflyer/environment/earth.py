@@ -43,7 +43,7 @@ class Earth(AbstractEnvironment):
     --------
     >>> state = Earth().state(70e3)
     >>> print(f"{state.pressure:.4f} Pa, {state.temperature:.2f} K, {state.gravity:.4f} m/s²")
-    5.2209 Pa, 219.58 K, 9.5941 m/s²
+    5.2209 Pa, 219.58 K, 9.5942 m/s²
     """
 
     atmosphere: AbstractAtmosphere = US1976()

@@ -17,6 +17,7 @@ import numpy as np
 
 from lightflyer._checks import require_positive, require_range
 from lightflyer._types import Numeric
+from lightflyer.altitude import HIGHEST_SEARCHED
 from lightflyer.balance import equilibrium, require_converged
 from lightflyer.config.sections import Setup
 from lightflyer.environment._base import AbstractEnvironment
@@ -28,9 +29,6 @@ from lightflyer.precision import quick_entry_point
 
 POINTS = 301
 """Length of the tables."""
-
-HIGHEST_SEARCHED = 150e3
-"""Top of the default altitude range [m]: above, the gas carries no film."""
 
 DEFAULT_ALTITUDES = tuple(np.arange(50e3, 101e3, 5e3))
 """Altitudes reported one by one where none are asked for [m]: the mesosphere."""

@@ -39,8 +39,8 @@ $(STAMP): pyproject.toml requirements.lock
 lock: $(STAMP)  ## resolve the newest versions into requirements.lock
 	$(BIN)/python -m pip install --quiet uv
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --no-header \
-		--extra nrlmsis --group test --group lint --group docs --upgrade \
-		--output-file requirements.lock pyproject.toml
+		--extra nrlmsis --extra posterior --group test --group lint --group docs \
+		--upgrade --output-file requirements.lock pyproject.toml
 
 clean:
 	rm -rf $(VENV) demo docs/_build .pytest_cache .mypy_cache .ruff_cache

@@ -73,6 +73,8 @@ from .levitation import weight as weight
 from .output import to_dataset as to_dataset
 from .points import Points as Points
 from .points import read_points as read_points
+from .posterior import Posterior as Posterior
+from .posterior import posterior as posterior
 from .precision import entry_point as entry_point
 from .precision import float64 as float64
 from .prediction import AltitudePrediction as AltitudePrediction

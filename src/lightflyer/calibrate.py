@@ -68,38 +68,41 @@ class _Problem(eqx.Module):
     model: Lu2023
 
 
+def _predicted(parameters: Any, log_pressure: Any, problem: _Problem) -> jax.Array:
+    """Log-irradiance to levitate of log-parameters, shape (points,); can be traced."""
+    index = problem.index.astype(int)
+    fitted = jnp.exp(parameters)[jnp.maximum(index, 0)]
+    values = dict(zip(FITTABLE, jnp.where(index >= 0, fitted, problem.base), strict=True))
+    film = FilmProperties(
+        areal_density=problem.areal_density,
+        absorptance=values["absorptance"],
+        emittance_top=values["emittance"],
+        emittance_bottom=values["emittance"],
+        tac_top=values["tac_top"],
+        tac_bottom=values["tac_bottom"],
+    )
+    model = Lu2023(values["c_fm"], values["c_cont"], problem.model.reading)
+    state = problem.environment.state(jnp.exp(log_pressure))
+    found = levitate(Disk(film, problem.radius), state, model, throw=False)
+    irradiance = jnp.where(found.levitates, found.irradiance, 1.0)
+    return jnp.where(found.levitates, jnp.log(irradiance), _UNREACHABLE)
+
+
 @quick_entry_point
 def _log_irradiance(parameters: Any, problem: _Problem) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Log-irradiance to levitate, its Jacobian, and its slope over log-pressure."""
-
-    def predicted(parameters: Any, log_pressure: Any) -> jax.Array:
-        index = problem.index.astype(int)
-        fitted = jnp.exp(parameters)[jnp.maximum(index, 0)]
-        values = dict(zip(FITTABLE, jnp.where(index >= 0, fitted, problem.base), strict=True))
-        film = FilmProperties(
-            areal_density=problem.areal_density,
-            absorptance=values["absorptance"],
-            emittance_top=values["emittance"],
-            emittance_bottom=values["emittance"],
-            tac_top=values["tac_top"],
-            tac_bottom=values["tac_bottom"],
-        )
-        model = Lu2023(values["c_fm"], values["c_cont"], problem.model.reading)
-        state = problem.environment.state(jnp.exp(log_pressure))
-        found = levitate(Disk(film, problem.radius), state, model, throw=False)
-        irradiance = jnp.where(found.levitates, found.irradiance, 1.0)
-        return jnp.where(found.levitates, jnp.log(irradiance), _UNREACHABLE)
-
     log_pressure = jnp.log(problem.pressure)
     # forward mode, one direction after another: a loop compiles once what vmap would compile wide
     jacobian = jax.lax.map(
         lambda direction: jax.jvp(
-            lambda x: predicted(x, log_pressure), (parameters,), (direction,)
+            lambda x: _predicted(x, log_pressure, problem), (parameters,), (direction,)
         )[1],
         jnp.eye(parameters.size),
     ).T
     value, slope = jax.jvp(
-        lambda x: predicted(parameters, x), (log_pressure,), (jnp.ones_like(log_pressure),)
+        lambda x: _predicted(parameters, x, problem),
+        (log_pressure,),
+        (jnp.ones_like(log_pressure),),
     )
     return value, jacobian, slope
 

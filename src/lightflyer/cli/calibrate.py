@@ -1,9 +1,10 @@
 """``lightflyer calibrate``: force coefficients from measured levitation points."""
 
 import json
+import sys
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 from rich.console import Console
@@ -11,6 +12,8 @@ from rich.table import Table
 
 if TYPE_CHECKING:
     from lightflyer.calibrate import Calibration
+    from lightflyer.config.sections import Setup
+    from lightflyer.posterior import Posterior
 
 
 def calibrate_command(
@@ -20,6 +23,9 @@ def calibrate_command(
     flyer: Path | None = None,
     free: str = "c_fm,c_cont",
     out: Path | None = None,
+    posterior: Annotated[bool, Parameter(negative=())] = False,
+    samples: int = 2000,
+    seed: int = 0,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> None:
     """Fit force coefficients and film properties to measured levitation points.
@@ -38,7 +44,14 @@ def calibrate_command(
         What is fitted, of c_fm, c_cont, tac_top, tac_bottom, emittance, absorptance; such as
         "c_fm,c_cont,emittance[Ge 2 cm]", where brackets name one sample.
     out
-        Folder to write the fit (JSON), the residuals (CSV) and their figure (PNG, SVG) into.
+        Folder to write the fit (JSON), the residuals (CSV) and their figure (PNG, SVG) into, and
+        the posterior's draws (CSV).
+    posterior
+        Also draw from the posterior by NUTS; needs numpyro: pip install 'lightflyer[posterior]'.
+    samples
+        Draws of the posterior.
+    seed
+        Of the posterior's draws.
     json_output
         Print one JSON object instead of a table.
     """
@@ -51,33 +64,61 @@ def calibrate_command(
     with resources.as_file(template) as default:
         configuration = read_flyer_file(default if flyer is None else flyer)
     names = [name.strip() for name in free.split(",") if name.strip()]
-    fit = calibrate(points, configuration.build(), names)
-    written = [] if out is None else _write(out, fit)
+    setup = configuration.build()
+    fit = calibrate(points, setup, names)
+    drawn = _draw(fit, setup, samples, seed) if posterior else None
+    written = [] if out is None else _write(out, fit, drawn)
     if json_output:
-        print(json.dumps(fit.summary(), allow_nan=False))  # noqa: T201
+        print(json.dumps(_summary(fit, drawn), allow_nan=False))  # noqa: T201
         return
     console = Console(highlight=False)
     if flyer is None:
         console.print("flyer: the paper's 2-cm disk in a chamber at 295 K; --flyer names your own")
-    _show(console, fit)
+    _show(console, fit, drawn)
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
     if out is None:
         console.print("add --out FOLDER to write the fit and a figure of its residuals")
 
 
-def _write(out: Path, fit: "Calibration") -> list[Path]:
+def _draw(fit: "Calibration", setup: "Setup", samples: int, seed: int) -> "Posterior":
+    from lightflyer.posterior import posterior
+
+    return posterior(fit, setup, samples=samples, seed=seed, progress=sys.stderr.isatty())
+
+
+def _summary(fit: "Calibration", drawn: "Posterior | None") -> dict[str, Any]:
+    return fit.summary() | ({} if drawn is None else {"posterior": drawn.summary()})
+
+
+def _write(out: Path, fit: "Calibration", drawn: "Posterior | None") -> list[Path]:
     from lightflyer.calibration_plot import calibration_figure
     from lightflyer.output import output_directory
     from lightflyer.plot import save
 
     names = ["calibration.json", "residuals.csv", "residuals.png", "residuals.svg"]
+    if drawn is not None:
+        names.append("posterior.csv")
     with output_directory(out) as stage:
         paths = [stage(name) for name in names]
-        paths[0].write_text(json.dumps(fit.summary(), indent=2) + "\n", encoding="utf-8")
+        text = json.dumps(_summary(fit, drawn), indent=2)
+        paths[0].write_text(text + "\n", encoding="utf-8")
         paths[1].write_text(_residuals_csv(fit), encoding="utf-8")
-        save(calibration_figure(fit), paths[2:])
+        save(calibration_figure(fit), paths[2:4])
+        if drawn is not None:
+            paths[4].write_text(_draws_csv(drawn), encoding="utf-8")
     return [out / name for name in names]
+
+
+def _draws_csv(drawn: "Posterior") -> str:
+    """One line a draw: its chain, counted from 1, and the parameters."""
+    header = ",".join(["chain", *(name.replace(",", ";") for name in drawn.names)])
+    rows = [
+        ",".join([str(number), *(f"{value:.8g}" for value in draw)])
+        for number, chain in enumerate(drawn.draws, start=1)
+        for draw in chain
+    ]
+    return "\n".join([header, *rows]) + "\n"
 
 
 def _residuals_csv(fit: "Calibration") -> str:
@@ -99,7 +140,7 @@ def _residuals_csv(fit: "Calibration") -> str:
     return "\n".join([header, *rows]) + "\n"
 
 
-def _show(console: Console, fit: "Calibration") -> None:
+def _show(console: Console, fit: "Calibration", drawn: "Posterior | None") -> None:
     table = Table(box=None, padding=(0, 1))
     for heading in ("parameter", "value", "standard\nuncertainty", "95 % interval"):
         table.add_column(heading, justify="left" if heading == "parameter" else "right")
@@ -115,3 +156,25 @@ def _show(console: Console, fit: "Calibration") -> None:
         f"{len(fit.points)} points of {len(set(fit.points.samples))} samples scatter by "
         f"{100.0 * fit.scatter:.2g} % of the irradiance; their uncertainty is {kind}"
     )
+    if drawn is not None:
+        _show_posterior(console, drawn)
+
+
+def _show_posterior(console: Console, drawn: "Posterior") -> None:
+    table = Table(box=None, padding=(0, 1))
+    headings = ("posterior", "mean", "standard\ndeviation", "95 % interval", "R-hat", "effective")
+    for heading in headings:
+        table.add_column(heading, justify="left" if heading == "posterior" else "right")
+    for name, found in drawn.summary()["parameters"].items():
+        low, high = found["interval_95"]
+        table.add_row(
+            name.replace("[", "\\["),
+            f"{found['mean']:.4g}",
+            f"{found['standard_deviation']:.2g}",
+            f"{low:.4g} to {high:.4g}",
+            f"{found['r_hat']:.3f}",
+            f"{found['effective_draws']:.0f}",
+        )
+    console.print(table)
+    chains, draws = drawn.draws.shape[:2]
+    console.print(f"{chains * draws} draws of {chains} chains, {drawn.divergences} divergent")

@@ -1,0 +1,163 @@
+import importlib
+import json
+import subprocess
+import sys
+from importlib import resources
+
+import jax.numpy as jnp
+import numpy as np
+import numpyro
+import numpyro.infer.util
+import pytest
+
+import lightflyer as lf
+from lightflyer.posterior import CHAINS, SCATTER, Posterior, _model, _require_converged
+
+# the package's name "calibrate" is the function
+module = importlib.import_module("lightflyer.calibrate")
+
+PRESSURE = np.tile(np.geomspace(1.5, 25.0, 7), 2)
+DIAMETER = np.repeat([0.02, 0.03], 7)
+SCATTER_MADE = 0.04
+DRAWS = 2000  # scatter mixes slowest: about one draw in ten is independent
+
+
+@pytest.fixture(scope="module")
+def setup():
+    """The paper's disk, which the command takes where no flyer file is named."""
+    template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"
+    with resources.as_file(template) as path:
+        return lf.read_flyer_file(path).build()
+
+
+def fit_of(setup, *, stated):
+    """Calibration of synthetic points, with their uncertainty stated or left to be estimated."""
+    state = setup.environment.state(PRESSURE)
+    disk = lf.Disk(setup.flyer.film, 0.5 * DIAMETER)
+    light = lf.levitate(disk, state, lf.Lu2023(0.4, 3.0)).irradiance
+    light = light * np.exp(SCATTER_MADE * np.random.default_rng(7).standard_normal(light.size))
+    numbers = {"pressure": PRESSURE, "irradiance": light, "diameter": DIAMETER}
+    if stated:
+        numbers["irradiance_uncertainty"] = SCATTER_MADE * light
+    return lf.calibrate(lf.Points("synthetic.csv", ["synthetic"] * light.size, numbers), setup)
+
+
+@pytest.fixture(scope="module")
+def estimated(setup):
+    """Fit and posterior where the scatter is estimated."""
+    fit = fit_of(setup, stated=False)
+    return fit, lf.posterior(fit, setup, samples=DRAWS, seed=1)
+
+
+def quantile_error(draws):
+    """Standard error of the 2.5 % quantile of independent normal draws, in deviations."""
+    density = 0.0584  # of the normal distribution at its 2.5 % quantile
+    return np.sqrt(0.025 * 0.975 / draws) / density
+
+
+def assert_agrees(fit, drawn):
+    """Posterior and profile agree to 4 standard errors of sampling, at least.
+
+    Under priors flat in logarithms the two differ only as the model is not linear within the
+    interval, by some 0.02 standard uncertainties here. Quantiles count as if from half as many
+    independent draws as the mean, since extremes follow one another longer.
+    """
+    count = len(fit.names)
+    error = quantile_error(0.5 * drawn.effective_draws[:count, None])
+    apart = (drawn.intervals[:count] - fit.intervals) / fit.standard_uncertainties[:, None]
+    assert np.all(np.abs(apart) < 4.0 * error), apart
+    assert np.all(error < 0.2)  # the check would catch an interval a third too long
+
+
+def test_intervals_are_those_of_the_profile(estimated):
+    fit, drawn = estimated
+    assert drawn.names == ["c_fm", "c_cont", SCATTER]
+    assert drawn.draws.shape == (CHAINS, DRAWS // CHAINS, 3)
+    assert drawn.draws.dtype == np.float64
+    assert_agrees(fit, drawn)
+
+
+def test_scatter_holds_the_estimate(estimated):
+    fit, drawn = estimated
+    low, high = drawn.intervals[drawn.names.index(SCATTER)]
+    assert low < fit.scatter < high
+    # chi-squared with 12 degrees of freedom: half its 95 % interval is about 0.5 of the scatter
+    assert 0.5 * (high - low) == pytest.approx(0.5 * fit.scatter, rel=0.3)
+
+
+def test_likelihood_of_stated_uncertainties_is_that_of_the_fit(setup):
+    """Away from the fit the log-density falls by half of what the cost grows."""
+    fit = fit_of(setup, stated=True)
+    problem, _, _, bounds = module._set_up(fit.points, setup, fit.names)
+    log_density = numpyro.infer.util.log_density
+    moved = np.log(fit.values) + np.array([0.02, -0.05])
+    with lf.float64():
+        model = _model(numpyro, fit, problem, (bounds[0], np.log([1e6, 1e6])))
+        here, away = (
+            float(log_density(model, (), {}, {"parameters": jnp.asarray(x)})[0])
+            for x in (np.log(fit.values), moved)
+        )
+    residuals = np.log(fit.points.irradiance) - module._log_irradiance(moved, problem)[0]
+    growth = np.sum((residuals / SCATTER_MADE) ** 2) - np.sum((fit.residuals / SCATTER_MADE) ** 2)
+    assert here - away == pytest.approx(0.5 * growth, rel=1e-6)
+
+
+def test_command_draws_the_same_with_the_same_seed(estimated, tmp_path):
+    fit, drawn = estimated
+    columns = (PRESSURE, fit.points.irradiance, DIAMETER)
+    rows = [
+        "synthetic," + ",".join(map(repr, map(float, row))) for row in zip(*columns, strict=True)
+    ]
+    header = "sample,pressure [Pa],irradiance [W/m^2],diameter [m]"
+    (tmp_path / "points.csv").write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+    arguments = ["--posterior", "--samples", str(DRAWS), "--seed", "1", "--out", "fit", "--json"]
+    done = subprocess.run(
+        [sys.executable, "-m", "lightflyer", "calibrate", "points.csv", *arguments],
+        capture_output=True, text=True, check=False, cwd=tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    printed = json.loads(done.stdout)
+    written = json.loads((tmp_path / "fit" / "calibration.json").read_text(encoding="utf-8"))
+    assert printed == written
+    assert printed["posterior"]["draws"] == DRAWS
+    lines = (tmp_path / "fit" / "posterior.csv").read_text(encoding="utf-8").splitlines()
+    assert lines[0] == "chain,c_fm,c_cont,scatter"
+    table = np.loadtxt(lines[1:], delimiter=",")
+    np.testing.assert_allclose(table[:, 1:], drawn.draws.reshape(-1, 3), rtol=1e-7)
+
+
+def test_summary_and_draws(estimated):
+    _, drawn = estimated
+    summary = drawn.summary()
+    assert summary["draws"] == DRAWS == drawn.of("c_fm").size
+    assert summary["parameters"]["c_fm"]["mean"] == pytest.approx(drawn.of("c_fm").mean())
+    assert np.all(drawn.r_hat < 1.05)
+
+
+def test_missing_numpyro_names_the_extra(monkeypatch, setup):
+    for name in [name for name in sys.modules if name.partition(".")[0] == "numpyro"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "numpyro", None)
+    with pytest.raises(lf.MissingExtraError, match=r"lightflyer\[posterior\]"):
+        lf.posterior(fit_of(setup, stated=True), setup)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [({"samples": 9}, "samples"), ({"warmup": 9}, "warmup"), ({"seed": -1}, "seed")],
+)
+def test_clear_errors(setup, arguments, says):
+    with pytest.raises(lf.ParameterError, match=says):
+        lf.posterior(fit_of(setup, stated=True), setup, **arguments)
+
+
+@pytest.mark.parametrize(
+    ("r_hat", "divergences", "says"),
+    [(1.2, 0, "disagree about c_fm"), (np.nan, 0, "disagree"), (1.0, 3, "3 of 200 draws diverged")],
+)
+def test_not_converged(r_hat, divergences, says):
+    draws = np.ones((2, 100, 1))
+    drawn = Posterior(["c_fm"], draws, np.array([r_hat]), np.array([9.0]), divergences)
+    with pytest.raises(lf.ConvergenceError, match=says):
+        _require_converged(drawn)

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer._checks import require_range
+from lightflyer._text import read_text
 from lightflyer.errors import ConfigurationError, ParameterError
 from lightflyer.film.properties import HIGHEST_TAC
 from lightflyer.units import parse
@@ -105,12 +106,7 @@ def read_points(path: str | Path) -> Points:
         One line that names file, line and column.
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise ConfigurationError(f"{path}: is not a text file (UTF-8)") from None
+    text = read_text(path)
     lines = [
         (number, cells)
         for number, cells in enumerate(csv.reader(text.splitlines(), skipinitialspace=True), 1)

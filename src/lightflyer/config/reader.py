@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import pydantic
 
+from lightflyer._text import read_text
 from lightflyer.config.layered_film import FOLDER, LayeredFilmSection
 from lightflyer.config.quantity import Section
 from lightflyer.config.sections import FlyerFile, alternative_tags, known_keys
@@ -79,12 +80,7 @@ def _validate(model: type[_File], document: dict[str, Any], text: str, path: Pat
 
 
 def _load(path: Path) -> tuple[dict[str, Any], str]:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise ConfigurationError(f"{path}: is not a text file (UTF-8)") from None
+    text = read_text(path)
     if not text.strip():
         raise ConfigurationError(f"{path}: is empty; 'lightflyer init' writes an example")
     try:

@@ -5,6 +5,7 @@ environment, an atmosphere, a force model) each alternative is a class of its ow
 to build its object. Adding an alternative is adding a class to the union of its section.
 """
 
+import abc
 import datetime
 import math
 import re
@@ -153,8 +154,9 @@ class _EarthSection(_EnvironmentSection):
             raise ConfigurationError("altitude_min must be below altitude_max")
         return self
 
+    @abc.abstractmethod
     def _atmosphere(self) -> AbstractAtmosphere:
-        raise NotImplementedError  # pragma: no cover - each alternative has its own
+        """The atmosphere that this alternative is about."""
 
     def build(self) -> Earth:
         """The environment."""

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer._text import read_text
 from lightflyer.errors import ConfigurationError
 
 _WAVELENGTH_UNITS = {"nm": 1e-9, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "m": 1.0}
@@ -63,12 +64,7 @@ def read_spectrum_csv(path: Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _read(path: Path, names: tuple[str, ...]) -> tuple[np.ndarray, list[np.ndarray]]:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise ConfigurationError(f"{path}: is not a text file (UTF-8)") from None
+    text = read_text(path)
     lines = [
         (number, row)
         for number, row in enumerate(csv.reader(text.splitlines()), start=1)

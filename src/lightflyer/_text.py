@@ -1,0 +1,29 @@
+"""Reading a user's text file, with one line for each way it can fail."""
+
+from pathlib import Path
+
+from lightflyer.errors import ConfigurationError
+
+
+def read_text(path: Path) -> str:
+    """Text of a UTF-8 file, with or without a byte-order mark.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ConfigurationError
+        If the file cannot be read or is no text.
+    """
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise ConfigurationError(f"{path}: is not a text file (UTF-8)") from None

@@ -1,6 +1,6 @@
 """Speed of the heat balance beside SciPy's root-finders on the same residual, in one run.
 
-    python benchmarks/solver.py [--designs 1000000] [--repeats 3]
+    python benchmarks/solver.py [--designs 1000000] [--repeats 5]
 
 Prints the table of docs/benchmarks.md. Figures are ratios of medians of alternating runs: the
 machine's own speed drops out of them. The peers solve the equations of ``numpy_model.py``, which
@@ -105,12 +105,15 @@ def timed(function):
 
 
 def medians(functions, repeats):
-    """Median time of each function over alternating runs; the last results."""
+    """Median time of each function over alternating runs; the last results.
+
+    Before each timed run comes one that is not: it compiles, and it takes from the system what
+    memory the function before it gave back, which would otherwise be charged to this one.
+    """
     times, results = {name: [] for name in functions}, {}
-    for name, function in functions.items():
-        results[name] = function()  # compiles
     for _ in range(repeats):
         for name, function in functions.items():
+            jax.block_until_ready(function())
             seconds, results[name] = timed(function)
             times[name].append(seconds)
     return {name: statistics.median(series) for name, series in times.items()}, results
@@ -185,7 +188,7 @@ LABELS = {
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--designs", type=int, default=1_000_000)
-    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--alone", choices=["solve", "gradient"], help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.alone:

@@ -147,8 +147,8 @@ def rayleigh_number(flyer: AbstractFlyer, state: EnvironmentState, excess: Numer
     viscosity, conductivity = gas.viscosity(mean), gas.conductivity(mean)
     diameter = 2.0 * flyer.radius
     difference = state.temperature * jnp.abs(excess)
-    buoyancy = state.gravity / mean * density * diameter**3 * difference
-    return buoyancy * density * gas.heat_capacity(mean) / (viscosity * conductivity)
+    buoyancy = state.gravity * density * diameter**3 * difference
+    return buoyancy * density * gas.heat_capacity(mean) / (mean * viscosity * conductivity)
 
 
 def _continuum_conductance(flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:

@@ -1,0 +1,17 @@
+"""``lightflyer lab``: raw measurements to numbers with intervals, one module a measurement."""
+
+import cyclopts
+
+app = cyclopts.App(
+    name="lab", help="Reduce raw measurements to numbers with intervals, figures and records."
+)
+app.command(
+    "lightflyer.cli.lab.tac:tac_command",
+    name="tac",
+    help="Accommodation coefficient from a heater's power against pressure.",
+)
+app.command(
+    "lightflyer.cli.lab.example:example_command",
+    name="example",
+    help="Write synthetic raw files to try a command with.",
+)

@@ -1,0 +1,49 @@
+"""Synthetic raw files with known truth, one module a measurement; each file says what it is."""
+
+from typing import NamedTuple
+
+from lightflyer.errors import ParameterError
+
+
+class Example(NamedTuple):
+    """Synthetic files and what to do with them.
+
+    Attributes
+    ----------
+    files : dict of str to (str or bytes)
+        Content by file name.
+    commands : list of str
+        Of ``lightflyer lab``, to reduce them.
+    """
+
+    files: dict[str, str | bytes]
+    commands: list[str]
+
+
+def example_files(name: str, seed: int = 0) -> Example:
+    """Synthetic raw files of a measurement.
+
+    Parameters
+    ----------
+    name : str
+        Of the measurement.
+    seed : int
+        Of the noise.
+
+    Returns
+    -------
+    Example
+
+    Raises
+    ------
+    ParameterError
+        If there is no such measurement.
+    """
+    if name == "tac":
+        from lightflyer.lab.synthetic.tac import tac_files
+
+        return Example(
+            {**tac_files(seed)},
+            ["tac tac-raw.csv --calibration tac-resistance.csv", "tac tac-reduced.txt --out tac"],
+        )
+    raise ParameterError(f'there are no synthetic files of "{name}"')

@@ -16,6 +16,7 @@ one end to the other fix all three.
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -105,6 +106,11 @@ class TacFit:
         """Pressure of the rows kept [Pa], shape (m,)."""
         return self.run.pressure[self.kept]
 
+    @cached_property
+    def order(self) -> np.ndarray:
+        """The rows kept in the order of pressure, shape (m,)."""
+        return np.argsort(self.pressure, kind="stable")
+
     @property
     def rows_used(self) -> int:
         """Rows that the fit used."""
@@ -129,7 +135,7 @@ class TacFit:
     def residual_correlation(self) -> float:
         """Correlation of neighbouring residuals in the order of pressure [1]."""
         residuals = (self.conductance - self.fitted) * self.weight
-        ordered = residuals[np.argsort(self.pressure, kind="stable")]
+        ordered = residuals[self.order]
         power = float(ordered @ ordered)
         return float(ordered[1:] @ ordered[:-1]) / power if power else 0.0
 
@@ -358,6 +364,10 @@ class _Problem:
         columns = (per_tac, gas + self.radiation + offset, np.full_like(gas, area_ratio))
         return np.stack(columns) * self.weight
 
+    @cached_property
+    def _groups(self) -> list[np.ndarray]:
+        return np.array_split(np.argsort(self.free_molecular, kind="stable"), _GROUPS)
+
     def grouped(self) -> "_Problem":
         """Rows of neighbouring pressure averaged, each group weighted by its size.
 
@@ -366,7 +376,7 @@ class _Problem:
         """
         if len(self.conductance) <= 2 * _GROUPS:
             return self
-        groups = np.array_split(np.argsort(self.free_molecular, kind="stable"), _GROUPS)
+        groups = self._groups
         columns = (self.conductance, self.free_molecular, self.continuum, self.radiation)
         means = [np.array([values[rows].mean() for rows in groups]) for values in columns]
         sizes = np.array([len(rows) for rows in groups])

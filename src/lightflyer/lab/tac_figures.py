@@ -17,8 +17,7 @@ _WIDTH = 6.5
 
 def _ordered(fit: TacFit, most: int = _MOST_POINTS) -> np.ndarray:
     """Rows in the order of pressure, evenly thinned where there are very many."""
-    order = np.argsort(fit.pressure, kind="stable")
-    return order[:: max(1, len(order) // most)]
+    return fit.order[:: max(1, len(fit.order) // most)]
 
 
 def effective_conductance(fits: Sequence[TacFit], ax: Axes) -> Axes:

@@ -6,6 +6,11 @@ app = cyclopts.App(
     name="lab", help="Reduce raw measurements to numbers with intervals, figures and records."
 )
 app.command(
+    "lightflyer.cli.lab.levitation:levitation_command",
+    name="levitation",
+    help="Optimal pressure and minimum irradiance from levitation points.",
+)
+app.command(
     "lightflyer.cli.lab.tac:tac_command",
     name="tac",
     help="Accommodation coefficient from a heater's power against pressure.",

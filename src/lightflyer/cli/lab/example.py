@@ -6,7 +6,9 @@ from typing import Literal
 from rich.console import Console
 
 
-def example_command(name: Literal["tac"], /, *, out: Path = Path("."), seed: int = 0) -> None:
+def example_command(
+    name: Literal["levitation", "tac"], /, *, out: Path = Path("."), seed: int = 0
+) -> None:
     """Write synthetic raw files to try a command with; each says that it is synthetic.
 
     Parameters

@@ -39,6 +39,13 @@ def example_files(name: str, seed: int = 0) -> Example:
     ParameterError
         If there is no such measurement.
     """
+    if name == "levitation":
+        from lightflyer.lab.synthetic.levitation import levitation_files
+
+        return Example(
+            {**levitation_files(seed)},
+            ["levitation levitation.csv --out levitation", "levitation launchpads.csv"],
+        )
     if name == "tac":
         from lightflyer.lab.synthetic.tac import tac_files
 

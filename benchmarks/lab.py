@@ -32,7 +32,19 @@ def write_tac(path):
                header=header, comments="")  # fmt: skip
 
 
-TASKS = {"tac": (write_tac, "million.csv", ["tac", "million.csv", "--out", "out"])}
+def write_ftir(path):
+    """A spectrum of very many points."""
+    rng = np.random.default_rng(0)
+    wavenumber = np.linspace(400.0, 4000.0, ROWS)
+    value = 100.0 * (0.9 + 0.002 * rng.normal(size=ROWS))
+    np.savetxt(path, np.stack([wavenumber, value], 1), "%.8g", ",",
+               header="wavenumber [cm^-1],transmittance [%]", comments="")  # fmt: skip
+
+
+TASKS = {
+    "ftir": (write_ftir, "million.csv", ["ftir", "million.csv", "--out", "out"]),
+    "tac": (write_tac, "million.csv", ["tac", "million.csv", "--out", "out"]),
+}
 
 
 def main():

@@ -24,6 +24,11 @@ _UNIT_SPELLINGS = {
 }  # fmt: skip
 
 
+# what spectrometers head their columns with
+_WHOLE_NAMES = {"cm-1": ("wavenumber", "cm^-1"), "%t": ("transmittance", "%"),
+                "%r": ("reflectance", "%"), "t%": ("transmittance", "%")}  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Column:
     """What a measurement knows of one of its columns.
@@ -161,6 +166,8 @@ def _matches(columns: Sequence[Column], cells: Sequence[str]) -> dict[int, tuple
 
 def _split_name(cell: str) -> tuple[str, str]:
     """Name and unit of ``pressure [Pa]``, ``Pressure (Pa)`` or ``pressure / Pa``."""
+    if cell.strip().strip('"').lower() in _WHOLE_NAMES:
+        return _WHOLE_NAMES[cell.strip().strip('"').lower()]
     match = _NAME_AND_UNIT.match(cell.strip().strip('"'))
     base, unit = (match[1], match[2] or "") if match else (cell, "")
     if not unit and "/" in base:

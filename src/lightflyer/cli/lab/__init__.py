@@ -11,6 +11,11 @@ app.command(
     help="Optimal pressure and minimum irradiance from levitation points.",
 )
 app.command(
+    "lightflyer.cli.lab.ftir:ftir_command",
+    name="ftir",
+    help="Emissivity, or its upper bound, from infrared spectra.",
+)
+app.command(
     "lightflyer.cli.lab.tac:tac_command",
     name="tac",
     help="Accommodation coefficient from a heater's power against pressure.",

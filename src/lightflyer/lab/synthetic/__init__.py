@@ -39,6 +39,13 @@ def example_files(name: str, seed: int = 0) -> Example:
     ParameterError
         If there is no such measurement.
     """
+    if name == "ftir":
+        from lightflyer.lab.synthetic.ftir import ftir_files
+
+        return Example(
+            {**ftir_files(seed)},
+            ["ftir film.jdx --out ftir", "ftir film.csv --reflectance film-reflectance.csv"],
+        )
     if name == "levitation":
         from lightflyer.lab.synthetic.levitation import levitation_files
 

@@ -17,7 +17,7 @@ layers = [{material = "Ge", thickness = "20 nm"}, {material = "PET", thickness =
 def test_jcamp_to_record(examples, lab):
     folder = examples("ftir")
     (folder / "film.toml").write_text(FILM, encoding="utf-8")
-    code, out, err = lab("ftir", "film.jdx", "--out", "o", "--film", "film.toml")
+    code, _, err = lab("ftir", "film.jdx", "--out", "o", "--film", "film.toml")
     assert (code, err) == (0, "")
     assert {path.suffix for path in (folder / "o").iterdir()} == {".json", ".nc", ".png", ".svg"}
     found = json.loads((folder / "o" / "ftir.json").read_text(encoding="utf-8"))

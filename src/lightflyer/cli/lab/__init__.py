@@ -16,6 +16,11 @@ app.command(
     help="Emissivity, or its upper bound, from infrared spectra.",
 )
 app.command(
+    "lightflyer.cli.lab.roughness:roughness_command",
+    name="roughness",
+    help="Roughness of surfaces from height maps, without the particles on them.",
+)
+app.command(
     "lightflyer.cli.lab.tac:tac_command",
     name="tac",
     help="Accommodation coefficient from a heater's power against pressure.",

@@ -7,7 +7,11 @@ from rich.console import Console
 
 
 def example_command(
-    name: Literal["levitation", "tac", "ftir"], /, *, out: Path = Path("."), seed: int = 0
+    name: Literal["levitation", "tac", "ftir", "roughness"],
+    /,
+    *,
+    out: Path = Path("."),
+    seed: int = 0,
 ) -> None:
     """Write synthetic raw files to try a command with; each says that it is synthetic.
 

@@ -53,6 +53,11 @@ def example_files(name: str, seed: int = 0) -> Example:
             {**levitation_files(seed)},
             ["levitation levitation.csv --out levitation", "levitation launchpads.csv"],
         )
+    if name == "roughness":
+        from lightflyer.lab.synthetic.roughness import roughness_files
+
+        files = roughness_files(seed)
+        return Example(files, [f"roughness {' '.join(files)} --out roughness"])
     if name == "tac":
         from lightflyer.lab.synthetic.tac import tac_files
 

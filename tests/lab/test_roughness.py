@@ -43,7 +43,7 @@ def test_a_tilted_bowed_plane_is_flat():
     assert surface_parameters(tilted)[0] > 1e-10  # a plane leaves the bow
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(4))
 def test_particles_do_not_count(seed):
     # fine enough that the places under the particles do not matter: they hide 3 % of the surface
     rng = np.random.default_rng(seed)
@@ -84,7 +84,7 @@ def test_units_and_scales(rng):
 
 def test_intervals_cover_another_place():
     # interval of one quarter of a wide surface against the rms height of all of it
-    inside, count = 0, 60
+    inside, count = 0, 40
     for seed in range(count):
         wide = surface(np.random.default_rng(seed), pixels=256)
         found = roughness(of(wide[:128, :128]), order=0)

@@ -1,7 +1,9 @@
 """Maps of height and their files: Asylum's .ibw, Gwyddion's .gwy, and plain matrices."""
 
 import io
+import math
 import re
+import struct
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -129,8 +131,10 @@ def _read_ibw(path: Path, channel: str | None) -> HeightMap:
     binarywave = extra("igor2.binarywave", "reading .ibw files")
     stream = _content(path)
     try:
+        _require_sound_wave(stream.getvalue())
         wave = binarywave.load(stream)["wave"]
-        data = np.asarray(wave["wData"], float)
+        with np.errstate(invalid="ignore"):  # damaged numbers are found below
+            data = np.asarray(wave["wData"], float)
         scales = [float(scale) for scale in wave["wave_header"]["sfA"]]
         labels = [] if data.ndim < 3 else wave["labels"][2]
     except Exception as error:  # the parser raises what its statements happen to
@@ -149,25 +153,91 @@ def _read_ibw(path: Path, channel: str | None) -> HeightMap:
     return HeightMap(str(path), data.T, width, length, name)
 
 
+# offsets in an Igor wave of version 5: sizes of its parts, and numbers of points
+_IGOR_SIZES, _IGOR_DIMENSIONS, _IGOR_HEADERS = (4, "14i"), (64 + 68, "4i"), 64 + 320
+
+
+def _require_sound_wave(content: bytes) -> None:
+    """Raise ValueError where the sizes in an Igor wave's header do not fit the file.
+
+    igor2 works for very long on some damaged files.
+    """
+    if len(content) < _IGOR_HEADERS:
+        raise ValueError("the file ends within its header")
+    order = {b"\5\0": "<", b"\0\5": ">"}.get(content[:2])
+    if order is None:
+        raise ValueError("not a wave of version 5")
+    sizes = struct.unpack_from(order + _IGOR_SIZES[1], content, _IGOR_SIZES[0])
+    counts = struct.unpack_from(order + _IGOR_DIMENSIONS[1], content, _IGOR_DIMENSIONS[0])
+    if min(sizes) < 0 or sum(sizes) > len(content):
+        raise ValueError("a part is longer than the file")
+    if min(counts) < 0 or math.prod(count for count in counts if count) > sizes[0]:
+        raise ValueError("the map is larger than the file")
+
+
 def _read_gwy(path: Path, channel: str | None) -> HeightMap:
     gwyfile = extra("gwyfile", "reading .gwy files")
     util = extra("gwyfile.util", "reading .gwy files")
-    if not _content(path).read(4) == b"GWYP":
+    stream = _content(path)
+    content = stream.getvalue()
+    if content[:4] != b"GWYP":
         raise ConfigurationError(f"{path}: is not a Gwyddion file")
     try:
-        fields = util.get_datafields(gwyfile.load(str(path)))
-        names = [str(name) for name in fields]
+        _require_sound(content, 4)
+        fields = util.get_datafields(gwyfile.load(stream))
+        maps = {str(name): _gwyddion_map(path, str(name), one) for name, one in fields.items()}
     except Exception as error:  # the parser raises what its statements happen to
         raise ConfigurationError(f"{path}: is not readable as Gwyddion: {error!r}") from None
-    if not names:
+    if not maps:
         raise ConfigurationError(f"{path}: holds no map")
-    name = names[_chosen(path, names, channel)]
-    field: Any = fields[name]
-    unit = getattr(getattr(field, "si_unit_z", None), "unitstr", "m")
+    names = list(maps)
+    found, unit = maps[names[_chosen(path, names, channel)]]
     if unit != "m":
-        raise ConfigurationError(f'{path}: channel "{name}" is in "{unit}", not in m')
+        raise ConfigurationError(f'{path}: channel "{found.channel}" is in "{unit}", not in m')
+    return found
+
+
+def _gwyddion_map(path: Path, name: str, field: Any) -> tuple[HeightMap, str]:
+    """A channel, and the unit of its values."""
+    unit = getattr(getattr(field, "si_unit_z", None), "unitstr", "m")
     height = np.asarray(field.data, float)
-    return HeightMap(str(path), height, float(field.xreal), float(field.yreal), name)
+    return HeightMap(str(path), height, float(field.xreal), float(field.yreal), name), str(unit)
+
+
+_ITEM_SIZES = {"b": 1, "c": 1, "i": 4, "q": 8, "d": 8}  # of Gwyddion's types
+
+
+def _require_sound(content: bytes, start: int) -> int:
+    """Raise ValueError where an object of a Gwyddion file does not fit its size; its end.
+
+    gwyfile never comes back from some damaged files.
+    """
+    start = content.index(b"\0", start) + 1
+    end = start + 4 + int.from_bytes(content[start : start + 4], "little")
+    start += 4
+    if end > len(content):
+        raise ValueError("an object is longer than the file")
+    while start < end:
+        start = content.index(b"\0", start, end) + 1
+        kind = content[start : start + 1].decode("ascii")
+        start += 1
+        count = 1
+        if kind.isupper():
+            count = int.from_bytes(content[start : start + 4], "little")
+            start += 4
+        if kind.lower() in _ITEM_SIZES:
+            start += count * _ITEM_SIZES[kind.lower()]
+        elif kind.lower() in ("s", "o") and count <= end - start:
+            for _ in range(count):
+                text = kind.lower() == "s"
+                start = (
+                    content.index(b"\0", start, end) + 1 if text else _require_sound(content, start)
+                )
+        else:
+            raise ValueError(f"a component of the unknown type {kind!r}")
+    if start != end:
+        raise ValueError("a component is longer than its object")
+    return end
 
 
 def _read_matrix(path: Path, size: float | None, unit: str | None) -> HeightMap:

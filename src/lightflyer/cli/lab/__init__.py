@@ -11,6 +11,11 @@ app.command(
     help="Optimal pressure and minimum irradiance from levitation points.",
 )
 app.command(
+    "lightflyer.cli.lab.thermography:thermography_command",
+    name="thermography",
+    help="Emissivity from apparent temperatures, absorptivity from a light meter.",
+)
+app.command(
     "lightflyer.cli.lab.ftir:ftir_command",
     name="ftir",
     help="Emissivity, or its upper bound, from infrared spectra.",

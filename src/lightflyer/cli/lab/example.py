@@ -7,7 +7,7 @@ from rich.console import Console
 
 
 def example_command(
-    name: Literal["levitation", "tac", "ftir", "roughness"],
+    name: Literal["levitation", "tac", "thermography", "ftir", "roughness"],
     /,
     *,
     out: Path = Path("."),

@@ -65,4 +65,12 @@ def example_files(name: str, seed: int = 0) -> Example:
             {**tac_files(seed)},
             ["tac tac-raw.csv --calibration tac-resistance.csv", "tac tac-reduced.txt --out tac"],
         )
+    if name == "thermography":
+        from lightflyer.lab.synthetic.thermography import thermography_files
+
+        return Example(
+            {**thermography_files(seed)},
+            ['thermography thermal.csv --accuracy "0.5 K" --out thermography',
+             "thermography light-meter.csv --light-meter"],
+        )  # fmt: skip
     raise ParameterError(f'there are no synthetic files of "{name}"')

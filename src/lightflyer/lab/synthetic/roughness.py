@@ -15,7 +15,7 @@ _PIXELS = 256
 _CORRELATION = 3.0  # length of the surface's hills [pixels]
 RMS_HEIGHT = 34.8e-9
 """Of the synthetic surfaces without particles [m]: the paper's germanium film."""
-_PARTICLES = 14
+_PARTICLES = 9
 _PARTICLE_RADII = (160e-9, 320e-9)  # [m]
 
 

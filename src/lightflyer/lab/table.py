@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer._checks import allowed
 from lightflyer._text import read_text
 from lightflyer.errors import ConfigurationError
 from lightflyer.lab.layout import (
@@ -314,16 +315,8 @@ def _possible(table: Table, columns: list[Column], path: str) -> Table:
         bad = low | (values > column.highest)
         for row in np.flatnonzero(bad):
             reason = f"{column.name} = {values[row]:g} {column.unit}".rstrip()
-            reason += f" is not {_allowed(column)}"
+            reason += f" is not {allowed(column.lowest, column.highest, column.open_below)}"
             if column.outside == "stop":
                 raise ConfigurationError(f"{path}:{table.lines[row]}: {reason}")
             out.setdefault(int(row), reason)
     return table.without(out) if out else table
-
-
-def _allowed(column: Column) -> str:
-    if column.highest == math.inf:
-        if column.lowest == 0.0:
-            return "positive" if column.open_below else "zero or positive"
-        return f"above {column.lowest:g}"
-    return f"between {column.lowest:g} and {column.highest:g}"

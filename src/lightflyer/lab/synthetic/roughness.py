@@ -109,7 +109,7 @@ def igor_wave(height: np.ndarray, side: float, note: str) -> bytes:
 
     References
     ----------
-    [IgorTN3]_.
+    WaveMetrics, Igor Pro Technical Note 003, *Igor binary format*.
     """
     layers = np.stack([height.T, np.zeros_like(height.T)], axis=2).astype("<f4")
     data = layers.tobytes(order="F")

@@ -1,4 +1,4 @@
-"""Figures. Only this module and ``film_figures`` import matplotlib; functions take and return axes.
+"""Figures. Only this module and ``*_figures`` import matplotlib; functions take and return axes.
 
 Colours are Okabe and Ito's, which people with any colour vision can tell apart, and lines differ
 in style too.

@@ -93,6 +93,7 @@ HEADER = "pressure [Pa],irradiance [W/m^2]\n"
         ("pressure [Pa],pressure [Torr]\n1,2\n", ":1", "stands twice"),
         (HEADER + "1,2\n3,-4\n", ":3", "irradiance = -4 W/m^2 is not positive"),
         (HEADER + "1,2\n3 mTorr,4\n5,6\n", ":3", '"3 mTorr" is more than a number'),
+        (HEADER + "1,2\npressure [Torr],irradiance [W/m^2]\n3,4\n", ":3", "once more"),
         (HEADER + "1,2\n3,4\n5", ":4", "the file ends within a row"),
         (HEADER + "nan,nan\nnan,nan\n", ":2", "none of its 2 rows can be read"),
         (HEADER + "1,5,2\n2,5,3\n", ":2", "none of its 2 rows"),

@@ -1,3 +1,5 @@
+import sys
+
 import numpy as np
 import numpy_model
 import pytest
@@ -155,3 +157,9 @@ def test_heater_power_inverts():
     power = tac.heater_power(pressure, heater, ambient, *TRUTH)
     fit = tac.fit_tac(TacRun(Table("x", np.arange(12), {}), pressure, power, heater, ambient))
     np.testing.assert_allclose([one.value for one in fit.estimates().values()], TRUTH, rtol=1e-8)
+
+
+def test_missing_extra_is_named(monkeypatch, rng):
+    monkeypatch.setitem(sys.modules, "lmfit", None)
+    with pytest.raises(lf.MissingExtraError, match=r"needs lmfit: pip install 'lightflyer\[lab\]'"):
+        tac.fit_tac(independent_run(40, 0.01, rng), **OPTIONS)

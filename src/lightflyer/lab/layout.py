@@ -164,6 +164,11 @@ def _matches(columns: Sequence[Column], cells: Sequence[str]) -> dict[int, tuple
     return found
 
 
+def names_columns(layout: Layout, cells: Sequence[str]) -> bool:
+    """Whether a row of a file names columns of its layout once more."""
+    return bool(_matches([column for column, _, _ in layout.columns.values()], cells))
+
+
 def _split_name(cell: str) -> tuple[str, str]:
     """Name and unit of ``pressure [Pa]``, ``Pressure (Pa)`` or ``pressure / Pa``."""
     if cell.strip().strip('"').lower() in _WHOLE_NAMES:

@@ -24,6 +24,7 @@ from lightflyer.lab.layout import (
     Layout,
     layout_from_header,
     layout_from_option,
+    names_columns,
     split_cells,
 )
 
@@ -263,6 +264,11 @@ def _read_slowly(
         cells = split_cells(line, layout.delimiter)
         if len(cells) == width + 1 and not cells[-1]:
             del cells[-1]
+        if names_columns(layout, cells):
+            raise ConfigurationError(
+                f"{path}:{number}: names columns once more: rows below it may have other units; "
+                "split the file there"
+            )
         if len(cells) != width:
             reason = f"has {len(cells)} values, the header names {width} columns"
             rejected.append(Rejected(str(path), number, reason))

@@ -64,6 +64,23 @@ class Estimate:
         return f"{self.value:.4g} ({low:.4g} to {high:.4g}){unit}"
 
 
+def central_interval(draws: np.ndarray, axis: int = -1) -> np.ndarray:
+    """Ends of the middle 95 % of draws.
+
+    Parameters
+    ----------
+    draws : array
+    axis : int
+        That the draws are counted along.
+
+    Returns
+    -------
+    array, shape (2, ...)
+    """
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    return np.asarray(np.quantile(draws, [tail, 1.0 - tail], axis=axis))
+
+
 def weighted_mean(estimates: Sequence[Estimate]) -> Estimate:
     r"""Mean of independent estimates of one quantity, with the variance between them.
 

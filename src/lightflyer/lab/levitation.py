@@ -16,7 +16,7 @@ import numpy as np
 from lightflyer._checks import require_range
 from lightflyer.errors import ConfigurationError, ParameterWarning
 from lightflyer.lab._extra import extra
-from lightflyer.lab.estimate import CONFIDENCE, Estimate
+from lightflyer.lab.estimate import Estimate, central_interval
 from lightflyer.lab.layout import Column
 from lightflyer.lab.record import dataset
 from lightflyer.lab.table import Table, read_table
@@ -352,16 +352,11 @@ def _bootstrap(
 
 def _estimate(log_value: float, log_draws: np.ndarray, unit: str) -> Estimate:
     """Value and percentile interval of a positive quantity, from logarithms."""
-    low, high = np.exp(_middle(log_draws))
+    low, high = np.exp(central_interval(log_draws))
     value = float(np.exp(log_value))
     spread = value * float(log_draws.std(ddof=1))
     # the estimate itself belongs to its interval, which resamples of few points may leave
     return Estimate(value, (min(float(low), value), max(float(high), value)), unit, spread)
-
-
-def _middle(draws: np.ndarray) -> np.ndarray:
-    tail = 0.5 * (1.0 - CONFIDENCE)
-    return np.quantile(draws, [tail, 1.0 - tail])
 
 
 def compare(curves: Sequence[LevitationCurve]) -> list[Comparison]:
@@ -381,7 +376,7 @@ def compare(curves: Sequence[LevitationCurve]) -> list[Comparison]:
         less, more = sorted(pair, key=lambda curve: curve.minimum_irradiance.value)
         count = min(len(less.draws), len(more.draws))
         ratios = np.exp(less.draws[:count, 1] - more.draws[:count, 1])
-        low, high = _middle(1.0 - ratios)
+        low, high = central_interval(1.0 - ratios)
         value = 1.0 - less.minimum_irradiance.value / more.minimum_irradiance.value
         interval = (min(float(low), value), max(float(high), value))
         reduction = Estimate(value, interval, "", float(ratios.std(ddof=1)))

@@ -19,7 +19,7 @@ from scipy import ndimage
 
 from lightflyer._checks import require_range
 from lightflyer.errors import ConfigurationError, ParameterWarning
-from lightflyer.lab.estimate import CONFIDENCE, Estimate
+from lightflyer.lab.estimate import Estimate, central_interval
 from lightflyer.lab.height_map import HeightMap
 from lightflyer.lab.record import dataset
 
@@ -304,8 +304,7 @@ def _estimates(height: np.ndarray, kept: np.ndarray, picks: np.ndarray) -> dict[
 
 
 def _with_interval(value: float, draws: np.ndarray, unit: str) -> Estimate:
-    tail = 0.5 * (1.0 - CONFIDENCE)
-    low, high = np.quantile(draws, [tail, 1.0 - tail])
+    low, high = central_interval(draws)
     interval = (min(float(low), value), max(float(high), value))
     return Estimate(value, interval, unit, float(draws.std(ddof=1)))
 

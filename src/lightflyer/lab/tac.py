@@ -43,6 +43,9 @@ if TYPE_CHECKING:
 LU2023_HEATER_DIAMETER = 24e-3
 """Diameter of the paper's heater [m]; [Lu2023]_ supplement."""
 
+HEATERS = {"lu2023": LU2023_HEATER_DIAMETER}
+"""Diameters of heaters that have a name [m]."""
+
 PARAMETERS = ("tac", "area_ratio", "offset")
 """What is fitted: α, δ and C."""
 

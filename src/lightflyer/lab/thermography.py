@@ -22,7 +22,7 @@ import numpy as np
 
 from lightflyer._checks import require_range
 from lightflyer.errors import ConfigurationError, ParameterError
-from lightflyer.lab.estimate import CONFIDENCE, Estimate
+from lightflyer.lab.estimate import Estimate, central_interval
 from lightflyer.lab.layout import Column
 from lightflyer.lab.record import dataset
 from lightflyer.lab.table import Table, read_table
@@ -312,8 +312,7 @@ def reduce_readings(readings: Readings, *, draws: int = DRAWS, seed: int = 0) ->
     drawn = mean[:, None] + readings.uncertainties[:, None] * rng.normal(size=(4, draws))
     cloud = shares_of(np.maximum(drawn, 0.0), power) - shares_of(mean, power)[:, None]
     cloud += value[:, None] + rng.multivariate_normal(np.zeros(3), scatter, draws).T
-    tail = 0.5 * (1.0 - CONFIDENCE)
-    low, high = np.quantile(cloud, [tail, 1.0 - tail], axis=1)
+    low, high = central_interval(cloud, axis=1)
     return Shares(
         readings=readings,
         first_order={

@@ -92,15 +92,14 @@ def tac_command(
     from lightflyer.lab.tac_data import read_resistance_calibration, read_tac
     from lightflyer.lab.update import tac_keys
 
-    del heater  # the only preset, whose diameter is the fit's default
     thermometer = None if calibration is None else read_resistance_calibration(calibration)
+    width = tac.HEATERS[heater] if diameter is None else quantity("--diameter", diameter, "m").value
     options: dict[str, Any] = {
+        "diameter": width,
         "tolerance": difference("--tolerance", tolerance, "K"),
         "reading": READINGS[reading],
         "gas": GASES[gas],
     }
-    if diameter is not None:
-        options["diameter"] = quantity("--diameter", diameter, "m").value
     if emissivity is not None:
         options["emissivity"] = quantity("--emissivity", emissivity, "").value
     surroundings = None if ambient is None else quantity("--ambient", ambient, "K").value

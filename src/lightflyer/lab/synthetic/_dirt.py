@@ -4,6 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lightflyer.units import scale_and_offset
+
+TORR = scale_and_offset("Torr", "Pa")[0]
+"""In pascal."""
+
 
 def label(name: str, truth: str) -> list[str]:
     """First lines of every synthetic file.

@@ -6,14 +6,13 @@ from lightflyer.environment.chamber import Chamber
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.lu2023 import Lu2023
-from lightflyer.lab.synthetic._dirt import dirty_text, label
+from lightflyer.lab.synthetic._dirt import TORR, dirty_text, label
 from lightflyer.levitation import levitate
 
 _EMITTANCES = {"Ge 2 cm": 0.08, "CNT 2 cm": 0.48}  # the paper's
 _PRESSURES = (1.2, 40.0)  # [Pa]
 _POINTS = 28  # of each sample
 _NOISE = 0.05  # relative
-_TORR = 133.32236842105263
 
 
 def lift_off_irradiance(pressure: np.ndarray, sample: str) -> np.ndarray:
@@ -56,7 +55,7 @@ def levitation_files(seed: int = 0) -> dict[str, str]:
     )
     lines = label("levitation", truth)
     rows = [
-        [name, str(_EMITTANCES[name]), f"{p / _TORR * 1e3:.4g}", f"{light / 1e3:.5g}"]
+        [name, str(_EMITTANCES[name]), f"{p / TORR * 1e3:.4g}", f"{light / 1e3:.5g}"]
         for name in _EMITTANCES
         for p, light in _points(rng, name)
     ]

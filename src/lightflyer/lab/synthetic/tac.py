@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.lab.synthetic._dirt import dirty_text, label
+from lightflyer.lab.synthetic._dirt import TORR, dirty_text, label
 from lightflyer.lab.tac import LU2023_HEATER_DIAMETER, heater_power
 
 
@@ -21,7 +21,6 @@ PLATINUM = TacTruth()
 
 _AMBIENT, _HEATER = 295.0, 323.0  # [K]
 _PRESSURES = (1e-4, 200.0)  # [Pa]
-_TORR = 133.32236842105263
 _RESISTANCE, _PER_KELVIN, _AT = 10.0, 3.85e-3, 295.0  # of the heater: ohm, 1/K, K
 _RELATIVE_NOISE = 0.01  # of the power
 _TEMPERATURE_NOISE = 0.05  # [K]
@@ -75,7 +74,7 @@ def _raw(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:
     resistance = _RESISTANCE * (1.0 + _PER_KELVIN * (heater - _AT))
     current = np.sqrt(power / resistance)
     rows = [
-        [f"{10.0 * row:.1f}", f"{p / _TORR * 1e3:.5g}", f"{i * r:.6f}", f"{i * 1e3:.5f}",
+        [f"{10.0 * row:.1f}", f"{p / TORR * 1e3:.5g}", f"{i * r:.6f}", f"{i * 1e3:.5f}",
          f"{t - _ZERO:.3f}"]
         for row, (p, i, r, t) in enumerate(zip(pressure, current, resistance, ambient, strict=True))
     ]  # fmt: skip

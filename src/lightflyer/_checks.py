@@ -43,10 +43,21 @@ def require_range(
     inside = above & (array <= highest) & np.isfinite(array)
     if not np.all(inside):
         bad = array[~inside].flat[0] if array.ndim else array
-        raise ParameterError(f"{name} = {bad:g} is not {_allowed(lowest, highest, open_below)}")
+        raise ParameterError(f"{name} = {bad:g} is not {allowed(lowest, highest, open_below)}")
 
 
-def _allowed(lowest: float, highest: float, open_below: bool) -> str:
+def allowed(lowest: float, highest: float, open_below: bool) -> str:
+    """Words for an allowed range, such as ``"positive"``.
+
+    Parameters
+    ----------
+    lowest, highest : float
+    open_below : bool
+
+    Returns
+    -------
+    str
+    """
     if highest == np.inf:
         if lowest == 0.0:
             return "positive" if open_below else "zero or positive"

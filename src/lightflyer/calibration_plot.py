@@ -7,15 +7,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.calibrate import Calibration
-from lightflyer.plot import BLUE, GREEN, GREY, ORANGE, VERMILION, new_figure, plain_decades
+from lightflyer.plot import GREY, MARKERS, PALETTE, new_figure, plain_decades
 
-_COLOURS = (BLUE, VERMILION, GREEN, ORANGE, "black")
-_MARKERS = "osD^vP*X"
 _PERCENT = 100.0
 
 
 def _style(number: int) -> dict[str, Any]:
-    return {"color": _COLOURS[number % 5], "marker": _MARKERS[number % 8]}
+    return {"color": PALETTE[number % len(PALETTE)], "marker": MARKERS[number % len(MARKERS)]}
 
 
 def fitted_points(fit: Calibration, ax: Axes) -> Axes:

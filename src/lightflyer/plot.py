@@ -1,4 +1,4 @@
-"""Figures. Only this module and ``film_figures`` import matplotlib; functions take and return axes.
+"""Figures. Only this module and ``*_figures`` import matplotlib; functions take and return axes.
 
 Colours are Okabe and Ito's, which people with any colour vision can tell apart, and lines differ
 in style too.
@@ -19,6 +19,8 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from lightflyer.prediction import AltitudePrediction, ChamberPrediction
 
 BLUE, ORANGE, GREEN, VERMILION, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#777777"
+PALETTE = (BLUE, VERMILION, GREEN, ORANGE, "black")
+MARKERS = "osD^vP*X"
 
 _KILOMETRE = 1e3
 _MILLIGRAM = 1e-6

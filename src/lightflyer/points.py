@@ -25,8 +25,7 @@ from lightflyer.units import parse
 REQUIRED = ("sample", "pressure", "irradiance")
 """Columns that every file has."""
 
-# unit, lowest and highest allowed value, whether the lowest is excluded
-_NUMBERS: dict[str, tuple[str, float, float, bool]] = {
+NUMBERS: dict[str, tuple[str, float, float, bool]] = {
     "pressure": ("Pa", 0.0, math.inf, True),
     "irradiance": ("W/m^2", 0.0, math.inf, True),
     "pressure_uncertainty": ("Pa", 0.0, math.inf, False),
@@ -38,11 +37,18 @@ _NUMBERS: dict[str, tuple[str, float, float, bool]] = {
     "tac_top": ("", 0.0, HIGHEST_TAC, True),
     "tac_bottom": ("", 0.0, HIGHEST_TAC, True),
 }
+"""Columns with numbers: unit, lowest and highest allowed value, whether the lowest is excluded."""
+
+SAMPLE_PROPERTIES = (
+    "diameter", "areal_density", "emittance", "absorptance", "tac_top", "tac_bottom"
+)  # fmt: skip
+"""Columns that say what a sample is."""
+
 _TEXTS = ("sample", "figure")
 FIGURES = ("2", "5", "S2", "S3")
 """Figures of the paper that points can be drawn in."""
 
-COLUMNS = (*_NUMBERS, *_TEXTS)
+COLUMNS = (*NUMBERS, *_TEXTS)
 """All columns that a file may have."""
 
 _HEADER = re.compile(r"^\s*([A-Za-z_]+)\s*(?:\[\s*(.*?)\s*\])?\s*$")
@@ -126,7 +132,7 @@ def read_points(path: str | Path) -> Points:
         source=str(path),
         samples=[str(name) for name in values["sample"]],
         numbers={
-            name: np.array(column, float) for name, column in values.items() if name in _NUMBERS
+            name: np.array(column, float) for name, column in values.items() if name in NUMBERS
         },
         texts={
             name: [str(value) for value in column]
@@ -148,8 +154,8 @@ def _units(header: Sequence[str], place: str) -> dict[str, str]:
         name, unit = match[1], match[2] or ""
         if name in units:
             raise ConfigurationError(f"{place}: column {name} stands twice")
-        if name in _NUMBERS:
-            wanted = _NUMBERS[name][0]
+        if name in NUMBERS:
+            wanted = NUMBERS[name][0]
             if wanted and not unit:
                 raise ConfigurationError(
                     f'{place}: column {name} has no unit; write "{name} [{wanted}]"'
@@ -163,7 +169,7 @@ def _units(header: Sequence[str], place: str) -> dict[str, str]:
 
 
 def _in_si(value: float, name: str, unit: str, place: str) -> float:
-    wanted = _NUMBERS[name][0]
+    wanted = NUMBERS[name][0]
     try:
         return parse(f"{value!r} {unit}" if unit else value, wanted).value
     except ConfigurationError as error:
@@ -190,7 +196,7 @@ def _row(cells: Sequence[str], units: dict[str, str], place: str) -> dict[str, s
             number = float(cell)
         except ValueError:
             raise ConfigurationError(f'{place}: {name}: "{cell}" is not a number') from None
-        _, lowest, highest, open_below = _NUMBERS[name]
+        _, lowest, highest, open_below = NUMBERS[name]
         try:
             require_range(name, number, lowest, highest, open_below=open_below)
         except ParameterError as error:

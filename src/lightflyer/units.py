@@ -30,9 +30,12 @@ class Measured(NamedTuple):
     uncertainty: float | None = None
 
 
+_FAR = 1e6  # a value beside which offsets of temperature scales are small
+
 _SEPARATOR = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
 _NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _FACTOR = r"[A-Za-zµμ°%]+(?:(?:\*\*|\^)?-?\d|[²³])?"
+_EXPONENT = re.compile(r"(?<=[A-Za-zµμ°])(-?\d)")  # of "m2" and "m-2", which Pint does not read
 _UNIT = re.compile(rf"^{_FACTOR}(?:\s*[*/·]\s*{_FACTOR}|\s+{_FACTOR})*$")
 
 
@@ -56,12 +59,42 @@ def _converter(unit: str, target: str, text: str) -> Callable[[float], float]:
     if not _UNIT.match(unit):
         raise ConfigurationError(f'"{text}": "{unit}" is not a unit')
     try:
-        parsed = units.parse_units(unit)
+        parsed = units.parse_units(_EXPONENT.sub(r"**\1", unit))
     except pint.UndefinedUnitError:
         raise ConfigurationError(f'"{text}": unit "{unit}" is unknown; {_wanted(target)}') from None
     if not units.is_compatible_with(parsed, units.parse_units(target)):
         raise ConfigurationError(f'"{text}": unit "{unit}" is of the wrong kind; {_wanted(target)}')
     return lambda value: float(units.Quantity(value, parsed).to(target).magnitude)
+
+
+def scale_and_offset(unit: str, target: str) -> tuple[float, float]:
+    """What turns many values of one unit into another: times the first, plus the second.
+
+    Parameters
+    ----------
+    unit : str
+        Such as ``"mTorr"`` or ``"°C"``.
+    target : str
+        SI unit wanted, ``""`` for a pure number.
+
+    Returns
+    -------
+    scale, offset : float
+
+    Raises
+    ------
+    ConfigurationError
+        If the unit is unknown or of another kind.
+
+    Examples
+    --------
+    >>> scale_and_offset("°C", "K")
+    (1.0, 273.15)
+    """
+    convert = _converter(unit or "dimensionless", target, unit)
+    offset = convert(0.0)
+    # from far away, where the offset's rounding does not count
+    return (convert(_FAR) - offset) / _FAR if offset else convert(1.0), offset
 
 
 def _wanted(target: str) -> str:

@@ -46,6 +46,11 @@ app.command(
     help="Fit force coefficients and film properties to measured levitation points.",
 )
 app.command(
+    "lightflyer.cli.lab:app",
+    name="lab",
+    help="Reduce raw measurements to numbers with intervals, figures and records.",
+)
+app.command(
     "lightflyer.cli.paper:paper_command",
     name="paper",
     help="Recompute the paper: its claims, figures and tables beside ours.",

@@ -95,11 +95,31 @@ class Lu2023(AbstractForceModel):
     @entry_point
     def heat_loss(self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
         """See :meth:`AbstractForceModel.heat_loss`."""
+        return excess * _in_series(*self.heat_conductances(flyer, state, excess))
+
+    @entry_point
+    def heat_conductances(
+        self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric
+    ) -> tuple[Array, Array]:
+        """Heat loss per relative temperature excess in the two limits [W].
+
+        Parameters
+        ----------
+        flyer : AbstractFlyer
+        state : EnvironmentState
+        excess : array, shape (...)
+            Relative temperature excess [1].
+
+        Returns
+        -------
+        free_molecular, continuum : array, broadcast shape
+            The first is proportional to the mean TAC, the second does not depend on it.
+        """
         stretch = 1.0 + 0.5 * self.reading.heat_weight * excess
         speed = state.gas.mean_speed(state.temperature) / jnp.sqrt(stretch)
         free_molecular = kinetic_conductance(flyer, state, speed)
         continuum = self.reading.continuum_faces * _continuum_conductance(flyer, state, excess)
-        return excess * _in_series(free_molecular, continuum)
+        return free_molecular, continuum
 
     @entry_point
     def force(self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:

@@ -1,0 +1,37 @@
+"""``lightflyer lab``: raw measurements to numbers with intervals, one module a measurement."""
+
+import cyclopts
+
+app = cyclopts.App(
+    name="lab", help="Reduce raw measurements to numbers with intervals, figures and records."
+)
+app.command(
+    "lightflyer.cli.lab.levitation:levitation_command",
+    name="levitation",
+    help="Optimal pressure and minimum irradiance from levitation points.",
+)
+app.command(
+    "lightflyer.cli.lab.thermography:thermography_command",
+    name="thermography",
+    help="Emissivity from apparent temperatures, absorptivity from a light meter.",
+)
+app.command(
+    "lightflyer.cli.lab.ftir:ftir_command",
+    name="ftir",
+    help="Emissivity, or its upper bound, from infrared spectra.",
+)
+app.command(
+    "lightflyer.cli.lab.roughness:roughness_command",
+    name="roughness",
+    help="Roughness of surfaces from height maps, without the particles on them.",
+)
+app.command(
+    "lightflyer.cli.lab.tac:tac_command",
+    name="tac",
+    help="Accommodation coefficient from a heater's power against pressure.",
+)
+app.command(
+    "lightflyer.cli.lab.example:example_command",
+    name="example",
+    help="Write synthetic raw files to try a command with.",
+)

@@ -1,0 +1,237 @@
+"""What the commands of the lab bench share: options, tables, and records on disk."""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.table import Table
+
+from lightflyer.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from lightflyer.lab.estimate import Estimate
+    from lightflyer.lab.table import Rejected
+    from lightflyer.lab.table import Table as LabTable
+    from lightflyer.units import Measured
+
+Files = Annotated[list[Path], Parameter(consume_multiple=True, negative=())]
+"""Input files of a command."""
+
+Json = Annotated[bool, Parameter(name="--json", negative=())]
+"""Whether to print JSON."""
+
+_SHOWN_REJECTED = 10
+
+
+def quantity(option: str, text: str, unit: str) -> "Measured":
+    """Value of an option such as ``--diameter "24 mm"``.
+
+    Parameters
+    ----------
+    option : str
+        Its name, for messages.
+    text : str
+    unit : str
+        SI unit wanted.
+
+    Returns
+    -------
+    Measured
+
+    Raises
+    ------
+    ConfigurationError
+        Naming the option.
+    """
+    from lightflyer.units import parse
+
+    try:
+        return parse(text if unit else _number_or_text(text), unit)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{option}: {error}") from None
+
+
+def difference(option: str, text: str, unit: str) -> float:
+    """Value of an option that is a difference, in which 1 °C is 1 K.
+
+    Parameters
+    ----------
+    option : str
+        Its name, for messages.
+    text : str
+    unit : str
+        SI unit wanted.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ConfigurationError
+        Naming the option.
+    """
+    from lightflyer.units import parse, scale_and_offset
+
+    quantity(option, text, unit)
+    written = text.lstrip("+-.0123456789eE ")
+    try:
+        offset = scale_and_offset(written, unit)[1]
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{option}: {error}") from None
+    return parse(text, unit).value - offset
+
+
+def _number_or_text(text: str) -> str | float:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def read_summary(tables: Sequence["LabTable"]) -> list[dict[str, Any]]:
+    """What was read, as JSON: each file, its rows, and those left out with the reason."""
+    return [
+        {
+            "file": table.source,
+            "rows": len(table),
+            "rejected": [{"line": row.line, "reason": row.reason} for row in table.rejected],
+            "columns_not_used": table.unused,
+        }
+        for table in tables
+    ]
+
+
+def show_read(console: Console, tables: Sequence["LabTable"]) -> None:
+    """Print what was read, and every row left out."""
+    for table in tables:
+        unused = f"; not used: {', '.join(table.unused)}" if table.unused else ""
+        console.print(f"read {len(table)} rows of {table.source}{unused}", markup=False)
+        show_rejected(console, table.rejected)
+
+
+def show_rejected(console: Console, rejected: Sequence["Rejected"]) -> None:
+    """Print the rows left out, the first of them where there are very many."""
+    for row in rejected[:_SHOWN_REJECTED]:
+        console.print(f"  left out {row}", markup=False, soft_wrap=True)
+    if len(rejected) > _SHOWN_REJECTED:
+        console.print(
+            f"  and {len(rejected) - _SHOWN_REJECTED} more rows, which the JSON record names"
+        )
+
+
+def estimate_table(rows: Sequence[tuple[str, "Estimate"]], first: str = "") -> Table:
+    """Table of named estimates with their intervals and units."""
+    table = Table(box=None, padding=(0, 1))
+    for heading in (first, "value", "95 % interval", "unit"):
+        table.add_column(heading, justify="right" if heading in ("value",) else "left")
+    for name, estimate in rows:
+        low, high = estimate.interval
+        table.add_row(
+            name, f"{estimate.value:.4g}", f"{low:.4g} to {high:.4g}", estimate.unit or "1"
+        )
+    return table
+
+
+def write_record(
+    out: Path | None,
+    name: str,
+    document: dict[str, Any],
+    dataset: "xr.Dataset",
+    figures: Callable[[], dict[str, "Figure"]],
+    update: Callable[[], list[str]],
+) -> tuple[list[Path], list[str]]:
+    """Write the record (JSON, NetCDF) and figures (PNG, SVG) of a measurement, all or none.
+
+    Parameters
+    ----------
+    out : Path or None
+        Folder; None writes no record.
+    name : str
+        Of the files without suffix.
+    document : dict
+        The JSON record.
+    dataset : xarray.Dataset
+    figures : callable
+        Makes the figures by file name without suffix.
+    update : callable
+        Updates the flyer file, once all else is ready; where it fails nothing is written.
+
+    Returns
+    -------
+    written : list of Path
+    updated : list of str
+        What was written into the flyer file.
+    """
+    if out is None:
+        return [], update()
+    from lightflyer import plot
+    from lightflyer.output import output_directory
+
+    names = [f"{name}.json", f"{name}.nc"]
+    with output_directory(out) as stage:
+        text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False)
+        stage(names[0]).write_text(text + "\n", encoding="utf-8")
+        dataset.to_netcdf(stage(names[1]), engine="h5netcdf")
+        for title, figure in figures().items():
+            files = [f"{title}.png", f"{title}.svg"]
+            plot.save(figure, [stage(file) for file in files])
+            names += files
+        updated = update()
+    return [out / name for name in names], updated
+
+
+def updating(
+    flyer: Path | None,
+    values: "Mapping[tuple[str, str], Estimate]",
+    name: str,
+    files: Sequence[Path],
+) -> Callable[[], list[str]]:
+    """What writes values into a flyer file, for :func:`write_record`; nothing where none is named.
+
+    Parameters
+    ----------
+    flyer : Path or None
+    values : mapping of (str, str) to Estimate
+        By section and key.
+    name : str
+        Of the measurement.
+    files : sequence of Path
+        It was made from.
+
+    Returns
+    -------
+    callable
+    """
+    from lightflyer.lab.update import update_flyer_file
+
+    def update() -> list[str]:
+        if flyer is None:
+            return []
+        origin = ", ".join([f"lab {name}", *(file.name for file in files)])
+        return update_flyer_file(flyer, values, origin)
+
+    return update
+
+
+def finish(
+    console: Console, written: Sequence[Path], updated: Sequence[str], flyer: Path | None
+) -> None:
+    """Say what was written, or how to have it written."""
+    for path in written:
+        console.print(f"wrote {path}", soft_wrap=True)
+    for text in updated:
+        console.print(f"{flyer}: {text}", soft_wrap=True, markup=False)
+    if not written:
+        console.print("add --out FOLDER to write the record and a figure")
+
+
+def print_json(document: dict[str, Any]) -> None:
+    """Print one JSON object."""
+    print(json.dumps(document, allow_nan=False, ensure_ascii=False))  # noqa: T201

@@ -1,0 +1,41 @@
+"""``lightflyer lab example``: synthetic raw files."""
+
+from pathlib import Path
+from typing import Literal
+
+from rich.console import Console
+
+
+def example_command(
+    name: Literal["levitation", "tac", "thermography", "ftir", "roughness"],
+    /,
+    *,
+    out: Path = Path("."),
+    seed: int = 0,
+) -> None:
+    """Write synthetic raw files to try a command with; each says that it is synthetic.
+
+    Parameters
+    ----------
+    name
+        Of the measurement.
+    out
+        Folder to write them into.
+    seed
+        Of their noise.
+    """
+    from lightflyer.lab.synthetic import example_files
+    from lightflyer.output import output_directory
+
+    files = example_files(name, seed)
+    with output_directory(out) as stage:
+        for file, content in files.files.items():
+            if isinstance(content, bytes):
+                stage(file).write_bytes(content)
+            else:
+                stage(file).write_text(content, encoding="utf-8")
+    console = Console(highlight=False)
+    for file in files.files:
+        console.print(f"wrote {out / file}", soft_wrap=True)
+    for command in files.commands:
+        console.print(f"next: lightflyer lab {command}", soft_wrap=True)

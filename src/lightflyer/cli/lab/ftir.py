@@ -1,0 +1,180 @@
+"""``lightflyer lab ftir``: emissivity, or its upper bound, from infrared spectra."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from rich.console import Console
+from rich.table import Table
+
+from lightflyer.cli.lab._shared import (
+    Files,
+    Json,
+    finish,
+    print_json,
+    quantity,
+    show_rejected,
+    updating,
+    write_record,
+)
+from lightflyer.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from lightflyer.lab.ftir import Ftir
+    from lightflyer.lab.spectrum_data import MeasuredSpectrum
+
+
+def ftir_command(
+    files: Files,
+    /,
+    *,
+    reflectance: Path | None = None,
+    columns: str | None = None,
+    band: str = "900 ± 400 cm^-1",
+    temperatures: str = "300 K,400 K,441 K,500 K",
+    accuracy: str = "0",
+    film: Path | None = None,
+    out: Path | None = None,
+    update: Path | None = None,
+    face: Literal["top", "bottom", "both"] = "both",
+    json_output: Json = False,
+) -> None:
+    """Average infrared spectra over a band and over Planck's spectrum, for the emissivity.
+
+    Parameters
+    ----------
+    files
+        Spectra of transmittance of one film: JCAMP-DX (.jdx, .dx), or tables of wavenumber or
+        wavelength and transmittance or absorbance, units in the header. Several are repeats.
+    reflectance
+        Spectrum of its reflectance; without it the emissivity has an upper bound only.
+    columns
+        The columns of tables without header: "wavenumber [cm^-1], transmittance [%]".
+    band
+        Middle and half width of the band.
+    temperatures
+        At which to weight with Planck's spectrum.
+    accuracy
+        Standard uncertainty of the instrument's ordinate, such as "0.5 %".
+    film
+        TOML file with the layers of a film, whose computed spectrum is drawn beside.
+    out
+        Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
+    update
+        Flyer file to write the emissivity over the band into; takes --reflectance.
+    face
+        Which face of that file's film it is for.
+    json_output
+        Print one JSON object instead of tables.
+    """
+    from lightflyer.lab.ftir import reduce_ftir, to_dataset
+    from lightflyer.lab.spectrum_data import read_spectrum
+    from lightflyer.lab.update import emittance_keys
+
+    if update is not None and reflectance is None:
+        raise ConfigurationError(
+            "--update: transmittance alone gives an upper bound, which no film has as its "
+            "emittance; --reflectance makes it one"
+        )
+    middle = quantity("--band", band, "m^-1")
+    if not middle.uncertainty:
+        raise ConfigurationError(f'--band "{band}" has no width; write "900 ± 400 cm^-1"')
+    spectra = [read_spectrum(file, columns=columns) for file in files]
+    mirrors = [] if reflectance is None else [read_spectrum(reflectance, columns=columns)]
+    result = reduce_ftir(
+        spectra, mirrors,
+        band=(middle.value - middle.uncertainty, middle.value + middle.uncertainty),
+        temperatures=[quantity("--temperatures", one, "K").value
+                      for one in temperatures.split(",") if one.strip()],
+        accuracy=quantity("--accuracy", accuracy, "").value,
+    )  # fmt: skip
+    computed = _computed(film, result)
+    document = result.summary() | {"read": [_read(one) for one in (*spectra, *mirrors)]}
+    emissivity = result.emissivity
+    values = {} if emissivity is None else dict.fromkeys(emittance_keys(face), emissivity)
+    written, updated = write_record(
+        out, "ftir", document, to_dataset(result), lambda: _figures(result, computed),
+        updating(update, values, "ftir", [*files, *([reflectance] if reflectance else [])]),
+    )  # fmt: skip
+    if json_output:
+        print_json(document)
+        return
+    console = Console(highlight=False)
+    for one in (*spectra, *mirrors):
+        ends = one.wavenumber[[0, -1]] / 100.0
+        console.print(
+            f"read {len(one.wavenumber)} points of {one.quantity} of {one.source}, "
+            f"{ends[0]:.5g} to {ends[1]:.5g} cm⁻¹", markup=False, soft_wrap=True,
+        )  # fmt: skip
+        show_rejected(console, one.rejected)
+    _show(console, result)
+    if not result.accuracy:
+        console.print("intervals hold the noise alone; --accuracy adds the instrument's")
+    finish(console, written, updated, update)
+
+
+def _read(spectrum: "MeasuredSpectrum") -> dict[str, Any]:
+    return {
+        "file": spectrum.source,
+        "quantity": spectrum.quantity,
+        "points": len(spectrum.wavenumber),
+        "rejected": [{"line": row.line, "reason": row.reason} for row in spectrum.rejected],
+    }
+
+
+def _computed(film: Path | None, result: "Ftir") -> dict[str, Any]:
+    """The film's computed spectra over the wavenumbers measured, as far as its data reach."""
+    if film is None:
+        return {}
+    import numpy as np
+
+    from lightflyer.config.reader import read_film_file
+
+    stack = read_film_file(film).film()
+    shortest, longest = stack.covered_range
+    ends = [one.wavenumber[[0, -1]] for one in result.spectra]
+    low = max(min(end[0] for end in ends), 1.0 / longest)
+    high = max(end[1] for end in ends)
+    if shortest > 0.0:  # it is zero for materials that are extrapolated
+        high = min(high, 1.0 / shortest)
+    if low >= high:
+        raise ConfigurationError(f"{film}: its materials have no data where the spectra have")
+    # the ends themselves could fall out of the materials' range by rounding
+    wavenumber = np.linspace(low, high, 1002)[1:-1]
+    optics = stack.optics(1.0 / wavenumber).unpolarised()
+    found = {"transmittance": (wavenumber, np.asarray(optics.transmittance))}
+    if result.reflectances:
+        found["reflectance"] = (wavenumber, np.asarray(optics.reflectance))
+    return found
+
+
+def _figures(result: "Ftir", computed: dict[str, Any]) -> "dict[str, Figure]":
+    from lightflyer.lab.ftir_figures import ftir_figures
+
+    return ftir_figures(result, computed)
+
+
+def _show(console: Console, result: "Ftir") -> None:
+    low, high = (end / 100.0 for end in result.band)
+    console.print(f"over {low:g} to {high:g} cm⁻¹:")
+    console.print(f"  transmittance {result.transmittance.band}")
+    console.print(f"  upper bound of the emissivity {result.upper_bound}")
+    if result.reflectance is not None:
+        console.print(f"  reflectance {result.reflectance.band}")
+        console.print(f"  emissivity {result.emissivity}")
+    if result.uncovered_band:
+        console.print(f"  {result.uncovered_band:.1%} of the band has no data")
+    table = Table(box=None, padding=(0, 1))
+    emissivity = "emissivity" if result.reflectance else "emissivity\nat most"
+    for heading in ("at\n[K]", "transmittance", emissivity, "95 % interval", "power outside\nthe data"):  # noqa: E501  # fmt: skip
+        table.add_column(heading, justify="right")
+    for temperature, estimate in result.planck_emissivity().items():
+        ends = estimate.interval
+        table.add_row(
+            f"{temperature:g}", f"{result.transmittance.planck[temperature].value:.4f}",
+            f"{estimate.value:.4f}", f"{ends[0]:.4f} to {ends[1]:.4f}",
+            f"{result.uncovered[temperature]:.1%}",
+        )  # fmt: skip
+    console.print("weighted with Planck's spectrum, over the wavenumbers measured:")
+    console.print(table)

@@ -1,0 +1,202 @@
+"""``lightflyer lab levitation``: optimal pressure and minimum irradiance of samples."""
+
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.table import Table
+
+from lightflyer.cli.lab._shared import (
+    Files,
+    Json,
+    finish,
+    print_json,
+    read_summary,
+    show_read,
+    updating,
+    write_record,
+)
+from lightflyer.errors import ConfigurationError, ParameterWarning
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from lightflyer.calibrate import Calibration
+    from lightflyer.lab.estimate import Estimate
+    from lightflyer.lab.levitation import LevitationCurve
+
+_PERCENT = 100.0
+
+
+def levitation_command(
+    files: Files,
+    /,
+    *,
+    columns: str | None = None,
+    span: float = 0.75,
+    draws: int = 2000,
+    seed: int = 0,
+    flyer: Path | None = None,
+    calibrate: Annotated[bool, Parameter(negative=())] = False,
+    pressure_unit: Literal["Pa", "Torr", "mTorr", "mbar"] = "Pa",
+    out: Path | None = None,
+    update: Path | None = None,
+    json_output: Json = False,
+) -> None:
+    """Find the pressure at which samples need least light, and compare samples and launchpads.
+
+    Parameters
+    ----------
+    files
+        Tables of points at which a sample just lifted off, with the columns pressure and
+        irradiance, units in the header such as "pressure [mTorr]", and sample where there is
+        more than one. Further columns: launchpad, floor_gap, and what a sample is, for the
+        model's curve: diameter, areal_density, emittance, absorptance, tac_top, tac_bottom.
+    columns
+        The columns in the order of the files, in place of a header: "pressure [Pa], irradiance
+        [W/m^2]"; - is one to leave out.
+    span
+        Share of a sample's points that each local fit sees.
+    draws
+        Resamples of the bootstrap behind the intervals.
+    seed
+        Of the resamples.
+    flyer
+        Flyer file of a chamber, whose predicted curve is drawn beside the points.
+    calibrate
+        Fit the force coefficients to the points, starting from that flyer, and draw that curve.
+    pressure_unit
+        Of the figure's axis.
+    out
+        Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
+    update
+        Flyer file to write the calibrated force coefficients into.
+    json_output
+        Print one JSON object instead of tables.
+    """
+    from lightflyer.lab import levitation
+
+    if update is not None and not calibrate:
+        raise ConfigurationError("--update writes force coefficients: it takes --calibrate")
+    if calibrate and flyer is None:
+        raise ConfigurationError("--calibrate starts from a flyer: name its file by --flyer")
+    read = [levitation.read_lift_offs(file, columns=columns) for file in files]
+    curves = [
+        levitation.levitation_curve(points, span=span, draws=draws, seed=seed + number)
+        for number, points in enumerate(_distinct([one for lots, _ in read for one in lots]))
+    ]
+    _warn_of_ground_effect(curves)
+    models, fit = _models(curves, flyer, calibrate=calibrate)
+    tables = [table for _, table in read]
+    document = levitation.summary(curves) | {"read": read_summary(tables)}
+    values: dict[tuple[str, str], Estimate] = {}
+    if fit is not None:
+        document["calibration"] = fit.summary()
+        values = _coefficients(fit)
+    written, updated = write_record(
+        out, "levitation", document, levitation.to_dataset(curves, [t.source for t in tables]),
+        lambda: _figures(curves, pressure_unit, models),
+        updating(update, values, "levitation", files),
+    )  # fmt: skip
+    if json_output:
+        print_json(document)
+        return
+    console = Console(highlight=False)
+    show_read(console, tables)
+    _show(console, curves)
+    for name, estimate in values.items():
+        console.print(f"calibrated {name[1]} {estimate}")
+    finish(console, written, updated, update)
+
+
+def _distinct(lots: Sequence[Any]) -> Sequence[Any]:
+    seen: dict[str, str] = {}
+    for one in lots:
+        if one.name in seen:
+            raise ConfigurationError(f"{one.place}: {one.name} also stands in {seen[one.name]}")
+        seen[one.name] = one.place
+    return lots
+
+
+def _warn_of_ground_effect(curves: "Sequence[LevitationCurve]") -> None:
+    for points in (curve.points for curve in curves):
+        if points.in_ground_effect:
+            gap, diameter = (
+                1e3 * float(one or 0.0) for one in (points.floor_gap, points.properties["diameter"])
+            )
+            warnings.warn(
+                f"{points.place}: {points.name}: the floor is {gap:.3g} mm below, less than the "
+                f"diameter of {diameter:.3g} mm: the floor helps it up",
+                ParameterWarning,
+                stacklevel=2,
+            )
+
+
+def _models(
+    curves: "Sequence[LevitationCurve]", flyer: Path | None, *, calibrate: bool
+) -> tuple[dict[str, Any], "Calibration | None"]:
+    """Curves of the model, and of the calibrated one, by name."""
+    if flyer is None:
+        return {}, None
+    from lightflyer.config.reader import read_flyer_file
+    from lightflyer.environment.chamber import Chamber
+    from lightflyer.lab.levitation_model import calibrated, model_curve
+
+    setup = read_flyer_file(flyer).build()
+    if not isinstance(setup.environment, Chamber):
+        raise ConfigurationError(f"{flyer}: is not of a chamber; points are")
+    setups, fit = {"model": setup}, None
+    if calibrate:
+        fit, setups["calibrated model"] = calibrated(curves, setup)
+    return {
+        name: {curve.points.name: model_curve(curve.points, one) for curve in curves}
+        for name, one in setups.items()
+    }, fit
+
+
+def _coefficients(fit: "Calibration") -> dict[tuple[str, str], "Estimate"]:
+    from lightflyer.lab.estimate import Estimate
+
+    columns = (fit.names, fit.values, fit.intervals, fit.standard_uncertainties)
+    return {
+        ("force", name): Estimate(
+            float(value), (float(ends[0]), float(ends[1])), "", float(uncertainty)
+        )
+        for name, value, ends, uncertainty in zip(*columns, strict=True)
+    }
+
+
+def _figures(
+    curves: "Sequence[LevitationCurve]", pressure_unit: str, models: dict[str, Any]
+) -> "dict[str, Figure]":
+    from lightflyer.lab.levitation_figures import levitation_figures
+
+    return levitation_figures(curves, pressure_unit=pressure_unit, models=models)
+
+
+def _show(console: Console, curves: "Sequence[LevitationCurve]") -> None:
+    from lightflyer.lab.levitation import compare
+
+    table = Table(box=None, padding=(0, 1))
+    headings = ("sample", "points", "W/m²", "95 % interval", "at Pa", "95 % interval")
+    for heading in headings:
+        table.add_column(heading, justify="left" if heading == "sample" else "right",
+                         no_wrap=heading != "sample")  # fmt: skip
+    for curve in curves:
+        row = [curve.points.name.replace("[", "\\["), str(len(curve.points.pressure))]
+        for estimate in (curve.minimum_irradiance, curve.optimal_pressure):
+            low, high = estimate.interval
+            row += [f"{estimate.value:.4g}", f"{low:.4g} to {high:.4g}"]
+        table.add_row(*row)
+    console.print("least light, and the pressure at which it suffices:")
+    console.print(table)
+    for one in compare(curves):
+        low, high = (_PERCENT * end for end in one.reduction.interval)
+        console.print(
+            f"{one.first} needs {_PERCENT * one.reduction.value:.1f} % less light than "
+            f"{one.second} ({low:.1f} to {high:.1f} %)",
+            markup=False, soft_wrap=True,
+        )  # fmt: skip

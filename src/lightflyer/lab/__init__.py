@@ -1,0 +1,1 @@
+"""Raw measurements to numbers with intervals: one module a measurement."""

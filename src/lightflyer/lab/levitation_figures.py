@@ -1,0 +1,103 @@
+"""Figure of levitation points: curves of several samples, with the model beside them."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from lightflyer.lab.levitation import LevitationCurve
+from lightflyer.plot import GREY, MARKERS, PALETTE, new_figure, plain_decades
+from lightflyer.units import scale_and_offset
+
+_WIDTH, _HEIGHT = 7.0, 5.0
+_PER_KILOWATT = 1e-3
+_MODEL_STYLES = ("--", ":")
+_ABOVE = 1.6  # factor of the axes beyond the points
+
+ModelCurves = Mapping[str, tuple[np.ndarray, np.ndarray]]
+"""Pressure [Pa] and irradiance [W/m²] by the name of a sample."""
+
+
+def levitation_curves(
+    curves: Sequence[LevitationCurve],
+    ax: Axes,
+    *,
+    pressure_unit: str = "Pa",
+    models: Mapping[str, ModelCurves] | None = None,
+) -> Axes:
+    """Draw points, LOESS curves with their 99 % bands, and the least irradiance of each.
+
+    Parameters
+    ----------
+    curves : sequence of LevitationCurve
+    ax : matplotlib.axes.Axes
+    pressure_unit : str
+        Of the axis.
+    models : mapping, optional
+        Further curves by what they are, such as ``"model"``.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    models = models or {}
+    per_pascal = 1.0 / scale_and_offset(pressure_unit, "Pa")[0]
+    for number, curve in enumerate(curves):
+        colour, points = PALETTE[number % len(PALETTE)], curve.points
+        marker = MARKERS[number % len(MARKERS)]
+        pressure = curve.pressure * per_pascal
+        ax.fill_between(pressure, curve.lower * _PER_KILOWATT, curve.upper * _PER_KILOWATT,
+                        color=colour, alpha=0.15, lw=0)  # fmt: skip
+        ax.plot(pressure, curve.irradiance * _PER_KILOWATT, color=colour, lw=1.4)
+        ax.plot(points.pressure * per_pascal, points.irradiance * _PER_KILOWATT, marker, ls="",
+                color=colour, mfc="none", ms=5, label=points.name)  # fmt: skip
+        _mark_least(curve, ax, colour, per_pascal)
+        for style, drawn in zip(_MODEL_STYLES, models.values(), strict=False):
+            at, needed = drawn[points.name]
+            ax.plot(at * per_pascal, needed * _PER_KILOWATT, color=colour, ls=style, lw=1)
+    for style, name in zip(_MODEL_STYLES, models, strict=False):
+        ax.plot([], [], color=GREY, ls=style, lw=1, label=name)
+    light = np.concatenate([curve.points.irradiance for curve in curves]) * _PER_KILOWATT
+    ax.set(xscale="log", yscale="log")
+    ax.set_ylim(light.min() / _ABOVE, light.max() * _ABOVE)
+    plain_decades(ax.xaxis)
+    plain_decades(ax.yaxis)
+    ax.set_xlabel(f"pressure [{pressure_unit}]")
+    ax.set_ylabel("irradiance to levitate [kW/m²]")
+    ax.grid(alpha=0.25, which="both")
+    ax.legend(fontsize="small", title="lines: LOESS with 99 % band", title_fontsize="small")
+    return ax
+
+
+def _mark_least(curve: LevitationCurve, ax: Axes, colour: str, per_pascal: float) -> None:
+    """Draw the least irradiance with the intervals of both coordinates."""
+    at, light = curve.optimal_pressure, curve.minimum_irradiance
+    x = np.array([at.value, *at.interval]) * per_pascal
+    y = np.array([light.value, *light.interval]) * _PER_KILOWATT
+    ax.errorbar(
+        x[0], y[0], xerr=[[x[0] - x[1]], [x[2] - x[0]]], yerr=[[y[0] - y[1]], [y[2] - y[0]]],
+        color=colour, fmt="*", ms=9, mec="white", mew=0.5, capsize=2, lw=1.2, zorder=4,
+    )  # fmt: skip
+
+
+def levitation_figures(
+    curves: Sequence[LevitationCurve],
+    *,
+    pressure_unit: str = "Pa",
+    models: Mapping[str, ModelCurves] | None = None,
+) -> dict[str, Figure]:
+    """The figure of several samples, by file name without suffix.
+
+    Parameters
+    ----------
+    curves, pressure_unit, models
+        As for :func:`levitation_curves`.
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+    """
+    figure = new_figure(width=_WIDTH, height=_HEIGHT)
+    levitation_curves(curves, figure.axes[0], pressure_unit=pressure_unit, models=models)
+    return {"levitation": figure}

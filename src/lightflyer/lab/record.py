@@ -1,0 +1,42 @@
+"""The NetCDF record of a measurement."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import lightflyer
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def dataset(
+    title: str, variables: Mapping[str, Any], files: Sequence[str], **attributes: Any
+) -> "xr.Dataset":
+    """A dataset that says what it is, from which files, and by which version.
+
+    Parameters
+    ----------
+    title : str
+        What was measured.
+    variables : mapping
+        As :class:`xarray.Dataset` takes them, each with ``units`` and ``long_name``.
+    files : sequence of str
+        Names of the files read.
+    **attributes
+        Further attributes.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    import xarray as xr
+
+    return xr.Dataset(
+        dict(variables),
+        attrs={
+            "title": f"lightflyer lab: {title}",
+            "lightflyer_version": lightflyer.__version__,
+            "files": ", ".join(files),
+            **attributes,
+        },
+    )

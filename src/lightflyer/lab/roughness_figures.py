@@ -1,0 +1,75 @@
+"""Figure of height maps: each levelled, and with its particles masked."""
+
+from collections.abc import Sequence
+from string import ascii_lowercase
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+
+from lightflyer.lab.roughness import NANOMETRE, Roughness
+from lightflyer.plot import ORANGE, new_figure
+
+_WIDTH, _HEIGHT = 4.6, 8.0  # of one map's column [inch]
+_MOST_PIXELS = 1024  # drawn along a side
+_SHOWN = 3.5  # robust heights that the colours span, in rms heights
+_MICROMETRE = 1e-6
+
+
+def height_map(result: Roughness, ax: Axes, *, masked: bool) -> Axes:
+    """Draw a levelled map, with all particles or with those masked.
+
+    Parameters
+    ----------
+    result : Roughness
+    ax : matplotlib.axes.Axes
+    masked : bool
+        Show the mask in place of the particles, and scale the colours to the surface.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    step = max(1, max(result.height.shape) // _MOST_PIXELS)
+    height = result.height[::step, ::step] / NANOMETRE
+    extent = (0.0, result.source.width / _MICROMETRE, 0.0, result.source.length / _MICROMETRE)
+    rms = result.parameters["rms_height"].value
+    low = min(-_SHOWN * rms, float(height.min()))
+    high = _SHOWN * rms if masked else float(height.max())
+    image = ax.imshow(height, extent=extent, cmap="cividis", vmin=low, vmax=max(high, low + 1e-12),
+                      interpolation="nearest")  # fmt: skip
+    if masked:
+        mask = np.ma.masked_equal(result.mask[::step, ::step], 0)
+        ax.imshow(mask, extent=extent, cmap=ListedColormap([ORANGE]), interpolation="nearest")
+        said = f"Sq = {rms:.3g} nm, {result.masked_fraction.value:.1%} masked (orange)"
+    else:
+        everything = result.parameters_all["rms_height"].value
+        said = f"{result.source.source}: Sq = {everything:.3g} nm with particles"
+    ax.set_title(said, fontsize="small")
+    ax.set_xlabel("x [µm]")
+    ax.set_ylabel("y [µm]")
+    ax.figure.colorbar(image, ax=ax, label="height [nm]", shrink=0.8)
+    return ax
+
+
+def roughness_figures(results: Sequence[Roughness]) -> dict[str, Figure]:
+    """The figure of several maps, by file name without suffix.
+
+    Parameters
+    ----------
+    results : sequence of Roughness
+        A column each: with particles above, without them below.
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+    """
+    count = len(results)
+    figure = new_figure(columns=count, width=_WIDTH, height=_HEIGHT, rows=2)
+    for number, ax in enumerate(figure.axes[: 2 * count]):
+        height_map(results[number % count], ax, masked=number >= count)
+        letter = ascii_lowercase[number % len(ascii_lowercase)]
+        ax.text(0.02, 0.98, f"({letter})", transform=ax.transAxes, va="top", color="white",
+                weight="bold")  # fmt: skip
+    return {"roughness": figure}

@@ -1,0 +1,199 @@
+"""Measured spectra and their files: tables and JCAMP-DX."""
+
+import contextlib
+import io
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from lightflyer.errors import ConfigurationError
+from lightflyer.lab._extra import extra
+from lightflyer.lab.layout import Column
+from lightflyer.lab.table import Rejected, Table, read_table
+
+Quantity = Literal["transmittance", "reflectance"]
+"""What a spectrum is of."""
+
+# noise about zero and one, and detectors that are not quite linear
+_LOWEST, _HIGHEST = -0.2, 1.5
+_LARGEST_ABSORBANCE = 10.0
+_MOST_POINTS = 20_000_000
+_ABSCISSAE = {"1/cm": 100.0, "cm-1": 100.0, "cm^-1": 100.0}
+_WAVELENGTHS = {"micrometers": 1e-6, "um": 1e-6, "nanometers": 1e-9, "nm": 1e-9}
+
+COLUMNS = (
+    Column("wavenumber", "m^-1", ("wavenumbers", "nu"), 0.0, open_below=True),
+    Column("wavelength", "m", ("lambda", "wl"), 0.0, open_below=True),
+    Column("transmittance", "", ("t", "transmission"), _LOWEST, _HIGHEST),
+    Column("reflectance", "", ("r", "reflection"), _LOWEST, _HIGHEST),
+    Column("absorbance", "", ("a", "abs"), -1.0, _LARGEST_ABSORBANCE),
+)
+"""Columns of a spectrum: one of the first two, and one of the others."""
+
+
+@dataclass(frozen=True)
+class MeasuredSpectrum:
+    """Transmittance or reflectance over wavenumber.
+
+    Attributes
+    ----------
+    source : str
+        Name of the file.
+    quantity : {"transmittance", "reflectance"}
+    wavenumber : array, shape (n,)
+        Increasing [1/m].
+    value : array, shape (n,)
+        [1].
+    rejected : tuple of Rejected
+        Rows that were left out.
+    """
+
+    source: str
+    quantity: Quantity
+    wavenumber: np.ndarray
+    value: np.ndarray
+    rejected: tuple[Rejected, ...] = ()
+
+
+def read_spectrum(path: str | Path, *, columns: str | None = None) -> MeasuredSpectrum:
+    """Read a spectrum.
+
+    Parameters
+    ----------
+    path : str or path
+        JCAMP-DX (``.jdx``, ``.dx``, ``.jcamp``), or a table of ``wavenumber`` or ``wavelength``
+        and ``transmittance``, ``reflectance`` or (decadic) ``absorbance``, units in the header.
+    columns : str, optional
+        The columns of a table without header; see :func:`lightflyer.lab.table.read_table`.
+
+    Returns
+    -------
+    MeasuredSpectrum
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names file and line.
+    MissingExtraError
+        If a JCAMP-DX file is read and jcamp is not installed.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix == ".jws":
+        raise ConfigurationError(
+            f"{path}: JASCO's own format cannot be read: export it as JCAMP-DX or text"
+        )
+    if suffix in (".jdx", ".dx", ".jcamp"):
+        return _read_jcamp(path)
+    return _from_table(read_table(path, COLUMNS, layout=columns))
+
+
+def _from_table(table: Table) -> MeasuredSpectrum:
+    numbers = table.numbers
+    if ("wavenumber" in numbers) == ("wavelength" in numbers):
+        raise ConfigurationError(f"{table.source}: needs one column wavenumber or wavelength")
+    given = [name for name in ("transmittance", "reflectance", "absorbance") if name in numbers]
+    if len(given) != 1:
+        raise ConfigurationError(
+            f"{table.source}: needs one column transmittance, reflectance or absorbance"
+        )
+    wavenumber = numbers["wavenumber"] if "wavenumber" in numbers else 1.0 / numbers["wavelength"]
+    value = numbers[given[0]]
+    quantity: Quantity = "reflectance" if given[0] == "reflectance" else "transmittance"
+    if given[0] == "absorbance":
+        value = 10.0**-value
+    return _sorted(table.source, quantity, wavenumber, value, tuple(table.rejected))
+
+
+def _sorted(
+    source: str, quantity: Quantity, wavenumber: np.ndarray, value: np.ndarray,
+    rejected: tuple[Rejected, ...] = (),
+) -> MeasuredSpectrum:  # fmt: skip
+    """The spectrum with increasing wavenumber; values at the same wavenumber are averaged."""
+    distinct, place, count = np.unique(wavenumber, return_inverse=True, return_counts=True)
+    if distinct.size < 2:
+        raise ConfigurationError(f"{source}: has {distinct.size} wavenumber; a spectrum takes two")
+    mean = np.bincount(place, value) / count
+    return MeasuredSpectrum(source, quantity, distinct, mean, rejected)
+
+
+def _read_jcamp(path: Path) -> MeasuredSpectrum:
+    jcamp = extra("jcamp", "reading JCAMP-DX")
+    try:
+        text = path.read_bytes().decode("utf-8", "replace")
+    except OSError as error:
+        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
+    lines = _prepared(path, text)
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(said):
+            content = jcamp.read(lines)
+    except Exception as error:  # the parser raises what its statements happen to
+        raise ConfigurationError(f"{path}: is not readable as JCAMP-DX: {error!r}") from None
+    if said.getvalue():  # its checks of sums and counts, which it only prints
+        line = said.getvalue().splitlines()[0]
+        raise ConfigurationError(f"{path}: is damaged: {line}")
+    block = next(
+        (one for one in [content, *content.get("children", [])] if np.size(one.get("x")) > 1), None
+    )
+    if block is None:
+        raise ConfigurationError(f"{path}: has no table of a spectrum")
+    return _from_jcamp(path, block)
+
+
+def _prepared(path: Path, text: str) -> list[str]:
+    """Lines of a JCAMP-DX file, without what its parser stumbles over or would never finish."""
+    if not re.match(r"\s*(?:\$\$.*\n\s*)*##TITLE", text, re.I):
+        raise ConfigurationError(f"{path}:1: is not JCAMP-DX, which starts with ##TITLE=")
+    if not re.search(r"^##END\s*=", text, re.I | re.M):
+        raise ConfigurationError(f"{path}:{len(text.splitlines())}: ends without ##END=")
+    points = re.search(r"^##NPOINTS\s*=\s*(\S+)", text, re.I | re.M)
+    if points and not (points[1].isascii() and points[1].isdigit()
+                       and int(points[1][:12]) <= _MOST_POINTS):  # fmt: skip
+        raise ConfigurationError(f'{path}: ##NPOINTS= "{points[1][:20]}" is no number of points')
+    lines = text.splitlines(keepends=True)
+    for number, line in enumerate(lines):
+        if re.match(r"##XY(?:DATA|POINTS)\s*=", line, re.I):
+            label, _, form = line.partition("=")
+            lines[number] = f"{label}={re.sub(r'[$][$].*|[ ]', '', form)}"
+        elif not line.startswith("##") and re.search(r"[S-Zs]\d{7}", line):
+            raise ConfigurationError(f"{path}:{number + 1}: repeats a value too often")
+    return lines
+
+
+def _said(block: dict[str, Any], label: str) -> str:
+    """What a label says, fit for a line of a message."""
+    return " ".join(str(block.get(label, "")).lower().split())[:40]
+
+
+def _from_jcamp(path: Path, block: dict[str, Any]) -> MeasuredSpectrum:
+    x, y = np.asarray(block["x"], float), np.asarray(block["y"], float)
+    if x.shape != y.shape or not np.isfinite(x).all() or not np.isfinite(y).all():
+        raise ConfigurationError(f"{path}: is damaged: not every point has two numbers")
+    unit = _said(block, "xunits")
+    if unit in _ABSCISSAE:
+        wavenumber = x * _ABSCISSAE[unit]
+    elif unit in _WAVELENGTHS and np.all(x > 0.0):
+        wavenumber = 1.0 / (x * _WAVELENGTHS[unit])
+    else:
+        raise ConfigurationError(f'{path}: ##XUNITS= "{unit}" is none of 1/CM, MICROMETERS, NM')
+    named = _said(block, "yunits")
+    value = y / 100.0 if "%" in named or "percent" in named else y
+    quantity: Quantity = "reflectance" if "reflect" in named else "transmittance"
+    if "absorbance" in named:
+        value = 10.0 ** -np.clip(value, -1.0, _LARGEST_ABSORBANCE)
+    elif "transmi" not in named and quantity != "reflectance":
+        raise ConfigurationError(
+            f'{path}: ##YUNITS= "{named}" is none of TRANSMITTANCE, REFLECTANCE, ABSORBANCE'
+        )
+    outside = (value < _LOWEST) | (value > _HIGHEST) | (wavenumber <= 0.0)
+    if outside.any():
+        first = int(np.argmax(outside))
+        raise ConfigurationError(
+            f"{path}: {quantity} = {value[first]:g} at {wavenumber[first] / 100.0:g} cm^-1 is not "
+            f"between {_LOWEST:g} and {_HIGHEST:g}; is it in %?"
+        )
+    return _sorted(str(path), quantity, wavenumber, value)

@@ -1,0 +1,76 @@
+"""Synthetic raw files with known truth, one module a measurement; each file says what it is."""
+
+from typing import NamedTuple
+
+from lightflyer.errors import ParameterError
+
+
+class Example(NamedTuple):
+    """Synthetic files and what to do with them.
+
+    Attributes
+    ----------
+    files : dict of str to (str or bytes)
+        Content by file name.
+    commands : list of str
+        Of ``lightflyer lab``, to reduce them.
+    """
+
+    files: dict[str, str | bytes]
+    commands: list[str]
+
+
+def example_files(name: str, seed: int = 0) -> Example:
+    """Synthetic raw files of a measurement.
+
+    Parameters
+    ----------
+    name : str
+        Of the measurement.
+    seed : int
+        Of the noise.
+
+    Returns
+    -------
+    Example
+
+    Raises
+    ------
+    ParameterError
+        If there is no such measurement.
+    """
+    if name == "ftir":
+        from lightflyer.lab.synthetic.ftir import ftir_files
+
+        return Example(
+            {**ftir_files(seed)},
+            ["ftir film.jdx --out ftir", "ftir film.csv --reflectance film-reflectance.csv"],
+        )
+    if name == "levitation":
+        from lightflyer.lab.synthetic.levitation import levitation_files
+
+        return Example(
+            {**levitation_files(seed)},
+            ["levitation levitation.csv --out levitation", "levitation launchpads.csv"],
+        )
+    if name == "roughness":
+        from lightflyer.lab.synthetic.roughness import roughness_files
+
+        files = roughness_files(seed)
+        return Example(files, [f"roughness {' '.join(files)} --out roughness"])
+    if name == "tac":
+        from lightflyer.lab.synthetic.tac import tac_files
+
+        return Example(
+            {**tac_files(seed)},
+            ["tac tac-raw.csv --calibration tac-resistance.csv", "tac tac-reduced.txt --out tac"],
+        )
+    if name == "thermography":
+        from lightflyer.lab.synthetic.thermography import thermography_files
+
+        return Example(
+            {**thermography_files(seed)},
+            ['thermography thermal.csv --accuracy "0.5 K" --out thermography',
+             "thermography light-meter.csv --light-meter"],
+        )  # fmt: skip
+    raise ParameterError(f'there are no synthetic files of "{name}"')

@@ -1,0 +1,159 @@
+"""Synthetic height maps with particles, in the formats of microscopes."""
+
+import io
+import struct
+
+import numpy as np
+from scipy import ndimage
+
+from lightflyer.lab._extra import extra
+from lightflyer.lab.roughness import level
+from lightflyer.lab.synthetic._dirt import label
+
+_SIDE = 10e-6  # [m]
+_PIXELS = 256
+_CORRELATION = 3.0  # length of the surface's hills [pixels]
+RMS_HEIGHT = 34.8e-9
+"""Of the synthetic surfaces without particles [m]: the paper's germanium film."""
+_PARTICLES = 9
+_PARTICLE_RADII = (160e-9, 320e-9)  # [m]
+
+
+def surface(
+    rng: np.random.Generator, *, pixels: int = _PIXELS, rms_height: float = RMS_HEIGHT
+) -> np.ndarray:
+    """A level surface of normal heights.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    pixels : int
+        Along each side.
+    rms_height : float
+        [m].
+
+    Returns
+    -------
+    array, shape (pixels, pixels)
+        [m].
+    """
+    height = level(ndimage.gaussian_filter(rng.normal(size=(pixels, pixels)), _CORRELATION))
+    return height * rms_height / np.sqrt(np.mean((height - height.mean()) ** 2))
+
+
+def with_particles(height: np.ndarray, rng: np.random.Generator, count: int) -> np.ndarray:
+    """The surface with spherical particles half sunk into it.
+
+    Parameters
+    ----------
+    height : array, shape (n, n)
+        [m], of a map as wide as the synthetic ones.
+    rng : numpy.random.Generator
+    count : int
+
+    Returns
+    -------
+    array, shape (n, n)
+        [m].
+    """
+    pixels = height.shape[0]
+    pitch = _SIDE / pixels
+    y, x = np.mgrid[0:pixels, 0:pixels] * pitch
+    dirty = height.copy()
+    for _ in range(count):
+        radius = rng.uniform(*_PARTICLE_RADII)
+        distance = np.hypot(*(axis - rng.uniform(0.0, _SIDE) for axis in (x, y)))
+        cap = np.sqrt(np.maximum(radius**2 - distance**2, 0.0))
+        dirty = np.where(distance < radius, np.maximum(dirty, dirty + cap), dirty)
+    return dirty
+
+
+def roughness_files(seed: int = 0) -> dict[str, str | bytes]:
+    """Maps as an Igor wave, a Gwyddion file and a matrix.
+
+    Parameters
+    ----------
+    seed : int
+
+    Returns
+    -------
+    dict of str to (str or bytes)
+        Content by file name.
+    """
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[-1 : 1 : _PIXELS * 1j, -1 : 1 : _PIXELS * 1j]
+    bowed = 400e-9 * x - 250e-9 * y + 120e-9 * x**2 + 60e-9 * x * y  # of tilt and scanner
+    maps = [with_particles(surface(rng), rng, _PARTICLES) + bowed + 3e-6 for _ in range(3)]
+    said = label("roughness", f"truth: rms height {RMS_HEIGHT * 1e9:.1f} nm without particles")
+    return {
+        "germanium.ibw": igor_wave(maps[0], _SIDE, "; ".join(said)),
+        "germanium.gwy": _gwyddion(maps[1], "; ".join(said)),
+        "germanium.txt": _matrix(maps[2], said),
+    }
+
+
+def igor_wave(height: np.ndarray, side: float, note: str) -> bytes:
+    """A map as an Igor binary wave of version 5 with the channels height and amplitude.
+
+    Parameters
+    ----------
+    height : array, shape (rows, columns)
+        [m].
+    side : float
+        Width of the map [m].
+    note : str
+
+    Returns
+    -------
+    bytes
+
+    References
+    ----------
+    WaveMetrics, Igor Pro Technical Note 003, *Igor binary format*.
+    """
+    layers = np.stack([height.T, np.zeros_like(height.T)], axis=2).astype("<f4")
+    data = layers.tobytes(order="F")
+    names = [b"HeightRetrace", b"AmplitudeRetrace"]
+    labels = b"".join(name.ljust(32, b"\0") for name in [b"", *names])
+    text = note.encode("utf-8")
+    pitch = side / height.shape[1]
+    metres = b"m\0\0\0" * 2
+    wave = struct.pack(
+        "<IIIihh6sh32sii4i4d4d4s16shhddi4i4ii16ihhhbbiihhii",
+        0, 0, 0, layers.size, 2, 0, b"", 1, b"synthetic", 0, 0,
+        *layers.shape, 0, *(pitch, pitch, 1.0, 1.0), *(0.0,) * 4, b"m", metres.ljust(16, b"\0"),
+        0, 0, 0.0, 0.0, 0, *(0,) * 4, *(0,) * 4, 0, *(0,) * 16, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    )  # fmt: skip
+
+    def header(checksum: int) -> bytes:
+        return struct.pack(
+            "<hhiiii4i4iiii", 5, checksum, len(wave) + len(data), 0, len(text), 0,
+            *(0,) * 4, 0, 0, len(labels), 0, 0, 0, 0,
+        )  # fmt: skip
+
+    both = header(0) + wave
+    total = sum(struct.unpack(f"<{len(both) // 2}h", both))
+    checksum = (-total + 0x8000) % 0x10000 - 0x8000  # so that all words add to zero
+    return header(checksum) + wave + data + text + labels
+
+
+def _gwyddion(height: np.ndarray, note: str) -> bytes:
+    objects = extra("gwyfile.objects", "writing .gwy files")
+    container = objects.GwyContainer()
+    unit = objects.GwySIUnit(unitstr="m")
+    container["/0/data/title"] = "Height"
+    container["/0/data"] = objects.GwyDataField(
+        height, xreal=_SIDE, yreal=_SIDE, si_unit_xy=unit, si_unit_z=unit
+    )
+    container["/0/meta"] = objects.GwyContainer({"note": note})
+    stream = io.BytesIO()
+    container.tofile(stream)
+    return stream.getvalue()
+
+
+def _matrix(height: np.ndarray, said: list[str]) -> str:
+    """As Gwyddion exports a channel to text."""
+    rows = ["\t".join(f"{value:.6e}" for value in row) for row in height]
+    head = [*said, "# Channel: Height", f"# Width: {_SIDE * 1e6:.2f} µm",
+            f"# Height: {_SIDE * 1e6:.2f} µm", "# Value units: m"]  # fmt: skip
+    return "\n".join([*head, *rows]) + "\n"

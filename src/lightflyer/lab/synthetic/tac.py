@@ -1,0 +1,101 @@
+"""Synthetic runs of a heater in thin gas."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from lightflyer.lab.synthetic._dirt import TORR, dirty_text, label
+from lightflyer.lab.tac import LU2023_HEATER_DIAMETER, heater_power
+
+
+class TacTruth(NamedTuple):
+    """What a synthetic run is made from."""
+
+    tac: float = 0.75
+    area_ratio: float = 1.22
+    offset: float = 4.09
+
+
+PLATINUM = TacTruth()
+"""The paper's fit to platinum."""
+
+_AMBIENT, _HEATER = 295.0, 323.0  # [K]
+_PRESSURES = (1e-4, 200.0)  # [Pa]
+_RESISTANCE, _PER_KELVIN, _AT = 10.0, 3.85e-3, 295.0  # of the heater: ohm, 1/K, K
+_RELATIVE_NOISE = 0.01  # of the power
+_TEMPERATURE_NOISE = 0.05  # [K]
+_WARM_UP = (-9.0, -4.0, -1.6)  # of the first rows, before the heater is at its temperature [K]
+_ZERO = 273.15
+
+
+def tac_files(seed: int = 0, truth: TacTruth = PLATINUM) -> dict[str, str]:
+    """Raw and reduced files of two runs, and the calibration of the heater's resistance.
+
+    Parameters
+    ----------
+    seed : int
+    truth : TacTruth
+
+    Returns
+    -------
+    dict of str to str
+        Text by file name.
+    """
+    rng = np.random.default_rng(seed)
+    said = (
+        f"truth: tac {truth.tac}, area_ratio {truth.area_ratio}, offset {truth.offset} W/(m^2 K), "
+        f"heater 24 mm"
+    )
+    lines = label("tac", said)
+    return {
+        "tac-raw.csv": _raw(rng, truth, lines),
+        "tac-reduced.txt": _reduced(rng, truth, lines),
+        "tac-resistance.csv": _calibration(lines),
+    }
+
+
+def _run(
+    rng: np.random.Generator, truth: TacTruth, count: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Pressure, power, heater and ambient temperature of a run from high vacuum up."""
+    pressure = np.geomspace(*_PRESSURES, count)
+    heater = np.full(count, _HEATER)
+    heater[: len(_WARM_UP)] += _WARM_UP
+    ambient = _AMBIENT + 0.3 * np.linspace(0.0, 1.0, count)  # the laboratory warms up
+    power = heater_power(pressure, heater, ambient, *truth, diameter=LU2023_HEATER_DIAMETER) * (
+        1.0 + _RELATIVE_NOISE * rng.normal(size=count)
+    )
+    heater = heater + _TEMPERATURE_NOISE * rng.normal(size=count)
+    return pressure, power, heater, ambient
+
+
+def _raw(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:
+    pressure, power, heater, ambient = _run(rng, truth, 80)
+    resistance = _RESISTANCE * (1.0 + _PER_KELVIN * (heater - _AT))
+    current = np.sqrt(power / resistance)
+    rows = [
+        [f"{10.0 * row:.1f}", f"{p / TORR * 1e3:.5g}", f"{i * r:.6f}", f"{i * 1e3:.5f}",
+         f"{t - _ZERO:.3f}"]
+        for row, (p, i, r, t) in enumerate(zip(pressure, current, resistance, ambient, strict=True))
+    ]  # fmt: skip
+    header = ["time [s]", "pressure [mTorr]", "heater_voltage [V]", "heater_current [mA]",
+              "ambient_temperature [°C]"]  # fmt: skip
+    return dirty_text(lines, header, rows, rng)
+
+
+def _reduced(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:
+    pressure, power, heater, ambient = _run(rng, truth, 60)
+    rows = [
+        [f"{p:.5g}", f"{w * 1e3:.5f}", f"{t - _ZERO:.3f}", f"{a - _ZERO:.3f}"]
+        for p, w, t, a in zip(pressure, power, heater, ambient, strict=True)
+    ]
+    header = ["Pressure (Pa)", "Heater Power (mW)", "Heater Temperature (°C)",
+              "Ambient Temperature (°C)"]  # fmt: skip
+    return dirty_text(lines, header, rows, rng, delimiter=";", decimal_comma=True, shuffled=True)
+
+
+def _calibration(lines: list[str]) -> str:
+    temperatures = np.array([20.0, 30.0, 40.0, 50.0, 60.0])
+    resistances = _RESISTANCE * (1.0 + _PER_KELVIN * (temperatures + _ZERO - _AT))
+    rows = [f"{t:.1f},{r:.5f}" for t, r in zip(temperatures, resistances, strict=True)]
+    return "\n".join([*lines, "temperature [°C],resistance [ohm]", *rows]) + "\n"

@@ -1,0 +1,126 @@
+"""Figure of accommodation coefficients: a heater's conductance against pressure."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from lightflyer.lab.tac import TacFit, gas_conductance
+from lightflyer.plot import BLUE, GREY, MARKERS, PALETTE, new_figure, plain_decades
+
+_SHADED = (0.5, 1.5)  # coefficients between which the paper shades
+_MOST_POINTS = 3_000  # drawn of one run
+_WIDTH = 6.5
+
+
+def _ordered(fit: TacFit, most: int = _MOST_POINTS) -> np.ndarray:
+    """Rows in the order of pressure, evenly thinned where there are very many."""
+    return fit.order[:: max(1, len(fit.order) // most)]
+
+
+def effective_conductance(fits: Sequence[TacFit], ax: Axes) -> Axes:
+    """Draw conductance over effective area against pressure, with the fit.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    _shade(fits[0], ax, with_offset=True)
+    for number, fit in enumerate(fits):
+        rows, style = _ordered(fit), _style(number)
+        ratio = fit.area_ratio.value
+        label = _label(fit, len(fits))
+        ax.plot(fit.pressure[rows], fit.conductance[rows] / ratio, ls="", mfc="none", ms=4,
+                label=label, rasterized=len(rows) > 1000, **style)  # fmt: skip
+        ax.plot(fit.pressure[rows], fit.fitted[rows] / ratio, color=style["color"], lw=1.2)
+    ax.axhline(fits[0].offset.value, color=GREY, ls=":", lw=1, label="offset: leads, radiation")
+    ax.set_xscale("log")
+    plain_decades(ax.xaxis)
+    ax.set_xlabel("pressure [Pa]")
+    ax.set_ylabel("power / effective area / ΔT [W/(m² K)]")
+    ax.legend(fontsize="small", loc="upper left")
+    return ax
+
+
+def _style(number: int) -> dict[str, Any]:
+    return {"color": PALETTE[number % len(PALETTE)], "marker": MARKERS[number % len(MARKERS)]}
+
+
+def _label(fit: TacFit, count: int) -> str:
+    low, high = fit.tac.interval
+    found = f"α = {fit.tac.value:.3g} ({low:.3g}–{high:.3g})"
+    return f"{fit.run.source}: {found}" if count > 1 else f"{found}, δ = {fit.area_ratio.value:.3g}"
+
+
+def _shade(fit: TacFit, ax: Axes, *, with_offset: bool) -> None:
+    rows = _ordered(fit)
+    ends = [
+        gas_conductance(tac, fit.free_molecular[rows], fit.continuum[rows])
+        + with_offset * (fit.offset.value + fit.radiation[rows])
+        for tac in _SHADED
+    ]
+    label = f"{_SHADED[0]:g} ≤ α ≤ {_SHADED[1]:g}"
+    ax.fill_between(fit.pressure[rows], *ends, color="0.85", lw=0, label=label, zorder=0)
+
+
+def gas_part(fits: Sequence[TacFit], ax: Axes) -> Axes:
+    """Draw what the gas conducts against pressure, with the limits of the first run.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    first = fits[0]
+    _shade(first, ax, with_offset=False)
+    for number, fit in enumerate(fits):
+        rows, style = _ordered(fit), _style(number)
+        taken = fit.offset.value + fit.radiation[rows]
+        gas = fit.conductance[rows] / fit.area_ratio.value - taken
+        fitted = fit.fitted[rows] / fit.area_ratio.value - taken
+        ax.plot(fit.pressure[rows], np.where(gas > 0.0, gas, np.nan), ls="", mfc="none", ms=4,
+                rasterized=len(rows) > 1000, **style)  # fmt: skip
+        ax.plot(fit.pressure[rows], fitted, color=style["color"], lw=1.2)
+    rows = _ordered(first)
+    pressure, alpha = first.pressure[rows], first.tac.value
+    ax.plot(pressure, alpha * first.free_molecular[rows], color=BLUE, ls="--", lw=1,
+            label="free-molecular")  # fmt: skip
+    ax.plot(pressure, first.continuum[rows], color=GREY, ls="-.", lw=1, label="continuum")
+    noise = first.scatter * float(np.median(first.conductance)) / first.area_ratio.value
+    ax.set_ylim(max(0.1 * noise, 1e-4), 3.0 * float(first.continuum.max()))
+    ax.set(xscale="log", yscale="log")
+    plain_decades(ax.xaxis)
+    plain_decades(ax.yaxis)
+    ax.set_xlabel("pressure [Pa]")
+    ax.set_ylabel("conducted by the gas [W/(m² K)]")
+    ax.legend(fontsize="small", loc="lower right")
+    return ax
+
+
+def tac_figures(fits: Sequence[TacFit]) -> dict[str, Figure]:
+    """The figures of one run or several, by file name without suffix.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+    """
+    figure = new_figure(columns=2, width=_WIDTH)
+    left, right = figure.axes
+    effective_conductance(fits, left)
+    gas_part(fits, right)
+    return {"tac": figure}

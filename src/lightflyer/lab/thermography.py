@@ -1,0 +1,354 @@
+r"""Reflectance, transmittance and emissivity from temperatures, or from a light meter.
+
+A film between a hotplate and a camera shows the camera three apparent temperatures: that of the
+hotplate, that of the film's lower side lit by the hotplate, and that of its upper side. Above what
+surroundings at :math:`T_\infty` radiate,
+
+.. math::
+    \rho = \frac{T_\mathrm{lower}^4 - T_\infty^4}{T_\mathrm{hotplate}^4 - T_\infty^4}, \quad
+    \tau = \frac{T_\mathrm{upper}^4 - T_\infty^4}{T_\mathrm{hotplate}^4 - T_\infty^4}, \quad
+    \varepsilon = 1 - \tau - \rho .
+
+A light meter's readings of the incident, the reflected and the transmitted light, less its reading
+in the dark, stand in the same relation with the first power in place of the fourth.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from lightflyer._checks import require_range
+from lightflyer.errors import ConfigurationError, ParameterError
+from lightflyer.lab.estimate import Estimate, central_interval
+from lightflyer.lab.layout import Column
+from lightflyer.lab.record import dataset
+from lightflyer.lab.table import Table, read_table
+from lightflyer.units import Measured
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+DRAWS = 100_000
+"""Monte Carlo draws beside first order."""
+
+SHARES = ("reflectance", "transmittance", "emissivity")
+"""What the readings give."""
+
+
+class Method(NamedTuple):
+    """A kind of reading.
+
+    Attributes
+    ----------
+    readings : tuple of str
+        Names of the source's, the reflected, the transmitted and the background reading.
+    power : int
+        Of the reading that is proportional to radiation.
+    unit : str
+        Of the readings.
+    remainder : str
+        What is neither reflected nor transmitted.
+    """
+
+    readings: tuple[str, str, str, str]
+    power: int
+    unit: str
+    remainder: str
+
+
+THERMAL = Method(
+    ("hotplate_temperature", "lower_temperature", "upper_temperature", "ambient_temperature"),
+    4, "K", "emissivity",
+)  # fmt: skip
+"""Apparent temperatures of a thermal camera."""
+
+LIGHT = Method(("incident", "reflected", "transmitted", "dark"), 1, "", "absorptivity")
+"""Readings of a light meter, in one unit."""
+
+_ALIASES = {
+    "hotplate_temperature": ("t_hotplate", "hotplate"),
+    "lower_temperature": ("t_lower", "lower"),
+    "upper_temperature": ("t_upper", "upper"),
+    "ambient_temperature": ("t_ambient", "t_inf", "ambient"),
+}
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Four readings, once or several times, with their common uncertainties.
+
+    Attributes
+    ----------
+    method : Method
+    values : array, shape (4, n)
+        In the order of the method's readings [K], or the light meter's unit.
+    uncertainties : array, shape (4,)
+        Standard uncertainty of each that all n share, such as a calibration's.
+    """
+
+    method: Method
+    values: np.ndarray
+    uncertainties: np.ndarray
+
+
+@dataclass(frozen=True)
+class Shares:
+    """Reflectance, transmittance and what is left of one.
+
+    Attributes
+    ----------
+    readings : Readings
+    first_order, monte_carlo : dict of str to Estimate
+        By names of :data:`SHARES`; from derivatives, and from draws.
+    """
+
+    readings: Readings
+    first_order: dict[str, Estimate]
+    monte_carlo: dict[str, Estimate]
+
+    @property
+    def emissivity(self) -> Estimate:
+        """Emissivity, or for a light meter absorptivity [1]."""
+        return self.first_order["emissivity"]
+
+    def summary(self) -> dict[str, Any]:
+        """The result as a JSON object."""
+        remainder = self.readings.method.remainder
+
+        def named(estimates: Mapping[str, Estimate]) -> dict[str, Any]:
+            return {
+                remainder if name == "emissivity" else name: one.to_json()
+                for name, one in estimates.items()
+            }
+
+        return named(self.first_order) | {
+            "monte_carlo": named(self.monte_carlo),
+            "rows_used": self.readings.values.shape[1],
+        }
+
+
+def columns_of(method: Method) -> tuple[Column, ...]:
+    """Columns of a table of readings: each, and its standard uncertainty.
+
+    Parameters
+    ----------
+    method : Method
+
+    Returns
+    -------
+    tuple of Column
+    """
+    thermal = method.unit == "K"
+    return tuple(
+        column
+        for name in method.readings
+        for column in (
+            Column(name, method.unit, _ALIASES.get(name, ()), 0.0, open_below=thermal),
+            Column(f"{name}_uncertainty", method.unit, (), 0.0),
+        )
+    )
+
+
+def read_readings(
+    path: str | Path,
+    method: Method,
+    *,
+    columns: str | None = None,
+    given: Mapping[str, Measured] | None = None,
+) -> tuple[Readings, Table]:
+    """Read a table of readings, one measurement a row.
+
+    Parameters
+    ----------
+    path : str or path
+    method : Method
+    columns : str, optional
+        The columns in place of a header; see :func:`lightflyer.lab.table.read_table`.
+    given : mapping of str to Measured, optional
+        Readings that the file has no column for.
+
+    Returns
+    -------
+    readings : Readings
+    table : Table
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names file and line or column.
+    """
+    table = read_table(path, columns_of(method), layout=columns)
+    given = dict(given or {})
+    if method is LIGHT and "dark" not in table.numbers:
+        given.setdefault("dark", Measured(0.0))
+    values, spreads = [], []
+    for name in method.readings:
+        if name in table.numbers:
+            values.append(table.numbers[name])
+            own = table.numbers.get(f"{name}_uncertainty")
+            stated = given[name].uncertainty if name in given else None
+            spreads.append(float(own.max()) if own is not None else stated or 0.0)
+        elif name in given:
+            values.append(np.full(len(table), given[name].value))
+            spreads.append(given[name].uncertainty or 0.0)
+        else:
+            raise ConfigurationError(f"{path}: the column {name} is missing")
+    readings = Readings(method, np.stack(values), np.array(spreads))
+    source, _, _, background = readings.values
+    for row in np.flatnonzero(source <= background):
+        raise ConfigurationError(
+            f"{path}:{table.lines[row]}: {method.readings[0]} is not above {method.readings[3]}"
+        )
+    return readings, table
+
+
+def given_readings(given: Mapping[str, Measured], method: Method) -> Readings:
+    """Readings given one by one.
+
+    Parameters
+    ----------
+    given : mapping of str to Measured
+        By the method's names.
+    method : Method
+
+    Returns
+    -------
+    Readings
+
+    Raises
+    ------
+    ConfigurationError
+        If one is missing, or the source is not above the background.
+    """
+    missing = [name for name in method.readings if name not in given]
+    if missing:
+        raise ConfigurationError(f"name a file, or give {', '.join(missing)} too")
+    picked = [given[name] for name in method.readings]
+    values = np.array([[one.value] for one in picked])
+    if values[0, 0] <= values[3, 0]:
+        raise ConfigurationError(f"{method.readings[0]} is not above {method.readings[3]}")
+    return Readings(method, values, np.array([one.uncertainty or 0.0 for one in picked]))
+
+
+def shares_of(values: np.ndarray, power: int) -> np.ndarray:
+    """Reflectance, transmittance and the rest of readings.
+
+    Parameters
+    ----------
+    values : array, shape (4, ...)
+        Source, reflected, transmitted, background.
+    power : int
+
+    Returns
+    -------
+    array, shape (3, ...)
+        [1].
+    """
+    source, reflected, transmitted, background = values**power
+    reflectance = (reflected - background) / (source - background)
+    transmittance = (transmitted - background) / (source - background)
+    return np.stack([reflectance, transmittance, 1.0 - reflectance - transmittance])
+
+
+def _derivatives(values: np.ndarray, power: int) -> np.ndarray:
+    """Of the three shares by the four readings, shape (3, 4)."""
+    source, _, _, background = values**power
+    slope = power * values ** (power - 1)
+    span = source - background
+    shares = shares_of(values, power)
+    rows = np.zeros((3, 4))
+    for number in (0, 1):
+        rows[number, 0] = -shares[number] * slope[0] / span
+        rows[number, 1 + number] = slope[1 + number] / span
+        rows[number, 3] = (shares[number] - 1.0) * slope[3] / span
+    rows[2] = -rows[0] - rows[1]
+    return rows
+
+
+def reduce_readings(readings: Readings, *, draws: int = DRAWS, seed: int = 0) -> Shares:
+    """Reflectance, transmittance and emissivity with propagated uncertainties.
+
+    Parameters
+    ----------
+    readings : Readings
+    draws : int
+        Of the Monte Carlo beside first order.
+    seed : int
+
+    Returns
+    -------
+    Shares
+
+    Raises
+    ------
+    ParameterError
+        If the readings are not physical: negative, or no more than the background.
+
+    Notes
+    -----
+    The stated uncertainties are common to all rows, so they do not average out; the scatter of
+    several rows does, and is added from that of their shares. Both ways draw on the same: first
+    order on derivatives at the mean readings, Monte Carlo on normal draws of them, whose interval
+    need not be symmetric.
+    """
+    require_range("draws", draws, 1000)
+    power, count = readings.method.power, readings.values.shape[1]
+    mean = readings.values.mean(axis=1)
+    if np.any(readings.values < 0.0) or np.any(readings.values[0] <= readings.values[3]):
+        raise ParameterError("the source must read more than the background, and nothing negative")
+    each = shares_of(readings.values, power)
+    value = each.mean(axis=1)
+    scatter = np.cov(each) / count if count > 1 else np.zeros((3, 3))
+    slopes = _derivatives(mean, power)
+    common = (slopes * readings.uncertainties**2) @ slopes.T
+    # of few rows the scatter is known poorly, which the degrees of freedom carry on
+    total, random = np.diag(common + scatter), np.diag(scatter)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        freedom = np.where(random > 0.0, (count - 1) * (total / random) ** 2, np.inf)
+    rng = np.random.default_rng(seed)
+    drawn = mean[:, None] + readings.uncertainties[:, None] * rng.normal(size=(4, draws))
+    cloud = shares_of(np.maximum(drawn, 0.0), power) - shares_of(mean, power)[:, None]
+    cloud += value[:, None] + rng.multivariate_normal(np.zeros(3), scatter, draws).T
+    low, high = central_interval(cloud, axis=1)
+    return Shares(
+        readings=readings,
+        first_order={
+            name: Estimate.normal(float(one), float(np.sqrt(variance)), "", float(known))
+            for name, one, variance, known in zip(SHARES, value, total, freedom, strict=True)
+        },
+        monte_carlo={
+            name: Estimate(float(cloud[number].mean()), (float(low[number]), float(high[number])),
+                           "", float(cloud[number].std()))
+            for number, name in enumerate(SHARES)
+        },
+    )  # fmt: skip
+
+
+def to_dataset(result: Shares, files: Sequence[str]) -> "xr.Dataset":
+    """The readings and the shares of each row.
+
+    Parameters
+    ----------
+    result : Shares
+    files : sequence of str
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    readings = result.readings
+    method = readings.method
+    each = shares_of(readings.values, method.power)
+    names = [method.remainder if name == "emissivity" else name for name in SHARES]
+    variables: dict[str, Any] = {
+        name: ("row", values, {"units": method.unit or "1", "long_name": name.replace("_", " ")})
+        for name, values in zip(method.readings, readings.values, strict=True)
+    }
+    variables |= {
+        name: ("row", values, {"units": "1", "long_name": name})
+        for name, values in zip(names, each, strict=True)
+    }
+    return dataset("reflectance, transmittance and emissivity", variables, files)

@@ -1,0 +1,63 @@
+"""Figure of readings reduced to reflectance, transmittance and emissivity."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from lightflyer.lab.thermography import SHARES, Shares, shares_of
+from lightflyer.plot import BLUE, GREY, VERMILION, new_figure
+
+_OFFSET = 0.12  # between first order and Monte Carlo
+
+
+def shares(result: Shares, ax: Axes) -> Axes:
+    """Draw the shares of every row, and both intervals of their means.
+
+    Parameters
+    ----------
+    result : Shares
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    method = result.readings.method
+    each = shares_of(result.readings.values, method.power)
+    for number, name in enumerate(SHARES):
+        ax.plot(np.full(each.shape[1], number), each[number], "o", color=GREY, mfc="none", ms=4,
+                label="rows" if number == 0 else None)  # fmt: skip
+        ways = ((result.first_order, -_OFFSET, BLUE, "s", "first order"),
+                (result.monte_carlo, _OFFSET, VERMILION, "D", "Monte Carlo"))  # fmt: skip
+        for estimates, shift, colour, marker, label in ways:
+            one = estimates[name]
+            low, high = one.interval
+            ax.errorbar(
+                number + shift, one.value, yerr=[[one.value - low], [high - one.value]],
+                fmt=marker, color=colour, capsize=4, ms=5,
+                label=f"{label}, 95 %" if number == 0 else None,
+            )  # fmt: skip
+    names = [method.remainder if name == "emissivity" else name for name in SHARES]
+    ax.set_xticks(range(len(names)), names)
+    ax.set_xlim(-0.5, len(names) - 0.5)
+    ax.axhline(0.0, color=GREY, lw=0.8)
+    ax.set_ylabel("share of the radiation [1]")
+    ax.legend(fontsize="small")
+    ax.grid(alpha=0.25, axis="y")
+    return ax
+
+
+def thermography_figures(result: Shares) -> dict[str, Figure]:
+    """The figure of the shares, by file name without suffix.
+
+    Parameters
+    ----------
+    result : Shares
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+    """
+    figure = new_figure()
+    shares(result, figure.axes[0])
+    return {"thermography": figure}

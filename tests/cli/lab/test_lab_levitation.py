@@ -1,0 +1,60 @@
+import json
+
+import pytest
+import xarray as xr
+
+import lightflyer as lf
+
+
+def test_points_to_record_with_model_and_calibration(examples, lab):
+    folder = examples("levitation")
+    lf_file = folder / "flyer.toml"
+    from importlib import resources
+
+    template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"
+    lf_file.write_text(template.read_text(encoding="utf-8"), encoding="utf-8")
+    code, out, err = lab(
+        "levitation", "levitation.csv", "--flyer", lf_file, "--calibrate", "--update", lf_file,
+        "--out", "o", "--draws", "300", "--pressure-unit", "Torr",
+    )  # fmt: skip
+    assert (code, err) == (0, "")
+    assert "Ge 2 cm needs" in out
+    found = json.loads((folder / "o" / "levitation.json").read_text(encoding="utf-8"))
+    low, high = found["samples"]["Ge 2 cm"]["minimum_irradiance"]["interval_95"]
+    assert low < 983.1 < high  # stands in the file
+    assert found["samples"]["Ge 2 cm"]["optimal_pressure"]["unit"] == "Pa"
+    assert found["comparisons"][0]["a"] == "Ge 2 cm"
+    assert found["samples"]["CNT 2 cm"]["points"] + found["samples"]["Ge 2 cm"]["points"] == 54
+    with xr.open_dataset(folder / "o" / "levitation.nc", engine="h5netcdf") as record:
+        assert record.sizes["sample"] == 2
+    assert (folder / "o" / "levitation.svg").exists()
+    assert lf.read_flyer_file(lf_file).force.c_fm.value == pytest.approx(0.4, rel=0.05)
+
+
+def test_launchpads_are_compared_and_the_near_floor_named(examples, lab):
+    examples("levitation")
+    code, out, err = lab("levitation", "launchpads.csv", "--draws", "200", "--json")
+    assert code == 0
+    assert "Ge 2 cm on plate: the floor is 5 mm below" in err
+    found = json.loads(out)
+    low, high = found["comparisons"][0]["reduction"]["interval_95"]
+    assert low < 0.1 < high
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments", "says"),
+    [
+        ("pressure [Pa],irradiance [W/m^2]\n1,2\n", [], "raw.csv:2: raw has 1 point"),
+        ("pressure [Pa],irradiance [W/m^2]\n1,-2\n", [], "raw.csv:2: irradiance = -2"),
+        ("pressure [Pa]\n1\n", [], "raw.csv: the column irradiance is missing"),
+        ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--span", "3"], "span = 3 is not between"),
+        ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--calibrate"], "--flyer"),
+        ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--update", "a.toml"], "--calibrate"),
+    ],
+)
+def test_bad_input(folder, lab, text, arguments, says):
+    (folder / "raw.csv").write_text(text, encoding="utf-8")
+    code, out, err = lab("levitation", "raw.csv", "--out", "o", *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert says in err
+    assert not (folder / "o").exists()

@@ -1,0 +1,42 @@
+import json
+
+import pytest
+import xarray as xr
+
+
+def test_three_maps_to_one_record(examples, lab):
+    folder = examples("roughness")
+    names = ["germanium.ibw", "germanium.gwy", "germanium.txt"]
+    code, out, err = lab("roughness", *names, "--out", "o")
+    assert (code, err) == (0, "")
+    assert "germanium.ibw, HeightRetrace: 256 x 256 pixels, 10 x 10 µm" in out
+    found = json.loads((folder / "o" / "roughness.json").read_text(encoding="utf-8"))
+    low, high = found["rms_height"]["interval_95"]
+    assert low < 34.8 < high
+    assert found["rms_height"]["unit"] == "nm"
+    assert found["rms_height_all"]["value"] > found["rms_height"]["value"]
+    assert set(found["maps"]) == set(names)
+    assert 0.0 < found["maps"]["germanium.gwy"]["masked_fraction"]["value"] < 0.06
+    with xr.open_dataset(folder / "o" / "roughness.nc", engine="h5netcdf") as record:
+        assert record.height_0.shape == (256, 256)
+        assert record.height_0.units == "m"
+    assert (folder / "o" / "roughness.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["missing.ibw"], "missing.ibw: cannot be read"),
+        (["map.txt"], 'map.txt: its heights have no unit; write --unit "nm"'),
+        (["map.txt", "--unit", "nm"], 'map.txt: says no width; write --size "10 um"'),
+        (["map.txt", "--unit", "nm", "--size", "10"], "--size: "),
+        (["map.txt", "--unit", "nm", "--size", "1 um", "--threshold", "0"], "threshold = 0"),
+    ],
+)
+def test_bad_input(folder, lab, arguments, says):
+    rows = "\n".join(" ".join(str((i * j) % 7) for i in range(20)) for j in range(20))
+    (folder / "map.txt").write_text(rows, encoding="utf-8")
+    code, out, err = lab("roughness", *arguments, "--out", "o")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert says in err
+    assert not (folder / "o").exists()

@@ -1,0 +1,154 @@
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from skmisc.loess import loess
+
+import lightflyer as lf
+from lightflyer.lab.levitation import LiftOffs, compare, levitation_curve, read_lift_offs, summary
+from lightflyer.lab.levitation_model import calibrated, model_curve
+
+RANGE = (1.5, 40.0)
+
+
+@pytest.fixture(scope="module")
+def truth():
+    """Log-pressure and log-irradiance of the model's curve."""
+    pressure = np.geomspace(*RANGE, 4000)
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    light = lf.levitate(lf.Disk(film, 0.01), lf.Chamber().state(pressure), lf.Lu2023()).irradiance
+    return np.log(pressure), np.log(light)
+
+
+def draw(truth, rng, count=24, noise=0.05, name="a", factor=1.0):
+    log_pressure, log_light = truth
+    x = rng.uniform(log_pressure[0], log_pressure[-1], count)
+    y = np.interp(x, log_pressure, log_light) + noise * rng.normal(size=count)
+    return LiftOffs(name, np.exp(x), factor * np.exp(y), "points.csv:2")
+
+
+def test_band_is_that_of_loess(truth, rng):
+    points = draw(truth, rng)
+    curve = levitation_curve(points, draws=100)
+    own = loess(np.log(points.pressure), np.log(points.irradiance), span=0.75, degree=2)
+    own.fit()
+    predicted = own.predict(np.log(curve.pressure), stderror=True)
+    band = predicted.confidence(0.01)
+    np.testing.assert_allclose(np.log(curve.irradiance), predicted.values, atol=1e-9)
+    np.testing.assert_allclose(np.log(curve.lower), band.lower, atol=1e-9)
+    np.testing.assert_allclose(np.log(curve.upper), band.upper, atol=1e-9)
+
+
+# R's data set "cars" (M. Ezekiel, Methods of Correlation Analysis, Wiley, 1930), and what R's
+# documentation prints for predict(loess(dist ~ speed, cars), data.frame(speed = 5:20)).
+SPEED = [4, 4, 7, 7, 8, 9, 10, 10, 10, 11, 11, 12, 12, 12, 12, 13, 13, 13, 13, 14, 14, 14, 14, 15,
+         15, 15, 16, 16, 17, 17, 17, 18, 18, 18, 18, 19, 19, 19, 20, 20, 20, 20, 20, 22, 23, 24,
+         24, 24, 24, 25]  # fmt: skip
+DISTANCE = [2, 10, 4, 22, 16, 10, 18, 26, 34, 17, 28, 14, 20, 24, 28, 26, 34, 34, 46, 26, 36, 60,
+            80, 20, 26, 54, 32, 40, 32, 40, 50, 42, 56, 76, 84, 36, 46, 68, 32, 48, 52, 56, 64, 66,
+            54, 70, 92, 93, 120, 85]  # fmt: skip
+PUBLISHED = {5: 7.797353, 10: 21.865315, 15: 41.205226, 20: 56.461318}
+
+
+def test_curve_of_published_data():
+    # small numbers, so that their exponentials can be taken for pressure and irradiance
+    points = LiftOffs("cars", np.exp(np.array(SPEED, float)), np.exp(np.array(DISTANCE) / 10.0))
+    with pytest.warns(lf.ParameterWarning):  # it rises from its first point on
+        curve = levitation_curve(points, draws=100)
+    distance = 10.0 * CubicSpline(np.log(curve.pressure), np.log(curve.irradiance))(list(PUBLISHED))
+    np.testing.assert_allclose(distance, list(PUBLISHED.values()), rtol=1e-5)
+
+
+def test_a_parabola_is_found_exactly():
+    x = np.linspace(-1.0, 2.0, 15)
+    points = LiftOffs("a", np.exp(x), np.exp(0.8 * (x - 0.4) ** 2 + 7.0))
+    curve = levitation_curve(points, draws=100)
+    assert curve.optimal_pressure.value == pytest.approx(np.exp(0.4), rel=1e-6)
+    assert curve.minimum_irradiance.value == pytest.approx(np.exp(7.0), rel=1e-9)
+
+
+def test_intervals_cover_the_truth(truth, rng):
+    log_pressure, log_light = truth
+    best = log_light.argmin()
+    expected = np.exp([log_pressure[best], log_light[best]])
+    inside, count = np.zeros(2), 200
+    for seed in range(count):
+        curve = levitation_curve(draw(truth, rng, 28), draws=200, seed=seed)
+        for number, one in enumerate((curve.optimal_pressure, curve.minimum_irradiance)):
+            inside[number] += one.interval[0] <= expected[number] <= one.interval[1]
+    assert np.all((inside / count >= 0.92) & (inside / count <= 0.98)), inside / count
+
+
+def test_seeds_repeat_and_units_scale(truth, rng):
+    points = draw(truth, rng)
+    one, two = levitation_curve(points, draws=100), levitation_curve(points, draws=100)
+    assert one.optimal_pressure == two.optimal_pressure
+    scaled = LiftOffs("b", 7.0 * points.pressure, 3.0 * points.irradiance)
+    three = levitation_curve(scaled, draws=100)
+    assert three.optimal_pressure.value == pytest.approx(7.0 * one.optimal_pressure.value)
+    np.testing.assert_allclose(
+        three.minimum_irradiance.interval, 3.0 * np.array(one.minimum_irradiance.interval)
+    )
+
+
+def test_reduction_between_two_samples(truth, rng):
+    curves = [
+        levitation_curve(draw(truth, rng, 30, 0.03, name, factor), draws=300, seed=seed)
+        for seed, (name, factor) in enumerate([("more", 2.0), ("less", 1.0)])
+    ]
+    (found,) = compare(curves)
+    assert (found.first, found.second) == ("less", "more")
+    low, high = found.reduction.interval
+    assert low < 0.5 < high
+    assert high - low < 0.08
+    document = summary(curves)
+    assert document["comparisons"][0]["a"] == "less"
+    assert document["samples"]["more"]["points"] == 30
+
+
+def test_an_optimum_at_the_end_is_said():
+    x = np.linspace(0.0, 2.0, 12)
+    with pytest.warns(lf.ParameterWarning, match="at the end of its pressures"):
+        curve = levitation_curve(LiftOffs("a", np.exp(x), np.exp(7.0 + x)), draws=100)
+    assert curve.at_edge
+
+
+@pytest.mark.parametrize(
+    ("count", "says"), [(1, "has 1 point;"), (7, "has 7 points;"), (0, "1 pressure;")]
+)
+def test_too_few_points(count, says):
+    pressure = np.full(12, 3.0) if count == 0 else np.geomspace(1.0, 9.0, count)
+    points = LiftOffs("a", pressure, np.full(len(pressure), 900.0), "points.csv:2")
+    with pytest.raises(lf.ConfigurationError, match=f"points.csv:2: a .*{says}"):
+        levitation_curve(points)
+
+
+def test_files_and_ground_effect(tmp_path):
+    path = tmp_path / "points.csv"
+    path.write_text(
+        "Sample;Launchpad;Diameter (mm);Floor gap (mm);p / mTorr;I / kW/m2\n"
+        "Ge;plate;20;5;30;1,5\nGe;mesh;20;60;30;1,6\nGe;mesh;20;60;31;1,6\n",
+        encoding="utf-8",
+    )
+    samples, table = read_lift_offs(path)
+    assert [one.name for one in samples] == ["Ge on plate", "Ge on mesh"]
+    assert [one.in_ground_effect for one in samples] == [True, False]
+    assert samples[1].irradiance.tolist() == [1600.0, 1600.0]
+    assert len(table) == 3
+    path.write_text("sample,pressure [Pa],irradiance [W/m^2],diameter [cm]\na,1,2,2\na,2,3,4\n",
+                    encoding="utf-8")  # fmt: skip
+    with pytest.raises(lf.ConfigurationError, match=r"points\.csv:2: a has more than one diam"):
+        read_lift_offs(path)
+
+
+def test_model_and_calibration(truth, rng):
+    film = lf.FilmProperties(1e-3, 0.75, 0.48, 0.48, tac_top=0.8, tac_bottom=0.9)
+    setup = lf.Setup(lf.Disk(film, 0.02), lf.Chamber(), lf.Lu2023(0.5, 2.0), (None, None))
+    points = draw(truth, rng, 16, 0.01)
+    points.properties.update(emittance=0.08, diameter=0.02)
+    fit, better = calibrated([levitation_curve(points, draws=100)], setup)
+    np.testing.assert_allclose(fit.values, [0.4, 3.0], rtol=0.1)
+    pressure, light = model_curve(points, better)
+    inside = (pressure > RANGE[0]) & (pressure < RANGE[1])
+    np.testing.assert_allclose(
+        np.log(light[inside]), np.interp(np.log(pressure[inside]), *truth), atol=0.05
+    )

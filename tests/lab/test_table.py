@@ -1,0 +1,145 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import lightflyer as lf
+from lightflyer.lab.layout import Column
+from lightflyer.lab.table import read_table
+
+COLUMNS = (
+    Column("pressure", "Pa", ("p",), 0.0, open_below=True, outside="reject"),
+    Column("irradiance", "W/m^2", lowest=0.0, open_below=True),
+    Column("temperature", "K", lowest=0.0),
+    Column("sample", text=True),
+    Column("time", "s", unit_of_bare="s"),
+)
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write(text):
+        path = tmp_path / "raw.csv"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "pressure [mTorr],irradiance [kW/m^2]\n30,1.5\n20,2.5\n",
+        "Pressure (mTorr), Irradiance (kW/m2)\n30, 1.5\n20, 2.5\n",
+        "pressure/mTorr;irradiance/kW m-2\n30;1,5\n20;2,5\n",
+        "\N{ZERO WIDTH NO-BREAK SPACE}# note\np [mTorr]\tirradiance [W/m^2]\n30\t1500\n20\t2500\n",
+        "Instrument: X\nRun 3\n# pressure [mTorr] irradiance [kW/m^2]\n30 1.5\n\n20 2.5\n",
+        '"remark","pressure [mTorr]","irradiance [W/m^2]"\n"a, b",30,1500\n,20,2500\n',
+        "pressure [mTorr],irradiance [kW/m^2]\r\n30,1.5,\r\n20,2.5,\r\n",
+    ],
+)
+def test_every_layout_gives_the_same(write, text):
+    table = read_table(write(text), COLUMNS)
+    torr = 101325.0 / 760.0
+    np.testing.assert_allclose(table.numbers["pressure"], [0.030 * torr, 0.020 * torr], rtol=1e-14)
+    np.testing.assert_allclose(table.numbers["irradiance"], [1500.0, 2500.0], rtol=1e-14)
+    assert table.rejected == []
+
+
+def test_columns_by_option(write):
+    table = read_table(write("30 x 1.5\n20 y 2.5\n"), COLUMNS,
+                       layout="pressure [Pa], -, irradiance [kW/m^2]")  # fmt: skip
+    np.testing.assert_array_equal(table.numbers["irradiance"], [1500.0, 2500.0])
+    with pytest.raises(lf.ConfigurationError, match='column "density" is unknown'):
+        read_table(write("30 1\n"), COLUMNS, layout="pressure [Pa], density")
+
+
+def test_celsius_and_its_uncertainty(write):
+    columns = (Column("t", "K"), Column("t_uncertainty", "K"))
+    table = read_table(write("t [°C],t_uncertainty [°C]\n20,0.5\n"), columns)
+    assert table.numbers["t"] == pytest.approx(293.15)
+    assert table.numbers["t_uncertainty"] == pytest.approx(0.5)
+
+
+def test_unreadable_rows_are_named(write):
+    text = (
+        "time,pressure [Pa],irradiance [W/m^2]\n0,1,10\n1,OVLD,10\n2,,10\n3,nan,10\n4,4\n"
+        "5,-1e-3,10\n0,1,10\n6,7,10\n"
+    )
+    table = read_table(write(text), COLUMNS)
+    assert [row.line for row in table.rejected] == [3, 4, 5, 6, 7, 8]
+    assert [row.reason for row in table.rejected] == [
+        'pressure: "OVLD" is not a number', "pressure is empty", "pressure is nan",
+        "has 2 values, the header names 3 columns", "pressure = -0.001 Pa is not positive",
+        "repeats line 2",
+    ]  # fmt: skip
+    np.testing.assert_array_equal(table.lines, [2, 9])
+    np.testing.assert_array_equal(table.numbers["pressure"], [1.0, 7.0])
+
+
+HEADER = "pressure [Pa],irradiance [W/m^2]\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "says"),
+    [
+        ("", "", "is empty"),
+        (b"\x00\x01\xff\xfe", "", "not a text file"),
+        ("\n\nfoo,bar\n1,2\n", ":3", "no column is known"),
+        ("Größe,Fluß\n1,2\n", ":1", "no column is known"),
+        (HEADER, "", "has a header but no rows"),
+        ("pressure,irradiance [W/m^2]\n1,2\n", ":1", "column pressure has no unit"),
+        ("pressure [W],irradiance [W/m^2]\n1,2\n", ":1", "of the wrong kind"),
+        ("pressure [Pa],pressure [Torr]\n1,2\n", ":1", "stands twice"),
+        (HEADER + "1,2\n3,-4\n", ":3", "irradiance = -4 W/m^2 is not positive"),
+        (HEADER + "1,2\n3 mTorr,4\n5,6\n", ":3", '"3 mTorr" is more than a number'),
+        (HEADER + "1,2\npressure [Torr],irradiance [W/m^2]\n3,4\n", ":3", "once more"),
+        (HEADER + "1,2\n3,4\n5", ":4", "the file ends within a row"),
+        (HEADER + "nan,nan\nnan,nan\n", ":2", "none of its 2 rows can be read"),
+        (HEADER + "1,5,2\n2,5,3\n", ":2", "none of its 2 rows"),
+    ],
+)
+def test_one_clear_line_for_each_mistake(write, text, place, says):
+    path = write(text)
+    with pytest.raises(lf.ConfigurationError) as error:
+        read_table(path, COLUMNS)
+    assert str(error.value).startswith(f"{path}{place}: ")
+    assert says in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+CELLS = st.one_of(
+    st.floats().map(repr),
+    st.sampled_from(["", "1,5", "OVLD", "3 mTorr", '"', '"a,b"', "1_0", "٣"]),
+    st.text(max_size=5),
+)
+ROWS = st.lists(st.lists(CELLS, max_size=3), max_size=6)
+
+
+@st.composite
+def nearly_tables(draw):
+    delimiter = draw(st.sampled_from([",", ";", "\t", " "]))
+    rows = [["pressure [Pa]", "irradiance [W/m^2]"], *draw(ROWS)]
+    return "\n".join(delimiter.join(row) for row in rows)
+
+
+TEXTS = st.one_of(st.text(max_size=200), nearly_tables())
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.one_of(
+        st.binary(max_size=200), TEXTS.map(lambda text: text.encode("utf-8", "surrogatepass"))
+    )
+)
+def test_no_content_gives_a_traceback(tmp_path_factory, content):
+    path = tmp_path_factory.mktemp("fuzz") / "raw.csv"
+    path.write_bytes(content)
+    try:
+        table = read_table(path, COLUMNS)
+    except lf.ConfigurationError as error:
+        said = str(error)
+        assert said.startswith(str(path))
+        return
+    for values in table.numbers.values():
+        assert np.isfinite(values).all()

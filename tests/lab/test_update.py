@@ -1,0 +1,57 @@
+import tomllib
+
+import pytest
+
+import lightflyer as lf
+from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.update import emittance_keys, measured_text, tac_keys, update_flyer_file
+
+VALUE = Estimate.normal(0.9031, 0.0312)
+
+
+def test_keeps_comments_and_says_where_from(flyer_file):
+    path = flyer_file("tac_top = 0.8\n", "tac_top = 0.8  # a face of glass\n")
+    before = path.read_text(encoding="utf-8").splitlines()
+    update_flyer_file(path, dict.fromkeys(tac_keys("top"), VALUE), "lab tac, one.csv")
+    update_flyer_file(path, dict.fromkeys(tac_keys("top"), VALUE), "lab tac, two.csv")
+    after = path.read_text(encoding="utf-8").splitlines()
+    changed = [line for line in after if line not in before]
+    assert len(changed) == 1
+    assert changed[0].startswith('tac_top = "0.903 ± 0.031"')
+    assert "a face of glass; measured: lab tac, two.csv, 20" in changed[0]
+    assert "one.csv" not in changed[0]
+    assert len(after) == len(before)
+    read = lf.read_flyer_file(path).film.tac_top
+    assert (read.value, read.uncertainty) == (0.903, 0.031)
+
+
+def test_emittance_of_one_face_splits_that_of_both(flyer_file):
+    path = flyer_file()
+    update_flyer_file(path, dict.fromkeys(emittance_keys("bottom"), VALUE), "x")
+    film = tomllib.loads(path.read_text(encoding="utf-8"))["film"]
+    assert film["emittance_bottom"] == "0.903 ± 0.031"
+    assert film["emittance_top"] == 0.08
+    assert "emittance" not in film
+    update_flyer_file(path, dict.fromkeys(emittance_keys("both"), VALUE), "x")
+    assert lf.read_flyer_file(path).film.emittance.value == 0.903
+
+
+def test_impossible_value_leaves_the_file(flyer_file):
+    path = flyer_file()
+    before = path.read_bytes()
+    with pytest.raises(lf.ConfigurationError, match=r"tac_top.*left as it was"):
+        update_flyer_file(path, {("film", "tac_top"): Estimate.normal(1.9, 0.1)}, "x")
+    assert path.read_bytes() == before
+    assert [file.name for file in path.parent.iterdir()] == ["flyer.toml"]
+
+
+@pytest.mark.parametrize(
+    ("value", "spread", "text"),
+    [
+        (0.5, 0.1234, "0.50 ± 0.12"),
+        (4.0931, 0.00099, "4.09310 ± 0.00099"),
+        (120.4, 12.2, "120 ± 12"),
+    ],
+)
+def test_two_digits_of_the_uncertainty(value, spread, text):
+    assert measured_text(Estimate.normal(value, spread)) == text

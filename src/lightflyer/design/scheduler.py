@@ -1,0 +1,201 @@
+"""Who computes the chunks of a sweep: threads of this process, or a Dask cluster."""
+
+import os
+import pickle
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from lightflyer.design.chunks import Chunks
+from lightflyer.design.store import Record, _stored_study, versions, write_chunk
+from lightflyer.errors import ConfigurationError, LightflyerError, MissingExtraError
+
+ANSWER_WITHIN = 10.0
+"""Time a scheduler has to answer [s]."""
+
+_AHEAD = 2  # chunks handed out per thread: one computed, one waiting
+_RETRIES = 3
+
+
+class Task(NamedTuple):
+    """What is to be computed and where it goes.
+
+    Attributes
+    ----------
+    evaluator : callable
+        Outputs, and number of failures, of the designs from a number up to another.
+    folder : Path
+        Of the store.
+    chunks : Chunks
+    token : str
+        Of the store.
+    """
+
+    evaluator: Any
+    folder: Path
+    chunks: Chunks
+    token: str
+
+
+Done = tuple[int, Record, int]
+"""Number of a chunk, checksums of its files, number of designs that have not converged."""
+
+
+def compute_chunk(task: Task, chunk: int) -> Done:
+    """Compute a chunk and write it.
+
+    Parameters
+    ----------
+    task : Task
+    chunk : int
+
+    Returns
+    -------
+    chunk : int
+    record : dict of str to int
+    failures : int
+    """
+    outputs, failures = task.evaluator(*task.chunks.span(chunk))
+    return chunk, write_chunk(task.folder, task.chunks, chunk, outputs), failures
+
+
+def run_here(task: Task, missing: Sequence[int], workers: int | None = None) -> Iterator[Done]:
+    """Compute chunks in threads of this process, in whichever order they are done.
+
+    Parameters
+    ----------
+    task : Task
+    missing : sequence of int
+    workers : int, optional
+        Threads; by default one for each processor and one more, which works while others write.
+
+    Yields
+    ------
+    chunk, record, failures
+    """
+    count = workers or len(os.sched_getaffinity(0)) + 1
+    waiting = iter(missing)
+    pool = ThreadPoolExecutor(min(count, max(len(missing), 1)))
+    running: set[Future[Done]] = set()
+    try:
+        for chunk in waiting:
+            running.add(pool.submit(compute_chunk, task, chunk))
+            if len(running) >= count:
+                done, running = wait(running, return_when=FIRST_COMPLETED)
+                yield from (future.result() for future in done)
+        while running:
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            yield from (future.result() for future in done)
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _compute_remotely(pickled: Any, chunk: int) -> Any:
+    """On a worker: write the chunk if the folder is in sight, else send it back."""
+    task: Task = pickled
+    with suppress(OSError, ValueError):
+        if _stored_study(task.folder)["token"] == task.token:
+            return compute_chunk(task, chunk)
+    outputs, failures = task.evaluator(*task.chunks.span(chunk))
+    return chunk, outputs, failures
+
+
+def run_on_dask(task: Task, missing: Sequence[int], address: str) -> Iterator[Done]:
+    """Compute chunks on an existing Dask cluster, in whichever order they are done.
+
+    Workers that see the store's folder write into it; the results of others come back and are
+    written here. The chunks of a worker that is lost go to another.
+
+    Parameters
+    ----------
+    task : Task
+    missing : sequence of int
+    address : str
+        Of the scheduler, such as ``"tcp://127.0.0.1:8786"``.
+
+    Yields
+    ------
+    chunk, record, failures
+
+    Raises
+    ------
+    ConfigurationError
+        If the scheduler does not answer, has no workers, or they cannot do the work.
+    MissingExtraError
+        If Dask is not installed.
+    """
+    try:
+        import distributed
+    except ImportError:
+        raise MissingExtraError(
+            "--scheduler needs distributed: pip install 'lightflyer[sweep]'"
+        ) from None
+
+    client = _connect(address)
+    try:
+        threads = _check_workers(client, address)
+        # made by a task and not scattered: it can be made again when its worker is lost
+        shared = client.submit(pickle.loads, pickle.dumps(task), pure=False)
+        waiting = iter(missing)
+
+        def submit(chunk: int) -> Any:
+            return client.submit(
+                _compute_remotely, shared, chunk, pure=False, retries=_RETRIES
+            )  # fmt: skip
+
+        first = [submit(chunk) for chunk, _ in zip(waiting, range(_AHEAD * threads), strict=False)]
+        queue = distributed.as_completed(first, with_results=True)
+        for _, (chunk, found, failures) in queue:
+            for more in waiting:
+                queue.add(submit(more))
+                break
+            if not all(isinstance(value, int) for value in found.values()):
+                found = write_chunk(task.folder, task.chunks, chunk, found)
+            yield chunk, found, failures
+    except (distributed.KilledWorker, distributed.CancelledError, OSError) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise  # of the disk
+        raise LightflyerError(
+            f"the cluster at {address} was lost ({type(error).__name__}); what is whole is kept, "
+            "and the same command continues"
+        ) from None
+    finally:
+        client.close(timeout=ANSWER_WITHIN)
+
+
+def _connect(address: str) -> Any:
+    import distributed
+
+    try:
+        return distributed.Client(address, timeout=ANSWER_WITHIN, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise ConfigurationError(
+            f"--scheduler {address}: no answer within {ANSWER_WITHIN:g} s ({reason}); start one "
+            "with 'dask scheduler', or leave the option out to compute here"
+        ) from None
+
+
+def _check_workers(client: Any, address: str) -> int:
+    """Number of threads of all workers, which must have the same packages."""
+    import distributed
+
+    try:
+        client.wait_for_workers(1, timeout=ANSWER_WITHIN)
+        found = client.run(versions)
+    except (TimeoutError, distributed.TimeoutError):
+        raise ConfigurationError(
+            f"--scheduler {address}: has no workers; start some with 'dask worker {address}'"
+        ) from None
+    except (ImportError, AttributeError) as error:
+        raise ConfigurationError(f"--scheduler {address}: a worker says: {error}") from None
+    here = versions()
+    for worker, there in found.items():
+        if there != here:
+            raise ConfigurationError(
+                f"--scheduler {address}: the worker at {worker} has {there}, here is {here}; "
+                "results would differ"
+            )
+    return max(sum(client.nthreads().values()), 1)

@@ -46,6 +46,11 @@ app.command(
     help="Fit force coefficients and film properties to measured levitation points.",
 )
 app.command(
+    "lightflyer.cli.sweep:sweep_command",
+    name="sweep",
+    help="Compute many designs of a study into a folder.",
+)
+app.command(
     "lightflyer.cli.paper:paper_command",
     name="paper",
     help="Recompute the paper: its claims, figures and tables beside ours.",

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer._checks import require_range
 from lightflyer.config.quantity import Quantity
 from lightflyer.design.fields import Field
-from lightflyer.errors import ConfigurationError
+from lightflyer.errors import ConfigurationError, ParameterError
 from lightflyer.units import Measured
 
 SAMPLE = "sample"
@@ -19,7 +20,7 @@ METHODS = ("sobol", "latin-hypercube", "random")
 """Ways of drawing samples."""
 
 MOST_SAMPLES = 10_000_000
-"""Numbers that the samples of a study may hold: they are kept whole, unlike its results."""
+"""Numbers along one dimension of a study: they are kept whole, unlike its results."""
 
 _DISTRIBUTIONS = {
     "normal": ("mean", "standard_deviation"),
@@ -116,7 +117,7 @@ def read_entry(entry: Any, field: Field) -> Axis | Distribution:
     """
     quantity = field.quantity
     if isinstance(entry, np.ndarray):
-        return _list_axis([float(value) for value in _one_dimension(entry)], field, bare=True)
+        return _array_axis(entry, field)
     if isinstance(entry, list | tuple) and not isinstance(entry, Measured):
         return _list_axis(entry, field)
     if isinstance(entry, Mapping):
@@ -129,21 +130,42 @@ def read_entry(entry: Any, field: Field) -> Axis | Distribution:
     return Axis(field, np.array([measured.value]), single=True)
 
 
-def _one_dimension(values: np.ndarray) -> np.ndarray:
+def require(field: Field, values: np.ndarray) -> None:
+    """Raise unless all values of a field are possible.
+
+    Parameters
+    ----------
+    field : Field
+    values : array, shape (...)
+        In the unit of the field.
+
+    Raises
+    ------
+    ConfigurationError
+        Naming the first that is not, and what is allowed.
+    """
+    allowed = field.quantity
+    ends = (allowed.lowest, allowed.highest)
+    try:
+        require_range(field.name, values, *ends, open_below=allowed.open_below)
+    except ParameterError as error:
+        raise ConfigurationError(f"{error} {allowed.unit}".rstrip()) from None
+
+
+def _array_axis(values: np.ndarray, field: Field) -> Axis:
     if values.ndim != 1:
         raise ConfigurationError(f"has {values.ndim} dimensions; give values along one")
-    return values
+    require(field, values)
+    return _axis(field, values.astype(float))
 
 
-def _list_axis(entries: Sequence[Any], field: Field, *, bare: bool = False) -> Axis:
-    if not len(entries):
+def _list_axis(entries: Sequence[Any], field: Field) -> Axis:
+    return _axis(field, np.array([field.quantity.read(entry).value for entry in entries]))
+
+
+def _axis(field: Field, values: np.ndarray) -> Axis:
+    if not values.size:
         raise ConfigurationError("is an empty list; give at least one value")
-    values = np.array(
-        [
-            field.quantity.read(Measured(entry) if bare else entry).value
-            for entry in entries
-        ]
-    )  # fmt: skip
     if np.unique(values).size < values.size:
         raise ConfigurationError("holds a value twice")
     return Axis(field, values)
@@ -155,6 +177,9 @@ def _range(entry: Mapping[str, Any], field: Field) -> Axis:
     points = entry["points"]
     if isinstance(points, bool) or not isinstance(points, int) or points < 2:
         raise ConfigurationError(f"points = {points} must be a whole number of at least 2")
+    if points > MOST_SAMPLES:
+        raise ConfigurationError(f"points = {points} are too many along one field: at most "
+                                 f"{MOST_SAMPLES}")  # fmt: skip
     scale = entry.get("scale", "linear")
     if scale not in _SCALES:
         raise ConfigurationError(f'scale = "{scale}" is unknown; there are: {", ".join(_SCALES)}')

@@ -4,12 +4,12 @@ import os
 import pickle
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from lightflyer.design.chunks import Chunks
-from lightflyer.design.store import Record, _stored_study, versions, write_chunk
+from lightflyer.design.store import Record, stored_study, versions, write_chunk
 from lightflyer.errors import ConfigurationError, LightflyerError, MissingExtraError
 
 ANSWER_WITHIN = 10.0
@@ -96,13 +96,13 @@ def _compute_remotely(pickled: Any, chunk: int) -> Any:
     """On a worker: write the chunk if the folder is in sight, else send it back."""
     task: Task = pickled
     with suppress(OSError, ValueError):
-        if _stored_study(task.folder)["token"] == task.token:
+        if stored_study(task.folder)["token"] == task.token:
             return compute_chunk(task, chunk)
     outputs, failures = task.evaluator(*task.chunks.span(chunk))
     return chunk, outputs, failures
 
 
-def run_on_dask(task: Task, missing: Sequence[int], address: str) -> Iterator[Done]:
+def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -> Iterator[Done]:
     """Compute chunks on an existing Dask cluster, in whichever order they are done.
 
     Workers that see the store's folder write into it; the results of others come back and are
@@ -112,8 +112,10 @@ def run_on_dask(task: Task, missing: Sequence[int], address: str) -> Iterator[Do
     ----------
     task : Task
     missing : sequence of int
+    client : distributed.Client
+        From :func:`connected`.
     address : str
-        Of the scheduler, such as ``"tcp://127.0.0.1:8786"``.
+        Of its scheduler.
 
     Yields
     ------
@@ -121,21 +123,13 @@ def run_on_dask(task: Task, missing: Sequence[int], address: str) -> Iterator[Do
 
     Raises
     ------
-    ConfigurationError
-        If the scheduler does not answer, has no workers, or they cannot do the work.
-    MissingExtraError
-        If Dask is not installed.
+    LightflyerError
+        If the cluster is lost.
     """
-    try:
-        import distributed
-    except ImportError:
-        raise MissingExtraError(
-            "--scheduler needs distributed: pip install 'lightflyer[sweep]'"
-        ) from None
+    import distributed
 
-    client = _connect(address)
+    threads = max(sum(client.nthreads().values()), 1)
     try:
-        threads = _check_workers(client, address)
         # made by a task and not scattered: it can be made again when its worker is lost
         shared = client.submit(pickle.loads, pickle.dumps(task), pure=False)
         waiting = iter(missing)
@@ -146,7 +140,7 @@ def run_on_dask(task: Task, missing: Sequence[int], address: str) -> Iterator[Do
             )  # fmt: skip
 
         first = [submit(chunk) for chunk, _ in zip(waiting, range(_AHEAD * threads), strict=False)]
-        queue = distributed.as_completed(first, with_results=True)
+        queue = distributed.as_completed(first, loop=client.loop, with_results=True)
         for _, (chunk, found, failures) in queue:
             for more in waiting:
                 queue.add(submit(more))
@@ -161,25 +155,53 @@ def run_on_dask(task: Task, missing: Sequence[int], address: str) -> Iterator[Do
             f"the cluster at {address} was lost ({type(error).__name__}); what is whole is kept, "
             "and the same command continues"
         ) from None
-    finally:
-        client.close(timeout=ANSWER_WITHIN)
 
 
-def _connect(address: str) -> Any:
-    import distributed
+@contextmanager
+def connected(address: str) -> Iterator[Any]:
+    """A client of an existing Dask scheduler whose workers can do the work.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler, such as ``"tcp://127.0.0.1:8786"``.
+
+    Yields
+    ------
+    distributed.Client
+
+    Raises
+    ------
+    ConfigurationError
+        If the scheduler does not answer, has no workers, or they have other packages.
+    MissingExtraError
+        If Dask is not installed.
+    """
+    try:
+        import distributed
+    except ImportError:
+        raise MissingExtraError(
+            "--scheduler needs distributed: pip install 'lightflyer[sweep]'"
+        ) from None
 
     try:
-        return distributed.Client(address, timeout=ANSWER_WITHIN, set_as_default=False)
+        client = distributed.Client(address, timeout=ANSWER_WITHIN, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise ConfigurationError(
             f"--scheduler {address}: no answer within {ANSWER_WITHIN:g} s ({reason}); start one "
             "with 'dask scheduler', or leave the option out to compute here"
         ) from None
+    try:
+        _check_workers(client, address)
+        yield client
+    finally:
+        with suppress(Exception):  # a cluster that was lost needs no farewell
+            client.close(timeout=ANSWER_WITHIN)
 
 
-def _check_workers(client: Any, address: str) -> int:
-    """Number of threads of all workers, which must have the same packages."""
+def _check_workers(client: Any, address: str) -> None:
+    """Raise unless there are workers, with the same packages as here."""
     import distributed
 
     try:
@@ -198,4 +220,3 @@ def _check_workers(client: Any, address: str) -> int:
                 f"--scheduler {address}: the worker at {worker} has {there}, here is {here}; "
                 "results would differ"
             )
-    return max(sum(client.nthreads().values()), 1)

@@ -8,6 +8,7 @@ The files are what the Zarr format wants of an array without compression but wit
 reader of Zarr opens the group, and finds a damaged chunk too.
 """
 
+import importlib.metadata
 import json
 import os
 import shutil
@@ -54,9 +55,7 @@ def require_extra() -> None:
 
 def versions() -> dict[str, str]:
     """Versions of the packages that a result's last bits depend on."""
-    import jaxlib
-
-    return {"lightflyer": lightflyer.__version__, "jaxlib": jaxlib.__version__}
+    return {"lightflyer": lightflyer.__version__, "jaxlib": importlib.metadata.version("jaxlib")}
 
 
 def write_chunk(folder: Path, chunks: Chunks, chunk: int, outputs: Mapping[str, Any]) -> Record:
@@ -133,7 +132,7 @@ class Store:
     def __init__(self, folder: Path, study: Study, chunks: Chunks):
         self.folder, self.chunks = folder, chunks
         self._names = study.variables
-        self.token = str(_stored_study(folder)["token"])
+        self.token = str(stored_study(folder)["token"])
         self._journal_path = folder / _RECORDS / _JOURNAL
         self.done, self.damaged = self._check()
         self._journal = self._journal_path.open("ab")
@@ -225,7 +224,22 @@ def _entries(content: bytes) -> Iterator[dict[str, Any]]:
             yield entry
 
 
-def _stored_study(folder: Path) -> dict[str, Any]:
+def stored_study(folder: Path) -> dict[str, Any]:
+    """What a store says of itself: its token, the shape of its chunks, its study.
+
+    Parameters
+    ----------
+    folder : Path
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    OSError
+        If the folder is no store.
+    """
     content: dict[str, Any] = json.loads((folder / _RECORDS / _STUDY).read_text(encoding="utf-8"))
     return content
 
@@ -263,7 +277,7 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
             _create(folder, study, description, Chunks.of(study.shape, most_in_chunk))
         lock = filelock.FileLock(folder / _RECORDS / _LOCK)
         with lock.acquire(timeout=0):
-            stored = _stored_study(folder)
+            stored = stored_study(folder)
             _require_same(folder, stored["description"], description)
             store = Store(folder, study, Chunks(study.shape, tuple(stored["block"])))
             try:

@@ -1,18 +1,20 @@
 """Sweeps: the outputs of all designs of a study, in memory or in a folder that keeps them."""
 
+import os
 import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from lightflyer.config.reader import read_flyer_file
 from lightflyer.config.sections import FlyerFile
 from lightflyer.design.chunks import CHUNK, Chunks
 from lightflyer.design.evaluation import PIECE, Evaluator
 from lightflyer.design.outputs import OUTPUTS
-from lightflyer.design.scheduler import Task, run_here, run_on_dask
+from lightflyer.design.scheduler import Task, connected, run_here, run_on_dask
 from lightflyer.design.store import empty_dataset, open_store
 from lightflyer.design.study import SamplingSection, Study, make_study
 from lightflyer.errors import ConfigurationError
@@ -54,17 +56,25 @@ class SweepReport:
     seconds: float
 
 
-class Listener:
-    """Hears how a sweep gets on; its methods do nothing until overridden."""
+class Listener(Protocol):
+    """Hears how a sweep gets on."""
 
     def film(self, done: int, total: int) -> None:
-        """A film of layers was computed."""
+        """So many of all films of layers are computed."""
 
     def begin(self, found: int, total: int) -> None:
         """So many of all designs were there already."""
 
     def advance(self, designs: int) -> None:
         """So many more designs were committed."""
+
+
+class _Deaf:
+    """Listens to nothing."""
+
+    def film(self, done: int, total: int) -> None: ...
+    def begin(self, found: int, total: int) -> None: ...
+    def advance(self, designs: int) -> None: ...
 
 
 def sweep_into(
@@ -105,8 +115,11 @@ def sweep_into(
     ConfigurationError
         If a scheduler does not answer.
     """
-    folder, heard = Path(folder), listener or Listener()
-    with open_store(folder, study, chunk) as store:
+    folder, heard = Path(folder), listener or _Deaf()
+    with ExitStack() as stack:
+        # first, so that nothing is made for a scheduler that does not answer
+        client = stack.enter_context(connected(scheduler)) if scheduler else None
+        store = stack.enter_context(open_store(folder, study, chunk))
         missing, chunks = store.missing, store.chunks
         left = sum(_length(chunks, number) for number in missing)
         heard.begin(study.size - left, study.size)
@@ -115,9 +128,9 @@ def sweep_into(
             evaluate = evaluator or Evaluator(study, heard.film)
             task = Task(evaluate, folder.resolve(), chunks, store.token)
             results = (
-                run_here(task, missing, workers)
-                if scheduler is None
-                else run_on_dask(task, missing, scheduler)
+                run_on_dask(task, missing, client, scheduler)
+                if scheduler
+                else run_here(task, missing, workers)
             )
             for number, record, failures in results:
                 store.commit(number, record, failures)
@@ -312,6 +325,4 @@ def estimate(study: Study, folder: str | Path) -> Estimate:
 
 def workers_here() -> int:
     """Number of processors that this process may use."""
-    import os
-
     return len(os.sched_getaffinity(0))

@@ -56,8 +56,7 @@ def sweep_labelled(
     columns = found if isinstance(found, tuple) else (found,)
     dataset = xr.Dataset(dict(zip(variables, columns, strict=True)))
     for name, column in dataset.items():
-        output = OUTPUTS[str(name)]
-        column.attrs = {"units": output.units, "long_name": output.long_name}
+        column.attrs = OUTPUTS[str(name)].attributes
     dataset = dataset.assign_coords(arrays)
     for name, array in arrays.items():
         dataset[name].attrs = array.attrs | known[name].attributes

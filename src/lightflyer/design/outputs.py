@@ -111,6 +111,11 @@ class Output:
     over_altitude: bool = False
     needs_coordinate: bool = True
 
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Of a variable that holds its values."""
+        return {"units": self.units, "long_name": self.long_name}
+
 
 def _at_a_point(name: str, value: Callable[[Design], Any]) -> Output:
     return Output(*QUANTITIES[name], value)

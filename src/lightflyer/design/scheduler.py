@@ -1,5 +1,6 @@
 """Who computes the chunks of a sweep: threads of this process, or a Dask cluster."""
 
+import itertools
 import os
 import pickle
 from collections.abc import Iterator, Sequence
@@ -92,14 +93,13 @@ def run_here(task: Task, missing: Sequence[int], workers: int | None = None) -> 
         pool.shutdown(cancel_futures=True)
 
 
-def _compute_remotely(pickled: Any, chunk: int) -> Any:
-    """On a worker: write the chunk if the folder is in sight, else send it back."""
-    task: Task = pickled
+def _compute_remotely(task: Task, chunk: int) -> tuple[Done, Any]:
+    """On a worker: write the chunk if the folder is in sight, else send its outputs back."""
     with suppress(OSError, ValueError):
         if stored_study(task.folder)["token"] == task.token:
-            return compute_chunk(task, chunk)
+            return compute_chunk(task, chunk), None
     outputs, failures = task.evaluator(*task.chunks.span(chunk))
-    return chunk, outputs, failures
+    return (chunk, {}, failures), outputs
 
 
 def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -> Iterator[Done]:
@@ -126,28 +126,26 @@ def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -
     LightflyerError
         If the cluster is lost.
     """
+    import cloudpickle
     import distributed
 
     threads = max(sum(client.nthreads().values()), 1)
     try:
         # made by a task and not scattered: it can be made again when its worker is lost
-        shared = client.submit(pickle.loads, pickle.dumps(task), pure=False)
+        shared = client.submit(pickle.loads, cloudpickle.dumps(task), pure=False)
         waiting = iter(missing)
 
         def submit(chunk: int) -> Any:
-            return client.submit(
-                _compute_remotely, shared, chunk, pure=False, retries=_RETRIES
-            )  # fmt: skip
+            return client.submit(_compute_remotely, shared, chunk, pure=False, retries=_RETRIES)
 
-        first = [submit(chunk) for chunk, _ in zip(waiting, range(_AHEAD * threads), strict=False)]
+        first = [submit(chunk) for chunk in itertools.islice(waiting, _AHEAD * threads)]
         queue = distributed.as_completed(first, loop=client.loop, with_results=True)
-        for _, (chunk, found, failures) in queue:
-            for more in waiting:
+        for _, ((chunk, record, failures), outputs) in queue:
+            for more in itertools.islice(waiting, 1):
                 queue.add(submit(more))
-                break
-            if not all(isinstance(value, int) for value in found.values()):
-                found = write_chunk(task.folder, task.chunks, chunk, found)
-            yield chunk, found, failures
+            if outputs is not None:
+                record = write_chunk(task.folder, task.chunks, chunk, outputs)
+            yield chunk, record, failures
     except (distributed.KilledWorker, distributed.CancelledError, OSError) as error:
         if isinstance(error, OSError) and error.errno is not None:
             raise  # of the disk

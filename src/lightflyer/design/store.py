@@ -12,7 +12,6 @@ import importlib.metadata
 import json
 import os
 import shutil
-import tempfile
 import uuid
 import warnings
 from collections.abc import Iterator, Mapping
@@ -272,11 +271,12 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
     folder = Path(folder)
     description = study.description() | versions()
     try:
-        if not (folder / _RECORDS / _STUDY).is_file():
-            _require_free(folder)
-            _create(folder, study, description, Chunks.of(study.shape, most_in_chunk))
-        lock = filelock.FileLock(folder / _RECORDS / _LOCK)
-        with lock.acquire(timeout=0):
+        _require_free(folder)
+        records = folder / _RECORDS
+        records.mkdir(parents=True, exist_ok=True)
+        with filelock.FileLock(records / _LOCK).acquire(timeout=0):
+            if not (records / _STUDY).is_file():
+                _create(folder, study, description, Chunks.of(study.shape, most_in_chunk))
             stored = stored_study(folder)
             _require_same(folder, stored["description"], description)
             store = Store(folder, study, Chunks(study.shape, tuple(stored["block"])))
@@ -298,7 +298,10 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
 
 
 def _require_free(folder: Path) -> None:
-    if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
+    """Raise unless the folder is a store, perhaps one whose making was cut off, or free."""
+    if not folder.exists() or (folder / _RECORDS).is_dir():
+        return
+    if not folder.is_dir() or any(folder.iterdir()):
         raise OutputError(
             f"{folder}: is there already and is not the result of a sweep; choose another folder"
         )
@@ -321,24 +324,18 @@ def _require_same(folder: Path, stored: dict[str, str], asked: dict[str, str]) -
 
 
 def _create(folder: Path, study: Study, description: dict[str, str], chunks: Chunks) -> None:
-    """Make an empty store under another name, then give it its own."""
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    staging = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+    """Fill a store's folder; it is a store once its study is written, which comes last."""
+    for leftover in folder.iterdir():
+        if leftover.name != _RECORDS:
+            shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink()
+    content = {"token": uuid.uuid4().hex, "block": chunks.block, "description": description}
     try:
-        staging.chmod(0o755)
-        _write_group(staging, study, chunks)
-        records = staging / _RECORDS
-        records.mkdir()
-        content = {
-            "token": uuid.uuid4().hex,
-            "block": chunks.block,
-            "description": description,
-        }
-        _write_atomically(records / _STUDY, json.dumps(content, indent=1).encode())
-        _write_atomically(records / _JOURNAL)
-        os.replace(staging, folder)
+        _write_group(folder, study, chunks)
+        _write_atomically(folder / _RECORDS / _JOURNAL)
+        text = json.dumps(content, indent=1)
+        _write_atomically(folder / _RECORDS / _STUDY, text.encode())
     except BaseException:
-        shutil.rmtree(staging, ignore_errors=True)
+        shutil.rmtree(folder, ignore_errors=True)
         raise
 
 
@@ -347,23 +344,23 @@ def _write_group(folder: Path, study: Study, chunks: Chunks) -> None:
     import zarr
     from zarr.codecs import Crc32cCodec
 
-    empty_dataset(study).to_zarr(folder, mode="a", consolidated=False, zarr_format=3)
-    group = zarr.open_group(folder, mode="r+")
-    for name in study.variables:
-        output = OUTPUTS[name]
-        group.create_array(
-            name,
-            shape=chunks.shape,
-            chunks=chunks.block,
-            dtype="float64",
-            fill_value=np.nan,
-            compressors=[Crc32cCodec()],
-            dimension_names=[dimension.name for dimension in study.dimensions],
-            attributes={"units": output.units, "long_name": output.long_name},
-        )
     with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=f"Object at {_RECORDS}")
         # in the format's newest version it is an addition; readers that do not know it skip it
         warnings.filterwarnings("ignore", message="Consolidated metadata")
+        empty_dataset(study).to_zarr(folder, mode="a", consolidated=False, zarr_format=3)
+        group = zarr.open_group(folder, mode="r+")
+        for name in study.variables:
+            group.create_array(
+                name,
+                shape=chunks.shape,
+                chunks=chunks.block,
+                dtype="float64",
+                fill_value=np.nan,
+                compressors=[Crc32cCodec()],
+                dimension_names=[dimension.name for dimension in study.dimensions],
+                attributes=OUTPUTS[name].attributes,
+            )
         zarr.consolidate_metadata(folder)
 
 

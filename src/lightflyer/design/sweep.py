@@ -17,7 +17,7 @@ from lightflyer.design.outputs import OUTPUTS
 from lightflyer.design.scheduler import Task, connected, run_here, run_on_dask
 from lightflyer.design.store import empty_dataset, open_store
 from lightflyer.design.study import SamplingSection, Study, make_study
-from lightflyer.errors import ConfigurationError
+from lightflyer.errors import ConfigurationError, LightflyerError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -136,6 +136,11 @@ def sweep_into(
                 store.commit(number, record, failures)
                 computed += _length(chunks, number)
                 heard.advance(_length(chunks, number))
+        if store.missing:
+            raise LightflyerError(
+                f"{folder}: {len(store.missing)} chunks were not computed; the same command "
+                "continues"
+            )
         store.finish()
         return SweepReport(
             designs=study.size,
@@ -239,9 +244,7 @@ def in_memory(study: Study) -> "xr.Dataset":
     dataset = empty_dataset(study)
     dims = [dimension.name for dimension in study.dimensions]
     for name, values in results.items():
-        output = OUTPUTS[name]
-        attributes = {"units": output.units, "long_name": output.long_name}
-        dataset[name] = (dims, values.reshape(study.shape), attributes)
+        dataset[name] = (dims, values.reshape(study.shape), OUTPUTS[name].attributes)
     dataset.attrs |= {"complete": True, "not_converged": failures}
     return dataset
 

@@ -51,6 +51,11 @@ app.command(
     help="Compute many designs of a study into a folder.",
 )
 app.command(
+    "lightflyer.cli.map:map_command",
+    name="map",
+    help="Draw the results of a sweep: maps, best designs, Pareto fronts.",
+)
+app.command(
     "lightflyer.cli.paper:paper_command",
     name="paper",
     help="Recompute the paper: its claims, figures and tables beside ours.",

@@ -221,14 +221,10 @@ def _told(report: "SweepReport") -> str:
 
 def _best(dataset: "xr.Dataset") -> str:
     """The design that does most, in words."""
-    from lightflyer.design.best import best_design
+    from lightflyer.design.explore import best_design
 
     names = [name for name in _BEST if name in dataset]
     if not names:
         return ""
     found = best_design(dataset, names[0])
-    if found is None:
-        return f"no design has a {names[0]}"
-    value, units, where = found
-    at = ", ".join(f"{name} {amount:.6g} {unit}".rstrip() for name, amount, unit in where)
-    return f"largest {names[0]}: {f'{value:.4g} {units}'.rstrip()} at {at}"
+    return f"no design has a {names[0]}" if found is None else f"largest {names[0]}: {found}"

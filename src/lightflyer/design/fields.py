@@ -32,8 +32,7 @@ _FIXED = {
     "tac_correlation": "is about uncertainties and changes no design",
 }
 
-# Spellings of the units in datasets, as UDUNITS and CF want them.
-_DATASET_UNITS = {
+DATASET_UNITS = {
     "": "1",
     "kg/m^2": "kg m-2",
     "kg/m^3": "kg m-3",
@@ -41,6 +40,7 @@ _DATASET_UNITS = {
     "m/s^2": "m s-2",
     "deg": "degree",
 }
+"""Spellings of the flyer file's units in datasets, as UDUNITS and CF want them."""
 
 
 class Field(NamedTuple):
@@ -62,7 +62,7 @@ class Field(NamedTuple):
         """Of a coordinate that holds its values."""
         unit = self.quantity.unit
         words = self.name.replace(".", " ").replace("_", " ")
-        return {"units": _DATASET_UNITS.get(unit, unit), "long_name": words}
+        return {"units": DATASET_UNITS.get(unit, unit), "long_name": words}
 
 
 def coordinate_name(configuration: FlyerFile) -> str:

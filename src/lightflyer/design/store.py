@@ -359,7 +359,7 @@ def _write_group(folder: Path, study: Study, chunks: Chunks) -> None:
                 fill_value=np.nan,
                 compressors=[Crc32cCodec()],
                 dimension_names=[dimension.name for dimension in study.dimensions],
-                attributes=OUTPUTS[name].attributes,
+                attributes={**OUTPUTS[name].attributes},
             )
         zarr.consolidate_metadata(folder)
 

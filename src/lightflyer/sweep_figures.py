@@ -10,6 +10,9 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from lightflyer.design.axes import SAMPLE
 from lightflyer.design.explore import LESS_IS_BETTER, margin, over_samples, pareto_front, unit_of
+from lightflyer.design.optimise import Front
+from lightflyer.design.outputs import OUTPUTS
+from lightflyer.design.sobol import Indices
 from lightflyer.plot import BLUE, GREEN, GREY, ORANGE, VERMILION, new_figure, plain_decades
 
 if TYPE_CHECKING:
@@ -46,10 +49,13 @@ def scale_and_label(array: "xr.DataArray") -> tuple[float, str]:
     factor : float
     label : str
     """
-    name, unit = str(array.name), unit_of(array)
+    name = str(array.name)
+    return _factor_and_label(name, unit_of(array), str(array.attrs.get("long_name", name)))
+
+
+def _factor_and_label(name: str, unit: str, words: str) -> tuple[float, str]:
     last = name.rpartition(".")[2]
     factor, shown = _BY_NAME.get(last) or _BY_UNIT.get(unit, (1.0, unit))
-    words = str(array.attrs.get("long_name", name))
     return factor, f"{words} [{shown}]" if shown else words
 
 
@@ -250,4 +256,78 @@ def pareto_figure(dataset: "xr.Dataset", gain: str) -> Figure | None:
         ax.set_xlabel(f"{label_across}\n({better} is better)")
         ax.set_ylabel(f"{label_up}\n(more is better)")
         ax.grid(alpha=_OPACITY)
+    return figure
+
+
+def front_figure(front: Front) -> Figure:
+    """The objectives of a Pareto front, each against the first.
+
+    Parameters
+    ----------
+    front : Front
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    first, *others = front.problem.objectives
+    figure = new_figure(columns=len(others))
+    for ax, other in zip(figure.axes, others, strict=True):
+        for part, side in ((first, "x"), (other, "y")):
+            better = "more" if part.sign > 0.0 else "less"
+            _, label = _scaled(part.name)
+            getattr(ax, f"set_{side}label")(f"{label}\n({better} is better)")
+        across, up = (
+            _scaled(part.name)[0] * front.objectives[part.name] for part in (first, other)
+        )
+        ax.plot(across, up, "o", color=BLUE, ms=4)
+        ax.grid(alpha=_OPACITY)
+    return figure
+
+
+def _scaled(output: str) -> tuple[float, str]:
+    """Factor and label of an output."""
+    known = OUTPUTS.get(output)
+    if known is None:
+        return 1.0, output.replace("_", " ")
+    return _factor_and_label(output, "" if known.units == "1" else known.units, known.long_name)
+
+
+def tornado_figure(found: Indices) -> Figure:
+    """What the uncertainty of each input does to an output, the largest on top.
+
+    Parameters
+    ----------
+    found : Indices
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = new_figure(columns=2, width=5.0, height=1.4 + 0.45 * len(found.names))
+    bars, shares = figure.axes
+    order = np.argsort(found.total)
+    factor, label = _scaled(found.output)
+    places = np.arange(order.size)
+    for ends, colour, words in (
+        (found.low, ORANGE, "input at its 2.5 % quantile"),
+        (found.high, BLUE, "input at its 97.5 % quantile"),
+    ):
+        width = factor * (ends[order] - found.nominal)
+        bars.barh(places, width, left=factor * found.nominal, color=colour, label=words)
+    bars.axvline(factor * found.nominal, color=GREY, lw=1.0)
+    bars.set_yticks(places, [found.names[number] for number in order])
+    bars.set_xlabel(label)
+    half = 0.4
+    for index, spread, colour, words, offset in (
+        (found.total, found.total_interval, GREEN, "total", half / 2.0),
+        (found.first, found.first_interval, VERMILION, "alone", -half / 2.0),
+    ):
+        shares.barh(
+            places + offset, index[order], half, xerr=spread[order], color=colour, label=words
+        )
+    shares.set_yticks(places, [])
+    shares.set_xlabel("share of the variance (Sobol index)")
+    for ax in (bars, shares):
+        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
     return figure

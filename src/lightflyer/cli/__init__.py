@@ -56,6 +56,16 @@ app.command(
     help="Draw the results of a sweep: maps, best designs, Pareto fronts.",
 )
 app.command(
+    "lightflyer.cli.optimise:optimise_command",
+    name="optimise",
+    help="Find the best design of a study, by gradients from many starts.",
+)
+app.command(
+    "lightflyer.cli.sensitivity:sensitivity_command",
+    name="sensitivity",
+    help="Which uncertain property costs most: what to measure next.",
+)
+app.command(
     "lightflyer.cli.paper:paper_command",
     name="paper",
     help="Recompute the paper: its claims, figures and tables beside ours.",

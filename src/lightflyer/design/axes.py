@@ -173,20 +173,48 @@ def _axis(field: Field, values: np.ndarray) -> Axis:
 
 def _range(entry: Mapping[str, Any], field: Field) -> Axis:
     _require_keys(entry, _RANGE, ("from", "to", "points"), "a range")
-    low, high = _ends(entry, field.quantity)
     points = entry["points"]
     if isinstance(points, bool) or not isinstance(points, int) or points < 2:
         raise ConfigurationError(f"points = {points} must be a whole number of at least 2")
     if points > MOST_SAMPLES:
-        raise ConfigurationError(f"points = {points} are too many along one field: at most "
-                                 f"{MOST_SAMPLES}")  # fmt: skip
+        raise ConfigurationError(f"points = {points} must be at most {MOST_SAMPLES}")
+    low, high, logarithmic = read_ends(entry, field)
+    spaced = np.geomspace if logarithmic else np.linspace
+    return Axis(field, spaced(low, high, points))
+
+
+def read_ends(
+    entry: Mapping[str, Any], field: Field, known: Sequence[str] = _RANGE
+) -> tuple[float, float, bool]:
+    """Ends of a range, and whether its scale is logarithmic.
+
+    Parameters
+    ----------
+    entry : dict
+        With ``from``, ``to`` and perhaps ``scale``.
+    field : Field
+    known : sequence of str
+        Keys that the entry may have.
+
+    Returns
+    -------
+    low, high : float
+        In the unit of the field.
+    logarithmic : bool
+
+    Raises
+    ------
+    ConfigurationError
+        Saying what is wrong and what is allowed.
+    """
+    _require_keys(entry, known, ("from", "to"), "a range")
+    low, high = _ends(entry, field.quantity)
     scale = entry.get("scale", "linear")
     if scale not in _SCALES:
         raise ConfigurationError(f'scale = "{scale}" is unknown; there are: {", ".join(_SCALES)}')
     if scale == "log":
         _require_positive_ends(low, high)
-        return Axis(field, np.geomspace(low, high, points))
-    return Axis(field, np.linspace(low, high, points))
+    return low, high, scale == "log"
 
 
 def _ends(entry: Mapping[str, Any], quantity: Quantity) -> tuple[float, float]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.design.axes import SAMPLE
+from lightflyer.design.fields import dataset_unit
 from lightflyer.errors import ConfigurationError
 from lightflyer.units import parse
 
@@ -180,7 +181,7 @@ def choose_slice(
         name = find_name(dataset, short, among="fields")
         if name in kept:
             raise ConfigurationError(f"{name} is an axis of the map; it cannot be fixed as well")
-        unit = _pint_unit(unit_of(dataset[name]))
+        unit = dataset_unit(unit_of(dataset[name]))
         try:
             wanted = parse(_bare(text) if not unit else text, unit).value
         except ConfigurationError as error:
@@ -203,14 +204,6 @@ def _bare(text: str) -> float | str:
         return float(text)
     except ValueError:
         return text
-
-
-def _pint_unit(unit: str) -> str:
-    """The unit as the flyer file writes it."""
-    from lightflyer.design.fields import DATASET_UNITS
-
-    written = {there: here for here, there in DATASET_UNITS.items()}
-    return written.get(unit, unit)
 
 
 def margin(dataset: "xr.Dataset") -> "xr.DataArray | None":

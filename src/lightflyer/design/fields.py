@@ -65,6 +65,12 @@ class Field(NamedTuple):
         return {"units": DATASET_UNITS.get(unit, unit), "long_name": words}
 
 
+def dataset_unit(unit: str) -> str:
+    """A unit as the flyer file writes it, from its spelling in datasets."""
+    written = {there: here for here, there in DATASET_UNITS.items()}
+    return written.get(unit, unit)
+
+
 def coordinate_name(configuration: FlyerFile) -> str:
     """Name of the coordinate of a flyer's surroundings: altitude, or pressure in a chamber."""
     return "pressure" if isinstance(configuration.environment, ChamberSection) else "altitude"

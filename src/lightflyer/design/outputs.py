@@ -12,7 +12,7 @@ from lightflyer._types import Numeric
 from lightflyer.altitude import HIGHEST_SEARCHED, AltitudeBand, altitude_band
 from lightflyer.balance import Equilibrium, equilibrium
 from lightflyer.config.sections import FlyerFile
-from lightflyer.design.fields import build, coordinate_name
+from lightflyer.design.fields import build, coordinate_name, dataset_unit
 from lightflyer.environment._base import EnvironmentState
 from lightflyer.errors import ConfigurationError
 from lightflyer.film.properties import FilmProperties
@@ -170,6 +170,12 @@ OUTPUTS: dict[str, Output] = {
     ),
 }
 """All outputs by name."""
+
+
+def unit_of_output(name: str) -> str:
+    """Unit of an output as people write it, empty for a pure number."""
+    output = OUTPUTS.get(name)
+    return "" if output is None else dataset_unit(output.units)
 
 
 def check_outputs(names: Sequence[str], configuration: FlyerFile, given: Sequence[str]) -> None:

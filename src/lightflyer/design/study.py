@@ -5,59 +5,18 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
 import jax
 import numpy as np
-import pydantic
 
-from lightflyer.config.quantity import Section
-from lightflyer.config.reader import FileKind, place_of, read_file, read_flyer_file
+from lightflyer.config.reader import place_of, read_file, read_flyer_file
 from lightflyer.config.sections import FlyerFile
 from lightflyer.design.axes import SAMPLE, Axis, Distribution, draw, read_entry
 from lightflyer.design.fields import Field, field
 from lightflyer.design.outputs import check_outputs
+from lightflyer.design.sections import STUDY_FILE, SamplingSection, StudyFile
 from lightflyer.errors import ConfigurationError
-
-_PositiveInteger = Annotated[int, pydantic.Field(strict=True, ge=1)]
-_Seed = Annotated[int, pydantic.Field(strict=True, ge=0)]
-
-
-class OutputsSection(Section):
-    """``[outputs]``: what a sweep computes."""
-
-    variables: list[str]
-
-
-class SamplingSection(Section):
-    """``[sampling]``: how the distributions of a study are drawn."""
-
-    method: Literal["sobol", "latin-hypercube", "random"] = "sobol"
-    points: _PositiveInteger = 1024
-    seed: _Seed = 0
-
-
-class StudyFile(Section):
-    """A study file, before its names are looked up in the flyer file."""
-
-    flyer: str
-    sweep: dict[str, Any] | None = None
-    outputs: OutputsSection | None = None
-    sampling: SamplingSection = SamplingSection()
-    optimise: dict[str, Any] | None = None
-    sensitivity: dict[str, Any] | None = None
-
-
-_SECTIONS: dict[str, type[pydantic.BaseModel]] = {
-    "": StudyFile,
-    "outputs": OutputsSection,
-    "sampling": SamplingSection,
-}
-_STUDY_FILE = FileKind(
-    "a study file",
-    lambda section, _: list(_SECTIONS[section].model_fields),
-    'it needs flyer = "flyer.toml" and a section [sweep]',
-)
 
 
 @dataclass(frozen=True)
@@ -112,7 +71,7 @@ def read_study(path: str | Path) -> tuple[StudyFile, FlyerFile, Source]:
         One line for each mistake: file, line, key and what is allowed.
     """
     path = Path(path)
-    study, text = read_file(StudyFile, path, _STUDY_FILE)
+    study, text = read_file(StudyFile, path, STUDY_FILE)
     flyer = path.parent / study.flyer
     if not flyer.is_file():
         raise ConfigurationError(
@@ -257,16 +216,16 @@ def make_study(
             known = field(configuration, name)
         except ConfigurationError as error:
             message = str(error).removeprefix(name)
-            raise _located(source, ["sweep", name], message) from None
+            raise located(source, ["sweep", name], message) from None
         try:
             found.append(read_entry(entry, known))
         except ConfigurationError as error:
-            raise _located(source, ["sweep", name], f": {error}") from None
+            raise located(source, ["sweep", name], f": {error}") from None
     _refuse_two_emittances(list(entries), source)
     try:
         check_outputs(variables, configuration, list(entries))
     except ConfigurationError as error:
-        raise _located(source, ["outputs", "variables"], f": {error}") from None
+        raise located(source, ["outputs", "variables"], f": {error}") from None
     return Study(
         configuration=configuration,
         dimensions=_dimensions(found, sampling, source),
@@ -295,7 +254,7 @@ def _dimensions(
         try:
             drawn = draw(distributions, sampling.points, sampling.method, sampling.seed)
         except ConfigurationError as error:
-            raise _located(source, ["sampling"], f": {error}") from None
+            raise located(source, ["sampling"], f": {error}") from None
         dimensions.append(Dimension(SAMPLE, drawn))
     return tuple(dimensions)
 
@@ -305,11 +264,24 @@ def _refuse_two_emittances(names: Sequence[str], source: Source | None) -> None:
         for face in ("film.emittance_top", "film.emittance_bottom"):
             if face in names:
                 message = " stands beside film.emittance, which is that of both faces"
-                raise _located(source, ["sweep", face], message)
+                raise located(source, ["sweep", face], message)
 
 
-def _located(source: Source | None, keys: Sequence[str], message: str) -> ConfigurationError:
-    """The error, with the place of its key where the study was read from a file."""
+def located(source: Source | None, keys: Sequence[str], message: str) -> ConfigurationError:
+    """An error, with the place of its key where the study was read from a file.
+
+    Parameters
+    ----------
+    source : Source or None
+    keys : sequence of str
+        Sections, outermost first, and the key.
+    message : str
+        That continues the key's name, its separator first.
+
+    Returns
+    -------
+    ConfigurationError
+    """
     return ConfigurationError((source.place(keys) if source else keys[-1]) + message)
 
 

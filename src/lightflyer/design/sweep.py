@@ -15,8 +15,9 @@ from lightflyer.design.chunks import CHUNK, Chunks
 from lightflyer.design.evaluation import PIECE, Evaluator
 from lightflyer.design.outputs import OUTPUTS
 from lightflyer.design.scheduler import Task, connected, run_here, run_on_dask
+from lightflyer.design.sections import SamplingSection
 from lightflyer.design.store import empty_dataset, open_store
-from lightflyer.design.study import SamplingSection, Study, make_study
+from lightflyer.design.study import Study, make_study
 from lightflyer.errors import ConfigurationError, LightflyerError
 
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 from rich.console import Console
@@ -59,7 +59,7 @@ def optimise_command(
         console.print(f"wrote {path}", soft_wrap=True)
 
 
-def _write(out: Path | None, summary: dict[str, object], front: "Front | None") -> list[Path]:
+def _write(out: Path | None, summary: dict[str, Any], front: "Front | None") -> list[Path]:
     if out is None:
         return []
     from lightflyer.output import output_directory

@@ -203,7 +203,7 @@ def make_problem(
             _check_output(configuration, objective.name, given, key, source)
     uncertain = section.uncertainty
     if uncertain is not None and not distributions:
-        distributions = _stated(configuration, given)
+        distributions = stated_distributions(configuration, given)
         fields |= {part.field.name: part.field for part in distributions}
     if uncertain is not None and not distributions:
         raise located(
@@ -279,8 +279,20 @@ def _read_free(entry: Any, known: Field) -> Bounds | Axis | Distribution:
     return found
 
 
-def _stated(configuration: FlyerFile, given: Sequence[str]) -> list[Distribution]:
-    """The flyer file's own uncertainties, of fields that are neither free nor fixed."""
+def stated_distributions(configuration: FlyerFile, given: Sequence[str]) -> list[Distribution]:
+    """The flyer file's own uncertainties, as normal distributions.
+
+    Parameters
+    ----------
+    configuration : FlyerFile
+    given : sequence of str
+        Fields that have values already, by dotted name.
+
+    Returns
+    -------
+    list of Distribution
+        Of all other fields that have a ± and can be varied.
+    """
     found = []
     for name, spread in configuration.uncertainties().items():
         if name not in given and spread > 0.0:

@@ -19,15 +19,15 @@ import numpy as np
 from lightflyer.config.sections import FlyerFile
 from lightflyer.design.axes import SAMPLE, Axis, Distribution, read_entry
 from lightflyer.design.evaluation import Evaluator
-from lightflyer.design.fields import Field, field
+from lightflyer.design.fields import field
 from lightflyer.design.outputs import check_outputs
-from lightflyer.design.problem import number, stated_distributions
+from lightflyer.design.problem import stated_distributions
 from lightflyer.design.sections import SensitivitySection
 from lightflyer.design.study import Dimension, Source, Study, located, read_study
 from lightflyer.errors import ConfigurationError, MissingExtraError
 
 _ENDS = (0.025, 0.975)
-_STEP = 1e-3  # of an input's standard deviation, for elasticities
+_STEP = 1e-4  # of an input's 95 % range, for elasticities
 _LEFT_BY_HALVING = 0.25  # of a variance, when a standard deviation is halved
 
 
@@ -190,7 +190,7 @@ def make_inquiry(
         inputs = [*inputs, found]
     inputs = inputs or stated_distributions(configuration, list(fixed))
     if not inputs:
-        message = ': nothing is uncertain; write ± in the flyer file or [sensitivity.inputs]'
+        message = ": nothing is uncertain; write ± in the flyer file or [sensitivity.inputs]"
         raise located(source, ["sensitivity"], message)
     try:
         check_outputs(section.outputs, configuration, list(fixed))
@@ -251,12 +251,10 @@ def sensitivity_indices(inquiry: Inquiry) -> list[Indices]:
     space = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
     power = 2 ** int(np.ceil(np.log2(inquiry.points)))
     shares = sampling.sample(space, power, calc_second_order=False, seed=inquiry.seed)
-    one_by_one, steps = _one_at_a_time(len(names))
-    tables = [_outputs(inquiry, part) for part in (shares, one_by_one)]
-    gains = _elasticities(inquiry, steps)
+    table = _evaluate(inquiry, _designs(inquiry, shares))
     results = []
     for output in inquiry.outputs:
-        values, ends = (table[output] for table in tables)
+        values, singly, down, up = _split(table[output], len(shares), len(names))
         if np.isnan(values).any():
             raise ConfigurationError(
                 f"{output}: {100.0 * np.mean(np.isnan(values)):.2g} % of the samples have none; "
@@ -270,49 +268,62 @@ def sensitivity_indices(inquiry: Inquiry) -> list[Indices]:
             Indices(
                 output=output,
                 names=tuple(names),
-                nominal=float(ends[0]),
+                nominal=float(singly[0]),
                 mean=float(values.mean()),
                 spread=float(values.std()),
                 first=np.asarray(found["S1"]),
                 total=np.asarray(found["ST"]),
                 first_interval=np.asarray(found["S1_conf"]),
                 total_interval=np.asarray(found["ST_conf"]),
-                low=ends[1 : 1 + len(names)],
-                high=ends[1 + len(names) :],
-                elasticity=gains[output],
+                low=singly[1 : 1 + len(names)],
+                high=singly[1 + len(names) :],
+                elasticity=_elasticities(inquiry, float(singly[0]), up - down),
             )
         )
     return results
 
 
-def _one_at_a_time(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Shares at the medians, with one input after another low, then high; and the medians."""
-    medians = np.full((1 + 2 * count, count), 0.5)
+def _designs(inquiry: Inquiry, shares: np.ndarray) -> dict[str, np.ndarray]:
+    """Inputs of all designs: samples, ends one at a time, small steps one at a time."""
+    count = len(inquiry.inputs)
+    singly = np.full((1 + 2 * count, count), 0.5)
     for row, share in enumerate(np.repeat(_ENDS, count)):
-        medians[1 + row, row % count] = share
-    return medians, np.full(count, 0.5)
+        singly[1 + row, row % count] = share
+    designs = {}
+    for column, part in enumerate(inquiry.inputs):
+        median, step = _median_and_step(part)
+        near = np.full(2 * count, median)
+        near[column] -= step
+        near[count + column] += step
+        sampled = part.quantile(np.concatenate([shares[:, column], singly[:, column]]))
+        designs[part.field.name] = np.concatenate([sampled, near])
+    return designs
 
 
-def _outputs(inquiry: Inquiry, shares: np.ndarray) -> dict[str, np.ndarray]:
-    """Outputs where the inputs have the given shares below them, shape (n, k)."""
-    values = {
-        part.field.name: part.quantile(shares[:, column])
-        for column, part in enumerate(inquiry.inputs)
-    }
-    return _evaluate(inquiry, values)
+def _split(values: np.ndarray, samples: int, count: int) -> list[np.ndarray]:
+    """An output of all designs: of the samples, one at a time, a step down, a step up."""
+    ends = np.cumsum([samples, 1 + 2 * count, count])
+    return np.split(values, ends)
+
+
+def _median_and_step(part: Distribution) -> tuple[float, float]:
+    low, median, high = part.quantile(np.array([_ENDS[0], 0.5, _ENDS[1]]))
+    return float(median), _STEP * float(high - low)
+
+
+def _elasticities(inquiry: Inquiry, nominal: float, change: np.ndarray) -> np.ndarray:
+    """Relative change of an output over that of each input, from a small step both ways."""
+    medians, steps = np.array([_median_and_step(part) for part in inquiry.inputs]).T
+    return change / (2.0 * steps) * medians / nominal
 
 
 def _evaluate(inquiry: Inquiry, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    fields: dict[str, Field] = {part.field.name: part.field for part in inquiry.inputs}
     study = Study(
         inquiry.configuration,
         (Dimension(SAMPLE, values),),
         inquiry.fixed,
         inquiry.outputs,
-        fields,
+        {part.field.name: part.field for part in inquiry.inputs},
     )
     outputs, _ = Evaluator(study)(0, study.size)
     return outputs
-
-
-_ = number

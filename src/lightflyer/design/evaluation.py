@@ -9,7 +9,7 @@ import jax
 import numpy as np
 
 from lightflyer.design.fields import film_of, shape_film
-from lightflyer.design.outputs import evaluate
+from lightflyer.design.outputs import OUTPUTS, evaluate
 from lightflyer.design.study import Study
 from lightflyer.errors import ConfigurationError
 from lightflyer.film.properties import FilmProperties
@@ -17,6 +17,9 @@ from lightflyer.precision import float64
 
 PIECE = 16_384
 """Designs evaluated at once: they fit the processor's cache, and one thread."""
+
+PIECE_OVER_ALTITUDE = 128
+"""The same where each design is searched over altitude, at some hundred altitudes at a time."""
 
 MOST_FILMS = 5_000
 """Different films of layers in one study: each takes a fraction of a second to compute."""
@@ -41,12 +44,14 @@ class Evaluator:
 
     def __init__(self, study: Study, on_film: Callable[[int, int], None] | None = None):
         self.study = study
+        searched = any(OUTPUTS[name].over_altitude for name in study.variables)
+        self.piece = PIECE_OVER_ALTITUDE if searched else PIECE
         self._films, self._film_strides = _films(study, on_film)
         self._compiled: Any = None
         self._lock = threading.Lock()
 
     def __getstate__(self) -> dict[str, Any]:
-        kept = ("study", "_films", "_film_strides")
+        kept = ("study", "piece", "_films", "_film_strides")
         return {name: self.__dict__[name] for name in kept}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -69,9 +74,9 @@ class Evaluator:
         """
         results = {name: np.empty(stop - start) for name in self.study.variables}
         failures = 0
-        for first in range(start, stop, PIECE):
-            last = min(first + PIECE, stop)
-            outputs, converged = self._piece(np.arange(first, first + PIECE))
+        for first in range(start, stop, self.piece):
+            last = min(first + self.piece, stop)
+            outputs, converged = self._piece(np.arange(first, first + self.piece))
             part, inside = slice(first - start, last - start), slice(0, last - first)
             failed = ~converged[inside]
             failures += int(np.count_nonzero(failed))
@@ -81,7 +86,7 @@ class Evaluator:
         return results, failures
 
     def _piece(self, designs: np.ndarray) -> tuple[Table, np.ndarray]:
-        """Outputs of exactly :data:`PIECE` designs; what lies beyond the last repeats it."""
+        """Outputs of exactly one piece of designs; what lies beyond the last repeats it."""
         values, films = self.inputs(np.minimum(designs, self.study.size - 1))
         with float64():
             outputs, converged = self._function(values, films)(values, films)

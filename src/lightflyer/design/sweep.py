@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from lightflyer.config.reader import read_flyer_file
 from lightflyer.config.sections import FlyerFile
 from lightflyer.design.chunks import CHUNK, Chunks
-from lightflyer.design.evaluation import PIECE, Evaluator
+from lightflyer.design.evaluation import Evaluator
 from lightflyer.design.outputs import OUTPUTS
 from lightflyer.design.scheduler import Task, connected, run_here, run_on_dask
 from lightflyer.design.sections import SamplingSection
@@ -313,8 +313,8 @@ def estimate(study: Study, folder: str | Path) -> Estimate:
     existing = Path(folder).resolve()
     while not existing.exists():
         existing = existing.parent
-    few = min(study.size, PIECE)
     evaluate = Evaluator(study)
+    few = min(study.size, evaluate.piece)
     evaluate(0, few)  # compiles
     start = time.perf_counter()
     evaluate(0, few)

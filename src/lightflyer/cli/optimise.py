@@ -117,15 +117,12 @@ def _show_constraint(
     unit = unit_of_output(name)
     word = "at least" if sign > 0.0 else "at most"
     gain = optimum.active_constraints.get(name)
-    told = (
-        "not active"
-        if gain is None
-        else f"active: loosened by 1 %, worth {gain * limit / 100.0:.3g}"
-    )
-    console.print(
-        f"{name} {optimum.outputs[name]:.6g} {unit} ({word} {limit:.6g} {unit}; {told})",
-        soft_wrap=True,
-    )
+    objective = unit_of_output(optimum.problem.objectives[0].name)
+    told = "not active"
+    if gain is not None:
+        told = f"active: 1 % looser is worth {gain * abs(limit) / 100.0:.3g} {objective}".rstrip()
+    at, limit_shown = (f"{value:.6g} {unit}".rstrip() for value in (optimum.outputs[name], limit))
+    console.print(f"{name} {at} ({word} {limit_shown}; {told})", soft_wrap=True)
 
 
 def _show_elasticities(console: Console, optimum: "Optimum") -> None:

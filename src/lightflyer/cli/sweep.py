@@ -56,7 +56,7 @@ def sweep_command(
         Address of a running Dask scheduler, such as tcp://127.0.0.1:8786; by default this
         machine computes.
     workers
-        Threads on this machine; by default one for each processor and one more.
+        Threads on this machine; by default one for each processor and two more.
     chunk
         Designs computed and stored as one, at most; by default 262144.
     yes

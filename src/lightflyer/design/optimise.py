@@ -1,7 +1,7 @@
 r"""The best design: gradients from many starts, within bounds and constraints.
 
 A first look over the whole box chooses starts that are good and apart. From each, sequential
-quadratic programming (SLSQP, [Kraft1988]_) follows exact gradients. At the optimum the Lagrangian
+quadratic programming (SLSQP) follows exact gradients. At the optimum the Lagrangian
 
 .. math:: L = f - \sum_i \lambda_i\,c_i
 
@@ -344,6 +344,10 @@ def optimise(problem: Problem, landscape: Landscape | None = None) -> Optimum:
     ------
     LightflyerError
         If no design has a value, or none keeps the constraints.
+
+    References
+    ----------
+    [Kraft1988]_ for SLSQP, by way of SciPy.
     """
     landscape = landscape or Landscape(problem)
     sides = len(problem.bounds)

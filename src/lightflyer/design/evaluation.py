@@ -3,11 +3,13 @@
 import itertools
 import threading
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import jax
 import numpy as np
 
+from lightflyer.config.sections import FlyerFile
 from lightflyer.design.fields import film_of, shape_film
 from lightflyer.design.outputs import OUTPUTS, evaluate
 from lightflyer.design.study import Study
@@ -31,8 +33,8 @@ class Evaluator:
     """Computes the outputs of any of a study's designs.
 
     Designs are numbered in row-major order of the study's dimensions. The result of a design
-    does not depend on which others are computed with it. Can be pickled, and is then compiled
-    where it runs.
+    does not depend on which others are computed with it. Can be pickled; it is compiled where it
+    runs, once for all studies of a flyer file with the same outputs.
 
     Parameters
     ----------
@@ -47,16 +49,6 @@ class Evaluator:
         searched = any(OUTPUTS[name].over_altitude for name in study.variables)
         self.piece = PIECE_OVER_ALTITUDE if searched else PIECE
         self._films, self._film_strides = _films(study, on_film)
-        self._compiled: Any = None
-        self._lock = threading.Lock()
-
-    def __getstate__(self) -> dict[str, Any]:
-        kept = ("study", "piece", "_films", "_film_strides")
-        return {name: self.__dict__[name] for name in kept}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__ |= state
-        self._compiled, self._lock = None, threading.Lock()
 
     def __call__(self, start: int, stop: int) -> tuple[Table, int]:
         """Outputs of the designs from ``start`` up to ``stop``.
@@ -87,11 +79,9 @@ class Evaluator:
 
     def _piece(self, designs: np.ndarray) -> tuple[Table, np.ndarray]:
         """Outputs of exactly one piece of designs; what lies beyond the last repeats it."""
-        values, films = self.inputs(np.minimum(designs, self.study.size - 1))
-        with float64():
-            outputs, converged = self._function(values, films)(values, films)
-            outputs = {name: np.asarray(column) for name, column in outputs.items()}
-            return outputs, np.asarray(converged)
+        study = self.study
+        kernel = _kernel(study.configuration, study.variables, tuple(study.fixed.items()))
+        return kernel(*self.inputs(np.minimum(designs, study.size - 1)))
 
     def inputs(self, designs: np.ndarray) -> tuple[Table, FilmProperties | None]:
         """Varied numbers, and films, of some designs.
@@ -124,15 +114,42 @@ class Evaluator:
             number += stride * place
         return values, jax.tree.map(lambda leaf: leaf[number], self._films)
 
-    def _function(self, values: Table, films: FilmProperties | None) -> Any:
-        with self._lock:  # or every thread would compile
-            if self._compiled is None:
-                self._compiled = jax.jit(jax.vmap(self._one)).lower(values, films).compile()
-        return self._compiled
 
-    def _one(self, values: dict[str, Any], film: FilmProperties | None) -> Any:
-        study = self.study
-        return evaluate(study.configuration, study.variables, study.fixed | values, film)
+class _Kernel:
+    """Outputs of many designs of one flyer file; compiled once for all threads of a process."""
+
+    def __init__(
+        self, configuration: FlyerFile, variables: tuple[str, ...], fixed: dict[str, float]
+    ):
+        self._compiled: Any = jax.jit(
+            jax.vmap(lambda values, film: evaluate(configuration, variables, fixed | values, film))
+        )
+        self._ready: set[Any] = set()
+        self._lock = threading.Lock()
+
+    def __call__(self, values: Table, films: FilmProperties | None) -> tuple[Table, np.ndarray]:
+        shapes = {name: column.shape for name, column in values.items()}
+        kind = tuple(shapes.items()), films is None
+        if kind in self._ready:
+            return self._run(values, films)
+        with self._lock:  # or every thread would compile
+            found = self._run(values, films)
+            self._ready.add(kind)
+        return found
+
+    def _run(self, values: Table, films: FilmProperties | None) -> tuple[Table, np.ndarray]:
+        with float64():
+            outputs, converged = self._compiled(values, films)
+            return {name: np.asarray(column) for name, column in outputs.items()}, np.asarray(
+                converged
+            )
+
+
+@lru_cache(maxsize=16)
+def _kernel(
+    configuration: FlyerFile, variables: tuple[str, ...], fixed: tuple[tuple[str, float], ...]
+) -> _Kernel:
+    return _Kernel(configuration, variables, dict(fixed))
 
 
 def _films(

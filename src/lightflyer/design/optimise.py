@@ -200,10 +200,11 @@ class Landscape:
         Of a place and the constraints' multipliers; compiled.
         """
         free = {bounds.field.name for bounds in self.problem.bounds}
+        means = {name: float(np.mean(column)) for name, column in self.problem.samples.items()}
         numbers = {
-            name: self.problem.fixed.get(name, stated)
-            for name, stated in given_numbers(self.problem).items()
-            if name not in free
+            name: stated
+            for name, stated in (given_numbers(self.problem) | self.problem.fixed | means).items()
+            if name not in free and name not in ("altitude", "pressure")
         }
 
         def lagrangian(growth: Mapping[str, Any], place: Any, multipliers: Any) -> Any:

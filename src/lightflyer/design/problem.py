@@ -11,7 +11,7 @@ import numpy as np
 from lightflyer.config.quantity import Quantity
 from lightflyer.config.sections import FlyerFile
 from lightflyer.design.axes import Axis, Distribution, draw, read_ends, read_entry
-from lightflyer.design.fields import Field, dataset_unit, field
+from lightflyer.design.fields import Field, dataset_unit, field, shape_film
 from lightflyer.design.outputs import OUTPUTS, check_outputs
 from lightflyer.design.sections import OptimiseSection, SamplingSection
 from lightflyer.design.study import Source, located, read_study
@@ -189,6 +189,7 @@ def make_problem(
         Naming the key and what is wrong with it.
     """
     bounds, fixed, distributions, fields = _read_over(configuration, section, source)
+    _refuse_layers(configuration, list(section.over), source)
     objectives = tuple(
         Objective(name, sign)
         for names, sign in ((section.maximise, 1.0), (section.minimise, -1.0))
@@ -204,6 +205,7 @@ def make_problem(
     uncertain = section.uncertainty
     if uncertain is not None and not distributions:
         distributions = stated_distributions(configuration, given)
+        _refuse_layers(configuration, [part.field.name for part in distributions], source)
         fields |= {part.field.name: part.field for part in distributions}
     if uncertain is not None and not distributions:
         raise located(
@@ -267,6 +269,17 @@ def _read_over(
             '{ from = "0.5 cm", to = "5 cm" }',
         )
     return tuple(bounds), fixed, distributions, fields
+
+
+def _refuse_layers(configuration: FlyerFile, names: list[str], source: Source | None) -> None:
+    """Raise where the optics of a film of layers would have to be computed at every step."""
+    for name in shape_film(configuration, names):
+        raise located(
+            source,
+            ["optimise", "over", name],
+            " changes the optics of the layers, which no step of the search can afford; give it "
+            "one value in the flyer file, or sweep it",
+        )
 
 
 def _read_free(entry: Any, known: Field) -> Bounds | Axis | Distribution:

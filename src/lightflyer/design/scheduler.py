@@ -6,7 +6,6 @@ import pickle
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
-from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -94,15 +93,8 @@ def run_here(task: Task, missing: Sequence[int], workers: int | None = None) -> 
         pool.shutdown(cancel_futures=True)
 
 
-@lru_cache(maxsize=4)
-def _unpickled(pickled: bytes) -> Any:
-    """The same object for the same bytes, so that a worker compiles a study once."""
-    return pickle.loads(pickled)
-
-
-def _compute_remotely(pickled: bytes, task: Task, chunk: int) -> tuple[Done, Any]:
+def _compute_remotely(task: Task, chunk: int) -> tuple[Done, Any]:
     """On a worker: write the chunk if the folder is in sight, else send its outputs back."""
-    task = task._replace(evaluator=_unpickled(pickled))
     with suppress(OSError, ValueError):
         if stored_study(task.folder)["token"] == task.token:
             return compute_chunk(task, chunk), None
@@ -140,13 +132,11 @@ def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -
     threads = max(sum(client.nthreads().values()), 1)
     try:
         # made by a task and not scattered: it can be made again when its worker is lost
-        pickled = client.submit(bytes, cloudpickle.dumps(task.evaluator), pure=False)
-        light, waiting = task._replace(evaluator=None), iter(missing)
+        shared = client.submit(pickle.loads, cloudpickle.dumps(task), pure=False)
+        waiting = iter(missing)
 
         def submit(chunk: int) -> Any:
-            return client.submit(
-                _compute_remotely, pickled, light, chunk, pure=False, retries=_RETRIES
-            )
+            return client.submit(_compute_remotely, shared, chunk, pure=False, retries=_RETRIES)
 
         first = [submit(chunk) for chunk in itertools.islice(waiting, _AHEAD * threads)]
         queue = distributed.as_completed(first, loop=client.loop, with_results=True)

@@ -99,6 +99,40 @@ def throughput(folder, designs, repeats):
     print(f"throughput to Zarr over the kernel's: {ratios[0]:.2f} (by CPU time {ratios[1]:.2f})")
 
 
+class Clock:
+    """Hears when chunks are done."""
+
+    def film(self, done, total):
+        pass
+
+    def begin(self, found, total):
+        self.done = []
+
+    def advance(self, designs):
+        self.done.append(time.perf_counter())
+
+    @property
+    def per_chunk(self):
+        """Time a chunk, from the first to the last, without what comes before."""
+        return (self.done[-1] - self.done[0]) / (len(self.done) - 1)
+
+
+def start_clusters(folder):
+    """Clusters of one worker and of two, each worker one thread."""
+    import distributed
+
+    return {
+        count: distributed.LocalCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            dashboard_address=":0",
+            local_directory=folder,
+            silence_logs=logging.ERROR,
+        )
+        for count in (1, 2)
+    }
+
+
 def cluster(folder, designs, repeats):
     """One Dask worker beside two, and beside one thread of this process; each one processor."""
     import distributed
@@ -107,55 +141,44 @@ def cluster(folder, designs, repeats):
     evaluate = Evaluator(asked)
     evaluate(0, PIECE)
 
-    class Clock:
-        """Hears when chunks are done."""
-
-        def film(self, done, total):
-            pass
-
-        def begin(self, found, total):
-            self.done = []
-
-        def advance(self, designs):
-            self.done.append(time.perf_counter())
-
-    def sweep(name, **options):
-        """Time from the first chunk to the last, without what comes before, per chunk."""
-        shutil.rmtree(folder / name, ignore_errors=True)
+    def sweep(**options):
+        shutil.rmtree(folder / "cluster.zarr", ignore_errors=True)
         clock = Clock()
-        sweep_into(asked, folder / name, evaluator=evaluate, listener=clock, **options)
-        return (clock.done[-1] - clock.done[0]) / (len(clock.done) - 1)
+        sweep_into(asked, folder / "cluster.zarr", evaluator=evaluate, listener=clock, **options)
+        return clock.per_chunk
 
-    clusters = {
-        count: distributed.LocalCluster(
-            n_workers=count,
-            threads_per_worker=1,
-            dashboard_address=None,
-            local_directory=folder,
-            silence_logs=logging.ERROR,
-        )
-        for count in (1, 2)
-    }
-    runs = {"thread": lambda: sweep("thread.zarr", workers=1)}
-    for count, workers in clusters.items():
-        address = workers.scheduler_address
-        runs[count] = lambda name=f"{count}.zarr", to=address: sweep(name, scheduler=to)
-        runs[count]()  # compiles on the workers
-    times = {name: [] for name in runs}
-    for _ in range(repeats):
-        for name, run in runs.items():
-            times[name].append(run())
-    found = {name: statistics.median(column) for name, column in times.items()}
-    for workers in clusters.values():
-        workers.close()
+    clusters = start_clusters(folder)
+    addresses = {count: found.scheduler_address for count, found in clusters.items()}
+    for address in addresses.values():
+        sweep(scheduler=address)  # compiles on the workers
+    times, spent = {"thread": [], 1: [], 2: []}, {"thread": [], 1: []}
+    with distributed.Client(addresses[1]) as client:
+        for _ in range(repeats):
+            before = time.process_time()
+            times["thread"].append(sweep(workers=1))
+            spent["thread"].append(time.process_time() - before)
+            before = sum(client.run(time.process_time).values())
+            times[1].append(sweep(scheduler=addresses[1]))
+            spent[1].append(sum(client.run(time.process_time).values()) - before)
+            times[2].append(sweep(scheduler=addresses[2]))
+    for found in clusters.values():
+        found.close()
     print(f"\n{designs:,} designs in {len(Chunks.of(asked.shape))} chunks, on a Dask cluster")
+    show_cluster(times, spent)
+
+
+def show_cluster(times, spent):
     print(f"{'':34}{'a chunk [ms]':>14}{'each run':>30}")
+    found = {name: statistics.median(column) for name, column in times.items()}
     labels = {"thread": "one thread, no cluster", 1: "one worker", 2: "two workers"}
     for name, label in labels.items():
         each = "  ".join(f"{1e3 * value:.0f}" for value in times[name])
         print(f"{label:34}{1e3 * found[name]:14.1f}{each:>30}")
+    wall = 100.0 * (found[1] / found["thread"] - 1.0)
+    worker, thread = (statistics.median(spent[name]) for name in (1, "thread"))
     print(f"two workers over one: {found[1] / found[2]:.2f} times")
-    print(f"the cluster's overhead per chunk: {100 * (found[1] / found['thread'] - 1):.1f} %")
+    share = 100.0 * (worker / thread - 1.0)
+    print(f"the cluster's overhead: {wall:.0f} % a chunk, {share:.0f} % of the worker's CPU time")
 
 
 DIAMETER = {"from": "0.5 cm", "to": "5 cm", "scale": "log"}

@@ -9,6 +9,17 @@ from .config.reader import read_film_file as read_film_file
 from .config.reader import read_flyer_file as read_flyer_file
 from .config.sections import FlyerFile as FlyerFile
 from .config.sections import Setup as Setup
+from .design.optimise import Front as Front
+from .design.optimise import Optimum as Optimum
+from .design.optimise import optimise as optimise
+from .design.optimise import pareto as pareto
+from .design.problem import Problem as Problem
+from .design.problem import read_problem as read_problem
+from .design.sobol import Indices as Indices
+from .design.sobol import read_inquiry as read_inquiry
+from .design.sobol import sensitivity_indices as sensitivity_indices
+from .design.sweep import open_sweep as open_sweep
+from .design.sweep import sweep as sweep
 from .design.uncertainty import PredictionUncertainty as PredictionUncertainty
 from .design.uncertainty import propagate as propagate
 from .environment._base import AbstractAtmosphere as AbstractAtmosphere

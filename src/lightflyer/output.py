@@ -16,8 +16,7 @@ from lightflyer.prediction import AltitudePrediction, ChamberPrediction, Table
 if TYPE_CHECKING:
     import xarray as xr
 
-# Unit and description of each quantity of a prediction's table.
-_QUANTITIES = {
+QUANTITIES = {
     "pressure": ("Pa", "gas pressure"),
     "gas_temperature": ("K", "gas temperature"),
     "levitation_irradiance": ("W m-2", "smallest irradiance that levitates the flyer"),
@@ -28,6 +27,7 @@ _QUANTITIES = {
     "payload": ("kg", "largest payload in the available light"),
     "relative_payload": ("1", "largest payload over the flyer's own mass"),
 }
+"""Unit and description of each quantity of a prediction's table."""
 
 
 def to_dataset(
@@ -73,7 +73,7 @@ def _variables(dimension: str, table: Table) -> dict[str, Any]:
             np.where(np.isfinite(table[name]), table[name], np.nan),
             {"units": units, "long_name": long_name},
         )
-        for name, (units, long_name) in _QUANTITIES.items()
+        for name, (units, long_name) in QUANTITIES.items()
         if name != dimension
     }
 
@@ -151,7 +151,7 @@ def write_csv(prediction: AltitudePrediction | ChamberPrediction, path: Path) ->
     path : Path
     """
     columns = {
-        f"{name} [{units}]": prediction.table[name] for name, (units, _) in _QUANTITIES.items()
+        f"{name} [{units}]": prediction.table[name] for name, (units, _) in QUANTITIES.items()
     }
     if isinstance(prediction, AltitudePrediction):
         columns = {"altitude [m]": prediction.altitude, **columns}

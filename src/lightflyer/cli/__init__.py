@@ -51,6 +51,26 @@ app.command(
     help="Reduce raw measurements to numbers with intervals, figures and records.",
 )
 app.command(
+    "lightflyer.cli.sweep:sweep_command",
+    name="sweep",
+    help="Compute many designs of a study into a folder.",
+)
+app.command(
+    "lightflyer.cli.map:map_command",
+    name="map",
+    help="Draw the results of a sweep: maps, best designs, Pareto fronts.",
+)
+app.command(
+    "lightflyer.cli.optimise:optimise_command",
+    name="optimise",
+    help="Find the best design of a study, by gradients from many starts.",
+)
+app.command(
+    "lightflyer.cli.sensitivity:sensitivity_command",
+    name="sensitivity",
+    help="Which uncertain property costs most: what to measure next.",
+)
+app.command(
     "lightflyer.cli.paper:paper_command",
     name="paper",
     help="Recompute the paper: its claims, figures and tables beside ours.",

@@ -5,7 +5,7 @@ import re
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import pydantic
 
@@ -71,40 +71,93 @@ class _FilmFile(Section):
 _File = TypeVar("_File", bound=Section)
 
 
-def _validate(model: type[_File], document: dict[str, Any], text: str, path: Path) -> _File:
+class FileKind(NamedTuple):
+    """What messages about a kind of file need to know.
+
+    Attributes
+    ----------
+    name : str
+        Such as ``"a flyer file"``.
+    keys_of : callable
+        Names that a section takes, by the section's name and content.
+    hint : str
+        What to do about an empty file.
+    """
+
+    name: str
+    keys_of: Callable[[str, Any], list[str]]
+    hint: str
+
+
+_FLYER_FILE = FileKind("a flyer file", known_keys, "'lightflyer init' writes an example")
+
+
+def read_file(model: type[_File], path: Path, kind: FileKind) -> tuple[_File, str]:
+    """Read and check a TOML file of another kind, with the same lines for its mistakes.
+
+    Parameters
+    ----------
+    model : type
+        Class of the whole file.
+    path : Path
+    kind : FileKind
+
+    Returns
+    -------
+    file : instance of ``model``
+    text : str
+        Of the file, in which :func:`place_of` finds keys.
+
+    Raises
+    ------
+    ConfigurationError
+        One line for each mistake: file, line, key, value and what is allowed.
+    """
+    document, text = _load(path, kind)
+    return _validate(model, document, text, path, kind), text
+
+
+def _validate(
+    model: type[_File],
+    document: dict[str, Any],
+    text: str,
+    path: Path,
+    kind: FileKind = _FLYER_FILE,
+) -> _File:
     try:
         return model.model_validate(document, context={FOLDER: path.parent})
     except pydantic.ValidationError as error:
-        lines = [_explain(mistake, document, text, path) for mistake in error.errors()]
+        lines = [_explain(mistake, document, text, path, kind) for mistake in error.errors()]
         raise ConfigurationError("\n".join(lines)) from None
 
 
-def _load(path: Path) -> tuple[dict[str, Any], str]:
+def _load(path: Path, kind: FileKind = _FLYER_FILE) -> tuple[dict[str, Any], str]:
     text = read_text(path)
     if not text.strip():
-        raise ConfigurationError(f"{path}: is empty; 'lightflyer init' writes an example")
+        raise ConfigurationError(f"{path}: is empty; {kind.hint}")
     try:
         return tomllib.loads(text), text
     except tomllib.TOMLDecodeError as error:
         raise ConfigurationError(f"{path}: is not valid TOML: {error}") from None
 
 
-def _explain(mistake: Any, document: dict[str, Any], text: str, path: Path) -> str:
+def _explain(mistake: Any, document: dict[str, Any], text: str, path: Path, kind: FileKind) -> str:
     """One line for one of Pydantic's errors."""
     keys = [part for part in mistake["loc"] if part not in alternative_tags()]
     keys += _deciding_key(mistake)
     dotted = ".".join(map(str, keys))
-    line = _line_of(keys, text)
-    place = f"{path}:{line}" if line else f"{path}"
+    place = place_of(keys, text, path)
+    if mistake["type"] == "extra_forbidden":
+        return f"{place}: {_unknown_key(dotted, document, kind)}"
     explain = _EXPLANATIONS.get(mistake["type"], _other_mistake)
     return f"{place}: {explain(mistake, dotted, document)}"
 
 
-def _unknown_key(_mistake: Any, dotted: str, document: dict[str, Any]) -> str:
+def _unknown_key(dotted: str, document: dict[str, Any], kind: FileKind) -> str:
     section, _, key = dotted.rpartition(".")
-    known = known_keys(section, document.get(section))
+    known = kind.keys_of(section, document.get(section))
     near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
-    where = f"[{section}]" if section else "a flyer file"
+    where = f"[{section}]" if section else kind.name
     hint = f'did you mean "{near[0]}"?' if near else f"{where} takes {', '.join(known)}"
     return f"{dotted} is not a key of {where}; {hint}"
 
@@ -147,10 +200,30 @@ def _other_mistake(mistake: Any, dotted: str, _document: dict[str, Any]) -> str:
 
 
 _EXPLANATIONS: dict[str, Callable[[Any, str, dict[str, Any]], str]] = {
-    "extra_forbidden": _unknown_key,
     "missing": _missing_key,
     "union_tag_invalid": _unknown_alternative,
 }
+
+
+def place_of(keys: list[Any], text: str, path: Path) -> str:
+    """File and, where it is found, line of a key.
+
+    Parameters
+    ----------
+    keys : list of str
+        The key's sections, outermost first, and the key; a dotted key in its parts.
+    text : str
+        Of the TOML file.
+    path : Path
+        Of the TOML file.
+
+    Returns
+    -------
+    str
+        Such as ``"flyer.toml:7"``.
+    """
+    line = _line_of(keys, text)
+    return f"{path}:{line}" if line else f"{path}"
 
 
 def _line_of(keys: list[Any], text: str) -> int | None:

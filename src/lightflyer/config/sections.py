@@ -39,6 +39,9 @@ from lightflyer.units import Measured
 GASES: dict[str, AbstractGas] = {"air": AIR, "lu2023-air": LU2023_AIR}
 """Gases by the name they have in a flyer file."""
 
+RADIANS_PER_DEGREE = math.pi / 180.0
+"""A factor, not :func:`math.radians`, so that an angle may also be an array or traced by JAX."""
+
 _Length = Annotated[Measured, Quantity("m", 0.0, open_below=True)]
 _Altitude = Annotated[Measured, Quantity("m", 0.0)]
 _Mass = Annotated[Measured, Quantity("kg", 0.0)]
@@ -130,7 +133,7 @@ class _EnvironmentSection(_Section):
     def _radiation(self, irradiance: float) -> Radiation:
         return Radiation(
             irradiance=irradiance,
-            incidence=math.radians(self.incidence.value),
+            incidence=self.incidence.value * RADIANS_PER_DEGREE,
             infrared_top=_value(self.infrared_top),
             infrared_bottom=_value(self.infrared_bottom),
             albedo=self.albedo.value,
@@ -365,7 +368,7 @@ class FlyerFile(_Section):
         low = getattr(section, "altitude_min", None) or getattr(section, "pressure_min", None)
         high = getattr(section, "altitude_max", None) or getattr(section, "pressure_max", None)
         return Setup(
-            flyer=self.flyer.build(self.film.build(math.radians(section.incidence.value))),
+            flyer=self.flyer.build(self.film.build(section.incidence.value * RADIANS_PER_DEGREE)),
             environment=section.build(),
             model=self.force.build(),
             coordinate_range=(_value(low), _value(high)),

@@ -1,0 +1,103 @@
+"""``lightflyer map``: figures of a sweep's results."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+from rich.console import Console
+
+from lightflyer.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def map_command(
+    results: Path,
+    /,
+    *,
+    x: str,
+    y: str | None = None,
+    value: str,
+    at: str | None = None,
+    pareto: Annotated[bool, Parameter(negative=())] = False,
+    out: Path = Path("map"),
+) -> None:
+    """Draw an output of a sweep over one or two of its fields.
+
+    Parameters
+    ----------
+    results
+        Folder that "lightflyer sweep" wrote.
+    x
+        Field across, such as diameter.
+    y
+        Field up, such as altitude; without it the value itself is drawn upwards.
+    value
+        Output, such as relative_payload.
+    at
+        Values of the other fields, such as "emittance = 0.08, altitude = 70 km"; by default those
+        of the best design.
+    pareto
+        Also draw Pareto fronts of the output against altitude, irradiance and temperature.
+    out
+        Folder to write the figures (PNG, SVG) into.
+    """
+    from lightflyer.design.explore import choose_slice, find_name
+    from lightflyer.design.sweep import open_sweep
+
+    dataset = open_sweep(results)
+    output = find_name(dataset, value, among="outputs")
+    fields = [find_name(dataset, name, among="fields") for name in (x, y) if name is not None]
+    if len(set(fields)) < len(fields):
+        raise ConfigurationError(f"--x and --y are both {fields[0]}")
+    console = Console(highlight=False)
+    if not dataset.attrs.get("complete", True):
+        console.print("the sweep is not finished: what is missing stays blank", soft_wrap=True)
+    sliced, chosen = choose_slice(dataset, output, fields, _asked(at))
+    written = _write(out, dataset, sliced, [*fields, output], pareto=pareto)
+    for name, (amount, unit) in chosen.items():
+        console.print(f"at {name} {amount:.6g} {unit}".rstrip())
+    for path in written:
+        console.print(f"wrote {path}", soft_wrap=True)
+
+
+def _asked(at: str | None) -> dict[str, str]:
+    asked = {}
+    for part in (at or "").split(","):
+        name, equals, text = (piece.strip() for piece in part.partition("="))
+        if part.strip() and not (name and equals and text):
+            raise ConfigurationError(f'--at "{part.strip()}" is not such as "altitude = 70 km"')
+        if name:
+            asked[name] = text
+    return asked
+
+
+def _write(
+    out: Path, dataset: "xr.Dataset", sliced: "xr.Dataset", names: list[str], *, pareto: bool
+) -> list[Path]:
+    from lightflyer import plot, sweep_figures
+    from lightflyer.output import output_directory
+
+    *fields, output = names
+    figure = plot.new_figure()
+    if len(fields) == 1:
+        sweep_figures.draw_line(sliced, fields[0], output, figure.axes[0])
+    else:
+        sweep_figures.draw_map(sliced, fields[0], fields[1], output, figure.axes[0])
+    figures = {f"{output}-map": figure}
+    if pareto:
+        fronts = sweep_figures.pareto_figure(dataset, output)
+        if fronts is None:
+            raise ConfigurationError(
+                f"--pareto: the sweep has no altitude, levitation_irradiance or temperature to "
+                f"weigh {output} against"
+            )
+        figures[f"{output}-pareto"] = fronts
+    written = []
+    with output_directory(out) as stage:
+        for name, drawn in figures.items():
+            files = [f"{name}.png", f"{name}.svg"]
+            plot.save(drawn, [stage(file) for file in files])
+            written += [out / file for file in files]
+    return written

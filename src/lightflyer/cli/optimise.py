@@ -1,0 +1,160 @@
+"""``lightflyer optimise``: the best design of a study."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from lightflyer.design.optimise import Front, Optimum
+    from lightflyer.design.problem import Problem
+
+_SHOWN_ELASTICITIES = 8
+_ROWS = 12
+
+
+def optimise_command(
+    study_file: Path,
+    /,
+    *,
+    out: Path | None = None,
+    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+) -> None:
+    """Find the design that does most, within bounds and constraints.
+
+    Parameters
+    ----------
+    study_file
+        TOML file with flyer = "flyer.toml" and the sections [optimise] and [optimise.over].
+    out
+        Folder to write the result (JSON) into and, with several objectives, its figure (PNG, SVG).
+    json_output
+        Print one JSON object instead of tables.
+    """
+    from lightflyer.design.optimise import optimise, pareto
+    from lightflyer.design.problem import read_problem
+
+    problem = read_problem(study_file)
+    console, written = Console(highlight=False), []
+    if len(problem.objectives) > 1:
+        front = pareto(problem)
+        summary = front.summary()
+        written = _write(out, summary, front)
+        if not json_output:
+            _show_front(console, front)
+    else:
+        optimum = optimise(problem)
+        summary = optimum.summary()
+        written = _write(out, summary, None)
+        if not json_output:
+            _show_optimum(console, problem, optimum)
+    if json_output:
+        print(json.dumps(summary, allow_nan=False))  # noqa: T201
+        return
+    for path in written:
+        console.print(f"wrote {path}", soft_wrap=True)
+
+
+def _write(out: Path | None, summary: dict[str, Any], front: "Front | None") -> list[Path]:
+    if out is None:
+        return []
+    from lightflyer.output import output_directory
+
+    names = ["optimum.json"]
+    with output_directory(out) as stage:
+        text = json.dumps(summary, indent=2, allow_nan=False)
+        stage("optimum.json").write_text(text + "\n", encoding="utf-8")
+        if front is not None:
+            from lightflyer import plot, sweep_figures
+
+            files = ["front.png", "front.svg"]
+            plot.save(sweep_figures.front_figure(front), [stage(file) for file in files])
+            names += files
+    return [out / name for name in names]
+
+
+def _show_optimum(console: Console, problem: "Problem", optimum: "Optimum") -> None:
+    from lightflyer.design.outputs import unit_of_output
+
+    objective = problem.objectives[0]
+    what = objective.name
+    if problem.samples:
+        of = "mean" if problem.quantile is None else f"{100.0 * problem.quantile:g} % quantile"
+        count = len(next(iter(problem.samples.values())))
+        what = f"{of} of {what} over {count} samples of {', '.join(problem.samples)}"
+    unit = unit_of_output(objective.name)
+    console.print(f"{objective.word} {what}: {optimum.value:.6g} {unit}".rstrip(), soft_wrap=True)
+    table = Table(box=None, padding=(0, 1))
+    for heading in ("field", "best", "unit", "from", "to", ""):
+        left = heading in ("field", "unit", "")
+        table.add_column(heading, justify="left" if left else "right")
+    for bounds in problem.bounds:
+        name = bounds.field.name
+        end = optimum.active_bounds.get(name)
+        note = "" if end is None else f"at its {'lower' if end == 'low' else 'upper'} bound"
+        cells = (f"{optimum.design[name]:.6g}", bounds.field.quantity.unit)
+        table.add_row(name, *cells, f"{bounds.low:.6g}", f"{bounds.high:.6g}", note)
+    console.print(table)
+    for constraint in problem.constraints:
+        _show_constraint(console, optimum, constraint.name, constraint.limit, constraint.sign)
+    note = "" if optimum.active_bounds else "; no bound is active"
+    console.print(
+        f"{optimum.agreeing} of {optimum.starts} starts agree ({optimum.evaluations} gradients)"
+        f"{note}"
+    )
+    _show_elasticities(console, optimum)
+
+
+def _show_constraint(
+    console: Console, optimum: "Optimum", name: str, limit: float, sign: float
+) -> None:
+    from lightflyer.design.outputs import unit_of_output
+
+    unit = unit_of_output(name)
+    word = "at least" if sign > 0.0 else "at most"
+    gain = optimum.active_constraints.get(name)
+    objective = unit_of_output(optimum.problem.objectives[0].name)
+    told = "not active"
+    if gain is not None:
+        told = f"active: 1 % looser is worth {gain * abs(limit) / 100.0:.3g} {objective}".rstrip()
+    at, limit_shown = (f"{value:.6g} {unit}".rstrip() for value in (optimum.outputs[name], limit))
+    console.print(f"{name} {at} ({word} {limit_shown}; {told})", soft_wrap=True)
+
+
+def _show_elasticities(console: Console, optimum: "Optimum") -> None:
+    ranked = sorted(optimum.elasticities.items(), key=lambda item: -abs(item[1]))
+    if not ranked:
+        return
+    table = Table(box=None, padding=(0, 1))
+    table.add_column("1 % more of", justify="left")
+    table.add_column("changes the optimum by [%]", justify="right")
+    for name, elasticity in ranked[:_SHOWN_ELASTICITIES]:
+        table.add_row(name, f"{elasticity:+.3g}")
+    console.print(table)
+
+
+def _show_front(console: Console, front: "Front") -> None:
+    from lightflyer.design.outputs import unit_of_output
+
+    problem = front.problem
+    table = Table(box=None, padding=(0, 1))
+    columns = []
+    for part in problem.objectives:
+        unit = unit_of_output(part.name)
+        table.add_column(escape(f"{part.name}\n[{unit or '1'}] ({part.word})"), justify="right")
+        columns.append(front.objectives[part.name])
+    for bounds in problem.bounds:
+        unit = bounds.field.quantity.unit
+        table.add_column(escape(f"{bounds.field.name}\n[{unit or '1'}]"), justify="right")
+        columns.append(front.designs[bounds.field.name])
+    count = len(columns[0])
+    step = max(1, count // _ROWS)
+    for row in range(0, count, step):
+        table.add_row(*(f"{column[row]:.5g}" for column in columns))
+    console.print(table)
+    shown = "" if step == 1 else f"; one in {step} is shown"
+    console.print(f"{count} designs on the front, {front.evaluations} computed{shown}")

@@ -1,0 +1,106 @@
+"""``lightflyer sensitivity``: which uncertain property costs most."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from lightflyer.design.sobol import Indices, Inquiry
+
+
+def sensitivity_command(
+    study_file: Path,
+    /,
+    *,
+    out: Path | None = None,
+    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+) -> None:
+    """Say which property's uncertainty costs most, and so what to measure next.
+
+    Parameters
+    ----------
+    study_file
+        TOML file with flyer = "flyer.toml" and the sections [sensitivity] and [sensitivity.at];
+        what is uncertain is taken from the ± of the flyer file or from [sensitivity.inputs].
+    out
+        Folder to write the result (JSON) and a tornado figure (PNG, SVG) for each output into.
+    json_output
+        Print one JSON object instead of tables.
+    """
+    from lightflyer.design.sobol import read_inquiry, sensitivity_indices
+
+    inquiry = read_inquiry(study_file)
+    results = sensitivity_indices(inquiry)
+    summary = {found.output: found.summary() for found in results}
+    written = [] if out is None else _write(out, summary, results)
+    if json_output:
+        print(json.dumps(summary, allow_nan=False))  # noqa: T201
+        return
+    console = Console(highlight=False)
+    for found in results:
+        _show(console, found)
+    correlated = _correlation(inquiry)
+    if correlated:
+        console.print(
+            f"inputs are taken as independent; the file's tac_correlation = {correlated:g} plays "
+            "no part here",
+            soft_wrap=True,
+        )
+    for path in written:
+        console.print(f"wrote {path}", soft_wrap=True)
+
+
+def _correlation(inquiry: "Inquiry") -> float:
+    names = {part.field.name for part in inquiry.inputs}
+    both = {"film.tac_top", "film.tac_bottom"} <= names
+    return inquiry.configuration.film.tac_correlation.value if both else 0.0
+
+
+def _write(out: Path, summary: dict[str, Any], results: "list[Indices]") -> list[Path]:
+    from lightflyer import plot, sweep_figures
+    from lightflyer.output import output_directory
+
+    names = ["sensitivity.json"]
+    with output_directory(out) as stage:
+        text = json.dumps(summary, indent=2, allow_nan=False)
+        stage("sensitivity.json").write_text(text + "\n", encoding="utf-8")
+        for found in results:
+            files = [f"{found.output}-tornado.{suffix}" for suffix in ("png", "svg")]
+            plot.save(sweep_figures.tornado_figure(found), [stage(file) for file in files])
+            names += files
+    return [out / name for name in names]
+
+
+def _show(console: Console, found: "Indices") -> None:
+    from lightflyer.design.outputs import unit_of_output
+
+    unit = unit_of_output(found.output)
+    console.print(
+        f"{found.output} {found.nominal:.4g} {unit}; over all inputs {found.mean:.4g} ± "
+        f"{found.spread:.2g} {unit}".rstrip(),
+        soft_wrap=True,
+    )
+    table = Table(box=None, padding=(0, 1))
+    headings = ("input", "share of\nvariance", "with inter-\nactions", "elasticity", "from", "to")
+    for heading in headings:
+        left = heading == "input"
+        table.add_column(heading, justify="left" if left else "right", no_wrap=left)
+    for row in (-found.total).argsort():
+        table.add_row(
+            found.names[row],
+            f"{100.0 * found.first[row]:.1f} ± {100.0 * found.first_interval[row]:.1f} %",
+            f"{100.0 * found.total[row]:.1f} ± {100.0 * found.total_interval[row]:.1f} %",
+            f"{found.elasticity[row]:+.3g}",
+            f"{found.low[row]:.4g}",
+            f"{found.high[row]:.4g}",
+        )
+    console.print(table)
+    console.print(
+        f"measure {found.next} next: half its uncertainty would leave ± "
+        f"{found.spread_after_halving:.2g} {unit}".rstrip(),
+        soft_wrap=True,
+    )

@@ -1,0 +1,230 @@
+"""``lightflyer sweep``: the outputs of many designs, into a folder that keeps them."""
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TextColumn,
+    TimeRemainingColumn,
+)
+from rich.table import Table
+from rich.text import Text
+
+from lightflyer.errors import ConfigurationError, ParameterError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from lightflyer.design.study import Study
+    from lightflyer.design.sweep import SweepReport
+
+_SCALE = 1000.0
+_PREFIXES = ("", "thousand", "million", "billion", "trillion")
+_SECONDS = (("years", 31557600.0), ("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0))
+_BEST = ("relative_payload", "payload", "band_width", "lift_over_weight")
+
+
+def sweep_command(
+    study_file: Path,
+    /,
+    *,
+    out: Path,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    chunk: int | None = None,
+    yes: Annotated[bool, Parameter(negative=())] = False,
+    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+) -> None:
+    """Compute every design of a study into a folder; the same command continues it.
+
+    Parameters
+    ----------
+    study_file
+        TOML file with flyer = "flyer.toml" and the sections [sweep] and [outputs].
+    out
+        Folder for the results, a Zarr group such as results.zarr.
+    scheduler
+        Address of a running Dask scheduler, such as tcp://127.0.0.1:8786; by default this
+        machine computes.
+    workers
+        Threads on this machine; by default one for each processor and two more.
+    chunk
+        Designs computed and stored as one, at most; by default 262144.
+    yes
+        Start a study that is very large.
+    json_output
+        Print one JSON object instead of tables.
+    """
+    from lightflyer.design.chunks import CHUNK
+    from lightflyer.design.study import sweep_study
+    from lightflyer.design.sweep import open_sweep, sweep_into
+
+    for name, value in (("--workers", workers), ("--chunk", chunk)):
+        if value is not None and value < 1:
+            raise ParameterError(f"{name} must be at least 1")
+    study = sweep_study(study_file)
+    if not yes:
+        _require_reasonable(study, out)
+    with _Progress() as progress:
+        report = sweep_into(
+            study,
+            out,
+            scheduler=scheduler,
+            workers=workers,
+            chunk=CHUNK if chunk is None else chunk,
+            listener=progress,
+        )
+    dataset = open_sweep(out)
+    if json_output:
+        print(json.dumps(_summary(out, report), allow_nan=False))  # noqa: T201
+        return
+    _show(Console(highlight=False), study, report, dataset)
+    Console(highlight=False).print(f"wrote {out}", soft_wrap=True)
+
+
+def _require_reasonable(study: "Study", out: Path) -> None:
+    from lightflyer.design.sweep import LARGEST, estimate
+
+    if study.size <= LARGEST:
+        return
+    found = estimate(study, out)
+    size, free = (_amount(count, "B") for count in (found.size, found.free))
+    raise ConfigurationError(
+        f"the study has {_words(found.designs)} designs: about {_duration(found.seconds)} on this "
+        f"machine and {size} on the disk, which has {free} free; --yes starts it"
+    )
+
+
+def _words(number: float) -> str:
+    """A large number in words, to three digits."""
+    power = 0
+    while number >= _SCALE and power < len(_PREFIXES) - 1:
+        number, power = number / _SCALE, power + 1
+    return f"{number:.3g} {_PREFIXES[power]}".rstrip()
+
+
+def _amount(number: float, unit: str) -> str:
+    prefixes = ("", "k", "M", "G", "T", "P")
+    power = 0
+    while number >= _SCALE and power < len(prefixes) - 1:
+        number, power = number / _SCALE, power + 1
+    return f"{number:.3g} {prefixes[power]}{unit}"
+
+
+def _duration(seconds: float) -> str:
+    for name, length in _SECONDS:
+        if seconds >= 2.0 * length:
+            return f"{seconds / length:.0f} {name}"
+    return f"{seconds:.0f} seconds"
+
+
+class _RateColumn(ProgressColumn):
+    """Designs a second."""
+
+    def render(self, task: Task) -> Text:
+        speed = task.finished_speed or task.speed
+        return Text("" if not speed else f"{_words(speed)} designs/s")
+
+
+class _Progress:
+    """Shows how a sweep gets on, if somebody is looking."""
+
+    def __init__(self) -> None:
+        console = Console(stderr=True)
+        self._bar = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            _RateColumn(),
+            TimeRemainingColumn(),
+            console=console,
+            transient=True,
+            disable=not sys.stderr.isatty(),
+        )
+        self._films: Any = None
+        self._designs: Any = None
+
+    def __enter__(self) -> "_Progress":
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def film(self, done: int, total: int) -> None:
+        """See :class:`lightflyer.design.sweep.Listener`."""
+        if self._films is None:
+            self._films = self._bar.add_task("films", total=total)
+        self._bar.update(self._films, completed=done)
+
+    def begin(self, found: int, total: int) -> None:
+        """See :class:`lightflyer.design.sweep.Listener`."""
+        self._designs = self._bar.add_task("designs", total=total, completed=found)
+
+    def advance(self, designs: int) -> None:
+        """See :class:`lightflyer.design.sweep.Listener`."""
+        self._bar.advance(self._designs, designs)
+
+
+def _summary(out: Path, report: "SweepReport") -> dict[str, Any]:
+    return {
+        "out": str(out),
+        "designs": report.designs,
+        "found": report.found,
+        "computed": report.computed,
+        "damaged_chunks": report.damaged,
+        "not_converged": report.not_converged,
+        "seconds": report.seconds,
+    }
+
+
+def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.Dataset") -> None:
+    table = Table(box=None, padding=(0, 1))
+    for heading in ("field", "values", "from", "to", "unit"):
+        table.add_column(heading, justify="left" if heading in ("field", "unit") else "right")
+    for dimension in study.dimensions:
+        for name, values in dimension.values.items():
+            ends = (f"{values.min():.6g}", f"{values.max():.6g}")
+            table.add_row(name, str(len(values)), *ends, study.fields[name].quantity.unit)
+    for name, value in study.fixed.items():
+        table.add_row(name, "1", f"{value:.6g}", "", study.fields[name].quantity.unit)
+    console.print(table)
+    console.print(_told(report), soft_wrap=True)
+    if report.not_converged:
+        console.print(f"{report.not_converged} designs have not converged: NaN stands for them")
+    best = _best(dataset)
+    if best:
+        console.print(best, soft_wrap=True)
+
+
+def _told(report: "SweepReport") -> str:
+    if not report.computed:
+        return f"{report.designs:,} designs: all were there, and whole"
+    parts = [f"{report.designs:,} designs"]
+    if report.found:
+        parts.append(f"{report.found:,} were there")
+    if report.damaged:
+        parts.append(f"{report.damaged} damaged chunks were computed again")
+    rate = _words(report.computed / max(report.seconds, 1e-9))
+    parts.append(f"{report.computed:,} computed in {report.seconds:.1f} s ({rate} a second)")
+    return ", ".join(parts)
+
+
+def _best(dataset: "xr.Dataset") -> str:
+    """The design that does most, in words."""
+    from lightflyer.design.explore import best_design
+
+    names = [name for name in _BEST if name in dataset]
+    if not names:
+        return ""
+    found = best_design(dataset, names[0])
+    return f"no design has a {names[0]}" if found is None else f"largest {names[0]}: {found}"

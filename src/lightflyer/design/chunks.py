@@ -1,0 +1,80 @@
+"""How the designs of a study are divided into chunks that are computed and stored as one."""
+
+import math
+from dataclasses import dataclass
+
+CHUNK = 2**18
+"""Designs in a chunk by default: 2 MB of each output."""
+
+
+@dataclass(frozen=True)
+class Chunks:
+    """Equal blocks of a grid, each of which holds designs with consecutive numbers.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Of the grid.
+    block : tuple of int
+        Shape of a chunk; the last along a dimension may reach beyond the grid.
+    """
+
+    shape: tuple[int, ...]
+    block: tuple[int, ...]
+
+    @classmethod
+    def of(cls, shape: tuple[int, ...], most: int = CHUNK) -> "Chunks":
+        """Divide a grid into chunks of at most so many designs.
+
+        Trailing dimensions stay whole, one is cut into even parts, leading ones are taken point
+        by point: so a chunk's designs have consecutive numbers.
+
+        Parameters
+        ----------
+        shape : tuple of int
+        most : int
+
+        Returns
+        -------
+        Chunks
+        """
+        block: list[int] = []
+        left = most
+        for length in reversed(shape):
+            parts = math.ceil(length / max(left, 1))
+            block.insert(0, math.ceil(length / parts))
+            left = left // length if parts == 1 else 1
+        return cls(shape, tuple(block))
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """Number of chunks along each dimension."""
+        return tuple(
+            math.ceil(length / part) for length, part in zip(self.shape, self.block, strict=True)
+        )
+
+    def __len__(self) -> int:
+        return math.prod(self.counts)
+
+    def place(self, chunk: int) -> tuple[int, ...]:
+        """Number of a chunk along each dimension."""
+        place: list[int] = []
+        for count in reversed(self.counts):
+            chunk, rest = divmod(chunk, count)
+            place.insert(0, rest)
+        return tuple(place)
+
+    def span(self, chunk: int) -> tuple[int, int]:
+        """First design of a chunk, and the one after its last."""
+        start, size = 0, 1
+        for length, part, number in zip(self.shape, self.block, self.place(chunk), strict=True):
+            start = start * length + number * part
+            size *= min(part, length - number * part)
+        return start, start + size
+
+    def extent(self, chunk: int) -> tuple[int, ...]:
+        """Shape of a chunk's part of the grid."""
+        return tuple(
+            min(part, length - number * part)
+            for length, part, number in zip(self.shape, self.block, self.place(chunk), strict=True)
+        )

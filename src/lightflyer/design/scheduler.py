@@ -1,0 +1,239 @@
+"""Who computes the chunks of a sweep: threads of this process, or a Dask cluster."""
+
+import ctypes
+import itertools
+import os
+import pickle
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from lightflyer.design.chunks import Chunks
+from lightflyer.design.store import Record, stored_study, versions, write_chunk
+from lightflyer.errors import ConfigurationError, LightflyerError, MissingExtraError
+
+ANSWER_WITHIN = 10.0
+"""Time a scheduler has to answer [s]."""
+
+_AHEAD = 2  # chunks handed out per thread: one computed, one waiting
+_RETRIES = 3
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3  # of mallopt, in malloc.h
+_KEPT = 2**25  # bytes: the largest that glibc takes
+
+
+class Task(NamedTuple):
+    """What is to be computed and where it goes.
+
+    Attributes
+    ----------
+    evaluator : callable
+        Outputs, and number of failures, of the designs from a number up to another.
+    folder : Path
+        Of the store.
+    chunks : Chunks
+    token : str
+        Of the store.
+    """
+
+    evaluator: Any
+    folder: Path
+    chunks: Chunks
+    token: str
+
+
+Done = tuple[int, Record, int]
+"""Number of a chunk, checksums of its files, number of designs that have not converged."""
+
+
+def compute_chunk(task: Task, chunk: int) -> Done:
+    """Compute a chunk and write it.
+
+    Parameters
+    ----------
+    task : Task
+    chunk : int
+
+    Returns
+    -------
+    chunk : int
+    record : dict of str to int
+    failures : int
+    """
+    outputs, failures = task.evaluator(*task.chunks.span(chunk))
+    return chunk, write_chunk(task.folder, task.chunks, chunk, outputs), failures
+
+
+def run_here(task: Task, missing: Sequence[int], workers: int | None = None) -> Iterator[Done]:
+    """Compute chunks in threads of this process, in whichever order they are done.
+
+    Parameters
+    ----------
+    task : Task
+    missing : sequence of int
+    workers : int, optional
+        Threads; by default one for each processor and two more, which work while others write.
+
+    Yields
+    ------
+    chunk, record, failures
+    """
+    count = workers or len(os.sched_getaffinity(0)) + 2
+    waiting = iter(missing)
+    pool = ThreadPoolExecutor(min(count, max(len(missing), 1)))
+    running: set[Future[Done]] = set()
+    try:
+        for chunk in waiting:
+            running.add(pool.submit(compute_chunk, task, chunk))
+            if len(running) >= count:
+                done, running = wait(running, return_when=FIRST_COMPLETED)
+                yield from (future.result() for future in done)
+        while running:
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            yield from (future.result() for future in done)
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+@cache
+def _keep_freed_memory() -> None:
+    """Let a worker's allocator reuse the memory of temporary arrays.
+
+    Dask starts its workers with ``MALLOC_TRIM_THRESHOLD_``. Having any value there, glibc gives
+    every larger array back to the system at once and pages it in anew for the next, which costs
+    more than half of the arithmetic. Other allocators have no ``mallopt`` and no such habit.
+    """
+    with suppress(OSError, AttributeError):
+        libc = ctypes.CDLL(None)
+        libc.mallopt(_M_MMAP_THRESHOLD, _KEPT)
+        libc.mallopt(_M_TRIM_THRESHOLD, _KEPT)
+
+
+def _compute_remotely(task: Task, chunk: int) -> tuple[Done, Any]:
+    """On a worker: write the chunk if the folder is in sight, else send its outputs back."""
+    _keep_freed_memory()
+    with suppress(OSError, ValueError):
+        if stored_study(task.folder)["token"] == task.token:
+            return compute_chunk(task, chunk), None
+    outputs, failures = task.evaluator(*task.chunks.span(chunk))
+    return (chunk, {}, failures), outputs
+
+
+def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -> Iterator[Done]:
+    """Compute chunks on an existing Dask cluster, in whichever order they are done.
+
+    Workers that see the store's folder write into it; the results of others come back and are
+    written here. The chunks of a worker that is lost go to another.
+
+    Parameters
+    ----------
+    task : Task
+    missing : sequence of int
+    client : distributed.Client
+        From :func:`connected`.
+    address : str
+        Of its scheduler.
+
+    Yields
+    ------
+    chunk, record, failures
+
+    Raises
+    ------
+    LightflyerError
+        If the cluster is lost.
+    """
+    import cloudpickle
+    import distributed
+
+    threads = max(sum(client.nthreads().values()), 1)
+    try:
+        # made by a task and not scattered: it can be made again when its worker is lost
+        shared = client.submit(pickle.loads, cloudpickle.dumps(task), pure=False)
+        waiting = iter(missing)
+
+        def submit(chunk: int) -> Any:
+            return client.submit(_compute_remotely, shared, chunk, pure=False, retries=_RETRIES)
+
+        first = [submit(chunk) for chunk in itertools.islice(waiting, _AHEAD * threads)]
+        queue = distributed.as_completed(first, loop=client.loop, with_results=True)
+        for _, ((chunk, record, failures), outputs) in queue:
+            for more in itertools.islice(waiting, 1):
+                queue.add(submit(more))
+            if outputs is not None:
+                record = write_chunk(task.folder, task.chunks, chunk, outputs)
+            yield chunk, record, failures
+    except (distributed.KilledWorker, distributed.CancelledError, OSError) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise  # of the disk
+        raise LightflyerError(
+            f"the cluster at {address} was lost ({type(error).__name__}); what is whole is kept, "
+            "and the same command continues"
+        ) from None
+
+
+@contextmanager
+def connected(address: str) -> Iterator[Any]:
+    """A client of an existing Dask scheduler whose workers can do the work.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler, such as ``"tcp://127.0.0.1:8786"``.
+
+    Yields
+    ------
+    distributed.Client
+
+    Raises
+    ------
+    ConfigurationError
+        If the scheduler does not answer, has no workers, or they have other packages.
+    MissingExtraError
+        If Dask is not installed.
+    """
+    try:
+        import distributed
+    except ImportError:
+        raise MissingExtraError(
+            "--scheduler needs distributed: pip install 'lightflyer[sweep]'"
+        ) from None
+
+    try:
+        client = distributed.Client(address, timeout=ANSWER_WITHIN, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise ConfigurationError(
+            f"--scheduler {address}: no answer within {ANSWER_WITHIN:g} s ({reason}); start one "
+            "with 'dask scheduler', or leave the option out to compute here"
+        ) from None
+    try:
+        _check_workers(client, address)
+        yield client
+    finally:
+        with suppress(Exception):  # a cluster that was lost needs no farewell
+            client.close(timeout=ANSWER_WITHIN)
+
+
+def _check_workers(client: Any, address: str) -> None:
+    """Raise unless there are workers, with the same packages as here."""
+    import distributed
+
+    try:
+        client.wait_for_workers(1, timeout=ANSWER_WITHIN)
+        found = client.run(versions)
+    except (TimeoutError, distributed.TimeoutError):
+        raise ConfigurationError(
+            f"--scheduler {address}: has no workers; start some with 'dask worker {address}'"
+        ) from None
+    except (ImportError, AttributeError) as error:
+        raise ConfigurationError(f"--scheduler {address}: a worker says: {error}") from None
+    here = versions()
+    for worker, there in found.items():
+        if there != here:
+            raise ConfigurationError(
+                f"--scheduler {address}: the worker at {worker} has {there}, here is {here}; "
+                "results would differ"
+            )

@@ -1,0 +1,329 @@
+r"""Which uncertain input costs most: Sobol indices, elasticities, one input at a time.
+
+The variance of an output :math:`q` over its independent inputs splits into the share of each
+alone, :math:`S_i = \mathrm{Var}[\mathrm E(q\,|\,x_i)]/\mathrm{Var}[q]`, and in total with all its
+interactions, :math:`T_i = 1 - \mathrm{Var}[\mathrm E(q\,|\,x_{\sim i})]/\mathrm{Var}[q]`
+([Sobol2001]_, [Saltelli2010]_). What has the largest share is worth measuring better: halving its
+standard uncertainty takes away three quarters of its own share.
+"""
+
+import contextlib
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lightflyer.config.sections import FlyerFile
+from lightflyer.design.axes import SAMPLE, Axis, Distribution, read_entry
+from lightflyer.design.evaluation import Evaluator
+from lightflyer.design.fields import field
+from lightflyer.design.outputs import check_outputs
+from lightflyer.design.problem import stated_distributions
+from lightflyer.design.sections import SensitivitySection
+from lightflyer.design.study import Dimension, Source, Study, located, read_study
+from lightflyer.errors import ConfigurationError, MissingExtraError
+
+_ENDS = (0.025, 0.975)
+_STEP = 1e-4  # of an input's 95 % range, for elasticities
+_LEFT_BY_HALVING = 0.25  # of a variance, when a standard deviation is halved
+
+
+@dataclass(frozen=True)
+class Inquiry:
+    """What a sensitivity asks.
+
+    Attributes
+    ----------
+    configuration : FlyerFile
+    outputs : tuple of str
+    fixed : dict of str to float
+        Fields that have one value, by dotted name.
+    inputs : tuple of Distribution
+    points : int
+        Base samples; there are (inputs + 2) times as many designs.
+    seed : int
+    """
+
+    configuration: FlyerFile
+    outputs: tuple[str, ...]
+    fixed: dict[str, float]
+    inputs: tuple[Distribution, ...]
+    points: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class Indices:
+    """What the uncertainty of each input does to an output.
+
+    Attributes
+    ----------
+    output : str
+    names : tuple of str
+        Of the inputs, dotted.
+    nominal, mean, spread : float
+        The output at the inputs' medians, its mean and its standard deviation, in SI units.
+    first, total : array, shape (k,)
+        Sobol indices.
+    first_interval, total_interval : array, shape (k,)
+        Half widths of their 95 % intervals.
+    low, high : array, shape (k,)
+        Output with one input at its 2.5 % and its 97.5 % quantile, the others at their medians.
+    elasticity : array, shape (k,)
+        Relative change of the output over that of the input.
+    """
+
+    output: str
+    names: tuple[str, ...]
+    nominal: float
+    mean: float
+    spread: float
+    first: np.ndarray
+    total: np.ndarray
+    first_interval: np.ndarray
+    total_interval: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    elasticity: np.ndarray
+
+    @property
+    def next(self) -> str:
+        """The input whose better measurement would help most."""
+        return self.names[int(np.argmax(self.first))]
+
+    @property
+    def spread_after_halving(self) -> float:
+        """Standard deviation of the output if that input's were halved."""
+        share = float(np.clip(np.max(self.first), 0.0, 1.0))
+        return self.spread * float(np.sqrt(1.0 - (1.0 - _LEFT_BY_HALVING) * share))
+
+    def summary(self) -> dict[str, Any]:
+        """All of it as a JSON object, in SI units."""
+        columns = {
+            "first": self.first,
+            "first_interval_95": self.first_interval,
+            "total": self.total,
+            "total_interval_95": self.total_interval,
+            "low": self.low,
+            "high": self.high,
+            "elasticity": self.elasticity,
+        }
+        return {
+            "nominal": self.nominal,
+            "mean": self.mean,
+            "standard_deviation": self.spread,
+            "inputs": {
+                name: {key: _finite(column[row]) for key, column in columns.items()}
+                for row, name in enumerate(self.names)
+            },
+            "measure_next": self.next,
+            "standard_deviation_after_halving": self.spread_after_halving,
+        }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def read_inquiry(path: str | Path) -> Inquiry:
+    """Read the ``[sensitivity]`` of a study file.
+
+    Parameters
+    ----------
+    path : str or path
+
+    Returns
+    -------
+    Inquiry
+
+    Raises
+    ------
+    ConfigurationError
+        One line for each mistake: file, line, key and what is allowed.
+    """
+    study, configuration, source = read_study(path)
+    if study.sensitivity is None:
+        raise ConfigurationError(
+            f'{path}: needs a section [sensitivity] with outputs = "payload", and its place: '
+            '[sensitivity.at] with altitude = "70 km"'
+        )
+    return make_inquiry(configuration, study.sensitivity, source)
+
+
+def make_inquiry(
+    configuration: FlyerFile, section: SensitivitySection, source: Source | None = None
+) -> Inquiry:
+    """Look up what a sensitivity names and check it.
+
+    Parameters
+    ----------
+    configuration : FlyerFile
+    section : SensitivitySection
+    source : Source, optional
+        Names file and line in errors.
+
+    Returns
+    -------
+    Inquiry
+
+    Raises
+    ------
+    ConfigurationError
+        Naming the key and what is wrong with it.
+    """
+    fixed: dict[str, float] = {}
+    for name, entry in section.at.items():
+        found = _read(configuration, name, entry, ["sensitivity", "at", name], source)
+        if not (isinstance(found, Axis) and found.single):
+            message = ' is not one value, such as "70 km"'
+            raise located(source, ["sensitivity", "at", name], message)
+        fixed[name] = float(found.values[0])
+    inputs: Sequence[Distribution] = []
+    for name, entry in section.inputs.items():
+        found = _read(configuration, name, entry, ["sensitivity", "inputs", name], source)
+        if isinstance(found, Axis):
+            message = ' is not uncertain; write "0.80 ± 0.01" or { distribution = ... }'
+            raise located(source, ["sensitivity", "inputs", name], message)
+        inputs = [*inputs, found]
+    inputs = inputs or stated_distributions(configuration, list(fixed))
+    if not inputs:
+        message = ": nothing is uncertain; write ± in the flyer file or [sensitivity.inputs]"
+        raise located(source, ["sensitivity"], message)
+    try:
+        check_outputs(section.outputs, configuration, list(fixed))
+    except ConfigurationError as error:
+        raise located(source, ["sensitivity", "outputs"], f": {error}") from None
+    return Inquiry(
+        configuration, section.outputs, fixed, tuple(inputs), section.points, section.seed
+    )
+
+
+def _read(
+    configuration: FlyerFile, name: str, entry: Any, keys: list[str], source: Source | None
+) -> Axis | Distribution:
+    try:
+        known = field(configuration, name)
+    except ConfigurationError as error:
+        raise located(source, keys, str(error).removeprefix(name)) from None
+    try:
+        return read_entry(entry, known)
+    except ConfigurationError as error:
+        raise located(source, keys, f": {error}") from None
+
+
+def sensitivity_indices(inquiry: Inquiry) -> list[Indices]:
+    """Sobol indices and elasticities of each output.
+
+    Parameters
+    ----------
+    inquiry : Inquiry
+
+    Returns
+    -------
+    list of Indices
+
+    Raises
+    ------
+    ConfigurationError
+        If an output has no value for some of the samples.
+    MissingExtraError
+        If SALib is not installed.
+
+    Notes
+    -----
+    Inputs are taken as independent: a correlation of errors plays no part.
+
+    References
+    ----------
+    [Sobol2001]_, [Saltelli2010]_; computed by SALib, [Iwanaga2022]_.
+    """
+    try:
+        from SALib.analyze import sobol as analysis
+        from SALib.sample import sobol as sampling
+    except ImportError:
+        raise MissingExtraError(
+            "Sobol indices need SALib: pip install 'lightflyer[optimise]'"
+        ) from None
+    names = [part.field.name for part in inquiry.inputs]
+    space = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+    power = 2 ** int(np.ceil(np.log2(inquiry.points)))
+    shares = sampling.sample(space, power, calc_second_order=False, seed=inquiry.seed)
+    table = _evaluate(inquiry, _designs(inquiry, shares))
+    results = []
+    for output in inquiry.outputs:
+        values, singly, down, up = _split(table[output], len(shares), len(names))
+        if np.isnan(values).any():
+            raise ConfigurationError(
+                f"{output}: {100.0 * np.mean(np.isnan(values)):.2g} % of the samples have none; "
+                "choose an output that every design has, such as lift_over_weight"
+            )
+        with contextlib.redirect_stdout(io.StringIO()):
+            found = analysis.analyze(
+                space, values, calc_second_order=False, seed=inquiry.seed, print_to_console=False
+            )
+        results.append(
+            Indices(
+                output=output,
+                names=tuple(names),
+                nominal=float(singly[0]),
+                mean=float(values.mean()),
+                spread=float(values.std()),
+                first=np.asarray(found["S1"]),
+                total=np.asarray(found["ST"]),
+                first_interval=np.asarray(found["S1_conf"]),
+                total_interval=np.asarray(found["ST_conf"]),
+                low=singly[1 : 1 + len(names)],
+                high=singly[1 + len(names) :],
+                elasticity=_elasticities(inquiry, float(singly[0]), up - down),
+            )
+        )
+    return results
+
+
+def _designs(inquiry: Inquiry, shares: np.ndarray) -> dict[str, np.ndarray]:
+    """Inputs of all designs: samples, ends one at a time, small steps one at a time."""
+    count = len(inquiry.inputs)
+    singly = np.full((1 + 2 * count, count), 0.5)
+    for row, share in enumerate(np.repeat(_ENDS, count)):
+        singly[1 + row, row % count] = share
+    designs = {}
+    for column, part in enumerate(inquiry.inputs):
+        median, step = _median_and_step(part)
+        near = np.full(2 * count, median)
+        near[column] -= step
+        near[count + column] += step
+        sampled = part.quantile(np.concatenate([shares[:, column], singly[:, column]]))
+        designs[part.field.name] = np.concatenate([sampled, near])
+    return designs
+
+
+def _split(values: np.ndarray, samples: int, count: int) -> list[np.ndarray]:
+    """An output of all designs: of the samples, one at a time, a step down, a step up."""
+    ends = np.cumsum([samples, 1 + 2 * count, count])
+    return np.split(values, ends)
+
+
+def _median_and_step(part: Distribution) -> tuple[float, float]:
+    low, median, high = part.quantile(np.array([_ENDS[0], 0.5, _ENDS[1]]))
+    return float(median), _STEP * float(high - low)
+
+
+def _elasticities(inquiry: Inquiry, nominal: float, change: np.ndarray) -> np.ndarray:
+    """Relative change of an output over that of each input, from a small step both ways."""
+    medians, steps = np.array([_median_and_step(part) for part in inquiry.inputs]).T
+    return change / (2.0 * steps) * medians / nominal
+
+
+def _evaluate(inquiry: Inquiry, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    study = Study(
+        inquiry.configuration,
+        (Dimension(SAMPLE, values),),
+        inquiry.fixed,
+        inquiry.outputs,
+        {part.field.name: part.field for part in inquiry.inputs},
+    )
+    outputs, _ = Evaluator(study)(0, study.size)
+    return outputs

@@ -1,0 +1,219 @@
+"""sweep, map, optimise and sensitivity as a user runs them."""
+
+import json
+import subprocess
+import sys
+import time
+
+import pytest
+import xarray as xr
+
+from lightflyer import cli
+
+STUDY = """\
+flyer = "flyer.toml"
+
+[sweep]
+"flyer.diameter" = { from = "0.5 cm", to = "5 cm", points = 20, scale = "log" }
+"film.emittance" = [0.06, 0.08]
+altitude = { from = "60 km", to = "90 km", points = 31 }
+
+[outputs]
+variables = ["temperature", "lift", "relative_payload", "levitation_irradiance"]
+
+[optimise]
+maximise = "payload"
+[optimise.over]
+"flyer.diameter" = { from = "0.5 cm", to = "5 cm", scale = "log" }
+altitude = { from = "60 km", to = "90 km" }
+[optimise.constraints]
+temperature = { at_most = "330 K" }
+
+[sensitivity]
+outputs = "payload"
+points = 256
+[sensitivity.at]
+altitude = "72 km"
+[sensitivity.inputs]
+"film.tac_top" = "0.80 ± 0.01"
+"film.absorptance" = "0.75 ± 0.05"
+"""
+
+
+@pytest.fixture
+def run(capsys):
+    def command(*arguments):
+        code = 0
+        try:
+            cli.main([str(argument) for argument in arguments])
+        except SystemExit as error:
+            code = error.code or 0
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return command
+
+
+@pytest.fixture
+def study(flyer_file, tmp_path):
+    def write(old="", new=""):
+        flyer_file()
+        assert old in STUDY
+        path = tmp_path / "study.toml"
+        path.write_text(STUDY.replace(old, new, 1) if old else STUDY, encoding="utf-8")
+        return path
+
+    return write
+
+
+def test_a_sweep_its_repetition_and_its_maps(run, study, tmp_path):
+    path, out, maps = study(), tmp_path / "results.zarr", tmp_path / "maps"
+    code, text, errors = run("sweep", path, "--out", out, "--chunk", 300)
+    assert (code, errors) == (0, "")
+    assert "1,240 designs, 1,240 computed" in text
+    assert "largest relative_payload" in text
+    with xr.open_zarr(out, chunks=None) as dataset:
+        assert dataset.attrs["study"] == path.read_text()
+        assert dataset.attrs["configuration"].startswith("[flyer]")
+        assert dataset.relative_payload.shape == (20, 2, 31)
+    code, text, _ = run("sweep", path, "--out", out, "--json")
+    summary = json.loads(text)
+    assert (summary["found"], summary["computed"]) == (1240, 0)
+    ask = ("map", out, "--x", "diameter", "--value", "relative_payload", "--out", maps)
+    code, text, errors = run(*ask, "--y", "altitude", "--pareto")
+    assert (code, errors) == (0, "")
+    assert "at film.emittance 0.06" in text
+    assert sorted(file.name for file in maps.iterdir()) == [
+        f"relative_payload-{name}.{suffix}"
+        for name in ("map", "pareto")
+        for suffix in ("png", "svg")
+    ]
+    drawing = (maps / "relative_payload-map.svg").read_text()
+    for words in ("cannot fly", "flyer diameter [cm]", "altitude [km]", "most at each"):
+        assert words in drawing
+    assert "smallest irradiance" in (maps / "relative_payload-pareto.svg").read_text()
+    code, text, _ = run(*ask, "--at", "altitude = 71.2 km, emittance = 0.08")
+    assert "at altitude 71000 m" in text
+    for wrong, message in (
+        (("--y", "altitud"), 'did you mean "altitude"'),
+        (("--y", "diameter"), "--x and --y are both flyer.diameter"),
+        (("--at", "altitude 71 km"), "is not such as"),
+    ):
+        code, text, errors = run(*ask, *wrong)
+        assert code == 2
+        assert message in errors
+        assert len(errors.splitlines()) == 1
+
+
+def test_a_band_of_samples_is_drawn(run, study, tmp_path):
+    path = study('"film.emittance" = [0.06, 0.08]', '"film.emittance" = "0.08 ± 0.02"')
+    path.write_text(path.read_text() + "\n[sampling]\npoints = 16\n")
+    out, maps = tmp_path / "results.zarr", tmp_path / "maps"
+    run("sweep", path, "--out", out)
+    ask = ("map", out, "--x", "altitude", "--value", "relative_payload", "--out", maps)
+    assert run(*ask, "--at", "diameter = 2 cm")[0] == 0
+    assert "95 % band" in (maps / "relative_payload-map.svg").read_text()
+    assert run(*ask, "--y", "diameter")[0] == 0
+    assert "in less than half of the samples" in (maps / "relative_payload-map.svg").read_text()
+
+
+def test_a_sweep_that_is_killed_continues(study, tmp_path):
+    """With the model itself; that fifty kills change no bit is tested beside the store."""
+    path, out = study("points = 31", "points = 401"), tmp_path / "results.zarr"
+    command = [sys.executable, "-m", "lightflyer", "sweep", str(path), "--out", str(out)]
+    command += ["--chunk", "200"]
+    journal = out / ".lightflyer" / "journal"
+    first = subprocess.Popen(command)
+    while not (journal.exists() and journal.read_bytes().count(b"\n") >= 5):
+        assert first.poll() is None
+        time.sleep(0.01)
+    first.kill()
+    first.wait()
+    second = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
+    summary = json.loads(second.stdout)
+    assert 0 < summary["found"] < summary["designs"] == 16_040
+    assert summary["found"] + summary["computed"] == 16_040
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"film.emittance"', '"film.emitance"', 'did you mean "film.emittance"?'),
+        ('"60 km", to = "90 km", points', '"60 K", to = "90 km", points', "of the wrong kind"),
+        ('"60 km", to = "90 km", points', '"90 km", to = "90 km", points', "is an empty range"),
+        ("points = 20", "points = 1000000", "62 million designs"),
+    ],
+)
+def test_bad_studies_write_nothing(run, study, tmp_path, old, new, message, monkeypatch):
+    monkeypatch.setattr("lightflyer.design.sweep.LARGEST", 10**7)
+    code, text, errors = run("sweep", study(old, new), "--out", tmp_path / "results.zarr")
+    assert code == 2
+    assert text == ""
+    assert message in errors
+    assert not (tmp_path / "results.zarr").exists()
+
+
+def test_a_huge_study_says_how_large_and_how_long(run, study, tmp_path):
+    path = study("points = 20", "points = 10000000")
+    path.write_text(path.read_text().replace("points = 31", "points = 100000"))
+    _, _, errors = run("sweep", path, "--out", tmp_path / "results.zarr")
+    assert "the study has 2 trillion designs: about" in errors
+    assert "64 TB on the disk" in errors
+    assert "--yes starts it" in errors
+    assert not (tmp_path / "results.zarr").exists()
+
+
+def test_a_folder_with_something_else_is_left_alone(run, study, tmp_path):
+    path = study()
+    code, _, errors = run("sweep", path, "--out", tmp_path)
+    assert code == 2
+    assert "is not the result of a sweep" in errors
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["flyer.toml", "study.toml"]
+    code, _, errors = run("map", tmp_path, "--x", "altitude", "--value", "lift")
+    assert code == 2
+    assert "is not the result of a sweep" in errors
+
+
+def test_a_scheduler_that_does_not_answer(run, study, tmp_path, monkeypatch):
+    monkeypatch.setattr("lightflyer.design.scheduler.ANSWER_WITHIN", 1.0)
+    start = time.perf_counter()
+    code, _, errors = run(
+        "sweep", study(), "--out", tmp_path / "r.zarr", "--scheduler", "tcp://127.0.0.1:9"
+    )
+    assert code == 2
+    assert errors.startswith(
+        "lightflyer: error: --scheduler tcp://127.0.0.1:9: no answer within 1 s"
+    )
+    assert time.perf_counter() - start < 10.0
+    assert not (tmp_path / "r.zarr").exists()
+
+
+def test_optimise_prints_and_writes(run, study, tmp_path):
+    out = tmp_path / "out"
+    code, text, errors = run("optimise", study(), "--out", out)
+    assert (code, errors) == (0, "")
+    assert "temperature 330 K (at most 330 K; active: 1 % looser is worth" in text
+    assert "starts agree" in text
+    written = json.loads((out / "optimum.json").read_text())
+    assert written["objective"] == {"maximise": "payload"}
+    path = study('maximise = "payload"', 'maximise = "payload"\nminimise = "levitation_irradiance"')
+    code, text, errors = run("optimise", path, "--out", out)
+    assert (code, errors) == (0, "")
+    assert "designs on the front" in text
+    assert (out / "front.png").exists()
+    code, _, errors = run("optimise", study("[optimise.over]", "[optimise.ober]"))
+    assert code == 2
+    assert 'did you mean "over"?' in errors
+
+
+def test_sensitivity_prints_and_writes(run, study, tmp_path):
+    out = tmp_path / "out"
+    code, text, errors = run("sensitivity", study(), "--out", out)
+    assert (code, errors) == (0, "")
+    assert "measure film.tac_top next" in text
+    assert "film.absorptance" in (out / "payload-tornado.svg").read_text()
+    found = json.loads((out / "sensitivity.json").read_text())["payload"]
+    assert found["measure_next"] == "film.tac_top"
+    code, _, errors = run("sensitivity", study("[sensitivity.at]", "[sensitivity.where]"))
+    assert code == 2
+    assert "study.toml:" in errors

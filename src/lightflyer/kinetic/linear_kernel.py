@@ -1,0 +1,224 @@
+"""Matrices of the linearised kinetic equation in integral form.
+
+A row gives one moment of the distribution at one node as a weighted sum of the fields at all
+nodes: the sum over directions, and along each ray, of what molecules carry from their last
+collision. Fields and moments are, in this order, ϱ, u_r, u_z, τ, q_r, q_z with the radial ones
+divided by √(1−η²); their shapes in the source are 1, c·e, c·e, c²−3/2, c·e (c²−5/2).
+"""
+
+import numpy as np
+from numba import njit, prange
+
+from lightflyer.kinetic.directions import node_directions
+from lightflyer.kinetic.rays import (
+    MOST_CUTS,
+    cut_ray,
+    exit_length,
+    interpolate,
+    spheroidal,
+    speed_integrals,
+)
+from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
+
+FIELDS = 6
+FLUXES = 3
+"""Through a face, by molecules that arrive: number, normal momentum, energy."""
+
+EMISSIONS = 3
+"""Shapes of what a wall emits: σ: 1; temperature: c²−2; its velocity along z: c·e_z."""
+
+NORMALISATION = 2.0 * np.pi**-1.5  # of the Maxwellian; directions cover half of the sphere
+MOST_DIRECTIONS = 40000
+
+
+@njit(cache=True)
+def _shape(j, first, kind):
+    """Speed integral of a source shape 1, c, c²−3/2 or c (c²−5/2); ``first`` indexes J."""
+    if kind == 0:
+        return j[first]
+    if kind == 1:
+        return j[first + 1]
+    if kind == 2:
+        return j[first + 2] - 1.5 * j[first]
+    return j[first + 3] - 2.5 * j[first + 1]
+
+
+@njit(cache=True)
+def _emitted(j, first, kind):
+    """Speed integral of an emission 1, c²−2 or c."""
+    if kind == 0:
+        return j[first]
+    if kind == 1:
+        return j[first + 2] - 2.0 * j[first]
+    return j[first + 1]
+
+
+@njit(cache=True)
+def _moments(power_0, power_1, power_2, power_3, row, weight, out):
+    """Six moments from integrals with 0 to 3 more powers of the speed."""
+    flux = weight * (power_3 - 2.5 * power_1)
+    out[0] = weight * power_0
+    out[1] = weight * power_1 * row[0]
+    out[2] = weight * power_1 * row[1]
+    out[3] = weight * (2.0 / 3.0) * (power_2 - 1.5 * power_0)
+    out[4] = flux * row[0]
+    out[5] = flux * row[1]
+
+
+@njit(cache=True)
+def _fluxes(power_1, power_2, power_3, normal, weight, out):
+    """Number, momentum and energy that arrive at a face, from 1 to 3 more powers of the speed."""
+    out[0] = weight * normal * power_1
+    out[1] = weight * normal * normal * power_2
+    out[2] = weight * normal * power_3
+
+
+@njit(cache=True)
+def _source_weights(j, on_face, row, source, weight, out):
+    """Weights of the fields at one ray point in each moment (or flux) of the row."""
+    for kind in range(4):
+        power_0, power_1 = _shape(j, 0, kind), _shape(j, 1, kind)
+        power_2, power_3 = _shape(j, 2, kind), _shape(j, 3, kind)
+        vector = kind == 1 or kind == 3
+        field = kind if kind < 2 else kind + 1
+        for component in range(2 if vector else 1):
+            w = weight * source[component] if vector else weight
+            if on_face:
+                _fluxes(power_1, power_2, power_3, row[1], w, out[field + component])
+            else:
+                _moments(power_0, power_1, power_2, power_3, row, w, out[field + component])
+
+
+@njit(cache=True)
+def _scatter(target, weights, i, j, eta_size, xi_basis, eta_basis):
+    order = xi_basis.size
+    for a in range(order):
+        for b in range(order):
+            w = xi_basis[a] * eta_basis[b]
+            cell = target[(i * order + a) * eta_size + j * order + b]
+            for k in range(weights.size):
+                cell[k] += w * weights[k]
+
+
+@njit(cache=True)
+def _row(point, on_face, rarefaction, setup, mesh, own, other, reflected, walls):
+    """Fill one row: weights of the own half's fields, the other half's and after reflection."""
+    layer, gauss_height, gauss_azimuth, gauss_ray, table, scale = setup
+    xi_edges, _, eta_edges, nodes, _, boundary = mesh
+    radius, height, radial_scale = point
+    order = nodes.size
+    eta_size = (eta_edges.size - 1) * order
+    outputs = FLUXES if on_face else FIELDS
+    directions = np.empty((MOST_DIRECTIONS, 4))
+    count = node_directions(radius, height, layer, gauss_height, gauss_azimuth, directions)
+    cuts, j = np.empty(MOST_CUTS), np.empty(NUMBER)
+    xi_basis, eta_basis = np.empty(order), np.empty(order)
+    row, source = np.empty(2), np.empty(2)
+    weights = np.empty((FIELDS, outputs))
+    flat = weights.ravel()
+    optical_scale = 1.0 / rarefaction
+    for d in range(count):
+        direction = directions[d]
+        row[0], row[1] = -direction[0] / radial_scale, -direction[2]
+        if on_face:
+            row[1] = direction[2]
+        weight = NORMALISATION * direction[3]
+        length = min(
+            0.999999 * LARGEST_DEPTH * optical_scale,
+            exit_length(radius, height, direction, boundary),
+        )
+        number, hit = cut_ray(
+            radius, height, direction, length, optical_scale, xi_edges, eta_edges, cuts
+        )
+        reach = radius + hit * direction[0] if hit < length else np.inf
+        disk = hit < length and reach * reach + (hit * direction[1]) ** 2 < 1.0
+        if disk:
+            speed_integrals(rarefaction * hit, table, scale, j)
+            place = np.sqrt(1.0 - reach * reach - (hit * direction[1]) ** 2)
+            _wall(j, row, -direction[2], weight, place, mesh, eta_basis, walls)
+        for piece in range(number - 1):
+            start, width = cuts[piece], cuts[piece + 1] - cuts[piece]
+            if width < 1e-13:
+                continue
+            below = start >= hit
+            target = own
+            if below:
+                target = reflected if disk else other
+            for k in range(gauss_ray.shape[1]):
+                s = start + width * gauss_ray[0, k]
+                x, y = radius + s * direction[0], s * direction[1]
+                z = height + s * direction[2]
+                xi, eta = spheroidal(x * x + y * y, z)
+                i_panel, j_panel = interpolate(xi, eta, mesh, xi_basis, eta_basis)
+                speed_integrals(rarefaction * s, table, scale, j)
+                source[0] = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
+                source[1] = direction[2] if below else -direction[2]
+                w = weight * rarefaction * width * gauss_ray[1, k]
+                _source_weights(j, on_face, row, source, w, weights)
+                _scatter(target, flat, i_panel, j_panel, eta_size, xi_basis, eta_basis)
+
+
+@njit(cache=True)
+def _wall(j, row, upwards, weight, eta, mesh, eta_basis, walls):
+    """Add what a face emits towards a node: σ by its nodes on the face, the rest uniform."""
+    edges, nodes, inverse = mesh[2], mesh[3], mesh[4]
+    order = nodes.size
+    panel = 0
+    while panel < edges.size - 2 and eta >= edges[panel + 1]:
+        panel += 1
+    v = (eta - edges[panel]) / (edges[panel + 1] - edges[panel])
+    for a in range(order):
+        product = inverse[a]
+        for b in range(order):
+            if a != b:
+                product *= v - nodes[b]
+        eta_basis[a] = product
+    out = np.empty(FIELDS)
+    for kind in range(EMISSIONS):
+        w = weight * upwards if kind == 2 else weight
+        _moments(
+            _emitted(j, 1, kind),
+            _emitted(j, 2, kind),
+            _emitted(j, 3, kind),
+            _emitted(j, 4, kind),
+            row,
+            w,
+            out,
+        )
+        for m in range(FIELDS):
+            if kind == 0:
+                for a in range(order):
+                    walls[panel * order + a, m] += eta_basis[a] * out[m]
+            else:
+                walls[walls.shape[0] - EMISSIONS + kind, m] += out[m]
+
+
+@njit(cache=True, parallel=True)
+def assemble_nodes(points, rarefaction, setup, mesh, own, other, reflected, walls):
+    """Rows of all nodes.
+
+    Parameters
+    ----------
+    points : array, shape (n, 3)
+        Radius, height and √(1−η²) of the nodes.
+    rarefaction : float
+        δ [1].
+    setup, mesh : tuple
+        Quadratures and tables; panels.
+    own, other, reflected : array, shape (n, n, 36)
+        Zeros, filled: node of the row, node of the column, 6 × field + moment.
+    walls : array, shape (n, e + 2, 6)
+        Zeros, filled: σ at the nodes of the face, then its temperature and its velocity.
+    """
+    for i in prange(points.shape[0]):
+        _row(
+            points[i], False, rarefaction, setup, mesh, own[i], other[i], reflected[i], walls[i]
+        )
+
+
+@njit(cache=True, parallel=True)
+def assemble_face(points, rarefaction, setup, mesh, rows):
+    """Fluxes that arrive at the nodes of a face, shape (e, n, 18): 3 × field + flux."""
+    for i in prange(points.shape[0]):
+        nothing = np.empty((0, FIELDS))
+        _row(points[i], True, rarefaction, setup, mesh, rows[i], rows[i], rows[i], nothing)

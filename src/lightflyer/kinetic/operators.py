@@ -1,0 +1,104 @@
+"""The assembled linear problem of a mesh: matrices that hold for any TAC and any wall."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lightflyer.kinetic import linear_kernel
+from lightflyer.kinetic.mesh import Mesh, gauss
+from lightflyer.kinetic.speed_integrals import spline_table
+
+_LAYER = 0.1  # height of direction below which rays in a thin gas layer need panels of their own
+
+
+@dataclass(frozen=True)
+class Quadrature:
+    """Numbers of Gauss nodes per panel: in height and azimuth of directions, and along rays."""
+
+    height: int = 4
+    azimuth: int = 4
+    ray: int = 4
+
+
+def kernel_arguments(mesh: Mesh, rarefaction: float, quadrature: Quadrature) -> tuple:
+    """Quadratures, tables and panels as the compiled kernels take them."""
+    table, scale = spline_table()
+    setup = (
+        min(_LAYER, _LAYER / rarefaction),
+        np.array(gauss(quadrature.height)),
+        np.array(gauss(quadrature.azimuth)),
+        np.array(gauss(quadrature.ray)),
+        table,
+        scale,
+    )
+    nodes = gauss(mesh.order)[0]
+    differences = nodes[:, None] - nodes + np.eye(nodes.size)
+    panels = (
+        mesh.xi_edges,
+        mesh.xi_kinds,
+        mesh.eta_edges,
+        nodes,
+        1.0 / np.prod(differences, axis=1),
+        float(mesh.boundary),
+    )
+    return setup, panels
+
+
+@dataclass(frozen=True)
+class Operators:
+    """Assembled rows, with n nodes of a half and e of a face.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    own, other, reflected : array, shape (n, n, 6, 6)
+        Node of the row, of the column, field, moment.
+    sigma : array, shape (n, e, 6)
+        What σ at the face's nodes brings to each moment.
+    temperature, velocity : array, shape (n, 6)
+        What a uniform temperature or velocity of the face brings.
+    fluxes : array, shape (e, n, 6, 3)
+        Node of the face, node, field, arriving flux of number, normal momentum, energy.
+    """
+
+    mesh: Mesh
+    own: np.ndarray
+    other: np.ndarray
+    reflected: np.ndarray
+    sigma: np.ndarray
+    temperature: np.ndarray
+    velocity: np.ndarray
+    fluxes: np.ndarray
+
+
+def node_points(mesh: Mesh) -> np.ndarray:
+    """Radius, height and √(1−η²) of the nodes, shape (n, 3)."""
+    return np.stack([mesh.radius, mesh.height, mesh.radial_scale], axis=1)
+
+
+def face_points(mesh: Mesh) -> np.ndarray:
+    """The same on a face, shape (e, 3); the scale is not used there."""
+    zero = np.zeros_like(mesh.eta)
+    return np.stack([mesh.face_radius, zero, zero + 1.0], axis=1)
+
+
+def assemble(mesh: Mesh, rarefaction: float, quadrature: Quadrature) -> Operators:
+    """Trace all rays of a mesh at a rarefaction δ and return the linear operators."""
+    arguments = kernel_arguments(mesh, rarefaction, quadrature)
+    n, e = mesh.size, mesh.eta.size
+    own, other, reflected = (np.zeros((n, n, 36)) for _ in range(3))
+    walls = np.zeros((n, e + linear_kernel.EMISSIONS - 1, linear_kernel.FIELDS))
+    points = node_points(mesh)
+    linear_kernel.assemble_nodes(points, rarefaction, *arguments, own, other, reflected, walls)
+    fluxes = np.zeros((e, n, linear_kernel.FIELDS * linear_kernel.FLUXES))
+    linear_kernel.assemble_face(face_points(mesh), rarefaction, *arguments, fluxes)
+    return Operators(
+        mesh,
+        *(matrix.reshape(n, n, 6, 6) for matrix in (own, other, reflected)),
+        sigma=walls[:, :e],
+        temperature=walls[:, e],
+        velocity=walls[:, e + 1],
+        fluxes=fluxes.reshape(e, n, 6, 3),
+    )
+
+

@@ -11,6 +11,7 @@ from numba import njit
 
 _GROWTH = 3.0  # of panel widths away from a cone
 _MOST_EDGES = 64
+_QUARTER_TURN = 0.5 * np.pi
 
 
 @njit(cache=True)
@@ -86,6 +87,16 @@ def _push_interval(
 
 
 @njit(cache=True)
+def _ring_edges(end, at_end, edges):
+    """Panels in azimuth from 0, graded towards the end, none wider than a quarter turn."""
+    if end <= _QUARTER_TURN:
+        return graded_edges(0.0, end, end, at_end, edges)
+    count = graded_edges(_QUARTER_TURN, end, end, at_end, edges[1:])
+    edges[0] = 0.0
+    return count + 1
+
+
+@njit(cache=True)
 def _push_cone(directions, count, point, near, far, gauss_height, gauss_azimuth):
     """Heights at which part of the ring hits the disk: the ring is split where it does."""
     radius, height = point
@@ -105,13 +116,15 @@ def _push_cone(directions, count, point, near, far, gauss_height, gauss_azimuth)
             cosine = (1.0 - radius * radius - reach * reach) / (2.0 * radius * reach)
             edge = np.arccos(min(1.0, max(-1.0, cosine)))
             width = np.pi - edge
-            number = graded_edges(0.0, edge, np.pi, max(0.5 * width, 0.02), ring)
+            number = _ring_edges(edge, max(0.5 * width, 0.02), ring)
             count = _push_ring(
                 directions, count, -m, weight, ring, number, gauss_azimuth[0], gauss_azimuth[1]
             )
-            ring[0], ring[1] = edge, np.pi
+            ring[0], ring[1], number = edge, np.pi, 2
+            if width > _QUARTER_TURN:
+                ring[1], ring[2], number = edge + 0.5 * width, np.pi, 3
             count = _push_ring(
-                directions, count, -m, weight, ring, 2, gauss_azimuth[0], gauss_azimuth[1]
+                directions, count, -m, weight, ring, number, gauss_azimuth[0], gauss_azimuth[1]
             )
     return count
 
@@ -139,9 +152,9 @@ def node_directions(radius, height, layer, gauss_height, gauss_azimuth, directio
     ring = np.empty(_MOST_EDGES)
     if radius > 1.0:
         half_angle = np.arcsin(1.0 / radius)
-        ring_count = graded_edges(0.0, np.pi, np.pi, max(0.7 * half_angle, 1e-3), ring)
+        ring_count = _ring_edges(np.pi, max(0.7 * half_angle, 1e-3), ring)
     else:
-        ring[0], ring[1], ring[2] = 0.0, 0.5 * np.pi, np.pi
+        ring[0], ring[1], ring[2] = 0.0, _QUARTER_TURN, np.pi
         ring_count = 3
     ends, scales = np.empty(2), np.empty(2)
     if height == 0.0:

@@ -29,6 +29,10 @@ EMISSIONS = 3
 
 NORMALISATION = 2.0 * np.pi**-1.5  # of the Maxwellian; directions cover half of the sphere
 MOST_DIRECTIONS = 40000
+_SHORTENED = 0.999999  # keeps the end of a ray inside the table
+
+# moments of the uniform fields, by exact integration over the Maxwellian
+_EXACT = np.diag([1.0, 0.5, 0.5, 1.0, 1.25, 1.25])
 
 
 @njit(cache=True)
@@ -101,7 +105,42 @@ def _scatter(target, weights, i, j, eta_size, xi_basis, eta_basis):
 
 
 @njit(cache=True)
-def _row(point, on_face, rarefaction, setup, mesh, own, other, reflected, walls):
+def _tail_weights(j, row, source, weight, out):
+    """What uniform fields would bring from beyond the end of a ray."""
+    for kind in range(4):
+        vector = kind == 1 or kind == 3
+        field = kind if kind < 2 else kind + 1
+        for component in range(2 if vector else 1):
+            w = weight * source[component] if vector else weight
+            _moments(
+                _shape(j, 1, kind),
+                _shape(j, 2, kind),
+                _shape(j, 3, kind),
+                _shape(j, 4, kind),
+                row,
+                w,
+                out[field + component],
+            )
+
+
+@njit(cache=True)
+def _conserve(uniform, radial_scale, cell):
+    """Correct the node's own weights so that uniform fields are reproduced exactly.
+
+    Far away the equation is one of diffusion, whose terms are smaller than those it is made of
+    by the square of the optical depth: the quadrature's error there would absorb what is
+    conserved.
+    """
+    for field in range(FIELDS):
+        factor = radial_scale if field == 1 or field == 4 else 1.0
+        for moment in range(FIELDS):
+            exact = _EXACT[field, moment] if field == moment else 0.0
+            divisor = factor if field == moment else 1.0
+            cell[field * FIELDS + moment] += factor * (exact / divisor - uniform[field, moment])
+
+
+@njit(cache=True)
+def _row(i, point, on_face, rarefaction, setup, mesh, own, other, reflected, walls):
     """Fill one row: weights of the own half's fields, the other half's and after reflection."""
     layer, gauss_height, gauss_azimuth, gauss_ray, table, scale = setup
     xi_edges, _, eta_edges, nodes, _, boundary = mesh
@@ -113,18 +152,20 @@ def _row(point, on_face, rarefaction, setup, mesh, own, other, reflected, walls)
     count = node_directions(radius, height, layer, gauss_height, gauss_azimuth, directions)
     cuts, j = np.empty(MOST_CUTS), np.empty(NUMBER)
     xi_basis, eta_basis = np.empty(order), np.empty(order)
-    row, source = np.empty(2), np.empty(2)
+    row, source, straight = np.empty(2), np.empty(2), np.empty(2)
     weights = np.empty((FIELDS, outputs))
     flat = weights.ravel()
+    uniform = np.zeros((FIELDS, outputs))
     optical_scale = 1.0 / rarefaction
     for d in range(count):
         direction = directions[d]
         row[0], row[1] = -direction[0] / radial_scale, -direction[2]
         if on_face:
             row[1] = direction[2]
+        straight[0], straight[1] = -direction[0], -direction[2]
         weight = NORMALISATION * direction[3]
         length = min(
-            0.999999 * LARGEST_DEPTH * optical_scale,
+            _SHORTENED * LARGEST_DEPTH * optical_scale,
             exit_length(radius, height, direction, boundary),
         )
         number, hit = cut_ray(
@@ -156,6 +197,15 @@ def _row(point, on_face, rarefaction, setup, mesh, own, other, reflected, walls)
                 w = weight * rarefaction * width * gauss_ray[1, k]
                 _source_weights(j, on_face, row, source, w, weights)
                 _scatter(target, flat, i_panel, j_panel, eta_size, xi_basis, eta_basis)
+                if not on_face:
+                    _source_weights(j, on_face, row, straight, w, weights)
+                    uniform += weights
+        if not on_face and length < LARGEST_DEPTH * optical_scale * _SHORTENED:
+            speed_integrals(rarefaction * length, table, scale, j)
+            _tail_weights(j, row, straight, weight, weights)
+            uniform += weights
+    if not on_face:
+        _conserve(uniform, radial_scale, own[i])
 
 
 @njit(cache=True)
@@ -212,7 +262,7 @@ def assemble_nodes(points, rarefaction, setup, mesh, own, other, reflected, wall
     """
     for i in prange(points.shape[0]):
         _row(
-            points[i], False, rarefaction, setup, mesh, own[i], other[i], reflected[i], walls[i]
+            i, points[i], False, rarefaction, setup, mesh, own[i], other[i], reflected[i], walls[i]
         )
 
 
@@ -221,4 +271,4 @@ def assemble_face(points, rarefaction, setup, mesh, rows):
     """Fluxes that arrive at the nodes of a face, shape (e, n, 18): 3 × field + flux."""
     for i in prange(points.shape[0]):
         nothing = np.empty((0, FIELDS))
-        _row(points[i], True, rarefaction, setup, mesh, rows[i], rows[i], rows[i], nothing)
+        _row(i, points[i], True, rarefaction, setup, mesh, rows[i], rows[i], rows[i], nothing)

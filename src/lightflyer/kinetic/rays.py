@@ -195,7 +195,7 @@ def interpolate(xi, eta, mesh, xi_basis, eta_basis):
 
 @njit(cache=True)
 def speed_integrals(depth, table, scale, values):
-    """Fill J₁ to J₇ at an optical depth below the largest of the table."""
+    """Fill J₁ to J₈ at an optical depth below the largest of the table."""
     position = np.sqrt(depth) * scale
     cell = int(position)
     t = (position - cell) / scale

@@ -2,7 +2,7 @@ r"""Speed integrals of the kinetic equation along a ray.
 
 .. math:: J_p(z) = \int_0^\infty c^p \exp(-c^2 - z/c)\,dc
 
-(Abramowitz functions), for p from 1 to 7, as cubic splines in :math:`\sqrt z`, in which the
+(Abramowitz functions), for p from 1 to 8, as cubic splines in :math:`\sqrt z`, in which the
 logarithmic terms at zero have three continuous derivatives and the decay at large z is gentle.
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 LOWEST_POWER = 1
-HIGHEST_POWER = 7
+HIGHEST_POWER = 8
 NUMBER = HIGHEST_POWER - LOWEST_POWER + 1
 
 LARGEST_DEPTH = 40.0

@@ -152,6 +152,17 @@ class LinearSystem:
         e, o = solution.reshape(2, self.n, self.fields)
         return np.stack([e + o, e - o]), iterations
 
+    def corrected(self, fields: np.ndarray) -> np.ndarray:
+        """The correction that makes uniform fields exact, of given fields, shape (n, fields)."""
+        translation, rotation = self._sources()
+        corrections = self.operators.corrections
+        moments = np.einsum("nsm,sf,nf->nm", corrections, translation, fields, optimize=True)
+        if self.gas.has_rotation:
+            part = corrections[:, :3, :3]
+            turning = np.einsum("nsm,sf,nf->nm", part, rotation, fields, optimize=True)
+            moments = np.concatenate([moments, turning], axis=1)
+        return moments
+
     def arriving(self, fields: np.ndarray) -> np.ndarray:
         """Fluxes that arrive at a face's nodes, shape (e, 3 or 4): number, momentum, energy and
         rotational energy."""

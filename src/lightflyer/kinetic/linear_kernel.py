@@ -15,6 +15,8 @@ from lightflyer.kinetic.rays import (
     cut_ray,
     exit_length,
     interpolate,
+    lagrange,
+    panel_of,
     spheroidal,
     speed_integrals,
 )
@@ -124,7 +126,7 @@ def _tail_weights(j, row, source, weight, out):
 
 
 @njit(cache=True)
-def _conserve(uniform, radial_scale, cell):
+def _conserve(uniform, radial_scale, cell, correction):
     """Correct the node's own weights so that uniform fields are reproduced exactly.
 
     Far away the equation is one of diffusion, whose terms are smaller than those it is made of
@@ -136,11 +138,13 @@ def _conserve(uniform, radial_scale, cell):
         for moment in range(FIELDS):
             exact = _EXACT[field, moment] if field == moment else 0.0
             divisor = factor if field == moment else 1.0
-            cell[field * FIELDS + moment] += factor * (exact / divisor - uniform[field, moment])
+            missing = factor * (exact / divisor - uniform[field, moment])
+            cell[field * FIELDS + moment] += missing
+            correction[field, moment] = missing
 
 
 @njit(cache=True)
-def _row(i, point, on_face, rarefaction, setup, mesh, own, other, reflected, walls):
+def _row(i, point, on_face, rarefaction, setup, mesh, own, other, reflected, walls, correction):
     """Fill one row: weights of the own half's fields, the other half's and after reflection."""
     layer, gauss_height, gauss_azimuth, gauss_ray, table, scale = setup
     xi_edges, _, eta_edges, nodes, _, boundary = mesh
@@ -205,7 +209,7 @@ def _row(i, point, on_face, rarefaction, setup, mesh, own, other, reflected, wal
             _tail_weights(j, row, straight, weight, weights)
             uniform += weights
     if not on_face:
-        _conserve(uniform, radial_scale, own[i])
+        _conserve(uniform, radial_scale, own[i], correction)
 
 
 @njit(cache=True)
@@ -213,16 +217,9 @@ def _wall(j, row, upwards, weight, eta, mesh, eta_basis, walls):
     """Add what a face emits towards a node: σ by its nodes on the face, the rest uniform."""
     edges, nodes, inverse = mesh[2], mesh[3], mesh[4]
     order = nodes.size
-    panel = 0
-    while panel < edges.size - 2 and eta >= edges[panel + 1]:
-        panel += 1
+    panel = panel_of(edges, eta)
     v = (eta - edges[panel]) / (edges[panel + 1] - edges[panel])
-    for a in range(order):
-        product = inverse[a]
-        for b in range(order):
-            if a != b:
-                product *= v - nodes[b]
-        eta_basis[a] = product
+    lagrange(nodes, inverse, v, eta_basis)
     out = np.empty(FIELDS)
     for kind in range(EMISSIONS):
         w = weight * upwards if kind == 2 else weight
@@ -244,7 +241,7 @@ def _wall(j, row, upwards, weight, eta, mesh, eta_basis, walls):
 
 
 @njit(cache=True, parallel=True)
-def assemble_nodes(points, rarefaction, setup, mesh, own, other, reflected, walls):
+def assemble_nodes(points, rarefaction, setup, mesh, own, other, reflected, walls, corrections):
     """Rows of all nodes.
 
     Parameters
@@ -259,10 +256,22 @@ def assemble_nodes(points, rarefaction, setup, mesh, own, other, reflected, wall
         Zeros, filled: node of the row, node of the column, 6 × field + moment.
     walls : array, shape (n, e + 2, 6)
         Zeros, filled: σ at the nodes of the face, then its temperature and its velocity.
+    corrections : array, shape (n, 6, 6)
+        Filled: what was added to a node's own weights, field × moment.
     """
     for i in prange(points.shape[0]):
         _row(
-            i, points[i], False, rarefaction, setup, mesh, own[i], other[i], reflected[i], walls[i]
+            i,
+            points[i],
+            False,
+            rarefaction,
+            setup,
+            mesh,
+            own[i],
+            other[i],
+            reflected[i],
+            walls[i],
+            corrections[i],
         )
 
 
@@ -271,4 +280,4 @@ def assemble_face(points, rarefaction, setup, mesh, rows):
     """Fluxes that arrive at the nodes of a face, shape (e, n, 18): 3 × field + flux."""
     for i in prange(points.shape[0]):
         nothing = np.empty((0, FIELDS))
-        _row(i, points[i], True, rarefaction, setup, mesh, rows[i], rows[i], rows[i], nothing)
+        _row(i, points[i], True, rarefaction, setup, mesh, rows[i], rows[i], rows[i], nothing, nothing)

@@ -59,6 +59,9 @@ class Operators:
         What a uniform temperature or velocity of the face brings.
     fluxes : array, shape (e, n, 6, 3)
         Node of the face, node, field, arriving flux of number, normal momentum, energy.
+    corrections : array, shape (n, 6, 6)
+        What was added to each node's own weights, field and moment, so that uniform fields are
+        exact.
     """
 
     mesh: Mesh
@@ -69,6 +72,7 @@ class Operators:
     temperature: np.ndarray
     velocity: np.ndarray
     fluxes: np.ndarray
+    corrections: np.ndarray
 
 
 def node_points(mesh: Mesh) -> np.ndarray:
@@ -89,7 +93,10 @@ def assemble(mesh: Mesh, rarefaction: float, quadrature: Quadrature) -> Operator
     own, other, reflected = (np.zeros((n, n, 36)) for _ in range(3))
     walls = np.zeros((n, e + linear_kernel.EMISSIONS - 1, linear_kernel.FIELDS))
     points = node_points(mesh)
-    linear_kernel.assemble_nodes(points, rarefaction, *arguments, own, other, reflected, walls)
+    corrections = np.zeros((n, linear_kernel.FIELDS, linear_kernel.FIELDS))
+    linear_kernel.assemble_nodes(
+        points, rarefaction, *arguments, own, other, reflected, walls, corrections
+    )
     fluxes = np.zeros((e, n, linear_kernel.FIELDS * linear_kernel.FLUXES))
     linear_kernel.assemble_face(face_points(mesh), rarefaction, *arguments, fluxes)
     return Operators(
@@ -99,6 +106,7 @@ def assemble(mesh: Mesh, rarefaction: float, quadrature: Quadrature) -> Operator
         temperature=walls[:, e],
         velocity=walls[:, e + 1],
         fluxes=fluxes.reshape(e, n, 6, 3),
+        corrections=corrections,
     )
 
 

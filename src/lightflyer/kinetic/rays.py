@@ -136,7 +136,8 @@ def cut_ray(radius, height, direction, length, optical_scale, xi_edges, eta_edge
 
 
 @njit(cache=True)
-def _panel(edges, value):
+def panel_of(edges, value):
+    """Panel in which a value lies."""
     panel = 0
     while panel < edges.size - 2 and value >= edges[panel + 1]:
         panel += 1
@@ -144,7 +145,8 @@ def _panel(edges, value):
 
 
 @njit(cache=True)
-def _lagrange(nodes, inverse, v, basis):
+def lagrange(nodes, inverse, v, basis):
+    """Fill the Lagrange polynomials of nodes on [0, 1]; ``inverse`` holds their denominators."""
     for i in range(nodes.size):
         product = inverse[i]
         for j in range(nodes.size):
@@ -170,7 +172,7 @@ def interpolate(xi, eta, mesh, xi_basis, eta_basis):
     xi_panel, eta_panel : int
     """
     xi_edges, xi_kinds, eta_edges, nodes, inverse, boundary = mesh
-    i, j = _panel(xi_edges, xi), _panel(eta_edges, eta)
+    i, j = panel_of(xi_edges, xi), panel_of(eta_edges, eta)
     kind = xi_kinds[i]
     if kind == LINEAR:
         v = (xi - xi_edges[i]) / (xi_edges[i + 1] - xi_edges[i])
@@ -183,11 +185,11 @@ def interpolate(xi, eta, mesh, xi_basis, eta_basis):
         v = (low - 1.0 / xi) / (low - 1.0 / xi_edges[i + 1])
     else:
         v = 1.0 - xi_edges[i] / xi
-    _lagrange(nodes, inverse, v, xi_basis)
+    lagrange(nodes, inverse, v, xi_basis)
     if kind == DECAYING:
         for k in range(nodes.size):
             xi_basis[k] *= (1.0 - v) / (1.0 - nodes[k])
-    _lagrange(
+    lagrange(
         nodes, inverse, (eta - eta_edges[j]) / (eta_edges[j + 1] - eta_edges[j]), eta_basis
     )
     return i, j

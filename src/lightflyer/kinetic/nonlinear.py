@@ -52,7 +52,7 @@ class NonlinearProblem:
             0.8 * (1.0 - gas.translational_rate),
             2.0 * (1.0 - gas.rotational_rate),
             gas.exchange_rate,
-            1.0 - gas.viscosity_exponent,
+            -gas.viscosity_exponent,
             gas.has_rotation,
         )
         self.nodes, self.faces = node_points(mesh), face_points(mesh)
@@ -82,7 +82,7 @@ class NonlinearProblem:
             nonlinear_kernel.evaluate_nodes(
                 self.nodes, *self.arguments, self.gas, half, result[face]
             )
-            result[face] += self.system.corrected(fields[face])
+            result[face] += _with_pressure(self.system.corrected(_with_density(fields[face])))
         return result
 
     def solve(
@@ -113,7 +113,7 @@ class NonlinearProblem:
         ConvergenceError
             With the last residual.
         """
-        fields = start
+        fields = _with_pressure(start)
         steps: list[np.ndarray] = []
         states: list[np.ndarray] = []
         residual = np.inf
@@ -129,19 +129,20 @@ class NonlinearProblem:
             steps.append(step.ravel())
             states.append(fields.ravel())
             del steps[:-_MEMORY], states[:-_MEMORY]
-            fields = _anderson(states, steps).reshape(fields.shape)
+            fields = _damped(fields, _anderson(states, steps).reshape(fields.shape))
         raise ConvergenceError(
             f"the non-linear kinetic equation did not converge in {_MOST_ITERATIONS} iterations: "
             f"last residual {residual:.1e}"
         )
 
     def _precondition(self, residual: np.ndarray) -> np.ndarray:
+        residual = _with_density(residual)
         parts = 0.5 * (residual[0] + residual[1]), 0.5 * (residual[0] - residual[1])
         even, odd = (
             lu_solve(factor, part.ravel(), check_finite=False).reshape(part.shape)
             for factor, part in zip(self.system.factors, parts, strict=True)
         )
-        return np.stack([even + odd, even - odd])
+        return _with_pressure(np.stack([even + odd, even - odd]))
 
     def face_result(self, fields: np.ndarray, face: int, disk: HotDisk) -> FaceResult:
         """Normal pressure on a face and heat flux out of it, less those of the gas at rest."""
@@ -154,6 +155,29 @@ class NonlinearProblem:
         if self.system.gas.has_rotation:
             heat = heat + tac * (0.5 * emitted - arriving[:, 3])
         return FaceResult(2.0 * pressure, heat)
+
+
+def _with_pressure(fields: np.ndarray) -> np.ndarray:
+    """Linear fields with the pressure in place of the density."""
+    changed = fields.copy()
+    changed[..., 0] += fields[..., 3]
+    return changed
+
+
+def _with_density(fields: np.ndarray) -> np.ndarray:
+    """The inverse of :func:`_with_pressure`."""
+    changed = fields.copy()
+    changed[..., 0] -= fields[..., 3]
+    return changed
+
+
+def _damped(old: np.ndarray, new: np.ndarray) -> np.ndarray:
+    """As far towards new fields as pressure and temperature lose no more than half of theirs."""
+    share = 1.0
+    for field in (0, 3):
+        value, change = 1.0 + old[..., field], new[..., field] - old[..., field]
+        share = min(share, 0.5 / max(0.5, float((-change / value).max())))
+    return old + share * (new - old)
 
 
 def _emitted_density(arriving: np.ndarray, temperature: float) -> np.ndarray:

@@ -4,8 +4,10 @@ From the fields at all nodes: trace every ray again, collect optical depth at th
 frequency and what the local model distribution emits, and return the moments that arrive. What is
 summed is the deviation from the gas at rest far away, so that an undisturbed gas is exact.
 
-Fields, in this order: ϱ = n − 1, u_r, u_z, τ = T − 1, q_r, q_z, and for rotation τ_r, q_r, q_z;
-radial ones are divided by √(1−η²). Speeds are in √(2RT_c), temperatures in T_c, densities in n_c.
+Fields, in this order: nT − 1, u_r, u_z, τ = T − 1, q_r, q_z, and for rotation τ_r, q_r, q_z;
+radial ones are divided by √(1−η²). Pressure is interpolated, not density: it hardly varies, and
+density and temperature interpolated apart would make pressures, and so forces, between nodes.
+Speeds are in √(2RT_c), temperatures in T_c, densities in n_c.
 """
 
 import numpy as np
@@ -28,6 +30,7 @@ from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 _POWERS = 4  # of the speed, 2 to 5, in what a ray brings; two more for rotational energy
 _LONGEST = 1.6  # ray length over that of the largest depth, for hot gas is thin
 _SHORTENED = 0.999999
+LOWEST = 0.1  # temperature that an iterate may take between nodes; solutions stay above 1
 
 
 @njit(cache=True)
@@ -53,12 +56,14 @@ def _local_source(state, gas, radial, vertical, coefficients):
     and of the rotational energy.
     """
     heat, rotational_heat, exchange, _, rotates = gas
-    density, temperature = 1.0 + state[0], 1.0 + state[3]
+    temperature = max(LOWEST, 1.0 + state[3])
+    density = (1.0 + state[0]) / temperature
     turning = 1.0 + state[6]
     theta, turning_to = temperature, turning
     if rotates:
         theta += 0.4 * exchange * (turning - temperature)
         turning_to += 0.6 * exchange * (temperature - turning)
+    theta = max(theta, LOWEST)
     drift = radial * state[1] + vertical * state[2]
     flux = heat * (radial * state[4] + vertical * state[5])
     a = coefficients[0]
@@ -141,9 +146,8 @@ def _ray(point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, ga
             xi, eta = spheroidal(x * x + y * y, z)
             _interpolated(fields, xi, eta, mesh, xi_basis, eta_basis, eta_size, states[k])
             radial[k] = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
-            frequency[k] = (
-                rarefaction * (1.0 + states[k, 0]) * max(0.05, 1.0 + states[k, 3]) ** gas[3]
-            )
+            temperature = max(LOWEST, 1.0 + states[k, 3])
+            frequency[k] = rarefaction * (1.0 + states[k, 0]) * temperature ** gas[3]
         vertical = direction[2] if below else -direction[2]
         for k in range(points):
             reached = depth
@@ -239,7 +243,7 @@ def _central(raw, radial_scale, rotates, fields):
     temperature = (energy / density - square) / 1.5
     xx, xz, zz = 0.5 + raw[9], raw[10], 0.5 + raw[11]
     common = 2.0 * density * square - energy
-    fields[0] = raw[0]
+    fields[0] = density * temperature - 1.0
     fields[1] = u / radial_scale
     fields[2] = w
     fields[3] = temperature - 1.0
@@ -264,7 +268,7 @@ def evaluate_nodes(points, rarefaction, setup, mesh, gas, half, fields):
     setup, mesh : tuple
         Quadratures and tables; panels.
     gas : tuple
-        Factors of the two heat fluxes, rate of exchange, 1 − ω, whether molecules rotate.
+        Factors of the two heat fluxes, rate of exchange, −ω, whether molecules rotate.
     half : tuple
         Own fields, the other half's (mirrored), σ on the face, its TAC and temperature.
     fields : array, shape (n, 6 or 9)

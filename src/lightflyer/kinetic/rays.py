@@ -13,7 +13,7 @@ from lightflyer.kinetic.mesh import CYLINDER, DECAYING, INVERSE, LINEAR
 from lightflyer.kinetic.speed_integrals import NUMBER
 
 # optical depths at which a ray is cut, so that each piece is smooth enough for Gauss's rule
-DEPTH_CUTS = np.array([0.5, 1.7, 3.5, 6.0, 10.0, 16.0, 25.0, 40.0])
+DEPTH_CUTS = np.array([0.1, 0.5, 1.5, 3.3, 6.0, 10.0, 16.0, 25.0, 40.0])
 MOST_CUTS = 160
 
 

@@ -41,14 +41,13 @@ class LinearSystem:
         self.n = operators.mesh.size
         self.fields = 9 if gas.has_rotation else 6
         self.size = self.n * self.fields
-        even = self._matrix(operators.own + operators.other + operators.reflected)
-        odd = self._matrix(operators.own - operators.other + operators.reflected)
+        same = operators.own + operators.reflected
+        even, odd = (self._matrix(same + sign * operators.other) for sign in (1.0, -1.0))
         self.exchange = self._exchange()
         unit = np.eye(self.size)
-        self.parities = (even, odd)
         self.factors = tuple(
             lu_factor(unit - matrix - mean_tac * self.exchange, check_finite=False)
-            for matrix in self.parities
+            for matrix in (even, odd)
         )
 
     def _sources(self) -> tuple[np.ndarray, np.ndarray]:
@@ -59,6 +58,7 @@ class LinearSystem:
             mix[source, source] = factor
         if gas.has_rotation:
             # total temperature is 3/5 translational and 2/5 rotational
+            mix[0, 3], mix[0, 6] = -0.4 * gas.exchange_rate, 0.4 * gas.exchange_rate
             mix[3, 3], mix[3, 6] = 1.0 - 0.4 * gas.exchange_rate, 0.4 * gas.exchange_rate
             mix[6, 6], mix[6, 3] = 1.0 - 0.6 * gas.exchange_rate, 0.6 * gas.exchange_rate
             mix[7, 7] = mix[8, 8] = 2.0 * (1.0 - gas.rotational_rate)
@@ -71,14 +71,23 @@ class LinearSystem:
         matrix[:, :6] = np.einsum("ijsm,sf->imjf", rows, translation, optimize=True)
         if self.gas.has_rotation:
             # rotation moves as density and velocity do
-            part = rows[:, :, :3, :3]
+            part = self._turning(rows)
             matrix[:, 6:] = np.einsum("ijsm,sf->imjf", part, rotation, optimize=True)
         return matrix.reshape(self.size, self.size)
+
+    def _turning(self, rows: np.ndarray) -> np.ndarray:
+        """Rows between rotational energy and its flux: those of density and velocity."""
+        theta = self.operators.theta
+        part = rows[:, :, :3, :3].copy()
+        part[..., 0] -= rows[:, :, :3, 3] / theta[:, None, None]
+        part[..., 1:] /= theta[:, None, None, None]
+        part[:, :, 1:] *= theta[None, :, None, None]
+        return part
 
     def _exchange(self) -> np.ndarray:
         """Diffuse minus specular reflection, both of what arrives: the factor of the TAC."""
         operators = self.operators
-        sigma = 2.0 * _SQRT_PI * operators.fluxes[..., 0]
+        sigma = 2.0 * _SQRT_PI / np.sqrt(operators.face_theta) * operators.fluxes[..., 0]
         rows = -operators.reflected.reshape(self.n, self.n, 6, 6)
         matrix = self._matrix(rows).reshape(self.n, self.fields, self.n, self.fields)
         diffuse = np.einsum(
@@ -96,7 +105,9 @@ class LinearSystem:
         uniform = operators.sigma.sum(axis=1)
         emitted[:, :6] += tac * _SQRT_PI * velocity * uniform
         if self.gas.has_rotation:
-            emitted[:, 6:] = tac * temperature * uniform[:, :3]
+            turning = uniform[:, :3].copy()
+            turning[:, 0] -= uniform[:, 3]
+            emitted[:, 6:] = tac * temperature * turning
         return emitted.ravel()
 
     def solve(self, walls: Walls) -> tuple[np.ndarray, int]:
@@ -158,7 +169,8 @@ class LinearSystem:
         corrections = self.operators.corrections
         moments = np.einsum("nsm,sf,nf->nm", corrections, translation, fields, optimize=True)
         if self.gas.has_rotation:
-            part = corrections[:, :3, :3]
+            part = corrections[:, :3, :3].copy()
+            part[..., 0] -= corrections[:, :3, 3]
             turning = np.einsum("nsm,sf,nf->nm", part, rotation, fields, optimize=True)
             moments = np.concatenate([moments, turning], axis=1)
         return moments

@@ -2,8 +2,12 @@
 
 A row gives one moment of the distribution at one node as a weighted sum of the fields at all
 nodes: the sum over directions, and along each ray, of what molecules carry from their last
-collision. Fields and moments are, in this order, ϱ, u_r, u_z, τ, q_r, q_z with the radial ones
-divided by √(1−η²); their shapes in the source are 1, c·e, c·e, c²−3/2, c·e (c²−5/2).
+collision. The equation is linearised about a gas at rest of uniform pressure, whose temperature
+θ is 1 in the linear problem itself and that of an approximate solution where the matrices
+precondition the non-linear one.
+
+Fields and moments are, in this order, the perturbations of p, u_r, u_z, T, q_r, q_z, with the
+radial ones divided by √(1−η²).
 """
 
 import numpy as np
@@ -12,13 +16,14 @@ from numba import njit, prange
 from lightflyer.kinetic.directions import node_directions
 from lightflyer.kinetic.rays import (
     MOST_CUTS,
+    REACH,
     cut_ray,
     exit_length,
     interpolate,
     lagrange,
+    maxwellian_integrals,
     panel_of,
     spheroidal,
-    speed_integrals,
 )
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
@@ -31,22 +36,21 @@ EMISSIONS = 3
 
 NORMALISATION = 2.0 * np.pi**-1.5  # of the Maxwellian; directions cover half of the sphere
 MOST_DIRECTIONS = 40000
-_SHORTENED = 0.999999  # keeps the end of a ray inside the table
 
-# moments of the uniform fields, by exact integration over the Maxwellian
-_EXACT = np.diag([1.0, 0.5, 0.5, 1.0, 1.25, 1.25])
+# what the moments make of the uniform source shapes, by exact integration over the Maxwellian
+_EXACT = np.array([1.0, 0.5, 0.5, 1.0, 1.25, 1.25])
 
 
 @njit(cache=True)
-def _shape(j, first, kind):
-    """Speed integral of a source shape 1, c, c²−3/2 or c (c²−5/2); ``first`` indexes J."""
+def _shape(j, first, kind, inverse):
+    """Speed integral of the source of one field, per unit; ``first`` indexes J, 1/θ is given."""
     if kind == 0:
-        return j[first]
+        return j[first] * inverse
     if kind == 1:
-        return j[first + 1]
+        return j[first + 1] * inverse * inverse
     if kind == 2:
-        return j[first + 2] - 1.5 * j[first]
-    return j[first + 3] - 2.5 * j[first + 1]
+        return (j[first + 2] * inverse - 2.5 * j[first]) * inverse * inverse
+    return (j[first + 3] * inverse - 2.5 * j[first + 1]) * inverse * inverse
 
 
 @njit(cache=True)
@@ -60,13 +64,14 @@ def _emitted(j, first, kind):
 
 
 @njit(cache=True)
-def _moments(power_0, power_1, power_2, power_3, row, weight, out):
-    """Six moments from integrals with 0 to 3 more powers of the speed."""
-    flux = weight * (power_3 - 2.5 * power_1)
-    out[0] = weight * power_0
-    out[1] = weight * power_1 * row[0]
-    out[2] = weight * power_1 * row[1]
-    out[3] = weight * (2.0 / 3.0) * (power_2 - 1.5 * power_0)
+def _moments(power_0, power_1, power_2, power_3, row, theta, weight, out):
+    """Six fields at a node of temperature θ from integrals with 0 to 3 more powers of the speed."""
+    pressure = weight * (2.0 / 3.0) * power_2
+    speed, flux = weight * theta * power_1, weight * (power_3 - 2.5 * theta * power_1)
+    out[0] = pressure
+    out[1] = speed * row[0]
+    out[2] = speed * row[1]
+    out[3] = theta * (pressure - weight * theta * power_0)
     out[4] = flux * row[0]
     out[5] = flux * row[1]
 
@@ -80,11 +85,13 @@ def _fluxes(power_1, power_2, power_3, normal, weight, out):
 
 
 @njit(cache=True)
-def _source_weights(j, on_face, row, source, weight, out):
+def _source_weights(j, first, on_face, row, source, theta, source_theta, weight, out):
     """Weights of the fields at one ray point in each moment (or flux) of the row."""
+    inverse = 1.0 / source_theta
     for kind in range(4):
-        power_0, power_1 = _shape(j, 0, kind), _shape(j, 1, kind)
-        power_2, power_3 = _shape(j, 2, kind), _shape(j, 3, kind)
+        power_1 = _shape(j, first + 1, kind, inverse)
+        power_2 = _shape(j, first + 2, kind, inverse)
+        power_3 = _shape(j, first + 3, kind, inverse)
         vector = kind == 1 or kind == 3
         field = kind if kind < 2 else kind + 1
         for component in range(2 if vector else 1):
@@ -92,7 +99,8 @@ def _source_weights(j, on_face, row, source, weight, out):
             if on_face:
                 _fluxes(power_1, power_2, power_3, row[1], w, out[field + component])
             else:
-                _moments(power_0, power_1, power_2, power_3, row, w, out[field + component])
+                power_0 = _shape(j, first, kind, inverse)
+                _moments(power_0, power_1, power_2, power_3, row, theta, w, out[field + component])
 
 
 @njit(cache=True)
@@ -107,25 +115,6 @@ def _scatter(target, weights, i, j, eta_size, xi_basis, eta_basis):
 
 
 @njit(cache=True)
-def _tail_weights(j, row, source, weight, out):
-    """What uniform fields would bring from beyond the end of a ray."""
-    for kind in range(4):
-        vector = kind == 1 or kind == 3
-        field = kind if kind < 2 else kind + 1
-        for component in range(2 if vector else 1):
-            w = weight * source[component] if vector else weight
-            _moments(
-                _shape(j, 1, kind),
-                _shape(j, 2, kind),
-                _shape(j, 3, kind),
-                _shape(j, 4, kind),
-                row,
-                w,
-                out[field + component],
-            )
-
-
-@njit(cache=True)
 def _conserve(uniform, radial_scale, cell, correction):
     """Correct the node's own weights so that uniform fields are reproduced exactly.
 
@@ -136,31 +125,47 @@ def _conserve(uniform, radial_scale, cell, correction):
     for field in range(FIELDS):
         factor = radial_scale if field == 1 or field == 4 else 1.0
         for moment in range(FIELDS):
-            exact = _EXACT[field, moment] if field == moment else 0.0
-            divisor = factor if field == moment else 1.0
-            missing = factor * (exact / divisor - uniform[field, moment])
+            missing = -factor * uniform[field, moment]
+            if field == moment:
+                missing += _EXACT[field]
             cell[field * FIELDS + moment] += missing
             correction[field, moment] = missing
 
 
 @njit(cache=True)
-def _row(i, point, on_face, rarefaction, setup, mesh, own, other, reflected, walls, correction):
+def _value(values, i, j, eta_size, xi_basis, eta_basis):
+    """A field at a point, by its Lagrange bases."""
+    order = xi_basis.size
+    value = 0.0
+    for a in range(order):
+        for b in range(order):
+            weight = xi_basis[a] * eta_basis[b]
+            value += weight * values[(i * order + a) * eta_size + j * order + b]
+    return value
+
+
+@njit(cache=True)
+def _row(i, point, on_face, state, setup, mesh, own, other, reflected, walls, correction):
     """Fill one row: weights of the own half's fields, the other half's and after reflection."""
-    layer, gauss_height, gauss_azimuth, gauss_ray, table, scale = setup
+    rarefaction, exponent, excess, wall, linear = state
+    layer, gauss_height, gauss_azimuth, gauss_ray, inside, table, scale = setup
     xi_edges, _, eta_edges, nodes, _, boundary = mesh
     radius, height, radial_scale = point
-    order = nodes.size
+    order, points = nodes.size, gauss_ray.shape[1]
     eta_size = (eta_edges.size - 1) * order
     outputs = FLUXES if on_face else FIELDS
     directions = np.empty((MOST_DIRECTIONS, 4))
     count = node_directions(radius, height, layer, gauss_height, gauss_azimuth, directions)
     cuts, j = np.empty(MOST_CUTS), np.empty(NUMBER)
-    xi_basis, eta_basis = np.empty(order), np.empty(order)
+    xi_basis, eta_basis = np.empty((points, order)), np.empty((points, order))
+    panels, places = np.empty((points, 2), np.int64), np.empty(points)
+    temperatures, frequencies = np.empty(points), np.empty(points)
     row, source, straight = np.empty(2), np.empty(2), np.empty(2)
     weights = np.empty((FIELDS, outputs))
     flat = weights.ravel()
     uniform = np.zeros((FIELDS, outputs))
     optical_scale = 1.0 / rarefaction
+    theta = 1.0 if on_face else 1.0 + excess[i]
     for d in range(count):
         direction = directions[d]
         row[0], row[1] = -direction[0] / radial_scale, -direction[2]
@@ -169,7 +174,7 @@ def _row(i, point, on_face, rarefaction, setup, mesh, own, other, reflected, wal
         straight[0], straight[1] = -direction[0], -direction[2]
         weight = NORMALISATION * direction[3]
         length = min(
-            _SHORTENED * LARGEST_DEPTH * optical_scale,
+            REACH * LARGEST_DEPTH * optical_scale,
             exit_length(radius, height, direction, boundary),
         )
         number, hit = cut_ray(
@@ -177,43 +182,65 @@ def _row(i, point, on_face, rarefaction, setup, mesh, own, other, reflected, wal
         )
         reach = radius + hit * direction[0] if hit < length else np.inf
         disk = hit < length and reach * reach + (hit * direction[1]) ** 2 < 1.0
-        if disk:
-            speed_integrals(rarefaction * hit, table, scale, j)
-            place = np.sqrt(1.0 - reach * reach - (hit * direction[1]) ** 2)
-            _wall(j, row, -direction[2], weight, place, mesh, eta_basis, walls)
+        depth, unseen = 0.0, True
         for piece in range(number - 1):
             start, width = cuts[piece], cuts[piece + 1] - cuts[piece]
             if width < 1e-13:
                 continue
+            if depth >= LARGEST_DEPTH:
+                break
             below = start >= hit
             target = own
             if below:
                 target = reflected if disk else other
-            for k in range(gauss_ray.shape[1]):
+            if below and disk and unseen:
+                unseen = False
+                maxwellian_integrals(depth, wall, table, scale, j)
+                place = np.sqrt(1.0 - reach * reach - (hit * direction[1]) ** 2)
+                _wall(j, row, -direction[2], theta, weight, place, mesh, eta_basis[0], walls)
+            for k in range(points):
                 s = start + width * gauss_ray[0, k]
                 x, y = radius + s * direction[0], s * direction[1]
-                z = height + s * direction[2]
-                xi, eta = spheroidal(x * x + y * y, z)
-                i_panel, j_panel = interpolate(xi, eta, mesh, xi_basis, eta_basis)
-                speed_integrals(rarefaction * s, table, scale, j)
-                source[0] = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
-                source[1] = direction[2] if below else -direction[2]
-                w = weight * rarefaction * width * gauss_ray[1, k]
-                _source_weights(j, on_face, row, source, w, weights)
-                _scatter(target, flat, i_panel, j_panel, eta_size, xi_basis, eta_basis)
-                if not on_face:
-                    _source_weights(j, on_face, row, straight, w, weights)
+                xi, eta = spheroidal(x * x + y * y, height + s * direction[2])
+                i_panel, j_panel = interpolate(xi, eta, mesh, xi_basis[k], eta_basis[k])
+                panels[k, 0], panels[k, 1] = i_panel, j_panel
+                places[k] = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
+                temperatures[k] = 1.0
+                if not linear:
+                    temperatures[k] += _value(
+                        excess, i_panel, j_panel, eta_size, xi_basis[k], eta_basis[k]
+                    )
+                frequencies[k] = rarefaction * temperatures[k] ** exponent
+            source[1] = direction[2] if below else -direction[2]
+            for k in range(points):
+                reached = depth
+                for m in range(points):
+                    reached += width * inside[k, m] * frequencies[m]
+                maxwellian_integrals(reached, temperatures[k], table, scale, j)
+                source[0] = places[k]
+                w = weight * frequencies[k] * width * gauss_ray[1, k]
+                _source_weights(
+                    j, 0, on_face, row, source, theta, temperatures[k], w, weights
+                )
+                _scatter(
+                    target, flat, panels[k, 0], panels[k, 1], eta_size, xi_basis[k], eta_basis[k]
+                )
+                if linear and not on_face:
+                    _source_weights(j, 0, on_face, row, straight, 1.0, 1.0, w, weights)
                     uniform += weights
-        if not on_face and length < LARGEST_DEPTH * optical_scale * _SHORTENED:
-            speed_integrals(rarefaction * length, table, scale, j)
-            _tail_weights(j, row, straight, weight, weights)
+            for m in range(points):
+                depth += width * gauss_ray[1, m] * frequencies[m]
+        if linear and not on_face and depth < LARGEST_DEPTH:
+            # what uniform fields would bring from beyond the end of the ray
+            maxwellian_integrals(depth, 1.0, table, scale, j)
+            _source_weights(j, 1, on_face, row, straight, 1.0, 1.0, weight, weights)
             uniform += weights
-    if not on_face:
+    if linear and not on_face:
         _conserve(uniform, radial_scale, own[i], correction)
 
 
 @njit(cache=True)
-def _wall(j, row, upwards, weight, eta, mesh, eta_basis, walls):
+def _wall(j, row, upwards, theta, weight, eta, mesh, eta_basis, walls):
     """Add what a face emits towards a node: σ by its nodes on the face, the rest uniform."""
     edges, nodes, inverse = mesh[2], mesh[3], mesh[4]
     order = nodes.size
@@ -223,15 +250,9 @@ def _wall(j, row, upwards, weight, eta, mesh, eta_basis, walls):
     out = np.empty(FIELDS)
     for kind in range(EMISSIONS):
         w = weight * upwards if kind == 2 else weight
-        _moments(
-            _emitted(j, 1, kind),
-            _emitted(j, 2, kind),
-            _emitted(j, 3, kind),
-            _emitted(j, 4, kind),
-            row,
-            w,
-            out,
-        )
+        power_0, power_1 = _emitted(j, 1, kind), _emitted(j, 2, kind)
+        power_2, power_3 = _emitted(j, 3, kind), _emitted(j, 4, kind)
+        _moments(power_0, power_1, power_2, power_3, row, theta, w, out)
         for m in range(FIELDS):
             if kind == 0:
                 for a in range(order):
@@ -241,15 +262,16 @@ def _wall(j, row, upwards, weight, eta, mesh, eta_basis, walls):
 
 
 @njit(cache=True, parallel=True)
-def assemble_nodes(points, rarefaction, setup, mesh, own, other, reflected, walls, corrections):
+def assemble_nodes(points, state, setup, mesh, own, other, reflected, walls, corrections):
     """Rows of all nodes.
 
     Parameters
     ----------
     points : array, shape (n, 3)
         Radius, height and √(1−η²) of the nodes.
-    rarefaction : float
-        δ [1].
+    state : tuple
+        δ [1], exponent of the collision frequency in θ, θ − 1 at the nodes, θ of the face, and
+        whether all of them are 1.
     setup, mesh : tuple
         Quadratures and tables; panels.
     own, other, reflected : array, shape (n, n, 36)
@@ -257,14 +279,14 @@ def assemble_nodes(points, rarefaction, setup, mesh, own, other, reflected, wall
     walls : array, shape (n, e + 2, 6)
         Zeros, filled: σ at the nodes of the face, then its temperature and its velocity.
     corrections : array, shape (n, 6, 6)
-        Filled: what was added to a node's own weights, field × moment.
+        Filled where θ is 1: what was added to a node's own weights, field × moment.
     """
     for i in prange(points.shape[0]):
         _row(
             i,
             points[i],
             False,
-            rarefaction,
+            state,
             setup,
             mesh,
             own[i],
@@ -276,8 +298,8 @@ def assemble_nodes(points, rarefaction, setup, mesh, own, other, reflected, wall
 
 
 @njit(cache=True, parallel=True)
-def assemble_face(points, rarefaction, setup, mesh, rows):
+def assemble_face(points, state, setup, mesh, rows):
     """Fluxes that arrive at the nodes of a face, shape (e, n, 18): 3 × field + flux."""
     for i in prange(points.shape[0]):
         nothing = np.empty((0, FIELDS))
-        _row(i, points[i], True, rarefaction, setup, mesh, rows[i], rows[i], rows[i], nothing, nothing)
+        _row(i, points[i], True, state, setup, mesh, rows[i], rows[i], rows[i], nothing, nothing)

@@ -13,8 +13,14 @@ from scipy.linalg import lu_solve
 from lightflyer.errors import ConvergenceError
 from lightflyer.kinetic import nonlinear_kernel
 from lightflyer.kinetic.linear import FaceResult, LinearSystem
-from lightflyer.kinetic.mesh import gauss
-from lightflyer.kinetic.operators import Quadrature, face_points, kernel_arguments, node_points
+from lightflyer.kinetic.operators import (
+    BaseState,
+    Quadrature,
+    assemble,
+    face_points,
+    kernel_arguments,
+    node_points,
+)
 
 _SQRT_PI = np.sqrt(np.pi)
 _MOST_ITERATIONS = 60
@@ -46,8 +52,8 @@ class NonlinearProblem:
         self.system, self.rarefaction = system, rarefaction
         gas, mesh = system.gas, system.operators.mesh
         setup, panels = kernel_arguments(mesh, rarefaction, quadrature)
-        inside = _partial_integrals(quadrature.ray)
-        self.arguments = (rarefaction, (*setup[:4], inside, *setup[4:]), panels)
+        self.arguments = (rarefaction, setup, panels)
+        self.quadrature = quadrature
         self.gas = (
             0.8 * (1.0 - gas.translational_rate),
             2.0 * (1.0 - gas.rotational_rate),
@@ -56,6 +62,7 @@ class NonlinearProblem:
             gas.has_rotation,
         )
         self.nodes, self.faces = node_points(mesh), face_points(mesh)
+        self.factors = system.factors
 
     def _half(self, fields: np.ndarray, face: int, sigma: np.ndarray, disk: HotDisk) -> tuple:
         return (
@@ -82,8 +89,22 @@ class NonlinearProblem:
             nonlinear_kernel.evaluate_nodes(
                 self.nodes, *self.arguments, self.gas, half, result[face]
             )
-            result[face] += _with_pressure(self.system.corrected(_with_density(fields[face])))
+            result[face] += self.system.corrected(fields[face])
         return result
+
+    def precondition_about(self, fields: np.ndarray, disk: HotDisk) -> None:
+        """Precondition by the equation linearised about the temperatures of given fields."""
+        operators = self.system.operators
+        gas = self.system.gas
+        base = BaseState(
+            excess=0.5 * (fields[0, :, 3] + fields[1, :, 3]),
+            face=0.5 * sum(disk.temperature),
+            frequency_exponent=-1.0 - gas.viscosity_exponent,
+        )
+        about = assemble(operators.mesh, self.rarefaction, self.quadrature, base)
+        diagonal = np.arange(operators.mesh.size)
+        about.own[diagonal, diagonal] += operators.corrections
+        self.factors = LinearSystem(about, gas, self.system.mean_tac).factors
 
     def solve(
         self,
@@ -113,7 +134,8 @@ class NonlinearProblem:
         ConvergenceError
             With the last residual.
         """
-        fields = _with_pressure(start)
+        self.precondition_about(start, disk)
+        fields = start
         steps: list[np.ndarray] = []
         states: list[np.ndarray] = []
         residual = np.inf
@@ -136,13 +158,12 @@ class NonlinearProblem:
         )
 
     def _precondition(self, residual: np.ndarray) -> np.ndarray:
-        residual = _with_density(residual)
         parts = 0.5 * (residual[0] + residual[1]), 0.5 * (residual[0] - residual[1])
         even, odd = (
             lu_solve(factor, part.ravel(), check_finite=False).reshape(part.shape)
-            for factor, part in zip(self.system.factors, parts, strict=True)
+            for factor, part in zip(self.factors, parts, strict=True)
         )
-        return _with_pressure(np.stack([even + odd, even - odd]))
+        return np.stack([even + odd, even - odd])
 
     def face_result(self, fields: np.ndarray, face: int, disk: HotDisk) -> FaceResult:
         """Normal pressure on a face and heat flux out of it, less those of the gas at rest."""
@@ -157,20 +178,6 @@ class NonlinearProblem:
         return FaceResult(2.0 * pressure, heat)
 
 
-def _with_pressure(fields: np.ndarray) -> np.ndarray:
-    """Linear fields with the pressure in place of the density."""
-    changed = fields.copy()
-    changed[..., 0] += fields[..., 3]
-    return changed
-
-
-def _with_density(fields: np.ndarray) -> np.ndarray:
-    """The inverse of :func:`_with_pressure`."""
-    changed = fields.copy()
-    changed[..., 0] -= fields[..., 3]
-    return changed
-
-
 def _damped(old: np.ndarray, new: np.ndarray) -> np.ndarray:
     """As far towards new fields as pressure and temperature lose no more than half of theirs."""
     share = 1.0
@@ -183,15 +190,6 @@ def _damped(old: np.ndarray, new: np.ndarray) -> np.ndarray:
 def _emitted_density(arriving: np.ndarray, temperature: float) -> np.ndarray:
     """σ of a face at which as many molecules leave as arrive, shape (e,)."""
     return (1.0 + 2.0 * _SQRT_PI * arriving[:, 0]) / np.sqrt(temperature)
-
-
-def _partial_integrals(order: int) -> np.ndarray:
-    """Weights of ∫ from 0 to each Gauss node of the interpolant at the nodes, shape (m, m)."""
-    nodes = gauss(order)[0]
-    powers = np.arange(order)
-    vandermonde = nodes[:, None] ** powers
-    integrals = nodes[:, None] ** (powers + 1) / (powers + 1)
-    return np.ascontiguousarray(np.linalg.solve(vandermonde.T, integrals.T).T)
 
 
 def _anderson(states: list[np.ndarray], steps: list[np.ndarray]) -> np.ndarray:

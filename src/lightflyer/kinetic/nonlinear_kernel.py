@@ -17,35 +17,19 @@ from lightflyer.kinetic.directions import node_directions
 from lightflyer.kinetic.linear_kernel import MOST_DIRECTIONS, NORMALISATION
 from lightflyer.kinetic.rays import (
     MOST_CUTS,
+    REACH,
     cut_ray,
     exit_length,
     interpolate,
     lagrange,
+    maxwellian_integrals,
     panel_of,
     spheroidal,
-    speed_integrals,
 )
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
 _POWERS = 4  # of the speed, 2 to 5, in what a ray brings; two more for rotational energy
-_LONGEST = 1.6  # ray length over that of the largest depth, for hot gas is thin
-_SHORTENED = 0.999999
 LOWEST = 0.1  # temperature that an iterate may take between nodes; solutions stay above 1
-
-
-@njit(cache=True)
-def _speed_integrals(depth, temperature, table, scale, values):
-    """Fill θ^((p−2)/2) J_p(depth/√θ): speed integrals of a Maxwellian of temperature θ."""
-    root = np.sqrt(temperature)
-    reduced = depth / root
-    if reduced >= _SHORTENED * LARGEST_DEPTH:
-        values[:] = 0.0
-        return
-    speed_integrals(reduced, table, scale, values)
-    factor = 1.0 / root
-    for p in range(NUMBER):
-        values[p] *= factor
-        factor *= root
 
 
 @njit(cache=True)
@@ -137,7 +121,7 @@ def _ray(point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, ga
             density = _on_face(sigma, eta, mesh, eta_basis)
             _add_wall(brought, density, wall, tac, depth, table, scale, hot, cold)
             share = 1.0 - tac
-            if share <= 0.0:
+            if share == 0.0:
                 return
         fields = other if below and not disk else own
         for k in range(points):
@@ -154,8 +138,8 @@ def _ray(point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, ga
             for m in range(points):
                 reached += width * inside[k, m] * frequency[m]
             theta = _local_source(states[k], gas, radial[k], vertical, coefficients)
-            _speed_integrals(reached, theta, table, scale, hot)
-            _speed_integrals(reached, 1.0, table, scale, cold)
+            maxwellian_integrals(reached, theta, table, scale, hot)
+            maxwellian_integrals(reached, 1.0, table, scale, cold)
             w = share * width * gauss_ray[1, k] * frequency[k]
             _add_piece(brought, w, hot, cold, coefficients, gas[4])
         for m in range(points):
@@ -179,8 +163,8 @@ def _on_face(values, eta, mesh, eta_basis):
 @njit(cache=True)
 def _add_wall(brought, density, temperature, tac, depth, table, scale, hot, cold):
     """Add what a face emits diffusely, less what the gas at rest would."""
-    _speed_integrals(depth, temperature, table, scale, hot)
-    _speed_integrals(depth, 1.0, table, scale, cold)
+    maxwellian_integrals(depth, temperature, table, scale, hot)
+    maxwellian_integrals(depth, 1.0, table, scale, cold)
     for k in range(_POWERS):
         brought[k] += tac * (density * hot[k + 1] - cold[k + 1])
     for k in range(2):
@@ -196,7 +180,7 @@ def _collect(point, on_face, rarefaction, setup, mesh, gas, half, out):
     count = node_directions(radius, height, layer, gauss_height, gauss_azimuth, directions)
     cuts, brought = np.empty(MOST_CUTS), np.empty(_POWERS + 2)
     optical_scale = 1.0 / rarefaction
-    longest = _LONGEST * LARGEST_DEPTH * optical_scale
+    longest = REACH * LARGEST_DEPTH * optical_scale
     out[:] = 0.0
     for d in range(count):
         direction = directions[d]

@@ -21,13 +21,14 @@ class Quadrature:
 
 
 def kernel_arguments(mesh: Mesh, rarefaction: float, quadrature: Quadrature) -> tuple:
-    """Quadratures, tables and panels as the compiled kernels take them."""
+    """Quadratures and tables, and panels, as the compiled kernels take them."""
     table, scale = spline_table()
     setup = (
         min(_LAYER, _LAYER / rarefaction),
         np.array(gauss(quadrature.height)),
         np.array(gauss(quadrature.azimuth)),
         np.array(gauss(quadrature.ray)),
+        _partial_integrals(quadrature.ray),
         table,
         scale,
     )
@@ -42,6 +43,34 @@ def kernel_arguments(mesh: Mesh, rarefaction: float, quadrature: Quadrature) -> 
         float(mesh.boundary),
     )
     return setup, panels
+
+
+def _partial_integrals(order: int) -> np.ndarray:
+    """Weights of ∫ from 0 to each Gauss node of the interpolant at the nodes, shape (m, m)."""
+    nodes = gauss(order)[0]
+    powers = np.arange(order)
+    vandermonde = nodes[:, None] ** powers
+    integrals = nodes[:, None] ** (powers + 1) / (powers + 1)
+    return np.ascontiguousarray(np.linalg.solve(vandermonde.T, integrals.T).T)
+
+
+@dataclass(frozen=True)
+class BaseState:
+    """The gas at rest about which the equation is linearised, by default that far away.
+
+    Attributes
+    ----------
+    excess : array, shape (n,), or None
+        θ − 1 at the nodes of a half, the same in both.
+    face : float
+        θ of the faces.
+    frequency_exponent : float
+        Of the collision frequency in θ, at uniform pressure.
+    """
+
+    excess: np.ndarray | None = None
+    face: float = 1.0
+    frequency_exponent: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -62,6 +91,10 @@ class Operators:
     corrections : array, shape (n, 6, 6)
         What was added to each node's own weights, field and moment, so that uniform fields are
         exact.
+    theta : array, shape (n,)
+        Temperature about which the equation is linearised.
+    face_theta : float
+        That of the faces.
     """
 
     mesh: Mesh
@@ -73,6 +106,8 @@ class Operators:
     velocity: np.ndarray
     fluxes: np.ndarray
     corrections: np.ndarray
+    theta: np.ndarray
+    face_theta: float
 
 
 def node_points(mesh: Mesh) -> np.ndarray:
@@ -86,19 +121,38 @@ def face_points(mesh: Mesh) -> np.ndarray:
     return np.stack([mesh.face_radius, zero, zero + 1.0], axis=1)
 
 
-def assemble(mesh: Mesh, rarefaction: float, quadrature: Quadrature) -> Operators:
-    """Trace all rays of a mesh at a rarefaction δ and return the linear operators."""
-    arguments = kernel_arguments(mesh, rarefaction, quadrature)
+def assemble(
+    mesh: Mesh, rarefaction: float, quadrature: Quadrature, base: BaseState | None = None
+) -> Operators:
+    """Trace all rays of a mesh and return the linear operators.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    rarefaction : float
+        δ of the gas far away.
+    quadrature : Quadrature
+    base : BaseState, optional
+        Where given, nothing is corrected: ``corrections`` are zero.
+
+    Returns
+    -------
+    Operators
+    """
+    setup, panels = kernel_arguments(mesh, rarefaction, quadrature)
     n, e = mesh.size, mesh.eta.size
+    base = base or BaseState()
+    linear = base.excess is None
+    excess = np.zeros(n) if base.excess is None else np.ascontiguousarray(base.excess)
+    state = (rarefaction, base.frequency_exponent, excess, base.face, linear)
     own, other, reflected = (np.zeros((n, n, 36)) for _ in range(3))
     walls = np.zeros((n, e + linear_kernel.EMISSIONS - 1, linear_kernel.FIELDS))
-    points = node_points(mesh)
     corrections = np.zeros((n, linear_kernel.FIELDS, linear_kernel.FIELDS))
     linear_kernel.assemble_nodes(
-        points, rarefaction, *arguments, own, other, reflected, walls, corrections
+        node_points(mesh), state, setup, panels, own, other, reflected, walls, corrections
     )
     fluxes = np.zeros((e, n, linear_kernel.FIELDS * linear_kernel.FLUXES))
-    linear_kernel.assemble_face(face_points(mesh), rarefaction, *arguments, fluxes)
+    linear_kernel.assemble_face(face_points(mesh), state, setup, panels, fluxes)
     return Operators(
         mesh,
         *(matrix.reshape(n, n, 6, 6) for matrix in (own, other, reflected)),
@@ -107,6 +161,6 @@ def assemble(mesh: Mesh, rarefaction: float, quadrature: Quadrature) -> Operator
         velocity=walls[:, e + 1],
         fluxes=fluxes.reshape(e, n, 6, 3),
         corrections=corrections,
+        theta=1.0 + excess,
+        face_theta=base.face,
     )
-
-

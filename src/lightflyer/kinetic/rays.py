@@ -10,11 +10,15 @@ import numpy as np
 from numba import njit
 
 from lightflyer.kinetic.mesh import CYLINDER, DECAYING, INVERSE, LINEAR
-from lightflyer.kinetic.speed_integrals import NUMBER
+from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
 # optical depths at which a ray is cut, so that each piece is smooth enough for Gauss's rule
 DEPTH_CUTS = np.array([0.1, 0.5, 1.5, 3.3, 6.0, 10.0, 16.0, 25.0, 40.0])
 MOST_CUTS = 160
+REACH = 1.6
+"""Longest ray over the length of the largest optical depth far away: hot gas is thinner."""
+
+_SHORTENED = 0.999999  # keeps the largest depth inside the table
 
 
 @njit(cache=True)
@@ -204,3 +208,18 @@ def speed_integrals(depth, table, scale, values):
     row = table[cell]
     for p in range(NUMBER):
         values[p] = ((row[0, p] * t + row[1, p]) * t + row[2, p]) * t + row[3, p]
+
+
+@njit(cache=True)
+def maxwellian_integrals(depth, temperature, table, scale, values):
+    """Fill θ^((p−2)/2) J_p(depth/√θ): speed integrals of a Maxwellian of temperature θ."""
+    root = np.sqrt(temperature)
+    reduced = depth / root
+    if reduced >= _SHORTENED * LARGEST_DEPTH:
+        values[:] = 0.0
+        return
+    speed_integrals(reduced, table, scale, values)
+    factor = 1.0 / root
+    for p in range(NUMBER):
+        values[p] *= factor
+        factor *= root

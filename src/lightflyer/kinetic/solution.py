@@ -18,6 +18,11 @@ SMALLEST_ERROR = 2e-5
 """Error of force and heat ratios that refinement of quadratures alone still shows."""
 
 
+_DENSE = 5.0  # δ above which a very hot disk is approached in steps
+_LARGEST_STEP = 0.75  # of T_h/T_c
+_LOOSE = 1e-2  # tolerance of fields on the way
+
+
 @dataclass(frozen=True)
 class Resolution:
     """Nodes per panel, refinement of the panels and numbers of Gauss nodes."""
@@ -135,8 +140,9 @@ def solve_case(
     else:
         problem = NonlinearProblem(system, case.rarefaction, resolution.quadrature)
         disk = HotDisk(case.tac, case.temperature)
-        begin = fields if start is None else start
-        fields, iterations = problem.solve(disk, begin, tolerance, progress)
+        if start is None:
+            start = _approach(problem, disk, fields)
+        fields, iterations = problem.solve(disk, start, tolerance, progress)
         faces = [problem.face_result(fields, face, disk) for face in (0, 1)]
     force, heat = _totals(mesh, faces)
     if not np.isfinite(force):
@@ -146,6 +152,22 @@ def solve_case(
 
 def _excess(temperature: tuple[float, float]) -> tuple[float, float]:
     return temperature[0] - 1.0, temperature[1] - 1.0
+
+
+def _approach(problem: NonlinearProblem, disk: HotDisk, fields: np.ndarray) -> np.ndarray:
+    """Fields to start from, by way of less hot disks where gas is dense and the disk hot."""
+    hottest = max(disk.temperature)
+    stages = int(np.ceil((hottest - 1.0) / _LARGEST_STEP)) if _is_dense(problem) else 1
+    for stage in range(1, stages):
+        share = stage / stages
+        top, bottom = (1.0 + share * (value - 1.0) for value in disk.temperature)
+        before = fields * (share if stage == 1 else stage / (stage - 1))
+        fields = problem.solve(HotDisk(disk.tac, (top, bottom)), before, _LOOSE)[0]
+    return fields if stages == 1 else fields * stages / (stages - 1)
+
+
+def _is_dense(problem: NonlinearProblem) -> bool:
+    return problem.rarefaction > _DENSE
 
 
 def _totals(mesh: Mesh, faces: list[FaceResult]) -> tuple[float, tuple[float, float]]:

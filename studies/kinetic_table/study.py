@@ -49,9 +49,10 @@ def measure(point: Point) -> dict[str, float]:
     """Solve a point on two meshes: ratios to free-molecular values and their errors."""
     from lightflyer.kinetic.solution import COARSE, FINE, MEDIUM, solve_case
 
-    linear_table = point.ratio == 1.0 and point.tac != BOUNDARY_TAC
-    levels = (FINE, MEDIUM) if linear_table and point.knudsen < THIN else (MEDIUM, COARSE)
-    if point.ratio > 1.0 and point.tac != CHECKED_TAC:
+    levels = (FINE, MEDIUM) if point.ratio == 1.0 and point.knudsen < THIN else (MEDIUM, COARSE)
+    if point.tac == BOUNDARY_TAC:
+        levels = (MEDIUM,)
+    elif point.ratio > 1.0 and point.tac != CHECKED_TAC:
         levels = levels[1:] if point.knudsen > THIN else levels[:1]
     found = [ratios(point, solve_case(case(point), level)) for level in levels]
     errors = {f"{name}_error": abs(found[0][name] - found[-1][name]) for name in found[0]}

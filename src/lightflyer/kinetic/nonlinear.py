@@ -25,6 +25,7 @@ from lightflyer.kinetic.operators import (
 _SQRT_PI = np.sqrt(np.pi)
 _MOST_ITERATIONS = 60
 _MEMORY = 8
+_THIN = 1.0  # δ below which the linear problem's own factors precondition as well
 
 
 @dataclass(frozen=True)
@@ -134,7 +135,8 @@ class NonlinearProblem:
         ConvergenceError
             With the last residual.
         """
-        self.precondition_about(start, disk)
+        if self.rarefaction > _THIN:
+            self.precondition_about(start, disk)
         fields = start
         steps: list[np.ndarray] = []
         states: list[np.ndarray] = []

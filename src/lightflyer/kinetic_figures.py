@@ -33,7 +33,13 @@ def flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
     ax.figure.colorbar(filled, ax=ax, label=f"{label} [1]")
     outwards = fields["velocity_radial"] * np.sign(x)[None, :]
     ax.streamplot(
-        x, x, outwards, fields["velocity_axial"], color="white", linewidth=0.6, density=1.3,
+        x,
+        x,
+        outwards,
+        fields["velocity_axial"],
+        color="white",
+        linewidth=0.6,
+        density=1.3,
         arrowsize=0.7,
     )
     ax.plot([-1.0, 1.0], [0.0, 0.0], color="white", linewidth=3.0, solid_capstyle="butt")

@@ -35,7 +35,9 @@ TAC = (0.6, 0.8, 1.0)
 BOUNDARIES = (2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0)
 COARSEST = Resolution(3, 0.7, Quadrature(3, 4, 3))  # within 1e-4 of the finest in thin gas
 THIN = 0.3  # Knudsen number above which the medium mesh does
-CHECKED_TAC = 0.8  # of the non-linear points that are solved on two meshes; others share their error
+CHECKED_TAC = (
+    0.8  # of the non-linear points that are solved on two meshes; others share their error
+)
 BOUNDARY_TAC = 0.85
 TAC_DIFFERENCE = 0.1  # of the two faces: force and heat are odd and even in it
 

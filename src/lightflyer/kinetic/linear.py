@@ -176,8 +176,10 @@ class LinearSystem:
         return moments
 
     def arriving(self, fields: np.ndarray) -> np.ndarray:
-        """Fluxes that arrive at a face's nodes, shape (e, 3 or 4): number, momentum, energy and
-        rotational energy."""
+        """Fluxes that arrive at a face's nodes, shape (e, 3 or 4).
+
+        Number, momentum, energy and, with rotation, rotational energy.
+        """
         translation, rotation = self._sources()
         fluxes = self.operators.fluxes
         arriving = np.einsum("ejsk,sf,jf->ek", fluxes, translation, fields, optimize=True)
@@ -217,9 +219,7 @@ class FaceResult:
     heat: np.ndarray
 
 
-def face_result(
-    system: LinearSystem, walls: Walls, fields: np.ndarray, face: int
-) -> FaceResult:
+def face_result(system: LinearSystem, walls: Walls, fields: np.ndarray, face: int) -> FaceResult:
     """Normal pressure on a face and heat flux out of it.
 
     Parameters
@@ -242,9 +242,7 @@ def face_result(
     sigma = 2.0 * _SQRT_PI * number + _SQRT_PI * velocity
     moved = (4.0 - 2.0 * tac) * velocity
     pressure = (
-        tac * (sigma / 4.0 + temperature / 8.0)
-        + moved / (2.0 * _SQRT_PI)
-        + (2.0 - tac) * momentum
+        tac * (sigma / 4.0 + temperature / 8.0) + moved / (2.0 * _SQRT_PI) + (2.0 - tac) * momentum
     )
     heat = tac * ((sigma + temperature) / _SQRT_PI - energy) + 0.625 * moved - 2.5 * velocity
     if system.gas.has_rotation:

@@ -17,6 +17,7 @@ from lightflyer.kinetic.directions import node_directions
 from lightflyer.kinetic.rays import (
     MOST_CUTS,
     REACH,
+    SHORTEST,
     cut_ray,
     exit_length,
     interpolate,
@@ -145,103 +146,129 @@ def _value(values, i, j, eta_size, xi_basis, eta_basis):
 
 
 @njit(cache=True)
-def _row(i, point, on_face, state, setup, mesh, own, other, reflected, walls, correction):
-    """Fill one row: weights of the own half's fields, the other half's and after reflection."""
-    rarefaction, exponent, excess, wall, linear = state
-    layer, gauss_height, gauss_azimuth, gauss_ray, inside, table, scale = setup
-    xi_edges, _, eta_edges, nodes, _, boundary = mesh
-    radius, height, radial_scale = point
-    order, points = nodes.size, gauss_ray.shape[1]
-    eta_size = (eta_edges.size - 1) * order
-    outputs = FLUXES if on_face else FIELDS
-    directions = np.empty((MOST_DIRECTIONS, 4))
-    count = node_directions(radius, height, layer, gauss_height, gauss_azimuth, directions)
-    cuts, j = np.empty(MOST_CUTS), np.empty(NUMBER)
-    xi_basis, eta_basis = np.empty((points, order)), np.empty((points, order))
-    panels, places = np.empty((points, 2), np.int64), np.empty(points)
-    temperatures, frequencies = np.empty(points), np.empty(points)
-    row, source, straight = np.empty(2), np.empty(2), np.empty(2)
-    weights = np.empty((FIELDS, outputs))
-    flat = weights.ravel()
-    uniform = np.zeros((FIELDS, outputs))
-    optical_scale = 1.0 / rarefaction
-    theta = 1.0 if on_face else 1.0 + excess[i]
-    for d in range(count):
-        direction = directions[d]
-        row[0], row[1] = -direction[0] / radial_scale, -direction[2]
-        if on_face:
-            row[1] = direction[2]
-        straight[0], straight[1] = -direction[0], -direction[2]
-        weight = NORMALISATION * direction[3]
-        length = min(
-            REACH * LARGEST_DEPTH * optical_scale,
-            exit_length(radius, height, direction, boundary),
-        )
-        number, hit = cut_ray(
-            radius, height, direction, length, optical_scale, xi_edges, eta_edges, cuts
-        )
-        reach = radius + hit * direction[0] if hit < length else np.inf
-        disk = hit < length and reach * reach + (hit * direction[1]) ** 2 < 1.0
-        depth, unseen = 0.0, True
-        for piece in range(number - 1):
-            start, width = cuts[piece], cuts[piece + 1] - cuts[piece]
-            if width < 1e-13:
-                continue
-            if depth >= LARGEST_DEPTH:
-                break
-            below = start >= hit
-            target = own
-            if below:
-                target = reflected if disk else other
-            if below and disk and unseen:
-                unseen = False
-                maxwellian_integrals(depth, wall, table, scale, j)
-                place = np.sqrt(1.0 - reach * reach - (hit * direction[1]) ** 2)
-                _wall(j, row, -direction[2], theta, weight, place, mesh, eta_basis[0], walls)
-            for k in range(points):
-                s = start + width * gauss_ray[0, k]
-                x, y = radius + s * direction[0], s * direction[1]
-                xi, eta = spheroidal(x * x + y * y, height + s * direction[2])
-                i_panel, j_panel = interpolate(xi, eta, mesh, xi_basis[k], eta_basis[k])
-                panels[k, 0], panels[k, 1] = i_panel, j_panel
-                places[k] = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
-                temperatures[k] = 1.0
-                if not linear:
-                    temperatures[k] += _value(
-                        excess, i_panel, j_panel, eta_size, xi_basis[k], eta_basis[k]
-                    )
-                frequencies[k] = rarefaction * temperatures[k] ** exponent
-            source[1] = direction[2] if below else -direction[2]
-            for k in range(points):
-                reached = depth
-                for m in range(points):
-                    reached += width * inside[k, m] * frequencies[m]
-                maxwellian_integrals(reached, temperatures[k], table, scale, j)
-                source[0] = places[k]
-                w = weight * frequencies[k] * width * gauss_ray[1, k]
-                _source_weights(
-                    j, 0, on_face, row, source, theta, temperatures[k], w, weights
-                )
-                _scatter(
-                    target, flat, panels[k, 0], panels[k, 1], eta_size, xi_basis[k], eta_basis[k]
-                )
-                if linear and not on_face:
-                    _source_weights(j, 0, on_face, row, straight, 1.0, 1.0, w, weights)
-                    uniform += weights
-            for m in range(points):
-                depth += width * gauss_ray[1, m] * frequencies[m]
-        if linear and not on_face and depth < LARGEST_DEPTH:
-            # what uniform fields would bring from beyond the end of the ray
-            maxwellian_integrals(depth, 1.0, table, scale, j)
-            _source_weights(j, 1, on_face, row, straight, 1.0, 1.0, weight, weights)
-            uniform += weights
-    if linear and not on_face:
-        _conserve(uniform, radial_scale, own[i], correction)
+def _locate(point, direction, start, width, state, setup, mesh, scratch):
+    """Find where the points of one piece of a ray lie and how often molecules collide there."""
+    rarefaction, exponent, excess, _, linear = state
+    gauss_ray = setup[3]
+    xi_basis, eta_basis, panels, radial, temperatures, frequencies = scratch
+    eta_size = (mesh[2].size - 1) * mesh[3].size
+    for k in range(gauss_ray.shape[1]):
+        s = start + width * gauss_ray[0, k]
+        x, y = point[0] + s * direction[0], s * direction[1]
+        xi, eta = spheroidal(x * x + y * y, point[1] + s * direction[2])
+        i, j = interpolate(xi, eta, mesh, xi_basis[k], eta_basis[k])
+        panels[k, 0], panels[k, 1] = i, j
+        radial[k] = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
+        temperatures[k] = 1.0
+        if not linear:
+            temperatures[k] += _value(excess, i, j, eta_size, xi_basis[k], eta_basis[k])
+        frequencies[k] = rarefaction * temperatures[k] ** exponent
 
 
 @njit(cache=True)
-def _wall(j, row, upwards, theta, weight, eta, mesh, eta_basis, walls):
+def _add_piece(depth, width, below, seen, state, setup, mesh, scratch, target, out):
+    """Add the points of one piece to a row; returns the optical depth at the piece's end."""
+    on_face, row, straight, theta, weight = seen
+    linear = state[4]
+    gauss_ray, inside, table, scale = setup[3:]
+    xi_basis, eta_basis, panels, radial, temperatures, frequencies = scratch
+    j, source, weights, uniform = out
+    eta_size = (mesh[2].size - 1) * mesh[3].size
+    flat = weights.ravel()
+    source[1] = -straight[1] if below else straight[1]
+    end = depth
+    for k in range(gauss_ray.shape[1]):
+        reached = depth
+        for m in range(gauss_ray.shape[1]):
+            reached += width * inside[k, m] * frequencies[m]
+        maxwellian_integrals(reached, temperatures[k], table, scale, j)
+        source[0] = radial[k]
+        w = weight * frequencies[k] * width * gauss_ray[1, k]
+        _source_weights(j, 0, on_face, row, source, theta, temperatures[k], w, weights)
+        _scatter(target, flat, panels[k, 0], panels[k, 1], eta_size, xi_basis[k], eta_basis[k])
+        if linear and not on_face:
+            _source_weights(j, 0, on_face, row, straight, 1.0, 1.0, w, weights)
+            uniform += weights
+        end += width * gauss_ray[1, k] * frequencies[k]
+    return end
+
+
+@njit(cache=True)
+def _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, walls):
+    """Add one ray to a row; returns the optical depth at its end."""
+    table, scale = setup[5:]
+    radius, height = point[0], point[1]
+    length = min(REACH * LARGEST_DEPTH / state[0], exit_length(radius, height, direction, mesh[5]))
+    number, hit = cut_ray(radius, height, direction, length, 1.0 / state[0], mesh[0], mesh[2], cuts)
+    outside = 1.0
+    if hit < length:
+        outside = (radius + hit * direction[0]) ** 2 + (hit * direction[1]) ** 2
+    disk = outside < 1.0
+    depth, emitted = 0.0, False
+    for piece in range(number - 1):
+        start, width = cuts[piece], cuts[piece + 1] - cuts[piece]
+        if width < SHORTEST:
+            continue
+        if depth >= LARGEST_DEPTH:
+            break
+        below = start >= hit
+        if below and disk and not emitted:
+            emitted = True
+            maxwellian_integrals(depth, state[3], table, scale, out[0])
+            _wall(out[0], seen, np.sqrt(1.0 - outside), mesh, scratch[1][0], walls)
+        _locate(point, direction, start, width, state, setup, mesh, scratch)
+        target = 0
+        if below:
+            target = 2 if disk else 1
+        depth = _add_piece(
+            depth, width, below, seen, state, setup, mesh, scratch, rows[target], out
+        )
+    return depth
+
+
+@njit(cache=True)
+def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
+    """Fill one row: weights of the own half's fields, the other half's and after reflection."""
+    layer, gauss_height, gauss_azimuth, gauss_ray, _, table, scale = setup
+    order, points = mesh[3].size, gauss_ray.shape[1]
+    directions = np.empty((MOST_DIRECTIONS, 4))
+    count = node_directions(point[0], point[1], layer, gauss_height, gauss_azimuth, directions)
+    scratch = (
+        np.empty((points, order)),
+        np.empty((points, order)),
+        np.empty((points, 2), np.int64),
+        np.empty(points),
+        np.empty(points),
+        np.empty(points),
+    )
+    weights = np.empty((FIELDS, FLUXES if on_face else FIELDS))
+    uniform = np.zeros_like(weights)
+    j, cuts = np.empty(NUMBER), np.empty(MOST_CUTS)
+    out = (j, np.empty(2), weights, uniform)
+    row, straight = np.empty(2), np.empty(2)
+    corrected = state[4] and not on_face
+    theta = 1.0 if on_face else 1.0 + state[2][i]
+    for d in range(count):
+        direction = directions[d]
+        straight[0], straight[1] = -direction[0], -direction[2]
+        row[0] = straight[0] / point[2]
+        row[1] = direction[2] if on_face else straight[1]
+        weight = NORMALISATION * direction[3]
+        seen = (on_face, row, straight, theta, weight)
+        depth = _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, walls)
+        if corrected and depth < LARGEST_DEPTH:
+            # what uniform fields would bring from beyond the end of the ray
+            maxwellian_integrals(depth, 1.0, table, scale, j)
+            _source_weights(j, 1, False, row, straight, 1.0, 1.0, weight, weights)
+            uniform += weights
+    if corrected:
+        _conserve(uniform, point[2], rows[0][i], correction)
+
+
+@njit(cache=True)
+def _wall(j, seen, eta, mesh, eta_basis, walls):
     """Add what a face emits towards a node: σ by its nodes on the face, the rest uniform."""
+    _, row, straight, theta, weight = seen
     edges, nodes, inverse = mesh[2], mesh[3], mesh[4]
     order = nodes.size
     panel = panel_of(edges, eta)
@@ -249,7 +276,7 @@ def _wall(j, row, upwards, theta, weight, eta, mesh, eta_basis, walls):
     lagrange(nodes, inverse, v, eta_basis)
     out = np.empty(FIELDS)
     for kind in range(EMISSIONS):
-        w = weight * upwards if kind == 2 else weight
+        w = weight * straight[1] if kind == 2 else weight
         power_0, power_1 = _emitted(j, 1, kind), _emitted(j, 2, kind)
         power_2, power_3 = _emitted(j, 3, kind), _emitted(j, 4, kind)
         _moments(power_0, power_1, power_2, power_3, row, theta, w, out)
@@ -282,19 +309,8 @@ def assemble_nodes(points, state, setup, mesh, own, other, reflected, walls, cor
         Filled where θ is 1: what was added to a node's own weights, field × moment.
     """
     for i in prange(points.shape[0]):
-        _row(
-            i,
-            points[i],
-            False,
-            state,
-            setup,
-            mesh,
-            own[i],
-            other[i],
-            reflected[i],
-            walls[i],
-            corrections[i],
-        )
+        rows = (own[i], other[i], reflected[i])
+        _row(i, points[i], False, state, setup, mesh, rows, walls[i], corrections[i])
 
 
 @njit(cache=True, parallel=True)
@@ -302,4 +318,5 @@ def assemble_face(points, state, setup, mesh, rows):
     """Fluxes that arrive at the nodes of a face, shape (e, n, 18): 3 × field + flux."""
     for i in prange(points.shape[0]):
         nothing = np.empty((0, FIELDS))
-        _row(i, points[i], True, state, setup, mesh, rows[i], rows[i], rows[i], nothing, nothing)
+        same = (rows[i], rows[i], rows[i])
+        _row(i, points[i], True, state, setup, mesh, same, nothing, nothing)

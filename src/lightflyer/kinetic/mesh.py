@@ -154,7 +154,7 @@ def build_mesh(
     far = 0.6 * boundary if np.isfinite(boundary) else max(3.0, 3.0 / rarefaction)
     inner = min(1.0, 0.5 * boundary)
     near = _geometric(0.3 * layer / refinement, growth, inner)
-    steps = max(1, round(refinement * np.log(far / inner) / np.log(1.9)))
+    steps = max(1, int(np.ceil(refinement * np.log(far / inner) / np.log(1.9))))
     outer = list(inner * (far / inner) ** (np.arange(1, steps + 1) / steps))
     kinds = [LINEAR] * (len(near) - 1)
     if far > inner * 1.01:

@@ -4,8 +4,8 @@ The linear problem's factors, which contain all that is stiff, precondition the 
 it converges in about as many steps at any Knudsen number.
 """
 
-from dataclasses import dataclass
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import lu_solve

@@ -18,6 +18,7 @@ from lightflyer.kinetic.linear_kernel import MOST_DIRECTIONS, NORMALISATION
 from lightflyer.kinetic.rays import (
     MOST_CUTS,
     REACH,
+    SHORTEST,
     cut_ray,
     exit_length,
     interpolate,
@@ -112,7 +113,7 @@ def _ray(point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, ga
     depth, share = 0.0, 1.0
     for piece in range(number - 1):
         start, width = cuts[piece], cuts[piece + 1] - cuts[piece]
-        if width < 1e-13:
+        if width < SHORTEST:
             continue
         below = start >= hit
         if below and disk and share == 1.0:
@@ -175,7 +176,7 @@ def _add_wall(brought, density, temperature, tac, depth, table, scale, hot, cold
 def _collect(point, on_face, rarefaction, setup, mesh, gas, half, out):
     """Raw moments at a node, or fluxes at a face, summed over all directions."""
     layer, gauss_height, gauss_azimuth = setup[:3]
-    radius, height, radial_scale = point
+    radius, height = point[0], point[1]
     directions = np.empty((MOST_DIRECTIONS, 4))
     count = node_directions(radius, height, layer, gauss_height, gauss_azimuth, directions)
     cuts, brought = np.empty(MOST_CUTS), np.empty(_POWERS + 2)
@@ -266,7 +267,9 @@ def evaluate_nodes(points, rarefaction, setup, mesh, gas, half, fields):
 
 @njit(cache=True, parallel=True)
 def evaluate_face(points, rarefaction, setup, mesh, gas, half, fluxes):
-    """Fluxes that arrive at a face, less those of the gas at rest, shape (e, 4): number, normal
-    momentum, energy, rotational energy."""
+    """Fluxes that arrive at a face, less those of the gas at rest.
+
+    ``fluxes``, shape (e, 4), is filled with number, normal momentum, energy, rotational energy.
+    """
     for i in prange(points.shape[0]):
         _collect(points[i], True, rarefaction, setup, mesh, gas, half, fluxes[i])

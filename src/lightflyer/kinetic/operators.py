@@ -154,8 +154,10 @@ def assemble(
     fluxes = np.zeros((e, n, linear_kernel.FIELDS * linear_kernel.FLUXES))
     linear_kernel.assemble_face(face_points(mesh), state, setup, panels, fluxes)
     return Operators(
-        mesh,
-        *(matrix.reshape(n, n, 6, 6) for matrix in (own, other, reflected)),
+        mesh=mesh,
+        own=own.reshape(n, n, 6, 6),
+        other=other.reshape(n, n, 6, 6),
+        reflected=reflected.reshape(n, n, 6, 6),
         sigma=walls[:, :e],
         temperature=walls[:, e],
         velocity=walls[:, e + 1],

@@ -18,6 +18,9 @@ MOST_CUTS = 160
 REACH = 1.6
 """Longest ray over the length of the largest optical depth far away: hot gas is thinner."""
 
+SHORTEST = 1e-13
+"""Pieces of a ray shorter than this [disk radii] are where it crosses two edges at once."""
+
 _SHORTENED = 0.999999  # keeps the largest depth inside the table
 
 
@@ -193,9 +196,7 @@ def interpolate(xi, eta, mesh, xi_basis, eta_basis):
     if kind == DECAYING:
         for k in range(nodes.size):
             xi_basis[k] *= (1.0 - v) / (1.0 - nodes[k])
-    lagrange(
-        nodes, inverse, (eta - eta_edges[j]) / (eta_edges[j + 1] - eta_edges[j]), eta_basis
-    )
+    lagrange(nodes, inverse, (eta - eta_edges[j]) / (eta_edges[j + 1] - eta_edges[j]), eta_basis)
     return i, j
 
 

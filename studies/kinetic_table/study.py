@@ -1,7 +1,7 @@
 """Make the tables of the kinetic force that ship with the package.
 
 Run as ``python studies/kinetic_table/study.py [--processes 2] [--only PART]``. Each solved point
-is kept in ``points/`` and not solved again; the tables are written from what is there.
+becomes a line of ``points.jsonl`` and is not solved again; the tables are written from these lines.
 """
 
 import argparse
@@ -23,9 +23,10 @@ from lightflyer.kinetic.solution import (
     Resolution,
     solve_case,
 )
+from lightflyer.kinetic.solver import furthest_boundary
 
 FOLDER = Path(__file__).parent
-POINTS = FOLDER / "points"
+POINTS = FOLDER / "points.jsonl"
 DATA = FOLDER.parents[1] / "src" / "lightflyer" / "data"
 
 GASES = ("monatomic", "diatomic")
@@ -35,9 +36,7 @@ TAC = (0.6, 0.8, 1.0)
 BOUNDARIES = (2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0)
 COARSEST = Resolution(3, 0.7, Quadrature(3, 4, 3))  # within 1e-4 of the finest in thin gas
 THIN = 0.3  # Knudsen number above which the medium mesh does
-CHECKED_TAC = (
-    0.8  # of the non-linear points that are solved on two meshes; others share their error
-)
+CHECKED_TAC = 0.8  # of non-linear points solved on two meshes; others share their error
 BOUNDARY_TAC = 0.85
 TAC_DIFFERENCE = 0.1  # of the two faces: force and heat are odd and even in it
 
@@ -51,13 +50,6 @@ class Point:
     ratio: float
     tac: float
     boundary: float = np.inf
-
-    @property
-    def path(self) -> Path:
-        """Where its result is kept."""
-        return POINTS / (
-            f"{self.gas}-{self.knudsen:g}-{self.ratio:g}-{self.tac:g}-{self.boundary:g}.json"
-        )
 
 
 def measure(point: Point) -> dict[str, float]:
@@ -104,14 +96,24 @@ def ratios(point: Point, outcome: Outcome) -> dict[str, float]:
     }
 
 
-def solve_and_keep(point: Point) -> None:
-    """Solve a point unless it is kept already."""
-    if point.path.exists():
-        return
-    result = measure(point)
-    partial = point.path.with_suffix(".partial")
-    partial.write_text(json.dumps(asdict(point) | result, indent=1) + "\n")
-    partial.rename(point.path)
+Kept = dict[Point, dict[str, float]]
+
+
+def read_kept() -> Kept:
+    """The points solved so far."""
+    found: Kept = {}
+    if POINTS.exists():
+        for line in POINTS.read_text().splitlines():
+            place, result = json.loads(line)
+            found[Point(**place)] = result
+    return found
+
+
+def keep(point: Point, result: dict[str, float]) -> None:
+    """Append a solved point; one line is written at once."""
+    place = {k: v for k, v in asdict(point).items() if v != np.inf}
+    with POINTS.open("a") as file:
+        file.write(json.dumps([place, {k: float(v) for k, v in result.items()}]) + "\n")
 
 
 def points(part: str) -> list[Point]:
@@ -119,7 +121,13 @@ def points(part: str) -> list[Point]:
     if part == "boundary":
         mean = BOUNDARY_TAC
         places = (*BOUNDARIES, np.inf)
-        return [Point(g, k, 1.0, mean, d) for g in GASES for k in KNUDSEN for d in places]
+        return [
+            Point(g, k, 1.0, mean, d)
+            for k in KNUDSEN
+            for g in GASES
+            for d in places
+            if d <= furthest_boundary(k) or d == np.inf
+        ]
     chosen = [r for r in RATIOS if (r == 1.0) == (part == "linear")]
     return [
         Point(g, k, r, a) for k in reversed(KNUDSEN) for r in chosen for g in GASES for a in TAC
@@ -132,7 +140,7 @@ TABLE_COLUMNS = (
 )
 TABLE_COMMENTS = """\
 # Force and heat loss of a thin disk over their exact free-molecular values for Maxwell walls, in
-# open space, from the kinetic equation (lightflyer.kinetic); made by studies/kinetic_table/study.py.
+# open space, from the kinetic equation; made by studies/kinetic_table/study.py.
 # knudsen: mean free path (mu/p) sqrt(pi R T_c/2) over the diameter, in the gas far away;
 # temperature_ratio: T_h/T_c, where 1 is the linear limit; tac: mean of both faces.
 # force_ratio: F/F_fm for a small difference of the faces' TAC; a face's heat over its own
@@ -144,30 +152,29 @@ BOUNDARY_COMMENTS = f"""\
 # What a cold cylindrical reservoir of half-width and half-height `boundary` (disk radii) does to
 # force and heat loss of a thin disk: factors over open space, from the linear kinetic equation
 # (lightflyer.kinetic) at a mean TAC of {BOUNDARY_TAC}; made by studies/kinetic_table/study.py.
+# Further out than is resolved, the excess over 1 is taken to fall as 1/boundary.
 # knudsen: mean free path over the disk's diameter. Licence: MIT, as this package.
 """
 
 
-def kept(point: Point) -> dict[str, float] | None:
+def with_error(point: Point, found: Kept) -> dict[str, float] | None:
     """A point's result, if it is there; without an error of its own, that at the checked TAC."""
-    if not point.path.exists():
+    result = found.get(point)
+    if result is None or "force_ratio_error" in result:
+        return result
+    checked = found.get(replace(point, tac=CHECKED_TAC))
+    if checked is None:
         return None
-    result = json.loads(point.path.read_text())
-    if "force_ratio_error" not in result:
-        checked = kept(replace(point, tac=CHECKED_TAC))
-        if checked is None:
-            return None
-        result |= {name: checked[name] for name in ("force_ratio_error", "heat_ratio_error")}
-    return result
+    return result | {name: value for name, value in checked.items() if name.endswith("error")}
 
 
-def write_table() -> None:
+def write_table(found: Kept) -> None:
     """Write the table of force and heat, with every ratio and gas that is complete."""
     rows = []
     for gas in GASES:
         for ratio in RATIOS:
             grid = [Point(gas, knudsen, ratio, tac) for knudsen in KNUDSEN for tac in TAC]
-            results = [kept(point) for point in grid]
+            results = [with_error(point, found) for point in grid]
             if any(result is None for result in results):
                 print(f"{gas} at ratio {ratio:g} is incomplete and left out")
                 continue
@@ -185,23 +192,25 @@ def table_row(point: Point, result: dict[str, float]) -> str:
     return ",".join((place, *values))
 
 
-def write_boundaries() -> None:
+def write_boundaries(found: Kept) -> None:
     """Write the factors of a reservoir, for every gas and Knudsen number that is complete."""
     rows = []
     for gas in GASES:
         for knudsen in KNUDSEN:
-            grid = [Point(gas, knudsen, 1.0, BOUNDARY_TAC, place) for place in BOUNDARIES]
-            results = [p.path.exists() and json.loads(p.path.read_text()) for p in grid]
-            opened = Point(gas, knudsen, 1.0, BOUNDARY_TAC).path
-            if not all(results) or not opened.exists():
+            near = [d for d in BOUNDARIES if d <= furthest_boundary(knudsen)]
+            grid = [Point(gas, knudsen, 1.0, BOUNDARY_TAC, place) for place in near]
+            results = [found.get(point) for point in grid]
+            free = found.get(Point(gas, knudsen, 1.0, BOUNDARY_TAC))
+            if free is None or any(result is None for result in results):
                 print(f"boundaries of {gas} at Kn {knudsen:g} are incomplete and left out")
                 continue
-            free = json.loads(opened.read_text())
-            rows += [
-                f"{gas},{knudsen:g},{place:g},{result['force_ratio'] / free['force_ratio']:.5f},"
-                f"{result['heat_ratio'] / free['heat_ratio']:.5f}"
-                for place, result in zip(BOUNDARIES, results, strict=True)
-            ]
+            names = ("force_ratio", "heat_ratio")
+            excess = [[result[name] / free[name] - 1.0 for name in names] for result in results]
+            for place in BOUNDARIES:
+                nearest = min(place, near[-1])
+                values = excess[near.index(nearest)]
+                force, heat = (1.0 + value * nearest / place for value in values)
+                rows.append(f"{gas},{knudsen:g},{place:g},{force:.5f},{heat:.5f}")
     write_whole(DATA / "kinetic_boundary.csv", BOUNDARY_COMMENTS, BOUNDARY_COLUMNS, rows)
 
 
@@ -221,18 +230,21 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--only", choices=("linear", "boundary", "nonlinear", "tables"))
     arguments = parser.parse_args()
-    POINTS.mkdir(exist_ok=True)
     parts = [arguments.only] if arguments.only else ["linear", "boundary", "nonlinear"]
-    parts = [part for part in parts if part != "tables"]
-    todo = [p for part in parts for p in points(part) if not p.path.exists()]
+    found = read_kept()
+    chosen = [point for part in parts if part != "tables" for point in points(part)]
+    todo = [point for point in chosen if point not in found]
     with ProcessPoolExecutor(arguments.processes) as pool:
-        waiting = {pool.submit(solve_and_keep, point): point for point in todo}
+        waiting = {pool.submit(measure, point): point for point in todo}
         for number, future in enumerate(as_completed(waiting), 1):
-            failure = future.exception()
-            word = f"failed: {failure}" if failure else "done"
-            print(f"{number}/{len(todo)} {waiting[future].path.stem} {word}", flush=True)
-    write_table()
-    write_boundaries()
+            point, failure = waiting[future], future.exception()
+            if failure is None:
+                keep(point, future.result())
+            word = "done" if failure is None else f"failed: {failure}"
+            print(f"{number}/{len(todo)} {point} {word}", flush=True)
+    found = read_kept()
+    write_table(found)
+    write_boundaries(found)
 
 
 if __name__ == "__main__":

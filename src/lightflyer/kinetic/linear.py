@@ -12,7 +12,7 @@ from lightflyer.kinetic.gas_model import GasModel
 from lightflyer.kinetic.operators import Operators
 
 _SQRT_PI = np.sqrt(np.pi)
-_TOLERANCE = 1e-10
+_TOLERANCE = 1e-9
 _MOST_ITERATIONS = 200
 
 

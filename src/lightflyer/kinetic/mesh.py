@@ -18,6 +18,14 @@ LINEAR, INVERSE, DECAYING, CYLINDER = 0, 1, 2, 3
 spheroid to the cylinder r ≤ D, |z| ≤ D."""
 
 
+BEYOND = 10.0
+"""Of the half-width of a cylinder: where ξ of the shares of the way to it begin."""
+
+
+_RESERVOIR_LAYER = 10.0  # optical depth of the last panel before a reservoir
+_RESERVOIR_GROWTH = 3.0
+
+
 def gauss(order: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss–Legendre nodes and weights on [0, 1]."""
     nodes, weights = np.polynomial.legendre.leggauss(order)
@@ -31,8 +39,8 @@ class Mesh:
     Attributes
     ----------
     xi_edges : array, shape (panels in ξ + 1,)
-        Starts at 0. The last is infinity in open space; with a cylinder, a number that no ray
-        reaches.
+        Starts at 0. The last is infinity in open space. The panels next to a cylinder share the
+        way to it: their ends are :data:`BEYOND` times D, which no ray reaches, plus the share.
     xi_kinds : array of int, shape (panels in ξ,)
     eta_edges : array, shape (panels in η + 1,)
         From 0 to 1.
@@ -76,12 +84,19 @@ class Mesh:
                 if kind == LINEAR:
                     row = np.full(self.eta.size, low + (high - low) * v)
                 elif kind == CYLINDER:
-                    outer = cylinder_xi(self.eta, self.boundary)
-                    row = 1.0 / (1.0 / low + (1.0 / outer - 1.0 / low) * v)
+                    row = self._next_to_cylinder(low, high, v)
                 else:
                     row = np.full(self.eta.size, 1.0 / (1.0 / low + (1.0 / high - 1.0 / low) * v))
                 rows.append(row)
         return np.array(rows)
+
+    def _next_to_cylinder(self, low: float, high: float, v: float) -> np.ndarray:
+        """ξ of a node on each hyperbola of constant η, by the share of the way to the cylinder."""
+        start = self.xi_edges[int(np.argmax(self.xi_kinds == CYLINDER))]
+        ends = [max(0.0, edge - BEYOND * self.boundary) for edge in (low, high)]
+        share = ends[0] + (ends[1] - ends[0]) * v
+        outer = cylinder_xi(self.eta, self.boundary)
+        return 1.0 / (1.0 / start + (1.0 / outer - 1.0 / start) * share)
 
     @cached_property
     def radius(self) -> np.ndarray:
@@ -125,6 +140,18 @@ def _geometric(first: float, growth: float, end: float) -> list[float]:
     return list(np.array(edges) * end / edges[-1])
 
 
+def _shares_to_cylinder(depth: float, refinement: float) -> np.ndarray:
+    """Ends of the panels next to a cylinder, ever thinner, so that the last sees the reservoir.
+
+    ``depth`` is the optical depth of all of them.
+    """
+    width, left = min(1.0, _RESERVOIR_LAYER / (depth * refinement)), [0.0]
+    while left[-1] + width < 0.6:
+        left.append(left[-1] + width)
+        width *= _RESERVOIR_GROWTH
+    return 1.0 - np.array(left[::-1])
+
+
 def build_mesh(
     rarefaction: float,
     *,
@@ -161,7 +188,9 @@ def build_mesh(
         kinds += [INVERSE] * steps
         near += outer
     if np.isfinite(boundary):
-        xi_edges, kinds = [*near, 10.0 * boundary], [*kinds, CYLINDER]
+        shares = _shares_to_cylinder(rarefaction * (boundary - far), refinement)
+        xi_edges = [*near, *(BEYOND * boundary + shares)]
+        kinds += [CYLINDER] * len(shares)
     else:
         xi_edges, kinds = [*near, np.inf], [*kinds, DECAYING]
     edge = min(0.45, 0.7 * np.sqrt(2.0 / rarefaction))

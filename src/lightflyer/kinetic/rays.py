@@ -9,7 +9,7 @@ disk has reflected.
 import numpy as np
 from numba import njit
 
-from lightflyer.kinetic.mesh import CYLINDER, DECAYING, INVERSE, LINEAR
+from lightflyer.kinetic.mesh import BEYOND, CYLINDER, DECAYING, INVERSE, LINEAR
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
 # optical depths at which a ray is cut, so that each piece is smooth enough for Gauss's rule
@@ -187,6 +187,11 @@ def interpolate(xi, eta, mesh, xi_basis, eta_basis):
         side = np.sqrt(max(boundary * boundary / max(1.0 - eta * eta, 1e-300) - 1.0, 1e-300))
         outer = min(side, boundary / max(eta, 1e-300))
         v = (1.0 / xi_edges[i] - 1.0 / xi) / (1.0 / xi_edges[i] - 1.0 / outer)
+        low, offset = 0.0, BEYOND * boundary
+        while i < xi_kinds.size - 1 and v >= xi_edges[i + 1] - offset:
+            low = xi_edges[i + 1] - offset
+            i += 1
+        v = (v - low) / (xi_edges[i + 1] - offset - low)
     elif kind == INVERSE:
         low = 1.0 / xi_edges[i]
         v = (low - 1.0 / xi) / (low - 1.0 / xi_edges[i + 1])

@@ -23,6 +23,9 @@ HIGHEST_TEMPERATURE_RATIO = 2.5
 SMALLEST_BOUNDARY = 1.5
 """Nearest reservoir [disk radii]."""
 
+FURTHEST_DEPTH = 150.0
+"""Largest distance of a reservoir in mean free paths √πλ/2 that the meshes resolve."""
+
 THIN = 0.3
 """Knudsen number from which a medium mesh has a smaller error than a ratio is given to."""
 
@@ -140,8 +143,8 @@ def solve(
         T_h/T_c of both faces, or of the top and bottom face, from 1 to 2.5.
     gas : {"monatomic", "diatomic"}
     boundary : float, optional
-        Half-width and half-height of a cylindrical reservoir at T_c [disk radii], at least 1.5;
-        without it open space.
+        Half-width and half-height of a cylindrical reservoir at T_c [disk radii], at least 1.5
+        and up to 338 Kn; without it open space.
     progress : callable, optional
         Told the residual of each non-linear iteration.
 
@@ -215,6 +218,7 @@ def _case(
         require_range(name, value, 0.0, 1.0, open_below=True)
     if boundary is not None:
         require_range("boundary", boundary, SMALLEST_BOUNDARY)
+        _require_resolved(knudsen, boundary)
     model = gas_model(gas)
     linear = temperature_ratio is None
     if temperature_ratio is None:
@@ -243,6 +247,20 @@ def _case(
         gas=model,
         boundary=np.inf if boundary is None else float(boundary),
     )
+
+
+def furthest_boundary(knudsen: float) -> float:
+    """Furthest reservoir that is resolved at a Knudsen number [disk radii]."""
+    return FURTHEST_DEPTH * 4.0 * knudsen / float(np.sqrt(np.pi))
+
+
+def _require_resolved(knudsen: float, boundary: float) -> None:
+    furthest = furthest_boundary(knudsen)
+    if boundary > furthest:
+        raise ParameterError(
+            f"boundary = {boundary:g} is further than {furthest:.3g}, which is resolved at "
+            f"knudsen = {knudsen:g}; leave it out: what a reservoir adds falls as 1/boundary"
+        )
 
 
 def _resolutions(knudsen: float, linear: bool) -> tuple["Resolution", "Resolution"]:

@@ -18,6 +18,7 @@ from lightflyer.kinetic.solution import (
     COARSE,
     FINE,
     MEDIUM,
+    SMALLEST_ERROR,
     Case,
     Outcome,
     Resolution,
@@ -184,12 +185,13 @@ def write_table(found: Kept) -> None:
 
 def table_row(point: Point, result: dict[str, float]) -> str:
     """One line of the table."""
-    values = (
-        *(f"{result[name]:.6f}" for name in ("force_ratio", "heat_ratio", "heat_ratio_slope")),
-        *(f"{max(result[name], 2e-5):.1e}" for name in ("force_ratio_error", "heat_ratio_error")),
-    )
     place = f"{point.gas},{point.knudsen:g},{point.ratio:g},{point.tac:g}"
-    return ",".join((place, *values))
+    names = ("force_ratio", "heat_ratio", "heat_ratio_slope")
+    values = [f"{result[name]:.6f}" for name in names]
+    errors = [
+        f"{max(result[f'{name}_error'], least):.1e}" for name, least in SMALLEST_ERROR.items()
+    ]
+    return ",".join((place, *values, *errors))
 
 
 def write_boundaries(found: Kept) -> None:

@@ -163,7 +163,8 @@ def solve(
 
     References
     ----------
-    [Shakhov1968]_; [Rykov1975]_.
+    [Shakhov1968]_; [Rykov1975]_ and [Wu2015]_ for a diatomic gas, whose constants are nitrogen's
+    ([Bird1994]_, [LemmonJacobsen2004]_). Compared with [Plimpton2019]_ and [Schafer2025]_.
 
     Examples
     --------
@@ -189,8 +190,7 @@ def solve(
     )
     found, other = _ratios(case, fine), _ratios(case, coarse)
     errors = {
-        name: _difference(found[name], other[name], SMALLEST_ERROR)
-        for name in ("force_ratio", "heat_ratio")
+        name: _difference(found[name], other[name], least) for name, least in SMALLEST_ERROR.items()
     }
     return Solution(
         knudsen=float(knudsen),

@@ -36,6 +36,7 @@ RATIOS = (1.0, 1.6, 2.5)
 TAC = (0.6, 0.8, 1.0)
 BOUNDARIES = (2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0)
 COARSEST = Resolution(3, 0.7, Quadrature(3, 4, 3))  # within 1e-4 of the finest in thin gas
+LOWEST_NONLINEAR = 0.05  # Knudsen number; below it the non-linear problem is not solved
 THIN = 0.3  # Knudsen number above which the medium mesh does
 CHECKED_TAC = 0.8  # of non-linear points solved on two meshes; others share their error
 BOUNDARY_TAC = 0.85
@@ -131,7 +132,12 @@ def points(part: str) -> list[Point]:
         ]
     chosen = [r for r in RATIOS if (r == 1.0) == (part == "linear")]
     return [
-        Point(g, k, r, a) for k in reversed(KNUDSEN) for r in chosen for g in GASES for a in TAC
+        Point(g, k, r, a)
+        for k in reversed(KNUDSEN)
+        for r in chosen
+        for g in GASES
+        for a in TAC
+        if r == 1.0 or k >= LOWEST_NONLINEAR
     ]
 
 
@@ -146,7 +152,9 @@ TABLE_COMMENTS = """\
 # temperature_ratio: T_h/T_c, where 1 is the linear limit; tac: mean of both faces.
 # force_ratio: F/F_fm for a small difference of the faces' TAC; a face's heat over its own
 # free-molecular value is heat_ratio +- heat_ratio_slope/2 (alpha_top - alpha_bottom), + at the top.
-# Errors are absolute, from a second mesh. Licence: MIT, as this package.
+# Errors are absolute, from a second mesh. Non-linear rows below Kn 0.05, and of a diatomic gas at
+# T_h/T_c = 2.5 below 0.08, are extrapolated in ln Kn by their quotients to the linear limit; their
+# error is how much that changes them. Licence: MIT, as this package.
 """
 BOUNDARY_COLUMNS = "gas,knudsen,boundary,force_factor,heat_factor"
 BOUNDARY_COMMENTS = f"""\
@@ -169,13 +177,37 @@ def with_error(point: Point, found: Kept) -> dict[str, float] | None:
     return result | {name: value for name, value in checked.items() if name.endswith("error")}
 
 
+def extrapolated(point: Point, found: Kept) -> dict[str, float] | None:
+    """A point below the solved Knudsen numbers: its quotients to the linear problem, in ln Kn.
+
+    They are extrapolated from the two smallest that are solved; the error is how much that changes
+    them from the smallest.
+    """
+    solved = []
+    for knudsen in KNUDSEN:
+        near = replace(point, knudsen=knudsen)
+        hot, linear = with_error(near, found), found.get(replace(near, ratio=1.0))
+        if hot is not None and linear is not None:
+            solved.append((np.log(knudsen), hot, linear))
+    here = found.get(replace(point, ratio=1.0))
+    if len(solved) < 2 or here is None or np.log(point.knudsen) > solved[0][0]:
+        return None
+    result = {}
+    for name in ("force_ratio", "heat_ratio", "heat_ratio_slope"):
+        (x_1, y_1), (x_2, y_2) = ((x, hot[name] / linear[name]) for x, hot, linear in solved[:2])
+        change = (y_2 - y_1) / (x_2 - x_1) * (np.log(point.knudsen) - x_1)
+        result[name] = here[name] * (y_1 + change)
+        result[f"{name}_error"] = abs(here[name] * change)
+    return result
+
+
 def write_table(found: Kept) -> None:
     """Write the table of force and heat, with every ratio and gas that is complete."""
     rows = []
     for gas in GASES:
         for ratio in RATIOS:
             grid = [Point(gas, knudsen, ratio, tac) for knudsen in KNUDSEN for tac in TAC]
-            results = [with_error(point, found) for point in grid]
+            results = [with_error(p, found) or extrapolated(p, found) for p in grid]
             if any(result is None for result in results):
                 print(f"{gas} at ratio {ratio:g} is incomplete and left out")
                 continue

@@ -24,7 +24,8 @@ from lightflyer.kinetic.operators import (
 
 _SQRT_PI = np.sqrt(np.pi)
 _MOST_ITERATIONS = 60
-_MEMORY = 8
+_MEMORY = 12
+_RENEWED = 0.03  # residual below which the preconditioner is made once more
 _THIN = 1.0  # δ below which the linear problem's own factors precondition as well
 
 
@@ -135,14 +136,16 @@ class NonlinearProblem:
         ConvergenceError
             With the last residual.
         """
-        if self.rarefaction > _THIN:
+        is_dense, renewed = self.rarefaction > _THIN, False
+        if is_dense:
             self.precondition_about(start, disk)
         fields = start
         steps: list[np.ndarray] = []
         states: list[np.ndarray] = []
         residual = np.inf
         for iteration in range(1, _MOST_ITERATIONS + 1):
-            step = self._precondition(self.evaluate(fields, disk) - fields)
+            missing = self.evaluate(fields, disk) - fields
+            step = self._precondition(missing)
             residual = float(np.abs(step).max())
             if progress is not None:
                 progress(residual)
@@ -150,6 +153,11 @@ class NonlinearProblem:
                 return fields + step, iteration
             if not np.isfinite(residual):
                 break
+            if is_dense and not renewed and residual < _RENEWED:
+                # the temperatures are known well enough now to precondition about them
+                renewed = True
+                self.precondition_about(fields, disk)
+                step, steps, states = self._precondition(missing), [], []
             steps.append(step.ravel())
             states.append(fields.ravel())
             del steps[:-_MEMORY], states[:-_MEMORY]

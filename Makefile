@@ -39,7 +39,7 @@ $(STAMP): pyproject.toml requirements.lock
 lock: $(STAMP)  ## resolve the newest versions into requirements.lock
 	$(BIN)/python -m pip install --quiet uv
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --no-header \
-		--extra lab --extra nrlmsis --extra posterior --group test --group lint --group docs \
+		--all-extras --group test --group lint --group docs \
 		--upgrade --output-file requirements.lock pyproject.toml
 
 clean:

@@ -77,7 +77,7 @@ def main():
     }
     text = json.dumps(results, indent=2, ensure_ascii=False)
     (HERE / "results.json").write_text(text + "\n", encoding="utf-8")
-    print(text)  # noqa: T201
+    print(text)
 
 
 if __name__ == "__main__":

@@ -105,7 +105,7 @@ def main():
                 "confirmed": round(float(relative_payload(thicknesses, side, 4000)), 4),
                 "seconds": round(time.perf_counter() - begin, 1),
             }
-            print(side, results[side])  # noqa: T201
+            print(side, results[side])
         best = max(results, key=lambda side: results[side]["relative_payload"])
         found = np.array([results[best]["germanium_nm"], results[best]["mylar_nm"]]) * 1e-9
         draw(best, found, HERE / "payload.png")

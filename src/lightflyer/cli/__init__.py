@@ -75,6 +75,11 @@ app.command(
     name="paper",
     help="Recompute the paper: its claims, figures and tables beside ours.",
 )
+app.command(
+    "lightflyer.cli.kinetic:kinetic_command",
+    name="kinetic",
+    help="Solve the kinetic equation around a hot thin disk.",
+)
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:

@@ -1,0 +1,130 @@
+"""``lightflyer kinetic``: force and heat of a thin disk from the kinetic equation."""
+
+import gc
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.table import Table
+
+from lightflyer.errors import ParameterError
+
+if TYPE_CHECKING:
+    from lightflyer.kinetic import Solution
+
+
+def kinetic_command(
+    *,
+    kn: float,
+    tac_top: float,
+    tac_bottom: float,
+    top_temperature: float | None = None,
+    bottom_temperature: float | None = None,
+    temperature_ratio: float | None = None,
+    gas: Literal["monatomic", "diatomic"] = "monatomic",
+    boundary: float | None = None,
+    out: Path | None = None,
+    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+) -> None:
+    """Solve the kinetic equation around a hot thin disk.
+
+    Without --temperature-ratio the linear problem is solved: a small temperature difference.
+
+    Parameters
+    ----------
+    kn
+        Knudsen number, mean free path in the gas far away over the disk's diameter: 0.03 to 100.
+    tac_top
+        Accommodation coefficient of the upper face, above 0 and up to 1.
+    tac_bottom
+        The same of the lower face.
+    top_temperature
+        Temperature perturbation of the upper face in the linear problem; 1 if not given.
+    bottom_temperature
+        The same of the lower face.
+    temperature_ratio
+        Temperature of both faces over the gas's far away, 1 to 2.5: the non-linear problem.
+    gas
+        Without or with rotation of its molecules; nitrogen and air are diatomic.
+    boundary
+        Half-width and half-height of a cold cylindrical reservoir around the disk, in radii.
+    out
+        Folder to write a figure of temperature and streamlines and the result (JSON) into.
+    json_output
+        Print one JSON object instead of a table.
+    """
+    gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
+    if temperature_ratio is not None and (top_temperature, bottom_temperature) != (None, None):
+        raise ParameterError(
+            "--top-temperature and --bottom-temperature are of the linear problem: leave them out "
+            "or leave out --temperature-ratio"
+        )
+    from lightflyer.kinetic import solve
+
+    with Console(stderr=True).status("") as status:
+
+        def progress(residual: float) -> None:
+            status.update(f"solving the non-linear equation, residual {residual:.1e}")
+
+        status.update("solving the kinetic equation (compiled once, at its first use)")
+        solution = solve(
+            kn,
+            tac_top,
+            tac_bottom,
+            top_temperature=1.0 if top_temperature is None else top_temperature,
+            bottom_temperature=1.0 if bottom_temperature is None else bottom_temperature,
+            temperature_ratio=temperature_ratio,
+            gas=gas,
+            boundary=boundary,
+            progress=progress if sys.stderr.isatty() else None,
+        )
+    described = solution.to_json()
+    written = [] if out is None else _write(out, solution, described)
+    if json_output:
+        print(json.dumps(described, allow_nan=False))  # noqa: T201
+        return
+    console = Console(highlight=False)
+    console.print(_table(described))
+    for path in written:
+        console.print(f"wrote {path}", soft_wrap=True)
+    if out is None:
+        console.print("add --out FOLDER to write a figure of the flow")
+
+
+def _write(out: Path, solution: "Solution", described: dict[str, Any]) -> list[Path]:
+    from lightflyer import output, plot
+    from lightflyer.kinetic_figures import flow_figure
+
+    names = ["kinetic.json", "flow.png", "flow.svg"]
+    with output.output_directory(out) as stage:
+        text = json.dumps(described, indent=2, allow_nan=False)
+        stage(names[0]).write_text(text + "\n", encoding="utf-8")
+        plot.save(flow_figure(solution), [stage(name) for name in names[1:]])
+    return [out / name for name in names]
+
+
+def _table(described: dict[str, Any]) -> Table:
+    errors = described["error_estimate"]
+    table = Table(box=None, padding=(0, 1))
+    for heading in (f"Kn = {described['kn']:g}", "over free-\nmolecular [1]", "error"):
+        table.add_column(heading, justify="left" if heading.startswith("Kn") else "right")
+    for label, name in (
+        ("force", "force_ratio"),
+        ("heat", "heat_ratio"),
+        ("heat, top", "heat_ratio_top"),
+        ("heat, bottom", "heat_ratio_bottom"),
+    ):
+        value, error = described[name], errors.get(name)
+        table.add_row(
+            label,
+            "–" if value is None else f"{value:.5f}",
+            "" if error is None else f"± {error:.1g}",
+        )
+    table.caption = (
+        f"{described['iterations']} iterations, {described['seconds']:.1f} s; the error is of "
+        "the mesh, not of the model"
+    )
+    return table

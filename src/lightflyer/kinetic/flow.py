@@ -1,0 +1,64 @@
+"""Fields of a solution at any points."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from lightflyer.kinetic.operators import kernel_arguments
+from lightflyer.kinetic.rays import interpolate, spheroidal
+from lightflyer.kinetic.solution import COARSE, Outcome
+
+_NAMES = (
+    "pressure",
+    "velocity_radial",
+    "velocity_axial",
+    "temperature",
+    "heat_flux_radial",
+    "heat_flux_axial",
+    "rotational_temperature",
+)
+
+
+@njit(cache=True)
+def _sample(points, halves, mesh, values):
+    order = mesh[3].size
+    eta_size = (mesh[2].size - 1) * order
+    xi_basis, eta_basis = np.empty(order), np.empty(order)
+    for p in range(points.shape[0]):
+        xi, eta = spheroidal(points[p, 0] ** 2, points[p, 1])
+        i, j = interpolate(max(xi, 1e-12), eta, mesh, xi_basis, eta_basis)
+        fields = halves[0] if points[p, 1] >= 0.0 else halves[1]
+        scale = np.sqrt(max(0.0, 1.0 - eta * eta))
+        for a in range(order):
+            for b in range(order):
+                w = xi_basis[a] * eta_basis[b]
+                for f in range(values.shape[1]):
+                    values[p, f] += w * fields[(i * order + a) * eta_size + j * order + b, f]
+        values[p, 1] *= scale
+        values[p, 4] *= scale
+        if points[p, 1] < 0.0:  # the lower half is kept mirrored
+            values[p, 2] *= -1.0
+            values[p, 5] *= -1.0
+
+
+def sample(outcome: Outcome, radius: Any, height: Any) -> dict[str, np.ndarray]:
+    """Fields at points, by the interpolation that the solver itself uses.
+
+    Parameters
+    ----------
+    outcome : Outcome
+    radius, height : array, shape (...)
+        [disk radii].
+
+    Returns
+    -------
+    dict of str to array, shape (...)
+    """
+    radius, height = np.broadcast_arrays(radius, height)
+    points = np.stack([radius.ravel(), height.ravel()], axis=1)
+    panels = kernel_arguments(outcome.mesh, 1.0, COARSE.quadrature)[1]
+    values = np.zeros((points.shape[0], outcome.fields.shape[-1]))
+    _sample(points, outcome.fields, panels, values)
+    names = _NAMES[: 7 if values.shape[1] > 6 else 6]
+    return {name: values[:, k].reshape(radius.shape) for k, name in enumerate(names)}

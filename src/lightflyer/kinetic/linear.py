@@ -1,0 +1,250 @@
+"""Solution of the linear problem: two faces of any TAC and temperature, coupled by parity."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+from scipy.sparse.linalg import LinearOperator, gmres
+
+from lightflyer.errors import ConvergenceError
+from lightflyer.kinetic.gas_model import GasModel
+from lightflyer.kinetic.operators import Operators
+
+_SQRT_PI = np.sqrt(np.pi)
+_TOLERANCE = 1e-9
+_MOST_ITERATIONS = 200
+
+
+@dataclass(frozen=True)
+class Walls:
+    """What the two faces are, in pairs top, bottom; temperatures and velocity are perturbations."""
+
+    tac: tuple[float, float]
+    temperature: tuple[float, float]
+    velocity: float = 0.0
+
+
+class LinearSystem:
+    """The linear problem of a mesh and gas, factorised at a mean TAC.
+
+    Parameters
+    ----------
+    operators : Operators
+    gas : GasModel
+    mean_tac : float
+        The preconditioner's; exact where both faces have it.
+    """
+
+    def __init__(self, operators: Operators, gas: GasModel, mean_tac: float) -> None:
+        self.operators, self.gas, self.mean_tac = operators, gas, mean_tac
+        self.n = operators.mesh.size
+        self.fields = 9 if gas.has_rotation else 6
+        self.size = self.n * self.fields
+        same = operators.own + operators.reflected
+        even, odd = (self._matrix(same + sign * operators.other) for sign in (1.0, -1.0))
+        self.exchange = self._exchange()
+        unit = np.eye(self.size)
+        self.factors = tuple(
+            lu_factor(unit - matrix - mean_tac * self.exchange, check_finite=False)
+            for matrix in (even, odd)
+        )
+
+    def _sources(self) -> tuple[np.ndarray, np.ndarray]:
+        """Matrices from a node's fields to the six translational and three rotational sources."""
+        gas, mix = self.gas, np.zeros((9, self.fields))
+        heat = 0.8 * (1.0 - gas.translational_rate)
+        for source, factor in enumerate((1.0, 2.0, 2.0, 1.0, heat, heat)):
+            mix[source, source] = factor
+        if gas.has_rotation:
+            # total temperature is 3/5 translational and 2/5 rotational
+            mix[0, 3], mix[0, 6] = -0.4 * gas.exchange_rate, 0.4 * gas.exchange_rate
+            mix[3, 3], mix[3, 6] = 1.0 - 0.4 * gas.exchange_rate, 0.4 * gas.exchange_rate
+            mix[6, 6], mix[6, 3] = 1.0 - 0.6 * gas.exchange_rate, 0.6 * gas.exchange_rate
+            mix[7, 7] = mix[8, 8] = 2.0 * (1.0 - gas.rotational_rate)
+        return mix[:6], mix[6:]
+
+    def _matrix(self, rows: np.ndarray) -> np.ndarray:
+        """Rows (n, n, 6 sources, 6 moments) as a matrix between fields."""
+        translation, rotation = self._sources()
+        matrix = np.empty((self.n, self.fields, self.n, self.fields))
+        matrix[:, :6] = np.einsum("ijsm,sf->imjf", rows, translation, optimize=True)
+        if self.gas.has_rotation:
+            # rotation moves as density and velocity do
+            part = self._turning(rows)
+            matrix[:, 6:] = np.einsum("ijsm,sf->imjf", part, rotation, optimize=True)
+        return matrix.reshape(self.size, self.size)
+
+    def _turning(self, rows: np.ndarray) -> np.ndarray:
+        """Rows between rotational energy and its flux: those of density and velocity."""
+        theta = self.operators.theta
+        part = rows[:, :, :3, :3].copy()
+        part[..., 0] -= rows[:, :, :3, 3] / theta[:, None, None]
+        part[..., 1:] /= theta[:, None, None, None]
+        part[:, :, 1:] *= theta[None, :, None, None]
+        return part
+
+    def _exchange(self) -> np.ndarray:
+        """Diffuse minus specular reflection, both of what arrives: the factor of the TAC."""
+        operators = self.operators
+        sigma = 2.0 * _SQRT_PI / np.sqrt(operators.face_theta) * operators.fluxes[..., 0]
+        rows = -operators.reflected.reshape(self.n, self.n, 6, 6)
+        matrix = self._matrix(rows).reshape(self.n, self.fields, self.n, self.fields)
+        diffuse = np.einsum(
+            "iem,ejs,sf->imjf", operators.sigma, sigma, self._sources()[0], optimize=True
+        )
+        matrix[:, :6] += diffuse
+        return matrix.reshape(self.size, self.size)
+
+    def _emission(self, temperature: float, velocity: float, tac: float) -> np.ndarray:
+        """What a face emits by its own temperature and velocity, shape (n · fields,)."""
+        operators = self.operators
+        emitted = np.zeros((self.n, self.fields))
+        emitted[:, :6] = tac * temperature * operators.temperature
+        emitted[:, :6] += (4.0 - 2.0 * tac) * velocity * operators.velocity
+        uniform = operators.sigma.sum(axis=1)
+        emitted[:, :6] += tac * _SQRT_PI * velocity * uniform
+        if self.gas.has_rotation:
+            turning = uniform[:, :3].copy()
+            turning[:, 0] -= uniform[:, 3]
+            emitted[:, 6:] = tac * temperature * turning
+        return emitted.ravel()
+
+    def solve(self, walls: Walls) -> tuple[np.ndarray, int]:
+        """Fields of the upper and the mirrored lower half.
+
+        Parameters
+        ----------
+        walls : Walls
+
+        Returns
+        -------
+        fields : array, shape (2, n, fields)
+        iterations : int
+            Of GMRES, preconditioned by the factors.
+
+        Raises
+        ------
+        ConvergenceError
+            If GMRES does not converge.
+        """
+        top, bottom = walls.tac
+        mean, half = 0.5 * (top + bottom), 0.5 * (top - bottom)
+        shift = mean - self.mean_tac
+        emission = [
+            self._emission(temperature, velocity, tac)
+            for tac, temperature, velocity in zip(
+                walls.tac, walls.temperature, (walls.velocity, -walls.velocity), strict=True
+            )
+        ]
+        even = 0.5 * (emission[0] + emission[1])
+        odd = 0.5 * (emission[0] - emission[1])
+
+        def precondition(pair: np.ndarray) -> np.ndarray:
+            parts = pair.reshape(2, -1)
+            return np.concatenate(
+                [
+                    lu_solve(factor, part, check_finite=False)
+                    for factor, part in zip(self.factors, parts, strict=True)
+                ]
+            )
+
+        def apply(pair: np.ndarray) -> np.ndarray:
+            # the factorised part gives back the pair itself
+            e, o = pair.reshape(2, -1)
+            changed = self.exchange @ np.stack([shift * e + half * o, shift * o + half * e], 1)
+            return pair - precondition(changed.T.ravel())
+
+        start = precondition(np.concatenate([even, odd]))
+        if shift == 0.0 and half == 0.0:
+            solution, iterations = start, 1
+        else:
+            solution, iterations = _gmres(apply, start)
+        e, o = solution.reshape(2, self.n, self.fields)
+        return np.stack([e + o, e - o]), iterations
+
+    def corrected(self, fields: np.ndarray) -> np.ndarray:
+        """The correction that makes uniform fields exact, of given fields, shape (n, fields)."""
+        translation, rotation = self._sources()
+        corrections = self.operators.corrections
+        moments = np.einsum("nsm,sf,nf->nm", corrections, translation, fields, optimize=True)
+        if self.gas.has_rotation:
+            part = corrections[:, :3, :3].copy()
+            part[..., 0] -= corrections[:, :3, 3]
+            turning = np.einsum("nsm,sf,nf->nm", part, rotation, fields, optimize=True)
+            moments = np.concatenate([moments, turning], axis=1)
+        return moments
+
+    def arriving(self, fields: np.ndarray) -> np.ndarray:
+        """Fluxes that arrive at a face's nodes, shape (e, 3 or 4).
+
+        Number, momentum, energy and, with rotation, rotational energy.
+        """
+        translation, rotation = self._sources()
+        fluxes = self.operators.fluxes
+        arriving = np.einsum("ejsk,sf,jf->ek", fluxes, translation, fields, optimize=True)
+        if self.gas.has_rotation:
+            turning = np.einsum(
+                "ejs,sf,jf->e", fluxes[:, :, :3, 0], rotation, fields, optimize=True
+            )
+            arriving = np.concatenate([arriving, turning[:, None]], axis=1)
+        return arriving
+
+
+def _gmres(apply: Any, right: np.ndarray) -> tuple[np.ndarray, int]:
+    residuals: list[float] = []
+    operator = LinearOperator((right.size, right.size), matvec=apply, dtype=float)
+    solution, info = gmres(
+        operator,
+        right,
+        rtol=_TOLERANCE,
+        restart=_MOST_ITERATIONS,
+        maxiter=1,
+        callback=residuals.append,
+        callback_type="pr_norm",
+    )
+    if info != 0:
+        raise ConvergenceError(
+            f"the kinetic equation did not converge in {_MOST_ITERATIONS} iterations: "
+            f"last residual {residuals[-1]:.1e}"
+        )
+    return solution, max(1, len(residuals))
+
+
+@dataclass(frozen=True)
+class FaceResult:
+    """What leaves and reaches a face, by its nodes [p₀ and p₀√(2RT₀) per unit perturbation]."""
+
+    pressure: np.ndarray
+    heat: np.ndarray
+
+
+def face_result(system: LinearSystem, walls: Walls, fields: np.ndarray, face: int) -> FaceResult:
+    """Normal pressure on a face and heat flux out of it.
+
+    Parameters
+    ----------
+    system : LinearSystem
+    walls : Walls
+    fields : array, shape (n, fields)
+        Of the face's half, mirrored for the bottom.
+    face : int
+        0 top, 1 bottom.
+
+    Returns
+    -------
+    FaceResult
+    """
+    tac, temperature = walls.tac[face], walls.temperature[face]
+    velocity = walls.velocity * (1.0 if face == 0 else -1.0)
+    arriving = system.arriving(fields)
+    number, momentum, energy = arriving[:, 0], arriving[:, 1], arriving[:, 2]
+    sigma = 2.0 * _SQRT_PI * number + _SQRT_PI * velocity
+    moved = (4.0 - 2.0 * tac) * velocity
+    pressure = (
+        tac * (sigma / 4.0 + temperature / 8.0) + moved / (2.0 * _SQRT_PI) + (2.0 - tac) * momentum
+    )
+    heat = tac * ((sigma + temperature) / _SQRT_PI - energy) + 0.625 * moved - 2.5 * velocity
+    if system.gas.has_rotation:
+        heat = heat + tac * (temperature / (2.0 * _SQRT_PI) - arriving[:, 3])
+    return FaceResult(2.0 * pressure, heat)

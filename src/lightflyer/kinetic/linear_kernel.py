@@ -1,0 +1,322 @@
+"""Matrices of the linearised kinetic equation in integral form.
+
+A row gives one moment of the distribution at one node as a weighted sum of the fields at all
+nodes: the sum over directions, and along each ray, of what molecules carry from their last
+collision. The equation is linearised about a gas at rest of uniform pressure, whose temperature
+θ is 1 in the linear problem itself and that of an approximate solution where the matrices
+precondition the non-linear one.
+
+Fields and moments are, in this order, the perturbations of p, u_r, u_z, T, q_r, q_z, with the
+radial ones divided by √(1−η²).
+"""
+
+import numpy as np
+from numba import njit, prange
+
+from lightflyer.kinetic.directions import node_directions
+from lightflyer.kinetic.rays import (
+    MOST_CUTS,
+    REACH,
+    SHORTEST,
+    cut_ray,
+    exit_length,
+    interpolate,
+    lagrange,
+    maxwellian_integrals,
+    panel_of,
+    spheroidal,
+)
+from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
+
+FIELDS = 6
+FLUXES = 3
+"""Through a face, by molecules that arrive: number, normal momentum, energy."""
+
+EMISSIONS = 3
+"""Shapes of what a wall emits: σ: 1; temperature: c²−2; its velocity along z: c·e_z."""
+
+NORMALISATION = 2.0 * np.pi**-1.5  # of the Maxwellian; directions cover half of the sphere
+MOST_DIRECTIONS = 40000
+
+# what the moments make of the uniform source shapes, by exact integration over the Maxwellian
+_EXACT = np.array([1.0, 0.5, 0.5, 1.0, 1.25, 1.25])
+
+
+@njit(cache=True)
+def _shape(j, first, kind, inverse):
+    """Speed integral of the source of one field, per unit; ``first`` indexes J, 1/θ is given."""
+    if kind == 0:
+        return j[first] * inverse
+    if kind == 1:
+        return j[first + 1] * inverse * inverse
+    if kind == 2:
+        return (j[first + 2] * inverse - 2.5 * j[first]) * inverse * inverse
+    return (j[first + 3] * inverse - 2.5 * j[first + 1]) * inverse * inverse
+
+
+@njit(cache=True)
+def _emitted(j, first, kind):
+    """Speed integral of an emission 1, c²−2 or c."""
+    if kind == 0:
+        return j[first]
+    if kind == 1:
+        return j[first + 2] - 2.0 * j[first]
+    return j[first + 1]
+
+
+@njit(cache=True)
+def _moments(power_0, power_1, power_2, power_3, row, theta, weight, out):
+    """Six fields at a node of temperature θ from integrals with 0 to 3 more powers of the speed."""
+    pressure = weight * (2.0 / 3.0) * power_2
+    speed, flux = weight * theta * power_1, weight * (power_3 - 2.5 * theta * power_1)
+    out[0] = pressure
+    out[1] = speed * row[0]
+    out[2] = speed * row[1]
+    out[3] = theta * (pressure - weight * theta * power_0)
+    out[4] = flux * row[0]
+    out[5] = flux * row[1]
+
+
+@njit(cache=True)
+def _fluxes(power_1, power_2, power_3, normal, weight, out):
+    """Number, momentum and energy that arrive at a face, from 1 to 3 more powers of the speed."""
+    out[0] = weight * normal * power_1
+    out[1] = weight * normal * normal * power_2
+    out[2] = weight * normal * power_3
+
+
+@njit(cache=True)
+def _source_weights(j, first, on_face, row, source, theta, source_theta, weight, out):
+    """Weights of the fields at one ray point in each moment (or flux) of the row."""
+    inverse = 1.0 / source_theta
+    for kind in range(4):
+        power_1 = _shape(j, first + 1, kind, inverse)
+        power_2 = _shape(j, first + 2, kind, inverse)
+        power_3 = _shape(j, first + 3, kind, inverse)
+        vector = kind == 1 or kind == 3
+        field = kind if kind < 2 else kind + 1
+        for component in range(2 if vector else 1):
+            w = weight * source[component] if vector else weight
+            if on_face:
+                _fluxes(power_1, power_2, power_3, row[1], w, out[field + component])
+            else:
+                power_0 = _shape(j, first, kind, inverse)
+                _moments(power_0, power_1, power_2, power_3, row, theta, w, out[field + component])
+
+
+@njit(cache=True)
+def _scatter(target, weights, i, j, eta_size, xi_basis, eta_basis):
+    order = xi_basis.size
+    for a in range(order):
+        for b in range(order):
+            w = xi_basis[a] * eta_basis[b]
+            cell = target[(i * order + a) * eta_size + j * order + b]
+            for k in range(weights.size):
+                cell[k] += w * weights[k]
+
+
+@njit(cache=True)
+def _conserve(uniform, radial_scale, cell, correction):
+    """Correct the node's own weights so that uniform fields are reproduced exactly.
+
+    Far away the equation is one of diffusion, whose terms are smaller than those it is made of
+    by the square of the optical depth: the quadrature's error there would absorb what is
+    conserved.
+    """
+    for field in range(FIELDS):
+        factor = radial_scale if field == 1 or field == 4 else 1.0
+        for moment in range(FIELDS):
+            missing = -factor * uniform[field, moment]
+            if field == moment:
+                missing += _EXACT[field]
+            cell[field * FIELDS + moment] += missing
+            correction[field, moment] = missing
+
+
+@njit(cache=True)
+def _value(values, i, j, eta_size, xi_basis, eta_basis):
+    """A field at a point, by its Lagrange bases."""
+    order = xi_basis.size
+    value = 0.0
+    for a in range(order):
+        for b in range(order):
+            weight = xi_basis[a] * eta_basis[b]
+            value += weight * values[(i * order + a) * eta_size + j * order + b]
+    return value
+
+
+@njit(cache=True)
+def _locate(point, direction, start, width, state, setup, mesh, scratch):
+    """Find where the points of one piece of a ray lie and how often molecules collide there."""
+    rarefaction, exponent, excess, _, linear = state
+    gauss_ray = setup[3]
+    xi_basis, eta_basis, panels, radial, temperatures, frequencies = scratch
+    eta_size = (mesh[2].size - 1) * mesh[3].size
+    for k in range(gauss_ray.shape[1]):
+        s = start + width * gauss_ray[0, k]
+        x, y = point[0] + s * direction[0], s * direction[1]
+        xi, eta = spheroidal(x * x + y * y, point[1] + s * direction[2])
+        i, j = interpolate(xi, eta, mesh, xi_basis[k], eta_basis[k])
+        panels[k, 0], panels[k, 1] = i, j
+        radial[k] = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
+        temperatures[k] = 1.0
+        if not linear:
+            temperatures[k] += _value(excess, i, j, eta_size, xi_basis[k], eta_basis[k])
+        frequencies[k] = rarefaction * temperatures[k] ** exponent
+
+
+@njit(cache=True)
+def _add_piece(depth, width, below, seen, state, setup, mesh, scratch, target, out):
+    """Add the points of one piece to a row; returns the optical depth at the piece's end."""
+    on_face, row, straight, theta, weight = seen
+    linear = state[4]
+    gauss_ray, inside, table, scale = setup[3:]
+    xi_basis, eta_basis, panels, radial, temperatures, frequencies = scratch
+    j, source, weights, uniform = out
+    eta_size = (mesh[2].size - 1) * mesh[3].size
+    flat = weights.ravel()
+    source[1] = -straight[1] if below else straight[1]
+    end = depth
+    for k in range(gauss_ray.shape[1]):
+        reached = depth
+        for m in range(gauss_ray.shape[1]):
+            reached += width * inside[k, m] * frequencies[m]
+        maxwellian_integrals(reached, temperatures[k], table, scale, j)
+        source[0] = radial[k]
+        w = weight * frequencies[k] * width * gauss_ray[1, k]
+        _source_weights(j, 0, on_face, row, source, theta, temperatures[k], w, weights)
+        _scatter(target, flat, panels[k, 0], panels[k, 1], eta_size, xi_basis[k], eta_basis[k])
+        if linear and not on_face:
+            _source_weights(j, 0, on_face, row, straight, 1.0, 1.0, w, weights)
+            uniform += weights
+        end += width * gauss_ray[1, k] * frequencies[k]
+    return end
+
+
+@njit(cache=True)
+def _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, walls):
+    """Add one ray to a row; returns the optical depth at its end."""
+    table, scale = setup[5:]
+    radius, height = point[0], point[1]
+    length = min(REACH * LARGEST_DEPTH / state[0], exit_length(radius, height, direction, mesh[5]))
+    number, hit = cut_ray(radius, height, direction, length, 1.0 / state[0], mesh[0], mesh[2], cuts)
+    outside = 1.0
+    if hit < length:
+        outside = (radius + hit * direction[0]) ** 2 + (hit * direction[1]) ** 2
+    disk = outside < 1.0
+    depth, emitted = 0.0, False
+    for piece in range(number - 1):
+        start, width = cuts[piece], cuts[piece + 1] - cuts[piece]
+        if width < SHORTEST:
+            continue
+        if depth >= LARGEST_DEPTH:
+            break
+        below = start >= hit
+        if below and disk and not emitted:
+            emitted = True
+            maxwellian_integrals(depth, state[3], table, scale, out[0])
+            _wall(out[0], seen, np.sqrt(1.0 - outside), mesh, scratch[1][0], walls)
+        _locate(point, direction, start, width, state, setup, mesh, scratch)
+        target = 0
+        if below:
+            target = 2 if disk else 1
+        depth = _add_piece(
+            depth, width, below, seen, state, setup, mesh, scratch, rows[target], out
+        )
+    return depth
+
+
+@njit(cache=True)
+def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
+    """Fill one row: weights of the own half's fields, the other half's and after reflection."""
+    layer, gauss_height, gauss_azimuth, gauss_ray, _, table, scale = setup
+    order, points = mesh[3].size, gauss_ray.shape[1]
+    directions = np.empty((MOST_DIRECTIONS, 4))
+    count = node_directions(point[0], point[1], layer, gauss_height, gauss_azimuth, directions)
+    scratch = (
+        np.empty((points, order)),
+        np.empty((points, order)),
+        np.empty((points, 2), np.int64),
+        np.empty(points),
+        np.empty(points),
+        np.empty(points),
+    )
+    weights = np.empty((FIELDS, FLUXES if on_face else FIELDS))
+    uniform = np.zeros_like(weights)
+    j, cuts = np.empty(NUMBER), np.empty(MOST_CUTS)
+    out = (j, np.empty(2), weights, uniform)
+    row, straight = np.empty(2), np.empty(2)
+    corrected = state[4] and not on_face
+    theta = 1.0 if on_face else 1.0 + state[2][i]
+    for d in range(count):
+        direction = directions[d]
+        straight[0], straight[1] = -direction[0], -direction[2]
+        row[0] = straight[0] / point[2]
+        row[1] = direction[2] if on_face else straight[1]
+        weight = NORMALISATION * direction[3]
+        seen = (on_face, row, straight, theta, weight)
+        depth = _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, walls)
+        if corrected and depth < LARGEST_DEPTH:
+            # what uniform fields would bring from beyond the end of the ray
+            maxwellian_integrals(depth, 1.0, table, scale, j)
+            _source_weights(j, 1, False, row, straight, 1.0, 1.0, weight, weights)
+            uniform += weights
+    if corrected:
+        _conserve(uniform, point[2], rows[0][i], correction)
+
+
+@njit(cache=True)
+def _wall(j, seen, eta, mesh, eta_basis, walls):
+    """Add what a face emits towards a node: σ by its nodes on the face, the rest uniform."""
+    _, row, straight, theta, weight = seen
+    edges, nodes, inverse = mesh[2], mesh[3], mesh[4]
+    order = nodes.size
+    panel = panel_of(edges, eta)
+    v = (eta - edges[panel]) / (edges[panel + 1] - edges[panel])
+    lagrange(nodes, inverse, v, eta_basis)
+    out = np.empty(FIELDS)
+    for kind in range(EMISSIONS):
+        w = weight * straight[1] if kind == 2 else weight
+        power_0, power_1 = _emitted(j, 1, kind), _emitted(j, 2, kind)
+        power_2, power_3 = _emitted(j, 3, kind), _emitted(j, 4, kind)
+        _moments(power_0, power_1, power_2, power_3, row, theta, w, out)
+        for m in range(FIELDS):
+            if kind == 0:
+                for a in range(order):
+                    walls[panel * order + a, m] += eta_basis[a] * out[m]
+            else:
+                walls[walls.shape[0] - EMISSIONS + kind, m] += out[m]
+
+
+@njit(cache=True, parallel=True)
+def assemble_nodes(points, state, setup, mesh, own, other, reflected, walls, corrections):
+    """Rows of all nodes.
+
+    Parameters
+    ----------
+    points : array, shape (n, 3)
+        Radius, height and √(1−η²) of the nodes.
+    state : tuple
+        δ [1], exponent of the collision frequency in θ, θ − 1 at the nodes, θ of the face, and
+        whether all of them are 1.
+    setup, mesh : tuple
+        Quadratures and tables; panels.
+    own, other, reflected : array, shape (n, n, 36)
+        Zeros, filled: node of the row, node of the column, 6 × field + moment.
+    walls : array, shape (n, e + 2, 6)
+        Zeros, filled: σ at the nodes of the face, then its temperature and its velocity.
+    corrections : array, shape (n, 6, 6)
+        Filled where θ is 1: what was added to a node's own weights, field × moment.
+    """
+    for i in prange(points.shape[0]):
+        rows = (own[i], other[i], reflected[i])
+        _row(i, points[i], False, state, setup, mesh, rows, walls[i], corrections[i])
+
+
+@njit(cache=True, parallel=True)
+def assemble_face(points, state, setup, mesh, rows):
+    """Fluxes that arrive at the nodes of a face, shape (e, n, 18): 3 × field + flux."""
+    for i in prange(points.shape[0]):
+        nothing = np.empty((0, FIELDS))
+        same = (rows[i], rows[i], rows[i])
+        _row(i, points[i], True, state, setup, mesh, same, nothing, nothing)

@@ -1,0 +1,202 @@
+r"""Mesh around the disk in oblate spheroidal coordinates.
+
+.. math:: r = \sqrt{(1+\xi^2)(1-\eta^2)}, \qquad z = \pm\xi\eta
+
+(lengths in disk radii) with the disk at ξ = 0, its edge at ξ = η = 0 and the axis at η = 1. Only
+the upper half, z > 0, is meshed; the lower half has the same nodes, mirrored. Panels in ξ and η
+carry tensor products of Gauss nodes, none of which lies on the face, the axis or the edge, where
+fields depend on the direction of approach.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+LINEAR, INVERSE, DECAYING, CYLINDER = 0, 1, 2, 3
+"""What a panel interpolates in: ξ; 1/ξ; 1/ξ with fields that vanish at infinity; 1/ξ from a
+spheroid to the cylinder r ≤ D, |z| ≤ D."""
+
+
+BEYOND = 10.0
+"""Of the half-width of a cylinder: where ξ of the shares of the way to it begin."""
+
+
+_RESERVOIR_LAYER = 10.0  # optical depth of the last panel before a reservoir
+_RESERVOIR_GROWTH = 3.0
+
+
+def gauss(order: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss–Legendre nodes and weights on [0, 1]."""
+    nodes, weights = np.polynomial.legendre.leggauss(order)
+    return 0.5 * (nodes + 1.0), 0.5 * weights
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Panels and their nodes.
+
+    Attributes
+    ----------
+    xi_edges : array, shape (panels in ξ + 1,)
+        Starts at 0. The last is infinity in open space. The panels next to a cylinder share the
+        way to it: their ends are :data:`BEYOND` times D, which no ray reaches, plus the share.
+    xi_kinds : array of int, shape (panels in ξ,)
+    eta_edges : array, shape (panels in η + 1,)
+        From 0 to 1.
+    order : int
+        Nodes per panel and direction.
+    boundary : float
+        Half-width D of the cylinder [disk radii], infinite in open space.
+    """
+
+    xi_edges: np.ndarray
+    xi_kinds: np.ndarray
+    eta_edges: np.ndarray
+    order: int
+    boundary: float
+
+    @cached_property
+    def eta(self) -> np.ndarray:
+        """Nodes in η, shape (e,)."""
+        widths = np.diff(self.eta_edges)
+        return (self.eta_edges[:-1, None] + widths[:, None] * gauss(self.order)[0]).ravel()
+
+    @cached_property
+    def face_weights(self) -> np.ndarray:
+        """Weights at :attr:`eta` of the mean over a face, shape (e,)."""
+        weights = (np.diff(self.eta_edges)[:, None] * gauss(self.order)[1]).ravel()
+        return 2.0 * self.eta * weights
+
+    @cached_property
+    def face_radius(self) -> np.ndarray:
+        """Radius of the nodes on a face [disk radii], shape (e,)."""
+        return np.sqrt(1.0 - self.eta**2)
+
+    @cached_property
+    def xi(self) -> np.ndarray:
+        """Node ξ, shape (x, e): it depends on η next to a cylinder only."""
+        unit = gauss(self.order)[0]
+        rows = []
+        for panel, kind in enumerate(self.xi_kinds):
+            low, high = self.xi_edges[panel : panel + 2]
+            for v in unit:
+                if kind == LINEAR:
+                    row = np.full(self.eta.size, low + (high - low) * v)
+                elif kind == CYLINDER:
+                    row = self._next_to_cylinder(low, high, v)
+                else:
+                    row = np.full(self.eta.size, 1.0 / (1.0 / low + (1.0 / high - 1.0 / low) * v))
+                rows.append(row)
+        return np.array(rows)
+
+    def _next_to_cylinder(self, low: float, high: float, v: float) -> np.ndarray:
+        """ξ of a node on each hyperbola of constant η, by the share of the way to the cylinder."""
+        start = self.xi_edges[int(np.argmax(self.xi_kinds == CYLINDER))]
+        ends = [max(0.0, edge - BEYOND * self.boundary) for edge in (low, high)]
+        share = ends[0] + (ends[1] - ends[0]) * v
+        outer = cylinder_xi(self.eta, self.boundary)
+        return 1.0 / (1.0 / start + (1.0 / outer - 1.0 / start) * share)
+
+    @cached_property
+    def radius(self) -> np.ndarray:
+        """Distance of the nodes from the axis [disk radii], shape (x·e,)."""
+        return np.sqrt((1.0 + self.xi**2) * (1.0 - self.eta**2)).ravel()
+
+    @cached_property
+    def height(self) -> np.ndarray:
+        """Height of the nodes above the disk's plane [disk radii], shape (x·e,)."""
+        return (self.xi * self.eta).ravel()
+
+    @cached_property
+    def radial_scale(self) -> np.ndarray:
+        """√(1−η²) at the nodes: radial components are kept divided by it, which is smooth."""
+        return np.broadcast_to(self.face_radius, self.xi.shape).ravel()
+
+    @property
+    def size(self) -> int:
+        """Number of nodes of one half."""
+        return self.xi.size
+
+
+def cylinder_xi(eta: np.ndarray, boundary: float) -> np.ndarray:
+    """ξ where the hyperbola of constant η leaves the cylinder r ≤ D, |z| ≤ D."""
+    side = np.sqrt(np.maximum(boundary**2 / np.maximum(1.0 - eta**2, 1e-300) - 1.0, 1e-300))
+    return np.minimum(side, boundary / np.maximum(eta, 1e-300))
+
+
+def _cylinder_corner(boundary: float) -> float:
+    """η of the cylinder's corner r = z = D."""
+    excess = 2.0 * boundary**2 - 1.0
+    return float(boundary / np.sqrt(0.5 * (excess + np.sqrt(excess**2 + 4.0 * boundary**2))))
+
+
+def _geometric(first: float, growth: float, end: float) -> list[float]:
+    """Edges from 0 with widths that grow by a factor, the last scaled to end exactly at ``end``."""
+    edges, width = [0.0], first
+    while edges[-1] < end * (1.0 - 1e-9):
+        edges.append(edges[-1] + width)
+        width *= growth
+    return list(np.array(edges) * end / edges[-1])
+
+
+def _shares_to_cylinder(depth: float, refinement: float) -> np.ndarray:
+    """Ends of the panels next to a cylinder, ever thinner, so that the last sees the reservoir.
+
+    ``depth`` is the optical depth of all of them.
+    """
+    width, left = min(1.0, _RESERVOIR_LAYER / (depth * refinement)), [0.0]
+    while left[-1] + width < 0.6:
+        left.append(left[-1] + width)
+        width *= _RESERVOIR_GROWTH
+    return 1.0 - np.array(left[::-1])
+
+
+def build_mesh(
+    rarefaction: float,
+    *,
+    boundary: float = np.inf,
+    order: int = 4,
+    refinement: float = 1.0,
+) -> Mesh:
+    """Mesh fitted to a rarefaction: panels as thin as the Knudsen layer needs.
+
+    Parameters
+    ----------
+    rarefaction : float
+        δ = √π/(4 Kn) [1].
+    boundary : float
+        Half-width and half-height of a cylindrical reservoir [disk radii].
+    order : int
+        Nodes per panel and direction.
+    refinement : float
+        Above 1 for more panels: widths are divided by it.
+
+    Returns
+    -------
+    Mesh
+    """
+    layer = min(1.0, 1.5 / rarefaction)
+    growth = 1.0 + 1.4 / refinement
+    far = 0.6 * boundary if np.isfinite(boundary) else max(3.0, 3.0 / rarefaction)
+    inner = min(1.0, 0.5 * boundary)
+    near = _geometric(0.3 * layer / refinement, growth, inner)
+    steps = max(1, int(np.ceil(refinement * np.log(far / inner) / np.log(1.9))))
+    outer = list(inner * (far / inner) ** (np.arange(1, steps + 1) / steps))
+    kinds = [LINEAR] * (len(near) - 1)
+    if far > inner * 1.01:
+        kinds += [INVERSE] * steps
+        near += outer
+    if np.isfinite(boundary):
+        shares = _shares_to_cylinder(rarefaction * (boundary - far), refinement)
+        xi_edges = [*near, *(BEYOND * boundary + shares)]
+        kinds += [CYLINDER] * len(shares)
+    else:
+        xi_edges, kinds = [*near, np.inf], [*kinds, DECAYING]
+    edge = min(0.45, 0.7 * np.sqrt(2.0 / rarefaction))
+    eta_edges = _geometric(edge / refinement, 1.0 + 0.5 / refinement, 1.0)
+    if np.isfinite(boundary):
+        corner = _cylinder_corner(boundary)
+        nearest = int(np.argmin(np.abs(np.array(eta_edges[1:-1]) - corner))) + 1
+        eta_edges[nearest] = corner
+    return Mesh(np.array(xi_edges), np.array(kinds), np.array(eta_edges), order, boundary)

@@ -1,0 +1,215 @@
+"""Solution of the non-linear problem: both faces hot, by preconditioned Anderson acceleration.
+
+The linear problem's factors, which contain all that is stiff, precondition the iteration, so that
+it converges in about as many steps at any Knudsen number.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lu_solve
+
+from lightflyer.errors import ConvergenceError
+from lightflyer.kinetic import nonlinear_kernel
+from lightflyer.kinetic.linear import FaceResult, LinearSystem
+from lightflyer.kinetic.operators import (
+    BaseState,
+    Quadrature,
+    assemble,
+    face_points,
+    kernel_arguments,
+    node_points,
+)
+
+_SQRT_PI = np.sqrt(np.pi)
+_MOST_ITERATIONS = 60
+_MEMORY = 12
+_RENEWED = 0.03  # residual below which the preconditioner is made once more
+_THIN = 1.0  # δ below which the linear problem's own factors precondition as well
+
+
+@dataclass(frozen=True)
+class HotDisk:
+    """Two faces, top and bottom: TAC and temperature over the gas's far away."""
+
+    tac: tuple[float, float]
+    temperature: tuple[float, float]
+
+
+class NonlinearProblem:
+    """The non-linear equation on the mesh of a linear system.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        Its factors precondition the iteration.
+    rarefaction : float
+        δ of the gas far away.
+    quadrature : Quadrature
+        That the system was assembled with.
+    """
+
+    def __init__(self, system: LinearSystem, rarefaction: float, quadrature: Quadrature) -> None:
+        self.system, self.rarefaction = system, rarefaction
+        gas, mesh = system.gas, system.operators.mesh
+        setup, panels = kernel_arguments(mesh, rarefaction, quadrature)
+        self.arguments = (rarefaction, setup, panels)
+        self.quadrature = quadrature
+        self.gas = (
+            0.8 * (1.0 - gas.translational_rate),
+            2.0 * (1.0 - gas.rotational_rate),
+            gas.exchange_rate,
+            -gas.viscosity_exponent,
+            gas.has_rotation,
+        )
+        self.nodes, self.faces = node_points(mesh), face_points(mesh)
+        self.factors = system.factors
+
+    def _half(self, fields: np.ndarray, face: int, sigma: np.ndarray, disk: HotDisk) -> tuple:
+        return (
+            fields[face],
+            fields[1 - face],
+            sigma,
+            float(disk.tac[face]),
+            float(disk.temperature[face]),
+        )
+
+    def arriving(self, fields: np.ndarray, face: int, disk: HotDisk) -> np.ndarray:
+        """Fluxes that arrive at a face, less those of the gas at rest, shape (e, 4)."""
+        fluxes = np.empty((self.faces.shape[0], 4))
+        half = self._half(fields, face, np.ones(self.faces.shape[0]), disk)
+        nonlinear_kernel.evaluate_face(self.faces, *self.arguments, self.gas, half, fluxes)
+        return fluxes
+
+    def evaluate(self, fields: np.ndarray, disk: HotDisk) -> np.ndarray:
+        """Fields that given fields, shape (2, n, fields), bring about."""
+        result = np.empty_like(fields)
+        for face in (0, 1):
+            sigma = _emitted_density(self.arriving(fields, face, disk), disk.temperature[face])
+            half = self._half(fields, face, sigma, disk)
+            nonlinear_kernel.evaluate_nodes(
+                self.nodes, *self.arguments, self.gas, half, result[face]
+            )
+            result[face] += self.system.corrected(fields[face])
+        return result
+
+    def precondition_about(self, fields: np.ndarray, disk: HotDisk) -> None:
+        """Precondition by the equation linearised about the temperatures of given fields."""
+        operators = self.system.operators
+        gas = self.system.gas
+        base = BaseState(
+            excess=0.5 * (fields[0, :, 3] + fields[1, :, 3]),
+            face=0.5 * sum(disk.temperature),
+            frequency_exponent=-1.0 - gas.viscosity_exponent,
+        )
+        about = assemble(operators.mesh, self.rarefaction, self.quadrature, base)
+        diagonal = np.arange(operators.mesh.size)
+        about.own[diagonal, diagonal] += operators.corrections
+        self.factors = LinearSystem(about, gas, self.system.mean_tac).factors
+
+    def solve(
+        self,
+        disk: HotDisk,
+        start: np.ndarray,
+        tolerance: float,
+        progress: Callable[[float], None] | None = None,
+    ) -> tuple[np.ndarray, int]:
+        """Iterate to a fixed point.
+
+        Parameters
+        ----------
+        disk : HotDisk
+        start : array, shape (2, n, fields)
+        tolerance : float
+            Largest change of a field by the preconditioned residual.
+        progress : callable, optional
+            Told the residual of each iteration.
+
+        Returns
+        -------
+        fields : array, shape (2, n, fields)
+        iterations : int
+
+        Raises
+        ------
+        ConvergenceError
+            With the last residual.
+        """
+        is_dense, renewed = self.rarefaction > _THIN, False
+        if is_dense:
+            self.precondition_about(start, disk)
+        fields = start
+        steps: list[np.ndarray] = []
+        states: list[np.ndarray] = []
+        residual = np.inf
+        for iteration in range(1, _MOST_ITERATIONS + 1):
+            missing = self.evaluate(fields, disk) - fields
+            step = self._precondition(missing)
+            residual = float(np.abs(step).max())
+            if progress is not None:
+                progress(residual)
+            if residual < tolerance:
+                return fields + step, iteration
+            if not np.isfinite(residual):
+                break
+            if is_dense and not renewed and residual < _RENEWED:
+                # the temperatures are known well enough now to precondition about them
+                renewed = True
+                self.precondition_about(fields, disk)
+                step, steps, states = self._precondition(missing), [], []
+            steps.append(step.ravel())
+            states.append(fields.ravel())
+            del steps[:-_MEMORY], states[:-_MEMORY]
+            fields = _damped(fields, _anderson(states, steps).reshape(fields.shape))
+        raise ConvergenceError(
+            f"the non-linear kinetic equation did not converge in {_MOST_ITERATIONS} iterations: "
+            f"last residual {residual:.1e}"
+        )
+
+    def _precondition(self, residual: np.ndarray) -> np.ndarray:
+        parts = 0.5 * (residual[0] + residual[1]), 0.5 * (residual[0] - residual[1])
+        even, odd = (
+            lu_solve(factor, part.ravel(), check_finite=False).reshape(part.shape)
+            for factor, part in zip(self.factors, parts, strict=True)
+        )
+        return np.stack([even + odd, even - odd])
+
+    def face_result(self, fields: np.ndarray, face: int, disk: HotDisk) -> FaceResult:
+        """Normal pressure on a face and heat flux out of it, less those of the gas at rest."""
+        tac, temperature = disk.tac[face], disk.temperature[face]
+        arriving = self.arriving(fields, face, disk)
+        sigma = _emitted_density(arriving, temperature)
+        pressure = tac * (sigma * temperature - 1.0) / 4.0 + (2.0 - tac) * arriving[:, 1]
+        emitted = (sigma * temperature**1.5 - 1.0) / _SQRT_PI
+        heat = tac * (emitted - arriving[:, 2])
+        if self.system.gas.has_rotation:
+            heat = heat + tac * (0.5 * emitted - arriving[:, 3])
+        return FaceResult(2.0 * pressure, heat)
+
+
+def _damped(old: np.ndarray, new: np.ndarray) -> np.ndarray:
+    """As far towards new fields as pressure and temperature lose no more than half of theirs."""
+    share = 1.0
+    for field in (0, 3):
+        value, change = 1.0 + old[..., field], new[..., field] - old[..., field]
+        share = min(share, 0.5 / max(0.5, float((-change / value).max())))
+    return old + share * (new - old)
+
+
+def _emitted_density(arriving: np.ndarray, temperature: float) -> np.ndarray:
+    """σ of a face at which as many molecules leave as arrive, shape (e,)."""
+    return (1.0 + 2.0 * _SQRT_PI * arriving[:, 0]) / np.sqrt(temperature)
+
+
+def _anderson(states: list[np.ndarray], steps: list[np.ndarray]) -> np.ndarray:
+    """Next state by Anderson's mixing of the last states and their steps."""
+    if len(steps) == 1:
+        return states[-1] + steps[-1]
+    differences = np.stack([steps[-1] - step for step in steps[:-1]], axis=1)
+    weights = np.linalg.lstsq(differences, steps[-1], rcond=1e-12)[0]
+    state, step = states[-1].copy(), steps[-1].copy()
+    for k, weight in enumerate(weights):
+        state -= weight * (states[-1] - states[k])
+        step -= weight * (steps[-1] - steps[k])
+    return state + step

@@ -1,0 +1,275 @@
+"""One evaluation of the non-linear kinetic equation in integral form.
+
+From the fields at all nodes: trace every ray again, collect optical depth at the local collision
+frequency and what the local model distribution emits, and return the moments that arrive. What is
+summed is the deviation from the gas at rest far away, so that an undisturbed gas is exact.
+
+Fields, in this order: nT − 1, u_r, u_z, τ = T − 1, q_r, q_z, and for rotation τ_r, q_r, q_z;
+radial ones are divided by √(1−η²). Pressure is interpolated, not density: it hardly varies, and
+density and temperature interpolated apart would make pressures, and so forces, between nodes.
+Speeds are in √(2RT_c), temperatures in T_c, densities in n_c.
+"""
+
+import numpy as np
+from numba import njit, prange
+
+from lightflyer.kinetic.directions import node_directions
+from lightflyer.kinetic.linear_kernel import MOST_DIRECTIONS, NORMALISATION
+from lightflyer.kinetic.rays import (
+    MOST_CUTS,
+    REACH,
+    SHORTEST,
+    cut_ray,
+    exit_length,
+    interpolate,
+    lagrange,
+    maxwellian_integrals,
+    panel_of,
+    spheroidal,
+)
+from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
+
+_POWERS = 4  # of the speed, 2 to 5, in what a ray brings; two more for rotational energy
+LOWEST = 0.1  # temperature that an iterate may take between nodes; solutions stay above 1
+
+
+@njit(cache=True)
+def _local_source(state, gas, radial, vertical, coefficients):
+    """Polynomials in the speed of the model distribution along a direction.
+
+    Returns the temperature of its Maxwellian; fills the coefficients of c⁰ to c³ of the number
+    and of the rotational energy.
+    """
+    heat, rotational_heat, exchange, _, rotates = gas
+    temperature = max(LOWEST, 1.0 + state[3])
+    density = (1.0 + state[0]) / temperature
+    turning = 1.0 + state[6]
+    theta, turning_to = temperature, turning
+    if rotates:
+        theta += 0.4 * exchange * (turning - temperature)
+        turning_to += 0.6 * exchange * (temperature - turning)
+    theta = max(theta, LOWEST)
+    drift = radial * state[1] + vertical * state[2]
+    flux = heat * (radial * state[4] + vertical * state[5])
+    a = coefficients[0]
+    a[0] = density * (1.0 - state[9] / theta)
+    a[1] = 2.0 * density * drift / theta - 2.5 * flux / theta**2
+    a[2] = 2.0 * density * (drift / theta) ** 2
+    a[3] = flux / theta**3
+    if rotates:
+        b = coefficients[1]
+        for k in range(4):
+            b[k] = turning_to * a[k]
+        b[1] += rotational_heat * (radial * state[7] + vertical * state[8]) / theta
+    return theta
+
+
+@njit(cache=True)
+def _add_piece(brought, weight, hot, cold, coefficients, rotates):
+    """Add what one ray point brings, with four powers of the speed (two of rotation)."""
+    a, b = coefficients[0], coefficients[1]
+    for k in range(_POWERS):
+        brought[k] += weight * (
+            a[0] * hot[k] + a[1] * hot[k + 1] + a[2] * hot[k + 2] + a[3] * hot[k + 3] - cold[k]
+        )
+    if rotates:
+        for k in range(2):
+            brought[_POWERS + k] += weight * (
+                b[0] * hot[k] + b[1] * hot[k + 1] + b[2] * hot[k + 2] + b[3] * hot[k + 3] - cold[k]
+            )
+
+
+@njit(cache=True)
+def _interpolated(fields, xi, eta, mesh, xi_basis, eta_basis, eta_size, state):
+    """Fields at a point; the last entry is u² without the radial scale's help."""
+    order = xi_basis.size
+    i, j = interpolate(xi, eta, mesh, xi_basis, eta_basis)
+    for f in range(fields.shape[1]):
+        state[f] = 0.0
+    for a in range(order):
+        first = (i * order + a) * eta_size + j * order
+        for b in range(order):
+            w = xi_basis[a] * eta_basis[b]
+            for f in range(fields.shape[1]):
+                state[f] += w * fields[first + b, f]
+    scale = 1.0 - eta * eta
+    state[9] = state[1] * state[1] * scale + state[2] * state[2]
+
+
+@njit(cache=True)
+def _ray(point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, gas, half, brought):
+    """Fill what one ray brings: its deviation times the speed to the powers 2 to 5."""
+    gauss_ray, inside, table, scale = setup[3:]
+    own, other, sigma, tac, wall = half
+    order = mesh[3].size
+    eta_size = (mesh[2].size - 1) * order
+    points = gauss_ray.shape[1]
+    xi_basis, eta_basis = np.empty(order), np.empty(order)
+    states, frequency = np.zeros((points, 10)), np.empty(points)
+    radial, hot, cold = np.empty(points), np.empty(NUMBER), np.empty(NUMBER)
+    coefficients = np.zeros((2, 4))
+    radius, height = point[0], point[1]
+    brought[:] = 0.0
+    depth, share = 0.0, 1.0
+    for piece in range(number - 1):
+        start, width = cuts[piece], cuts[piece + 1] - cuts[piece]
+        if width < SHORTEST:
+            continue
+        below = start >= hit
+        if below and disk and share == 1.0:
+            x, y = radius + hit * direction[0], hit * direction[1]
+            eta = np.sqrt(max(0.0, 1.0 - x * x - y * y))
+            density = _on_face(sigma, eta, mesh, eta_basis)
+            _add_wall(brought, density, wall, tac, depth, table, scale, hot, cold)
+            share = 1.0 - tac
+            if share == 0.0:
+                return
+        fields = other if below and not disk else own
+        for k in range(points):
+            s = start + width * gauss_ray[0, k]
+            x, y, z = radius + s * direction[0], s * direction[1], height + s * direction[2]
+            xi, eta = spheroidal(x * x + y * y, z)
+            _interpolated(fields, xi, eta, mesh, xi_basis, eta_basis, eta_size, states[k])
+            radial[k] = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
+            temperature = max(LOWEST, 1.0 + states[k, 3])
+            frequency[k] = rarefaction * (1.0 + states[k, 0]) * temperature ** gas[3]
+        vertical = direction[2] if below else -direction[2]
+        for k in range(points):
+            reached = depth
+            for m in range(points):
+                reached += width * inside[k, m] * frequency[m]
+            theta = _local_source(states[k], gas, radial[k], vertical, coefficients)
+            maxwellian_integrals(reached, theta, table, scale, hot)
+            maxwellian_integrals(reached, 1.0, table, scale, cold)
+            w = share * width * gauss_ray[1, k] * frequency[k]
+            _add_piece(brought, w, hot, cold, coefficients, gas[4])
+        for m in range(points):
+            depth += width * gauss_ray[1, m] * frequency[m]
+        if depth > LARGEST_DEPTH:
+            return
+
+
+@njit(cache=True)
+def _on_face(values, eta, mesh, eta_basis):
+    edges = mesh[2]
+    panel = panel_of(edges, eta)
+    v = (eta - edges[panel]) / (edges[panel + 1] - edges[panel])
+    lagrange(mesh[3], mesh[4], v, eta_basis)
+    value = 0.0
+    for a in range(eta_basis.size):
+        value += eta_basis[a] * values[panel * eta_basis.size + a]
+    return value
+
+
+@njit(cache=True)
+def _add_wall(brought, density, temperature, tac, depth, table, scale, hot, cold):
+    """Add what a face emits diffusely, less what the gas at rest would."""
+    maxwellian_integrals(depth, temperature, table, scale, hot)
+    maxwellian_integrals(depth, 1.0, table, scale, cold)
+    for k in range(_POWERS):
+        brought[k] += tac * (density * hot[k + 1] - cold[k + 1])
+    for k in range(2):
+        brought[_POWERS + k] += tac * (density * temperature * hot[k + 1] - cold[k + 1])
+
+
+@njit(cache=True)
+def _collect(point, on_face, rarefaction, setup, mesh, gas, half, out):
+    """Raw moments at a node, or fluxes at a face, summed over all directions."""
+    layer, gauss_height, gauss_azimuth = setup[:3]
+    radius, height = point[0], point[1]
+    directions = np.empty((MOST_DIRECTIONS, 4))
+    count = node_directions(radius, height, layer, gauss_height, gauss_azimuth, directions)
+    cuts, brought = np.empty(MOST_CUTS), np.empty(_POWERS + 2)
+    optical_scale = 1.0 / rarefaction
+    longest = REACH * LARGEST_DEPTH * optical_scale
+    out[:] = 0.0
+    for d in range(count):
+        direction = directions[d]
+        length = min(longest, exit_length(radius, height, direction, mesh[5]))
+        number, hit = cut_ray(
+            radius, height, direction, length, optical_scale, mesh[0], mesh[2], cuts
+        )
+        disk = False
+        if hit < length:
+            x, y = radius + hit * direction[0], hit * direction[1]
+            disk = x * x + y * y < 1.0
+        _ray(
+            point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, gas, half, brought
+        )
+        w = NORMALISATION * direction[3]
+        x, z = -direction[0], -direction[2]
+        if on_face:
+            out[0] -= w * z * brought[1]
+            out[1] += w * z * z * brought[2]
+            out[2] -= w * z * brought[3]
+            out[3] -= w * z * brought[5]
+            continue
+        out[0] += w * brought[0]
+        out[1] += w * x * brought[1]
+        out[2] += w * z * brought[1]
+        out[3] += w * brought[2]
+        out[4] += w * x * brought[3]
+        out[5] += w * z * brought[3]
+        out[6] += w * brought[4]
+        out[7] += w * x * brought[5]
+        out[8] += w * z * brought[5]
+        out[9] += w * x * x * brought[2]
+        out[10] += w * x * z * brought[2]
+        out[11] += w * z * z * brought[2]
+
+
+@njit(cache=True)
+def _central(raw, radial_scale, rotates, fields):
+    """Fields from raw moments: central in the mean velocity."""
+    density = 1.0 + raw[0]
+    u, w = raw[1] / density, raw[2] / density
+    square = u * u + w * w
+    energy = 1.5 + raw[3]
+    temperature = (energy / density - square) / 1.5
+    xx, xz, zz = 0.5 + raw[9], raw[10], 0.5 + raw[11]
+    common = 2.0 * density * square - energy
+    fields[0] = density * temperature - 1.0
+    fields[1] = u / radial_scale
+    fields[2] = w
+    fields[3] = temperature - 1.0
+    fields[4] = (raw[4] - 2.0 * (xx * u + xz * w) + common * u) / radial_scale
+    fields[5] = raw[5] - 2.0 * (xz * u + zz * w) + common * w
+    if rotates:
+        fields[6] = (1.0 + raw[6]) / density - 1.0
+        fields[7] = (raw[7] - (1.0 + raw[6]) * u) / radial_scale
+        fields[8] = raw[8] - (1.0 + raw[6]) * w
+
+
+@njit(cache=True, parallel=True)
+def evaluate_nodes(points, rarefaction, setup, mesh, gas, half, fields):
+    """Fields at the nodes of one half that the given fields bring about.
+
+    Parameters
+    ----------
+    points : array, shape (n, 3)
+        Radius, height and √(1−η²).
+    rarefaction : float
+        δ of the gas far away.
+    setup, mesh : tuple
+        Quadratures and tables; panels.
+    gas : tuple
+        Factors of the two heat fluxes, rate of exchange, −ω, whether molecules rotate.
+    half : tuple
+        Own fields, the other half's (mirrored), σ on the face, its TAC and temperature.
+    fields : array, shape (n, 6 or 9)
+        Filled.
+    """
+    for i in prange(points.shape[0]):
+        raw = np.empty(12)
+        _collect(points[i], False, rarefaction, setup, mesh, gas, half, raw)
+        _central(raw, points[i, 2], gas[4], fields[i])
+
+
+@njit(cache=True, parallel=True)
+def evaluate_face(points, rarefaction, setup, mesh, gas, half, fluxes):
+    """Fluxes that arrive at a face, less those of the gas at rest.
+
+    ``fluxes``, shape (e, 4), is filled with number, normal momentum, energy, rotational energy.
+    """
+    for i in prange(points.shape[0]):
+        _collect(points[i], True, rarefaction, setup, mesh, gas, half, fluxes[i])

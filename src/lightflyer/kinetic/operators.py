@@ -1,0 +1,168 @@
+"""The assembled linear problem of a mesh: matrices that hold for any TAC and any wall."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lightflyer.kinetic import linear_kernel
+from lightflyer.kinetic.mesh import Mesh, gauss
+from lightflyer.kinetic.speed_integrals import spline_table
+
+_LAYER = 0.1  # height of direction below which rays in a thin gas layer need panels of their own
+
+
+@dataclass(frozen=True)
+class Quadrature:
+    """Numbers of Gauss nodes per panel: in height and azimuth of directions, and along rays."""
+
+    height: int = 4
+    azimuth: int = 4
+    ray: int = 4
+
+
+def kernel_arguments(mesh: Mesh, rarefaction: float, quadrature: Quadrature) -> tuple:
+    """Quadratures and tables, and panels, as the compiled kernels take them."""
+    table, scale = spline_table()
+    setup = (
+        min(_LAYER, _LAYER / rarefaction),
+        np.array(gauss(quadrature.height)),
+        np.array(gauss(quadrature.azimuth)),
+        np.array(gauss(quadrature.ray)),
+        _partial_integrals(quadrature.ray),
+        table,
+        scale,
+    )
+    nodes = gauss(mesh.order)[0]
+    differences = nodes[:, None] - nodes + np.eye(nodes.size)
+    panels = (
+        mesh.xi_edges,
+        mesh.xi_kinds,
+        mesh.eta_edges,
+        nodes,
+        1.0 / np.prod(differences, axis=1),
+        float(mesh.boundary),
+    )
+    return setup, panels
+
+
+def _partial_integrals(order: int) -> np.ndarray:
+    """Weights of ∫ from 0 to each Gauss node of the interpolant at the nodes, shape (m, m)."""
+    nodes = gauss(order)[0]
+    powers = np.arange(order)
+    vandermonde = nodes[:, None] ** powers
+    integrals = nodes[:, None] ** (powers + 1) / (powers + 1)
+    return np.ascontiguousarray(np.linalg.solve(vandermonde.T, integrals.T).T)
+
+
+@dataclass(frozen=True)
+class BaseState:
+    """The gas at rest about which the equation is linearised, by default that far away.
+
+    Attributes
+    ----------
+    excess : array, shape (n,), or None
+        θ − 1 at the nodes of a half, the same in both.
+    face : float
+        θ of the faces.
+    frequency_exponent : float
+        Of the collision frequency in θ, at uniform pressure.
+    """
+
+    excess: np.ndarray | None = None
+    face: float = 1.0
+    frequency_exponent: float = 0.0
+
+
+@dataclass(frozen=True)
+class Operators:
+    """Assembled rows, with n nodes of a half and e of a face.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    own, other, reflected : array, shape (n, n, 6, 6)
+        Node of the row, of the column, field, moment.
+    sigma : array, shape (n, e, 6)
+        What σ at the face's nodes brings to each moment.
+    temperature, velocity : array, shape (n, 6)
+        What a uniform temperature or velocity of the face brings.
+    fluxes : array, shape (e, n, 6, 3)
+        Node of the face, node, field, arriving flux of number, normal momentum, energy.
+    corrections : array, shape (n, 6, 6)
+        What was added to each node's own weights, field and moment, so that uniform fields are
+        exact.
+    theta : array, shape (n,)
+        Temperature about which the equation is linearised.
+    face_theta : float
+        That of the faces.
+    """
+
+    mesh: Mesh
+    own: np.ndarray
+    other: np.ndarray
+    reflected: np.ndarray
+    sigma: np.ndarray
+    temperature: np.ndarray
+    velocity: np.ndarray
+    fluxes: np.ndarray
+    corrections: np.ndarray
+    theta: np.ndarray
+    face_theta: float
+
+
+def node_points(mesh: Mesh) -> np.ndarray:
+    """Radius, height and √(1−η²) of the nodes, shape (n, 3)."""
+    return np.stack([mesh.radius, mesh.height, mesh.radial_scale], axis=1)
+
+
+def face_points(mesh: Mesh) -> np.ndarray:
+    """The same on a face, shape (e, 3); the scale is not used there."""
+    zero = np.zeros_like(mesh.eta)
+    return np.stack([mesh.face_radius, zero, zero + 1.0], axis=1)
+
+
+def assemble(
+    mesh: Mesh, rarefaction: float, quadrature: Quadrature, base: BaseState | None = None
+) -> Operators:
+    """Trace all rays of a mesh and return the linear operators.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    rarefaction : float
+        δ of the gas far away.
+    quadrature : Quadrature
+    base : BaseState, optional
+        Where given, nothing is corrected: ``corrections`` are zero.
+
+    Returns
+    -------
+    Operators
+    """
+    setup, panels = kernel_arguments(mesh, rarefaction, quadrature)
+    n, e = mesh.size, mesh.eta.size
+    base = base or BaseState()
+    linear = base.excess is None
+    excess = np.zeros(n) if base.excess is None else np.ascontiguousarray(base.excess)
+    state = (rarefaction, base.frequency_exponent, excess, base.face, linear)
+    own, other, reflected = (np.zeros((n, n, 36)) for _ in range(3))
+    walls = np.zeros((n, e + linear_kernel.EMISSIONS - 1, linear_kernel.FIELDS))
+    corrections = np.zeros((n, linear_kernel.FIELDS, linear_kernel.FIELDS))
+    linear_kernel.assemble_nodes(
+        node_points(mesh), state, setup, panels, own, other, reflected, walls, corrections
+    )
+    fluxes = np.zeros((e, n, linear_kernel.FIELDS * linear_kernel.FLUXES))
+    linear_kernel.assemble_face(face_points(mesh), state, setup, panels, fluxes)
+    return Operators(
+        mesh=mesh,
+        own=own.reshape(n, n, 6, 6),
+        other=other.reshape(n, n, 6, 6),
+        reflected=reflected.reshape(n, n, 6, 6),
+        sigma=walls[:, :e],
+        temperature=walls[:, e],
+        velocity=walls[:, e + 1],
+        fluxes=fluxes.reshape(e, n, 6, 3),
+        corrections=corrections,
+        theta=1.0 + excess,
+        face_theta=base.face,
+    )

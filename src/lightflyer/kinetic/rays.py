@@ -1,0 +1,231 @@
+"""Geometry of a straight ray through the mesh: where it crosses panels, and what it sees there.
+
+Below the disk's plane everything is mirrored: a ray that has crossed z = 0 moves on through the
+mirror image of the lower half, with the height of its direction reversed. That is at once what a
+ray that missed the disk sees and, read with the fields of its own half, what a ray sees that the
+disk has reflected.
+"""
+
+import numpy as np
+from numba import njit
+
+from lightflyer.kinetic.mesh import BEYOND, CYLINDER, DECAYING, INVERSE, LINEAR
+from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
+
+# optical depths at which a ray is cut, so that each piece is smooth enough for Gauss's rule
+DEPTH_CUTS = np.array([0.1, 0.5, 1.5, 3.3, 6.0, 10.0, 16.0, 25.0, 40.0])
+MOST_CUTS = 160
+REACH = 1.6
+"""Longest ray over the length of the largest optical depth far away: hot gas is thinner."""
+
+SHORTEST = 1e-13
+"""Pieces of a ray shorter than this [disk radii] are where it crosses two edges at once."""
+
+_SHORTENED = 0.999999  # keeps the largest depth inside the table
+
+
+@njit(cache=True)
+def spheroidal(radius_squared, height):
+    """ξ and η of a point, without cancellation."""
+    half = 0.5 * (radius_squared + height * height - 1.0)
+    root = np.sqrt(half * half + height * height)
+    if half > 0.0:
+        xi = np.sqrt(half + root)
+        return xi, min(1.0, abs(height) / xi)
+    eta = np.sqrt(root - half)
+    if eta == 0.0:
+        return 0.0, 0.0
+    return abs(height) / eta, min(1.0, eta)
+
+
+@njit(cache=True)
+def _push_roots(cuts, count, a, b, c, length):
+    """Append the roots of a s² + 2 b s + c between 0 and the ray's length."""
+    if abs(a) < 1e-14 * (abs(b) + abs(c)):
+        if b != 0.0:
+            s = -0.5 * c / b
+            if 0.0 < s < length:
+                cuts[count] = s
+                count += 1
+        return count
+    discriminant = b * b - a * c
+    if discriminant <= 0.0:
+        return count
+    q = -(b + np.copysign(np.sqrt(discriminant), b))
+    s = q / a
+    if 0.0 < s < length:
+        cuts[count] = s
+        count += 1
+    if q != 0.0:
+        s = c / q
+        if 0.0 < s < length:
+            cuts[count] = s
+            count += 1
+    return count
+
+
+@njit(cache=True)
+def exit_length(radius, height, direction, boundary):
+    """Length of a ray up to the cylinder r ≤ D, |z| ≤ D."""
+    if not np.isfinite(boundary):
+        return np.inf
+    length = np.inf
+    if direction[2] > 0.0:
+        length = (boundary - height) / direction[2]
+    elif direction[2] < 0.0:
+        length = (boundary + height) / -direction[2]
+    a = direction[0] ** 2 + direction[1] ** 2
+    if a > 0.0:
+        b = radius * direction[0]
+        c = radius * radius - boundary * boundary
+        length = min(length, (-b + np.sqrt(max(0.0, b * b - a * c))) / a)
+    return max(length, 0.0)
+
+
+@njit(cache=True)
+def cut_ray(radius, height, direction, length, optical_scale, xi_edges, eta_edges, cuts):
+    """Cut a ray at every panel edge it crosses, at z = 0 and at given optical depths.
+
+    Parameters
+    ----------
+    radius, height : float
+        Where the ray starts [disk radii].
+    direction : array, shape (3,)
+        Unit vector.
+    length : float
+        Where it ends [disk radii], finite.
+    optical_scale : float
+        Length of optical depth 1 [disk radii].
+    xi_edges, eta_edges : array
+        Of the mesh.
+    cuts : array, shape (MOST_CUTS,)
+        Filled with distances from 0 to ``length``, ascending.
+
+    Returns
+    -------
+    count : int
+        Number of distances.
+    hit : float
+        Distance at which it crosses z = 0, infinite if it does not.
+    """
+    wx, wz = direction[0], direction[2]
+    a_r = wx * wx + direction[1] * direction[1]
+    b_r, c_r = radius * wx, radius * radius
+    a_z, b_z, c_z = wz * wz, height * wz, height * height
+    count = 1
+    cuts[0] = 0.0
+    for k in range(1, xi_edges.size):
+        edge = xi_edges[k]
+        if not np.isfinite(edge):
+            continue
+        outer, inner = 1.0 / (1.0 + edge * edge), 1.0 / (edge * edge)
+        a, b = a_r * outer + a_z * inner, b_r * outer + b_z * inner
+        count = _push_roots(cuts, count, a, b, c_r * outer + c_z * inner - 1.0, length)
+    for k in range(1, eta_edges.size - 1):
+        edge = eta_edges[k]
+        outer, inner = 1.0 / (1.0 - edge * edge), 1.0 / (edge * edge)
+        a, b = a_r * outer - a_z * inner, b_r * outer - b_z * inner
+        count = _push_roots(cuts, count, a, b, c_r * outer - c_z * inner - 1.0, length)
+    hit = np.inf
+    if wz < 0.0 and height > 0.0:
+        hit = -height / wz
+        if hit < length:
+            cuts[count] = hit
+            count += 1
+    for depth in DEPTH_CUTS:
+        if depth * optical_scale < length:
+            cuts[count] = depth * optical_scale
+            count += 1
+    cuts[count] = length
+    count += 1
+    cuts[:count].sort()
+    return count, hit
+
+
+@njit(cache=True)
+def panel_of(edges, value):
+    """Panel in which a value lies."""
+    panel = 0
+    while panel < edges.size - 2 and value >= edges[panel + 1]:
+        panel += 1
+    return panel
+
+
+@njit(cache=True)
+def lagrange(nodes, inverse, v, basis):
+    """Fill the Lagrange polynomials of nodes on [0, 1]; ``inverse`` holds their denominators."""
+    for i in range(nodes.size):
+        product = inverse[i]
+        for j in range(nodes.size):
+            if j != i:
+                product *= v - nodes[j]
+        basis[i] = product
+
+
+@njit(cache=True)
+def interpolate(xi, eta, mesh, xi_basis, eta_basis):
+    """Lagrange bases of the panel in which a point lies.
+
+    Parameters
+    ----------
+    xi, eta : float
+    mesh : tuple
+        Of :func:`mesh_arrays`.
+    xi_basis, eta_basis : array, shape (order,)
+        Filled.
+
+    Returns
+    -------
+    xi_panel, eta_panel : int
+    """
+    xi_edges, xi_kinds, eta_edges, nodes, inverse, boundary = mesh
+    i, j = panel_of(xi_edges, xi), panel_of(eta_edges, eta)
+    kind = xi_kinds[i]
+    if kind == LINEAR:
+        v = (xi - xi_edges[i]) / (xi_edges[i + 1] - xi_edges[i])
+    elif kind == CYLINDER:
+        side = np.sqrt(max(boundary * boundary / max(1.0 - eta * eta, 1e-300) - 1.0, 1e-300))
+        outer = min(side, boundary / max(eta, 1e-300))
+        v = (1.0 / xi_edges[i] - 1.0 / xi) / (1.0 / xi_edges[i] - 1.0 / outer)
+        low, offset = 0.0, BEYOND * boundary
+        while i < xi_kinds.size - 1 and v >= xi_edges[i + 1] - offset:
+            low = xi_edges[i + 1] - offset
+            i += 1
+        v = (v - low) / (xi_edges[i + 1] - offset - low)
+    elif kind == INVERSE:
+        low = 1.0 / xi_edges[i]
+        v = (low - 1.0 / xi) / (low - 1.0 / xi_edges[i + 1])
+    else:
+        v = 1.0 - xi_edges[i] / xi
+    lagrange(nodes, inverse, v, xi_basis)
+    if kind == DECAYING:
+        for k in range(nodes.size):
+            xi_basis[k] *= (1.0 - v) / (1.0 - nodes[k])
+    lagrange(nodes, inverse, (eta - eta_edges[j]) / (eta_edges[j + 1] - eta_edges[j]), eta_basis)
+    return i, j
+
+
+@njit(cache=True)
+def speed_integrals(depth, table, scale, values):
+    """Fill J₁ to J₈ at an optical depth below the largest of the table."""
+    position = np.sqrt(depth) * scale
+    cell = int(position)
+    t = (position - cell) / scale
+    row = table[cell]
+    for p in range(NUMBER):
+        values[p] = ((row[0, p] * t + row[1, p]) * t + row[2, p]) * t + row[3, p]
+
+
+@njit(cache=True)
+def maxwellian_integrals(depth, temperature, table, scale, values):
+    """Fill θ^((p−2)/2) J_p(depth/√θ): speed integrals of a Maxwellian of temperature θ."""
+    root = np.sqrt(temperature)
+    reduced = depth / root
+    if reduced >= _SHORTENED * LARGEST_DEPTH:
+        values[:] = 0.0
+        return
+    speed_integrals(reduced, table, scale, values)
+    factor = 1.0 / root
+    for p in range(NUMBER):
+        values[p] *= factor
+        factor *= root

@@ -1,0 +1,175 @@
+"""One solve of the disk problem, with the error that a second, coarser mesh shows."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from lightflyer.errors import ConvergenceError
+from lightflyer.kinetic.free_molecular import FreeMolecularDisk
+from lightflyer.kinetic.gas_model import GasModel
+from lightflyer.kinetic.linear import FaceResult, LinearSystem, Walls, face_result
+from lightflyer.kinetic.mesh import Mesh, build_mesh
+from lightflyer.kinetic.nonlinear import HotDisk, NonlinearProblem
+from lightflyer.kinetic.operators import Quadrature, assemble
+
+SMALLEST_ERROR = {"force_ratio": 3e-4, "heat_ratio": 1e-4}
+"""What doubling all quadratures changes at most, which two meshes with like ones do not show."""
+
+_DENSE = 5.0  # δ above which a very hot disk is approached in steps
+_LARGEST_STEP = 0.75  # of T_h/T_c
+_LOOSE = 1e-2  # tolerance of fields on the way
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Nodes per panel, refinement of the panels and numbers of Gauss nodes."""
+
+    order: int
+    refinement: float
+    quadrature: Quadrature
+
+    def mesh(self, rarefaction: float, boundary: float) -> Mesh:
+        """Mesh at a rarefaction."""
+        return build_mesh(
+            rarefaction, boundary=boundary, order=self.order, refinement=self.refinement
+        )
+
+
+FINE = Resolution(4, 1.4, Quadrature(4, 5, 4))
+MEDIUM = Resolution(4, 1.0, Quadrature(3, 4, 3))
+COARSE = Resolution(4, 0.7, Quadrature(3, 4, 3))
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is solved, in pairs top, bottom.
+
+    Attributes
+    ----------
+    rarefaction : float
+        δ = √π/(4 Kn).
+    tac : tuple of float
+    temperature : tuple of float
+        Perturbations in the linear problem; T_h/T_c in the non-linear one.
+    linear : bool
+    gas : GasModel
+    boundary : float
+        Half-width of the cylindrical reservoir [disk radii], infinite in open space.
+    """
+
+    rarefaction: float
+    tac: tuple[float, float]
+    temperature: tuple[float, float]
+    linear: bool
+    gas: GasModel
+    boundary: float
+
+    def free_molecular(self) -> FreeMolecularDisk:
+        """Force and heat without collisions."""
+        return FreeMolecularDisk(self.tac, self.temperature, self.linear, self.gas.has_rotation)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A solved case on one mesh.
+
+    Attributes
+    ----------
+    force : float
+        Upwards [p·A].
+    heat : tuple of float
+        Out of each face [p √(2RT_c) A].
+    fields : array, shape (2, n, 6 or 9)
+        Of the upper and the mirrored lower half.
+    iterations : int
+    seconds : float
+    mesh : Mesh
+    """
+
+    force: float
+    heat: tuple[float, float]
+    fields: np.ndarray
+    iterations: int
+    seconds: float
+    mesh: Mesh
+
+
+def solve_case(
+    case: Case,
+    resolution: Resolution,
+    *,
+    tolerance: float = 1e-6,
+    start: np.ndarray | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Outcome:
+    """Solve on one mesh.
+
+    Parameters
+    ----------
+    case : Case
+    resolution : Resolution
+    tolerance : float
+        Of the fields, in the non-linear problem.
+    start : array, optional
+        Fields of a neighbouring non-linear case on the same mesh.
+    progress : callable, optional
+        Told the residual of each non-linear iteration.
+
+    Returns
+    -------
+    Outcome
+
+    Raises
+    ------
+    ConvergenceError
+        With the last residual.
+    """
+    began = time.perf_counter()
+    mesh = resolution.mesh(case.rarefaction, case.boundary)
+    operators = assemble(mesh, case.rarefaction, resolution.quadrature)
+    system = LinearSystem(operators, case.gas, 0.5 * sum(case.tac))
+    excess = case.temperature if case.linear else _excess(case.temperature)
+    walls = Walls(case.tac, excess)
+    if case.linear or start is None:
+        fields, iterations = system.solve(walls)
+    if case.linear:
+        faces = [face_result(system, walls, fields[face], face) for face in (0, 1)]
+    else:
+        problem = NonlinearProblem(system, case.rarefaction, resolution.quadrature)
+        disk = HotDisk(case.tac, case.temperature)
+        if start is None:
+            start = _approach(problem, disk, fields)
+        fields, iterations = problem.solve(disk, start, tolerance, progress)
+        faces = [problem.face_result(fields, face, disk) for face in (0, 1)]
+    force, heat = _totals(mesh, faces)
+    if not np.isfinite(force):
+        raise ConvergenceError("the kinetic equation gave no finite force")
+    return Outcome(force, heat, fields, iterations, time.perf_counter() - began, mesh)
+
+
+def _excess(temperature: tuple[float, float]) -> tuple[float, float]:
+    return temperature[0] - 1.0, temperature[1] - 1.0
+
+
+def _approach(problem: NonlinearProblem, disk: HotDisk, fields: np.ndarray) -> np.ndarray:
+    """Fields to start from, by way of less hot disks where gas is dense and the disk hot."""
+    hottest = max(disk.temperature)
+    stages = int(np.ceil((hottest - 1.0) / _LARGEST_STEP)) if _is_dense(problem) else 1
+    for stage in range(1, stages):
+        share = stage / stages
+        top, bottom = (1.0 + share * (value - 1.0) for value in disk.temperature)
+        before = fields * (share if stage == 1 else stage / (stage - 1))
+        fields = problem.solve(HotDisk(disk.tac, (top, bottom)), before, _LOOSE)[0]
+    return fields if stages == 1 else fields * stages / (stages - 1)
+
+
+def _is_dense(problem: NonlinearProblem) -> bool:
+    return problem.rarefaction > _DENSE
+
+
+def _totals(mesh: Mesh, faces: list[FaceResult]) -> tuple[float, tuple[float, float]]:
+    weights = mesh.face_weights
+    force = float(weights @ (faces[1].pressure - faces[0].pressure))
+    return force, (float(weights @ faces[0].heat), float(weights @ faces[1].heat))

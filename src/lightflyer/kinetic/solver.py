@@ -1,0 +1,296 @@
+"""The public way to solve the disk problem: check, solve on two meshes, give ratios and errors."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer._checks import require_range
+from lightflyer.errors import MissingExtraError, ParameterError
+from lightflyer.kinetic.gas_model import gas_model
+
+if TYPE_CHECKING:
+    from lightflyer.kinetic.solution import Case, Outcome, Resolution
+
+KNUDSEN_RANGE = (0.03, 100.0)
+"""Knudsen numbers λ(T_c)/(2r) that the meshes are made for."""
+
+LOWEST_NONLINEAR_KNUDSEN = 0.05
+"""Below it the non-linear problem does not converge reliably: far away it is too stiff."""
+
+HIGHEST_TEMPERATURE_RATIO = 2.5
+"""T_h/T_c up to which the non-linear solver is tested."""
+
+SMALLEST_BOUNDARY = 1.5
+"""Nearest reservoir [disk radii]."""
+
+FURTHEST_DEPTH = 150.0
+"""Largest distance of a reservoir in mean free paths √πλ/2 that the meshes resolve."""
+
+THIN = 0.3
+"""Knudsen number from which a medium mesh has a smaller error than a ratio is given to."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    r"""Force and heat of a disk relative to their free-molecular values, and the flow.
+
+    Attributes
+    ----------
+    knudsen : float
+        λ(T_c)/(2r).
+    force_ratio : float or None
+        F/F_fm; None where the free-molecular force is zero.
+    heat_ratio_top, heat_ratio_bottom : float or None
+        Of each face against its own free-molecular value; None for a face as cold as the gas.
+    heat_ratio : float or None
+        Of both faces together.
+    error_estimate : dict of str to float
+        Error of ``force_ratio`` and ``heat_ratio``: how much a coarser mesh changes them. It does
+        not contain the model equation's own error.
+    iterations : int
+    seconds : float
+        Of both meshes.
+    force : float
+        Upwards [p·A], per unit perturbation in the linear problem.
+    heat : tuple of float
+        Out of the top and bottom face [p √(2RT_c) A], likewise.
+    """
+
+    knudsen: float
+    force_ratio: float | None
+    heat_ratio_top: float | None
+    heat_ratio_bottom: float | None
+    heat_ratio: float | None
+    error_estimate: dict[str, float | None]
+    iterations: int
+    seconds: float
+    force: float
+    heat: tuple[float, float]
+    _case: "Case" = field(repr=False)
+    _outcome: "Outcome" = field(repr=False)
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether it is one of the linear problem."""
+        return self._case.linear
+
+    @property
+    def boundary(self) -> float:
+        """Half-width of the reservoir [disk radii], infinite in open space."""
+        return self._case.boundary
+
+    def to_json(self) -> dict[str, Any]:
+        """The numbers under the names that the command line prints."""
+        return {
+            "kn": self.knudsen,
+            "force_ratio": self.force_ratio,
+            "heat_ratio_top": self.heat_ratio_top,
+            "heat_ratio_bottom": self.heat_ratio_bottom,
+            "heat_ratio": self.heat_ratio,
+            "error_estimate": self.error_estimate,
+            "iterations": self.iterations,
+            "seconds": round(self.seconds, 3),
+        }
+
+    def flow(self, radius: Any, height: Any) -> dict[str, np.ndarray]:
+        """Fields of the gas at points.
+
+        Parameters
+        ----------
+        radius, height : array, shape (...)
+            Distance from the axis and height above the disk [disk radii]; inside the reservoir.
+
+        Returns
+        -------
+        dict of str to array, shape (...)
+            ``pressure`` and ``temperature``: deviations from those far away, relative to them;
+            ``velocity_radial``, ``velocity_axial`` [√(2RT_c)]; ``heat_flux_radial``,
+            ``heat_flux_axial`` [p √(2RT_c)]; of a diatomic gas ``rotational_temperature`` too. In
+            the linear problem all are per unit perturbation.
+        """
+        from lightflyer.kinetic.flow import sample
+
+        return sample(self._outcome, np.asarray(radius, float), np.asarray(height, float))
+
+
+def solve(
+    knudsen: float,
+    tac_top: float,
+    tac_bottom: float,
+    *,
+    top_temperature: float = 1.0,
+    bottom_temperature: float = 1.0,
+    temperature_ratio: float | tuple[float, float] | None = None,
+    gas: str = "monatomic",
+    boundary: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Solution:
+    r"""Solve the kinetic equation around a thin disk with Maxwell walls.
+
+    Without ``temperature_ratio`` the linearised Shakhov equation is solved (of Rykov's type for a
+    diatomic gas), with it the full one with a viscosity :math:`\mu \propto T^\omega`. Ratios are
+    to the exact free-molecular values for Maxwell walls, linear or not.
+
+    Parameters
+    ----------
+    knudsen : float
+        λ(T_c)/(2r) with λ = (μ/p) √(πRT/2), from 0.03 to 100; from 0.05 with a
+        ``temperature_ratio``.
+    tac_top, tac_bottom : float
+        Accommodation coefficient of each face, above 0 and up to 1.
+    top_temperature, bottom_temperature : float
+        Temperature perturbation of each face in the linear problem.
+    temperature_ratio : float or (float, float), optional
+        T_h/T_c of both faces, or of the top and bottom face, from 1 to 2.5.
+    gas : {"monatomic", "diatomic"}
+    boundary : float, optional
+        Half-width and half-height of a cylindrical reservoir at T_c [disk radii], at least 1.5
+        and up to 338 Kn; without it open space.
+    progress : callable, optional
+        Told the residual of each non-linear iteration.
+
+    Returns
+    -------
+    Solution
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range.
+    ConvergenceError
+        If the iteration does not converge, with its last residual.
+    MissingExtraError
+        If numba is not installed.
+
+    References
+    ----------
+    [Shakhov1968]_; [Rykov1975]_ and [Wu2015]_ for a diatomic gas, whose constants are nitrogen's
+    ([Bird1994]_, [LemmonJacobsen2004]_). Compared with [Plimpton2019]_ and [Schafer2025]_.
+
+    Examples
+    --------
+    >>> from lightflyer.kinetic import solve
+    >>> solution = solve(1.0, 0.8, 0.9)
+    >>> round(solution.force_ratio, 3), round(solution.heat_ratio, 3)
+    (0.794, 0.934)
+    """
+    case = _case(
+        knudsen,
+        (tac_top, tac_bottom),
+        (top_temperature, bottom_temperature),
+        temperature_ratio,
+        gas,
+        boundary,
+    )
+    from lightflyer.kinetic.solution import SMALLEST_ERROR, solve_case
+
+    began = time.perf_counter()
+    coarse, fine = (
+        solve_case(case, resolution, progress=progress)
+        for resolution in _resolutions(knudsen, case.linear)
+    )
+    found, other = _ratios(case, fine), _ratios(case, coarse)
+    errors = {
+        name: _difference(found[name], other[name], least) for name, least in SMALLEST_ERROR.items()
+    }
+    return Solution(
+        knudsen=float(knudsen),
+        **found,
+        error_estimate=errors,
+        iterations=fine.iterations,
+        seconds=time.perf_counter() - began,
+        force=fine.force,
+        heat=fine.heat,
+        _case=case,
+        _outcome=fine,
+    )
+
+
+def _case(
+    knudsen: float,
+    tac: tuple[float, float],
+    perturbation: tuple[float, float],
+    temperature_ratio: float | tuple[float, float] | None,
+    gas: str,
+    boundary: float | None,
+) -> "Case":
+    require_range("knudsen", knudsen, *KNUDSEN_RANGE)
+    for name, value in zip(("tac_top", "tac_bottom"), tac, strict=True):
+        require_range(name, value, 0.0, 1.0, open_below=True)
+    if boundary is not None:
+        require_range("boundary", boundary, SMALLEST_BOUNDARY)
+        _require_resolved(knudsen, boundary)
+    model = gas_model(gas)
+    linear = temperature_ratio is None
+    if temperature_ratio is None:
+        require_range("top_temperature", perturbation[0])
+        require_range("bottom_temperature", perturbation[1])
+        temperature = perturbation
+    else:
+        top, bottom = np.broadcast_to(temperature_ratio, 2)
+        temperature = float(top), float(bottom)
+        require_range("temperature_ratio", temperature, 1.0, HIGHEST_TEMPERATURE_RATIO)
+        lowest = LOWEST_NONLINEAR_KNUDSEN
+        require_range("knudsen with a temperature_ratio", knudsen, lowest, KNUDSEN_RANGE[1])
+    if all(value == (0.0 if linear else 1.0) for value in temperature):
+        raise ParameterError("both faces are as cold as the gas: there is no force and no heat")
+    try:
+        from lightflyer.kinetic.solution import Case
+    except ModuleNotFoundError as error:
+        if error.name != "numba":
+            raise
+        raise MissingExtraError(
+            "the kinetic solver needs numba: pip install 'lightflyer[kinetic]'"
+        ) from error
+    return Case(
+        rarefaction=float(np.sqrt(np.pi) / (4.0 * knudsen)),
+        tac=(float(tac[0]), float(tac[1])),
+        temperature=(float(temperature[0]), float(temperature[1])),
+        linear=linear,
+        gas=model,
+        boundary=np.inf if boundary is None else float(boundary),
+    )
+
+
+def furthest_boundary(knudsen: float) -> float:
+    """Furthest reservoir that is resolved at a Knudsen number [disk radii]."""
+    return FURTHEST_DEPTH * 4.0 * knudsen / float(np.sqrt(np.pi))
+
+
+def _require_resolved(knudsen: float, boundary: float) -> None:
+    furthest = furthest_boundary(knudsen)
+    if boundary > furthest:
+        raise ParameterError(
+            f"boundary = {boundary:g} is further than {furthest:.3g}, which is resolved at "
+            f"knudsen = {knudsen:g}; leave it out: what a reservoir adds falls as 1/boundary"
+        )
+
+
+def _resolutions(knudsen: float, linear: bool) -> tuple["Resolution", "Resolution"]:
+    from lightflyer.kinetic.solution import COARSE, FINE, MEDIUM
+
+    return (MEDIUM, FINE) if linear and knudsen < THIN else (COARSE, MEDIUM)
+
+
+def _ratios(case: "Case", outcome: "Outcome") -> dict[str, float | None]:
+    limit = case.free_molecular()
+    top, bottom = (_quotient(*pair) for pair in zip(outcome.heat, limit.heat, strict=True))
+    return {
+        "force_ratio": _quotient(outcome.force, limit.force),
+        "heat_ratio_top": top,
+        "heat_ratio_bottom": bottom,
+        "heat_ratio": _quotient(sum(outcome.heat), sum(limit.heat)),
+    }
+
+
+def _quotient(value: float, limit: float) -> float | None:
+    return None if abs(limit) < 1e-12 else value / limit
+
+
+def _difference(fine: float | None, coarse: float | None, least: float) -> float | None:
+    if fine is None or coarse is None:
+        return None
+    return max(abs(fine - coarse), least)

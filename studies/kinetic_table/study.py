@@ -1,0 +1,285 @@
+"""Make the tables of the kinetic force that ship with the package.
+
+Run as ``python studies/kinetic_table/study.py [--processes 2] [--only PART]``. Each solved point
+becomes a line of ``points.jsonl`` and is not solved again; the tables are written from these lines.
+"""
+
+import argparse
+import json
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from lightflyer.kinetic.gas_model import gas_model
+from lightflyer.kinetic.operators import Quadrature
+from lightflyer.kinetic.solution import (
+    COARSE,
+    FINE,
+    MEDIUM,
+    SMALLEST_ERROR,
+    Case,
+    Outcome,
+    Resolution,
+    solve_case,
+)
+from lightflyer.kinetic.solver import furthest_boundary
+
+FOLDER = Path(__file__).parent
+POINTS = FOLDER / "points.jsonl"
+DATA = FOLDER.parents[1] / "src" / "lightflyer" / "data"
+
+GASES = ("monatomic", "diatomic")
+KNUDSEN = (0.03, 0.05, 0.08, 0.125, 0.2, 0.35, 0.6, 1.0, 2.0, 5.0, 10.0, 30.0)
+RATIOS = (1.0, 1.6, 2.5)
+TAC = (0.6, 0.8, 1.0)
+BOUNDARIES = (2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0)
+COARSEST = Resolution(3, 0.7, Quadrature(3, 4, 3))  # within 1e-4 of the finest in thin gas
+LOWEST_NONLINEAR = 0.05  # Knudsen number; below it the non-linear problem is not solved
+THIN = 0.3  # Knudsen number above which the medium mesh does
+CHECKED_TAC = 0.8  # of non-linear points solved on two meshes; others share their error
+BOUNDARY_TAC = 0.85
+TAC_DIFFERENCE = 0.1  # of the two faces: force and heat are odd and even in it
+
+
+@dataclass(frozen=True)
+class Point:
+    """One point of a table; an infinite boundary is open space."""
+
+    gas: str
+    knudsen: float
+    ratio: float
+    tac: float
+    boundary: float = np.inf
+
+
+def measure(point: Point) -> dict[str, float]:
+    """Solve a point on two meshes: ratios to free-molecular values and their errors."""
+    found = [ratios(point, solve_case(case(point), level)) for level in levels(point)]
+    errors = {f"{name}_error": abs(found[0][name] - found[-1][name]) for name in found[0]}
+    return found[0] | (errors if len(found) == 2 else {})
+
+
+def levels(point: Point) -> tuple[Resolution, ...]:
+    """Meshes on which a point is solved: the first gives the result, the second its error."""
+    if point.tac == BOUNDARY_TAC:
+        return (MEDIUM,)
+    if point.ratio == 1.0:
+        return (MEDIUM, COARSE) if point.knudsen > THIN else (FINE, MEDIUM)
+    if point.tac == CHECKED_TAC:
+        return (COARSE, COARSEST) if point.knudsen > THIN else (MEDIUM, COARSE)
+    return (COARSEST,) if point.knudsen > THIN else (MEDIUM,)
+
+
+def case(point: Point) -> Case:
+    """Faces of TAC above and below the mean by half the difference."""
+    half = 0.5 * TAC_DIFFERENCE
+    linear = point.ratio == 1.0
+    temperature = 1.0 if linear else point.ratio
+    return Case(
+        rarefaction=float(np.sqrt(np.pi) / (4.0 * point.knudsen)),
+        tac=(point.tac + half, point.tac - half),
+        temperature=(temperature, temperature),
+        linear=linear,
+        gas=gas_model(point.gas),
+        boundary=point.boundary,
+    )
+
+
+def ratios(point: Point, outcome: Outcome) -> dict[str, float]:
+    """Force and heat ratios, and the difference of the faces' heat ratios per Δα."""
+    limit = case(point).free_molecular()
+    top, bottom = (heat / free for heat, free in zip(outcome.heat, limit.heat, strict=True))
+    return {
+        "force_ratio": outcome.force / limit.force,
+        "heat_ratio": 0.5 * (top + bottom),
+        "heat_ratio_slope": (top - bottom) / TAC_DIFFERENCE,
+    }
+
+
+Kept = dict[Point, dict[str, float]]
+
+
+def read_kept() -> Kept:
+    """The points solved so far."""
+    found: Kept = {}
+    if POINTS.exists():
+        for line in POINTS.read_text().splitlines():
+            place, result = json.loads(line)
+            found[Point(**place)] = result
+    return found
+
+
+def keep(point: Point, result: dict[str, float]) -> None:
+    """Append a solved point; one line is written at once."""
+    place = {k: v for k, v in asdict(point).items() if v != np.inf}
+    with POINTS.open("a") as file:
+        file.write(json.dumps([place, {k: float(v) for k, v in result.items()}]) + "\n")
+
+
+def points(part: str) -> list[Point]:
+    """Points of a part: linear, boundary or nonlinear."""
+    if part == "boundary":
+        mean = BOUNDARY_TAC
+        places = (*BOUNDARIES, np.inf)
+        return [
+            Point(g, k, 1.0, mean, d)
+            for k in KNUDSEN
+            for g in GASES
+            for d in places
+            if d <= furthest_boundary(k) or d == np.inf
+        ]
+    chosen = [r for r in RATIOS if (r == 1.0) == (part == "linear")]
+    return [
+        Point(g, k, r, a)
+        for k in reversed(KNUDSEN)
+        for r in chosen
+        for g in GASES
+        for a in TAC
+        if r == 1.0 or k >= LOWEST_NONLINEAR
+    ]
+
+
+TABLE_COLUMNS = (
+    "gas,knudsen,temperature_ratio,tac,force_ratio,heat_ratio,heat_ratio_slope,"
+    "force_ratio_error,heat_ratio_error"
+)
+TABLE_COMMENTS = """\
+# Force and heat loss of a thin disk over their exact free-molecular values for Maxwell walls, in
+# open space, from the kinetic equation; made by studies/kinetic_table/study.py.
+# knudsen: mean free path (mu/p) sqrt(pi R T_c/2) over the diameter, in the gas far away;
+# temperature_ratio: T_h/T_c, where 1 is the linear limit; tac: mean of both faces.
+# force_ratio: F/F_fm for a small difference of the faces' TAC; a face's heat over its own
+# free-molecular value is heat_ratio +- heat_ratio_slope/2 (alpha_top - alpha_bottom), + at the top.
+# Errors are absolute, from a second mesh. Non-linear rows below Kn 0.05, and of a diatomic gas at
+# T_h/T_c = 2.5 below 0.08, are extrapolated in ln Kn by their quotients to the linear limit; their
+# error is how much that changes them. Licence: MIT, as this package.
+"""
+BOUNDARY_COLUMNS = "gas,knudsen,boundary,force_factor,heat_factor"
+BOUNDARY_COMMENTS = f"""\
+# What a cold cylindrical reservoir of half-width and half-height `boundary` (disk radii) does to
+# force and heat loss of a thin disk: factors over open space, from the linear kinetic equation
+# (lightflyer.kinetic) at a mean TAC of {BOUNDARY_TAC}; made by studies/kinetic_table/study.py.
+# Further out than is resolved, the excess over 1 is taken to fall as 1/boundary.
+# knudsen: mean free path over the disk's diameter. Licence: MIT, as this package.
+"""
+
+
+def with_error(point: Point, found: Kept) -> dict[str, float] | None:
+    """A point's result, if it is there; without an error of its own, that at the checked TAC."""
+    result = found.get(point)
+    if result is None or "force_ratio_error" in result:
+        return result
+    checked = found.get(replace(point, tac=CHECKED_TAC))
+    if checked is None:
+        return None
+    return result | {name: value for name, value in checked.items() if name.endswith("error")}
+
+
+def extrapolated(point: Point, found: Kept) -> dict[str, float] | None:
+    """A point below the solved Knudsen numbers: its quotients to the linear problem, in ln Kn.
+
+    They are extrapolated from the two smallest that are solved; the error is how much that changes
+    them from the smallest.
+    """
+    solved = []
+    for knudsen in KNUDSEN:
+        near = replace(point, knudsen=knudsen)
+        hot, linear = with_error(near, found), found.get(replace(near, ratio=1.0))
+        if hot is not None and linear is not None:
+            solved.append((np.log(knudsen), hot, linear))
+    here = found.get(replace(point, ratio=1.0))
+    if len(solved) < 2 or here is None or np.log(point.knudsen) > solved[0][0]:
+        return None
+    result = {}
+    for name in ("force_ratio", "heat_ratio", "heat_ratio_slope"):
+        (x_1, y_1), (x_2, y_2) = ((x, hot[name] / linear[name]) for x, hot, linear in solved[:2])
+        change = (y_2 - y_1) / (x_2 - x_1) * (np.log(point.knudsen) - x_1)
+        result[name] = here[name] * (y_1 + change)
+        result[f"{name}_error"] = abs(here[name] * change)
+    return result
+
+
+def write_table(found: Kept) -> None:
+    """Write the table of force and heat, with every ratio and gas that is complete."""
+    rows = []
+    for gas in GASES:
+        for ratio in RATIOS:
+            grid = [Point(gas, knudsen, ratio, tac) for knudsen in KNUDSEN for tac in TAC]
+            results = [with_error(p, found) or extrapolated(p, found) for p in grid]
+            if any(result is None for result in results):
+                print(f"{gas} at ratio {ratio:g} is incomplete and left out")
+                continue
+            rows += [table_row(*pair) for pair in zip(grid, results, strict=True)]
+    write_whole(DATA / "kinetic.csv", TABLE_COMMENTS, TABLE_COLUMNS, rows)
+
+
+def table_row(point: Point, result: dict[str, float]) -> str:
+    """One line of the table."""
+    place = f"{point.gas},{point.knudsen:g},{point.ratio:g},{point.tac:g}"
+    names = ("force_ratio", "heat_ratio", "heat_ratio_slope")
+    values = [f"{result[name]:.6f}" for name in names]
+    errors = [
+        f"{max(result[f'{name}_error'], least):.1e}" for name, least in SMALLEST_ERROR.items()
+    ]
+    return ",".join((place, *values, *errors))
+
+
+def write_boundaries(found: Kept) -> None:
+    """Write the factors of a reservoir, for every gas and Knudsen number that is complete."""
+    rows = []
+    for gas in GASES:
+        for knudsen in KNUDSEN:
+            near = [d for d in BOUNDARIES if d <= furthest_boundary(knudsen)]
+            grid = [Point(gas, knudsen, 1.0, BOUNDARY_TAC, place) for place in near]
+            results = [found.get(point) for point in grid]
+            free = found.get(Point(gas, knudsen, 1.0, BOUNDARY_TAC))
+            if free is None or any(result is None for result in results):
+                print(f"boundaries of {gas} at Kn {knudsen:g} are incomplete and left out")
+                continue
+            names = ("force_ratio", "heat_ratio")
+            excess = [[result[name] / free[name] - 1.0 for name in names] for result in results]
+            for place in BOUNDARIES:
+                nearest = min(place, near[-1])
+                values = excess[near.index(nearest)]
+                force, heat = (1.0 + value * nearest / place for value in values)
+                rows.append(f"{gas},{knudsen:g},{place:g},{force:.5f},{heat:.5f}")
+    write_whole(DATA / "kinetic_boundary.csv", BOUNDARY_COMMENTS, BOUNDARY_COLUMNS, rows)
+
+
+def write_whole(path: Path, comments: str, columns: str, rows: list[str]) -> None:
+    """Write a CSV file, whole or not at all."""
+    if not rows:
+        return
+    partial = path.with_suffix(".partial")
+    partial.write_text(comments + columns + "\n" + "\n".join(rows) + "\n")
+    partial.rename(path)
+    print(f"wrote {path.name}: {len(rows)} rows")
+
+
+def main() -> None:
+    """Solve what is missing and write the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--only", choices=("linear", "boundary", "nonlinear", "tables"))
+    arguments = parser.parse_args()
+    parts = [arguments.only] if arguments.only else ["linear", "boundary", "nonlinear"]
+    found = read_kept()
+    chosen = [point for part in parts if part != "tables" for point in points(part)]
+    todo = [point for point in chosen if point not in found]
+    with ProcessPoolExecutor(arguments.processes) as pool:
+        waiting = {pool.submit(measure, point): point for point in todo}
+        for number, future in enumerate(as_completed(waiting), 1):
+            point, failure = waiting[future], future.exception()
+            if failure is None:
+                keep(point, future.result())
+            word = "done" if failure is None else f"failed: {failure}"
+            print(f"{number}/{len(todo)} {point} {word}", flush=True)
+    found = read_kept()
+    write_table(found)
+    write_boundaries(found)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,85 @@
+"""`kinetic` as a user runs it."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from lightflyer import cli
+
+CASE = ("kinetic", "--kn", "2", "--tac-top", "0.8", "--tac-bottom", "0.9")
+
+
+@pytest.fixture
+def run(capsys):
+    def command(*arguments):
+        code = 0
+        try:
+            cli.main([str(argument) for argument in arguments])
+        except SystemExit as error:
+            code = error.code or 0
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return command
+
+
+def test_one_json_and_a_figure(run, tmp_path):
+    out = tmp_path / "out"
+    code, text, errors = run(*CASE, "--boundary", "4", "--json", "--out", out)
+    assert (code, errors) == (0, "")
+    found = json.loads(text)
+    assert set(found) == {
+        "kn",
+        "force_ratio",
+        "heat_ratio_top",
+        "heat_ratio_bottom",
+        "heat_ratio",
+        "error_estimate",
+        "iterations",
+        "seconds",
+    }
+    assert set(found["error_estimate"]) == {"force_ratio", "heat_ratio"}
+    assert found["kn"] == 2.0
+    assert 0.85 < found["force_ratio"] < found["heat_ratio"] < 1.0
+    assert found["heat_ratio_bottom"] < found["heat_ratio"] < found["heat_ratio_top"]
+    assert json.loads((out / "kinetic.json").read_text()) == found
+    assert (out / "flow.png").stat().st_size > 10_000
+    assert (out / "flow.svg").read_text().startswith("<?xml")
+
+
+def test_table_of_a_hot_disk(run):
+    code, text, _ = run(*CASE, "--temperature-ratio", "2", "--gas", "diatomic")
+    assert code == 0
+    assert "force" in text
+    assert "heat, bottom" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("--boundary", "0.5"), "boundary = 0.5 is not at least 1.5"),
+        (("--temperature-ratio", "3"), "temperature_ratio = 3 is not between 1 and 2.5"),
+        (("--temperature-ratio", "2", "--top-temperature", "1"), "--top-temperature"),
+        (("--gas", "argon"), "argon"),
+    ],
+)
+def test_bad_input_is_one_line(run, tmp_path, arguments, says):
+    out = tmp_path / "out"
+    code, text, errors = run(*CASE, *arguments, "--out", out)
+    assert code == 2
+    assert says in errors
+    assert text == ""
+    assert not out.exists()
+
+
+def test_without_numba_the_extra_is_named():
+    program = (
+        f"import sys; sys.modules['numba'] = None; from lightflyer import cli; cli.main({CASE})"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr.strip() == (
+        "lightflyer: error: the kinetic solver needs numba: pip install 'lightflyer[kinetic]'"
+    )

@@ -1,0 +1,90 @@
+"""Mesh, directions and rays: what they integrate is known exactly."""
+
+import numpy as np
+import pytest
+
+from lightflyer.kinetic.directions import node_directions
+from lightflyer.kinetic.mesh import build_mesh, gauss
+from lightflyer.kinetic.rays import MOST_CUTS, cut_ray, exit_length, spheroidal
+
+
+@pytest.mark.parametrize("boundary", [np.inf, 4.0, 1.5])
+def test_nodes_lie_where_their_coordinates_say(boundary):
+    mesh = build_mesh(0.9, boundary=boundary)
+    for r, z, xi, eta in zip(
+        mesh.radius,
+        mesh.height,
+        mesh.xi.ravel(),
+        np.broadcast_to(mesh.eta, mesh.xi.shape).ravel(),
+        strict=True,
+    ):
+        assert spheroidal(r * r, z) == pytest.approx((xi, eta), rel=1e-10)
+    assert np.all(mesh.radius < boundary)
+    assert np.all(mesh.height < boundary)
+    assert mesh.face_weights.sum() == pytest.approx(1.0)
+    assert mesh.face_weights @ mesh.face_radius**2 == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("point", [(0.5, 0.1), (0.9, 0.3), (1.2, 0.3), (3.0, 0.5), (40.0, 70.0)])
+def test_directions_cover_the_sphere_and_find_the_disk(point):
+    radius, height = point
+    found = np.empty((40000, 4))
+    rule = np.array(gauss(4))
+    count = node_directions(radius, height, 0.1, rule, rule, found)
+    x, y, z, weight = found[:count].T
+    np.testing.assert_allclose(x**2 + y**2 + z**2, 1.0, rtol=1e-12)
+    assert weight.sum() == pytest.approx(2.0 * np.pi, rel=1e-6)
+    assert weight @ z == pytest.approx(0.0, abs=1e-5)
+    assert weight @ z**2 == pytest.approx(2.0 * np.pi / 3.0, rel=1e-5)
+    hit = z < 0.0
+    reach = -height / z[hit]
+    inside = (radius + reach * x[hit]) ** 2 + (reach * y[hit]) ** 2 < 1.0
+    seen = 2.0 * (weight[hit] @ inside)
+    assert seen == pytest.approx(solid_angle(radius, height), rel=2e-3)
+
+
+def solid_angle(radius, height):
+    """Of the unit disk, by brute force over its area."""
+    s = np.polynomial.legendre.leggauss(400)
+    rho, w_rho = 0.5 * (s[0] + 1.0), 0.5 * s[1]
+    phi, w_phi = 0.5 * np.pi * (s[0] + 1.0), np.pi * s[1]
+    x = rho[:, None] * np.cos(phi) - radius
+    y = rho[:, None] * np.sin(phi)
+    # ∮ form: integrate over the area after moving the weight to where the point is close
+    distance = np.sqrt(x**2 + y**2 + height**2)
+    return float((w_rho * rho) @ (height / distance**3) @ w_phi)
+
+
+def test_a_ray_is_cut_where_it_crosses_panels():
+    mesh = build_mesh(0.9)
+    cuts = np.empty(MOST_CUTS)
+    direction = np.array([-0.6, 0.0, -0.8])
+    number, hit = cut_ray(2.0, 1.5, direction, 30.0, 1.0, mesh.xi_edges, mesh.eta_edges, cuts)
+    assert hit == pytest.approx(1.5 / 0.8)
+    assert np.all(np.diff(cuts[:number]) >= 0.0)
+    assert (cuts[0], cuts[number - 1]) == (0.0, 30.0)
+    middle = 0.5 * (cuts[: number - 1] + cuts[1:number])
+    for s, start, end in zip(middle, cuts, cuts[1:number], strict=False):
+        panels = {
+            panel(mesh, 2.0 + t * direction[0], 1.5 + t * direction[2])
+            for t in (s, start + 1e-9 * (end - start), end - 1e-9 * (end - start))
+            if end - start > 1e-6
+        }
+        assert len(panels) <= 1
+
+
+def panel(mesh, r, z):
+    xi, eta = spheroidal(r * r, z)
+    return (
+        int(np.searchsorted(mesh.xi_edges, xi)),
+        int(np.searchsorted(mesh.eta_edges, eta)),
+        z > 0.0,
+    )
+
+
+def test_rays_end_on_the_reservoir():
+    for direction in ([1.0, 0.0, 0.0], [0.6, 0.0, 0.8], [-0.6, 0.0, -0.8], [0.0, 1.0, 0.0]):
+        w = np.array(direction)
+        s = exit_length(0.5, 1.0, w, 4.0)
+        end = np.array([0.5, 0.0, 1.0]) + s * w
+        assert max(np.hypot(end[0], end[1]), abs(end[2])) == pytest.approx(4.0)

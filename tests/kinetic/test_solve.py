@@ -29,13 +29,13 @@ def ratios(problem, resolution=SKETCH):
 def test_another_solver_of_the_same_equation(kn, force, heat):
     """Ray-tracing by source iteration, good to about 2 %."""
     found = ratios(case(kn / HARD_SPHERE, (0.8, 0.9)), COARSE)
-    assert found == pytest.approx((force, heat), rel=0.01)
+    assert found == pytest.approx((force, heat), rel=0.015)
 
 
 def test_another_solver_near_the_continuum():
     """It gives 0.124 to 0.128 and 0.530 to 0.535, not converged to better than 2 to 3 %."""
     force, heat = ratios(case(0.1 / HARD_SPHERE, (0.8, 0.9)), MEDIUM)
-    assert force == pytest.approx(0.128, rel=0.04)
+    assert force == pytest.approx(0.126, rel=0.04)
     assert heat == pytest.approx(0.535, rel=0.03)
 
 

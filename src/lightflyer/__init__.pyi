@@ -67,10 +67,13 @@ from .flyer.disk import Disk as Disk
 from .force._base import AbstractForceModel as AbstractForceModel
 from .force.free_molecular import FreeMolecular as FreeMolecular
 from .force.free_molecular import LinearFreeMolecular as LinearFreeMolecular
+from .force.kinetic import Kinetic as Kinetic
 from .force.lu2023 import PRINTED as PRINTED
 from .force.lu2023 import REPORTED as REPORTED
 from .force.lu2023 import Lu2023 as Lu2023
 from .force.lu2023 import Reading as Reading
+from .force.simple_form import SimpleForm as SimpleForm
+from .force.simple_form import fit_simple_form as fit_simple_form
 from .gas import AIR as AIR
 from .gas import LU2023_AIR as LU2023_AIR
 from .gas import AbstractGas as AbstractGas

@@ -71,7 +71,7 @@ def main():
     results["germanium_nm_where_it_flies"] = [
         round(float(end) / NANOMETRE, 2) for end in (best[able].min(), best[able].max())
     ]
-    print(results)  # noqa: T201
+    print(results)
     draw(table, best, payload, HERE / "thickness.png")
     (HERE / "results.json").write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
 

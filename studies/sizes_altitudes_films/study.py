@@ -81,7 +81,7 @@ def main(folder):
     relative, _ = best_over_altitude(dataset, "relative_payload")
     results = {"designs": report.designs, **nominal_numbers(payload, relative, altitude)}
     results["share_that_flies"] = round(float((dataset.payload > 0.0).mean()), 4)
-    print(results)  # noqa: T201
+    print(results)
     draw(payload, relative, HERE / "payload.png")
     (HERE / "results.json").write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
 

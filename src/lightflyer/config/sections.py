@@ -32,6 +32,7 @@ from lightflyer.flyer._base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
 from lightflyer.force._base import AbstractForceModel
 from lightflyer.force.free_molecular import FreeMolecular, LinearFreeMolecular
+from lightflyer.force.kinetic import Kinetic
 from lightflyer.force.lu2023 import READINGS, Lu2023
 from lightflyer.gas import AIR, LU2023_AIR, AbstractGas
 from lightflyer.units import Measured
@@ -59,6 +60,7 @@ _Latitude = Annotated[Measured, Quantity("deg", -90.0, 90.0)]
 _Longitude = Annotated[Measured, Quantity("deg", -180.0, 360.0)]
 _SolarFlux = Annotated[Measured, Quantity("", 40.0, 500.0)]
 _GeomagneticIndex = Annotated[Measured, Quantity("", 0.0, 400.0)]
+_StandardErrors = Annotated[Measured, Quantity("", -10.0, 10.0)]
 _Correlation = Annotated[Measured, Quantity("", -1.0, 1.0)]
 _GasName = Literal["air", "lu2023-air"]
 
@@ -224,6 +226,7 @@ class ChamberSection(_EnvironmentSection):
     pressure_min: _Pressure = Measured(1e-2)
     pressure_max: _Pressure = Measured(1e3)
     irradiance: _Irradiance = Measured(constants.SOLAR_CONSTANT)
+    radius: _Length | None = None
 
     @pydantic.model_validator(mode="after")
     def _ordered(self) -> "ChamberSection":
@@ -240,6 +243,7 @@ class ChamberSection(_EnvironmentSection):
             gravity=gravity,
             radiation=self._radiation(self.irradiance.value),
             pressure_range=(self.pressure_min.value, self.pressure_max.value),
+            radius=_value(self.radius),
         )
 
 
@@ -276,6 +280,18 @@ class LinearFreeMolecularSection(_Section):
         return LinearFreeMolecular()
 
 
+class KineticSection(_Section):
+    """``[force]``: the kinetic equation, solved; its own error counts unless told otherwise."""
+
+    model: Literal["kinetic"]
+    force_error: _StandardErrors = Measured(0.0, 1.0)
+    heat_error: _StandardErrors = Measured(0.0, 1.0)
+
+    def build(self) -> AbstractForceModel:
+        """The force model."""
+        return Kinetic(self.force_error.value, self.heat_error.value)
+
+
 def _field(value: Any, name: str, default: str) -> str:
     found = value.get(name, default) if isinstance(value, dict) else getattr(value, name, default)
     return str(found)
@@ -309,7 +325,8 @@ EnvironmentSection = Annotated[
 ForceSection = Annotated[
     Annotated[Lu2023ForceSection, Tag("lu2023")]
     | Annotated[FreeMolecularSection, Tag("free-molecular")]
-    | Annotated[LinearFreeMolecularSection, Tag("free-molecular-linear")],
+    | Annotated[LinearFreeMolecularSection, Tag("free-molecular-linear")]
+    | Annotated[KineticSection, Tag("kinetic")],
     Discriminator(_force_tag),
 ]
 

@@ -25,6 +25,8 @@ class EnvironmentState(eqx.Module):
         Acceleration of free fall [m/s²].
     gas : AbstractGas
     radiation : Radiation
+    wall_distance : array or None
+        Distance from the flyer's centre to cold walls around it [m]; None in the open.
     """
 
     pressure: Numeric
@@ -32,6 +34,7 @@ class EnvironmentState(eqx.Module):
     gravity: Numeric
     gas: AbstractGas
     radiation: Radiation
+    wall_distance: Numeric = None
 
 
 class AbstractEnvironment(eqx.Module):

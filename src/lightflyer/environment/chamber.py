@@ -23,6 +23,9 @@ class Chamber(AbstractEnvironment):
         The lamp. Thermal surroundings are walls at the gas temperature unless it says more.
     pressure_range : tuple of float
         Lowest and highest pressure of interest [Pa].
+    radius : array or None
+        Distance from the flyer to the walls [m], which slow down no flow where it is None. Only
+        the kinetic force model takes it into account.
 
     Raises
     ------
@@ -35,11 +38,13 @@ class Chamber(AbstractEnvironment):
     gravity: Numeric = constants.STANDARD_GRAVITY
     radiation: Radiation = Radiation()
     pressure_range: tuple[Numeric, Numeric] = (1e-2, 1e3)
+    radius: Numeric = None
 
     def __check_init__(self) -> None:
         require_positive(temperature=self.temperature, gravity=self.gravity)
         lowest, highest = self.pressure_range
         require_positive(pressure_range=lowest)
+        require_range("radius", self.radius, 0.0, open_below=True)
         require_range("upper end of pressure_range", highest, lowest, open_below=True)
 
     @property
@@ -71,4 +76,5 @@ class Chamber(AbstractEnvironment):
             gravity=self.gravity,
             gas=self.gas,
             radiation=self.radiation,
+            wall_distance=self.radius,
         )

@@ -1,0 +1,213 @@
+"""The kinetic force model: its table as smooth functions, and what flyers make of it."""
+
+import jax
+import numpy as np
+import pytest
+from scipy.optimize import approx_fprime
+
+import lightflyer as lf
+from lightflyer.force import kinetic_table
+from lightflyer.force.kinetic_table import kinetic_fit
+
+GASES = kinetic_table.GASES
+COLD = 205.0
+
+
+def state_at(knudsen, radius=0.01, **more):
+    """The surroundings in which a disk has this Knudsen number."""
+    pressure = lf.mean_free_path(1.0, COLD) / (2.0 * radius * knudsen)
+    return lf.EnvironmentState(pressure, COLD, 9.6, lf.AIR, lf.Radiation(), **more)
+
+
+def maxwell_limits(disk, state, excess):
+    """Force and heat loss of free molecules at Maxwell walls, from their fluxes."""
+    difference = disk.film.tac_bottom - disk.film.tac_top
+    force = 0.5 * state.pressure * disk.area * difference * (np.sqrt(1.0 + excess) - 1.0)
+    arriving = state.pressure / np.sqrt(2.0 * np.pi * 287.0531 * COLD)  # mass per area and time
+    energy = 3.0 * 287.0531 * COLD * excess  # per mass: two modes of flux, two of rotation
+    both = disk.film.tac_bottom + disk.film.tac_top
+    return force, arriving * energy * both * disk.area
+
+
+def misfits(fit, table):
+    """Relative deviation of the fit from a table, and the table's own relative bounds."""
+    where = (table.knudsen, table.temperature_ratio, table.tac)
+    with lf.float64():
+        force, heat = np.asarray(fit.force_ratio(*where)), np.asarray(fit.heat_ratio(*where))
+    return (
+        (abs(force / table.force_ratio - 1.0), table.force_ratio_error / table.force_ratio),
+        (abs(heat / table.heat_ratio - 1.0), table.heat_ratio_error / table.heat_ratio),
+    )
+
+
+@pytest.mark.parametrize("gas", GASES)
+def test_fit_follows_the_table(gas):
+    """To half a per cent, where the table is that good; else to its error."""
+    for misfit, bound in misfits(kinetic_fit(gas), kinetic_table.kinetic_table(gas)):
+        assert np.all(misfit < np.maximum(5e-3, bound))
+
+
+@pytest.mark.parametrize("gas", GASES)
+def test_fit_predicts_what_it_was_not_shown(gas):
+    """Between the table's Knudsen numbers the fit is as good as at them."""
+    table = kinetic_table.kinetic_table(gas)
+    for hidden in np.unique(table.knudsen)[3:-1]:
+        shown, kept = (
+            [column[rows] for column in vars(table).values()]
+            for rows in (table.knudsen != hidden, table.knudsen == hidden)
+        )
+        fit = kinetic_table.fit(kinetic_table.Table(*shown), kinetic_table.wall_table(gas))
+        for misfit, _ in misfits(fit, kinetic_table.Table(*kept)):
+            assert np.all(misfit < 6e-3)
+
+
+def test_thin_gas_gives_free_molecules(disk):
+    state = state_at(1e6)
+    force, heat = maxwell_limits(disk, state, 0.8)
+    assert lf.Kinetic().force(disk, state, 0.8) == pytest.approx(force, rel=1e-5)
+    assert lf.Kinetic().heat_loss(disk, state, 0.8) == pytest.approx(heat, rel=1e-4)
+
+
+def test_dense_gas_conducts(disk):
+    """8rκΔT of an isothermal disk, with the conductivity of the table's diatomic gas.
+
+    The table ends at three quarters of this; that its continuation arrives there is a check of
+    both.
+    """
+    excess, eucken_translation, eucken_rotation = 1e-3, 2.37, 1.31
+    state = state_at(1e-5)
+    conductivity = lf.AIR.viscosity(COLD) * 287.0531 * (1.5 * eucken_translation + eucken_rotation)
+    conducted = 8.0 * disk.radius * conductivity * COLD * excess
+    assert lf.Kinetic().heat_loss(disk, state, excess) == pytest.approx(conducted, rel=0.02)
+
+
+def test_force_vanishes_faster_than_heat_in_dense_gas(disk):
+    thin, dense = state_at(0.02), state_at(0.002)
+    model = lf.Kinetic()
+    force = model.force(disk, dense, 1.0) / model.force(disk, thin, 1.0)
+    heat = model.heat_loss(disk, dense, 1.0) / model.heat_loss(disk, thin, 1.0)
+    assert force < 0.6  # pressure tenfold: less force
+    assert heat == pytest.approx(1.0, abs=0.3)  # conduction does not ask for the pressure
+
+
+@pytest.mark.parametrize("gas", GASES)
+def test_ratios_lie_between_zero_and_one_and_heat_grows(gas, rng):
+    """Far beyond the table too, where a root-find may look."""
+    fit, count = kinetic_fit(gas), 20_000
+    knudsen = np.exp(rng.uniform(np.log(1e-4), np.log(1e4), count))
+    excess, tac = rng.uniform(-0.5, 20.0, count), rng.uniform(0.05, 1.3, count)
+
+    @lf.entry_point
+    def look(knudsen, excess, tac):
+        def heat(excess):
+            return excess * fit.heat_ratio(knudsen, 1.0 + excess, tac)
+
+        slope = jax.jvp(heat, (excess,), (jax.numpy.ones_like(excess),))[1]
+        return fit.force_ratio(knudsen, 1.0 + excess, tac), heat(excess) / excess, slope
+
+    force, heat, slope = look(knudsen, excess, tac)
+    for ratio in (force, heat):
+        assert np.all((ratio > 0.0) & (ratio <= 1.0))
+    assert np.all(slope > 0.0)
+
+
+def test_gradient_is_that_of_differences(film):
+    def lift(inputs):
+        knudsen, radius, irradiance, wall = inputs
+        environment = lf.EnvironmentState(
+            1.0 / knudsen, COLD, 9.6, lf.AIR, lf.Radiation(irradiance), wall
+        )
+        return lf.lift(lf.Disk(film, radius), environment, lf.Kinetic(0.0, 0.0), throw=False) * 1e6
+
+    inputs = np.array([0.4, 0.01, 1000.0, 0.05])
+    with lf.float64():
+        compiled = jax.jit(lift)
+        gradient = np.array(jax.jit(jax.grad(lift))(jax.numpy.asarray(inputs)))
+        differences = approx_fprime(inputs, lambda x: float(compiled(x)), 1e-7 * inputs)
+    np.testing.assert_allclose(gradient, differences, rtol=1e-5)
+
+
+def test_walls_far_away_do_nothing_and_near_ones_raise_the_force(disk):
+    model, excess = lf.Kinetic(), 0.8
+    force, heat = (
+        [float(f(disk, state_at(0.3, wall_distance=wall), excess)) for wall in (None, 100.0, 0.03)]
+        for f in (model.force, model.heat_loss)
+    )
+    assert force[1] == pytest.approx(force[0], rel=1e-3)
+    assert heat[1] == pytest.approx(heat[0], rel=1e-3)
+    assert force[2] > 1.05 * force[0]
+    assert heat[2] > 1.005 * heat[0]
+
+
+def test_a_chamber_has_its_radius(disk, film):
+    small = lf.Chamber(radius=0.04)
+    assert small.state(1.0).wall_distance == 0.04
+    assert lf.Chamber().state(1.0).wall_distance is None
+    with pytest.raises(lf.ParameterError, match="radius = -1 is not positive"):
+        lf.Chamber(radius=-1.0)
+
+
+def test_errors_count_in_the_models_own_standard_errors(disk):
+    state, fit = state_at(0.2), kinetic_fit()
+    with lf.float64():
+        ratio = fit.force_ratio(0.2, 1.8, 0.85)
+        of_force, of_heat = (float(error) for error in fit.relative_errors(0.2, ratio))
+    assert 0.0 < of_heat < of_force < 0.2
+    off, on = lf.Kinetic(), lf.Kinetic(force_error=1.0, heat_error=-1.0)
+    growth = on.force(disk, state, 0.8) / off.force(disk, state, 0.8)
+    assert growth == pytest.approx(1.0 + of_force)
+    growth = on.heat_loss(disk, state, 0.8) / off.heat_loss(disk, state, 0.8)
+    assert growth == pytest.approx(1.0 - of_heat, rel=1e-3)
+
+
+# Kn of hard spheres, temperatures [K], force over its free-molecular value and its standard
+# deviation; nitrogen, TACs 0.5 and 1, reservoir at 4 radii
+DIRECT_SIMULATIONS = [
+    (3.0, 450.0, 300.0, 0.976, 0.022),
+    (1.0, 450.0, 300.0, 0.865, 0.015),
+    (0.1, 450.0, 300.0, 0.189, 0.017),
+    (1.0, 480.0, 205.0, 0.906, 0.008),
+]
+
+
+@pytest.mark.parametrize(("knudsen", "hot", "cold", "simulated", "noise"), DIRECT_SIMULATIONS)
+def test_direct_simulations_lie_within_the_stated_error(knudsen, hot, cold, simulated, noise):
+    fit, ours = kinetic_fit(), knudsen / (16.0 / (5.0 * np.pi))
+    with lf.float64():
+        ratio = fit.force_ratio(ours, hot / cold, 0.75)
+        error, _ = fit.relative_errors(ours, ratio)
+        wall, _ = fit.wall_factors(ours, 4.0)
+    predicted = float(ratio * wall)
+    assert abs(predicted - simulated) < 2.0 * np.hypot(noise, float(error) * predicted)
+
+
+def test_no_such_gas():
+    with pytest.raises(lf.ParameterError, match="'helium' is not one of monatomic, diatomic"):
+        lf.Kinetic(gas="helium")
+
+
+def test_in_a_flyer_file_its_error_counts(flyer_file):
+    text = flyer_file().read_text("utf-8").partition("[force]")[0] + '[force]\nmodel = "kinetic"\n'
+    path = flyer_file(text=text)
+    configuration = lf.read_flyer_file(path)
+    assert configuration.uncertainties() == {"force.force_error": 1.0, "force.heat_error": 1.0}
+    model = configuration.build().model
+    assert isinstance(model, lf.Kinetic)
+    certain = lf.read_flyer_file(flyer_file(text=text + "force_error = 0\nheat_error = 0\n"))
+    assert certain.uncertainties() == {}
+
+
+def test_simple_form_of_the_kinetic_force(disk):
+    state = state_at(np.geomspace(0.05, 3.0, 30))
+    form = lf.fit_simple_form(lf.Kinetic(), disk, state, 1.0)
+    ours = lf.Kinetic().force(disk, state, 1.0)
+    logarithms = np.log(form.model.force(disk, state, 1.0) / ours)
+    assert form.deviation == pytest.approx(np.sqrt(np.mean(logarithms**2)), rel=1e-6)
+    for change in (0.98, 1.02):  # a minimum
+        for other in (
+            lf.Lu2023(form.model.c_fm * change, form.model.c_cont),
+            lf.Lu2023(form.model.c_fm, form.model.c_cont * change),
+        ):
+            assert np.sum(np.log(other.force(disk, state, 1.0) / ours) ** 2) > np.sum(logarithms**2)
+    with pytest.raises(lf.ParameterError, match="must be positive"):
+        lf.fit_simple_form(lf.Kinetic(), disk, state, -0.2)

@@ -193,9 +193,7 @@ def _targets(
             if nominal is not None and np.isfinite(nominal):
                 name = f"{group}.{key}"
                 place, at_end = len(points) - 1, coordinate in searched
-                targets.append(
-                    _Target(name, float(nominal), quantity, scale, place, mover, at_end)
-                )
+                targets.append(_Target(name, float(nominal), quantity, scale, place, mover, at_end))
 
     summary, widest = prediction.summary(), prediction.widest
     if widest is not None:

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
 from lightflyer.lab.levitation import LevitationCurve
 from lightflyer.plot import GREY, MARKERS, PALETTE, new_figure, plain_decades
@@ -61,13 +62,19 @@ def levitation_curves(
     light = np.concatenate([curve.points.irradiance for curve in curves]) * _PER_KILOWATT
     ax.set(xscale="log", yscale="log")
     ax.set_ylim(light.min() / _ABOVE, light.max() * _ABOVE)
-    plain_decades(ax.xaxis)
-    plain_decades(ax.yaxis)
+    for axis in (ax.xaxis, ax.yaxis):
+        plain_decades(axis)
+        # one or two decades: 2 and 5 between them are needed to read a pressure off
+        axis.set_minor_formatter(FuncFormatter(_two_and_five))
     ax.set_xlabel(f"pressure [{pressure_unit}]")
     ax.set_ylabel("irradiance to levitate [kW/m²]")
     ax.grid(alpha=0.25, which="both")
     ax.legend(fontsize="small", title="lines: LOESS with 99 % band", title_fontsize="small")
     return ax
+
+
+def _two_and_five(value: float, _: object) -> str:
+    return f"{value:g}" if f"{value:e}"[0] in "25" else ""
 
 
 def _mark_least(curve: LevitationCurve, ax: Axes, colour: str, per_pascal: float) -> None:

@@ -82,8 +82,10 @@ def _mark_least(curve: LevitationCurve, ax: Axes, colour: str, per_pascal: float
     at, light = curve.optimal_pressure, curve.minimum_irradiance
     x = np.array([at.value, *at.interval]) * per_pascal
     y = np.array([light.value, *light.interval]) * _PER_KILOWATT
+    # an interval of resamples may lie beside the estimate
+    right, up = (np.maximum([[z[0] - z[1]], [z[2] - z[0]]], 0.0) for z in (x, y))
     ax.errorbar(
-        x[0], y[0], xerr=[[x[0] - x[1]], [x[2] - x[0]]], yerr=[[y[0] - y[1]], [y[2] - y[0]]],
+        x[0], y[0], xerr=right, yerr=up,
         color=colour, fmt="*", ms=9, mec="white", mew=0.5, capsize=2, lw=1.2, zorder=4,
     )  # fmt: skip
 

@@ -112,6 +112,14 @@ def test_chamber():
     assert np.all(found.low["temperature"] < found.high["temperature"])
 
 
+def test_best_at_an_end_of_the_range_stays_there():
+    # pushed down by the light, it does best on the ground, where there is no force
+    found = propagate(configure({"atmosphere": "us1976"}, tac_bottom="0.75 ± 0.01"))
+    assert found.nominal["best.altitude_km"] == 0.0
+    assert found.first_order["best.altitude_km"] == 0.0
+    assert np.isfinite(list(found.first_order.values())).all()
+
+
 def test_the_seed_decides(small, both):
     inputs = uncertain_inputs(small)
     assert np.array_equal(draw(inputs, 5, 1), draw(inputs, 5, 1))

@@ -84,7 +84,7 @@ HEADER = "pressure [Pa],irradiance [W/m^2]\n"
     ("text", "place", "says"),
     [
         ("", "", "is empty"),
-        (b"\x00\x01\xff\xfe", "", "not a text file"),
+        (b"\x00\n\xff\xfe", ":2", "not a text file"),
         ("\n\nfoo,bar\n1,2\n", ":3", "no column is known"),
         ("Größe,Fluß\n1,2\n", ":1", "no column is known"),
         (HEADER, "", "has a header but no rows"),
@@ -95,6 +95,7 @@ HEADER = "pressure [Pa],irradiance [W/m^2]\n"
         (HEADER + "1,2\n3 mTorr,4\n5,6\n", ":3", '"3 mTorr" is more than a number'),
         (HEADER + "1,2\npressure [Torr],irradiance [W/m^2]\n3,4\n", ":3", "once more"),
         (HEADER + "1,2\n3,4\n5", ":4", "the file ends within a row"),
+        (HEADER + "1,2\n3,4\n5,", ":4", "the file ends within a row"),
         (HEADER + "nan,nan\nnan,nan\n", ":2", "none of its 2 rows can be read"),
         (HEADER + "1,5,2\n2,5,3\n", ":2", "none of its 2 rows"),
     ],

@@ -36,6 +36,19 @@ def test_emittance_of_one_face_splits_that_of_both(flyer_file):
     assert lf.read_flyer_file(path).film.emittance.value == 0.903
 
 
+def test_a_split_keeps_comment_and_origin(flyer_file):
+    path = flyer_file("# per face", "# mylar too")
+    update_flyer_file(path, dict.fromkeys(emittance_keys("both"), VALUE), "one")
+    update_flyer_file(path, dict.fromkeys(emittance_keys("bottom"), VALUE), "two")
+    lines = {line.split(" ")[0]: line for line in path.read_text(encoding="utf-8").splitlines()}
+    assert "# mylar too; measured: one, 20" in lines["emittance_top"]
+    assert "# mylar too; measured: two, 20" in lines["emittance_bottom"]
+    assert "one" not in lines["emittance_bottom"]
+    update_flyer_file(path, dict.fromkeys(emittance_keys("both"), VALUE), "three")
+    text = path.read_text(encoding="utf-8")
+    assert '\nemittance = "0.903 ± 0.031"  # mylar too; measured: three, 20' in text
+
+
 def test_impossible_value_leaves_the_file(flyer_file):
     path = flyer_file()
     before = path.read_bytes()

@@ -106,6 +106,7 @@ def sensitivity(inputs: Inputs, coordinate: np.ndarray) -> Sensitivity:
     shifted = np.concatenate([coordinate, coordinate - step, coordinate + step])
     value, change = _derivatives(inputs.setup, inputs.slopes, shifted)
     count = coordinate.size
+    step = np.where(step > 0.0, step, np.nan)  # at sea level there is none
     return Sensitivity(
         value={name: values[:count] for name, values in value.items()},
         change={name: rows[:, :count] for name, rows in change.items()},

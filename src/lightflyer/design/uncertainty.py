@@ -44,7 +44,8 @@ class _Target:
     """One result: which quantity, in which unit, at which coordinate, and what moves that.
 
     ``mover`` is empty at a fixed coordinate, ``lower`` or ``upper`` at an edge, or names the
-    objective of an optimum. Without a quantity the coordinate itself is the result.
+    objective of an optimum. Without a quantity the coordinate itself is the result. ``at_end``:
+    the optimum is an end of the searched range, which does not move to first order.
     """
 
     name: str
@@ -53,6 +54,7 @@ class _Target:
     scale: float
     point: int
     mover: str = ""
+    at_end: bool = False
 
 
 @dataclass(frozen=True)
@@ -183,19 +185,18 @@ def _targets(
         return _chamber_targets(prediction)
     points: list[float] = []
     targets: list[_Target] = []
+    searched = (prediction.altitude[0], prediction.altitude[-1])
 
     def add(group: str, coordinate: float, mover: str, parts: dict[str, tuple[Any, ...]]) -> None:
         points.append(coordinate)
         for key, (nominal, quantity, scale) in parts.items():
             if nominal is not None and np.isfinite(nominal):
                 name = f"{group}.{key}"
-                targets.append(
-                    _Target(name, float(nominal), quantity, scale, len(points) - 1, mover)
-                )
+                place, at_end = len(points) - 1, coordinate in searched
+                targets.append(_Target(name, float(nominal), quantity, scale, place, mover, at_end))
 
     summary, widest = prediction.summary(), prediction.widest
     if widest is not None:
-        searched = (prediction.altitude[0], prediction.altitude[-1])
         for edge, coordinate in zip(("lower", "upper"), prediction.bands[widest], strict=True):
             if coordinate not in searched:  # else it is not the flyer's own edge
                 parts = {edge: (coordinate / _KILO, "", 1.0 / _KILO)}
@@ -238,13 +239,15 @@ def _chamber_targets(prediction: ChamberPrediction) -> tuple[list[_Target], np.n
     if prediction.optimum is not None:
         found = summary["optimum"]
         points.append(prediction.optimum[0])
+        at_end = points[0] in (prediction.pressure[0], prediction.pressure[-1])
         for key, quantity in (
             ("pressure_pa", ""),
             ("irradiance_w_m2", "levitation_irradiance"),
             ("temperature_k", "levitation_temperature"),
         ):
             name = f"optimum.{key}"
-            targets.append(_Target(name, found[key], quantity, 1.0, 0, "levitation_irradiance"))
+            mover = "levitation_irradiance"
+            targets.append(_Target(name, found[key], quantity, 1.0, 0, mover, at_end))
     for number, row in enumerate(summary["at"]):
         points.append(float(prediction.at_pressure[number]))
         for key, (nominal, quantity, scale) in _point_parts(row).items():
@@ -273,7 +276,7 @@ def _spread(target: _Target, derivatives: Sensitivity) -> float:
     point = BAND_POINTS + target.point
     if target.mover in ("lower", "upper"):
         moving = derivatives.edge(point)
-    elif target.mover:
+    elif target.mover and not target.at_end:
         moving = derivatives.optimum(target.mover, point)
     else:
         moving = np.zeros(len(derivatives.covariance))

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
 from lightflyer.lab.levitation import LevitationCurve
 from lightflyer.plot import GREY, MARKERS, PALETTE, new_figure, plain_decades
@@ -61,8 +62,10 @@ def levitation_curves(
     light = np.concatenate([curve.points.irradiance for curve in curves]) * _PER_KILOWATT
     ax.set(xscale="log", yscale="log")
     ax.set_ylim(light.min() / _ABOVE, light.max() * _ABOVE)
-    plain_decades(ax.xaxis)
-    plain_decades(ax.yaxis)
+    for axis in (ax.xaxis, ax.yaxis):
+        plain_decades(axis)
+        # one or two decades: 2 and 5 between them are needed to read a pressure off
+        axis.set_minor_formatter(FuncFormatter(_two_and_five))
     ax.set_xlabel(f"pressure [{pressure_unit}]")
     ax.set_ylabel("irradiance to levitate [kW/m²]")
     ax.grid(alpha=0.25, which="both")
@@ -70,13 +73,19 @@ def levitation_curves(
     return ax
 
 
+def _two_and_five(value: float, _: object) -> str:
+    return f"{value:g}" if f"{value:e}"[0] in "25" else ""
+
+
 def _mark_least(curve: LevitationCurve, ax: Axes, colour: str, per_pascal: float) -> None:
     """Draw the least irradiance with the intervals of both coordinates."""
     at, light = curve.optimal_pressure, curve.minimum_irradiance
     x = np.array([at.value, *at.interval]) * per_pascal
     y = np.array([light.value, *light.interval]) * _PER_KILOWATT
+    # an interval of resamples may lie beside the estimate
+    right, up = (np.maximum([[z[0] - z[1]], [z[2] - z[0]]], 0.0) for z in (x, y))
     ax.errorbar(
-        x[0], y[0], xerr=[[x[0] - x[1]], [x[2] - x[0]]], yerr=[[y[0] - y[1]], [y[2] - y[0]]],
+        x[0], y[0], xerr=right, yerr=up,
         color=colour, fmt="*", ms=9, mec="white", mew=0.5, capsize=2, lw=1.2, zorder=4,
     )  # fmt: skip
 

@@ -143,7 +143,8 @@ def read_table(
         missing, unknown or of another kind, an impossible value, or no row that can be read.
     """
     path = Path(path)
-    lines = read_text(path).splitlines()
+    text = read_text(path)
+    lines = text.splitlines()
     found = layout_from_option(path, lines, columns, layout) if layout else None
     found = found or layout_from_header(path, lines, columns)
     rows = [
@@ -155,7 +156,7 @@ def read_table(
         raise ConfigurationError(f"{path}: has a header but no rows")
     timed = any(column.name == "time" for column, _, _ in found.columns.values())
     repeated = _repeated(path, rows) if unique or timed else {}
-    _require_whole(path, rows, found)
+    _require_whole(path, rows, found, ended=text.endswith(("\n", "\r")))
     kept = [row for row in rows if row[0] not in repeated]
     table = _read_rows(path, kept, found)
     rejected = sorted([*table.rejected, *repeated.values()], key=lambda row: row.line)
@@ -176,10 +177,13 @@ def _repeated(path: Path, rows: list[tuple[int, str]]) -> dict[int, Rejected]:
     return found
 
 
-def _require_whole(path: Path, rows: list[tuple[int, str]], layout: Layout) -> None:
+def _require_whole(path: Path, rows: list[tuple[int, str]], layout: Layout, *, ended: bool) -> None:
     """Stop at a file that ends within a row: more than that row may be missing."""
     number, line = rows[-1]
-    if len(split_cells(line, layout.delimiter)) < len(layout.names) and len(rows) > 1:
+    cells, width = split_cells(line, layout.delimiter), len(layout.names)
+    # without a line end, an empty last cell is one that was cut off
+    cut = not ended and len(cells) == width and not cells[-1] and width - 1 in layout.columns
+    if (len(cells) < width or cut) and len(rows) > 1:
         before = len(split_cells(rows[-2][1], layout.delimiter))
         if before >= len(layout.names):
             raise ConfigurationError(

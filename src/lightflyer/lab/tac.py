@@ -325,10 +325,9 @@ def _at_constant_temperature(run: TacRun, tolerance: float) -> np.ndarray:
     kept = off <= tolerance
     if kept.sum() < max(_LEAST_ROWS, 0.5 * len(kept)):
         if len(kept) < _LEAST_ROWS:
-            lines = ", ".join(str(line) for line in run.table.lines)
             raise ConfigurationError(
-                f"{run.source}: has {len(kept)} rows (line {lines}); a fit of three parameters "
-                f"takes {_LEAST_ROWS} or more"
+                f"{run.source}:{run.table.lines[0]}: has {len(kept)} row{'s' * (len(kept) > 1)} "
+                f"that can be used; a fit of three parameters takes {_LEAST_ROWS} or more"
             )
         worst = int(np.argmax(off))
         raise ConfigurationError(

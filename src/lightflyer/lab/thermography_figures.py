@@ -32,8 +32,9 @@ def shares(result: Shares, ax: Axes) -> Axes:
         for estimates, shift, colour, marker, label in ways:
             one = estimates[name]
             low, high = one.interval
+            ends = np.maximum([[one.value - low], [high - one.value]], 0.0)  # of rounding
             ax.errorbar(
-                number + shift, one.value, yerr=[[one.value - low], [high - one.value]],
+                number + shift, one.value, yerr=ends,
                 fmt=marker, color=colour, capsize=4, ms=5,
                 label=f"{label}, 95 %" if number == 0 else None,
             )  # fmt: skip

@@ -128,18 +128,33 @@ def _make_room(film: Any, key: str) -> None:
     """Take away what a key of the emittance would contradict, keeping what it said of a face."""
     both, faces = "emittance", ("emittance_top", "emittance_bottom")
     if key == both:
-        for face in faces:
-            if face in film:
-                del film[face]
+        there = [face for face in faces if face in film]
+        said = dict.fromkeys(_own_comment(film[face]) for face in there)
+        for face in there:
+            del film[face]
+        if there and both not in film:
+            _add(film, both, "", "; ".join(filter(None, said)))
     elif key in faces and both in film:
-        other = faces[1 - faces.index(key)]
-        film.add(other, film[both].unwrap())
+        value, comment = film[both].unwrap(), film[both].trivia.comment
         del film[both]
+        _add(film, faces[1 - faces.index(key)], value, comment)
+        _add(film, key, value, comment)
+
+
+def _add(table: Any, key: str, value: Any, comment: str) -> None:
+    table.add(key, value)
+    if comment:
+        table[key].comment(comment)
+        table[key].trivia.comment_ws = "  "
+
+
+def _own_comment(item: Any) -> str:
+    """The comment behind a value, without an origin written there before."""
+    return str(_ORIGIN.sub("", item.trivia.comment).lstrip("# ").rstrip())
 
 
 def _put(table: Any, key: str, text: str, origin: str) -> None:
-    before = table[key].trivia.comment if key in table else ""
-    kept = _ORIGIN.sub("", before).lstrip("# ").rstrip()
+    kept = _own_comment(table[key]) if key in table else ""
     table[key] = text
     table[key].comment(f"{kept}; {origin}" if kept else origin)
     table[key].trivia.comment_ws = "  "

@@ -51,7 +51,7 @@ HEADER = "pressure [Pa],heater_power [W],heater_temperature [K],ambient_temperat
     ("text", "arguments", "says"),
     [
         ("", [], "raw.csv: is empty"),
-        (HEADER + "1,1,320,295\n", [], "raw.csv: has 1 rows (line 2)"),
+        (HEADER + "1,1,320,295\n", [], "raw.csv:2: has 1 row that can be used"),
         (HEADER + "1,0.05,320,295\n" * 9, [], "raw.csv: its pressures cannot tell"),
         (HEADER + "1,-0.05,320,295\n", [], "raw.csv:2: heater_power = -0.05 W is not positive"),
         (HEADER + "1,0.05,290,295\n", [], "raw.csv:2: the heater at 290.00 K is not warmer"),

@@ -37,6 +37,16 @@ def test_light_meter_gives_the_absorptance(examples, lab, flyer_file):
 GIVEN = ["--hotplate", "150 °C", "--lower", "50 °C", "--upper", "130 °C", "--ambient", "22 °C"]
 
 
+def test_one_row_without_uncertainty(folder, lab):
+    names = ("hotplate", "lower", "upper", "ambient")
+    header = ",".join(f"{name}_temperature [K]" for name in names)
+    (folder / "one.csv").write_text(f"{header}\n423.15,320.15,406.15,295.15\n")
+    code, out, _ = lab("thermography", str(folder / "one.csv"), "--out", str(folder / "out"))
+    assert code == 0
+    assert "the interval of one row is empty" in out
+    assert (folder / "out" / "thermography.png").exists()
+
+
 def test_scalars(lab):
     code, out, _ = lab("thermography", *GIVEN, "--accuracy", "0.5 °C", "--json")
     assert code == 0

@@ -189,4 +189,10 @@ def _show(console: Console, result: "Shares") -> None:
         rows += [(shown, estimate), ("  by Monte Carlo", result.monte_carlo[name])]
     console.print(estimate_table(rows))
     if not result.readings.uncertainties.any():
-        console.print("no reading states an uncertainty: intervals hold the rows' scatter alone")
+        alone = result.readings.values.shape[1] == 1
+        held = (
+            "the interval of one row is empty"
+            if alone
+            else "intervals hold the rows' scatter alone"
+        )
+        console.print(f"no reading states an uncertainty: {held}")

@@ -47,11 +47,11 @@ def test_free_molecular_limit_is_approached_as_the_inverse_knudsen_number():
 
 
 @pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
-@pytest.mark.parametrize("kn", [5.0, 0.5, 0.1])
+@pytest.mark.parametrize("kn", [2.0, 0.1])
 def test_force_of_heat_is_heat_of_motion(gas, kn):
     """Onsager's reciprocity, face by face: it holds for no other weights of force and heat."""
-    mesh = MEDIUM.mesh(np.sqrt(np.pi) / 4.0 / kn, np.inf)
-    operators = assemble(mesh, np.sqrt(np.pi) / 4.0 / kn, MEDIUM.quadrature)
+    mesh = COARSE.mesh(np.sqrt(np.pi) / 4.0 / kn, np.inf)
+    operators = assemble(mesh, np.sqrt(np.pi) / 4.0 / kn, COARSE.quadrature)
     tac = (0.6, 0.9)
     system = LinearSystem(operators, gas, 0.75)
     moved = Walls(tac, (0.0, 0.0), velocity=1.0)

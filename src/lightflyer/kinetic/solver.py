@@ -287,7 +287,7 @@ def _ratios(case: "Case", outcome: "Outcome") -> dict[str, float | None]:
 
 
 def _quotient(value: float, limit: float) -> float | None:
-    return None if abs(limit) < 1e-12 else value / limit
+    return None if abs(limit) < 1e-12 else float(value / limit)
 
 
 def _difference(fine: float | None, coarse: float | None, least: float) -> float | None:

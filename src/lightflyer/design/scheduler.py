@@ -48,6 +48,13 @@ Done = tuple[int, Record, int]
 """Number of a chunk, checksums of its files, number of designs that have not converged."""
 
 
+def processors() -> int:
+    """Number of processors that this process may use, as far as the system says."""
+    if hasattr(os, "sched_getaffinity"):  # on Linux
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 def compute_chunk(task: Task, chunk: int) -> Done:
     """Compute a chunk and write it.
 
@@ -80,7 +87,7 @@ def run_here(task: Task, missing: Sequence[int], workers: int | None = None) -> 
     ------
     chunk, record, failures
     """
-    count = workers or len(os.sched_getaffinity(0)) + 2
+    count = workers or processors() + 2
     waiting = iter(missing)
     pool = ThreadPoolExecutor(min(count, max(len(missing), 1)))
     running: set[Future[Done]] = set()

@@ -24,7 +24,8 @@ from scipy.optimize import differential_evolution
 import lightflyer as lf
 from lightflyer.design.chunks import Chunks
 from lightflyer.design.evaluation import PIECE, Evaluator
-from lightflyer.design.optimise import Landscape, optimise
+from lightflyer.design.landscape import Landscape
+from lightflyer.design.optimise import optimise
 from lightflyer.design.problem import make_problem
 from lightflyer.design.scheduler import processors
 from lightflyer.design.sections import OptimiseSection, SamplingSection

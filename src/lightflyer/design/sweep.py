@@ -273,7 +273,10 @@ def open_sweep(folder: str | Path) -> "xr.Dataset":
     folder = Path(folder)
     if not (folder / "zarr.json").is_file():
         raise ConfigurationError(f"{folder}: is not the result of a sweep")
-    return xr.open_zarr(folder, chunks=None)
+    try:
+        return xr.open_zarr(folder, chunks=None)
+    except (ValueError, KeyError, OSError) as error:
+        raise ConfigurationError(f"{folder}: cannot be read as a Zarr group: {error}") from None
 
 
 @dataclass(frozen=True)

@@ -227,7 +227,7 @@ def optimise(problem: Problem, landscape: Landscape | None = None) -> Optimum:
         least = min(searches, key=lambda found: found.violation)
         raise LightflyerError(
             "no design keeps the constraints: the best misses one by "
-            f"{100.0 * least.violation:.2g} % of its limit; widen the bounds or the limits"
+            f"{100.0 * least.violation:.3g} % of its limit; widen the bounds or the limits"
         )
     best = max(kept, key=lambda found: found.gain)
     near = AGREEMENT * max(abs(best.gain), scale)

@@ -9,7 +9,6 @@ its own, and reports its peak memory.
 
 import argparse
 import logging
-import os
 import shutil
 import statistics
 import subprocess
@@ -25,8 +24,10 @@ from scipy.optimize import differential_evolution
 import lightflyer as lf
 from lightflyer.design.chunks import Chunks
 from lightflyer.design.evaluation import PIECE, Evaluator
-from lightflyer.design.optimise import Landscape, optimise
+from lightflyer.design.landscape import Landscape
+from lightflyer.design.optimise import optimise
 from lightflyer.design.problem import make_problem
+from lightflyer.design.scheduler import processors
 from lightflyer.design.sections import OptimiseSection, SamplingSection
 from lightflyer.design.study import make_study
 from lightflyer.design.sweep import sweep_into
@@ -82,7 +83,7 @@ def throughput(folder, designs, repeats):
         def one(chunk):
             evaluate(*chunks.span(chunk))
 
-        with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        with ThreadPoolExecutor(processors()) as pool:
             list(pool.map(one, range(len(chunks))))
 
     def to_zarr():

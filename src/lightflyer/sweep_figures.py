@@ -23,6 +23,9 @@ _LOGARITHMIC = 3.0  # largest over smallest from which evenly spaced logarithms 
 _PROBABILITIES = (0.1, 0.5, 0.9)
 _HALF = 0.5
 _OPACITY = 0.25
+_TICKS = 6
+# What hatched designs do, without and with samples.
+_NOT_FLYING = ("cannot fly", "flies in less than half of the samples")
 # Factors and units in which people think, by the last part of a name and by the unit.
 _BY_NAME = {"diameter": (1e2, "cm"), "thickness": (1e9, "nm"), "areal_density": (1e3, "g/m²")}
 _BY_UNIT = {
@@ -160,9 +163,14 @@ def _cannot_fly(
             )
             area.set_edgecolor(GREY)
             area.set_linewidth(0.0)
-        words = "flies in less than half of the samples" if sampled else "cannot fly"
         handles.append(
-            Patch(facecolor="white", edgecolor=GREY, hatch="///", linewidth=0.0, label=words)
+            Patch(
+                facecolor="white",
+                edgecolor=GREY,
+                hatch="///",
+                linewidth=0.0,
+                label=_NOT_FLYING[sampled],
+            )
         )
     if sampled and np.ptp(able) > 0.0:
         chances = able + _HALF
@@ -199,7 +207,7 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
         low, high = (factor * band[end].values for end in ("low", "high"))
         ax.fill_between(horizontal, low, high, color=BLUE, alpha=_OPACITY, lw=0, label="95 % band")
         ax.plot(horizontal, factor * band["median"].values, color=BLUE, label="median")
-        able = None if able is None else able.mean(SAMPLE) >= 0.5
+        able = None if able is None else (able >= 0.0).mean(SAMPLE) - _HALF
     else:
         ax.plot(horizontal, factor * array.values, color=BLUE)
     if able is not None and bool((able < 0.0).any()):
@@ -213,7 +221,7 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
             edgecolor=GREY,
             hatch="///",
             lw=0,
-            label="cannot fly",
+            label=_NOT_FLYING[SAMPLE in array.dims],
         )
     if ax.get_legend_handles_labels()[0]:
         ax.legend()
@@ -229,7 +237,7 @@ def pareto_figure(dataset: "xr.Dataset", gain: str) -> Figure | None:
     dataset : xarray.Dataset
         Of a sweep.
     gain : str
-        Output of which more is better.
+        Output.
 
     Returns
     -------
@@ -252,9 +260,10 @@ def pareto_figure(dataset: "xr.Dataset", gain: str) -> Figure | None:
             scale_and_label, (dataset[gain], dataset[cost])
         )
         better = "more" if sign < 0.0 else "less"
+        worth = "less" if gain in LESS_IS_BETTER else "more"
         ax.plot(across * against, up * gains, ".-", color=colour, ms=4)
         ax.set_xlabel(f"{label_across}\n({better} is better)")
-        ax.set_ylabel(f"{label_up}\n(more is better)")
+        ax.set_ylabel(f"{label_up}\n({worth} is better)")
         ax.grid(alpha=_OPACITY)
     return figure
 
@@ -318,6 +327,7 @@ def tornado_figure(found: Indices) -> Figure:
     bars.axvline(factor * found.nominal, color=GREY, lw=1.0)
     bars.set_yticks(places, [found.names[number] for number in order])
     bars.set_xlabel(label)
+    bars.locator_params(axis="x", nbins=_TICKS)
     half = 0.4
     for index, spread, colour, words, offset in (
         (found.total, found.total_interval, GREEN, "total", half / 2.0),

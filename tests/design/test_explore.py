@@ -64,6 +64,16 @@ def test_a_front_is_what_comparing_all_with_all_leaves(dataset, cost, sign):
     assert sorted(zip(costs, gains, strict=True)) == expected
 
 
+def test_a_front_of_what_should_be_little(dataset):
+    little, costs = explore.pareto_front(dataset, "temperature", "altitude", sign=-1.0)
+    able = dataset.temperature.where(dataset.payload >= 0.0)
+    least = able.min(["flyer.diameter", "film.emittance"]).sortby("altitude", ascending=False)
+    front = np.minimum.accumulate(least.values)
+    kept = np.concatenate([[True], front[1:] < front[:-1]])
+    np.testing.assert_array_equal(little, front[kept])
+    np.testing.assert_array_equal(costs, least.altitude.values[kept])
+
+
 def test_a_slice_is_where_it_is_asked_for_or_at_the_best(dataset):
     sliced, chosen = explore.choose_slice(dataset, "payload", ["altitude"], {"diameter": "2.1 cm"})
     assert chosen["flyer.diameter"] == (pytest.approx(0.02), "m")
@@ -73,6 +83,8 @@ def test_a_slice_is_where_it_is_asked_for_or_at_the_best(dataset):
     assert sliced.payload.dims == ("altitude",)
     with pytest.raises(lf.ConfigurationError, match="is an axis of the map"):
         explore.choose_slice(dataset, "payload", ["altitude"], {"altitude": "70 km"})
+    with pytest.raises(lf.ConfigurationError, match="6 cm is outside of the sweep"):
+        explore.choose_slice(dataset, "payload", ["altitude"], {"diameter": "6 cm"})
     with pytest.raises(lf.ConfigurationError, match="of the wrong kind"):
         explore.choose_slice(dataset, "payload", ["altitude"], {"diameter": "2 kg"})
 

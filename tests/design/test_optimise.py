@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import differential_evolution
 
 import lightflyer as lf
-from lightflyer.design.optimise import Landscape, optimise, pareto
+from lightflyer.design.landscape import Landscape
+from lightflyer.design.optimise import optimise, pareto
 from lightflyer.design.problem import make_problem
 from lightflyer.design.sections import OptimiseSection, SamplingSection
 

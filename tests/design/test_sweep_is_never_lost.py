@@ -155,6 +155,33 @@ def test_a_store_whose_making_was_cut_off_is_made_again(study, tmp_path, monkeyp
     assert not (tmp_path / "other.zarr").exists()
 
 
+def test_what_a_store_says_of_itself_is_never_taken_for_granted(study, tmp_path):
+    folder = tmp_path / "results.zarr"
+    sweep_into(study, folder, chunk=100, evaluator=StandIn())
+    (folder / ".lightflyer" / "journal").unlink()
+    assert sweep_into(study, folder, evaluator=StandIn()).computed == 1000
+    before, records = contents(folder), folder / ".lightflyer" / "study.json"
+    for damage in (lambda path: path.write_text("{"), Path.unlink):
+        for path in (folder / "zarr.json", records):
+            whole = path.read_bytes()
+            damage(path)
+            with pytest.raises(lf.OutputError, match=rf"{path.name} is damaged or missing"):
+                sweep_into(study, folder, evaluator=StandIn())
+            path.write_bytes(whole)
+    assert contents(folder) == before
+    (folder / "zarr.json").write_text("{")
+    with pytest.raises(lf.ConfigurationError, match="cannot be read as a Zarr group"):
+        lf.open_sweep(folder)
+
+
+def test_files_beside_a_store_that_was_cut_off_are_left_alone(study, tmp_path):
+    (tmp_path / ".lightflyer").mkdir()
+    (tmp_path / "thesis.tex").write_text("all of it")
+    with pytest.raises(lf.OutputError, match="holds other files"):
+        sweep_into(study, tmp_path, evaluator=StandIn())
+    assert (tmp_path / "thesis.tex").read_text() == "all of it"
+
+
 def test_only_one_process_writes(study, tmp_path):
     inside, go_on = threading.Event(), threading.Event()
 

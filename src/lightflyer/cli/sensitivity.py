@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 if TYPE_CHECKING:
@@ -85,7 +86,8 @@ def _show(console: Console, found: "Indices") -> None:
         soft_wrap=True,
     )
     table = Table(box=None, padding=(0, 1))
-    headings = ("input", "share of\nvariance", "with inter-\nactions", "elasticity", "from", "to")
+    ends = (escape(f"at its\n{end} % [{unit or '1'}]") for end in ("2.5", "97.5"))
+    headings = ("input", "share of\nvariance", "with inter-\nactions", "elasticity", *ends)
     for heading in headings:
         left = heading == "input"
         table.add_column(heading, justify="left" if left else "right", no_wrap=left)

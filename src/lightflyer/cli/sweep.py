@@ -213,7 +213,8 @@ def _told(report: "SweepReport") -> str:
     if report.found:
         parts.append(f"{report.found:,} were there")
     if report.damaged:
-        parts.append(f"{report.damaged} damaged chunks were computed again")
+        were = "chunk was" if report.damaged == 1 else "chunks were"
+        parts.append(f"{report.damaged} damaged {were} computed again")
     rate = _words(report.computed / max(report.seconds, 1e-9))
     parts.append(f"{report.computed:,} computed in {report.seconds:.1f} s ({rate} a second)")
     return ", ".join(parts)

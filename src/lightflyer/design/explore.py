@@ -22,6 +22,7 @@ LESS_IS_BETTER = ("levitation_irradiance", "temperature", "lowest_altitude", "ar
 """Outputs whose best design has the least."""
 
 _AT_ONCE = 2**22  # numbers read at a time
+_ROUNDING = 1e-9  # relative, of a value in other units
 
 
 def find_name(dataset: "xr.Dataset", name: str, *, among: str) -> str:
@@ -174,7 +175,7 @@ def choose_slice(
     Raises
     ------
     ConfigurationError
-        If a field does not exist or is kept, or a value is not of its kind.
+        If a field does not exist or is kept, or a value is not of its kind or outside the sweep.
     """
     chosen: dict[str, tuple[float, str]] = {}
     for short, text in asked.items():
@@ -186,7 +187,14 @@ def choose_slice(
             wanted = parse(_bare(text) if not unit else text, unit).value
         except ConfigurationError as error:
             raise ConfigurationError(f"--at {short}: {error}") from None
-        number = int(np.argmin(np.abs(dataset[name].values - wanted)))
+        there = dataset[name].values
+        low, high = float(there.min()), float(there.max())
+        if not low - _ROUNDING * abs(low) <= wanted <= high + _ROUNDING * abs(high):
+            raise ConfigurationError(
+                f"--at {short}: {text} is outside of the sweep's {low:.6g} to {high:.6g} "
+                f"{unit_of(dataset[name])}".rstrip()
+            )
+        number = int(np.argmin(np.abs(there - wanted)))
         chosen[name] = (float(dataset[name][number]), unit_of(dataset[name]))
         dataset = dataset.isel({name: number})
     others = [str(d) for d in dataset[value].dims if d not in kept and d != SAMPLE]
@@ -241,7 +249,7 @@ def pareto_front(
     dataset : xarray.Dataset
         Of a sweep.
     gain : str
-        Output of which more is better.
+        Output of which more is better, or less where it is among :data:`LESS_IS_BETTER`.
     cost : str
         Output or coordinate of which less is better.
     sign : float
@@ -253,6 +261,7 @@ def pareto_front(
         Along the front, ordered by cost; empty where no design that flies has both.
     """
     array, other, able = dataset[gain], dataset[cost], margin(dataset)
+    worth = -1.0 if gain in LESS_IS_BETTER else 1.0
     gains, costs = np.empty(0), np.empty(0)
     if other.dims != array.dims:
         other = other.broadcast_like(array).transpose(*array.dims)
@@ -261,7 +270,7 @@ def pareto_front(
         known = np.isfinite(values) & np.isfinite(there)
         if able is not None:
             known &= np.asarray(able[rows]) >= 0.0
-        gains = np.concatenate([gains, values[known]])
+        gains = np.concatenate([gains, worth * values[known]])
         costs = np.concatenate([costs, sign * there[known]])
         # cheapest first, and among equals the best; what does not better all cheaper is beaten
         order = np.lexsort((-gains, costs))
@@ -269,7 +278,7 @@ def pareto_front(
         if gains.size:
             before = np.concatenate([[-np.inf], np.maximum.accumulate(gains)[:-1]])
             gains, costs = gains[gains > before], costs[gains > before]
-    return gains, sign * costs
+    return worth * gains, sign * costs
 
 
 def over_samples(array: "xr.DataArray") -> dict[str, Any]:

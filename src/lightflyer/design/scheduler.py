@@ -48,6 +48,13 @@ Done = tuple[int, Record, int]
 """Number of a chunk, checksums of its files, number of designs that have not converged."""
 
 
+def processors() -> int:
+    """Number of processors that this process may use, as far as the system says."""
+    if hasattr(os, "sched_getaffinity"):  # on Linux
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 def compute_chunk(task: Task, chunk: int) -> Done:
     """Compute a chunk and write it.
 
@@ -80,7 +87,7 @@ def run_here(task: Task, missing: Sequence[int], workers: int | None = None) -> 
     ------
     chunk, record, failures
     """
-    count = workers or len(os.sched_getaffinity(0)) + 2
+    count = workers or processors() + 2
     waiting = iter(missing)
     pool = ThreadPoolExecutor(min(count, max(len(missing), 1)))
     running: set[Future[Done]] = set()
@@ -203,7 +210,7 @@ def connected(address: str) -> Iterator[Any]:
 
     try:
         client = distributed.Client(address, timeout=ANSWER_WITHIN, set_as_default=False)
-    except (OSError, ValueError, TimeoutError) as error:
+    except Exception as error:  # whatever else listens there may answer anything
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise ConfigurationError(
             f"--scheduler {address}: no answer within {ANSWER_WITHIN:g} s ({reason}); start one "

@@ -167,7 +167,10 @@ class Store:
         """Say in the group's attributes that it is whole."""
         attributes = {"complete": not self.missing, "not_converged": self.failures}
         path = self.folder / "zarr.json"
-        metadata = json.loads(path.read_text(encoding="utf-8"))
+        try:
+            metadata = json.loads(path.read_text(encoding="utf-8"))
+        except (ValueError, FileNotFoundError):
+            raise _lost(self.folder, path) from None
         if metadata["attributes"] | attributes != metadata["attributes"]:
             metadata["attributes"] |= attributes
             _write_atomically(path, json.dumps(metadata).encode())
@@ -178,7 +181,7 @@ class Store:
 
     def _check(self) -> tuple[dict[int, Any], list[int]]:
         """Entries of whole chunks, and numbers of the others; the journal is mended."""
-        content = self._journal_path.read_bytes()
+        content = self._journal_path.read_bytes() if self._journal_path.exists() else b""
         entries = {entry["chunk"]: entry for entry in _entries(content)}
         for name in self._names:
             for leftover in (self.folder / name).rglob(f"*{_PARTIAL}"):
@@ -277,7 +280,10 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
         with filelock.FileLock(records / _LOCK).acquire(timeout=0):
             if not (records / _STUDY).is_file():
                 _create(folder, study, description, Chunks.of(study.shape, most_in_chunk))
-            stored = stored_study(folder)
+            try:
+                stored = stored_study(folder)
+            except ValueError:
+                raise _lost(folder, records / _STUDY) from None
             _require_same(folder, stored["description"], description)
             store = Store(folder, study, Chunks(study.shape, tuple(stored["block"])))
             try:
@@ -323,11 +329,32 @@ def _require_same(folder: Path, stored: dict[str, str], asked: dict[str, str]) -
         raise OutputError("\n".join([first, *shown]))
 
 
+def _lost(folder: Path, path: Path) -> OutputError:
+    """The error that says that a store's own record cannot be read."""
+    return OutputError(
+        f"{folder}: {path.relative_to(folder)} is damaged or missing; restore it, choose another "
+        "folder, or remove this one"
+    )
+
+
+def _names_in_group(study: Study) -> set[str]:
+    """Names of the arrays that a new store holds."""
+    coordinates = (name for dimension in study.dimensions for name in dimension.values)
+    return {*study.variables, *study.fixed, *coordinates}
+
+
 def _create(folder: Path, study: Study, description: dict[str, str], chunks: Chunks) -> None:
     """Fill a store's folder; it is a store once its study is written, which comes last."""
-    for leftover in folder.iterdir():
-        if leftover.name != _RECORDS:
-            shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink()
+    journal, mine = folder / _RECORDS / _JOURNAL, _names_in_group(study)
+    if journal.is_file() and journal.stat().st_size:
+        raise _lost(folder, folder / _RECORDS / _STUDY)
+    leftovers = [path for path in folder.iterdir() if path.name != _RECORDS]
+    if not all(path.name in mine or path.name.startswith("zarr.") for path in leftovers):
+        raise OutputError(
+            f"{folder}: is no whole result of a sweep and holds other files; choose another folder"
+        )
+    for leftover in leftovers:
+        shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink()
     content = {"token": uuid.uuid4().hex, "block": chunks.block, "description": description}
     try:
         _write_group(folder, study, chunks)

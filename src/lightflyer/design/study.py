@@ -18,6 +18,8 @@ from lightflyer.design.outputs import check_outputs
 from lightflyer.design.sections import STUDY_FILE, SamplingSection, StudyFile
 from lightflyer.errors import ConfigurationError
 
+_LISTED = 6  # values of a field that are told one by one
+
 
 @dataclass(frozen=True)
 class Source:
@@ -176,7 +178,9 @@ def _digest(*arrays: Any) -> str:
 
 
 def _describe(values: np.ndarray, field: Field) -> str:
-    ends = f"{values[0]:.6g} to {values[-1]:.6g} {field.quantity.unit}".rstrip()
+    few = len(values) <= _LISTED
+    shown = ", ".join(f"{value:.6g}" for value in (values if few else values[[0, -1]]))
+    ends = f"{shown if few else shown.replace(', ', ' to ')} {field.quantity.unit}".rstrip()
     return f"{len(values)} values, {ends} ({_digest(values)})"
 
 

@@ -1,6 +1,5 @@
 """Sweeps: the outputs of all designs of a study, in memory or in a folder that keeps them."""
 
-import os
 import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -14,7 +13,7 @@ from lightflyer.config.sections import FlyerFile
 from lightflyer.design.chunks import CHUNK, Chunks
 from lightflyer.design.evaluation import Evaluator
 from lightflyer.design.outputs import OUTPUTS
-from lightflyer.design.scheduler import Task, connected, run_here, run_on_dask
+from lightflyer.design.scheduler import Task, connected, processors, run_here, run_on_dask
 from lightflyer.design.sections import SamplingSection
 from lightflyer.design.store import empty_dataset, open_store
 from lightflyer.design.study import Study, make_study
@@ -274,7 +273,10 @@ def open_sweep(folder: str | Path) -> "xr.Dataset":
     folder = Path(folder)
     if not (folder / "zarr.json").is_file():
         raise ConfigurationError(f"{folder}: is not the result of a sweep")
-    return xr.open_zarr(folder, chunks=None)
+    try:
+        return xr.open_zarr(folder, chunks=None)
+    except (ValueError, KeyError, OSError) as error:
+        raise ConfigurationError(f"{folder}: cannot be read as a Zarr group: {error}") from None
 
 
 @dataclass(frozen=True)
@@ -322,11 +324,6 @@ def estimate(study: Study, folder: str | Path) -> Estimate:
     return Estimate(
         designs=study.size,
         size=study.size * len(study.variables) * _BYTES,
-        seconds=study.size / (rate * workers_here()),
+        seconds=study.size / (rate * processors()),
         free=shutil.disk_usage(existing).free,
     )
-
-
-def workers_here() -> int:
-    """Number of processors that this process may use."""
-    return len(os.sched_getaffinity(0))

@@ -154,7 +154,7 @@ TABLE_COMMENTS = """\
 # free-molecular value is heat_ratio +- heat_ratio_slope/2 (alpha_top - alpha_bottom), + at the top.
 # Errors are absolute, from a second mesh. Non-linear rows below Kn 0.05, and of a diatomic gas at
 # T_h/T_c = 2.5 below 0.08, are extrapolated in ln Kn by their quotients to the linear limit; their
-# error is how much that changes them. Licence: MIT, as this package.
+# error is 2.5 times what that changes. Licence: MIT, as this package.
 """
 BOUNDARY_COLUMNS = "gas,knudsen,boundary,force_factor,heat_factor"
 BOUNDARY_COMMENTS = f"""\
@@ -164,6 +164,10 @@ BOUNDARY_COMMENTS = f"""\
 # Further out than is resolved, the excess over 1 is taken to fall as 1/boundary.
 # knudsen: mean free path over the disk's diameter. Licence: MIT, as this package.
 """
+
+
+# wide enough for the solutions on meshes too coarse to be trusted, which exist at Kn 0.05
+_EXTRAPOLATION_ERROR = 2.5
 
 
 def with_error(point: Point, found: Kept) -> dict[str, float] | None:
@@ -180,8 +184,8 @@ def with_error(point: Point, found: Kept) -> dict[str, float] | None:
 def extrapolated(point: Point, found: Kept) -> dict[str, float] | None:
     """A point below the solved Knudsen numbers: its quotients to the linear problem, in ln Kn.
 
-    They are extrapolated from the two smallest that are solved; the error is how much that changes
-    them from the smallest.
+    They are extrapolated from the two smallest that are solved; the error is a multiple of how much
+    that changes them from the smallest.
     """
     solved = []
     for knudsen in KNUDSEN:
@@ -197,7 +201,7 @@ def extrapolated(point: Point, found: Kept) -> dict[str, float] | None:
         (x_1, y_1), (x_2, y_2) = ((x, hot[name] / linear[name]) for x, hot, linear in solved[:2])
         change = (y_2 - y_1) / (x_2 - x_1) * (np.log(point.knudsen) - x_1)
         result[name] = here[name] * (y_1 + change)
-        result[f"{name}_error"] = abs(here[name] * change)
+        result[f"{name}_error"] = _EXTRAPOLATION_ERROR * abs(here[name] * change)
     return result
 
 

@@ -1,0 +1,227 @@
+"""Compare force models with the kinetic one: figures and numbers of docs/force-models.md.
+
+    python studies/force_models/study.py
+
+Writes docs/images/force-ratio.png, docs/images/force-models-flight.png and results.json.
+"""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+import lightflyer as lf
+from lightflyer import plot
+from lightflyer.kinetic import solve
+
+HERE = Path(__file__).parent
+IMAGES = HERE.parents[1] / "docs" / "images"
+
+FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+RADIUS = 0.01
+COLD = 205.0  # gas in the upper mesosphere [K]
+RATIOS = (1.0, 1.5, 2.0, 2.5)
+LINEAR_EXCESS = 1e-4
+KNUDSEN = np.geomspace(0.01, 100.0, 161)
+FITTED = (0.03, 3.0)  # Knudsen numbers between which the simple form is fitted
+SIZES = np.round(np.arange(0.2, 6.01, 0.2), 1) * 1e-2
+ALTITUDES = np.linspace(55e3, 95e3, 401)
+INCIDENCES = (0.0, 45.0)
+
+# mean free path of hard spheres, (32/5π) μ/(ρ v̄), over the one used here
+HARD_SPHERES = 16.0 / (5.0 * np.pi)
+# direct simulations of nitrogen: Kn of hard spheres, temperatures [K], force over its free-mol.
+# value with one standard deviation, heat likewise; TACs 0.5 and 1, a reservoir at 4 radii
+SIMULATIONS = (
+    (3.0, 450.0, 300.0, 0.976, 0.022, 0.9827),
+    (1.0, 450.0, 300.0, 0.865, 0.015, 0.9389),
+    (0.1, 450.0, 300.0, 0.189, 0.017, 0.5633),
+    (1.0, 480.0, 205.0, 0.906, 0.008, 0.9427),
+)
+
+PAPER, AEROSOL = lf.Lu2023(0.4, 3.0), lf.Lu2023(1.0, 1.0)
+MODELS = {
+    "kinetic": lf.Kinetic(),
+    "Lu et al. (0.4, 3)": PAPER,
+    "Lu et al. (1, 1)": AEROSOL,
+    "free-molecular": lf.FreeMolecular(),
+}
+
+
+def surroundings(knudsen):
+    """The gas of the mesosphere at the pressures that give a disk of RADIUS these numbers."""
+    pressure = lf.mean_free_path(1.0, COLD) / (2.0 * RADIUS * knudsen)
+    return lf.EnvironmentState(pressure, COLD, 9.6, lf.AIR, lf.Radiation())
+
+
+def ratios(model, knudsen, excess):
+    """Force and heat loss over those of free molecules at Maxwell walls."""
+    disk, state = lf.Disk(FILM, RADIUS), surroundings(knudsen)
+    free_force = 0.5 * state.pressure * disk.area * FILM.tac_difference * (np.sqrt(1 + excess) - 1)
+    free_heat = lf.FreeMolecular().heat_loss(disk, state, excess)
+    return (
+        np.asarray(model.force(disk, state, excess) / free_force),
+        np.asarray(model.heat_loss(disk, state, excess) / free_heat),
+    )
+
+
+def simple_forms():
+    """Coefficients of the paper's form that imitate the kinetic force, by temperature ratio."""
+    state = surroundings(np.geomspace(*FITTED, 60))
+    found = {}
+    for name, reading in (("reported", lf.REPORTED), ("printed", lf.PRINTED)):
+        for ratio in RATIOS[1:]:
+            form = lf.fit_simple_form(
+                lf.Kinetic(), lf.Disk(FILM, RADIUS), state, ratio - 1.0, reading
+            )
+            found[f"{name}, T_h/T_c {ratio:g}"] = {
+                "c_fm": form.model.c_fm,
+                "c_cont": form.model.c_cont,
+                "rms_deviation": form.deviation,
+                "largest_deviation": form.largest,
+            }
+    return found
+
+
+def draw_ratios():
+    """Force and heat ratios of every model against the Knudsen number."""
+    figure = plot.new_figure(columns=2, width=6.2, height=5.0)
+    force_axes, heat_axes = figure.axes
+    for ratio, shade in zip(RATIOS, ("#9ecae1", "#6baed6", "#3182bd", "#08519c"), strict=True):
+        excess = max(ratio - 1.0, LINEAR_EXCESS)
+        force, heat = ratios(lf.Kinetic(), KNUDSEN, excess)
+        label = f"kinetic, $T_h/T_c$ = {ratio:g}"
+        for axes, values in ((force_axes, force), (heat_axes, heat)):
+            axes.plot(KNUDSEN, values, color=shade, lw=2, label=label)
+    for name, colour, style in (
+        ("Lu et al. (0.4, 3)", plot.VERMILION, "-"),
+        ("Lu et al. (1, 1)", plot.ORANGE, "--"),
+        ("free-molecular", plot.GREY, ":"),
+    ):
+        force, heat = ratios(MODELS[name], KNUDSEN, 1.0)
+        force_axes.plot(KNUDSEN, force, color=colour, ls=style, label=f"{name}, $T_h/T_c$ = 2")
+        if name != "Lu et al. (1, 1)":  # same heat loss
+            heat_axes.plot(KNUDSEN, heat, color=colour, ls=style, label=f"{name}, $T_h/T_c$ = 2")
+    knudsen, hot, cold, force, deviation, heat = np.transpose(SIMULATIONS)
+    where = knudsen / HARD_SPHERES
+    same = [
+        solve(kn, 0.5, 1.0, temperature_ratio=ratio, gas="diatomic", boundary=4.0)
+        for kn, ratio in zip(where, hot / cold, strict=True)
+    ]
+    points = {"ms": 6, "color": "black", "ls": "none"}
+    simulated = "direct simulation, α 0.5/1, walls at 4 r, ±2σ"
+    force_axes.errorbar(
+        where, force, yerr=2 * deviation, marker="o", capsize=3, label=simulated, **points
+    )
+    heat_axes.plot(where, heat, marker="o", label=simulated, **points)
+    points |= {"marker": "s", "mfc": "none", "label": "kinetic, the same"}
+    force_axes.plot(where, [solution.force_ratio for solution in same], **points)
+    heat_axes.plot(where, [solution.heat_ratio for solution in same], **points)
+    for axes, label in (
+        (force_axes, "force / free-molecular"),
+        (heat_axes, "heat loss / free-molecular"),
+    ):
+        axes.set(xscale="log", yscale="log", xlabel="Kn = λ($T_c$) / 2r", ylabel=label)
+        axes.grid(alpha=0.3)
+        axes.set_ylim(0.01 if axes is force_axes else 0.05, 1.5)
+    force_axes.legend(fontsize=8, loc="lower right")
+    heat_axes.legend(fontsize=8, loc="lower right")
+    plot.save(figure, [IMAGES / "force-ratio.png"])
+
+
+def flight(model, incidence=0.0):
+    """Irradiance and temperature to levitate over altitude; bands [km]."""
+    environment = lf.lu2023_earth(incidence=np.radians(incidence))
+    disk = lf.Disk(FILM, RADIUS)
+    state = environment.state(ALTITUDES)
+    levitation = lf.levitate(disk, state, model, throw=False)
+    bands = lf.altitude_bands(disk, environment, model)
+    return levitation, bands
+
+
+def best_payloads(model):
+    """Largest payload over its own mass for each size, and where [m]."""
+    state = lf.lu2023_earth().state(ALTITUDES)
+    best, where = [], []
+    for size in SIZES:
+        disk = lf.Disk(FILM, size / 2)
+        relative = lf.payload(disk, state, model, throw=False) / disk.own_mass
+        best.append(relative.max())
+        where.append(ALTITUDES[relative.argmax()])
+    return np.array(best), np.array(where)
+
+
+def draw_flight():
+    """What each model says of the paper's Figs. 6 and S8; the numbers behind it."""
+    figure = plot.new_figure(columns=2, rows=2, width=5.6, height=8.4)
+    irradiance_axes, temperature_axes, payload_axes, altitude_axes = figure.axes
+    numbers = {}
+    looks = ((plot.BLUE, "-"), (plot.VERMILION, "-"), (plot.ORANGE, "--"), (plot.GREY, ":"))
+    for (name, model), (colour, style) in zip(MODELS.items(), looks, strict=True):
+        look = {"color": colour, "ls": style, "label": name}
+        levitation, _ = flight(model)
+        irradiance = np.where(np.isfinite(levitation.irradiance), levitation.irradiance, np.nan)
+        irradiance_axes.plot(ALTITUDES / 1e3, irradiance, **look)
+        temperature_axes.plot(ALTITUDES / 1e3, levitation.temperature, **look)
+        payload, altitude = best_payloads(model)
+        payload_axes.plot(SIZES * 1e2, payload, **look)
+        flies = np.where(payload > 0, altitude / 1e3, np.nan)
+        altitude_axes.plot(SIZES * 1e2, flies, **look)
+        numbers[name] = summary(model, irradiance, payload, altitude)
+    irradiance_axes.axhline(1360.0, color="black", lw=0.8)
+    irradiance_axes.set(
+        yscale="log", ylim=(200, 2e4), ylabel="irradiance to levitate [W/m²]", title="2 cm"
+    )
+    temperature_axes.set(ylim=(200, 700), ylabel="temperature then [K]", title="2 cm")
+    payload_axes.set(ylim=(-0.5, 3), ylabel="largest payload / own mass", title="at 1360 W/m²")
+    payload_axes.axhline(0.0, color="black", lw=0.8)
+    altitude_axes.set(ylabel="at altitude [km]", title="where it flies")
+    for axes in (irradiance_axes, temperature_axes):
+        axes.set_xlabel("altitude [km]")
+    for axes in (payload_axes, altitude_axes):
+        axes.set_xlabel("diameter [cm]")
+    for axes in figure.axes:
+        axes.grid(alpha=0.3)
+    irradiance_axes.legend(fontsize=8)
+    plot.save(figure, [IMAGES / "force-models-flight.png"])
+    return numbers
+
+
+def summary(model, irradiance, payload, altitude):
+    """What the figures say, in numbers."""
+    lifts = SIZES[payload > 0.0]
+    lowest = int(np.nanargmin(irradiance))
+    three = int(np.argmin(np.abs(SIZES - 0.03)))
+    return {
+        "bands_2_cm_km": {
+            f"{incidence:g} deg": [
+                [float(low) / 1e3, float(high) / 1e3]
+                for low, high, exists in zip(bands.lower, bands.upper, bands.exists, strict=True)
+                if exists
+            ]
+            for incidence in INCIDENCES
+            for bands in [flight(model, incidence)[1]]
+        },
+        "least_irradiance_2_cm": {
+            "value_w_m2": float(irradiance[lowest]),
+            "altitude_km": float(ALTITUDES[lowest]) / 1e3,
+        },
+        "relative_payload_3_cm": {
+            "value": float(payload[three]),
+            "altitude_km": float(altitude[three]) / 1e3,
+        },
+        "largest_that_flies_cm": float(lifts.max()) * 1e2 if lifts.size else None,
+        "largest_with_own_mass_cm": float(np.max(SIZES[payload >= 1.0], initial=0.0) * 1e2),
+    }
+
+
+def main():
+    """Write figures and numbers."""
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    draw_ratios()
+    results = {"simple_forms": simple_forms(), "flight": draw_flight()}
+    (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    main()

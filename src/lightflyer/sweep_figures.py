@@ -132,7 +132,11 @@ def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axe
         handles += _cannot_fly(ax, horizontal, vertical, able.values, sampled=sampled)
     if handles:
         ax.legend(
-            handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False
+            handles=handles,
+            loc="lower center",
+            bbox_to_anchor=(0.5, 1.0),
+            ncols=1 if sampled else 2,
+            frameon=False,
         )
     return ax
 

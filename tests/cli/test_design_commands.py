@@ -1,8 +1,11 @@
 """sweep, map, optimise and sensitivity as a user runs them."""
 
+import contextlib
 import json
+import socket
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -117,7 +120,7 @@ def test_a_band_of_samples_is_drawn(run, study, tmp_path):
     assert "in less than half of the samples" in (maps / "relative_payload-map.svg").read_text()
 
 
-def test_a_sweep_that_is_killed_continues(study, tmp_path):
+def test_a_sweep_that_is_killed_continues(run, study, tmp_path):
     """With the model itself; that fifty kills change no bit is tested beside the store."""
     path, out = study("points = 31", "points = 401"), tmp_path / "results.zarr"
     command = [sys.executable, "-m", "lightflyer", "sweep", str(path), "--out", str(out)]
@@ -129,8 +132,8 @@ def test_a_sweep_that_is_killed_continues(study, tmp_path):
         time.sleep(0.01)
     first.kill()
     first.wait()
-    second = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
-    summary = json.loads(second.stdout)
+    _, text, _ = run("sweep", path, "--out", out, "--chunk", 200, "--json")
+    summary = json.loads(text)
     assert 0 < summary["found"] < summary["designs"] == 16_040
     assert summary["found"] + summary["computed"] == 16_040
 
@@ -184,6 +187,30 @@ def test_a_scheduler_that_does_not_answer(run, study, tmp_path, monkeypatch):
     assert errors.startswith(
         "lightflyer: error: --scheduler tcp://127.0.0.1:9: no answer within 1 s"
     )
+    assert time.perf_counter() - start < 10.0
+    assert not (tmp_path / "r.zarr").exists()
+
+
+@pytest.mark.parametrize("answer", [b"", b"HTTP/1.1 400 Bad request\r\n\r\n"])
+def test_what_listens_but_is_no_scheduler(run, study, tmp_path, monkeypatch, answer):
+    monkeypatch.setattr("lightflyer.design.scheduler.ANSWER_WITHIN", 1.0)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def serve():
+            with contextlib.suppress(OSError):
+                while answer:
+                    caller, _ = server.accept()
+                    caller.sendall(answer)
+
+        threading.Thread(target=serve, daemon=True).start()
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        start = time.perf_counter()
+        code, _, errors = run(
+            "sweep", study(), "--out", tmp_path / "r.zarr", "--scheduler", address
+        )
+    assert code == 2
+    assert "no answer within 1 s" in errors
+    assert len(errors.splitlines()) == 1
     assert time.perf_counter() - start < 10.0
     assert not (tmp_path / "r.zarr").exists()
 

@@ -86,7 +86,7 @@ def _show(console: Console, found: "Indices") -> None:
         soft_wrap=True,
     )
     table = Table(box=None, padding=(0, 1))
-    ends = (escape(f"at its\n{end} % [{unit or '1'}]") for end in ("2.5", "97.5"))
+    ends = (escape(f"at its\n{end} %\n[{unit or '1'}]") for end in ("2.5", "97.5"))
     headings = ("input", "share of\nvariance", "with inter-\nactions", "elasticity", *ends)
     for heading in headings:
         left = heading == "input"

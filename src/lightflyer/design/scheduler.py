@@ -1,5 +1,6 @@
 """Who computes the chunks of a sweep: threads of this process, or a Dask cluster."""
 
+import asyncio
 import ctypes
 import itertools
 import os
@@ -181,6 +182,22 @@ def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -
         ) from None
 
 
+def _await_answer(address: str) -> None:
+    """Raise unless a scheduler answers in time; a Dask client waits for ever for a silent one."""
+    from distributed.comm.core import connect
+
+    async def greet() -> None:
+        comm = await connect(address, timeout=ANSWER_WITHIN)
+        comm.abort()
+
+    async def greet_in_time() -> None:
+        await asyncio.wait_for(greet(), ANSWER_WITHIN)
+
+    # in a thread of its own: this one may have a running loop, as in a notebook
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(lambda: asyncio.run(greet_in_time())).result()
+
+
 @contextmanager
 def connected(address: str) -> Iterator[Any]:
     """A client of an existing Dask scheduler whose workers can do the work.
@@ -209,6 +226,7 @@ def connected(address: str) -> Iterator[Any]:
         ) from None
 
     try:
+        _await_answer(address)
         client = distributed.Client(address, timeout=ANSWER_WITHIN, set_as_default=False)
     except Exception as error:  # whatever else listens there may answer anything
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__

@@ -261,8 +261,13 @@ def sensitivity_indices(inquiry: Inquiry) -> list[Indices]:
                 "choose an output that every design has, such as lift_over_weight"
             )
         with contextlib.redirect_stdout(io.StringIO()):
+            # SALib takes a seed of 0 for none
             found = analysis.analyze(
-                space, values, calc_second_order=False, seed=inquiry.seed, print_to_console=False
+                space,
+                values,
+                calc_second_order=False,
+                seed=1 + inquiry.seed,
+                print_to_console=False,
             )
         results.append(
             Indices(

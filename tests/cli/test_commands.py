@@ -13,25 +13,8 @@ import pytest
 import xarray as xr
 
 import lightflyer
-from lightflyer import cli
 
 PNG, SVG = b"\x89PNG\r\n", b"<?xml"
-
-
-@pytest.fixture
-def run(capsys):
-    """Run a command in this process; returns exit code, output and errors."""
-
-    def command(*arguments):
-        code = 0
-        try:
-            cli.main([str(argument) for argument in arguments])
-        except SystemExit as error:
-            code = error.code or 0
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return command
 
 
 def test_predict_prints_a_table_and_writes_whole_files(run, flyer_file, tmp_path):

@@ -11,8 +11,6 @@ import time
 import pytest
 import xarray as xr
 
-from lightflyer import cli
-
 STUDY = """\
 flyer = "flyer.toml"
 
@@ -41,20 +39,6 @@ altitude = "72 km"
 "film.tac_top" = "0.80 ± 0.01"
 "film.absorptance" = "0.75 ± 0.05"
 """
-
-
-@pytest.fixture
-def run(capsys):
-    def command(*arguments):
-        code = 0
-        try:
-            cli.main([str(argument) for argument in arguments])
-        except SystemExit as error:
-            code = error.code or 0
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return command
 
 
 @pytest.fixture

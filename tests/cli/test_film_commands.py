@@ -5,8 +5,6 @@ import json
 import numpy as np
 import pytest
 
-from lightflyer import cli
-
 FILM = """\
 [film]
 layers = [
@@ -17,20 +15,6 @@ layers = [
 ]
 """
 FLYER = '[flyer]\ndiameter = "2 cm"\n' + FILM
-
-
-@pytest.fixture
-def run(capsys):
-    def command(*arguments):
-        code = 0
-        try:
-            cli.main([str(argument) for argument in arguments])
-        except SystemExit as error:
-            code = error.code or 0
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return command
 
 
 @pytest.fixture

@@ -6,23 +6,7 @@ import sys
 
 import pytest
 
-from lightflyer import cli
-
 CASE = ("kinetic", "--kn", "2", "--tac-top", "0.8", "--tac-bottom", "0.9")
-
-
-@pytest.fixture
-def run(capsys):
-    def command(*arguments):
-        code = 0
-        try:
-            cli.main([str(argument) for argument in arguments])
-        except SystemExit as error:
-            code = error.code or 0
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return command
 
 
 def test_one_json_and_a_figure(run, tmp_path):

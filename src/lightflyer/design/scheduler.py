@@ -248,15 +248,16 @@ def _check_workers(client: Any, address: str) -> None:
 
     try:
         client.wait_for_workers(1, timeout=ANSWER_WITHIN)
-        found = client.run(versions)
     except (TimeoutError, distributed.TimeoutError):
         raise ConfigurationError(
             f"--scheduler {address}: has no workers; start some with 'dask worker {address}'"
         ) from None
-    except (ImportError, AttributeError) as error:
-        raise ConfigurationError(f"--scheduler {address}: a worker says: {error}") from None
     here = versions()
-    for worker, there in found.items():
+    for worker, there in client.run(versions, on_error="return").items():
+        if isinstance(there, OSError):
+            continue  # lost since it was asked; whoever takes its place does its work
+        if isinstance(there, Exception):
+            raise ConfigurationError(f"--scheduler {address}: the worker at {worker} says: {there}")
         if there != here:
             raise ConfigurationError(
                 f"--scheduler {address}: the worker at {worker} has {there}, here is {here}; "

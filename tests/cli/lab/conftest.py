@@ -1,6 +1,7 @@
+from functools import partial
+
 import pytest
 
-from lightflyer.cli import main
 from lightflyer.lab.synthetic import example_files
 
 
@@ -24,17 +25,7 @@ def examples(folder):
 
 
 @pytest.fixture
-def lab(capsys, monkeypatch):
+def lab(run, monkeypatch):
     """Run ``lightflyer lab``; returns exit code, output and errors."""
     monkeypatch.setenv("COLUMNS", "200")
-
-    def run(*arguments):
-        code = 0
-        try:
-            main(["lab", *map(str, arguments)])
-        except SystemExit as stop:
-            code = stop.code or 0
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
+    return partial(run, "lab")

@@ -41,7 +41,9 @@ def test_several_runs_are_averaged_and_written_into_a_flyer_file(examples, lab, 
     read = lf.read_flyer_file(path).film
     assert read.tac_bottom.value == pytest.approx(found["tac"]["value"], abs=1e-3)
     assert read.tac_top.value == 0.8
-    assert "measured: lab tac, tac-raw.csv, tac-reduced.txt, " in path.read_text(encoding="utf-8")
+    assert "measured: lab tac, printed reading, tac-raw.csv, tac-reduced.txt, " in path.read_text(
+        encoding="utf-8"
+    )
 
 
 HEADER = "pressure [Pa],heater_power [W],heater_temperature [K],ambient_temperature [K]\n"

@@ -201,7 +201,7 @@ def updating(
     values : mapping of (str, str) to Estimate
         By section and key.
     name : str
-        Of the measurement.
+        Of the measurement, and how it was read where that matters.
     files : sequence of Path
         It was made from.
 

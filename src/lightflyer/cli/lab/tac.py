@@ -112,7 +112,7 @@ def tac_command(
     values = dict.fromkeys(tac_keys(face), tac.mean_tac(fits))
     written, updated = write_record(
         out, "tac", document, tac.to_dataset(fits), lambda: _figures(fits),
-        updating(update, values, "tac", files),
+        updating(update, values, f"tac, {reading} reading", files),
     )  # fmt: skip
     if json_output:
         print_json(document)

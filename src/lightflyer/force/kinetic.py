@@ -75,7 +75,7 @@ class Kinetic(AbstractForceModel):
         if state.wall_distance is not None:
             ratio *= fit.wall_factors(knudsen, state.wall_distance / flyer.radius)[1]
         if self.heat_error is not None:
-            ratio *= 1.0 + self.heat_error * fit.relative_errors(knudsen, ratio)[1]
+            ratio *= 1.0 + self.heat_error * fit.relative_heat_error(knudsen)
         return ratio * free_molecular_heat_loss(flyer, state, excess)
 
     @entry_point
@@ -86,7 +86,7 @@ class Kinetic(AbstractForceModel):
         if state.wall_distance is not None:
             ratio *= fit.wall_factors(knudsen, state.wall_distance / flyer.radius)[0]
         if self.force_error is not None:
-            ratio *= 1.0 + self.force_error * fit.relative_errors(knudsen, ratio)[0]
+            ratio *= 1.0 + self.force_error * fit.relative_force_error(knudsen, ratio)
         return ratio * maxwell_force(flyer, state, excess)
 
 

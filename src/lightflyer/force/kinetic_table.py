@@ -198,25 +198,24 @@ class KineticFit:
         fitted = _polynomial(self.heat, *self._others(ratio, tac), position)
         return 1.0 / (1.0 + jnp.exp(fitted) * tac / knudsen)
 
-    def relative_errors(self, knudsen: Numeric, force_ratio: Numeric) -> tuple[Array, Array]:
-        """Relative standard error of force and heat ratio: the table's and the equation's [1].
+    def relative_force_error(self, knudsen: Numeric, force_ratio: Numeric) -> Array:
+        """Relative standard error of the force: the table's and the equation's [1].
 
         Parameters
         ----------
-        knudsen : array, shape (...)
-        force_ratio : array, shape (...)
-            There.
+        knudsen, force_ratio : array, shape (...)
 
         Returns
         -------
-        force, heat : array, broadcast shape
+        array, broadcast shape
         """
-        position, _ = self._position(knudsen)
-        force, heat = (
-            jnp.exp(_polynomial(fitted, position)) for fitted in (self.force_error, self.heat_error)
-        )
-        collisions = COLLISION_ERROR * (1.0 - force_ratio)
-        return jnp.hypot(force, collisions), jnp.hypot(heat, HEAT_EQUATION_ERROR)
+        of_table = jnp.exp(_polynomial(self.force_error, self._position(knudsen)[0]))
+        return jnp.hypot(of_table, COLLISION_ERROR * (1.0 - force_ratio))
+
+    def relative_heat_error(self, knudsen: Numeric) -> Array:
+        """Relative standard error of the heat loss; as :meth:`relative_force_error`."""
+        of_table = jnp.exp(_polynomial(self.heat_error, self._position(knudsen)[0]))
+        return jnp.hypot(of_table, HEAT_EQUATION_ERROR)
 
     def wall_factors(self, knudsen: Numeric, distance: Numeric) -> tuple[Array, Array]:
         """Force and heat between walls over those in open space [1].

@@ -136,7 +136,8 @@ def node_directions(radius, height, layer, gauss_height, gauss_azimuth, directio
     Parameters
     ----------
     radius, height : float
-        Of the point [disk radii]; height 0 means on the face, which sees upward directions only.
+        Of the point [disk radii]. At height 0 it is on the face, which sees upward directions
+        only, or beside the disk.
     layer : float
         Smallest height of direction that needs a panel of its own near the horizon.
     gauss_height, gauss_azimuth : array, shape (2, n)
@@ -159,8 +160,13 @@ def node_directions(radius, height, layer, gauss_height, gauss_azimuth, directio
     ends, scales = np.empty(2), np.empty(2)
     if height == 0.0:
         ends[0], ends[1], scales[0], scales[1] = 0.0, 1.0, layer, 1.0
-        return _push_interval(
+        count = _push_interval(
             directions, 0, 1.0, ends, scales, ring, ring_count, gauss_height, gauss_azimuth
+        )
+        if radius <= 1.0:
+            return count
+        return _push_interval(
+            directions, count, -1.0, ends, scales, ring, ring_count, gauss_height, gauss_azimuth
         )
     near, far = abs(1.0 - radius), 1.0 + radius
     low, high = height / np.hypot(height, far), height / np.hypot(height, near)

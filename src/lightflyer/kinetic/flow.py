@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from lightflyer.kinetic.operators import kernel_arguments
-from lightflyer.kinetic.rays import interpolate, spheroidal
+from lightflyer.kinetic.rays import interpolate, nodes_in_eta, spheroidal
 from lightflyer.kinetic.solution import COARSE, Outcome
 
 _NAMES = (
@@ -22,8 +22,7 @@ _NAMES = (
 
 @njit(cache=True)
 def _sample(points, halves, mesh, values):
-    order = mesh[3].size
-    eta_size = (mesh[2].size - 1) * order
+    order, eta_size = mesh[3].shape[2], nodes_in_eta(mesh)
     xi_basis, eta_basis = np.empty(order), np.empty(order)
     for p in range(points.shape[0]):
         xi, eta = spheroidal(points[p, 0] ** 2, points[p, 1])
@@ -34,7 +33,7 @@ def _sample(points, halves, mesh, values):
             for b in range(order):
                 w = xi_basis[a] * eta_basis[b]
                 for f in range(values.shape[1]):
-                    values[p, f] += w * fields[(i * order + a) * eta_size + j * order + b, f]
+                    values[p, f] += w * fields[(i + a) * eta_size + j + b, f]
         values[p, 1] *= scale
         values[p, 4] *= scale
         if points[p, 1] < 0.0:  # the lower half is kept mirrored

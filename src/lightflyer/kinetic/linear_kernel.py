@@ -23,7 +23,9 @@ from lightflyer.kinetic.rays import (
     interpolate,
     lagrange,
     maxwellian_integrals,
+    nodes_in_eta,
     panel_of,
+    piece_integrals,
     spheroidal,
 )
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
@@ -110,7 +112,7 @@ def _scatter(target, weights, i, j, eta_size, xi_basis, eta_basis):
     for a in range(order):
         for b in range(order):
             w = xi_basis[a] * eta_basis[b]
-            cell = target[(i * order + a) * eta_size + j * order + b]
+            cell = target[(i + a) * eta_size + j + b]
             for k in range(weights.size):
                 cell[k] += w * weights[k]
 
@@ -141,7 +143,7 @@ def _value(values, i, j, eta_size, xi_basis, eta_basis):
     for a in range(order):
         for b in range(order):
             weight = xi_basis[a] * eta_basis[b]
-            value += weight * values[(i * order + a) * eta_size + j * order + b]
+            value += weight * values[(i + a) * eta_size + j + b]
     return value
 
 
@@ -150,8 +152,8 @@ def _locate(point, direction, start, width, state, setup, mesh, scratch):
     """Find where the points of one piece of a ray lie and how often molecules collide there."""
     rarefaction, exponent, excess, _, linear = state
     gauss_ray = setup[3]
-    xi_basis, eta_basis, panels, radial, temperatures, frequencies = scratch
-    eta_size = (mesh[2].size - 1) * mesh[3].size
+    xi_basis, eta_basis, panels, radial, temperatures, frequencies, _, _ = scratch
+    eta_size = nodes_in_eta(mesh)
     for k in range(gauss_ray.shape[1]):
         s = start + width * gauss_ray[0, k]
         x, y = point[0] + s * direction[0], s * direction[1]
@@ -169,19 +171,15 @@ def _locate(point, direction, start, width, state, setup, mesh, scratch):
 def _add_piece(depth, width, below, seen, state, setup, mesh, scratch, target, out):
     """Add the points of one piece to a row; returns the optical depth at the piece's end."""
     on_face, row, straight, theta, weight = seen
-    linear = state[4]
-    gauss_ray, inside, table, scale = setup[3:]
-    xi_basis, eta_basis, panels, radial, temperatures, frequencies = scratch
-    j, source, weights, uniform = out
-    eta_size = (mesh[2].size - 1) * mesh[3].size
+    linear, gauss_ray = state[4], setup[3]
+    xi_basis, eta_basis, panels, radial, temperatures, frequencies, buffer, integrals = scratch
+    _, source, weights, uniform = out
+    eta_size = nodes_in_eta(mesh)
     flat = weights.ravel()
     source[1] = -straight[1] if below else straight[1]
-    end = depth
+    end = piece_integrals(depth, width, temperatures, frequencies, setup[3:], buffer, integrals)
     for k in range(gauss_ray.shape[1]):
-        reached = depth
-        for m in range(gauss_ray.shape[1]):
-            reached += width * inside[k, m] * frequencies[m]
-        maxwellian_integrals(reached, temperatures[k], table, scale, j)
+        j = integrals[k]
         source[0] = radial[k]
         w = weight * frequencies[k] * width * gauss_ray[1, k]
         _source_weights(j, 0, on_face, row, source, theta, temperatures[k], w, weights)
@@ -189,7 +187,6 @@ def _add_piece(depth, width, below, seen, state, setup, mesh, scratch, target, o
         if linear and not on_face:
             _source_weights(j, 0, on_face, row, straight, 1.0, 1.0, w, weights)
             uniform += weights
-        end += width * gauss_ray[1, k] * frequencies[k]
     return end
 
 
@@ -230,7 +227,7 @@ def _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, w
 def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
     """Fill one row: weights of the own half's fields, the other half's and after reflection."""
     layer, gauss_height, gauss_azimuth, gauss_ray, _, table, scale = setup
-    order, points = mesh[3].size, gauss_ray.shape[1]
+    order, points = mesh[3].shape[2], gauss_ray.shape[1]
     directions = np.empty((MOST_DIRECTIONS, 4))
     count = node_directions(point[0], point[1], layer, gauss_height, gauss_azimuth, directions)
     scratch = (
@@ -240,6 +237,8 @@ def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
         np.empty(points),
         np.empty(points),
         np.empty(points),
+        np.empty((4, NUMBER)),
+        np.empty((points, NUMBER)),
     )
     weights = np.empty((FIELDS, FLUXES if on_face else FIELDS))
     uniform = np.zeros_like(weights)
@@ -269,11 +268,10 @@ def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
 def _wall(j, seen, eta, mesh, eta_basis, walls):
     """Add what a face emits towards a node: σ by its nodes on the face, the rest uniform."""
     _, row, straight, theta, weight = seen
-    edges, nodes, inverse = mesh[2], mesh[3], mesh[4]
-    order = nodes.size
+    edges, order = mesh[2], eta_basis.size
     panel = panel_of(edges, eta)
     v = (eta - edges[panel]) / (edges[panel + 1] - edges[panel])
-    lagrange(nodes, inverse, v, eta_basis)
+    lagrange(mesh[4][panel], v, eta_basis)
     out = np.empty(FIELDS)
     for kind in range(EMISSIONS):
         w = weight * straight[1] if kind == 2 else weight
@@ -283,7 +281,7 @@ def _wall(j, seen, eta, mesh, eta_basis, walls):
         for m in range(FIELDS):
             if kind == 0:
                 for a in range(order):
-                    walls[panel * order + a, m] += eta_basis[a] * out[m]
+                    walls[panel * (order - 1) + a, m] += eta_basis[a] * out[m]
             else:
                 walls[walls.shape[0] - EMISSIONS + kind, m] += out[m]
 

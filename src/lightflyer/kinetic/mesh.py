@@ -3,9 +3,11 @@ r"""Mesh around the disk in oblate spheroidal coordinates.
 .. math:: r = \sqrt{(1+\xi^2)(1-\eta^2)}, \qquad z = \pm\xi\eta
 
 (lengths in disk radii) with the disk at ξ = 0, its edge at ξ = η = 0 and the axis at η = 1. Only
-the upper half, z > 0, is meshed; the lower half has the same nodes, mirrored. Panels in ξ and η
-carry tensor products of Gauss nodes, none of which lies on the face, the axis or the edge, where
-fields depend on the direction of approach.
+the upper half, z ≥ 0, is meshed; the lower half has the same nodes, mirrored. Panels in ξ and η
+carry tensor products of nodes. Neighbouring panels share the nodes on their common edge, and both
+halves have nodes in the plane of the disk outside it: where panels are wide in mean free paths,
+the equation at these nodes is what makes the fields go on smoothly from one panel to the next. No
+node lies on the face, where a field depends on the direction of approach, or at infinity.
 """
 
 from dataclasses import dataclass
@@ -30,6 +32,21 @@ def gauss(order: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss–Legendre nodes and weights on [0, 1]."""
     nodes, weights = np.polynomial.legendre.leggauss(order)
     return 0.5 * (nodes + 1.0), 0.5 * weights
+
+
+def panel_nodes(order: int, *, lower: bool, upper: bool) -> np.ndarray:
+    """Nodes on [0, 1] of Gauss, Radau or Lobatto: with neither, one or both ends among them."""
+    basis = np.polynomial.legendre.Legendre.basis
+    if lower and upper:
+        inner = basis(order - 1).deriv().roots()
+        nodes = np.concatenate([[-1.0], inner, [1.0]])
+    elif lower or upper:
+        nodes = (basis(order) + basis(order - 1)).roots()
+        nodes[0] = -1.0
+        nodes = nodes if lower else -nodes[::-1]
+    else:
+        nodes = basis(order).roots()
+    return 0.5 * (nodes + 1.0)
 
 
 @dataclass(frozen=True)
@@ -57,15 +74,44 @@ class Mesh:
     boundary: float
 
     @cached_property
+    def xi_nodes(self) -> np.ndarray:
+        """Nodes of each panel in ξ on [0, 1], shape (panels in ξ, order): neither end is a node."""
+        last = self.xi_kinds.size - 1
+        return np.array(
+            [panel_nodes(self.order, lower=i > 0, upper=i < last) for i in range(last + 1)]
+        )
+
+    @cached_property
+    def eta_nodes(self) -> np.ndarray:
+        """Those of each panel in η, shape (panels in η, order): η = 0 is a node, the axis not."""
+        last = self.eta_edges.size - 2
+        return np.array(
+            [panel_nodes(self.order, lower=True, upper=j < last) for j in range(last + 1)]
+        )
+
+    @cached_property
     def eta(self) -> np.ndarray:
         """Nodes in η, shape (e,)."""
-        widths = np.diff(self.eta_edges)
-        return (self.eta_edges[:-1, None] + widths[:, None] * gauss(self.order)[0]).ravel()
+        return self._joined(self.eta_edges[:-1, None] + self._eta_widths * self.eta_nodes)
+
+    @property
+    def _eta_widths(self) -> np.ndarray:
+        return np.diff(self.eta_edges)[:, None]
+
+    def _joined(self, by_panel: np.ndarray) -> np.ndarray:
+        """Values at all nodes from those of each panel: a shared node is taken once."""
+        return np.concatenate([by_panel[0], by_panel[1:, 1:].ravel()])
 
     @cached_property
     def face_weights(self) -> np.ndarray:
         """Weights at :attr:`eta` of the mean over a face, shape (e,)."""
-        weights = (np.diff(self.eta_edges)[:, None] * gauss(self.order)[1]).ravel()
+        weights = np.zeros(self.eta.size)
+        constant = np.eye(self.order)[0]
+        for panel, (nodes, width) in enumerate(zip(self.eta_nodes, self._eta_widths, strict=True)):
+            # exact for polynomials through the nodes: Legendre's but the constant integrate to 0
+            values = np.polynomial.legendre.legvander(2.0 * nodes - 1.0, self.order - 1)
+            first = panel * (self.order - 1)
+            weights[first : first + self.order] += width * np.linalg.solve(values.T, constant)
         return 2.0 * self.eta * weights
 
     @cached_property
@@ -76,11 +122,10 @@ class Mesh:
     @cached_property
     def xi(self) -> np.ndarray:
         """Node ξ, shape (x, e): it depends on η next to a cylinder only."""
-        unit = gauss(self.order)[0]
         rows = []
         for panel, kind in enumerate(self.xi_kinds):
             low, high = self.xi_edges[panel : panel + 2]
-            for v in unit:
+            for v in self.xi_nodes[panel, min(panel, 1) :]:
                 if kind == LINEAR:
                     row = np.full(self.eta.size, low + (high - low) * v)
                 elif kind == CYLINDER:

@@ -24,7 +24,9 @@ from lightflyer.kinetic.rays import (
     interpolate,
     lagrange,
     maxwellian_integrals,
+    nodes_in_eta,
     panel_of,
+    piece_integrals,
     spheroidal,
 )
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
@@ -87,7 +89,7 @@ def _interpolated(fields, xi, eta, mesh, xi_basis, eta_basis, eta_size, state):
     for f in range(fields.shape[1]):
         state[f] = 0.0
     for a in range(order):
-        first = (i * order + a) * eta_size + j * order
+        first = (i + a) * eta_size + j
         for b in range(order):
             w = xi_basis[a] * eta_basis[b]
             for f in range(fields.shape[1]):
@@ -99,15 +101,15 @@ def _interpolated(fields, xi, eta, mesh, xi_basis, eta_basis, eta_size, state):
 @njit(cache=True)
 def _ray(point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, gas, half, brought):
     """Fill what one ray brings: its deviation times the speed to the powers 2 to 5."""
-    gauss_ray, inside, table, scale = setup[3:]
+    gauss_ray, _, table, scale = setup[3:]
     own, other, sigma, tac, wall = half
-    order = mesh[3].size
-    eta_size = (mesh[2].size - 1) * order
+    order, eta_size = mesh[3].shape[2], nodes_in_eta(mesh)
     points = gauss_ray.shape[1]
     xi_basis, eta_basis = np.empty(order), np.empty(order)
-    states, frequency = np.zeros((points, 10)), np.empty(points)
-    radial, hot, cold = np.empty(points), np.empty(NUMBER), np.empty(NUMBER)
-    coefficients = np.zeros((2, 4))
+    state, frequencies = np.zeros(10), np.empty(points)
+    thetas, ones = np.empty(points), np.ones(points)
+    hot, cold, buffer = np.empty((points, NUMBER)), np.empty((points, NUMBER)), np.empty((4, NUMBER))
+    coefficients = np.zeros((points, 2, 4))
     radius, height = point[0], point[1]
     brought[:] = 0.0
     depth, share = 0.0, 1.0
@@ -120,31 +122,26 @@ def _ray(point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, ga
             x, y = radius + hit * direction[0], hit * direction[1]
             eta = np.sqrt(max(0.0, 1.0 - x * x - y * y))
             density = _on_face(sigma, eta, mesh, eta_basis)
-            _add_wall(brought, density, wall, tac, depth, table, scale, hot, cold)
+            _add_wall(brought, density, wall, tac, depth, table, scale, hot[0], cold[0])
             share = 1.0 - tac
             if share == 0.0:
                 return
         fields = other if below and not disk else own
+        vertical = direction[2] if below else -direction[2]
         for k in range(points):
             s = start + width * gauss_ray[0, k]
             x, y, z = radius + s * direction[0], s * direction[1], height + s * direction[2]
             xi, eta = spheroidal(x * x + y * y, z)
-            _interpolated(fields, xi, eta, mesh, xi_basis, eta_basis, eta_size, states[k])
-            radial[k] = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
-            temperature = max(LOWEST, 1.0 + states[k, 3])
-            frequency[k] = rarefaction * (1.0 + states[k, 0]) * temperature ** gas[3]
-        vertical = direction[2] if below else -direction[2]
+            _interpolated(fields, xi, eta, mesh, xi_basis, eta_basis, eta_size, state)
+            radial = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
+            temperature = max(LOWEST, 1.0 + state[3])
+            frequencies[k] = rarefaction * (1.0 + state[0]) * temperature ** gas[3]
+            thetas[k] = _local_source(state, gas, radial, vertical, coefficients[k])
+        piece_integrals(depth, width, thetas, frequencies, setup[3:], buffer, hot)
+        depth = piece_integrals(depth, width, ones, frequencies, setup[3:], buffer, cold)
         for k in range(points):
-            reached = depth
-            for m in range(points):
-                reached += width * inside[k, m] * frequency[m]
-            theta = _local_source(states[k], gas, radial[k], vertical, coefficients)
-            maxwellian_integrals(reached, theta, table, scale, hot)
-            maxwellian_integrals(reached, 1.0, table, scale, cold)
-            w = share * width * gauss_ray[1, k] * frequency[k]
-            _add_piece(brought, w, hot, cold, coefficients, gas[4])
-        for m in range(points):
-            depth += width * gauss_ray[1, m] * frequency[m]
+            w = share * width * gauss_ray[1, k] * frequencies[k]
+            _add_piece(brought, w, hot[k], cold[k], coefficients[k], gas[4])
         if depth > LARGEST_DEPTH:
             return
 
@@ -154,10 +151,10 @@ def _on_face(values, eta, mesh, eta_basis):
     edges = mesh[2]
     panel = panel_of(edges, eta)
     v = (eta - edges[panel]) / (edges[panel + 1] - edges[panel])
-    lagrange(mesh[3], mesh[4], v, eta_basis)
+    lagrange(mesh[4][panel], v, eta_basis)
     value = 0.0
     for a in range(eta_basis.size):
-        value += eta_basis[a] * values[panel * eta_basis.size + a]
+        value += eta_basis[a] * values[panel * (eta_basis.size - 1) + a]
     return value
 
 

@@ -32,17 +32,21 @@ def kernel_arguments(mesh: Mesh, rarefaction: float, quadrature: Quadrature) -> 
         table,
         scale,
     )
-    nodes = gauss(mesh.order)[0]
-    differences = nodes[:, None] - nodes + np.eye(nodes.size)
     panels = (
         mesh.xi_edges,
         mesh.xi_kinds,
         mesh.eta_edges,
-        nodes,
-        1.0 / np.prod(differences, axis=1),
+        _lagrange_bases(mesh.xi_nodes),
+        _lagrange_bases(mesh.eta_nodes),
         float(mesh.boundary),
     )
     return setup, panels
+
+
+def _lagrange_bases(nodes: np.ndarray) -> np.ndarray:
+    """Nodes and inverse denominators of Lagrange's polynomials, shape (panels, 2, order)."""
+    differences = nodes[:, :, None] - nodes[:, None, :] + np.eye(nodes.shape[1])
+    return np.stack([nodes, 1.0 / np.prod(differences, axis=2)], axis=1)
 
 
 def _partial_integrals(order: int) -> np.ndarray:

@@ -13,7 +13,7 @@ from lightflyer.kinetic.mesh import BEYOND, CYLINDER, DECAYING, INVERSE, LINEAR
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
 # optical depths at which a ray is cut, so that each piece is smooth enough for Gauss's rule
-DEPTH_CUTS = np.array([0.1, 0.5, 1.5, 3.3, 6.0, 10.0, 16.0, 25.0, 40.0])
+DEPTH_CUTS = np.array([0.1, 0.5, 1.5, 3.3, 6.0, 10.0, 16.0, 25.0, 40.0, 60.0])
 MOST_CUTS = 160
 REACH = 1.6
 """Longest ray over the length of the largest optical depth far away: hot gas is thinner."""
@@ -127,9 +127,9 @@ def cut_ray(radius, height, direction, length, optical_scale, xi_edges, eta_edge
         a, b = a_r * outer - a_z * inner, b_r * outer - b_z * inner
         count = _push_roots(cuts, count, a, b, c_r * outer - c_z * inner - 1.0, length)
     hit = np.inf
-    if wz < 0.0 and height > 0.0:
+    if wz < 0.0:
         hit = -height / wz
-        if hit < length:
+        if 0.0 < hit < length:
             cuts[count] = hit
             count += 1
     for depth in DEPTH_CUTS:
@@ -152,14 +152,20 @@ def panel_of(edges, value):
 
 
 @njit(cache=True)
-def lagrange(nodes, inverse, v, basis):
-    """Fill the Lagrange polynomials of nodes on [0, 1]; ``inverse`` holds their denominators."""
-    for i in range(nodes.size):
-        product = inverse[i]
-        for j in range(nodes.size):
+def lagrange(nodes, v, basis):
+    """Fill the Lagrange polynomials of nodes, nodes[0], on [0, 1]; nodes[1] scales them."""
+    for i in range(basis.size):
+        product = nodes[1, i]
+        for j in range(basis.size):
             if j != i:
-                product *= v - nodes[j]
+                product *= v - nodes[0, j]
         basis[i] = product
+
+
+@njit(cache=True)
+def nodes_in_eta(mesh):
+    """Number of nodes at one ξ: neighbouring panels share one."""
+    return mesh[4].shape[0] * (mesh[4].shape[2] - 1) + 1
 
 
 @njit(cache=True)
@@ -176,9 +182,10 @@ def interpolate(xi, eta, mesh, xi_basis, eta_basis):
 
     Returns
     -------
-    xi_panel, eta_panel : int
+    xi_first, eta_first : int
+        Number of its first node in ξ and η.
     """
-    xi_edges, xi_kinds, eta_edges, nodes, inverse, boundary = mesh
+    xi_edges, xi_kinds, eta_edges, xi_nodes, eta_nodes, boundary = mesh
     i, j = panel_of(xi_edges, xi), panel_of(eta_edges, eta)
     kind = xi_kinds[i]
     if kind == LINEAR:
@@ -197,12 +204,13 @@ def interpolate(xi, eta, mesh, xi_basis, eta_basis):
         v = (low - 1.0 / xi) / (low - 1.0 / xi_edges[i + 1])
     else:
         v = 1.0 - xi_edges[i] / xi
-    lagrange(nodes, inverse, v, xi_basis)
+    lagrange(xi_nodes[i], v, xi_basis)
     if kind == DECAYING:
-        for k in range(nodes.size):
-            xi_basis[k] *= (1.0 - v) / (1.0 - nodes[k])
-    lagrange(nodes, inverse, (eta - eta_edges[j]) / (eta_edges[j + 1] - eta_edges[j]), eta_basis)
-    return i, j
+        for k in range(xi_basis.size):
+            xi_basis[k] *= (1.0 - v) / (1.0 - xi_nodes[i, 0, k])
+    lagrange(eta_nodes[j], (eta - eta_edges[j]) / (eta_edges[j + 1] - eta_edges[j]), eta_basis)
+    shared = xi_basis.size - 1
+    return i * shared, j * shared
 
 
 @njit(cache=True)
@@ -229,3 +237,59 @@ def maxwellian_integrals(depth, temperature, table, scale, values):
     for p in range(NUMBER):
         values[p] *= factor
         factor *= root
+
+
+@njit(cache=True)
+def piece_integrals(depth, width, temperatures, frequencies, setup, buffer, values):
+    """Fill the speed integrals at the points of one piece of a ray.
+
+    They are scaled so that the piece of a uniform gas emits exactly what its optical depth says,
+    whatever the quadrature's error: see the note on conservation in the documentation.
+
+    Parameters
+    ----------
+    depth : float
+        Optical depth at which the piece starts.
+    width : float
+        Its length [disk radii].
+    temperatures, frequencies : array, shape (m,)
+        Of the Maxwellian, and of collisions, at its points.
+    setup : tuple
+        Quadrature along rays, its partial integrals, and the table.
+    buffer : array, shape (4, NUMBER)
+        Scratch.
+    values : array, shape (m, NUMBER)
+        Filled; the last power is not scaled.
+
+    Returns
+    -------
+    float
+        Optical depth at its end.
+    """
+    gauss_ray, inside, table, scale = setup
+    points = gauss_ray.shape[1]
+    middle = temperatures[points // 2]
+    at_start, at_end, here, sums = buffer
+    sums[:] = 0.0
+    end = depth
+    for k in range(points):
+        reached = depth
+        for m in range(points):
+            reached += width * inside[k, m] * frequencies[m]
+        share = width * gauss_ray[1, k] * frequencies[k]
+        end += share
+        maxwellian_integrals(reached, temperatures[k], table, scale, values[k])
+        if temperatures[k] == middle:
+            for p in range(NUMBER):
+                sums[p] += share * values[k, p]
+        else:
+            maxwellian_integrals(reached, middle, table, scale, here)
+            for p in range(NUMBER):
+                sums[p] += share * here[p]
+    maxwellian_integrals(depth, middle, table, scale, at_start)
+    maxwellian_integrals(end, middle, table, scale, at_end)
+    for p in range(NUMBER - 1):
+        missing = (at_start[p + 1] - at_end[p + 1] - sums[p]) / (end - depth)
+        for k in range(points):
+            values[k, p] += missing
+    return end

@@ -37,9 +37,9 @@ class Resolution:
         )
 
 
-FINE = Resolution(4, 1.4, Quadrature(4, 5, 4))
-MEDIUM = Resolution(4, 1.0, Quadrature(3, 4, 3))
-COARSE = Resolution(4, 0.7, Quadrature(3, 4, 3))
+FINE = Resolution(5, 1.4, Quadrature(4, 5, 4))
+MEDIUM = Resolution(5, 1.0, Quadrature(3, 4, 3))
+COARSE = Resolution(5, 0.7, Quadrature(3, 4, 3))
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.kinetic.gas_model import gas_model
-from lightflyer.kinetic.operators import Quadrature
 from lightflyer.kinetic.solution import (
     COARSE,
     FINE,
@@ -35,9 +34,7 @@ KNUDSEN = (0.03, 0.05, 0.08, 0.125, 0.2, 0.35, 0.6, 1.0, 2.0, 5.0, 10.0, 30.0)
 RATIOS = (1.0, 1.6, 2.5)
 TAC = (0.6, 0.8, 1.0)
 BOUNDARIES = (2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0)
-COARSEST = Resolution(3, 0.7, Quadrature(3, 4, 3))  # within 1e-4 of the finest in thin gas
-LOWEST_NONLINEAR = 0.05  # Knudsen number; below it the non-linear problem is not solved
-THIN = 0.3  # Knudsen number above which the medium mesh does
+THIN = 0.3  # Knudsen number above which a coarser mesh does
 CHECKED_TAC = 0.8  # of non-linear points solved on two meshes; others share their error
 BOUNDARY_TAC = 0.85
 TAC_DIFFERENCE = 0.1  # of the two faces: force and heat are odd and even in it
@@ -54,11 +51,26 @@ class Point:
     boundary: float = np.inf
 
 
-def measure(point: Point) -> dict[str, float]:
-    """Solve a point on two meshes: ratios to free-molecular values and their errors."""
-    found = [ratios(point, solve_case(case(point), level)) for level in levels(point)]
-    errors = {f"{name}_error": abs(found[0][name] - found[-1][name]) for name in found[0]}
-    return found[0] | (errors if len(found) == 2 else {})
+Kept = dict[Point, dict[str, float]]
+
+
+def measure(group: list[Point]) -> Kept:
+    """Solve points that differ in TAC alone: ratios to free-molecular values and their errors.
+
+    Each non-linear solution starts from the one before.
+    """
+    kept: Kept = {}
+    starts: dict[Resolution, np.ndarray] = {}
+    for point in sorted(group, key=lambda p: p.tac != CHECKED_TAC):
+        found = []
+        for level in levels(point):
+            outcome = solve_case(case(point), level, start=starts.get(level))
+            if point.ratio > 1.0:
+                starts[level] = outcome.fields
+            found.append(ratios(point, outcome))
+        errors = {f"{name}_error": abs(found[0][name] - found[-1][name]) for name in found[0]}
+        kept[point] = found[0] | (errors if len(found) == 2 else {})
+    return kept
 
 
 def levels(point: Point) -> tuple[Resolution, ...]:
@@ -68,8 +80,8 @@ def levels(point: Point) -> tuple[Resolution, ...]:
     if point.ratio == 1.0:
         return (MEDIUM, COARSE) if point.knudsen > THIN else (FINE, MEDIUM)
     if point.tac == CHECKED_TAC:
-        return (COARSE, COARSEST) if point.knudsen > THIN else (MEDIUM, COARSE)
-    return (COARSEST,) if point.knudsen > THIN else (MEDIUM,)
+        return (MEDIUM, COARSE)
+    return (COARSE,) if point.knudsen > THIN else (MEDIUM,)
 
 
 def case(point: Point) -> Case:
@@ -98,9 +110,6 @@ def ratios(point: Point, outcome: Outcome) -> dict[str, float]:
     }
 
 
-Kept = dict[Point, dict[str, float]]
-
-
 def read_kept() -> Kept:
     """The points solved so far."""
     found: Kept = {}
@@ -111,15 +120,27 @@ def read_kept() -> Kept:
     return found
 
 
-def keep(point: Point, result: dict[str, float]) -> None:
-    """Append a solved point; one line is written at once."""
-    place = {k: v for k, v in asdict(point).items() if v != np.inf}
+def keep(solved: Kept) -> None:
+    """Append solved points, a line each, at once."""
+    lines = []
+    for point, result in solved.items():
+        place = {k: v for k, v in asdict(point).items() if v != np.inf}
+        lines.append(json.dumps([place, {k: float(v) for k, v in result.items()}]) + "\n")
     with POINTS.open("a") as file:
-        file.write(json.dumps([place, {k: float(v) for k, v in result.items()}]) + "\n")
+        file.write("".join(lines))
+
+
+def groups(part: str, found: Kept) -> list[list[Point]]:
+    """Points of a part that are not there yet, by what they differ in."""
+    missing: dict[Point, list[Point]] = {}
+    for point in points(part):
+        if point not in found:
+            missing.setdefault(replace(point, tac=CHECKED_TAC), []).append(point)
+    return list(missing.values())
 
 
 def points(part: str) -> list[Point]:
-    """Points of a part: linear, boundary or nonlinear."""
+    """Points of a part, the longest to solve first: linear, boundary or nonlinear."""
     if part == "boundary":
         mean = BOUNDARY_TAC
         places = (*BOUNDARIES, np.inf)
@@ -131,14 +152,7 @@ def points(part: str) -> list[Point]:
             if d <= furthest_boundary(k) or d == np.inf
         ]
     chosen = [r for r in RATIOS if (r == 1.0) == (part == "linear")]
-    return [
-        Point(g, k, r, a)
-        for k in reversed(KNUDSEN)
-        for r in chosen
-        for g in GASES
-        for a in TAC
-        if r == 1.0 or k >= LOWEST_NONLINEAR
-    ]
+    return [Point(g, k, r, a) for k in KNUDSEN for r in chosen for g in GASES for a in TAC]
 
 
 TABLE_COLUMNS = (
@@ -152,9 +166,7 @@ TABLE_COMMENTS = """\
 # temperature_ratio: T_h/T_c, where 1 is the linear limit; tac: mean of both faces.
 # force_ratio: F/F_fm for a small difference of the faces' TAC; a face's heat over its own
 # free-molecular value is heat_ratio +- heat_ratio_slope/2 (alpha_top - alpha_bottom), + at the top.
-# Errors are absolute, from a second mesh. Non-linear rows below Kn 0.05, and of a diatomic gas at
-# T_h/T_c = 2.5 below 0.08, are extrapolated in ln Kn by their quotients to the linear limit; their
-# error is 2.5 times what that changes. Licence: MIT, as this package.
+# Errors are absolute, from a second mesh. Licence: MIT, as this package.
 """
 BOUNDARY_COLUMNS = "gas,knudsen,boundary,force_factor,heat_factor"
 BOUNDARY_COMMENTS = f"""\
@@ -164,10 +176,6 @@ BOUNDARY_COMMENTS = f"""\
 # Further out than is resolved, the excess over 1 is taken to fall as 1/boundary.
 # knudsen: mean free path over the disk's diameter. Licence: MIT, as this package.
 """
-
-
-# wide enough for the solutions on meshes too coarse to be trusted, which exist at Kn 0.05
-_EXTRAPOLATION_ERROR = 2.5
 
 
 def with_error(point: Point, found: Kept) -> dict[str, float] | None:
@@ -181,37 +189,13 @@ def with_error(point: Point, found: Kept) -> dict[str, float] | None:
     return result | {name: value for name, value in checked.items() if name.endswith("error")}
 
 
-def extrapolated(point: Point, found: Kept) -> dict[str, float] | None:
-    """A point below the solved Knudsen numbers: its quotients to the linear problem, in ln Kn.
-
-    They are extrapolated from the two smallest that are solved; the error is a multiple of how much
-    that changes them from the smallest.
-    """
-    solved = []
-    for knudsen in KNUDSEN:
-        near = replace(point, knudsen=knudsen)
-        hot, linear = with_error(near, found), found.get(replace(near, ratio=1.0))
-        if hot is not None and linear is not None:
-            solved.append((np.log(knudsen), hot, linear))
-    here = found.get(replace(point, ratio=1.0))
-    if len(solved) < 2 or here is None or np.log(point.knudsen) > solved[0][0]:
-        return None
-    result = {}
-    for name in ("force_ratio", "heat_ratio", "heat_ratio_slope"):
-        (x_1, y_1), (x_2, y_2) = ((x, hot[name] / linear[name]) for x, hot, linear in solved[:2])
-        change = (y_2 - y_1) / (x_2 - x_1) * (np.log(point.knudsen) - x_1)
-        result[name] = here[name] * (y_1 + change)
-        result[f"{name}_error"] = _EXTRAPOLATION_ERROR * abs(here[name] * change)
-    return result
-
-
 def write_table(found: Kept) -> None:
     """Write the table of force and heat, with every ratio and gas that is complete."""
     rows = []
     for gas in GASES:
         for ratio in RATIOS:
             grid = [Point(gas, knudsen, ratio, tac) for knudsen in KNUDSEN for tac in TAC]
-            results = [with_error(p, found) or extrapolated(p, found) for p in grid]
+            results = [with_error(point, found) for point in grid]
             if any(result is None for result in results):
                 print(f"{gas} at ratio {ratio:g} is incomplete and left out")
                 continue
@@ -270,16 +254,15 @@ def main() -> None:
     arguments = parser.parse_args()
     parts = [arguments.only] if arguments.only else ["linear", "boundary", "nonlinear"]
     found = read_kept()
-    chosen = [point for part in parts if part != "tables" for point in points(part)]
-    todo = [point for point in chosen if point not in found]
+    todo = [group for part in parts if part != "tables" for group in groups(part, found)]
     with ProcessPoolExecutor(arguments.processes) as pool:
-        waiting = {pool.submit(measure, point): point for point in todo}
+        waiting = {pool.submit(measure, group): group for group in todo}
         for number, future in enumerate(as_completed(waiting), 1):
-            point, failure = waiting[future], future.exception()
+            group, failure = waiting[future], future.exception()
             if failure is None:
-                keep(point, future.result())
+                keep(future.result())
             word = "done" if failure is None else f"failed: {failure}"
-            print(f"{number}/{len(todo)} {point} {word}", flush=True)
+            print(f"{number}/{len(todo)} {group[0]} {word}", flush=True)
     found = read_kept()
     write_table(found)
     write_boundaries(found)

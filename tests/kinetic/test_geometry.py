@@ -1,11 +1,24 @@
 """Mesh, directions and rays: what they integrate is known exactly."""
 
+import os
+
 import numpy as np
 import pytest
 
+from lightflyer.kinetic import _kernels
 from lightflyer.kinetic.directions import node_directions
-from lightflyer.kinetic.mesh import build_mesh, gauss
-from lightflyer.kinetic.rays import MOST_CUTS, cut_ray, exit_length, spheroidal
+from lightflyer.kinetic.mesh import build_mesh, gauss, panel_nodes
+from lightflyer.kinetic.operators import Quadrature, kernel_arguments
+from lightflyer.kinetic.rays import (
+    MOST_CUTS,
+    cut_ray,
+    exit_length,
+    interpolate,
+    nodes_in_eta,
+    piece_integrals,
+    spheroidal,
+)
+from lightflyer.kinetic.speed_integrals import NUMBER, speed_integral
 
 
 @pytest.mark.parametrize("boundary", [np.inf, 4.0, 1.5])
@@ -23,9 +36,71 @@ def test_nodes_lie_where_their_coordinates_say(boundary):
     assert np.all(mesh.height < boundary)
     assert mesh.face_weights.sum() == pytest.approx(1.0)
     assert mesh.face_weights @ mesh.face_radius**2 == pytest.approx(0.5)
+    # nodes on common edges are there once, and those in the disk's plane lie outside it
+    assert np.all(np.diff(mesh.eta) > 0.0)
+    assert np.all(np.diff(mesh.xi, axis=0) > 0.0)
+    assert mesh.eta[0] == 0.0
+    assert np.all(mesh.xi > 0.0)
 
 
-@pytest.mark.parametrize("point", [(0.5, 0.1), (0.9, 0.3), (1.2, 0.3), (3.0, 0.5), (40.0, 70.0)])
+def test_nodes_of_a_panel_are_those_of_the_tables():
+    """Gauss, Radau and Lobatto, Abramowitz and Stegun 25.4 [AbramowitzStegun1964]_."""
+    assert panel_nodes(2, lower=False, upper=False) == pytest.approx(0.5 - np.array([1, -1]) / 12**0.5)
+    assert panel_nodes(3, lower=True, upper=True) == pytest.approx([0.0, 0.5, 1.0])
+    radau = 0.5 + 0.5 * np.array([-1.0, -0.289898, 0.689898])
+    assert panel_nodes(3, lower=True, upper=False) == pytest.approx(radau, abs=1e-6)
+    assert panel_nodes(3, lower=False, upper=True) == pytest.approx(1.0 - radau[::-1], abs=1e-6)
+
+
+@pytest.mark.parametrize("boundary", [np.inf, 4.0])
+def test_fields_go_on_across_the_edges_of_panels(boundary):
+    mesh = build_mesh(3.0, boundary=boundary)
+    panels = kernel_arguments(mesh, 3.0, Quadrature())[1]
+    values = np.random.default_rng(3).normal(size=mesh.size)
+    xi_basis, eta_basis = np.empty((2, mesh.order))
+
+    def value(xi, eta):
+        i, j = interpolate(xi, eta, panels, xi_basis, eta_basis)
+        block = values.reshape(-1, nodes_in_eta(panels))[i : i + mesh.order, j : j + mesh.order]
+        return xi_basis @ block @ eta_basis
+
+    for edge in mesh.xi_edges[1:-1]:
+        if edge < boundary:
+            assert value(edge - 1e-9, 0.3) == pytest.approx(value(edge + 1e-9, 0.3), abs=1e-5)
+    for edge in mesh.eta_edges[1:-1]:
+        assert value(0.3, edge - 1e-9) == pytest.approx(value(0.3, edge + 1e-9), abs=1e-5)
+
+
+@pytest.mark.parametrize(("depth", "width"), [(0.0, 0.02), (0.7, 1.1), (12.0, 9.0)])
+def test_a_piece_of_a_uniform_gas_emits_what_its_optical_depth_says(depth, width):
+    """d/dτ θ^(p/2−1/2) J_{p+1}(τ/√θ) = −θ^(p/2−1) J_p: exact with any rule along the ray."""
+    setup = kernel_arguments(build_mesh(1.0), 1.0, Quadrature(ray=2))[0][3:]
+    frequencies, theta = np.array([1.3, 0.8]), 1.7
+    values = np.empty((2, NUMBER))
+    end = piece_integrals(
+        depth, width, np.full(2, theta), frequencies, setup, np.empty((4, NUMBER)), values
+    )
+    shares = width * setup[0][1] * frequencies
+    assert end == pytest.approx(depth + shares.sum())
+    for p in range(1, NUMBER):
+        at_start, at_end = (
+            theta ** (0.5 * (p - 1)) * speed_integral(p + 1, np.array(z / theta**0.5))
+            for z in (depth, end)
+        )
+        assert shares @ values[:, p - 1] == pytest.approx(at_start - at_end, abs=1e-9)
+
+
+def test_kernels_are_compiled_again_after_any_change(tmp_path):
+    cache = tmp_path / "__pycache__"
+    cache.mkdir()
+    for name, date in (("a.py", 50), ("b.py", 100), ("__pycache__/a.nbi", 90), ("__pycache__/b.nbi", 110)):
+        (tmp_path / name).write_text("")
+        os.utime(tmp_path / name, (date, date))
+    _kernels.forget_stale_kernels(tmp_path)
+    assert [file.name for file in cache.iterdir()] == ["b.nbi"]
+
+
+@pytest.mark.parametrize("point", [(0.5, 0.1), (0.9, 0.3), (1.2, 0.3), (3.0, 0.5), (40.0, 70.0), (1.3, 0.0), (9.0, 0.0)])
 def test_directions_cover_the_sphere_and_find_the_disk(point):
     radius, height = point
     found = np.empty((40000, 4))

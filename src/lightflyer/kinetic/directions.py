@@ -7,14 +7,15 @@ exactly on it, and grow from it, so that the disk seen from afar is resolved as 
 """
 
 import numpy as np
-from numba import njit
+
+from lightflyer.kinetic._kernels import kernel
 
 _GROWTH = 3.0  # of panel widths away from a cone
 _MOST_EDGES = 64
 _QUARTER_TURN = 0.5 * np.pi
 
 
-@njit(cache=True)
+@kernel
 def graded_edges(low, high, at_low, at_high, edges):
     """Edges of panels between two ends that grow from the widths wanted at each end."""
     left, right = low, high
@@ -39,7 +40,7 @@ def graded_edges(low, high, at_low, at_high, edges):
     return count
 
 
-@njit(cache=True)
+@kernel
 def _push(directions, count, height, azimuth, weight):
     horizontal = np.sqrt(max(0.0, (1.0 - height) * (1.0 + height)))
     directions[count, 0] = horizontal * np.cos(azimuth)
@@ -49,7 +50,7 @@ def _push(directions, count, height, azimuth, weight):
     return count + 1
 
 
-@njit(cache=True)
+@kernel
 def _push_ring(directions, count, height, weight, edges, edge_count, nodes, weights):
     for panel in range(edge_count - 1):
         low, width = edges[panel], edges[panel + 1] - edges[panel]
@@ -60,7 +61,7 @@ def _push_ring(directions, count, height, weight, edges, edge_count, nodes, weig
     return count
 
 
-@njit(cache=True)
+@kernel
 def _push_interval(
     directions, count, sign, ends, scales, ring, ring_count, gauss_height, gauss_azimuth
 ):
@@ -86,7 +87,7 @@ def _push_interval(
     return count
 
 
-@njit(cache=True)
+@kernel
 def _ring_edges(end, at_end, edges):
     """Panels in azimuth from 0, graded towards the end, none wider than a quarter turn."""
     if end <= _QUARTER_TURN:
@@ -96,7 +97,7 @@ def _ring_edges(end, at_end, edges):
     return count + 1
 
 
-@njit(cache=True)
+@kernel
 def _push_cone(directions, count, point, near, far, gauss_height, gauss_azimuth):
     """Heights at which part of the ring hits the disk: the ring is split where it does."""
     radius, height = point
@@ -129,7 +130,7 @@ def _push_cone(directions, count, point, near, far, gauss_height, gauss_azimuth)
     return count
 
 
-@njit(cache=True)
+@kernel
 def node_directions(radius, height, layer, gauss_height, gauss_azimuth, directions):
     """Fill the directions for a point above the disk's plane; the azimuth covers half a turn.
 

@@ -3,8 +3,8 @@
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from lightflyer.kinetic._kernels import kernel
 from lightflyer.kinetic.operators import kernel_arguments
 from lightflyer.kinetic.rays import interpolate, nodes_in_eta, spheroidal
 from lightflyer.kinetic.solution import COARSE, Outcome
@@ -20,7 +20,7 @@ _NAMES = (
 )
 
 
-@njit(cache=True)
+@kernel
 def _sample(points, halves, mesh, values):
     order, eta_size = mesh[3].shape[2], nodes_in_eta(mesh)
     xi_basis, eta_basis = np.empty(order), np.empty(order)

@@ -11,8 +11,9 @@ radial ones divided by √(1−η²).
 """
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
+from lightflyer.kinetic._kernels import kernel, parallel_kernel
 from lightflyer.kinetic.directions import node_directions
 from lightflyer.kinetic.rays import (
     MOST_CUTS,
@@ -44,7 +45,7 @@ MOST_DIRECTIONS = 40000
 _EXACT = np.array([1.0, 0.5, 0.5, 1.0, 1.25, 1.25])
 
 
-@njit(cache=True)
+@kernel
 def _shape(j, first, kind, inverse):
     """Speed integral of the source of one field, per unit; ``first`` indexes J, 1/θ is given."""
     if kind == 0:
@@ -56,7 +57,7 @@ def _shape(j, first, kind, inverse):
     return (j[first + 3] * inverse - 2.5 * j[first + 1]) * inverse * inverse
 
 
-@njit(cache=True)
+@kernel
 def _emitted(j, first, kind):
     """Speed integral of an emission 1, c²−2 or c."""
     if kind == 0:
@@ -66,7 +67,7 @@ def _emitted(j, first, kind):
     return j[first + 1]
 
 
-@njit(cache=True)
+@kernel
 def _moments(power_0, power_1, power_2, power_3, row, theta, weight, out):
     """Six fields at a node of temperature θ from integrals with 0 to 3 more powers of the speed."""
     pressure = weight * (2.0 / 3.0) * power_2
@@ -79,7 +80,7 @@ def _moments(power_0, power_1, power_2, power_3, row, theta, weight, out):
     out[5] = flux * row[1]
 
 
-@njit(cache=True)
+@kernel
 def _fluxes(power_1, power_2, power_3, normal, weight, out):
     """Number, momentum and energy that arrive at a face, from 1 to 3 more powers of the speed."""
     out[0] = weight * normal * power_1
@@ -87,7 +88,7 @@ def _fluxes(power_1, power_2, power_3, normal, weight, out):
     out[2] = weight * normal * power_3
 
 
-@njit(cache=True)
+@kernel
 def _source_weights(j, first, on_face, row, source, theta, source_theta, weight, out):
     """Weights of the fields at one ray point in each moment (or flux) of the row."""
     inverse = 1.0 / source_theta
@@ -106,7 +107,7 @@ def _source_weights(j, first, on_face, row, source, theta, source_theta, weight,
                 _moments(power_0, power_1, power_2, power_3, row, theta, w, out[field + component])
 
 
-@njit(cache=True)
+@kernel
 def _scatter(target, weights, i, j, eta_size, xi_basis, eta_basis):
     order = xi_basis.size
     for a in range(order):
@@ -117,7 +118,7 @@ def _scatter(target, weights, i, j, eta_size, xi_basis, eta_basis):
                 cell[k] += w * weights[k]
 
 
-@njit(cache=True)
+@kernel
 def _conserve(uniform, radial_scale, cell, correction):
     """Correct the node's own weights so that uniform fields are reproduced exactly.
 
@@ -135,7 +136,7 @@ def _conserve(uniform, radial_scale, cell, correction):
             correction[field, moment] = missing
 
 
-@njit(cache=True)
+@kernel
 def _value(values, i, j, eta_size, xi_basis, eta_basis):
     """A field at a point, by its Lagrange bases."""
     order = xi_basis.size
@@ -147,7 +148,7 @@ def _value(values, i, j, eta_size, xi_basis, eta_basis):
     return value
 
 
-@njit(cache=True)
+@kernel
 def _locate(point, direction, start, width, state, setup, mesh, scratch):
     """Find where the points of one piece of a ray lie and how often molecules collide there."""
     rarefaction, exponent, excess, _, linear = state
@@ -167,7 +168,7 @@ def _locate(point, direction, start, width, state, setup, mesh, scratch):
         frequencies[k] = rarefaction * temperatures[k] ** exponent
 
 
-@njit(cache=True)
+@kernel
 def _add_piece(depth, width, below, seen, state, setup, mesh, scratch, target, out):
     """Add the points of one piece to a row; returns the optical depth at the piece's end."""
     on_face, row, straight, theta, weight = seen
@@ -190,7 +191,7 @@ def _add_piece(depth, width, below, seen, state, setup, mesh, scratch, target, o
     return end
 
 
-@njit(cache=True)
+@kernel
 def _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, walls):
     """Add one ray to a row; returns the optical depth at its end."""
     table, scale = setup[5:]
@@ -223,7 +224,7 @@ def _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, w
     return depth
 
 
-@njit(cache=True)
+@kernel
 def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
     """Fill one row: weights of the own half's fields, the other half's and after reflection."""
     layer, gauss_height, gauss_azimuth, gauss_ray, _, table, scale = setup
@@ -264,7 +265,7 @@ def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
         _conserve(uniform, point[2], rows[0][i], correction)
 
 
-@njit(cache=True)
+@kernel
 def _wall(j, seen, eta, mesh, eta_basis, walls):
     """Add what a face emits towards a node: σ by its nodes on the face, the rest uniform."""
     _, row, straight, theta, weight = seen
@@ -286,7 +287,7 @@ def _wall(j, seen, eta, mesh, eta_basis, walls):
                 walls[walls.shape[0] - EMISSIONS + kind, m] += out[m]
 
 
-@njit(cache=True, parallel=True)
+@parallel_kernel
 def assemble_nodes(points, state, setup, mesh, own, other, reflected, walls, corrections):
     """Rows of all nodes.
 
@@ -311,7 +312,7 @@ def assemble_nodes(points, state, setup, mesh, own, other, reflected, walls, cor
         _row(i, points[i], False, state, setup, mesh, rows, walls[i], corrections[i])
 
 
-@njit(cache=True, parallel=True)
+@parallel_kernel
 def assemble_face(points, state, setup, mesh, rows):
     """Fluxes that arrive at the nodes of a face, shape (e, n, 18): 3 × field + flux."""
     for i in prange(points.shape[0]):

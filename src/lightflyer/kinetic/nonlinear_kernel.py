@@ -11,8 +11,9 @@ Speeds are in √(2RT_c), temperatures in T_c, densities in n_c.
 """
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
+from lightflyer.kinetic._kernels import kernel, parallel_kernel
 from lightflyer.kinetic.directions import node_directions
 from lightflyer.kinetic.linear_kernel import MOST_DIRECTIONS, NORMALISATION
 from lightflyer.kinetic.rays import (
@@ -35,7 +36,7 @@ _POWERS = 4  # of the speed, 2 to 5, in what a ray brings; two more for rotation
 LOWEST = 0.1  # temperature that an iterate may take between nodes; solutions stay above 1
 
 
-@njit(cache=True)
+@kernel
 def _local_source(state, gas, radial, vertical, coefficients):
     """Polynomials in the speed of the model distribution along a direction.
 
@@ -66,7 +67,7 @@ def _local_source(state, gas, radial, vertical, coefficients):
     return theta
 
 
-@njit(cache=True)
+@kernel
 def _add_piece(brought, weight, hot, cold, coefficients, rotates):
     """Add what one ray point brings, with four powers of the speed (two of rotation)."""
     a, b = coefficients[0], coefficients[1]
@@ -81,7 +82,7 @@ def _add_piece(brought, weight, hot, cold, coefficients, rotates):
             )
 
 
-@njit(cache=True)
+@kernel
 def _interpolated(fields, xi, eta, mesh, xi_basis, eta_basis, eta_size, state):
     """Fields at a point; the last entry is u² without the radial scale's help."""
     order = xi_basis.size
@@ -98,7 +99,7 @@ def _interpolated(fields, xi, eta, mesh, xi_basis, eta_basis, eta_size, state):
     state[9] = state[1] * state[1] * scale + state[2] * state[2]
 
 
-@njit(cache=True)
+@kernel
 def _ray(point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, gas, half, brought):
     """Fill what one ray brings: its deviation times the speed to the powers 2 to 5."""
     gauss_ray, _, table, scale = setup[3:]
@@ -108,7 +109,8 @@ def _ray(point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, ga
     xi_basis, eta_basis = np.empty(order), np.empty(order)
     state, frequencies = np.zeros(10), np.empty(points)
     thetas, ones = np.empty(points), np.ones(points)
-    hot, cold, buffer = np.empty((points, NUMBER)), np.empty((points, NUMBER)), np.empty((4, NUMBER))
+    hot, cold = np.empty((points, NUMBER)), np.empty((points, NUMBER))
+    buffer = np.empty((4, NUMBER))
     coefficients = np.zeros((points, 2, 4))
     radius, height = point[0], point[1]
     brought[:] = 0.0
@@ -146,7 +148,7 @@ def _ray(point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, ga
             return
 
 
-@njit(cache=True)
+@kernel
 def _on_face(values, eta, mesh, eta_basis):
     edges = mesh[2]
     panel = panel_of(edges, eta)
@@ -158,7 +160,7 @@ def _on_face(values, eta, mesh, eta_basis):
     return value
 
 
-@njit(cache=True)
+@kernel
 def _add_wall(brought, density, temperature, tac, depth, table, scale, hot, cold):
     """Add what a face emits diffusely, less what the gas at rest would."""
     maxwellian_integrals(depth, temperature, table, scale, hot)
@@ -169,7 +171,7 @@ def _add_wall(brought, density, temperature, tac, depth, table, scale, hot, cold
         brought[_POWERS + k] += tac * (density * temperature * hot[k + 1] - cold[k + 1])
 
 
-@njit(cache=True)
+@kernel
 def _collect(point, on_face, rarefaction, setup, mesh, gas, half, out):
     """Raw moments at a node, or fluxes at a face, summed over all directions."""
     layer, gauss_height, gauss_azimuth = setup[:3]
@@ -215,7 +217,7 @@ def _collect(point, on_face, rarefaction, setup, mesh, gas, half, out):
         out[11] += w * z * z * brought[2]
 
 
-@njit(cache=True)
+@kernel
 def _central(raw, radial_scale, rotates, fields):
     """Fields from raw moments: central in the mean velocity."""
     density = 1.0 + raw[0]
@@ -237,7 +239,7 @@ def _central(raw, radial_scale, rotates, fields):
         fields[8] = raw[8] - (1.0 + raw[6]) * w
 
 
-@njit(cache=True, parallel=True)
+@parallel_kernel
 def evaluate_nodes(points, rarefaction, setup, mesh, gas, half, fields):
     """Fields at the nodes of one half that the given fields bring about.
 
@@ -262,7 +264,7 @@ def evaluate_nodes(points, rarefaction, setup, mesh, gas, half, fields):
         _central(raw, points[i, 2], gas[4], fields[i])
 
 
-@njit(cache=True, parallel=True)
+@parallel_kernel
 def evaluate_face(points, rarefaction, setup, mesh, gas, half, fluxes):
     """Fluxes that arrive at a face, less those of the gas at rest.
 

@@ -7,8 +7,8 @@ disk has reflected.
 """
 
 import numpy as np
-from numba import njit
 
+from lightflyer.kinetic._kernels import kernel
 from lightflyer.kinetic.mesh import BEYOND, CYLINDER, DECAYING, INVERSE, LINEAR
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
@@ -24,7 +24,7 @@ SHORTEST = 1e-13
 _SHORTENED = 0.999999  # keeps the largest depth inside the table
 
 
-@njit(cache=True)
+@kernel
 def spheroidal(radius_squared, height):
     """ξ and η of a point, without cancellation."""
     half = 0.5 * (radius_squared + height * height - 1.0)
@@ -38,7 +38,7 @@ def spheroidal(radius_squared, height):
     return abs(height) / eta, min(1.0, eta)
 
 
-@njit(cache=True)
+@kernel
 def _push_roots(cuts, count, a, b, c, length):
     """Append the roots of a s² + 2 b s + c between 0 and the ray's length."""
     if abs(a) < 1e-14 * (abs(b) + abs(c)):
@@ -64,7 +64,7 @@ def _push_roots(cuts, count, a, b, c, length):
     return count
 
 
-@njit(cache=True)
+@kernel
 def exit_length(radius, height, direction, boundary):
     """Length of a ray up to the cylinder r ≤ D, |z| ≤ D."""
     if not np.isfinite(boundary):
@@ -82,7 +82,7 @@ def exit_length(radius, height, direction, boundary):
     return max(length, 0.0)
 
 
-@njit(cache=True)
+@kernel
 def cut_ray(radius, height, direction, length, optical_scale, xi_edges, eta_edges, cuts):
     """Cut a ray at every panel edge it crosses, at z = 0 and at given optical depths.
 
@@ -142,7 +142,7 @@ def cut_ray(radius, height, direction, length, optical_scale, xi_edges, eta_edge
     return count, hit
 
 
-@njit(cache=True)
+@kernel
 def panel_of(edges, value):
     """Panel in which a value lies."""
     panel = 0
@@ -151,7 +151,7 @@ def panel_of(edges, value):
     return panel
 
 
-@njit(cache=True)
+@kernel
 def lagrange(nodes, v, basis):
     """Fill the Lagrange polynomials of nodes, nodes[0], on [0, 1]; nodes[1] scales them."""
     for i in range(basis.size):
@@ -162,13 +162,13 @@ def lagrange(nodes, v, basis):
         basis[i] = product
 
 
-@njit(cache=True)
+@kernel
 def nodes_in_eta(mesh):
     """Number of nodes at one ξ: neighbouring panels share one."""
     return mesh[4].shape[0] * (mesh[4].shape[2] - 1) + 1
 
 
-@njit(cache=True)
+@kernel
 def interpolate(xi, eta, mesh, xi_basis, eta_basis):
     """Lagrange bases of the panel in which a point lies.
 
@@ -213,7 +213,7 @@ def interpolate(xi, eta, mesh, xi_basis, eta_basis):
     return i * shared, j * shared
 
 
-@njit(cache=True)
+@kernel
 def speed_integrals(depth, table, scale, values):
     """Fill J₁ to J₈ at an optical depth below the largest of the table."""
     position = np.sqrt(depth) * scale
@@ -224,7 +224,7 @@ def speed_integrals(depth, table, scale, values):
         values[p] = ((row[0, p] * t + row[1, p]) * t + row[2, p]) * t + row[3, p]
 
 
-@njit(cache=True)
+@kernel
 def maxwellian_integrals(depth, temperature, table, scale, values):
     """Fill θ^((p−2)/2) J_p(depth/√θ): speed integrals of a Maxwellian of temperature θ."""
     root = np.sqrt(temperature)
@@ -239,7 +239,7 @@ def maxwellian_integrals(depth, temperature, table, scale, values):
         factor *= root
 
 
-@njit(cache=True)
+@kernel
 def piece_integrals(depth, width, temperatures, frequencies, setup, buffer, values):
     """Fill the speed integrals at the points of one piece of a ray.
 

@@ -17,9 +17,6 @@ if TYPE_CHECKING:
 KNUDSEN_RANGE = (0.03, 100.0)
 """Knudsen numbers λ(T_c)/(2r) that the meshes are made for."""
 
-LOWEST_NONLINEAR_KNUDSEN = 0.05
-"""Below it the non-linear problem does not converge reliably: far away it is too stiff."""
-
 HIGHEST_TEMPERATURE_RATIO = 2.5
 """T_h/T_c up to which the non-linear solver is tested."""
 
@@ -137,8 +134,7 @@ def solve(
     Parameters
     ----------
     knudsen : float
-        λ(T_c)/(2r) with λ = (μ/p) √(πRT/2), from 0.03 to 100; from 0.05 with a
-        ``temperature_ratio``.
+        λ(T_c)/(2r) with λ = (μ/p) √(πRT/2), from 0.03 to 100.
     tac_top, tac_bottom : float
         Accommodation coefficient of each face, above 0 and up to 1.
     top_temperature, bottom_temperature : float
@@ -233,8 +229,6 @@ def _case(
         top, bottom = np.broadcast_to(temperature_ratio, 2)
         temperature = float(top), float(bottom)
         require_range("temperature_ratio", temperature, 1.0, HIGHEST_TEMPERATURE_RATIO)
-        lowest = LOWEST_NONLINEAR_KNUDSEN
-        require_range("knudsen with a temperature_ratio", knudsen, lowest, KNUDSEN_RANGE[1])
     if all(value == (0.0 if linear else 1.0) for value in temperature):
         raise ParameterError("both faces are as cold as the gas: there is no force and no heat")
     try:

@@ -1,0 +1,32 @@
+"""How kernels are compiled: once, and again after any file of this package has changed.
+
+numba keeps what it compiled until the file of the compiled function changes, although functions
+of other files are compiled into it.
+"""
+
+from pathlib import Path
+from typing import Any
+
+from numba import njit
+
+_FOLDER = Path(__file__).parent
+
+
+def forget_stale_kernels(folder: Path = _FOLDER) -> None:
+    """Remove what was compiled before a source file of a folder was last changed."""
+    changed = max((file.stat().st_mtime for file in folder.glob("*.py")), default=0.0)
+    for index in (folder / "__pycache__").glob("*.nbi"):
+        try:
+            if index.stat().st_mtime < changed:
+                index.unlink(missing_ok=True)
+        except OSError:  # of another user, or just removed by another process
+            continue
+
+
+forget_stale_kernels()
+
+kernel: Any = njit(cache=True)
+"""Compile a function, and keep it compiled."""
+
+parallel_kernel: Any = njit(cache=True, parallel=True)
+"""The same with the iterations of ``prange`` shared among cores."""

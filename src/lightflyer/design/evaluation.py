@@ -26,6 +26,15 @@ PIECE_OVER_ALTITUDE = 128
 MOST_FILMS = 5_000
 """Different films of layers in one study: each takes a fraction of a second to compute."""
 
+_COMPILATION: dict[str, Any] = {
+    "xla_backend_optimization_level": 3,
+    "xla_cpu_use_fusion_emitters": True,
+}
+"""XLA's own defaults, whatever its flags say: the last bits of a result must not depend on the
+process that computes it. Less optimised, XLA joins products and sums into one rounding or not
+according to which operations it compiles together, and that depends on the number of its threads.
+"""
+
 Table = dict[str, np.ndarray]
 
 
@@ -122,7 +131,8 @@ class _Kernel:
         self, configuration: FlyerFile, variables: tuple[str, ...], fixed: dict[str, float]
     ):
         self._compiled: Any = jax.jit(
-            jax.vmap(lambda values, film: evaluate(configuration, variables, fixed | values, film))
+            jax.vmap(lambda values, film: evaluate(configuration, variables, fixed | values, film)),
+            compiler_options=_COMPILATION,
         )
         self._ready: set[Any] = set()
         self._lock = threading.Lock()

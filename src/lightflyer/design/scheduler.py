@@ -135,20 +135,17 @@ def _keep_freed_memory() -> None:
 
 
 def _start_jax(threads: int) -> None:
-    """Start JAX on so many threads, where it has not started yet.
+    """Start JAX on so many threads, unless it has started or the environment says how many.
 
-    By itself it would take as many as there are processors and cut each operation into as many
-    parts. But the other processors have workers of their own, and whole operations cost less.
+    By itself it takes as many as there are processors and cuts each operation into as many parts.
+    But the other processors have workers of their own, and whole operations cost less.
     """
-    before = os.environ.get(_XLA_THREADS)
-    os.environ[_XLA_THREADS] = str(threads)
-    try:
-        jax.devices()
-    finally:
-        if before is None:
-            del os.environ[_XLA_THREADS]
-        else:
-            os.environ[_XLA_THREADS] = before
+    if _XLA_THREADS not in os.environ:
+        os.environ[_XLA_THREADS] = str(threads)
+        try:
+            jax.devices()
+        finally:
+            os.environ.pop(_XLA_THREADS, None)
 
 
 def _compute_remotely(task: Task, chunk: int) -> tuple[Done, Any]:

@@ -15,7 +15,7 @@ from lightflyer.design.outputs import OUTPUTS, evaluate
 from lightflyer.design.study import Study
 from lightflyer.errors import ConfigurationError
 from lightflyer.film.properties import FilmProperties
-from lightflyer.precision import float64
+from lightflyer.precision import float64, jit_with_options
 
 PIECE = 16_384
 """Designs evaluated at once: they fit the processor's cache, and one thread."""
@@ -130,9 +130,9 @@ class _Kernel:
     def __init__(
         self, configuration: FlyerFile, variables: tuple[str, ...], fixed: dict[str, float]
     ):
-        self._compiled: Any = jax.jit(
+        self._compiled = jit_with_options(
             jax.vmap(lambda values, film: evaluate(configuration, variables, fixed | values, film)),
-            compiler_options=_COMPILATION,
+            _COMPILATION,
         )
         self._ready: set[Any] = set()
         self._lock = threading.Lock()

@@ -296,7 +296,11 @@ def sensitivity_indices(inquiry: Inquiry) -> list[Indices]:
                 print_to_console=False,
             )
         nominal, count = float(middle[0]), len(inquiry.groups)
-        low, high = np.array([_ends_of(part) for part in alone]).T
+        ends = [
+            part if len(group) == 1 else np.quantile(part, _ENDS)
+            for group, part in zip(inquiry.groups, alone, strict=True)
+        ]
+        low, high = np.transpose(ends)
         results.append(
             Indices(
                 output=output,
@@ -355,12 +359,6 @@ def _designs(
         near[count + column] += step
         designs[part.field.name] = np.concatenate([part.quantile(drawn[:, column]), near])
     return [*map(len, blocks), count, count], designs
-
-
-def _ends_of(alone: np.ndarray) -> tuple[float, float]:
-    """Output at the ends of an input's range; of several that vary together, its own ends."""
-    low, high = alone if len(alone) == len(_ENDS) else np.quantile(alone, _ENDS)
-    return float(low), float(high)
 
 
 def _median_and_step(part: Distribution) -> tuple[float, float]:

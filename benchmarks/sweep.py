@@ -152,11 +152,13 @@ def cluster(folder, designs, repeats):
     addresses = {count: found.scheduler_address for count, found in clusters.items()}
     for address in addresses.values():
         sweep(address)  # compiles on the workers
-    times, spent = {"process": [], 1: [], 2: []}, {"process": [], 1: []}
+    times, spent = {"process": [], "processes": [], 1: [], 2: []}, {"process": [], 1: []}
     with distributed.Client(addresses[1]) as client:
         for _ in range(repeats):
-            for column, value in zip((times, spent), without_dask(folder, designs), strict=True):
-                column["process"].append(value)
+            alone = without_dask(folder, designs, 1)
+            times["process"].append(alone[0])
+            spent["process"].append(alone[1])
+            times["processes"].append(without_dask(folder, designs, 2)[0] / 2.0)
             before = sum(client.run(time.process_time).values())
             times[1].append(sweep(addresses[1]))
             spent[1].append(sum(client.run(time.process_time).values()) - before)
@@ -167,35 +169,53 @@ def cluster(folder, designs, repeats):
     show_cluster(times, spent)
 
 
-def without_dask(folder, designs):
-    """Time a chunk, and processor time in all, of a process of one thread."""
-    command = [sys.executable, __file__, "--thread", str(folder), "--designs", str(designs)]
+def without_dask(folder, designs, count):
+    """Time a chunk, and processor time, of as many processes at once, each one sweep on one thread.
+
+    Two of them say what the machine has to give: processors share caches, memory and a clock.
+    """
     environment = os.environ | {"PJRT_NPROC": "1"}
     environment.pop("MALLOC_TRIM_THRESHOLD_", None)  # which Dask sets for its workers, and leaves
-    found = subprocess.run(command, env=environment, capture_output=True, check=True, text=True)
-    return json.loads(found.stdout)
+    command = [sys.executable, __file__, "--designs", str(designs), "--thread"]
+    running = [
+        subprocess.Popen(
+            [*command, str(folder / f"{number}.zarr")],
+            env=environment,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for number in range(count)
+    ]
+    found = [json.loads(process.communicate()[0]) for process in running]
+    return [statistics.mean(column) for column in zip(*found, strict=True)]
 
 
 def thread(folder, designs):
-    shutil.rmtree(folder / "thread.zarr", ignore_errors=True)
+    shutil.rmtree(folder, ignore_errors=True)
     asked, clock = study(designs), Clock()
     evaluate = Evaluator(asked)
     evaluate(0, PIECE)  # compiles
     before = time.process_time()
-    sweep_into(asked, folder / "thread.zarr", evaluator=evaluate, listener=clock, workers=1)
+    sweep_into(asked, folder, evaluator=evaluate, listener=clock, workers=1)
     print(json.dumps([clock.per_chunk, time.process_time() - before]))
 
 
 def show_cluster(times, spent):
     print(f"{'':34}{'a chunk [ms]':>14}{'each run':>30}")
     found = {name: statistics.median(column) for name, column in times.items()}
-    labels = {"process": "one process, no cluster", 1: "one worker", 2: "two workers"}
+    labels = {
+        "process": "one process, no cluster",
+        "processes": "two processes, no cluster",
+        1: "one worker",
+        2: "two workers",
+    }
     for name, label in labels.items():
         each = "  ".join(f"{1e3 * value:.0f}" for value in times[name])
         print(f"{label:34}{1e3 * found[name]:14.1f}{each:>30}")
     wall = 100.0 * (found[1] / found["process"] - 1.0)
     worker, process = (statistics.median(spent[name]) for name in (1, "process"))
     print(f"two workers over one: {found[1] / found[2]:.2f} times")
+    print(f"two processes over one: {found['process'] / found['processes']:.2f} times")
     share = 100.0 * (worker / process - 1.0)
     print(f"the cluster's overhead: {wall:.0f} % a chunk, {share:.0f} % of the worker's CPU time")
 

@@ -181,11 +181,12 @@ def test_what_a_store_says_of_itself_is_never_taken_for_granted(study, tmp_path)
 def test_descriptions_and_coordinates_that_are_lost_are_written_anew(study, tmp_path, part, damage):
     folder = tmp_path / "results.zarr"
     sweep_into(study, folder, chunk=100, evaluator=StandIn())
-    before = lf.open_sweep(folder).load()
+    before, whole = lf.open_sweep(folder).load(), (folder / part).read_bytes()
     damage(folder / part)
     report = sweep_into(study, folder, evaluator=StandIn(fail_at=0, with_error=AssertionError))
     assert report.computed == 0
     xr.testing.assert_identical(lf.open_sweep(folder).load(), before)
+    assert (folder / part).read_bytes() == whole  # whether or not a reader needs it
 
 
 def test_files_beside_a_store_that_was_cut_off_are_left_alone(study, tmp_path):

@@ -8,7 +8,9 @@ its own, and reports its peak memory.
 """
 
 import argparse
+import json
 import logging
+import os
 import shutil
 import statistics
 import subprocess
@@ -135,50 +137,86 @@ def start_clusters(folder):
 
 
 def cluster(folder, designs, repeats):
-    """One Dask worker beside two, and beside one thread of this process; each one processor."""
+    """One Dask worker beside two, and beside a process without Dask; each of one thread."""
     import distributed
 
     asked = study(designs)
-    evaluate = Evaluator(asked)
-    evaluate(0, PIECE)
 
-    def sweep(**options):
+    def sweep(address):
         shutil.rmtree(folder / "cluster.zarr", ignore_errors=True)
         clock = Clock()
-        sweep_into(asked, folder / "cluster.zarr", evaluator=evaluate, listener=clock, **options)
+        sweep_into(asked, folder / "cluster.zarr", scheduler=address, listener=clock)
         return clock.per_chunk
 
     clusters = start_clusters(folder)
     addresses = {count: found.scheduler_address for count, found in clusters.items()}
     for address in addresses.values():
-        sweep(scheduler=address)  # compiles on the workers
-    times, spent = {"thread": [], 1: [], 2: []}, {"thread": [], 1: []}
+        sweep(address)  # compiles on the workers
+    times, spent = {"process": [], "processes": [], 1: [], 2: []}, {"process": [], 1: []}
     with distributed.Client(addresses[1]) as client:
         for _ in range(repeats):
-            before = time.process_time()
-            times["thread"].append(sweep(workers=1))
-            spent["thread"].append(time.process_time() - before)
+            alone = without_dask(folder, designs, 1)
+            times["process"].append(alone[0])
+            spent["process"].append(alone[1])
+            times["processes"].append(without_dask(folder, designs, 2)[0] / 2.0)
             before = sum(client.run(time.process_time).values())
-            times[1].append(sweep(scheduler=addresses[1]))
+            times[1].append(sweep(addresses[1]))
             spent[1].append(sum(client.run(time.process_time).values()) - before)
-            times[2].append(sweep(scheduler=addresses[2]))
+            times[2].append(sweep(addresses[2]))
     for found in clusters.values():
         found.close()
     print(f"\n{designs:,} designs in {len(Chunks.of(asked.shape))} chunks, on a Dask cluster")
     show_cluster(times, spent)
 
 
+def without_dask(folder, designs, count):
+    """Time a chunk, and processor time, of as many processes at once, each one sweep on one thread.
+
+    Two of them say what the machine has to give: processors share caches, memory and a clock.
+    """
+    environment = os.environ | {"PJRT_NPROC": "1"}
+    environment.pop("MALLOC_TRIM_THRESHOLD_", None)  # which Dask sets for its workers, and leaves
+    command = [sys.executable, __file__, "--designs", str(designs), "--thread"]
+    running = [
+        subprocess.Popen(
+            [*command, str(folder / f"{number}.zarr")],
+            env=environment,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for number in range(count)
+    ]
+    found = [json.loads(process.communicate()[0]) for process in running]
+    return [statistics.mean(column) for column in zip(*found, strict=True)]
+
+
+def thread(folder, designs):
+    shutil.rmtree(folder, ignore_errors=True)
+    asked, clock = study(designs), Clock()
+    evaluate = Evaluator(asked)
+    evaluate(0, PIECE)  # compiles
+    before = time.process_time()
+    sweep_into(asked, folder, evaluator=evaluate, listener=clock, workers=1)
+    print(json.dumps([clock.per_chunk, time.process_time() - before]))
+
+
 def show_cluster(times, spent):
     print(f"{'':34}{'a chunk [ms]':>14}{'each run':>30}")
     found = {name: statistics.median(column) for name, column in times.items()}
-    labels = {"thread": "one thread, no cluster", 1: "one worker", 2: "two workers"}
+    labels = {
+        "process": "one process, no cluster",
+        "processes": "two processes, no cluster",
+        1: "one worker",
+        2: "two workers",
+    }
     for name, label in labels.items():
         each = "  ".join(f"{1e3 * value:.0f}" for value in times[name])
         print(f"{label:34}{1e3 * found[name]:14.1f}{each:>30}")
-    wall = 100.0 * (found[1] / found["thread"] - 1.0)
-    worker, thread = (statistics.median(spent[name]) for name in (1, "thread"))
+    wall = 100.0 * (found[1] / found["process"] - 1.0)
+    worker, process = (statistics.median(spent[name]) for name in (1, "process"))
     print(f"two workers over one: {found[1] / found[2]:.2f} times")
-    share = 100.0 * (worker / thread - 1.0)
+    print(f"two processes over one: {found['process'] / found['processes']:.2f} times")
+    share = 100.0 * (worker / process - 1.0)
     print(f"the cluster's overhead: {wall:.0f} % a chunk, {share:.0f} % of the worker's CPU time")
 
 
@@ -324,16 +362,26 @@ def main():
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--large", action="store_true")
     parser.add_argument("--folder", type=Path, help="where results go; default: a temporary one")
+    parser.add_argument("--only", choices=["kernel", "cluster", "optimiser"], help="one part")
     parser.add_argument("--alone", type=Path, help=argparse.SUPPRESS)
+    parser.add_argument("--thread", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.alone:
         alone(options.alone)
         return
+    if options.thread:
+        thread(options.thread, options.designs)
+        return
     with tempfile.TemporaryDirectory(dir=options.folder) as name:
         folder = Path(name)
-        throughput(folder, options.designs, options.repeats)
-        cluster(folder, options.designs, options.repeats)
-        optimiser(options.repeats)
+        parts = {
+            "kernel": lambda: throughput(folder, options.designs, options.repeats),
+            "cluster": lambda: cluster(folder, options.designs, options.repeats),
+            "optimiser": lambda: optimiser(options.repeats),
+        }
+        for part, measure in parts.items():
+            if options.only in (None, part):
+                measure()
         if options.large:
             large(folder)
 

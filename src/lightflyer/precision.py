@@ -182,18 +182,33 @@ def quick_entry_point(function: Callable[P, R]) -> Callable[P, R]:
     -------
     callable
     """
-    quick = jax.jit(_promoting(function), compiler_options=_QUICK_COMPILATION)
-    plain = jax.jit(_promoting(function))
+    return _scoped(function, jit_with_options(_promoting(function), _QUICK_COMPILATION))
+
+
+def jit_with_options(function: Callable[..., Any], options: dict[str, Any]) -> Callable[..., Any]:
+    """Like :func:`jax.jit`, with options of XLA where it knows them.
+
+    Parameters
+    ----------
+    function : callable
+    options : dict of str to object
+        They take precedence over XLA's flags.
+
+    Returns
+    -------
+    callable
+    """
+    chosen, plain = jax.jit(function, compiler_options=options), jax.jit(function)
 
     def compiled(*args: Any, **kwargs: Any) -> Any:
         try:
-            return quick(*args, **kwargs)
+            return chosen(*args, **kwargs)
         except jax.errors.JaxRuntimeError as error:
             if "compile option" not in str(error):
                 raise
             return plain(*args, **kwargs)  # another XLA, which has no such option
 
-    return _scoped(function, compiled)
+    return compiled
 
 
 def _promoting(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -309,6 +309,8 @@ def _scaled(output: str) -> tuple[float, str]:
 def tornado_figure(found: Indices) -> Figure:
     """What the uncertainty of each input does to an output, the largest on top.
 
+    The bar of two inputs that vary together reaches over the same quantiles of the output.
+
     Parameters
     ----------
     found : Indices
@@ -329,7 +331,7 @@ def tornado_figure(found: Indices) -> Figure:
         width = factor * (ends[order] - found.nominal)
         bars.barh(places, width, left=factor * found.nominal, color=colour, label=words)
     bars.axvline(factor * found.nominal, color=GREY, lw=1.0)
-    bars.set_yticks(places, [found.names[number] for number in order])
+    bars.set_yticks(places, [" and\n".join(found.groups[number]) for number in order])
     bars.set_xlabel(label)
     bars.locator_params(axis="x", nbins=_TICKS)
     half = 0.4

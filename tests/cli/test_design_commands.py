@@ -212,6 +212,12 @@ def test_optimise_prints_and_writes(run, study, tmp_path):
     assert (code, errors) == (0, "")
     assert "designs on the front" in text
     assert (out / "front.png").exists()
+    for wrong in ("3", '["payload", 3]'):
+        path = study('maximise = "payload"', f"maximise = {wrong}")
+        code, _, errors = run("optimise", path)
+        assert code == 2
+        assert 'is not the name of an output, such as "payload"' in errors
+        assert "study.toml:" in errors
     code, _, errors = run("optimise", study("[optimise.over]", "[optimise.ober]"))
     assert code == 2
     assert 'did you mean "over"?' in errors

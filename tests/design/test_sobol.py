@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.design.sections import SensitivitySection
+from lightflyer.design.problem import make_problem
+from lightflyer.design.sections import OptimiseSection, SensitivitySection
 from lightflyer.design.sobol import make_inquiry, sensitivity_indices
 
 FILM = {
@@ -39,7 +40,7 @@ def test_indices_of_a_product_have_a_closed_form(flyer):
     whole = np.prod(1.0 + relative) - 1.0
     np.testing.assert_allclose(found.first, relative / whole, atol=0.01)
     np.testing.assert_allclose(found.total, relative * (1.0 + relative[::-1]) / whole, atol=0.01)
-    np.testing.assert_allclose(found.elasticity, [2.0, 1.0], rtol=1e-6)
+    assert found.elasticity == pytest.approx(dict(zip(inputs, [2.0, 1.0], strict=True)), rel=1e-6)
     mass = 0.25e-4 * np.pi * 1e-3 * mean.prod()
     assert found.mean == pytest.approx(mass, rel=1e-3)
     assert found.spread == pytest.approx(mass * np.sqrt(whole), rel=1e-2)
@@ -61,6 +62,60 @@ def test_the_files_own_uncertainties_and_their_first_order_spread(flyer):
     assert payload.first.sum() == pytest.approx(1.0, abs=0.03)
     half = np.sqrt(1.0 - 0.75 * payload.first.max()) * payload.spread
     assert payload.spread_after_halving == pytest.approx(half)
+
+
+@pytest.mark.parametrize("correlation", [0.9, -0.5])
+def test_errors_that_are_correlated_count_as_one_input(correlation):
+    """Small spreads: shares from slopes and the covariance, the spread as predict finds it."""
+    film = FILM | {"tac_correlation": correlation, "absorptance": "0.75 ± 0.01"}
+    flyer = lf.FlyerFile(
+        flyer={"diameter": "2 cm"}, film=film, environment={"atmosphere": "lu2023"}
+    )
+    (found,) = sensitivity_indices(inquire(flyer, outputs="lift", at={"altitude": "72 km"}))
+    pair = ("film.tac_top", "film.tac_bottom")
+    assert set(found.groups) == {("film.absorptance",), pair}
+    uncertainty = lf.propagate(flyer, lf.predict(flyer.build(), at=[72e3]), samples=0)
+    assert found.spread == pytest.approx(uncertainty.first_order["at[0].lift_n"], rel=0.03)
+    values = {"film.absorptance": 0.75, "film.tac_top": 0.8, "film.tac_bottom": 0.9}
+    move = {
+        name: 0.01 * slope * found.nominal / values[name]
+        for name, slope in found.elasticity.items()
+    }
+    top, bottom, light = (move[name] for name in (*pair, "film.absorptance"))
+    together = top**2 + bottom**2 + 2.0 * correlation * top * bottom
+    row, other = found.groups.index(pair), found.groups.index(("film.absorptance",))
+    assert found.first[row] == pytest.approx(together / (together + light**2), abs=0.02)
+    assert found.total[other] == pytest.approx(light**2 / (together + light**2), abs=0.02)
+    reach = (found.high[row] - found.low[row]) / 2.0
+    assert reach == pytest.approx(1.96 * np.sqrt(together), rel=0.05)
+
+
+def test_all_inputs_correlated_are_one_that_does_everything(flyer):
+    film = flyer.film.model_copy(update={"tac_correlation": lf.Measured(0.5)})
+    correlated = flyer.model_copy(update={"film": film})
+    (found,) = sensitivity_indices(inquire(correlated, outputs="lift", at={"altitude": "72 km"}))
+    assert found.names == ("film.tac_top and film.tac_bottom",)
+    np.testing.assert_allclose([*found.first, *found.total], 1.0, atol=0.01)
+
+
+def test_samples_of_sweeps_and_optima_have_the_files_correlation(flyer):
+    film = flyer.film.model_copy(update={"tac_correlation": lf.Measured(-0.7)})
+    correlated = flyer.model_copy(update={"film": film})
+    over = {"film.tac_top": "0.8 ± 0.01", "film.tac_bottom": "0.9 ± 0.02", "altitude": "70 km"}
+    for method in ("sobol", "latin-hypercube", "random"):
+        drawn = lf.sweep(correlated, over, ["own_mass"], method=method, points=4096)
+        top, bottom = drawn["film.tac_top"].values, drawn["film.tac_bottom"].values
+        assert np.corrcoef(top, bottom)[0, 1] == pytest.approx(-0.7, abs=0.02)
+        assert bottom.std() == pytest.approx(0.02, rel=0.03)
+    section = OptimiseSection.model_validate(
+        {
+            "maximise": "payload",
+            "over": {"altitude": {"from": "60 km", "to": "80 km"}},
+            "uncertainty": {},
+        }
+    )
+    samples = make_problem(correlated, section).samples
+    assert np.corrcoef(*samples.values())[0, 1] == pytest.approx(-0.7, abs=0.02)
 
 
 def test_outputs_that_some_samples_lack_are_refused(flyer):

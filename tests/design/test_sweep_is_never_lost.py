@@ -12,6 +12,8 @@ from pathlib import Path
 
 import cloudpickle
 import distributed
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 import xarray as xr
@@ -162,16 +164,29 @@ def test_what_a_store_says_of_itself_is_never_taken_for_granted(study, tmp_path)
     assert sweep_into(study, folder, evaluator=StandIn()).computed == 1000
     before, records = contents(folder), folder / ".lightflyer" / "study.json"
     for damage in (lambda path: path.write_text("{"), Path.unlink):
-        for path in (folder / "zarr.json", records):
-            whole = path.read_bytes()
-            damage(path)
-            with pytest.raises(lf.OutputError, match=rf"{path.name} is damaged or missing"):
-                sweep_into(study, folder, evaluator=StandIn())
-            path.write_bytes(whole)
+        whole = records.read_bytes()
+        damage(records)
+        with pytest.raises(lf.OutputError, match=r"study.json is damaged or missing"):
+            sweep_into(study, folder, evaluator=StandIn())
+        records.write_bytes(whole)
     assert contents(folder) == before
     (folder / "zarr.json").write_text("{")
     with pytest.raises(lf.ConfigurationError, match="cannot be read as a Zarr group"):
         lf.open_sweep(folder)
+
+
+@pytest.mark.parametrize("damage", [lambda path: path.write_text("{"), Path.unlink])
+@pytest.mark.parametrize("part", ["zarr.json", "lift/zarr.json", "altitude/zarr.json",
+                                  "flyer.diameter/c/0"])  # fmt: skip
+def test_descriptions_and_coordinates_that_are_lost_are_written_anew(study, tmp_path, part, damage):
+    folder = tmp_path / "results.zarr"
+    sweep_into(study, folder, chunk=100, evaluator=StandIn())
+    before, whole = lf.open_sweep(folder).load(), (folder / part).read_bytes()
+    damage(folder / part)
+    report = sweep_into(study, folder, evaluator=StandIn(fail_at=0, with_error=AssertionError))
+    assert report.computed == 0
+    xr.testing.assert_identical(lf.open_sweep(folder).load(), before)
+    assert (folder / part).read_bytes() == whole  # whether or not a reader needs it
 
 
 def test_files_beside_a_store_that_was_cut_off_are_left_alone(study, tmp_path):
@@ -271,12 +286,36 @@ def test_six_kills_of_clients_and_workers_change_no_bit(cluster, tmp_path):
         np.testing.assert_array_equal(dataset.payload.values.ravel(), np.cos(designs) / 3.0)
 
 
+def parallel_operations():
+    """How many operations, of one that is worth it, JAX cuts into parts for several threads."""
+    compiled = jax.jit(lambda x: jnp.sin(jnp.exp(x))).lower(jnp.ones(1_000_000)).compile()
+    return compiled.as_text().count("outer_dimension_partitions")
+
+
 def test_a_cluster_gives_the_same_bits(cluster, study, tmp_path):
+    """With workers of one thread each, beside threads on all processors."""
     here, there = tmp_path / "here.zarr", tmp_path / "there.zarr"
     sweep_into(study, here, chunk=100)
     report = sweep_into(study, there, chunk=100, scheduler=cluster.scheduler_address)
     assert report.computed == 1000
     assert contents(here) == contents(there)
+    cloudpickle.register_pickle_by_value(sys.modules[__name__])
+    with distributed.Client(cluster.scheduler_address, set_as_default=False) as client:
+        assert set(client.run(parallel_operations).values()) == {0}
+        assert set(client.run(os.environ.get, "PJRT_NPROC").values()) == {None}
+    assert scheduler.processors() == 1 or parallel_operations() > 0
+
+
+def test_a_worker_that_hangs_is_not_waited_for(cluster, study, tmp_path, monkeypatch):
+    monkeypatch.setattr(scheduler, "VERSIONS_WITHIN", 1.0)
+    pid = cluster.workers[0].pid
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        with pytest.raises(lf.ConfigurationError, match="has not said its versions within 1 s"):
+            sweep_into(study, tmp_path / "x.zarr", scheduler=cluster.scheduler_address)
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    assert not (tmp_path / "x.zarr").exists()
 
 
 def test_results_come_back_where_workers_do_not_see_the_folder(cluster, study, tmp_path):

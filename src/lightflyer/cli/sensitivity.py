@@ -10,7 +10,7 @@ from rich.markup import escape
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from lightflyer.design.sobol import Indices, Inquiry
+    from lightflyer.design.sobol import Indices
 
 
 def sensitivity_command(
@@ -44,21 +44,15 @@ def sensitivity_command(
     console = Console(highlight=False)
     for found in results:
         _show(console, found)
-    correlated = _correlation(inquiry)
-    if correlated:
+    pairs = [group for group in inquiry.groups if len(group) > 1]
+    for pair in pairs:
         console.print(
-            f"inputs are taken as independent; the file's tac_correlation = {correlated:g} plays "
-            "no part here",
+            f"{' and '.join(pair)} vary together (tac_correlation = {inquiry.tac_correlation:g}) "
+            "and have one share; beside it stand the output's quantiles",
             soft_wrap=True,
         )
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
-
-
-def _correlation(inquiry: "Inquiry") -> float:
-    names = {part.field.name for part in inquiry.inputs}
-    both = {"film.tac_top", "film.tac_bottom"} <= names
-    return inquiry.configuration.film.tac_correlation.value if both else 0.0
 
 
 def _write(out: Path, summary: dict[str, Any], results: "list[Indices]") -> list[Path]:
@@ -87,22 +81,23 @@ def _show(console: Console, found: "Indices") -> None:
     )
     table = Table(box=None, padding=(0, 1))
     ends = (escape(f"at its\n{end} %\n[{unit or '1'}]") for end in ("2.5", "97.5"))
-    headings = ("input", "share of\nvariance", "with inter-\nactions", "elasticity", *ends)
+    shares = ("share of\nvariance\n[%]", "with inter-\nactions\n[%]")
+    headings = ("input", *shares, "elasticity", *ends)
     for heading in headings:
         left = heading == "input"
         table.add_column(heading, justify="left" if left else "right", no_wrap=left)
     for row in (-found.total).argsort():
         table.add_row(
-            found.names[row],
-            f"{100.0 * found.first[row]:.1f} ± {100.0 * found.first_interval[row]:.1f} %",
-            f"{100.0 * found.total[row]:.1f} ± {100.0 * found.total_interval[row]:.1f} %",
-            f"{found.elasticity[row]:+.3g}",
+            "\n".join(found.groups[row]),
+            f"{100.0 * found.first[row]:.1f} ± {100.0 * found.first_interval[row]:.1f}",
+            f"{100.0 * found.total[row]:.1f} ± {100.0 * found.total_interval[row]:.1f}",
+            "\n".join(f"{found.elasticity[name]:+.3g}" for name in found.groups[row]),
             f"{found.low[row]:.4g}",
             f"{found.high[row]:.4g}",
         )
     console.print(table)
     console.print(
-        f"measure {found.next} next: half its uncertainty would leave ± "
+        f"measure {found.next} next: half that uncertainty would leave ± "
         f"{found.spread_after_halving:.2g} {unit}".rstrip(),
         soft_wrap=True,
     )

@@ -9,6 +9,7 @@ import numpy as np
 
 from lightflyer._checks import require_range
 from lightflyer.config.quantity import Quantity
+from lightflyer.design.correlation import correlate
 from lightflyer.design.fields import Field
 from lightflyer.errors import ConfigurationError, ParameterError
 from lightflyer.units import Measured
@@ -265,7 +266,11 @@ def _require_keys(
 
 
 def draw(
-    distributions: Sequence[Distribution], points: int, method: str, seed: int
+    distributions: Sequence[Distribution],
+    points: int,
+    method: str,
+    seed: int,
+    tac_correlation: float = 0.0,
 ) -> dict[str, np.ndarray]:
     """Samples of all distributions together.
 
@@ -277,6 +282,8 @@ def draw(
     method : str
         Of :data:`METHODS`.
     seed : int
+    tac_correlation : float
+        Of the errors of the faces' accommodation coefficients.
 
     Returns
     -------
@@ -303,6 +310,8 @@ def draw(
         shares = qmc.LatinHypercube(count, rng=seed).random(points)
     else:
         shares = np.random.default_rng(seed).random((points, count))
+    names = [distribution.field.name for distribution in distributions]
+    shares = correlate(shares, names, tac_correlation)
     return {
         distribution.field.name: distribution.quantile(shares[:, number])
         for number, distribution in enumerate(distributions)

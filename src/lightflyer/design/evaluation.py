@@ -15,7 +15,7 @@ from lightflyer.design.outputs import OUTPUTS, evaluate
 from lightflyer.design.study import Study
 from lightflyer.errors import ConfigurationError
 from lightflyer.film.properties import FilmProperties
-from lightflyer.precision import float64
+from lightflyer.precision import float64, jit_with_options
 
 PIECE = 16_384
 """Designs evaluated at once: they fit the processor's cache, and one thread."""
@@ -25,6 +25,15 @@ PIECE_OVER_ALTITUDE = 128
 
 MOST_FILMS = 5_000
 """Different films of layers in one study: each takes a fraction of a second to compute."""
+
+_COMPILATION: dict[str, Any] = {
+    "xla_backend_optimization_level": 3,
+    "xla_cpu_use_fusion_emitters": True,
+}
+"""XLA's own defaults, whatever its flags say: the last bits of a result must not depend on the
+process that computes it. Less optimised, XLA joins products and sums into one rounding or not
+according to which operations it compiles together, and that depends on the number of its threads.
+"""
 
 Table = dict[str, np.ndarray]
 
@@ -121,8 +130,9 @@ class _Kernel:
     def __init__(
         self, configuration: FlyerFile, variables: tuple[str, ...], fixed: dict[str, float]
     ):
-        self._compiled: Any = jax.jit(
-            jax.vmap(lambda values, film: evaluate(configuration, variables, fixed | values, film))
+        self._compiled = jit_with_options(
+            jax.vmap(lambda values, film: evaluate(configuration, variables, fixed | values, film)),
+            _COMPILATION,
         )
         self._ready: set[Any] = set()
         self._lock = threading.Lock()

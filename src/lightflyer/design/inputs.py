@@ -7,12 +7,12 @@ import jax
 import numpy as np
 
 from lightflyer.config.sections import FlyerFile, Setup, quantity_of
+from lightflyer.design.correlation import FACES
 from lightflyer.errors import ParameterError
 from lightflyer.units import Measured
 
 _STEP = 1e-3  # relative; setups are linear in their inputs, so any step is exact
 _MOST_DRAWS = 1000
-_FACES = ("film.tac_top", "film.tac_bottom")
 
 NOT_PROPAGATED = frozenset(
     {
@@ -68,9 +68,9 @@ class Inputs:
     @property
     def tac_correlation(self) -> float | None:
         """Of the errors of the faces' TACs, or None where not both are uncertain."""
-        if not set(_FACES) <= set(self.names):
+        if not set(FACES) <= set(self.names):
             return None
-        first, second = (self.names.index(face) for face in _FACES)
+        first, second = (self.names.index(face) for face in FACES)
         return float(self.correlation[first, second])
 
 
@@ -98,8 +98,8 @@ def uncertain_inputs(configuration: FlyerFile) -> Inputs | None:
     names = list(stated)
     fields = [_field(configuration, name) for name in names]
     correlation = np.eye(len(names))
-    if set(_FACES) <= set(names):
-        first, second = (names.index(face) for face in _FACES)
+    if set(FACES) <= set(names):
+        first, second = (names.index(face) for face in FACES)
         shared = configuration.film.tac_correlation.value
         correlation[first, second] = correlation[second, first] = shared
     base = _parts(configuration.build())

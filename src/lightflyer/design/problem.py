@@ -219,15 +219,14 @@ def make_problem(
         for limit in _limits(name, limits, source)
     )
     sampling = sampling or SamplingSection()
+    how = (sampling.method, sampling.seed, configuration.film.tac_correlation.value)
     problem = Problem(
         configuration=configuration,
         objectives=objectives,
         bounds=bounds,
         fixed=fixed,
         constraints=constraints,
-        samples=draw(distributions, sampling.points, sampling.method, sampling.seed)
-        if distributions
-        else {},
+        samples=draw(distributions, sampling.points, *how) if distributions else {},
         quantile=uncertain.quantile if uncertain and uncertain.of == "quantile" else None,
         fields=fields,
         starts=section.starts,

@@ -10,7 +10,10 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
+from threading import Thread
 from typing import Any, NamedTuple
+
+import jax
 
 from lightflyer.design.chunks import Chunks
 from lightflyer.design.store import Record, stored_study, versions, write_chunk
@@ -19,10 +22,14 @@ from lightflyer.errors import ConfigurationError, LightflyerError, MissingExtraE
 ANSWER_WITHIN = 10.0
 """Time a scheduler has to answer [s]."""
 
-_AHEAD = 2  # chunks handed out per thread: one computed, one waiting
+VERSIONS_WITHIN = 60.0
+"""Time its workers have to import this package and to say which it is [s]."""
+
+_AHEAD = 3  # chunks handed out per thread of a worker: one computed, one written, one waiting
 _RETRIES = 3
 _M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3  # of mallopt, in malloc.h
 _KEPT = 2**25  # bytes: the largest that glibc takes
+_XLA_THREADS = "PJRT_NPROC"  # in the environment; read when JAX starts
 
 
 class Task(NamedTuple):
@@ -106,6 +113,14 @@ def run_here(task: Task, missing: Sequence[int], workers: int | None = None) -> 
 
 
 @cache
+def _settle_in() -> None:
+    """Make a worker's process fit for computing, before its first chunk."""
+    import distributed
+
+    _keep_freed_memory()
+    _start_jax(distributed.get_worker().state.nthreads)
+
+
 def _keep_freed_memory() -> None:
     """Let a worker's allocator reuse the memory of temporary arrays.
 
@@ -119,13 +134,30 @@ def _keep_freed_memory() -> None:
         libc.mallopt(_M_TRIM_THRESHOLD, _KEPT)
 
 
+def _start_jax(threads: int) -> None:
+    """Start JAX on so many threads, unless it has started or the environment says how many.
+
+    By itself it takes as many as there are processors and cuts each operation into as many parts.
+    But the other processors have workers of their own, and whole operations cost less.
+    """
+    if _XLA_THREADS not in os.environ:
+        os.environ[_XLA_THREADS] = str(threads)
+        try:
+            jax.devices()
+        finally:
+            os.environ.pop(_XLA_THREADS, None)
+
+
 def _compute_remotely(task: Task, chunk: int) -> tuple[Done, Any]:
     """On a worker: write the chunk if the folder is in sight, else send its outputs back."""
-    _keep_freed_memory()
+    import distributed
+
+    _settle_in()
+    outputs, failures = task.evaluator(*task.chunks.span(chunk))
     with suppress(OSError, ValueError):
         if stored_study(task.folder)["token"] == task.token:
-            return compute_chunk(task, chunk), None
-    outputs, failures = task.evaluator(*task.chunks.span(chunk))
+            distributed.secede()  # the worker computes the next while this one is written
+            return (chunk, write_chunk(task.folder, task.chunks, chunk, outputs), failures), None
     return (chunk, {}, failures), outputs
 
 
@@ -253,7 +285,7 @@ def _check_workers(client: Any, address: str) -> None:
             f"--scheduler {address}: has no workers; start some with 'dask worker {address}'"
         ) from None
     here = versions()
-    for worker, there in client.run(versions, on_error="return").items():
+    for worker, there in _versions_of_workers(client, address).items():
         if isinstance(there, OSError):
             continue  # lost since it was asked; whoever takes its place does its work
         if isinstance(there, Exception):
@@ -263,3 +295,24 @@ def _check_workers(client: Any, address: str) -> None:
                 f"--scheduler {address}: the worker at {worker} has {there}, here is {here}; "
                 "results would differ"
             )
+
+
+def _versions_of_workers(client: Any, address: str) -> dict[str, Any]:
+    """What each worker says of its packages, or the error that it has instead."""
+    answer: Future[dict[str, Any]] = Future()
+
+    def ask() -> None:
+        try:
+            answer.set_result(client.run(versions, on_error="return"))
+        except Exception as error:
+            answer.set_exception(error)
+
+    # a call that a worker never answers cannot be ended, only left behind
+    Thread(target=ask, daemon=True).start()
+    try:
+        return answer.result(VERSIONS_WITHIN)
+    except TimeoutError:
+        raise ConfigurationError(
+            f"--scheduler {address}: a worker has not said its versions within "
+            f"{VERSIONS_WITHIN:g} s; end those that hang, or start others"
+        ) from None

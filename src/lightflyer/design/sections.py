@@ -9,10 +9,17 @@ from lightflyer.config.reader import FileKind
 
 _Count = Annotated[int, pydantic.Field(strict=True, ge=1)]
 _Seed = Annotated[int, pydantic.Field(strict=True, ge=0)]
-_Names = Annotated[
-    tuple[str, ...],
-    pydantic.BeforeValidator(lambda value: (value,) if isinstance(value, str) else value),
-]
+
+
+def _listed(value: Any) -> tuple[str, ...]:
+    """One name, or several, as several."""
+    names = (value,) if isinstance(value, str) else value
+    if isinstance(names, list | tuple) and all(isinstance(name, str) for name in names):
+        return tuple(names)
+    raise ValueError('is not the name of an output, such as "payload", or a list of such names')
+
+
+_Names = Annotated[tuple[str, ...], pydantic.BeforeValidator(_listed)]
 _Entries = Annotated[dict[str, Any], pydantic.Field(default_factory=dict)]
 
 

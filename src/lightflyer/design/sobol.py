@@ -5,6 +5,9 @@ alone, :math:`S_i = \mathrm{Var}[\mathrm E(q\,|\,x_i)]/\mathrm{Var}[q]`, and in 
 interactions, :math:`T_i = 1 - \mathrm{Var}[\mathrm E(q\,|\,x_{\sim i})]/\mathrm{Var}[q]`
 ([Sobol2001]_, [Saltelli2010]_). What has the largest share is worth measuring better: halving its
 standard uncertainty takes away three quarters of its own share.
+
+Indices need independent inputs. Two whose errors are correlated vary together and count as one,
+which is independent of all others: :math:`x_i` is then a pair.
 """
 
 import contextlib
@@ -18,6 +21,7 @@ import numpy as np
 
 from lightflyer.config.sections import FlyerFile
 from lightflyer.design.axes import SAMPLE, Axis, Distribution, read_entry
+from lightflyer.design.correlation import correlate, correlated_groups
 from lightflyer.design.evaluation import Evaluator
 from lightflyer.design.fields import field
 from lightflyer.design.outputs import check_outputs
@@ -54,6 +58,21 @@ class Inquiry:
     points: int
     seed: int
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the inputs, dotted."""
+        return tuple(part.field.name for part in self.inputs)
+
+    @property
+    def tac_correlation(self) -> float:
+        """Of the errors of the faces' accommodation coefficients."""
+        return self.configuration.film.tac_correlation.value
+
+    @property
+    def groups(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the inputs, those with correlated errors together."""
+        return correlated_groups(self.names, self.tac_correlation)
+
 
 @dataclass(frozen=True)
 class Indices:
@@ -62,22 +81,23 @@ class Indices:
     Attributes
     ----------
     output : str
-    names : tuple of str
-        Of the inputs, dotted.
+    groups : tuple of tuple of str
+        Names of the inputs, dotted; those with correlated errors together, g in all.
     nominal, mean, spread : float
         The output at the inputs' medians, its mean and its standard deviation, in SI units.
-    first, total : array, shape (k,)
+    first, total : array, shape (g,)
         Sobol indices.
-    first_interval, total_interval : array, shape (k,)
+    first_interval, total_interval : array, shape (g,)
         Half widths of their 95 % intervals.
-    low, high : array, shape (k,)
+    low, high : array, shape (g,)
         Output with one input at its 2.5 % and its 97.5 % quantile, the others at their medians.
-    elasticity : array, shape (k,)
-        Relative change of the output over that of the input.
+        Where two vary together, the output's own quantiles.
+    elasticity : dict of str to float
+        Relative change of the output over that of an input, by the input's name.
     """
 
     output: str
-    names: tuple[str, ...]
+    groups: tuple[tuple[str, ...], ...]
     nominal: float
     mean: float
     spread: float
@@ -87,7 +107,12 @@ class Indices:
     total_interval: np.ndarray
     low: np.ndarray
     high: np.ndarray
-    elasticity: np.ndarray
+    elasticity: dict[str, float]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the groups."""
+        return tuple(" and ".join(group) for group in self.groups)
 
     @property
     def next(self) -> str:
@@ -109,7 +134,6 @@ class Indices:
             "total_interval_95": self.total_interval,
             "low": self.low,
             "high": self.high,
-            "elasticity": self.elasticity,
         }
         return {
             "nominal": self.nominal,
@@ -119,6 +143,7 @@ class Indices:
                 name: {key: _finite(column[row]) for key, column in columns.items()}
                 for row, name in enumerate(self.names)
             },
+            "elasticities": {name: _finite(value) for name, value in self.elasticity.items()},
             "measure_next": self.next,
             "standard_deviation_after_halving": self.spread_after_halving,
         }
@@ -234,7 +259,8 @@ def sensitivity_indices(inquiry: Inquiry) -> list[Indices]:
 
     Notes
     -----
-    Inputs are taken as independent: a correlation of errors plays no part.
+    Inputs are independent, but for the two accommodation coefficients where the flyer file gives
+    their errors a correlation: these two vary together and share one index.
 
     References
     ----------
@@ -247,14 +273,14 @@ def sensitivity_indices(inquiry: Inquiry) -> list[Indices]:
         raise MissingExtraError(
             "Sobol indices need SALib: pip install 'lightflyer[optimise]'"
         ) from None
-    names = [part.field.name for part in inquiry.inputs]
-    space = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+    space = _space(inquiry)
     power = 2 ** int(np.ceil(np.log2(inquiry.points)))
     shares = sampling.sample(space, power, calc_second_order=False, seed=inquiry.seed)
-    table = _evaluate(inquiry, _designs(inquiry, shares))
+    sizes, designs = _designs(inquiry, shares, power)
+    table = _evaluate(inquiry, designs)
     results = []
     for output in inquiry.outputs:
-        values, singly, down, up = _split(table[output], len(shares), len(names))
+        values, middle, *alone, down, up = np.split(table[output], np.cumsum(sizes)[:-1])
         if np.isnan(values).any():
             raise ConfigurationError(
                 f"{output}: {100.0 * np.mean(np.isnan(values)):.2g} % of the samples have none; "
@@ -269,46 +295,70 @@ def sensitivity_indices(inquiry: Inquiry) -> list[Indices]:
                 seed=1 + inquiry.seed,
                 print_to_console=False,
             )
+        nominal, count = float(middle[0]), len(inquiry.groups)
+        ends = [
+            part if len(group) == 1 else np.quantile(part, _ENDS)
+            for group, part in zip(inquiry.groups, alone, strict=True)
+        ]
+        low, high = np.transpose(ends)
         results.append(
             Indices(
                 output=output,
-                names=tuple(names),
-                nominal=float(singly[0]),
+                groups=inquiry.groups,
+                nominal=nominal,
                 mean=float(values.mean()),
                 spread=float(values.std()),
-                first=np.asarray(found["S1"]),
-                total=np.asarray(found["ST"]),
-                first_interval=np.asarray(found["S1_conf"]),
-                total_interval=np.asarray(found["ST_conf"]),
-                low=singly[1 : 1 + len(names)],
-                high=singly[1 + len(names) :],
-                elasticity=_elasticities(inquiry, float(singly[0]), up - down),
+                first=np.asarray(found["S1"])[:count],
+                total=np.asarray(found["ST"])[:count],
+                first_interval=np.asarray(found["S1_conf"])[:count],
+                total_interval=np.asarray(found["ST_conf"])[:count],
+                low=low,
+                high=high,
+                elasticity=_elasticities(inquiry, nominal, up - down),
             )
         )
     return results
 
 
-def _designs(inquiry: Inquiry, shares: np.ndarray) -> dict[str, np.ndarray]:
-    """Inputs of all designs: samples, ends one at a time, small steps one at a time."""
-    count = len(inquiry.inputs)
-    singly = np.full((1 + 2 * count, count), 0.5)
-    for row, share in enumerate(np.repeat(_ENDS, count)):
-        singly[1 + row, row % count] = share
+def _space(inquiry: Inquiry) -> dict[str, Any]:
+    """The unit cube of the inputs' shares, as SALib describes it."""
+    names = [*inquiry.names]
+    groups = [
+        str(row) for name in names for row, group in enumerate(inquiry.groups) if name in group
+    ]
+    if len(inquiry.groups) == 1:
+        # SALib takes one group for none, so there is another, which nothing depends on
+        names, groups = [*names, "nothing"], [*groups, "nothing"]
+    bounds = [[0.0, 1.0]] * len(names)
+    return {"num_vars": len(names), "names": names, "groups": groups, "bounds": bounds}
+
+
+def _designs(
+    inquiry: Inquiry, shares: np.ndarray, base: int
+) -> tuple[list[int], dict[str, np.ndarray]]:
+    """Sizes of the blocks of designs, and the inputs of all of them.
+
+    The blocks: the samples; all inputs at their medians; each group alone, at the ends of an
+    input's range or over samples of a pair; each input a small step down; each a step up.
+    """
+    names, count = inquiry.names, len(inquiry.inputs)
+    sampled = shares[:, :count]
+    blocks = [sampled, np.full((1, count), 0.5)]
+    for group in inquiry.groups:
+        columns = [names.index(name) for name in group]
+        alone = sampled[:: len(shares) // base] if len(group) > 1 else np.array(_ENDS)[:, None]
+        block = np.full((len(alone), count), 0.5)
+        block[:, columns] = alone[:, columns] if len(group) > 1 else alone
+        blocks.append(block)
+    drawn = correlate(np.concatenate(blocks), names, inquiry.tac_correlation)
     designs = {}
     for column, part in enumerate(inquiry.inputs):
         median, step = _median_and_step(part)
         near = np.full(2 * count, median)
         near[column] -= step
         near[count + column] += step
-        sampled = part.quantile(np.concatenate([shares[:, column], singly[:, column]]))
-        designs[part.field.name] = np.concatenate([sampled, near])
-    return designs
-
-
-def _split(values: np.ndarray, samples: int, count: int) -> list[np.ndarray]:
-    """An output of all designs: of the samples, one at a time, a step down, a step up."""
-    ends = np.cumsum([samples, 1 + 2 * count, count])
-    return np.split(values, ends)
+        designs[part.field.name] = np.concatenate([part.quantile(drawn[:, column]), near])
+    return [*map(len, blocks), count, count], designs
 
 
 def _median_and_step(part: Distribution) -> tuple[float, float]:
@@ -316,10 +366,11 @@ def _median_and_step(part: Distribution) -> tuple[float, float]:
     return float(median), _STEP * float(high - low)
 
 
-def _elasticities(inquiry: Inquiry, nominal: float, change: np.ndarray) -> np.ndarray:
+def _elasticities(inquiry: Inquiry, nominal: float, change: np.ndarray) -> dict[str, float]:
     """Relative change of an output over that of each input, from a small step both ways."""
     medians, steps = np.array([_median_and_step(part) for part in inquiry.inputs]).T
-    return change / (2.0 * steps) * medians / nominal
+    slopes = change / (2.0 * steps)
+    return dict(zip(inquiry.names, (slopes * medians / nominal).tolist(), strict=True))
 
 
 def _evaluate(inquiry: Inquiry, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -12,6 +12,7 @@ import importlib.metadata
 import json
 import os
 import shutil
+import tempfile
 import uuid
 import warnings
 from collections.abc import Iterator, Mapping
@@ -167,10 +168,7 @@ class Store:
         """Say in the group's attributes that it is whole."""
         attributes = {"complete": not self.missing, "not_converged": self.failures}
         path = self.folder / "zarr.json"
-        try:
-            metadata = json.loads(path.read_text(encoding="utf-8"))
-        except (ValueError, FileNotFoundError):
-            raise _lost(self.folder, path) from None
+        metadata = json.loads(path.read_text(encoding="utf-8"))
         if metadata["attributes"] | attributes != metadata["attributes"]:
             metadata["attributes"] |= attributes
             _write_atomically(path, json.dumps(metadata).encode())
@@ -285,7 +283,10 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
             except ValueError:
                 raise _lost(folder, records / _STUDY) from None
             _require_same(folder, stored["description"], description)
-            store = Store(folder, study, Chunks(study.shape, tuple(stored["block"])))
+            chunks = Chunks(study.shape, tuple(stored["block"]))
+            if not _group_is_whole(folder, study, chunks):
+                _mend_group(folder, study, chunks)
+            store = Store(folder, study, chunks)
             try:
                 yield store
             finally:
@@ -389,6 +390,33 @@ def _write_group(folder: Path, study: Study, chunks: Chunks) -> None:
                 attributes={**OUTPUTS[name].attributes},
             )
         zarr.consolidate_metadata(folder)
+
+
+def _group_is_whole(folder: Path, study: Study, chunks: Chunks) -> bool:
+    """Whether a reader finds the coordinates, and the outputs' descriptions."""
+    import zarr
+
+    try:
+        group: Any = zarr.open_group(folder, mode="r", use_consolidated=False)
+        coordinates = empty_dataset(study).coords
+        return all(
+            np.array_equal(group[name][...], values) for name, values in coordinates.items()
+        ) and all(
+            (group[name].shape, group[name].chunks) == (chunks.shape, chunks.block)
+            for name in study.variables
+        )
+    except (OSError, ValueError, LookupError, TypeError, RuntimeError):  # as decoders raise them
+        return False
+
+
+def _mend_group(folder: Path, study: Study, chunks: Chunks) -> None:
+    """Write coordinates, attributes and the outputs' descriptions anew; chunks stay as they are."""
+    with tempfile.TemporaryDirectory(dir=folder / _RECORDS) as name:
+        fresh = Path(name)
+        _write_group(fresh, study, chunks)
+        for path in fresh.rglob("*"):
+            if path.is_file():
+                _write_atomically(folder / path.relative_to(fresh), path.read_bytes())
 
 
 def empty_dataset(study: Study) -> "xr.Dataset":

@@ -232,7 +232,7 @@ def make_study(
         raise located(source, ["outputs", "variables"], f": {error}") from None
     return Study(
         configuration=configuration,
-        dimensions=_dimensions(found, sampling, source),
+        dimensions=_dimensions(configuration, found, sampling, source),
         fixed={
             axis.field.name: float(axis.values[0])
             for axis in found
@@ -246,7 +246,10 @@ def make_study(
 
 
 def _dimensions(
-    found: Sequence[Axis | Distribution], sampling: SamplingSection, source: Source | None
+    configuration: FlyerFile,
+    found: Sequence[Axis | Distribution],
+    sampling: SamplingSection,
+    source: Source | None,
 ) -> tuple[Dimension, ...]:
     dimensions = [
         Dimension(axis.field.name, {axis.field.name: axis.values})
@@ -255,8 +258,9 @@ def _dimensions(
     ]
     distributions = [part for part in found if isinstance(part, Distribution)]
     if distributions:
+        how = (sampling.method, sampling.seed, configuration.film.tac_correlation.value)
         try:
-            drawn = draw(distributions, sampling.points, sampling.method, sampling.seed)
+            drawn = draw(distributions, sampling.points, *how)
         except ConfigurationError as error:
             raise located(source, ["sampling"], f": {error}") from None
         dimensions.append(Dimension(SAMPLE, drawn))

@@ -44,8 +44,9 @@ def test_nodes_lie_where_their_coordinates_say(boundary):
 
 
 def test_nodes_of_a_panel_are_those_of_the_tables():
-    """Gauss, Radau and Lobatto, Abramowitz and Stegun 25.4 [AbramowitzStegun1964]_."""
-    assert panel_nodes(2, lower=False, upper=False) == pytest.approx(0.5 - np.array([1, -1]) / 12**0.5)
+    """Gauss, Radau and Lobatto, Abramowitz and Stegun 25.4."""
+    gauss_nodes = 0.5 + np.array([-1.0, 1.0]) / np.sqrt(12.0)
+    assert panel_nodes(2, lower=False, upper=False) == pytest.approx(gauss_nodes)
     assert panel_nodes(3, lower=True, upper=True) == pytest.approx([0.0, 0.5, 1.0])
     radau = 0.5 + 0.5 * np.array([-1.0, -0.289898, 0.689898])
     assert panel_nodes(3, lower=True, upper=False) == pytest.approx(radau, abs=1e-6)
@@ -93,14 +94,18 @@ def test_a_piece_of_a_uniform_gas_emits_what_its_optical_depth_says(depth, width
 def test_kernels_are_compiled_again_after_any_change(tmp_path):
     cache = tmp_path / "__pycache__"
     cache.mkdir()
-    for name, date in (("a.py", 50), ("b.py", 100), ("__pycache__/a.nbi", 90), ("__pycache__/b.nbi", 110)):
+    dates = {"a.py": 50, "b.py": 100, "__pycache__/a.nbi": 90, "__pycache__/b.nbi": 110}
+    for name, date in dates.items():
         (tmp_path / name).write_text("")
         os.utime(tmp_path / name, (date, date))
     _kernels.forget_stale_kernels(tmp_path)
     assert [file.name for file in cache.iterdir()] == ["b.nbi"]
 
 
-@pytest.mark.parametrize("point", [(0.5, 0.1), (0.9, 0.3), (1.2, 0.3), (3.0, 0.5), (40.0, 70.0), (1.3, 0.0), (9.0, 0.0)])
+@pytest.mark.parametrize(
+    "point",
+    [(0.5, 0.1), (0.9, 0.3), (1.2, 0.3), (3.0, 0.5), (40.0, 70.0), (1.3, 0.0), (9.0, 0.0)],
+)
 def test_directions_cover_the_sphere_and_find_the_disk(point):
     radius, height = point
     found = np.empty((40000, 4))

@@ -179,7 +179,7 @@ def test_nitrogen_as_direct_simulation_finds_it():
     assert heat == pytest.approx(0.9389, rel=0.008)
 
 
-def test_hot_dense_gas_is_reached_in_steps():
+def test_heat_of_a_very_hot_disk_in_dense_gas():
     """Heat hardly knows of T_h/T_c: a hotter gas conducts better and is thinner."""
     problem = case(0.085, (0.8, 0.9), (2.5, 2.5), linear=False)
     linear = ratios(case(0.085, (0.8, 0.9)))

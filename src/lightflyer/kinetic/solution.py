@@ -17,10 +17,6 @@ from lightflyer.kinetic.operators import Quadrature, assemble
 SMALLEST_ERROR = {"force_ratio": 1e-4, "heat_ratio": 5e-5}
 """Error stated where two meshes happen to agree better."""
 
-_DENSE = 5.0  # δ above which a very hot disk is approached in steps
-_LARGEST_STEP = 0.75  # of T_h/T_c
-_LOOSE = 1e-2  # tolerance of fields on the way
-
 
 @dataclass(frozen=True)
 class Resolution:
@@ -67,6 +63,12 @@ class Case:
     linear: bool
     gas: GasModel
     boundary: float
+
+    @property
+    def perturbation(self) -> tuple[float, float]:
+        """Temperature of the faces over the gas's, less 1, in the linear problem."""
+        top, bottom = self.temperature
+        return (top, bottom) if self.linear else (top - 1.0, bottom - 1.0)
 
     def free_molecular(self) -> FreeMolecularDisk:
         """Force and heat without collisions."""
@@ -115,7 +117,7 @@ def solve_case(
     tolerance : float
         Of the fields, in the non-linear problem.
     start : array, optional
-        Fields of a neighbouring non-linear case on the same mesh.
+        Fields of a neighbouring non-linear case on the same mesh; else the linear problem's.
     progress : callable, optional
         Told the residual of each non-linear iteration.
 
@@ -132,43 +134,21 @@ def solve_case(
     mesh = resolution.mesh(case.rarefaction, case.boundary)
     operators = assemble(mesh, case.rarefaction, resolution.quadrature)
     system = LinearSystem(operators, case.gas, 0.5 * sum(case.tac))
-    excess = case.temperature if case.linear else _excess(case.temperature)
-    walls = Walls(case.tac, excess)
-    if case.linear or start is None:
-        fields, iterations = system.solve(walls)
+    walls = Walls(case.tac, case.perturbation)
     if case.linear:
+        fields, iterations = system.solve(walls)
         faces = [face_result(system, walls, fields[face], face) for face in (0, 1)]
     else:
         problem = NonlinearProblem(system, case.rarefaction, resolution.quadrature)
         disk = HotDisk(case.tac, case.temperature)
         if start is None:
-            start = _approach(problem, disk, fields)
+            start = system.solve(walls)[0]
         fields, iterations = problem.solve(disk, start, tolerance, progress)
         faces = [problem.face_result(fields, face, disk) for face in (0, 1)]
     force, heat = _totals(mesh, faces)
     if not np.isfinite(force):
         raise ConvergenceError("the kinetic equation gave no finite force")
     return Outcome(force, heat, fields, iterations, time.perf_counter() - began, mesh)
-
-
-def _excess(temperature: tuple[float, float]) -> tuple[float, float]:
-    return temperature[0] - 1.0, temperature[1] - 1.0
-
-
-def _approach(problem: NonlinearProblem, disk: HotDisk, fields: np.ndarray) -> np.ndarray:
-    """Fields to start from, by way of less hot disks where gas is dense and the disk hot."""
-    hottest = max(disk.temperature)
-    stages = int(np.ceil((hottest - 1.0) / _LARGEST_STEP)) if _is_dense(problem) else 1
-    for stage in range(1, stages):
-        share = stage / stages
-        top, bottom = (1.0 + share * (value - 1.0) for value in disk.temperature)
-        before = fields * (share if stage == 1 else stage / (stage - 1))
-        fields = problem.solve(HotDisk(disk.tac, (top, bottom)), before, _LOOSE)[0]
-    return fields if stages == 1 else fields * stages / (stages - 1)
-
-
-def _is_dense(problem: NonlinearProblem) -> bool:
-    return problem.rarefaction > _DENSE
 
 
 def _totals(mesh: Mesh, faces: list[FaceResult]) -> tuple[float, tuple[float, float]]:

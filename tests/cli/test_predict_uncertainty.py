@@ -38,7 +38,9 @@ def folder(tmp_path):
 def test_bands_for_a_file_with_uncertainties(folder):
     done = run(folder, "predict", "flyer.toml", "--out", "out", "--samples", "60")
     assert done.returncode == 0, done.stderr
-    assert "best.payload_mg" in done.stdout
+    bands = done.stdout[done.stdout.index("95 % band of") :].splitlines()
+    assert any(line.split()[:1] == ["payload_mg"] and "%" in line for line in bands)
+    assert max(len(line) for line in bands) <= 80
     assert "correlated by 0.5" in done.stdout
     summary = json.loads((folder / "out" / "prediction.json").read_text(encoding="utf-8"))
     assert {"altitude_band_km", "minimum_irradiance", "best", "at", "uncertainty"} <= set(summary)

@@ -42,23 +42,23 @@ def misfits(fit, table):
 
 @pytest.mark.parametrize("gas", GASES)
 def test_fit_follows_the_table(gas):
-    """To half a per cent, where the table is that good; else to its error."""
-    for misfit, bound in misfits(kinetic_fit(gas), kinetic_table.kinetic_table(gas)):
-        assert np.all(misfit < np.maximum(5e-3, bound))
+    """To half a per cent, at every Knudsen number."""
+    for misfit, _ in misfits(kinetic_fit(gas), kinetic_table.kinetic_table(gas)):
+        assert np.all(misfit < 5e-3)
 
 
 @pytest.mark.parametrize("gas", GASES)
 def test_fit_predicts_what_it_was_not_shown(gas):
     """Between the table's Knudsen numbers the fit is as good as at them."""
     table = kinetic_table.kinetic_table(gas)
-    for hidden in np.unique(table.knudsen)[3:-1]:
+    for hidden in np.unique(table.knudsen)[1:-1]:
         shown, kept = (
             [column[rows] for column in vars(table).values()]
             for rows in (table.knudsen != hidden, table.knudsen == hidden)
         )
         fit = kinetic_table.fit(kinetic_table.Table(*shown), kinetic_table.wall_table(gas))
         for misfit, _ in misfits(fit, kinetic_table.Table(*kept)):
-            assert np.all(misfit < 6e-3)
+            assert np.all(misfit < 4e-3)
 
 
 def test_thin_gas_gives_free_molecules(disk):

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 _KILOMETRE = 1e3
 _MILLIGRAMS = 1e6
-_BANDS_WIDTH = 100  # wider than a narrow terminal: names and numbers stay whole
 
 
 def predict_command(
@@ -211,17 +210,23 @@ def _show(
 
 def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
     """The 95 % bands of all results but those asked for one by one."""
-    table = Table(box=None, padding=(0, 1))
-    for heading in ("95 % band of", "value", "first order", "Monte Carlo", "of samples"):
-        first = heading == "95 % band of"
-        table.add_column(heading, justify="left" if first else "right", no_wrap=True)
+    table = Table(box=None, padding=(0, 1, 0, 0))  # so that it fits into 80 columns
+    table.add_column("95 % band of", no_wrap=True)
+    for heading in ("value", "first order", "Monte Carlo", "samples"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    shown = ""
     for name, result in uncertainty["results"].items():
-        if not name.startswith("at["):
-            sampled = result.get("monte_carlo")
-            share = f"{100.0 * sampled['share_of_samples']:.0f} %" if sampled else "–"
-            cells = (f"{result['value']:.4g}", _span(result["first_order"]), _span(sampled), share)
-            table.add_row(name, *cells)
-    console.print(table, width=_BANDS_WIDTH, crop=False)
+        group, _, entry = name.rpartition(".")
+        if name.startswith("at["):
+            continue
+        if group != shown:
+            table.add_row(group)
+            shown = group
+        sampled = result.get("monte_carlo")
+        share = f"{100.0 * sampled['share_of_samples']:.0f} %" if sampled else "–"
+        cells = (f"{result['value']:.4g}", _span(result["first_order"]), _span(sampled), share)
+        table.add_row(f"  {entry}" if group else entry, *cells)
+    console.print(table)
     correlation = uncertainty["tac_correlation"]
     note = "" if correlation is None else f", TAC errors correlated by {correlation:g}"
     console.print(f"from the ± of {', '.join(uncertainty['inputs'])}{note}")

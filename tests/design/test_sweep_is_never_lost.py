@@ -1,6 +1,7 @@
 """Sweeps that are killed, damaged, interrupted or run by a cluster give what others give."""
 
 import errno
+import gc
 import json
 import os
 import signal
@@ -8,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 from pathlib import Path
 
 import cloudpickle
@@ -248,6 +250,20 @@ def cluster(tmp_path_factory):
         n_workers=2, threads_per_worker=1, dashboard_address=None, local_directory=folder
     ) as found:
         yield found
+    _close_lost_sockets()
+
+
+@pytest.fixture(autouse=True)
+def lost_sockets():
+    """Sockets to killed processes end with their test, not as a warning in another."""
+    yield
+    _close_lost_sockets()
+
+
+def _close_lost_sockets():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResourceWarning)
+        gc.collect()
 
 
 def kill_workers(cluster, stop, killed):

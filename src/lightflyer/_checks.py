@@ -43,7 +43,8 @@ def require_range(
     inside = above & (array <= highest) & np.isfinite(array)
     if not np.all(inside):
         bad = array[~inside].flat[0] if array.ndim else array
-        raise ParameterError(f"{name} = {bad:g} is not {allowed(lowest, highest, open_below)}")
+        words = allowed(lowest, highest, open_below) if np.isfinite(bad) else "a finite number"
+        raise ParameterError(f"{name} = {bad:g} is not {words}")
 
 
 def allowed(lowest: float, highest: float, open_below: bool) -> str:

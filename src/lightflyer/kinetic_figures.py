@@ -48,7 +48,8 @@ def flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
     ax.set_ylim(-extent, extent)
     ax.set_xlabel("distance from the axis [disk radii]")
     ax.set_ylabel("height [disk radii]")
-    ax.set_title(f"Kn = {solution.knudsen:g}")
+    first, _, second = solution.title.partition(" bottom, ")
+    ax.set_title(f"{first} bottom\n{second}", fontsize="medium")
     return ax
 
 

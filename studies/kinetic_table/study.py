@@ -15,12 +15,12 @@ import numpy as np
 from lightflyer.kinetic.gas_model import gas_model
 from lightflyer.kinetic.solution import (
     COARSE,
-    FINE,
     MEDIUM,
     SMALLEST_ERROR,
     Case,
     Outcome,
     Resolution,
+    meshes,
     solve_case,
 )
 from lightflyer.kinetic.solver import furthest_boundary
@@ -34,7 +34,6 @@ KNUDSEN = (0.03, 0.05, 0.08, 0.125, 0.2, 0.35, 0.6, 1.0, 2.0, 5.0, 10.0, 30.0)
 RATIOS = (1.0, 1.6, 2.5)
 TAC = (0.6, 0.8, 1.0)
 BOUNDARIES = (2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0)
-THIN = 0.3  # Knudsen number above which a coarser mesh does
 CHECKED_TAC = 0.8  # of non-linear points solved on two meshes
 BOUNDARY_TAC = 0.85
 TAC_DIFFERENCE = 0.1  # of the two faces: force and heat are odd and even in it
@@ -93,7 +92,7 @@ def levels(point: Point) -> tuple[Resolution, ...]:
     """Meshes of a linear point: the first gives the result, the second its error."""
     if point.tac == BOUNDARY_TAC:
         return (MEDIUM,)
-    return (MEDIUM, COARSE) if point.knudsen > THIN else (FINE, MEDIUM)
+    return meshes(point.knudsen, linear=True)
 
 
 def case(point: Point) -> Case:

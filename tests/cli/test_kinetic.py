@@ -6,6 +6,8 @@ import sys
 
 import pytest
 
+from lightflyer.kinetic import solver
+
 CASE = ("kinetic", "--kn", "2", "--tac-top", "0.8", "--tac-bottom", "0.9")
 
 
@@ -28,7 +30,16 @@ def test_one_json_and_a_figure(run, tmp_path):
     assert found["kn"] == 2.0
     assert 0.85 < found["force_ratio"] < found["heat_ratio"] < 1.0
     assert found["heat_ratio_bottom"] < found["heat_ratio"] < found["heat_ratio_top"]
-    assert json.loads((out / "kinetic.json").read_text()) == found
+    inputs = {
+        "knudsen": 2.0,
+        "tac_top": 0.8,
+        "tac_bottom": 0.9,
+        "top_temperature": 1.0,
+        "bottom_temperature": 1.0,
+        "gas": "monatomic",
+        "boundary": 4.0,
+    }
+    assert json.loads((out / "kinetic.json").read_text()) == found | {"inputs": inputs}
     assert (out / "flow.png").stat().st_size > 10_000
     assert (out / "flow.svg").read_text().startswith("<?xml")
 
@@ -36,6 +47,7 @@ def test_one_json_and_a_figure(run, tmp_path):
 def test_table_of_a_hot_disk(run):
     code, text, _ = run(*CASE, "--temperature-ratio", "2", "--gas", "diatomic")
     assert code == 0
+    assert "Kn 2, TAC 0.8 top, 0.9 bottom, diatomic, T_h/T_c 2, open" in text
     assert "force" in text
     assert "heat, bottom" in text
 
@@ -43,10 +55,11 @@ def test_table_of_a_hot_disk(run):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("--boundary", "0.5"), "boundary = 0.5 is not at least 1.5"),
-        (("--temperature-ratio", "3"), "temperature_ratio = 3 is not between 1 and 2.5"),
+        (("--boundary", "0.5"), "--boundary = 0.5 is not at least 1.5"),
+        (("--temperature-ratio", "3"), "--temperature-ratio = 3 is not between 1 and 2.5"),
         (("--temperature-ratio", "2", "--top-temperature", "1"), "--top-temperature"),
         (("--gas", "argon"), "argon"),
+        (("--top-temperature", "inf"), "--top-temperature = inf is not a finite number"),
     ],
 )
 def test_bad_input_is_one_line(run, tmp_path, arguments, says):
@@ -56,6 +69,20 @@ def test_bad_input_is_one_line(run, tmp_path, arguments, says):
     assert says in errors
     assert text == ""
     assert not out.exists()
+
+
+def test_the_knudsen_number_is_called_as_its_option(run):
+    code, _, errors = run("kinetic", "--kn", "0.01", "--tac-top", "0.8", "--tac-bottom", "0.9")
+    assert code == 2
+    assert "--kn = 0.01 is not between 0.03 and 100" in errors
+
+
+def test_a_folder_that_cannot_be_written_is_found_before_solving(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(solver, "_case", None)  # any solution would fail on it
+    (tmp_path / "file").write_text("")
+    code, _, errors = run(*CASE, "--out", tmp_path / "file")
+    assert code == 2
+    assert "cannot be written" in errors
 
 
 def test_without_numba_the_extra_is_named():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.config.sections import KineticSection
 from lightflyer.design.problem import make_problem
 from lightflyer.design.sections import OptimiseSection, SensitivitySection
 from lightflyer.design.sobol import make_inquiry, sensitivity_indices
@@ -47,6 +48,24 @@ def test_indices_of_a_product_have_a_closed_form(flyer):
     assert found.next == "flyer.diameter"
     np.testing.assert_allclose(found.low[0] / found.nominal, (1.05 / 2.0) ** 2, rtol=1e-9)
     np.testing.assert_allclose(found.high[1] / found.nominal, 1.475, rtol=1e-9)
+
+
+def test_a_models_own_error_has_a_share_but_is_not_to_be_measured(flyer):
+    configuration = flyer.model_copy(update={"force": KineticSection(model="kinetic")})
+    inputs = {
+        "force.force_error": {"distribution": "normal", "mean": 0, "standard_deviation": 1},
+        "film.areal_density": {
+            "distribution": "normal", "mean": "1 g/m^2", "standard_deviation": "0.01 g/m^2"
+        },
+    }  # fmt: skip
+    section = {"outputs": "payload", "at": {"altitude": "78 km"}, "inputs": inputs}
+    (found,) = sensitivity_indices(inquire(configuration, points=256, **section))
+    assert found.first[0] > found.first[1]
+    assert found.ranked
+    assert found.next == "film.areal_density"
+    assert np.isnan(found.elasticity["force.force_error"])
+    (few,) = sensitivity_indices(inquire(configuration, points=2, **section))
+    assert not few.ranked
 
 
 def test_the_files_own_uncertainties_and_their_first_order_spread(flyer):

@@ -165,7 +165,8 @@ def test_what_a_store_says_of_itself_is_never_taken_for_granted(study, tmp_path)
     (folder / ".lightflyer" / "journal").unlink()
     assert sweep_into(study, folder, evaluator=StandIn()).computed == 1000
     before, records = contents(folder), folder / ".lightflyer" / "study.json"
-    for damage in (lambda path: path.write_text("{"), Path.unlink):
+    damages = [lambda path, text=text: path.write_text(text) for text in ("{", "{}", "[]")]
+    for damage in (*damages, Path.unlink):
         whole = records.read_bytes()
         damage(records)
         with pytest.raises(lf.OutputError, match=r"study.json is damaged or missing"):

@@ -9,7 +9,7 @@ from lightflyer.kinetic.speed_integrals import speed_integral, spline_table
 
 
 @pytest.mark.parametrize("power", [1, 4, 8])
-@pytest.mark.parametrize("depth", [0.0, 1e-3, 0.7, 6.0, 39.0])
+@pytest.mark.parametrize("depth", [0.0, 1e-3, 0.7, 6.0, 59.0])
 def test_integral_is_what_scipy_finds(power, depth):
     expected = quad(
         lambda c: c**power * np.exp(-c * c - depth / c), 0.0, 12.0, epsabs=0.0, limit=400
@@ -26,11 +26,12 @@ def test_recurrence_of_abramowitz_and_stegun():
 
 def test_spline_table_is_as_exact_between_its_nodes():
     table, per_unit = spline_table()
-    root = np.random.default_rng(3).uniform(0.0, 6.3, 500)
+    root = np.random.default_rng(3).uniform(0.0, np.sqrt(speed_integrals.LARGEST_DEPTH), 500)
+    root[:20] *= 1e-3  # the first cell, where a logarithm is worst
     cell = (root * per_unit).astype(int)
     t = (root - cell / per_unit)[:, None]
     rows = table[cell]
     values = ((rows[:, 0] * t + rows[:, 1]) * t + rows[:, 2]) * t + rows[:, 3]
     for column in range(speed_integrals.NUMBER):
         exact = speed_integral(column + speed_integrals.LOWEST_POWER, root**2)
-        np.testing.assert_allclose(values[:, column], exact, atol=3e-11)
+        np.testing.assert_allclose(values[:, column], exact, atol=4e-10)

@@ -3,6 +3,9 @@
 import gc
 import json
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -14,6 +17,8 @@ from lightflyer.errors import ParameterError
 
 if TYPE_CHECKING:
     from lightflyer.kinetic import Solution
+
+_FILES = ("kinetic.json", "flow.png", "flow.svg")
 
 
 def kinetic_command(
@@ -50,7 +55,8 @@ def kinetic_command(
     gas
         Without or with rotation of its molecules; nitrogen and air are diatomic.
     boundary
-        Half-width and half-height of a cold cylindrical reservoir around the disk, in radii.
+        Half-width and half-height of a cold cylindrical reservoir around the disk, in radii:
+        1.5 to 338 Kn.
     out
         Folder to write a figure of temperature and streamlines and the result (JSON) into.
     json_output
@@ -63,8 +69,11 @@ def kinetic_command(
             "or leave out --temperature-ratio"
         )
     from lightflyer.kinetic import solve
+    from lightflyer.output import output_directory
 
-    with Console(stderr=True).status("") as status:
+    # a folder that cannot be written is found before, not after, a long solution
+    opened = nullcontext() if out is None else output_directory(out)
+    with opened as stage, Console(stderr=True).status("") as status, _named_as_options():
 
         def progress(residual: float) -> None:
             status.update(f"solving the non-linear equation, residual {residual:.1e}")
@@ -81,36 +90,56 @@ def kinetic_command(
             boundary=boundary,
             progress=progress if sys.stderr.isatty() else None,
         )
+        if stage is not None:
+            status.update("drawing the flow")
+            _write(stage, solution)
     described = solution.to_json()
-    written = [] if out is None else _write(out, solution, described)
     if json_output:
         print(json.dumps(described, allow_nan=False))  # noqa: T201
         return
     console = Console(highlight=False)
+    console.print(solution.title, soft_wrap=True)
     console.print(_table(described))
-    for path in written:
-        console.print(f"wrote {path}", soft_wrap=True)
+    count = described["iterations"]
+    console.print(
+        f"{count} iteration{'' if count == 1 else 's'}, {described['seconds']:.1f} s; the error is "
+        "of the mesh, not of the model",
+        soft_wrap=True,
+    )
     if out is None:
         console.print("add --out FOLDER to write a figure of the flow")
+        return
+    for name in _FILES:
+        console.print(f"wrote {out / name}", soft_wrap=True)
 
 
-def _write(out: Path, solution: "Solution", described: dict[str, Any]) -> list[Path]:
-    from lightflyer import output, plot
+@contextmanager
+def _named_as_options() -> Iterator[None]:
+    """Have errors name a parameter as the command line does."""
+    try:
+        yield
+    except ParameterError as error:
+        name, space, rest = str(error).partition(" ")
+        option = "--kn" if name == "knudsen" else f"--{name.replace('_', '-')}"
+        known = name in signature(kinetic_command).parameters or name == "knudsen"
+        raise ParameterError(f"{option}{space}{rest}" if known else str(error)) from None
+
+
+def _write(stage: Callable[[str], Path], solution: "Solution") -> None:
+    from lightflyer import plot
     from lightflyer.kinetic_figures import flow_figure
 
-    names = ["kinetic.json", "flow.png", "flow.svg"]
-    with output.output_directory(out) as stage:
-        text = json.dumps(described, indent=2, allow_nan=False)
-        stage(names[0]).write_text(text + "\n", encoding="utf-8")
-        plot.save(flow_figure(solution), [stage(name) for name in names[1:]])
-    return [out / name for name in names]
+    record, *figures = (stage(name) for name in _FILES)
+    described = solution.to_json() | {"inputs": solution.inputs}
+    record.write_text(json.dumps(described, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    plot.save(flow_figure(solution), figures)
 
 
 def _table(described: dict[str, Any]) -> Table:
     errors = described["error_estimate"]
     table = Table(box=None, padding=(0, 1))
-    for heading in (f"Kn = {described['kn']:g}", "over free-\nmolecular [1]", "error"):
-        table.add_column(heading, justify="left" if heading.startswith("Kn") else "right")
+    for heading in ("", "over free-\nmolecular [1]", "error"):
+        table.add_column(heading, justify="right" if heading else "left")
     for label, name in (
         ("force", "force_ratio"),
         ("heat", "heat_ratio"),
@@ -123,8 +152,4 @@ def _table(described: dict[str, Any]) -> Table:
             "–" if value is None else f"{value:.5f}",
             "" if error is None else f"± {error:.1g}",
         )
-    table.caption = (
-        f"{described['iterations']} iterations, {described['seconds']:.1f} s; the error is of "
-        "the mesh, not of the model"
-    )
     return table

@@ -1,6 +1,7 @@
 """``lightflyer sensitivity``: which uncertain property costs most."""
 
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -73,31 +74,46 @@ def _write(out: Path, summary: dict[str, Any], results: "list[Indices]") -> list
 def _show(console: Console, found: "Indices") -> None:
     from lightflyer.design.outputs import unit_of_output
 
-    unit = unit_of_output(found.output)
+    name = unit_of_output(found.output)
+    unit = f" {name}" if name else ""
     console.print(
-        f"{found.output} {found.nominal:.4g} {unit}; over all inputs {found.mean:.4g} ± "
-        f"{found.spread:.2g} {unit}".rstrip(),
+        f"{found.output} {found.nominal:.4g}{unit}; over all inputs {found.mean:.4g} ± "
+        f"{found.spread:.2g}{unit}",
         soft_wrap=True,
     )
-    table = Table(box=None, padding=(0, 1))
-    ends = (escape(f"at its\n{end} %\n[{unit or '1'}]") for end in ("2.5", "97.5"))
+    table = Table(box=None, padding=(0, 1, 0, 0))  # so that it fits into 80 columns
+    ends = (escape(f"at its\n{end} %\n[{name or '1'}]") for end in ("2.5", "97.5"))
     shares = ("share of\nvariance\n[%]", "with inter-\nactions\n[%]")
     headings = ("input", *shares, "elasticity", *ends)
     for heading in headings:
         left = heading == "input"
-        table.add_column(heading, justify="left" if left else "right", no_wrap=left)
+        table.add_column(heading, justify="left" if left else "right", no_wrap=True)
     for row in (-found.total).argsort():
         table.add_row(
             "\n".join(found.groups[row]),
             f"{100.0 * found.first[row]:.1f} ± {100.0 * found.first_interval[row]:.1f}",
             f"{100.0 * found.total[row]:.1f} ± {100.0 * found.total_interval[row]:.1f}",
-            "\n".join(f"{found.elasticity[name]:+.3g}" for name in found.groups[row]),
-            f"{found.low[row]:.4g}",
-            f"{found.high[row]:.4g}",
+            "\n".join(_signed(found.elasticity[name]) for name in found.groups[row]),
+            _short(found.low[row]),
+            _short(found.high[row]),
         )
     console.print(table)
-    console.print(
-        f"measure {found.next} next: half that uncertainty would leave ± "
-        f"{found.spread_after_halving:.2g} {unit}".rstrip(),
-        soft_wrap=True,
-    )
+    if not found.ranked:
+        advice = "too few points to say what to measure next: shares are known to "
+        advice += f"± {100.0 * found.first_interval.max():.0f} % at worst; raise points"
+    elif found.next is None:
+        advice = "all of it is the model's own error, which no measurement makes smaller"
+    else:
+        advice = f"measure {found.next} next: half that uncertainty would leave ± "
+        advice += f"{found.spread_after_halving:.2g}{unit}"
+    console.print(advice, soft_wrap=True)
+
+
+def _short(value: float) -> str:
+    """Few digits where a power of ten takes room: the table fits into 80 columns."""
+    text = f"{value:.4g}"
+    return f"{value:.3g}" if "e" in text else text
+
+
+def _signed(elasticity: float) -> str:
+    return "–" if math.isnan(elasticity) else f"{elasticity:+.3g}"

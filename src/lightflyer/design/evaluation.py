@@ -140,12 +140,13 @@ class _Kernel:
     def __call__(self, values: Table, films: FilmProperties | None) -> tuple[Table, np.ndarray]:
         shapes = {name: column.shape for name, column in values.items()}
         kind = tuple(shapes.items()), films is None
-        if kind in self._ready:
-            return self._run(values, films)
-        with self._lock:  # or every thread would compile
-            found = self._run(values, films)
-            self._ready.add(kind)
-        return found
+        if kind not in self._ready:
+            with self._lock:  # or every thread would compile
+                if kind not in self._ready:
+                    found = self._run(values, films)
+                    self._ready.add(kind)
+                    return found
+        return self._run(values, films)
 
     def _run(self, values: Table, films: FilmProperties | None) -> tuple[Table, np.ndarray]:
         with float64():

@@ -32,6 +32,8 @@ from lightflyer.errors import ConfigurationError, MissingExtraError
 
 _ENDS = (0.025, 0.975)
 _STEP = 1e-4  # of an input's 95 % range, for elasticities
+_ERRORS_OF_MODELS = ("force.force_error", "force.heat_error")  # which nobody can measure
+_LARGEST_INTERVAL = 0.2  # of a share, beyond which shares are not ranked
 _LEFT_BY_HALVING = 0.25  # of a variance, when a standard deviation is halved
 
 
@@ -93,7 +95,8 @@ class Indices:
         Output with one input at its 2.5 % and its 97.5 % quantile, the others at their medians.
         Where two vary together, the output's own quantiles.
     elasticity : dict of str to float
-        Relative change of the output over that of an input, by the input's name.
+        Relative change of the output over that of an input, by the input's name; not a number for
+        an input whose median is zero.
     """
 
     output: str
@@ -115,14 +118,30 @@ class Indices:
         return tuple(" and ".join(group) for group in self.groups)
 
     @property
-    def next(self) -> str:
-        """The input whose better measurement would help most."""
-        return self.names[int(np.argmax(self.first))]
+    def ranked(self) -> bool:
+        """Whether the shares are known well enough to say which is the largest."""
+        return bool(np.max(self.first_interval) < _LARGEST_INTERVAL)
+
+    @property
+    def next(self) -> str | None:
+        """The input whose better measurement would help most; None if none can be measured."""
+        row = self._row_of_next
+        return None if row is None else self.names[row]
+
+    @property
+    def _row_of_next(self) -> int | None:
+        measurable = [
+            row
+            for row, group in enumerate(self.groups)
+            if not any(name in _ERRORS_OF_MODELS for name in group)
+        ]
+        return max(measurable, key=lambda row: float(self.first[row]), default=None)
 
     @property
     def spread_after_halving(self) -> float:
         """Standard deviation of the output if that input's were halved."""
-        share = float(np.clip(np.max(self.first), 0.0, 1.0))
+        row = self._row_of_next
+        share = 0.0 if row is None else float(np.clip(self.first[row], 0.0, 1.0))
         return self.spread * float(np.sqrt(1.0 - (1.0 - _LEFT_BY_HALVING) * share))
 
     def summary(self) -> dict[str, Any]:
@@ -370,7 +389,8 @@ def _elasticities(inquiry: Inquiry, nominal: float, change: np.ndarray) -> dict[
     """Relative change of an output over that of each input, from a small step both ways."""
     medians, steps = np.array([_median_and_step(part) for part in inquiry.inputs]).T
     slopes = change / (2.0 * steps)
-    return dict(zip(inquiry.names, (slopes * medians / nominal).tolist(), strict=True))
+    relative = np.where(medians == 0.0, np.nan, slopes * medians / nominal)
+    return dict(zip(inquiry.names, relative.tolist(), strict=True))
 
 
 def _evaluate(inquiry: Inquiry, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

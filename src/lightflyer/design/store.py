@@ -239,8 +239,15 @@ def stored_study(folder: Path) -> dict[str, Any]:
     ------
     OSError
         If the folder is no store.
+    ValueError
+        If its description is damaged.
     """
-    content: dict[str, Any] = json.loads((folder / _RECORDS / _STUDY).read_text(encoding="utf-8"))
+    content = json.loads((folder / _RECORDS / _STUDY).read_text(encoding="utf-8"))
+    kinds = {"token": str, "block": list, "description": dict}
+    if not isinstance(content, dict) or not all(
+        isinstance(content.get(name), kind) for name, kind in kinds.items()
+    ):
+        raise ValueError(f"{_STUDY} is not the description of a store")
     return content
 
 

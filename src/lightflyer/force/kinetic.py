@@ -49,7 +49,8 @@ class Kinetic(AbstractForceModel):
     of 2.5 the ratios stay what they are there.
 
     The table is for small differences of the faces' TACs. At 0.5 and 1 and Kn = 0.1 the heat loss
-    comes out 2.5 % too large, at 0.8 and 0.9 a tenth of a per cent.
+    comes out 2 % too large and the force 1.4 % too small; at 0.8 and 0.9 the heat is right to
+    0.2 %.
 
     Where the surroundings have a wall (:attr:`EnvironmentState.wall_distance`), force and heat
     are those in a chamber of that radius.

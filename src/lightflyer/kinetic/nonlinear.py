@@ -1,7 +1,8 @@
 """Solution of the non-linear problem: both faces hot, by preconditioned Anderson acceleration.
 
-The linear problem's factors, which contain all that is stiff, precondition the iteration, so that
-it converges in about as many steps at any Knudsen number.
+What preconditions the iteration contains all that is stiff, so that it converges in about as many
+steps at any Knudsen number: the linear problem's factors in thin gas, those of the equation
+linearised about the temperatures of the hot gas in dense gas.
 """
 
 from collections.abc import Callable
@@ -26,7 +27,7 @@ _SQRT_PI = np.sqrt(np.pi)
 _MOST_ITERATIONS = 60
 _MEMORY = 12
 _RENEWED = 0.03  # residual below which the preconditioner is made once more
-_THIN = 1.0  # δ below which the linear problem's own factors precondition as well
+_THIN_GAS = 1.0  # δ below which the linear problem's own factors precondition as well
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class NonlinearProblem:
     Parameters
     ----------
     system : LinearSystem
-        Its factors precondition the iteration.
+        Its factors precondition the iteration in thin gas.
     rarefaction : float
         δ of the gas far away.
     quadrature : Quadrature
@@ -136,7 +137,7 @@ class NonlinearProblem:
         ConvergenceError
             With the last residual.
         """
-        is_dense, renewed = self.rarefaction > _THIN, False
+        is_dense, renewed = self.rarefaction > _THIN_GAS, False
         if is_dense:
             self.precondition_about(start, disk)
         fields = start
@@ -152,7 +153,7 @@ class NonlinearProblem:
             if residual < tolerance:
                 return fields + step, iteration
             if not np.isfinite(residual):
-                break
+                raise ConvergenceError("the non-linear kinetic equation diverged")
             if is_dense and not renewed and residual < _RENEWED:
                 # the temperatures are known well enough now to precondition about them
                 renewed = True

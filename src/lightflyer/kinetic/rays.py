@@ -176,7 +176,7 @@ def interpolate(xi, eta, mesh, xi_basis, eta_basis):
     ----------
     xi, eta : float
     mesh : tuple
-        Of :func:`mesh_arrays`.
+        Panels, of :func:`lightflyer.kinetic.operators.kernel_arguments`.
     xi_basis, eta_basis : array, shape (order,)
         Filled.
 
@@ -243,8 +243,8 @@ def maxwellian_integrals(depth, temperature, table, scale, values):
 def piece_integrals(depth, width, temperatures, frequencies, setup, buffer, values):
     """Fill the speed integrals at the points of one piece of a ray.
 
-    They are scaled so that the piece of a uniform gas emits exactly what its optical depth says,
-    whatever the quadrature's error: see the note on conservation in the documentation.
+    What the quadrature lacks is added to them, so that the piece of a uniform gas emits exactly
+    what its optical depth says: see the paragraph on conservation in the documentation.
 
     Parameters
     ----------
@@ -259,7 +259,7 @@ def piece_integrals(depth, width, temperatures, frequencies, setup, buffer, valu
     buffer : array, shape (4, NUMBER)
         Scratch.
     values : array, shape (m, NUMBER)
-        Filled; the last power is not scaled.
+        Filled; to the last power nothing is added.
 
     Returns
     -------

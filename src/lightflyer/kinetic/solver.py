@@ -12,7 +12,7 @@ from lightflyer.errors import MissingExtraError, ParameterError
 from lightflyer.kinetic.gas_model import gas_model
 
 if TYPE_CHECKING:
-    from lightflyer.kinetic.solution import Case, Outcome, Resolution
+    from lightflyer.kinetic.solution import Case, Outcome
 
 KNUDSEN_RANGE = (0.03, 100.0)
 """Knudsen numbers λ(T_c)/(2r) that the meshes are made for."""
@@ -24,10 +24,7 @@ SMALLEST_BOUNDARY = 1.5
 """Nearest reservoir [disk radii]."""
 
 FURTHEST_DEPTH = 150.0
-"""Largest distance of a reservoir in mean free paths √πλ/2 that the meshes resolve."""
-
-THIN = 0.3
-"""Knudsen number from which a medium mesh has a smaller error than a ratio is given to."""
+"""Largest distance of a reservoir in lengths 2λ/√π that the meshes resolve."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +75,38 @@ class Solution:
     def boundary(self) -> float:
         """Half-width of the reservoir [disk radii], infinite in open space."""
         return self._case.boundary
+
+    @property
+    def inputs(self) -> dict[str, Any]:
+        """What was solved, under the names of :func:`solve`'s parameters."""
+        case = self._case
+        top, bottom = case.temperature
+        heated = (
+            {"top_temperature": top, "bottom_temperature": bottom}
+            if case.linear
+            else {"temperature_ratio": [top, bottom]}
+        )
+        return {
+            "knudsen": self.knudsen,
+            "tac_top": case.tac[0],
+            "tac_bottom": case.tac[1],
+            **heated,
+            "gas": case.gas.name,
+            "boundary": self.boundary if np.isfinite(self.boundary) else None,
+        }
+
+    @property
+    def title(self) -> str:
+        """What was solved, in words."""
+        case = self._case
+        top, bottom = (f"{value:g}" for value in case.temperature)
+        both = top if top == bottom else f"{top} and {bottom}"
+        heated = f"linear, perturbation {both}" if case.linear else f"T_h/T_c {both}"
+        where = f"reservoir at {self.boundary:g} radii" if np.isfinite(self.boundary) else "open space"
+        return (
+            f"Kn {self.knudsen:g}, TAC {case.tac[0]:g} top, {case.tac[1]:g} bottom, "
+            f"{case.gas.name}, {heated}, {where}"
+        )
 
     def to_json(self) -> dict[str, Any]:
         """The numbers under the names that the command line prints."""
@@ -181,12 +210,11 @@ def solve(
         gas,
         boundary,
     )
-    from lightflyer.kinetic.solution import SMALLEST_ERROR, solve_case
+    from lightflyer.kinetic.solution import SMALLEST_ERROR, meshes, solve_case
 
     began = time.perf_counter()
-    coarse, fine = (
-        solve_case(case, resolution, progress=progress)
-        for resolution in _resolutions(knudsen, case.linear)
+    fine, coarse = (
+        solve_case(case, mesh, progress=progress) for mesh in meshes(knudsen, linear=case.linear)
     )
     found, other = _ratios(case, fine), _ratios(case, coarse)
     errors = {
@@ -261,12 +289,6 @@ def _require_resolved(knudsen: float, boundary: float) -> None:
             f"boundary = {boundary:g} is further than {furthest:.3g}, which is resolved at "
             f"knudsen = {knudsen:g}; leave it out: what a reservoir adds falls as 1/boundary"
         )
-
-
-def _resolutions(knudsen: float, linear: bool) -> tuple["Resolution", "Resolution"]:
-    from lightflyer.kinetic.solution import COARSE, FINE, MEDIUM
-
-    return (MEDIUM, FINE) if linear and knudsen < THIN else (COARSE, MEDIUM)
 
 
 def _ratios(case: "Case", outcome: "Outcome") -> dict[str, float | None]:

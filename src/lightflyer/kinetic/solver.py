@@ -102,7 +102,8 @@ class Solution:
         top, bottom = (f"{value:g}" for value in case.temperature)
         both = top if top == bottom else f"{top} and {bottom}"
         heated = f"linear, perturbation {both}" if case.linear else f"T_h/T_c {both}"
-        where = f"reservoir at {self.boundary:g} radii" if np.isfinite(self.boundary) else "open space"
+        is_open = np.isinf(self.boundary)
+        where = "open space" if is_open else f"reservoir at {self.boundary:g} radii"
         return (
             f"Kn {self.knudsen:g}, TAC {case.tac[0]:g} top, {case.tac[1]:g} bottom, "
             f"{case.gas.name}, {heated}, {where}"

@@ -43,8 +43,7 @@ def require_range(
     inside = above & (array <= highest) & np.isfinite(array)
     if not np.all(inside):
         bad = array[~inside].flat[0] if array.ndim else array
-        words = allowed(lowest, highest, open_below) if np.isfinite(bad) else "a finite number"
-        raise ParameterError(f"{name} = {bad:g} is not {words}")
+        raise ParameterError(f"{name} = {bad:g} is not {allowed(lowest, highest, open_below)}")
 
 
 def allowed(lowest: float, highest: float, open_below: bool) -> str:
@@ -60,6 +59,8 @@ def allowed(lowest: float, highest: float, open_below: bool) -> str:
     str
     """
     if highest == np.inf:
+        if lowest == -np.inf:
+            return "a finite number"
         if lowest == 0.0:
             return "positive" if open_below else "zero or positive"
         return f"{'above' if open_below else 'at least'} {lowest:g}"

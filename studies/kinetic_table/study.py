@@ -72,7 +72,7 @@ def measure(group: list[Point]) -> Kept:
         found = {
             name: x * better[name] / coarse[name] for name, x in ratios(point, outcome).items()
         }
-        kept[point] = compared(kept[first], coarse) | found
+        kept[point] = kept[first] | found
     return kept
 
 

@@ -304,7 +304,7 @@ def _versions_of_workers(client: Any, address: str) -> dict[str, Any]:
     def ask() -> None:
         try:
             answer.set_result(client.run(versions, on_error="return"))
-        except Exception as error:
+        except Exception as error:  # raised again where the answer is awaited
             answer.set_exception(error)
 
     # a call that a worker never answers cannot be ended, only left behind

@@ -12,8 +12,11 @@ node lies on the face, where a field depends on the direction of approach, or at
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+
+from lightflyer.kinetic._kernels import kernel
 
 LINEAR, INVERSE, DECAYING, CYLINDER = 0, 1, 2, 3
 """What a panel interpolates in: ξ; 1/ξ; 1/ξ with fields that vanish at infinity; 1/ξ from a
@@ -45,7 +48,7 @@ def panel_nodes(order: int, *, lower: bool, upper: bool) -> np.ndarray:
         nodes[0] = -1.0
         nodes = nodes if lower else -nodes[::-1]
     else:
-        nodes = basis(order).roots()
+        return gauss(order)[0]
     return 0.5 * (nodes + 1.0)
 
 
@@ -164,7 +167,8 @@ class Mesh:
         return self.xi.size
 
 
-def cylinder_xi(eta: np.ndarray, boundary: float) -> np.ndarray:
+@kernel
+def cylinder_xi(eta: Any, boundary: float) -> Any:  # a number or an array of them
     """ξ where the hyperbola of constant η leaves the cylinder r ≤ D, |z| ≤ D."""
     side = np.sqrt(np.maximum(boundary**2 / np.maximum(1.0 - eta**2, 1e-300) - 1.0, 1e-300))
     return np.minimum(side, boundary / np.maximum(eta, 1e-300))

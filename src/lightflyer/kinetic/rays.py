@@ -9,7 +9,7 @@ disk has reflected.
 import numpy as np
 
 from lightflyer.kinetic._kernels import kernel
-from lightflyer.kinetic.mesh import BEYOND, CYLINDER, DECAYING, INVERSE, LINEAR
+from lightflyer.kinetic.mesh import BEYOND, CYLINDER, DECAYING, INVERSE, LINEAR, cylinder_xi
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
 # optical depths at which a ray is cut, so that each piece is smooth enough for Gauss's rule
@@ -191,8 +191,7 @@ def interpolate(xi, eta, mesh, xi_basis, eta_basis):
     if kind == LINEAR:
         v = (xi - xi_edges[i]) / (xi_edges[i + 1] - xi_edges[i])
     elif kind == CYLINDER:
-        side = np.sqrt(max(boundary * boundary / max(1.0 - eta * eta, 1e-300) - 1.0, 1e-300))
-        outer = min(side, boundary / max(eta, 1e-300))
+        outer = cylinder_xi(eta, boundary)
         v = (1.0 / xi_edges[i] - 1.0 / xi) / (1.0 / xi_edges[i] - 1.0 / outer)
         low, offset = 0.0, BEYOND * boundary
         while i < xi_kinds.size - 1 and v >= xi_edges[i + 1] - offset:

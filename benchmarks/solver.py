@@ -20,7 +20,7 @@ import numpy_model
 from scipy.optimize import brentq, elementwise
 
 import lightflyer as lf
-from lightflyer.balance import total_loss
+from lightflyer.flight.balance import total_loss
 
 SCALAR_SAMPLE = 2000
 EMITTANCE_FLOOR, TAC = 0.01, 0.85

@@ -24,15 +24,15 @@ import numpy as np
 from scipy.optimize import differential_evolution
 
 import lightflyer as lf
-from lightflyer.design.chunks import Chunks
-from lightflyer.design.evaluation import PIECE, Evaluator
-from lightflyer.design.landscape import Landscape
-from lightflyer.design.optimise import optimise
-from lightflyer.design.problem import make_problem
-from lightflyer.design.scheduler import processors
-from lightflyer.design.sections import OptimiseSection, SamplingSection
-from lightflyer.design.study import make_study
-from lightflyer.design.sweep import sweep_into
+from lightflyer.search.objectives import Landscape
+from lightflyer.search.optimiser import optimise
+from lightflyer.search.problem import make_problem
+from lightflyer.sweeps.chunks import Chunks
+from lightflyer.sweeps.evaluation import PIECE, Evaluator
+from lightflyer.sweeps.run import sweep_into
+from lightflyer.sweeps.scheduler import processors
+from lightflyer.sweeps.sections import OptimiseSection, SamplingSection
+from lightflyer.sweeps.study import make_study
 
 VARIABLES = ["temperature", "lift", "relative_payload", "levitation_irradiance"]
 LARGE = 100_000_000

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.altitude import MOST_BANDS
+from lightflyer.flight.bands import MOST_BANDS
 
 
 def test_edges_are_where_lift_equals_weight(disk):

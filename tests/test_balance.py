@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 import lightflyer as lf
-from lightflyer.balance import require_converged
+from lightflyer.flight.balance import require_converged
 
 
 def state(pressure, temperature=220.0, **radiation):

@@ -6,7 +6,7 @@ import pytest
 import lightflyer as lf
 
 # the package's name "calibrate" is the function
-module = importlib.import_module("lightflyer.calibrate")
+module = importlib.import_module("lightflyer.calibration.calibration")
 
 TRUTH = np.array([0.4, 3.0])
 PRESSURE = np.tile(np.geomspace(1.5, 25.0, 7), 2)

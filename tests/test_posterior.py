@@ -11,10 +11,10 @@ import numpyro.infer.util
 import pytest
 
 import lightflyer as lf
-from lightflyer.posterior import CHAINS, SCATTER, Posterior, _model, _require_converged
+from lightflyer.calibration.bayes import CHAINS, SCATTER, Posterior, _model, _require_converged
 
 # the package's name "calibrate" is the function
-module = importlib.import_module("lightflyer.calibrate")
+module = importlib.import_module("lightflyer.calibration.calibration")
 
 PRESSURE = np.tile(np.geomspace(1.5, 25.0, 7), 2)
 DIAMETER = np.repeat([0.02, 0.03], 7)

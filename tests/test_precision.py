@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.precision import elementwise_entry_point, quick_entry_point
+from lightflyer.foundation.precision import elementwise_entry_point, quick_entry_point
 
 
 @lf.entry_point
@@ -63,7 +63,9 @@ def test_process_with_the_switch_on_gives_the_same_numbers():
 
 
 def test_quick_compilation_falls_back_where_xla_lacks_its_options(monkeypatch):
-    monkeypatch.setattr("lightflyer.precision._QUICK_COMPILATION", {"xla_no_such_option": True})
+    monkeypatch.setattr(
+        "lightflyer.foundation.precision._QUICK_COMPILATION", {"xla_no_such_option": True}
+    )
     assert quick_entry_point(lambda x: x / 3.0)(1.0) == 1.0 / 3.0
 
 
@@ -77,7 +79,7 @@ def test_quick_compilation_does_not_hide_other_errors():
 
 @pytest.mark.parametrize("size", [6, 7, 10, 11, 12, 30])
 def test_pieces_make_the_same_whole(monkeypatch, size):
-    monkeypatch.setattr("lightflyer.precision.PIECE", 10)
+    monkeypatch.setattr("lightflyer.foundation.precision.PIECE", 10)
     traces = []
 
     def function(x, y):
@@ -92,7 +94,7 @@ def test_pieces_make_the_same_whole(monkeypatch, size):
 
 
 def test_pieces_keep_shapes_and_leave_tables_whole(monkeypatch):
-    monkeypatch.setattr("lightflyer.precision.PIECE", 10)
+    monkeypatch.setattr("lightflyer.foundation.precision.PIECE", 10)
     grid = np.arange(24.0).reshape(4, 6)
     doubled = elementwise_entry_point(lambda x: 2.0 * x)
     np.testing.assert_array_equal(doubled(grid), 2.0 * grid)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.prediction import POINTS
+from lightflyer.prediction.prediction import POINTS
 
 
 @pytest.fixture

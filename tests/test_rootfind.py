@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.rootfind import MAXIMUM_STEPS, bracketed_newton, implicit_root
+from lightflyer.foundation.rootfind import MAXIMUM_STEPS, bracketed_newton, implicit_root
 
 
 def solve(residual, lower, upper, guess):

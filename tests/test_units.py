@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lightflyer as lf
-from lightflyer.units import parse
+from lightflyer.foundation.units import parse
 
 
 @pytest.mark.parametrize(

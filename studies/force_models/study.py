@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import lightflyer as lf
-from lightflyer import plot
+from lightflyer.foundation import drawing as plot
 from lightflyer.kinetic import solve
 
 HERE = Path(__file__).parent

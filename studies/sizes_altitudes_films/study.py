@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 import lightflyer as lf
-from lightflyer import plot
-from lightflyer.design.study import sweep_study
-from lightflyer.design.sweep import sweep_into
+from lightflyer.foundation import drawing as plot
+from lightflyer.sweeps.run import sweep_into
+from lightflyer.sweeps.study import sweep_study
 
 HERE = Path(__file__).parent
 MILLIGRAM, CENTIMETRE, KILOMETRE, GRAM = 1e-6, 1e-2, 1e3, 1e-3

@@ -132,7 +132,7 @@ def test_a_sweep_that_is_killed_continues(run, study, tmp_path):
     ],
 )
 def test_bad_studies_write_nothing(run, study, tmp_path, old, new, message, monkeypatch):
-    monkeypatch.setattr("lightflyer.design.sweep.LARGEST", 10**7)
+    monkeypatch.setattr("lightflyer.sweeps.run.LARGEST", 10**7)
     code, text, errors = run("sweep", study(old, new), "--out", tmp_path / "results.zarr")
     assert code == 2
     assert text == ""
@@ -162,7 +162,7 @@ def test_a_folder_with_something_else_is_left_alone(run, study, tmp_path):
 
 
 def test_a_scheduler_that_does_not_answer(run, study, tmp_path, monkeypatch):
-    monkeypatch.setattr("lightflyer.design.scheduler.ANSWER_WITHIN", 1.0)
+    monkeypatch.setattr("lightflyer.sweeps.scheduler.ANSWER_WITHIN", 1.0)
     start = time.perf_counter()
     code, _, errors = run(
         "sweep", study(), "--out", tmp_path / "r.zarr", "--scheduler", "tcp://127.0.0.1:9"
@@ -177,7 +177,7 @@ def test_a_scheduler_that_does_not_answer(run, study, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("answer", [b"", b"HTTP/1.1 400 Bad request\r\n\r\n"])
 def test_what_listens_but_is_no_scheduler(run, study, tmp_path, monkeypatch, answer):
-    monkeypatch.setattr("lightflyer.design.scheduler.ANSWER_WITHIN", 1.0)
+    monkeypatch.setattr("lightflyer.sweeps.scheduler.ANSWER_WITHIN", 1.0)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
         def serve():

@@ -143,7 +143,7 @@ def test_the_heat_balance_closes_with_a_curve(irradiance, altitude):
 
 
 def constants_sigma():
-    from lightflyer import constants
+    from lightflyer.foundation import constants
 
     return constants.STEFAN_BOLTZMANN
 

@@ -3,7 +3,6 @@ import pytest
 from scipy.integrate import quad
 
 import lightflyer as lf
-from lightflyer import constants
 from lightflyer.film.spectra import (
     Spectrum,
     am0,
@@ -12,6 +11,7 @@ from lightflyer.film.spectra import (
     planck,
     spectrum_from_csv,
 )
+from lightflyer.foundation import constants
 
 
 def test_sunlight_adds_up_to_the_solar_constant_of_its_standard():

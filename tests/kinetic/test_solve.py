@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lightflyer.errors import ConvergenceError, ParameterError
+from lightflyer.foundation.errors import ConvergenceError, ParameterError
 from lightflyer.kinetic import nonlinear, solve
 from lightflyer.kinetic.gas_model import DIATOMIC, MONATOMIC
 from lightflyer.kinetic.linear import LinearSystem, Walls, face_result

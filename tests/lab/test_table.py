@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lightflyer as lf
+from lightflyer.foundation.table import read_table
 from lightflyer.lab.layout import Column
-from lightflyer.lab.table import read_table
 
 COLUMNS = (
     Column("pressure", "Pa", ("p",), 0.0, open_below=True, outside="reject"),

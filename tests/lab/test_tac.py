@@ -7,9 +7,9 @@ from scipy import stats
 from scipy.optimize import least_squares
 
 import lightflyer as lf
+from lightflyer.foundation.table import Table
 from lightflyer.lab import tac
 from lightflyer.lab.estimate import Estimate, weighted_mean
-from lightflyer.lab.table import Table
 from lightflyer.lab.tac_data import TacRun
 
 TRUTH = (0.75, 1.22, 4.09)  # the paper's fit to platinum

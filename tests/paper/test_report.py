@@ -131,8 +131,8 @@ def test_no_measured_figure_without_the_users_points(folder):
 
 
 def test_twice_gives_the_same_data(folder, tmp_path):
+    from lightflyer.calibration.points import read_points
     from lightflyer.paper.reproduce import STEPS, reproduce
-    from lightflyer.points import read_points
 
     points = tmp_path / "points.csv"
     points.write_text(

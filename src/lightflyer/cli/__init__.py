@@ -12,7 +12,7 @@ from typing import Any
 import cyclopts
 
 import lightflyer
-from lightflyer.errors import LightflyerError, ParameterWarning
+from lightflyer.foundation.errors import LightflyerError, ParameterWarning
 
 EXIT_FAILURE = 2
 EXIT_INTERRUPTED = 130

@@ -11,9 +11,9 @@ from rich.console import Console
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from lightflyer.calibrate import Calibration
+    from lightflyer.calibration.bayes import Posterior
+    from lightflyer.calibration.calibration import Calibration
     from lightflyer.config.sections import Setup
-    from lightflyer.posterior import Posterior
 
 
 def calibrate_command(
@@ -55,9 +55,9 @@ def calibrate_command(
     json_output
         Print one JSON object instead of a table.
     """
-    from lightflyer.calibrate import calibrate
+    from lightflyer.calibration.calibration import calibrate
+    from lightflyer.calibration.points import read_points
     from lightflyer.config.reader import read_flyer_file
-    from lightflyer.points import read_points
 
     points = read_points(points_file)
     template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"
@@ -82,7 +82,7 @@ def calibrate_command(
 
 
 def _draw(fit: "Calibration", setup: "Setup", samples: int, seed: int) -> "Posterior":
-    from lightflyer.posterior import posterior
+    from lightflyer.calibration.bayes import posterior
 
     return posterior(fit, setup, samples=samples, seed=seed, progress=sys.stderr.isatty())
 
@@ -92,9 +92,9 @@ def _summary(fit: "Calibration", drawn: "Posterior | None") -> dict[str, Any]:
 
 
 def _write(out: Path, fit: "Calibration", drawn: "Posterior | None") -> list[Path]:
-    from lightflyer.calibration_plot import calibration_figure
-    from lightflyer.output import output_directory
-    from lightflyer.plot import save
+    from lightflyer.calibration.figures import calibration_figure
+    from lightflyer.foundation.drawing import save
+    from lightflyer.foundation.files import output_directory
 
     names = ["calibration.json", "residuals.csv", "residuals.png", "residuals.svg"]
     if drawn is not None:

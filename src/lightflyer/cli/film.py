@@ -9,10 +9,10 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.errors import ConfigurationError
+from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
-    from lightflyer.config.layered_film import LayeredFilmSection
+    from lightflyer.film.layered_section import LayeredFilmSection
     from lightflyer.film.summary import FilmSummary
 
 _PERCENT = 100.0
@@ -70,7 +70,7 @@ def film_command(
 def _quantities(option: str, text: str, unit: str) -> Any:
     import numpy as np
 
-    from lightflyer.units import parse
+    from lightflyer.foundation.units import parse
 
     try:
         values = [parse(part.strip(), unit).value for part in text.split(",") if part.strip()]
@@ -108,8 +108,9 @@ def _origins(section: "LayeredFilmSection") -> dict[str, Any]:
 
 
 def _write(out: Path, summary: "FilmSummary", described: dict[str, Any]) -> list[Path]:
-    from lightflyer import output, plot
-    from lightflyer.film_figures import film_figures
+    from lightflyer.film.figures import film_figures
+    from lightflyer.foundation import drawing as plot
+    from lightflyer.foundation import files as output
 
     names = ["film.json"]
     with output.output_directory(out) as stage:

@@ -6,7 +6,7 @@ from typing import Literal
 
 from rich.console import Console
 
-from lightflyer.errors import OutputError
+from lightflyer.foundation.errors import OutputError
 
 
 def init(

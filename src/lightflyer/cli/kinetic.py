@@ -13,7 +13,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.errors import ParameterError
+from lightflyer.foundation.errors import ParameterError
 
 if TYPE_CHECKING:
     from lightflyer.kinetic import Solution
@@ -68,8 +68,8 @@ def kinetic_command(
             "--top-temperature and --bottom-temperature are of the linear problem: leave them out "
             "or leave out --temperature-ratio"
         )
+    from lightflyer.foundation.files import output_directory
     from lightflyer.kinetic import solve
-    from lightflyer.output import output_directory
 
     # a folder that cannot be written is found before, not after, a long solution
     opened = nullcontext() if out is None else output_directory(out)
@@ -126,8 +126,8 @@ def _named_as_options() -> Iterator[None]:
 
 
 def _write(stage: Callable[[str], Path], solution: "Solution") -> None:
-    from lightflyer import plot
-    from lightflyer.kinetic_figures import flow_figure
+    from lightflyer.foundation import drawing as plot
+    from lightflyer.kinetic.figures import flow_figure
 
     record, *figures = (stage(name) for name in _FILES)
     described = solution.to_json() | {"inputs": solution.inputs}

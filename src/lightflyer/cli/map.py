@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 from rich.console import Console
 
-from lightflyer.errors import ConfigurationError
+from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,8 +43,8 @@ def map_command(
     out
         Folder to write the figures (PNG, SVG) into.
     """
-    from lightflyer.design.explore import choose_slice, find_name
-    from lightflyer.design.sweep import open_sweep
+    from lightflyer.sweeps.explore import choose_slice, find_name
+    from lightflyer.sweeps.run import open_sweep
 
     dataset = open_sweep(results)
     output = find_name(dataset, value, among="outputs")
@@ -76,8 +76,9 @@ def _asked(at: str | None) -> dict[str, str]:
 def _write(
     out: Path, dataset: "xr.Dataset", sliced: "xr.Dataset", names: list[str], *, pareto: bool
 ) -> list[Path]:
-    from lightflyer import plot, sweep_figures
-    from lightflyer.output import output_directory
+    from lightflyer.foundation import drawing as plot
+    from lightflyer.foundation.files import output_directory
+    from lightflyer.sweeps import figures as sweep_figures
 
     *fields, output = names
     figure = plot.new_figure()

@@ -10,8 +10,8 @@ from rich.markup import escape
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from lightflyer.design.optimise import Front, Optimum
-    from lightflyer.design.problem import Problem
+    from lightflyer.search.optimiser import Front, Optimum
+    from lightflyer.search.problem import Problem
 
 _SHOWN_ELASTICITIES = 8
 _ROWS = 12
@@ -35,8 +35,8 @@ def optimise_command(
     json_output
         Print one JSON object instead of tables.
     """
-    from lightflyer.design.optimise import optimise, pareto
-    from lightflyer.design.problem import read_problem
+    from lightflyer.search.optimiser import optimise, pareto
+    from lightflyer.search.problem import read_problem
 
     problem = read_problem(study_file)
     console, written = Console(highlight=False), []
@@ -62,14 +62,15 @@ def optimise_command(
 def _write(out: Path | None, summary: dict[str, Any], front: "Front | None") -> list[Path]:
     if out is None:
         return []
-    from lightflyer.output import output_directory
+    from lightflyer.foundation.files import output_directory
 
     names = ["optimum.json"]
     with output_directory(out) as stage:
         text = json.dumps(summary, indent=2, allow_nan=False)
         stage("optimum.json").write_text(text + "\n", encoding="utf-8")
         if front is not None:
-            from lightflyer import plot, sweep_figures
+            from lightflyer.foundation import drawing as plot
+            from lightflyer.sweeps import figures as sweep_figures
 
             files = ["front.png", "front.svg"]
             plot.save(sweep_figures.front_figure(front), [stage(file) for file in files])
@@ -78,7 +79,7 @@ def _write(out: Path | None, summary: dict[str, Any], front: "Front | None") -> 
 
 
 def _show_optimum(console: Console, problem: "Problem", optimum: "Optimum") -> None:
-    from lightflyer.design.outputs import unit_of_output
+    from lightflyer.flight.outputs import unit_of_output
 
     objective = problem.objectives[0]
     what = objective.name
@@ -112,7 +113,7 @@ def _show_optimum(console: Console, problem: "Problem", optimum: "Optimum") -> N
 def _show_constraint(
     console: Console, optimum: "Optimum", name: str, limit: float, sign: float
 ) -> None:
-    from lightflyer.design.outputs import unit_of_output
+    from lightflyer.flight.outputs import unit_of_output
 
     unit = unit_of_output(name)
     word = "at least" if sign > 0.0 else "at most"
@@ -138,7 +139,7 @@ def _show_elasticities(console: Console, optimum: "Optimum") -> None:
 
 
 def _show_front(console: Console, front: "Front") -> None:
-    from lightflyer.design.outputs import unit_of_output
+    from lightflyer.flight.outputs import unit_of_output
 
     problem = front.problem
     table = Table(box=None, padding=(0, 1))

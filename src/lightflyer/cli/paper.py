@@ -18,7 +18,7 @@ def paper_command(*, out: Path = Path("paper"), data: Path | None = None) -> Non
         Your own measured points, a CSV with columns such as "sample, pressure [mTorr],
         irradiance [W/m^2], diameter [cm], figure"; drawn in figures 2, 5, S2 and S3.
     """
-    from lightflyer.points import read_points
+    from lightflyer.calibration.points import read_points
 
     points = None if data is None else read_points(data)
 

@@ -10,12 +10,12 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
 
 if TYPE_CHECKING:
     from lightflyer.config.sections import FlyerFile, Setup
-    from lightflyer.design.uncertainty import PredictionUncertainty
-    from lightflyer.prediction import AltitudePrediction, ChamberPrediction
+    from lightflyer.prediction.prediction import AltitudePrediction, ChamberPrediction
+    from lightflyer.uncertainty.propagation import PredictionUncertainty
 
 _KILOMETRE = 1e3
 _MILLIGRAMS = 1e6
@@ -55,7 +55,7 @@ def predict_command(
     """
     gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
     from lightflyer.config.reader import read_flyer_file
-    from lightflyer.prediction import predict
+    from lightflyer.prediction.prediction import predict
 
     if samples < 0 or seed < 0:
         raise ParameterError("--samples and --seed must be zero or positive")
@@ -91,7 +91,7 @@ def _uncertainty(
 ) -> "PredictionUncertainty | None":
     if not configuration.uncertainties():
         return None  # and nothing is imported or compiled for it
-    from lightflyer.design.uncertainty import propagate
+    from lightflyer.uncertainty.propagation import propagate
 
     return propagate(configuration, prediction, samples, seed)
 
@@ -103,9 +103,6 @@ def _load_in_background() -> threading.Thread:
         import h5netcdf  # noqa: F401
         import xarray  # noqa: F401
 
-        import lightflyer.output
-        import lightflyer.plot  # noqa: F401
-
     thread = threading.Thread(target=load, daemon=True)
     thread.start()
     return thread
@@ -114,7 +111,7 @@ def _load_in_background() -> threading.Thread:
 def _asked(at: str | None, setup: "Setup") -> list[float] | None:
     """The coordinates of ``--at`` in SI units."""
     from lightflyer.environment.chamber import Chamber
-    from lightflyer.units import parse
+    from lightflyer.foundation.units import parse
 
     if at is None:
         return None
@@ -132,7 +129,7 @@ def _film_origins(configuration: "FlyerFile") -> dict[str, Any]:
     """Where the properties of a film of layers come from."""
     import math
 
-    from lightflyer.config.layered_film import LayeredFilmSection
+    from lightflyer.film.layered_section import LayeredFilmSection
 
     if not isinstance(configuration.film, LayeredFilmSection):
         return {}
@@ -149,7 +146,8 @@ def _write(
     *,
     csv: bool,
 ) -> list[Path]:
-    from lightflyer import output, plot
+    from lightflyer.foundation import drawing as plot
+    from lightflyer.foundation import files as output
 
     prediction, summary, uncertainty = results
 
@@ -159,7 +157,7 @@ def _write(
     available = float(setup.environment.radiation.irradiance)
     figures = plot.prediction_figures(prediction, available)
     if uncertainty is not None:
-        from lightflyer.design import bands
+        from lightflyer.uncertainty import figures as bands
 
         bands.add_to_dataset(dataset, prediction, uncertainty)
         bands.add_to_figures(figures, prediction, uncertainty)
@@ -185,7 +183,7 @@ def _show(
     prediction: "AltitudePrediction | ChamberPrediction",
     summary: dict[str, Any],
 ) -> None:
-    from lightflyer.prediction import AltitudePrediction
+    from lightflyer.prediction.prediction import AltitudePrediction
 
     flyer, light = setup.flyer, float(setup.environment.radiation.irradiance)
     own_mass, payload = float(flyer.own_mass) * _MILLIGRAMS, float(flyer.payload) * _MILLIGRAMS

@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from lightflyer.design.sobol import Indices
+    from lightflyer.search.sobol import Indices
 
 
 def sensitivity_command(
@@ -33,7 +33,7 @@ def sensitivity_command(
     json_output
         Print one JSON object instead of tables.
     """
-    from lightflyer.design.sobol import read_inquiry, sensitivity_indices
+    from lightflyer.search.sobol import read_inquiry, sensitivity_indices
 
     inquiry = read_inquiry(study_file)
     results = sensitivity_indices(inquiry)
@@ -57,8 +57,9 @@ def sensitivity_command(
 
 
 def _write(out: Path, summary: dict[str, Any], results: "list[Indices]") -> list[Path]:
-    from lightflyer import plot, sweep_figures
-    from lightflyer.output import output_directory
+    from lightflyer.foundation import drawing as plot
+    from lightflyer.foundation.files import output_directory
+    from lightflyer.sweeps import figures as sweep_figures
 
     names = ["sensitivity.json"]
     with output_directory(out) as stage:
@@ -72,7 +73,7 @@ def _write(out: Path, summary: dict[str, Any], results: "list[Indices]") -> list
 
 
 def _show(console: Console, found: "Indices") -> None:
-    from lightflyer.design.outputs import unit_of_output
+    from lightflyer.flight.outputs import unit_of_output
 
     name = unit_of_output(found.output)
     unit = f" {name}" if name else ""

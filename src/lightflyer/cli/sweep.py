@@ -19,13 +19,13 @@ from rich.progress import (
 from rich.table import Table
 from rich.text import Text
 
-from lightflyer.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lightflyer.design.study import Study
-    from lightflyer.design.sweep import SweepReport
+    from lightflyer.sweeps.run import SweepReport
+    from lightflyer.sweeps.study import Study
 
 _SCALE = 1000.0
 _PREFIXES = ("", "thousand", "million", "billion", "trillion")
@@ -64,9 +64,9 @@ def sweep_command(
     json_output
         Print one JSON object instead of tables.
     """
-    from lightflyer.design.chunks import CHUNK
-    from lightflyer.design.study import sweep_study
-    from lightflyer.design.sweep import open_sweep, sweep_into
+    from lightflyer.sweeps.chunks import CHUNK
+    from lightflyer.sweeps.run import open_sweep, sweep_into
+    from lightflyer.sweeps.study import sweep_study
 
     for name, value in (("--workers", workers), ("--chunk", chunk)):
         if value is not None and value < 1:
@@ -92,7 +92,7 @@ def sweep_command(
 
 
 def _require_reasonable(study: "Study", out: Path) -> None:
-    from lightflyer.design.sweep import LARGEST, estimate
+    from lightflyer.sweeps.run import LARGEST, estimate
 
     if study.size <= LARGEST:
         return
@@ -161,17 +161,17 @@ class _Progress:
         self._bar.stop()
 
     def film(self, done: int, total: int) -> None:
-        """See :class:`lightflyer.design.sweep.Listener`."""
+        """See :class:`lightflyer.sweeps.run.Listener`."""
         if self._films is None:
             self._films = self._bar.add_task("films", total=total)
         self._bar.update(self._films, completed=done)
 
     def begin(self, found: int, total: int) -> None:
-        """See :class:`lightflyer.design.sweep.Listener`."""
+        """See :class:`lightflyer.sweeps.run.Listener`."""
         self._designs = self._bar.add_task("designs", total=total, completed=found)
 
     def advance(self, designs: int) -> None:
-        """See :class:`lightflyer.design.sweep.Listener`."""
+        """See :class:`lightflyer.sweeps.run.Listener`."""
         self._bar.advance(self._designs, designs)
 
 
@@ -222,7 +222,7 @@ def _told(report: "SweepReport") -> str:
 
 def _best(dataset: "xr.Dataset") -> str:
     """The design that does most, in words."""
-    from lightflyer.design.explore import best_design
+    from lightflyer.sweeps.explore import best_design
 
     names = [name for name in _BEST if name in dataset]
     if not names:

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple, TypeVar
 
 import pydantic
 
-from lightflyer._text import read_text
-from lightflyer.config.layered_film import FOLDER, LayeredFilmSection
-from lightflyer.config.quantity import Section
 from lightflyer.config.sections import FlyerFile, alternative_tags, known_keys
-from lightflyer.errors import ConfigurationError
+from lightflyer.film.layered_section import FOLDER, LayeredFilmSection
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.quantity import Section
+from lightflyer.foundation.text import read_text
 
 
 def read_flyer_file(path: str | Path) -> FlyerFile:

@@ -15,27 +15,27 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args
 import pydantic
 from pydantic import Discriminator, Tag
 
-from lightflyer import constants
-from lightflyer.config.layered_film import LayeredFilmSection, LayerSection
-from lightflyer.config.quantity import Quantity
-from lightflyer.config.quantity import Section as _Section
-from lightflyer.environment._base import AbstractAtmosphere, AbstractEnvironment
+from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
+from lightflyer.environment.atmosphere.nrlmsis import NRLMSIS
+from lightflyer.environment.atmosphere.us1976 import US1976
+from lightflyer.environment.base import AbstractAtmosphere, AbstractEnvironment
 from lightflyer.environment.chamber import Chamber
 from lightflyer.environment.earth import Earth
-from lightflyer.environment.lu2023 import Lu2023Atmosphere
-from lightflyer.environment.nrlmsis import NRLMSIS
 from lightflyer.environment.radiation import Radiation
-from lightflyer.environment.us1976 import US1976
-from lightflyer.errors import ConfigurationError
+from lightflyer.film.layered_section import LayeredFilmSection, LayerSection
 from lightflyer.film.properties import HIGHEST_TAC, FilmProperties
-from lightflyer.flyer._base import AbstractFlyer
+from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
-from lightflyer.force._base import AbstractForceModel
+from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.free_molecular import FreeMolecular, LinearFreeMolecular
 from lightflyer.force.kinetic import Kinetic
 from lightflyer.force.lu2023 import READINGS, Lu2023
-from lightflyer.gas import AIR, LU2023_AIR, AbstractGas
-from lightflyer.units import Measured
+from lightflyer.foundation import constants
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.quantity import Quantity
+from lightflyer.foundation.quantity import Section as _Section
+from lightflyer.foundation.units import Measured
+from lightflyer.gas.gas import AIR, LU2023_AIR, AbstractGas
 
 GASES: dict[str, AbstractGas] = {"air": AIR, "lu2023-air": LU2023_AIR}
 """Gases by the name they have in a flyer file."""
@@ -360,7 +360,7 @@ class FlyerFile(_Section):
                   "tac_top": 0.8, "tac_bottom": "0.90 ± 0.03"},
         )
 
-    Numbers are :class:`~lightflyer.units.Measured`: value and uncertainty, in SI units
+    Numbers are :class:`~lightflyer.foundation.units.Measured`: value and uncertainty, in SI units
     (angles in degrees).
     """
 

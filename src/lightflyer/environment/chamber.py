@@ -1,11 +1,11 @@
 """A vacuum chamber with a lamp."""
 
-from lightflyer import constants
-from lightflyer._checks import require_positive, require_range
-from lightflyer._types import Numeric
-from lightflyer.environment._base import AbstractEnvironment, EnvironmentState
+from lightflyer.environment.base import AbstractEnvironment, EnvironmentState
 from lightflyer.environment.radiation import Radiation
-from lightflyer.gas import AIR, AbstractGas
+from lightflyer.foundation import constants
+from lightflyer.foundation.checks import require_positive, require_range
+from lightflyer.foundation.types import Numeric
+from lightflyer.gas.gas import AIR, AbstractGas
 
 
 class Chamber(AbstractEnvironment):

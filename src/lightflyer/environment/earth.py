@@ -4,19 +4,19 @@ from typing import Any
 
 import equinox as eqx
 
-from lightflyer import constants
-from lightflyer._checks import require_positive, require_range
-from lightflyer._types import Numeric
-from lightflyer.environment._base import (
+from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
+from lightflyer.environment.atmosphere.us1976 import US1976
+from lightflyer.environment.base import (
     AbstractAtmosphere,
     AbstractEnvironment,
     EnvironmentState,
 )
-from lightflyer.environment.lu2023 import Lu2023Atmosphere
 from lightflyer.environment.radiation import Radiation
-from lightflyer.environment.us1976 import US1976
-from lightflyer.gas import AIR, LU2023_AIR, AbstractGas
-from lightflyer.precision import entry_point
+from lightflyer.foundation import constants
+from lightflyer.foundation.checks import require_positive, require_range
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.types import Numeric
+from lightflyer.gas.gas import AIR, LU2023_AIR, AbstractGas
 
 
 def earth_gravity(altitude: Numeric) -> Any:

@@ -5,9 +5,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer import constants
-from lightflyer._checks import require_range
-from lightflyer._types import Numeric
+from lightflyer.foundation import constants
+from lightflyer.foundation.checks import require_range
+from lightflyer.foundation.types import Numeric
 
 
 class Radiation(eqx.Module):

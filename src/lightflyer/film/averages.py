@@ -5,13 +5,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer._checks import require_positive, require_range
-from lightflyer._types import Numeric
 from lightflyer.film.emittance import EmittanceCurve, node_temperatures
 from lightflyer.film.spectra import Spectrum, am0, blackbody_fraction, planck
 from lightflyer.film.stack import GRAZING, Film, Side
 from lightflyer.film.transfer import transfer
-from lightflyer.precision import entry_point, is_traced
+from lightflyer.foundation.checks import require_positive, require_range
+from lightflyer.foundation.precision import entry_point, is_traced
+from lightflyer.foundation.types import Numeric
 
 DIRECTIONS = 16
 """Angles of a hemispherical average, Gauss-Legendre in the cosine."""

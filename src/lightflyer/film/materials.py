@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.errors import ParameterError
 from lightflyer.film.material_csv import read_index_csv
-from lightflyer.units import Measured
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.units import Measured
 
 MICROMETRE = 1e-6
 GIVEN = "given by the user"

@@ -6,11 +6,11 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer._checks import require_positive, require_range
-from lightflyer._types import Numeric
-from lightflyer.errors import ParameterWarning
 from lightflyer.film.emittance import EmittanceCurve, emittance_at, emittance_bounds
-from lightflyer.precision import is_traced
+from lightflyer.foundation.checks import require_positive, require_range
+from lightflyer.foundation.errors import ParameterWarning
+from lightflyer.foundation.precision import is_traced
+from lightflyer.foundation.types import Numeric
 
 HIGHEST_TAC = 1.3
 """Largest TAC accepted. None can exceed one, but measured values do by their systematic error."""

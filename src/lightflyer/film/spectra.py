@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer import constants
-from lightflyer._checks import require_positive
-from lightflyer.errors import ParameterError
 from lightflyer.film.material_csv import read_spectrum_csv
+from lightflyer.foundation import constants
+from lightflyer.foundation.checks import require_positive
+from lightflyer.foundation.errors import ParameterError
 
 SECOND_RADIATION_CONSTANT = constants.PLANCK * constants.SPEED_OF_LIGHT / constants.BOLTZMANN
 """hc/k [m K]."""

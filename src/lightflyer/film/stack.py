@@ -6,11 +6,11 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer._checks import require_positive, require_range
-from lightflyer._types import Numeric
-from lightflyer.errors import ParameterError
 from lightflyer.film.materials import MICROMETRE, Extrapolation, Material
 from lightflyer.film.transfer import StackOptics, stack_optics
+from lightflyer.foundation.checks import require_positive, require_range
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.types import Numeric
 
 Side: TypeAlias = Literal["top", "bottom"]
 

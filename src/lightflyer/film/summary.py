@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.errors import ParameterError
 from lightflyer.film.averages import Average, absorptance, emittance
 from lightflyer.film.materials import MICROMETRE
 from lightflyer.film.spectra import Spectrum, am0
 from lightflyer.film.stack import Film, Side
 from lightflyer.film.transfer import StackOptics
+from lightflyer.foundation.errors import ParameterError
 
 SPECTRUM_RANGE = (0.25e-6, 25e-6)
 """Wavelengths of a film's reported spectrum [m]."""

@@ -19,8 +19,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer._types import Numeric
-from lightflyer.precision import entry_point
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.types import Numeric
 
 
 class StackOptics(eqx.Module):

@@ -2,10 +2,10 @@
 
 import jax.numpy as jnp
 
-from lightflyer._checks import require_positive, require_range
-from lightflyer._types import Numeric
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flyer._base import AbstractFlyer
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.foundation.checks import require_positive, require_range
+from lightflyer.foundation.types import Numeric
 
 
 class Disk(AbstractFlyer):

@@ -3,11 +3,11 @@
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer._types import Numeric
-from lightflyer.environment._base import EnvironmentState
-from lightflyer.flyer._base import AbstractFlyer
-from lightflyer.force._base import AbstractForceModel, kinetic_conductance
-from lightflyer.precision import entry_point
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.force.base import AbstractForceModel, kinetic_conductance
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.types import Numeric
 
 
 class FreeMolecular(AbstractForceModel):

@@ -4,15 +4,15 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer._types import Numeric
-from lightflyer.environment._base import EnvironmentState
-from lightflyer.errors import ParameterError
-from lightflyer.flyer._base import AbstractFlyer
-from lightflyer.force._base import AbstractForceModel
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.free_molecular import free_molecular_heat_loss
 from lightflyer.force.kinetic_table import GASES, kinetic_fit
-from lightflyer.gas import knudsen_number
-from lightflyer.precision import entry_point
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.types import Numeric
+from lightflyer.gas.gas import knudsen_number
 
 
 class Kinetic(AbstractForceModel):

@@ -23,8 +23,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer._types import Numeric
-from lightflyer.errors import ParameterError
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.types import Numeric
 
 GASES = ("monatomic", "diatomic")
 

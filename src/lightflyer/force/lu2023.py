@@ -10,12 +10,12 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer._checks import require_positive
-from lightflyer._types import Numeric
-from lightflyer.environment._base import EnvironmentState
-from lightflyer.flyer._base import AbstractFlyer
-from lightflyer.force._base import AbstractForceModel, kinetic_conductance
-from lightflyer.precision import entry_point
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.force.base import AbstractForceModel, kinetic_conductance
+from lightflyer.foundation.checks import require_positive
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.types import Numeric
 
 _THERMAL_CREEP = 1.14  # κ_s of [Lu2023] Eq. (20)
 _DISK_NUSSELT = 8.0 / math.pi  # isothermal disk at rest, [Lu2023] Eq. (7)

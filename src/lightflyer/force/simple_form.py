@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer._types import Numeric
-from lightflyer.environment._base import EnvironmentState
-from lightflyer.errors import ParameterError
-from lightflyer.flyer._base import AbstractFlyer
-from lightflyer.force._base import AbstractForceModel
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.lu2023 import REPORTED, Lu2023, Reading
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.types import Numeric
 
 
 class SimpleForm(NamedTuple):

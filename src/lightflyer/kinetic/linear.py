@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from lightflyer.errors import ConvergenceError
+from lightflyer.foundation.errors import ConvergenceError
 from lightflyer.kinetic.gas_model import GasModel
 from lightflyer.kinetic.operators import Operators
 

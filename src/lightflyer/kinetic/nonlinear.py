@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lu_solve
 
-from lightflyer.errors import ConvergenceError
+from lightflyer.foundation.errors import ConvergenceError
 from lightflyer.kinetic import nonlinear_kernel
 from lightflyer.kinetic.linear import FaceResult, LinearSystem
 from lightflyer.kinetic.operators import (

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lightflyer.errors import ConvergenceError
+from lightflyer.foundation.errors import ConvergenceError
 from lightflyer.kinetic.free_molecular import FreeMolecularDisk
 from lightflyer.kinetic.gas_model import GasModel
 from lightflyer.kinetic.linear import FaceResult, LinearSystem, Walls, face_result

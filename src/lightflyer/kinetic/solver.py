@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer._checks import require_range
-from lightflyer.errors import MissingExtraError, ParameterError
+from lightflyer.foundation.checks import require_range
+from lightflyer.foundation.errors import MissingExtraError, ParameterError
 from lightflyer.kinetic.gas_model import gas_model
 
 if TYPE_CHECKING:

@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy import special
 
-from lightflyer._checks import require_positive, require_range
-from lightflyer.errors import ParameterError, ParameterWarning
 from lightflyer.film.spectra import SECOND_RADIATION_CONSTANT, blackbody_fraction
+from lightflyer.foundation.checks import require_positive, require_range
+from lightflyer.foundation.errors import ParameterError, ParameterWarning
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.record import dataset
 from lightflyer.lab.spectrum_data import MeasuredSpectrum

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.film.spectra import planck
+from lightflyer.foundation.drawing import GREY, ORANGE, PALETTE, new_figure
 from lightflyer.lab.ftir import PER_CENTIMETRE, Ftir
-from lightflyer.plot import GREY, ORANGE, PALETTE, new_figure
 
 _WIDTH, _HEIGHT = 7.5, 4.6
 _RADIATION_HEIGHT = 0.35  # of the axes that the black body's curve takes

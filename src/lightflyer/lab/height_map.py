@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer._text import read_text
-from lightflyer.errors import ConfigurationError
-from lightflyer.lab._extra import extra
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.extras import extra
+from lightflyer.foundation.text import read_text
+from lightflyer.foundation.units import parse, scale_and_offset
 from lightflyer.lab.layout import COMMENTS, split_cells
-from lightflyer.units import parse, scale_and_offset
 
 _LEAST_SIDE = 16  # pixels
 _GWYDDION_LINE = re.compile(r"^#\s*(Width|Height|Value units)\s*:\s*(.+?)\s*$")

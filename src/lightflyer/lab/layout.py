@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-from lightflyer.errors import ConfigurationError
-from lightflyer.units import scale_and_offset
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.units import scale_and_offset
 
 PREAMBLE = 200  # lines in which the header is looked for
 COMMENTS = ("#", "//", "!")

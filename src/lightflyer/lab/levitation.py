@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer._checks import require_range
-from lightflyer.errors import ConfigurationError, ParameterWarning
-from lightflyer.lab._extra import extra
+from lightflyer.calibration.points import NUMBERS, SAMPLE_PROPERTIES
+from lightflyer.foundation.checks import require_range
+from lightflyer.foundation.errors import ConfigurationError, ParameterWarning
+from lightflyer.foundation.extras import extra
+from lightflyer.foundation.table import Table, read_table
 from lightflyer.lab.estimate import Estimate, central_interval
 from lightflyer.lab.layout import Column
 from lightflyer.lab.record import dataset
-from lightflyer.lab.table import Table, read_table
-from lightflyer.points import NUMBERS, SAMPLE_PROPERTIES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,7 +73,7 @@ class LiftOffs:
         Between launchpad and floor [m].
     properties : dict of str to float
         What is known of the sample, in SI units, by names from
-        :data:`lightflyer.points.SAMPLE_PROPERTIES`.
+        :data:`lightflyer.calibration.points.SAMPLE_PROPERTIES`.
     """
 
     name: str
@@ -147,9 +147,9 @@ def read_lift_offs(path: str | Path, *, columns: str | None = None) -> tuple[lis
     path : str or path
         Table with ``pressure`` and ``irradiance``, units in the header; ``sample`` where there is
         more than one, and further ``launchpad``, ``floor_gap`` and what a sample is:
-        :data:`lightflyer.points.SAMPLE_PROPERTIES`.
+        :data:`lightflyer.calibration.points.SAMPLE_PROPERTIES`.
     columns : str, optional
-        The columns in place of a header; see :func:`lightflyer.lab.table.read_table`.
+        The columns in place of a header; see :func:`lightflyer.foundation.table.read_table`.
 
     Returns
     -------

@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
+from lightflyer.foundation.drawing import GREY, MARKERS, PALETTE, new_figure, plain_decades
+from lightflyer.foundation.units import scale_and_offset
 from lightflyer.lab.levitation import LevitationCurve
-from lightflyer.plot import GREY, MARKERS, PALETTE, new_figure, plain_decades
-from lightflyer.units import scale_and_offset
 
 _WIDTH, _HEIGHT = 7.0, 5.0
 _PER_KILOWATT = 1e-3

@@ -5,15 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from lightflyer.calibrate import Calibration, calibrate
+from lightflyer.calibration.calibration import Calibration, calibrate
+from lightflyer.calibration.points import SAMPLE_PROPERTIES, Points
 from lightflyer.config.sections import Setup
-from lightflyer.errors import ParameterError
-from lightflyer.flyer._base import AbstractFlyer
+from lightflyer.flight.levitation import levitate
+from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.lu2023 import Lu2023
+from lightflyer.foundation.errors import ParameterError
 from lightflyer.lab.levitation import LevitationCurve, LiftOffs
-from lightflyer.levitation import levitate
-from lightflyer.points import SAMPLE_PROPERTIES, Points
 
 _BEYOND = 1.5  # factor that a model's curve goes beyond the pressures measured
 _PRESSURES = 200

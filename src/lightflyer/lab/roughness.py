@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy import ndimage
 
-from lightflyer._checks import require_range
-from lightflyer.errors import ConfigurationError, ParameterWarning
+from lightflyer.foundation.checks import require_range
+from lightflyer.foundation.errors import ConfigurationError, ParameterWarning
 from lightflyer.lab.estimate import Estimate, central_interval
 from lightflyer.lab.height_map import HeightMap
 from lightflyer.lab.record import dataset

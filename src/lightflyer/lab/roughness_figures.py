@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
+from lightflyer.foundation.drawing import ORANGE, new_figure
 from lightflyer.lab.roughness import NANOMETRE, Roughness
-from lightflyer.plot import ORANGE, new_figure
 
 _WIDTH, _HEIGHT = 4.6, 8.0  # of one map's column [inch]
 _MOST_PIXELS = 1024  # drawn along a side

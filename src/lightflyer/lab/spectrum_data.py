@@ -9,10 +9,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from lightflyer.errors import ConfigurationError
-from lightflyer.lab._extra import extra
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.extras import extra
+from lightflyer.foundation.table import Rejected, Table, read_table
 from lightflyer.lab.layout import Column
-from lightflyer.lab.table import Rejected, Table, read_table
 
 Quantity = Literal["transmittance", "reflectance"]
 """What a spectrum is of."""
@@ -67,7 +67,7 @@ def read_spectrum(path: str | Path, *, columns: str | None = None) -> MeasuredSp
         JCAMP-DX (``.jdx``, ``.dx``, ``.jcamp``), or a table of ``wavenumber`` or ``wavelength``
         and ``transmittance``, ``reflectance`` or (decadic) ``absorbance``, units in the header.
     columns : str, optional
-        The columns of a table without header; see :func:`lightflyer.lab.table.read_table`.
+        The columns of a table without header; see :func:`lightflyer.foundation.table.read_table`.
 
     Returns
     -------

@@ -22,20 +22,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy import stats
 
-from lightflyer import constants
-from lightflyer._checks import require_positive, require_range
-from lightflyer._types import Numeric
 from lightflyer.environment.chamber import Chamber
-from lightflyer.errors import ConfigurationError, ConvergenceError
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.lu2023 import PRINTED, Lu2023, Reading
-from lightflyer.gas import AIR, AbstractGas
-from lightflyer.lab._extra import extra
+from lightflyer.foundation import constants
+from lightflyer.foundation.checks import require_positive, require_range
+from lightflyer.foundation.errors import ConfigurationError, ConvergenceError
+from lightflyer.foundation.extras import extra
+from lightflyer.foundation.precision import elementwise_entry_point
+from lightflyer.foundation.types import Numeric
+from lightflyer.gas.gas import AIR, AbstractGas
 from lightflyer.lab.estimate import CONFIDENCE, Estimate, weighted_mean
 from lightflyer.lab.record import dataset
 from lightflyer.lab.tac_data import TacRun
-from lightflyer.precision import elementwise_entry_point
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.errors import ConfigurationError
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.table import Table, read_table
 from lightflyer.lab.layout import Column
-from lightflyer.lab.table import Table, read_table
 
 _MILLIKELVIN = 1e-3
 
@@ -101,7 +101,7 @@ def read_tac(
         ``heater_current``; ``heater_temperature``, unless a thermometer is given; and
         ``ambient_temperature``, unless it is given. Units stand in the header.
     columns : str, optional
-        The columns in place of a header; see :func:`lightflyer.lab.table.read_table`.
+        The columns in place of a header; see :func:`lightflyer.foundation.table.read_table`.
     thermometer : ResistanceThermometer, optional
         Temperature from voltage over current, where the file has no such column.
     ambient_temperature : float, optional

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from lightflyer.foundation.drawing import BLUE, GREY, MARKERS, PALETTE, new_figure, plain_decades
 from lightflyer.lab.tac import TacFit, gas_conductance
-from lightflyer.plot import BLUE, GREY, MARKERS, PALETTE, new_figure, plain_decades
 
 _SHADED = (0.5, 1.5)  # coefficients between which the paper shades
 _MOST_POINTS = 3_000  # drawn of one run

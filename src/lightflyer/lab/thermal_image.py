@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.errors import ConfigurationError
-from lightflyer.lab._extra import extra
-from lightflyer.units import Measured
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.extras import extra
+from lightflyer.foundation.units import Measured
 
 _REGION = re.compile(r"^\s*(\w+)\s*=\s*(\d+)\s*:\s*(\d+)\s*,\s*(\d+)\s*:\s*(\d+)\s*$")
 

@@ -20,13 +20,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lightflyer._checks import require_range
-from lightflyer.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.checks import require_range
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.table import Table, read_table
+from lightflyer.foundation.units import Measured
 from lightflyer.lab.estimate import Estimate, central_interval
 from lightflyer.lab.layout import Column
 from lightflyer.lab.record import dataset
-from lightflyer.lab.table import Table, read_table
-from lightflyer.units import Measured
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -166,7 +166,7 @@ def read_readings(
     path : str or path
     method : Method
     columns : str, optional
-        The columns in place of a header; see :func:`lightflyer.lab.table.read_table`.
+        The columns in place of a header; see :func:`lightflyer.foundation.table.read_table`.
     given : mapping of str to Measured, optional
         Readings that the file has no column for.
 

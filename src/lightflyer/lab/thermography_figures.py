@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from lightflyer.foundation.drawing import BLUE, GREY, VERMILION, new_figure
 from lightflyer.lab.thermography import SHARES, Shares, shares_of
-from lightflyer.plot import BLUE, GREY, VERMILION, new_figure
 
 _OFFSET = 0.12  # between first order and Monte Carlo
 

@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
-from lightflyer._text import read_text
 from lightflyer.config.reader import read_flyer_file
-from lightflyer.errors import ConfigurationError, OutputError
-from lightflyer.lab._extra import extra
+from lightflyer.foundation.errors import ConfigurationError, OutputError
+from lightflyer.foundation.extras import extra
+from lightflyer.foundation.text import read_text
 from lightflyer.lab.estimate import Estimate
 
 Face = Literal["top", "bottom", "both"]

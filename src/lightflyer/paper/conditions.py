@@ -15,17 +15,17 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer import constants
-from lightflyer.balance import equilibrium, require_converged
-from lightflyer.environment._base import EnvironmentState
-from lightflyer.environment.lu2023 import Lu2023Atmosphere
+from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
+from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Radiation
 from lightflyer.film.properties import FilmProperties
+from lightflyer.flight.balance import equilibrium, require_converged
+from lightflyer.flight.levitation import levitate, weight
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.lu2023 import PRINTED, REPORTED, Lu2023, Reading
-from lightflyer.gas import LU2023_AIR
-from lightflyer.levitation import levitate, weight
-from lightflyer.precision import quick_entry_point
+from lightflyer.foundation import constants
+from lightflyer.foundation.precision import quick_entry_point
+from lightflyer.gas.gas import LU2023_AIR
 
 REPORTED_MEAN = Reading(
     heat_weight=REPORTED.heat_weight,

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from lightflyer import constants
+from lightflyer.foundation import constants
 from lightflyer.paper.conditions import COLUMNS, facts, film, in_chamber, over_altitude
 from lightflyer.paper.results import best_payload, film_mass, planck_per_wavenumber
 

@@ -9,7 +9,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer import constants
+from lightflyer.calibration.points import Points
+from lightflyer.foundation import constants
+from lightflyer.foundation.drawing import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    VERMILION,
+    new_figure,
+    plain_decades,
+)
 from lightflyer.paper.conditions import COLUMNS, facts
 from lightflyer.paper.curves import (
     ALTITUDE_SIZES_CM,
@@ -21,8 +31,6 @@ from lightflyer.paper.curves import (
     TORR,
     Curves,
 )
-from lightflyer.plot import BLUE, GREEN, GREY, ORANGE, VERMILION, new_figure, plain_decades
-from lightflyer.points import Points
 
 _STYLES = {"printed": "--", "reported": "-", "reported-mean": ":"}
 _COLOURS = {"ge": BLUE, "cnt": VERMILION}

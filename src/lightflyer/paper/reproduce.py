@@ -3,15 +3,15 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from lightflyer.output import output_directory
+from lightflyer.calibration.points import Points
+from lightflyer.foundation.drawing import save
+from lightflyer.foundation.files import output_directory
 from lightflyer.paper import report
 from lightflyer.paper.conditions import COLUMNS
 from lightflyer.paper.curves import FIGURES, rows
 from lightflyer.paper.figures import measured_figures, paper_figure
 from lightflyer.paper.results import check_values, column_values, common_values
 from lightflyer.paper.tables import table_1, table_s2, to_csv
-from lightflyer.plot import save
-from lightflyer.points import Points
 
 STEPS = 2 * len(COLUMNS) + 2 * len(FIGURES) + 1
 """How often :func:`reproduce` reports progress."""

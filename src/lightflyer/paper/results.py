@@ -9,8 +9,8 @@ import numpy as np
 from scipy.constants import c, h, k
 from scipy.optimize import brentq, minimize_scalar
 
-from lightflyer import constants
 from lightflyer.film.properties import FilmProperties
+from lightflyer.foundation import constants
 from lightflyer.paper.conditions import (
     Column,
     atmosphere,

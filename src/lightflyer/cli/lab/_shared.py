@@ -9,16 +9,16 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.errors import ConfigurationError
+from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from lightflyer.foundation.table import Rejected
+    from lightflyer.foundation.table import Table as LabTable
+    from lightflyer.foundation.units import Measured
     from lightflyer.lab.estimate import Estimate
-    from lightflyer.lab.table import Rejected
-    from lightflyer.lab.table import Table as LabTable
-    from lightflyer.units import Measured
 
 Files = Annotated[list[Path], Parameter(consume_multiple=True, negative=())]
 """Input files of a command."""
@@ -49,7 +49,7 @@ def quantity(option: str, text: str, unit: str) -> "Measured":
     ConfigurationError
         Naming the option.
     """
-    from lightflyer.units import parse
+    from lightflyer.foundation.units import parse
 
     try:
         return parse(text if unit else _number_or_text(text), unit)
@@ -77,7 +77,7 @@ def difference(option: str, text: str, unit: str) -> float:
     ConfigurationError
         Naming the option.
     """
-    from lightflyer.units import parse, scale_and_offset
+    from lightflyer.foundation.units import parse, scale_and_offset
 
     quantity(option, text, unit)
     written = text.lstrip("+-.0123456789eE ")
@@ -171,8 +171,8 @@ def write_record(
     """
     if out is None:
         return [], update()
-    from lightflyer import plot
-    from lightflyer.output import output_directory
+    from lightflyer.foundation import drawing as plot
+    from lightflyer.foundation.files import output_directory
 
     names = [f"{name}.json", f"{name}.nc"]
     with output_directory(out) as stage:

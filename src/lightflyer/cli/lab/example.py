@@ -24,8 +24,8 @@ def example_command(
     seed
         Of their noise.
     """
+    from lightflyer.foundation.files import output_directory
     from lightflyer.lab.synthetic import example_files
-    from lightflyer.output import output_directory
 
     files = example_files(name, seed)
     with output_directory(out) as stage:

@@ -16,7 +16,7 @@ from lightflyer.cli.lab._shared import (
     updating,
     write_record,
 )
-from lightflyer.errors import ConfigurationError
+from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

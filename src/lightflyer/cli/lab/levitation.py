@@ -19,12 +19,12 @@ from lightflyer.cli.lab._shared import (
     updating,
     write_record,
 )
-from lightflyer.errors import ConfigurationError, ParameterWarning
+from lightflyer.foundation.errors import ConfigurationError, ParameterWarning
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from lightflyer.calibrate import Calibration
+    from lightflyer.calibration.calibration import Calibration
     from lightflyer.lab.estimate import Estimate
     from lightflyer.lab.levitation import LevitationCurve
 

@@ -17,13 +17,13 @@ from lightflyer.cli.lab._shared import (
     updating,
     write_record,
 )
-from lightflyer.errors import ConfigurationError
+from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from lightflyer.foundation.units import Measured
     from lightflyer.lab.thermography import Shares
-    from lightflyer.units import Measured
 
 _IMAGES = (".jpg", ".jpeg")
 
@@ -147,8 +147,8 @@ def _with_accuracy(readings: Any, accuracy: float) -> Any:
 
 
 def _of_image(file: Path, regions: str | None, accuracy: str | None) -> "dict[str, Measured]":
+    from lightflyer.foundation.units import Measured
     from lightflyer.lab.thermal_image import parse_regions, read_thermal_image, region_temperatures
-    from lightflyer.units import Measured
 
     if regions is None:
         raise ConfigurationError(f'{file}: an image takes --regions "hotplate=10:40,20:60; ..."')

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from lightflyer.errors import ParameterError
+from lightflyer.foundation.errors import ParameterError
 
 
 class Example(NamedTuple):

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lightflyer.units import scale_and_offset
+from lightflyer.foundation.units import scale_and_offset
 
 TORR = scale_and_offset("Torr", "Pa")[0]
 """In pascal."""

@@ -4,10 +4,10 @@ import numpy as np
 
 from lightflyer.environment.chamber import Chamber
 from lightflyer.film.properties import FilmProperties
+from lightflyer.flight.levitation import levitate
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.lu2023 import Lu2023
 from lightflyer.lab.synthetic._dirt import TORR, dirty_text, label
-from lightflyer.levitation import levitate
 
 _EMITTANCES = {"Ge 2 cm": 0.08, "CNT 2 cm": 0.48}  # the paper's
 _PRESSURES = (1.2, 40.0)  # [Pa]

@@ -6,7 +6,7 @@ import struct
 import numpy as np
 from scipy import ndimage
 
-from lightflyer.lab._extra import extra
+from lightflyer.foundation.extras import extra
 from lightflyer.lab.roughness import level
 from lightflyer.lab.synthetic._dirt import label
 

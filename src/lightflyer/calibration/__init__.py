@@ -1,0 +1,1 @@
+"""Force coefficients and film properties from levitation points."""

@@ -1,0 +1,260 @@
+r"""Posterior of a calibration's parameters, drawn by NUTS with numpyro (an extra).
+
+The likelihood is that of :func:`lightflyer.calibrate`: log-irradiance scatters normally about the
+model,
+
+.. math:: \ln I_i^\mathrm{measured} \sim N(\ln I_i^\mathrm{model}, \sigma_i^2),
+
+with the points' own uncertainties, or one unknown scatter :math:`\sigma` for all. Priors are flat
+in the logarithm, of parameters from 1e-6 to the largest value allowed (1e6 for the force
+coefficients) and of the scatter from 1e-4 to 10.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from lightflyer.calibration.calibration import Calibration, _predicted, _Problem, _set_up
+from lightflyer.config.sections import Setup
+from lightflyer.foundation.errors import ConvergenceError, MissingExtraError, ParameterError
+from lightflyer.foundation.precision import float64
+
+SCATTER = "scatter"
+"""Name of the scatter of log-irradiance among the draws, where it is estimated."""
+
+CHAINS = 4
+"""Chains run side by side; how well they agree says whether they converged."""
+
+HIGHEST_R_HAT = 1.05
+"""Above it chains disagree, and :func:`posterior` raises."""
+
+HIGHEST_DIVERGENT = 0.01
+"""Share of divergent draws above which :func:`posterior` raises."""
+
+_FEWEST = 100  # draws, below which R-hat says nothing
+_HIGHEST_COEFFICIENT = 1e6  # where a parameter itself has no upper bound
+_SCATTER_RANGE = (1e-4, 10.0)  # of log-irradiance
+_INSIDE = 1e-3  # distance of a chain's start from a bound, of the log-parameter
+_TAILS = (0.025, 0.975)  # of a 95 % interval
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Draws from the posterior of a calibration.
+
+    Attributes
+    ----------
+    names : list of str
+        Parameters as the calibration names them; last :data:`SCATTER`, where it is estimated.
+    draws : array, shape (chains, draws, p)
+        Units as in the calibration; scatter of log-irradiance [1].
+    r_hat : array, shape (p,)
+        Split R-hat, 1 where chains agree.
+    effective_draws : array, shape (p,)
+        Number of independent draws that would give means as exact.
+    divergences : int
+        Draws where the integration failed.
+    """
+
+    names: list[str]
+    draws: np.ndarray
+    r_hat: np.ndarray
+    effective_draws: np.ndarray
+    divergences: int
+
+    @property
+    def mean(self) -> np.ndarray:
+        """Mean of the draws, shape (p,)."""
+        return self.draws.mean(axis=(0, 1))
+
+    @property
+    def standard_deviations(self) -> np.ndarray:
+        """Of the draws, shape (p,)."""
+        return self.draws.std(axis=(0, 1), ddof=1)
+
+    @property
+    def intervals(self) -> np.ndarray:
+        """95 % intervals with 2.5 % of the draws on either side, shape (p, 2)."""
+        return np.quantile(self.draws, _TAILS, axis=(0, 1)).T
+
+    def of(self, name: str) -> np.ndarray:
+        """Draws of one parameter, all chains after one another, shape (chains · draws,)."""
+        return self.draws[..., self.names.index(name)].ravel()
+
+    def summary(self) -> dict[str, Any]:
+        """The posterior as a JSON object, without its draws."""
+        columns = (
+            self.mean,
+            self.standard_deviations,
+            self.intervals,
+            self.r_hat,
+            self.effective_draws,
+        )
+        return {
+            "parameters": {
+                name: {
+                    "mean": float(mean),
+                    "standard_deviation": float(spread),
+                    "interval_95": [float(end) for end in interval],
+                    "r_hat": float(r_hat),
+                    "effective_draws": float(effective),
+                }
+                for name, mean, spread, interval, r_hat, effective in zip(
+                    self.names, *columns, strict=True
+                )
+            },
+            "chains": self.draws.shape[0],
+            "draws": self.draws.shape[0] * self.draws.shape[1],
+            "divergences": self.divergences,
+        }
+
+
+def posterior(
+    calibration: Calibration,
+    setup: Setup,
+    *,
+    samples: int = 2000,
+    warmup: int = 300,
+    seed: int = 0,
+    progress: bool = False,
+) -> Posterior:
+    """Draw from the posterior of a calibration's parameters, by NUTS.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        From :func:`lightflyer.calibrate`; chains start at its values.
+    setup : Setup
+        The one that was calibrated.
+    samples : int
+        Draws to keep, over all :data:`CHAINS` chains; rounded up to a multiple of them.
+    warmup : int
+        Draws of each chain that adapt the sampler and are thrown away.
+    seed : int
+        Of the draws; the same one gives the same draws on the same machine.
+    progress : bool
+        Show a progress bar on standard error.
+
+    Returns
+    -------
+    Posterior
+
+    Raises
+    ------
+    MissingExtraError
+        If numpyro is not installed.
+    ParameterError
+        If fewer than 100 samples or warm-up draws are asked for, or the seed is negative.
+    ConvergenceError
+        If the chains disagree or too many draws diverge.
+
+    Notes
+    -----
+    Priors are flat in the logarithm of each parameter and of the scatter. Stated uncertainties,
+    that of pressure included, are those of ``calibration.uncertainty``.
+    """
+    numpyro = _numpyro()
+    for name, number in (("samples", samples), ("warmup", warmup)):
+        if number < _FEWEST:
+            raise ParameterError(f"{name} must be at least {_FEWEST}, got {number}")
+    if seed < 0:
+        raise ParameterError(f"seed must not be negative, got {seed}")
+    problem, names, _, bounds = _set_up(calibration.points, setup, calibration.names)
+    names = [*names, SCATTER] if calibration.estimated_scatter else names
+    with float64():
+        sampler = _sampler(numpyro, calibration, problem, bounds)
+        mcmc = numpyro.infer.MCMC(
+            sampler,
+            num_warmup=warmup,
+            num_samples=-(-samples // CHAINS),
+            num_chains=CHAINS,
+            chain_method="vectorized",
+            progress_bar=progress,
+        )
+        mcmc.run(jax.random.PRNGKey(seed), extra_fields=("diverging",))
+        found = {k: np.asarray(v) for k, v in mcmc.get_samples(group_by_chain=True).items()}
+        divergences = int(np.sum(mcmc.get_extra_fields()["diverging"]))
+        draws = np.exp(
+            np.concatenate([found[k] for k in ("parameters", SCATTER) if k in found], -1)
+        )
+        result = Posterior(
+            names=names,
+            draws=draws,
+            r_hat=np.asarray(numpyro.diagnostics.split_gelman_rubin(draws)),
+            effective_draws=np.asarray(numpyro.diagnostics.effective_sample_size(draws)),
+            divergences=divergences,
+        )
+    _require_converged(result)
+    return result
+
+
+def _numpyro() -> ModuleType:
+    try:
+        import numpyro.diagnostics
+        import numpyro.infer
+    except ImportError as error:
+        raise MissingExtraError(
+            "the posterior needs numpyro: pip install 'lightflyer[posterior]'"
+        ) from error
+    return numpyro
+
+
+def _sampler(
+    numpyro: ModuleType, calibration: Calibration, problem: _Problem, bounds: np.ndarray
+) -> Any:
+    """NUTS over the logarithms of parameters and scatter, started at the fit."""
+    low, high = bounds[0], np.minimum(bounds[1], np.log(_HIGHEST_COEFFICIENT))
+    least, most = np.log(_SCATTER_RANGE)
+    start = {"parameters": np.clip(np.log(calibration.values), low + _INSIDE, high - _INSIDE)}
+    if calibration.estimated_scatter:
+        scatter = np.log(calibration.uncertainty[:1])
+        start[SCATTER] = np.clip(scatter, least + _INSIDE, most - _INSIDE)
+    return numpyro.infer.NUTS(
+        _model(numpyro, calibration, problem, (low, high)),
+        dense_mass=True,  # coefficients are correlated
+        forward_mode_differentiation=True,  # few parameters
+        init_strategy=numpyro.infer.init_to_value(values=start),
+    )
+
+
+def _model(
+    numpyro: ModuleType,
+    calibration: Calibration,
+    problem: _Problem,
+    ends: tuple[np.ndarray, np.ndarray],
+) -> Callable[[], None]:
+    distributions = numpyro.distributions
+    measured = np.log(calibration.points.irradiance)
+    log_pressure = np.log(problem.pressure)
+    least, most = np.log(_SCATTER_RANGE)
+
+    def model() -> None:
+        parameters = numpyro.sample("parameters", distributions.Uniform(*ends).to_event(1))
+        spread: Any = calibration.uncertainty
+        if calibration.estimated_scatter:
+            prior = distributions.Uniform(least, most).expand([1]).to_event(1)
+            spread = jnp.exp(numpyro.sample(SCATTER, prior))
+        predicted = _predicted(parameters, log_pressure, problem)
+        numpyro.sample("measured", distributions.Normal(predicted, spread), obs=measured)
+
+    return model
+
+
+def _require_converged(result: Posterior) -> None:
+    worst = int(np.argmax(result.r_hat))
+    # written so that a NaN fails too
+    if not np.all(result.r_hat <= HIGHEST_R_HAT):
+        raise ConvergenceError(
+            f"posterior: chains disagree about {result.names[worst]} "
+            f"(R-hat {result.r_hat[worst]:.3f}); ask for more samples, or free fewer parameters"
+        )
+    count = result.draws.shape[0] * result.draws.shape[1]
+    if result.divergences > HIGHEST_DIVERGENT * count:
+        raise ConvergenceError(
+            f"posterior: {result.divergences} of {count} draws diverged; free fewer parameters"
+        )

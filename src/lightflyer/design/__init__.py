@@ -1,1 +1,0 @@
-"""From one prediction to many: uncertainty."""

@@ -1,0 +1,1 @@
+"""Temperature, pressure and composition over altitude."""

@@ -1,0 +1,84 @@
+"""The paper's atmosphere: a polynomial, for the reproduction of its figures."""
+
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from lightflyer.environment.base import AbstractAtmosphere
+from lightflyer.foundation import constants
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.types import Numeric
+
+# Inverse temperature [1/K] as a polynomial in altitude [km], highest power first. The paper
+# prints three digits of each, which is useless above 20 km; these come with the code of
+# [Celenza2020].
+_INVERSE_TEMPERATURE = np.array(
+    [
+        -4.59195520629687e-29,
+        4.02322550536528e-27,
+        1.49047601370574e-23,
+        -7.94159585089666e-21,
+        2.02100883624221e-18,
+        -3.15169237730408e-16,
+        3.27061799378819e-14,
+        -2.33217472878003e-12,
+        1.14960632799406e-10,
+        -3.86235307877923e-9,
+        8.52520967699876e-8,
+        -1.14955512755429e-6,
+        8.15422681932410e-6,
+        -2.28247698757490e-5,
+        9.91066193190049e-5,
+        3.47312785053852e-3,
+    ]
+)
+_INTEGRAL = np.polyint(_INVERSE_TEMPERATURE)
+_METRES_PER_KILOMETRE = 1000.0
+_TOP = 120e3  # the polynomial has a pole at about 125 km
+
+
+class Lu2023Atmosphere(AbstractAtmosphere):
+    r"""Polynomial atmosphere of the paper, 0 to 120 km.
+
+    .. math::
+        T_c^{-1}(h) = \sum_k a_k h^k, \qquad
+        p(h) = p_0 \exp\!\left(-\frac{g}{R}\int_0^h T_c^{-1}\,\mathrm dh\right)
+
+    with the paper's g = 9.8 m/s² and R = 287.05 J/(kg K).
+
+    References
+    ----------
+    [Lu2023]_ Eqs. (21) and (22), with the factor 1000 that (22) needs; coefficients from
+    [Celenza2020]_.
+
+    Examples
+    --------
+    >>> atmosphere = Lu2023Atmosphere()
+    >>> print(f"{atmosphere.temperature(70e3):.4f} K, {atmosphere.pressure(70e3):.5f} Pa")
+    220.0640 K, 4.71544 Pa
+    """
+
+    @property
+    def altitude_range(self) -> tuple[float, float]:
+        """0 m to 120 km."""
+        return 0.0, _TOP
+
+    @entry_point
+    def temperature(self, altitude: Numeric) -> Any:
+        """Temperature [K]."""
+        altitude_km = altitude / _METRES_PER_KILOMETRE
+        return self._nan_outside(altitude, 1.0 / jnp.polyval(_INVERSE_TEMPERATURE, altitude_km))
+
+    @entry_point
+    def pressure(self, altitude: Numeric) -> Any:
+        """Pressure [Pa]."""
+        altitude_km = altitude / _METRES_PER_KILOMETRE
+        integral = _METRES_PER_KILOMETRE * jnp.polyval(_INTEGRAL, altitude_km)
+        exponent = constants.GRAVITY_LU2023 / constants.GAS_CONSTANT_LU2023 * integral
+        return self._nan_outside(altitude, constants.SEA_LEVEL_PRESSURE * jnp.exp(-exponent))
+
+    @entry_point
+    def molar_mass_ratio(self, altitude: Numeric) -> Any:
+        """One: the paper's gas does not change with altitude."""
+        return jnp.ones_like(altitude)

@@ -1,0 +1,226 @@
+"""The US Standard Atmosphere 1976, sea level to 1000 km."""
+
+from functools import cache
+from importlib import resources
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.environment.base import AbstractAtmosphere
+from lightflyer.foundation import constants
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.spline import Spline
+from lightflyer.foundation.types import Numeric
+from lightflyer.gas.gas import AIR
+
+# [USSA1976] table 4: bases of the layers below 86 km in geopotential altitude [m'], and the
+# gradients of molecular-scale temperature above them [K/m'].
+_LAYER_BASES = np.array([0.0, 11e3, 20e3, 32e3, 47e3, 51e3, 71e3])
+_LAPSE_RATES = np.array([-6.5e-3, 0.0, 1.0e-3, 2.8e-3, 0.0, -2.8e-3, -2.0e-3])
+_SEA_LEVEL_TEMPERATURE = 288.15
+_HOMOSPHERE_TOP = 86e3
+_TOP = 1000e3
+
+# [USSA1976] table 8: ratio of the mean molar mass to its sea-level value, 80 km to 86 km.
+_RATIO_ALTITUDES = np.arange(80e3, 86.1e3, 0.5e3)
+_RATIO_DEFICITS = [0, 4, 11, 29, 59, 91, 130, 171, 214, 259, 306, 359, 421]  # millionths
+_RATIOS = 1.0 - 1e-6 * np.array(_RATIO_DEFICITS)
+
+# [USSA1976] Eqs. (25), (27), (29), (31): kinetic temperature above 86 km.
+_T7 = 186.8673
+_Z8, _T_CENTRE, _ELLIPSE_A, _ELLIPSE_B = 91e3, 263.1905, -76.3232, -19.9429e3
+_Z9, _T9, _LAPSE_9 = 110e3, 240.0, 12e-3
+_Z10, _T10, _T_INFINITY, _DECAY = 120e3, 360.0, 1000.0, 0.01875e-3
+
+# [USSA1976] table 2: effective collision diameter [m].
+_COLLISION_DIAMETER = 3.65e-10
+
+# Hydrostatic constant g0 M0 / R* [K/m'].
+_HYDROSTATIC = constants.STANDARD_GRAVITY * constants.MOLAR_MASS_AIR / constants.GAS_CONSTANT_US1976
+
+
+def _layer_bases() -> tuple[np.ndarray, np.ndarray]:
+    """Molecular-scale temperature [K] and log-pressure at the base of each layer."""
+    temperature, log_pressure = [_SEA_LEVEL_TEMPERATURE], [np.log(constants.SEA_LEVEL_PRESSURE)]
+    for thickness, lapse in zip(np.diff(_LAYER_BASES), _LAPSE_RATES, strict=False):
+        below = temperature[-1]
+        above = below + lapse * thickness
+        mean = (above - below) / np.log(above / below) if lapse else below
+        temperature.append(above)
+        log_pressure.append(log_pressure[-1] - _HYDROSTATIC * thickness / mean)
+    return np.array(temperature), np.array(log_pressure)
+
+
+_BASE_TEMPERATURES, _BASE_LOG_PRESSURES = _layer_bases()
+
+
+def geopotential_altitude(altitude: Numeric) -> Any:
+    """Geopotential [m'] of a geometric altitude [m]; [USSA1976]_ Eq. (18)."""
+    radius = constants.EARTH_EFFECTIVE_RADIUS
+    return radius * altitude / (radius + altitude)
+
+
+def _in_layers(altitude: Array) -> tuple[Array, Array]:
+    """Molecular-scale temperature [K] and log-pressure below 86 km."""
+    geopotential = geopotential_altitude(altitude)
+    layer = jnp.searchsorted(jnp.asarray(_LAYER_BASES[1:]), geopotential, side="right")
+    base = jnp.asarray(_BASE_TEMPERATURES)[layer]
+    lapse = jnp.asarray(_LAPSE_RATES)[layer]
+    above_base = geopotential - jnp.asarray(_LAYER_BASES)[layer]
+    isothermal = lapse == 0.0
+    safe_lapse = jnp.where(isothermal, 1.0, lapse)
+    integral = jnp.where(
+        isothermal,
+        above_base / base,
+        # the argument is chosen, too, so that the unused branch has no NaN derivative
+        jnp.log1p(jnp.where(isothermal, 0.0, safe_lapse * above_base / base)) / safe_lapse,
+    )
+    log_pressure = jnp.asarray(_BASE_LOG_PRESSURES)[layer] - _HYDROSTATIC * integral
+    return base + lapse * above_base, log_pressure
+
+
+class _UpperTable(NamedTuple):
+    """The standard's table above 86 km: log-pressure, and molar-mass ratio at the nodes."""
+
+    log_pressure: Spline
+    ratio: np.ndarray
+
+
+@cache
+def _upper_table() -> _UpperTable:
+    source = resources.files("lightflyer") / "data" / "us1976_upper.csv"
+    with source.open() as lines:
+        rows = (line for line in lines if not line.startswith(("#", "altitude")))
+        altitude_km, pressure, density = np.loadtxt(rows, delimiter=",", unpack=True)
+    altitude = altitude_km * 1e3
+    gas_constant = constants.GAS_CONSTANT_US1976 / constants.MOLAR_MASS_AIR
+    temperature = np.asarray(_upper_temperature(altitude, np))
+    ratio = density * gas_constant * temperature / pressure
+    # joined at 86 km to the layers below: same pressure, same composition
+    thickness = geopotential_altitude(_HOMOSPHERE_TOP) - _LAYER_BASES[-1]
+    lapse, base = _LAPSE_RATES[-1], _BASE_TEMPERATURES[-1]
+    ratio[0] = _RATIOS[-1]
+    log_pressure = np.log(pressure)
+    log_pressure[0] = (
+        _BASE_LOG_PRESSURES[-1] - _HYDROSTATIC * np.log1p(lapse * thickness / base) / lapse
+    )
+    # the slopes need no fit: the air is in hydrostatic equilibrium
+    radius = constants.EARTH_EFFECTIVE_RADIUS
+    gravity_ratio = (radius / (radius + altitude)) ** 2
+    slopes = -_HYDROSTATIC * gravity_ratio * ratio / temperature
+    return _UpperTable(Spline.hermite(altitude, log_pressure, slopes), ratio)
+
+
+def _upper_temperature(altitude: Numeric, xp: ModuleType = jnp) -> Any:
+    """Kinetic temperature above 86 km [K], with the array module that ``altitude`` is of."""
+    radius = constants.EARTH_EFFECTIVE_RADIUS
+    along = xp.clip((altitude - _Z8) / _ELLIPSE_B, -0.99, 0.0)
+    ellipse = _T_CENTRE + _ELLIPSE_A * xp.sqrt(1.0 - along**2)
+    linear = _T9 + _LAPSE_9 * (altitude - _Z9)
+    reduced = (altitude - _Z10) * (radius + _Z10) / (radius + altitude)
+    exponential = _T_INFINITY - (_T_INFINITY - _T10) * xp.exp(-_DECAY * reduced)
+    return xp.select(
+        [altitude < _Z8, altitude < _Z9, altitude < _Z10], [_T7, ellipse, linear], exponential
+    )
+
+
+def _temperature(altitude: Array) -> Array:
+    molecular_scale, _ = _in_layers(jnp.minimum(altitude, _HOMOSPHERE_TOP))
+    kinetic = molecular_scale * _ratio_in_layers(altitude)
+    return jnp.where(altitude < _HOMOSPHERE_TOP, kinetic, _upper_temperature(altitude))
+
+
+def _ratio_in_layers(altitude: Array) -> Array:
+    return jnp.interp(altitude, jnp.asarray(_RATIO_ALTITUDES), jnp.asarray(_RATIOS))
+
+
+def _pressure(altitude: Array) -> Array:
+    _, layers = _in_layers(jnp.minimum(altitude, _HOMOSPHERE_TOP))
+    upper = _upper_table().log_pressure(altitude)
+    return jnp.exp(jnp.where(altitude < _HOMOSPHERE_TOP, layers, upper))
+
+
+def _molar_mass_ratio(altitude: Array) -> Array:
+    table = _upper_table()
+    upper = jnp.interp(altitude, jnp.asarray(table.log_pressure.nodes), jnp.asarray(table.ratio))
+    return jnp.where(altitude < _HOMOSPHERE_TOP, _ratio_in_layers(altitude), upper)
+
+
+class US1976(AbstractAtmosphere):
+    """The US Standard Atmosphere 1976.
+
+    Below 86 km it is the standard's own equations, with the molar-mass ratio that turns
+    molecular-scale into kinetic temperature above 80 km. From 86 km to 1000 km temperature is
+    the standard's equation, pressure a cubic through its table with the hydrostatic slope at
+    each row, molar mass linear between the rows.
+
+    Notes
+    -----
+    Methods take altitudes [m] of any shape. The temperature's derivative jumps at the layers'
+    boundaries, as the standard has it.
+
+    References
+    ----------
+    [USSA1976]_.
+
+    Examples
+    --------
+    >>> print(f"{US1976().temperature(70e3):.2f} K, {US1976().pressure(70e3):.4f} Pa")
+    219.58 K, 5.2209 Pa
+    """
+
+    @property
+    def altitude_range(self) -> tuple[float, float]:
+        """0 m to 1000 km."""
+        return 0.0, _TOP
+
+    @entry_point
+    def temperature(self, altitude: Numeric) -> Any:
+        """Kinetic temperature [K]."""
+        return self._nan_outside(altitude, _temperature(altitude))
+
+    @entry_point
+    def pressure(self, altitude: Numeric) -> Any:
+        """Pressure [Pa]."""
+        return self._nan_outside(altitude, _pressure(altitude))
+
+    @entry_point
+    def molar_mass_ratio(self, altitude: Numeric) -> Any:
+        """Mean molar mass over its value at sea level [1]."""
+        return self._nan_outside(altitude, _molar_mass_ratio(altitude))
+
+    @entry_point
+    def density(self, altitude: Numeric) -> Any:
+        """Mass density [kg/m³]."""
+        molar_mass = constants.MOLAR_MASS_AIR * _molar_mass_ratio(altitude)
+        per_temperature = molar_mass / constants.GAS_CONSTANT_US1976
+        density = _pressure(altitude) * per_temperature / _temperature(altitude)
+        return self._nan_outside(altitude, density)
+
+    @entry_point
+    def viscosity(self, altitude: Numeric) -> Any:
+        """Dynamic viscosity [Pa s]; the standard gives it to 86 km, NaN above."""
+        viscosity = AIR.viscosity(_temperature(altitude))
+        return jnp.where(
+            altitude <= _HOMOSPHERE_TOP, self._nan_outside(altitude, viscosity), jnp.nan
+        )
+
+    @entry_point
+    def mean_free_path(self, altitude: Numeric) -> Any:
+        r"""Mean free path as the standard defines it [m].
+
+        .. math:: L = \frac{R^* T}{\sqrt2\, \pi N_A \sigma^2 p}
+
+        with a fixed collision diameter: 4.2 % above :func:`lightflyer.mean_free_path` at sea
+        level. The force models use the latter.
+        """
+        cross_section = jnp.sqrt(2.0) * jnp.pi * _COLLISION_DIAMETER**2
+        number_density = (
+            constants.AVOGADRO_US1976
+            * _pressure(altitude)
+            / (constants.GAS_CONSTANT_US1976 * _temperature(altitude))
+        )
+        return self._nan_outside(altitude, 1.0 / (cross_section * number_density))

@@ -1,0 +1,112 @@
+"""Figures of a film: its spectra, and what each layer absorbs."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
+
+from lightflyer.film.materials import MICROMETRE
+from lightflyer.film.spectra import Spectrum, am0, planck
+from lightflyer.film.summary import SPECTRUM_RANGE, FilmSummary
+from lightflyer.foundation.drawing import BLUE, GREEN, GREY, ORANGE, VERMILION, new_figure
+
+_TICKS_UM = (0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
+_SHOWN_TEMPERATURE = 300.0
+SKY, PURPLE, YELLOW = "#56B4E9", "#CC79A7", "#F0E442"
+_LAYER_COLOURS = (BLUE, ORANGE, GREEN, VERMILION, SKY, PURPLE, YELLOW, GREY)
+
+
+def _wavelength_axis(ax: Axes) -> None:
+    ax.set_xscale("log")
+    ax.set_xlim(SPECTRUM_RANGE[0] / MICROMETRE, SPECTRUM_RANGE[1] / MICROMETRE)
+    ax.xaxis.set_major_locator(FixedLocator(_TICKS_UM))
+    ax.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.set_xlabel("wavelength [µm]")
+    ax.set_ylim(0.0, 1.0)
+    ax.grid(alpha=0.25)
+
+
+def _shade(ax: Axes, wavelength: np.ndarray, shape: np.ndarray, label: str, colour: str) -> None:
+    """A spectrum per logarithm of wavelength, which shows equal power as equal area."""
+    per_log = wavelength * shape
+    ax.fill_between(
+        wavelength / MICROMETRE, 0.45 * per_log / per_log.max(), color=colour, alpha=0.18, lw=0
+    )
+    ax.plot([], [], color=colour, alpha=0.35, lw=6, label=label)
+
+
+def _shade_light(ax: Axes, light: Spectrum, colour: str) -> None:
+    inside = (light.wavelength > SPECTRUM_RANGE[0]) & (light.wavelength < SPECTRUM_RANGE[1])
+    _shade(ax, light.wavelength[inside], light.irradiance[inside], light.name, colour)
+
+
+def spectra(summary: FilmSummary, ax: Axes) -> Axes:
+    """Draw reflectance, transmittance and absorptance with the light and heat radiation.
+
+    Parameters
+    ----------
+    summary : FilmSummary
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    for light, colour in dict(zip((summary.light, am0()), (SKY, ORANGE), strict=True)).items():
+        _shade_light(ax, light, colour)
+    wide = np.geomspace(*SPECTRUM_RANGE, 400)
+    hottest = float(summary.temperatures.max())
+    for temperature, colour in ((_SHOWN_TEMPERATURE, GREY), (hottest, VERMILION)):
+        label = f"black body, {temperature:g} K"
+        _shade(ax, wide, planck(wide, temperature), label, colour)
+    micrometres, optics = summary.wavelength / MICROMETRE, summary.optics
+    ax.plot(micrometres, optics.reflectance, color=BLUE, ls="--", label="reflectance")
+    ax.plot(micrometres, optics.transmittance, color=GREEN, ls="-.", label="transmittance")
+    ax.plot(micrometres, optics.absorptance, color=VERMILION, label="absorptance")
+    _wavelength_axis(ax)
+    ax.set_ylabel("share of light, normal incidence on top [1]\n(shaded: arbitrary height)")
+    ax.legend(ncols=3, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    return ax
+
+
+def layer_absorptance(summary: FilmSummary, ax: Axes) -> Axes:
+    """Draw the absorptance of each layer, stacked.
+
+    Parameters
+    ----------
+    summary : FilmSummary
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    labels = [
+        f"{layer.material.name}, {float(layer.thickness) * 1e9:.4g} nm"
+        for layer in summary.film.layers
+    ]
+    colours = [_LAYER_COLOURS[index % len(_LAYER_COLOURS)] for index in range(len(labels))]
+    parts = summary.optics.layer_absorptance
+    ax.stackplot(summary.wavelength / MICROMETRE, parts, labels=labels, colors=colours, lw=0)
+    _wavelength_axis(ax)
+    ax.set_ylabel("absorptance, normal incidence on top [1]")
+    ax.legend(title="layers, top to bottom", fontsize="small", loc="upper right")
+    return ax
+
+
+def film_figures(summary: FilmSummary) -> dict[str, Figure]:
+    """The figures of a film, by file name without suffix.
+
+    Parameters
+    ----------
+    summary : FilmSummary
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+    """
+    first, second = new_figure(width=7.0), new_figure(width=7.0)
+    spectra(summary, first.axes[0])
+    layer_absorptance(summary, second.axes[0])
+    return {"film-spectra": first, "film-layers": second}

@@ -1,0 +1,191 @@
+"""``[film]`` given by its layers: what is not measured is computed."""
+
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import pydantic
+from pydantic import Field, ValidationInfo
+
+from lightflyer.film.computed import ComputedFilm
+from lightflyer.film.library import PAGES, canonical_name
+from lightflyer.film.materials import Extrapolation, Material, material, material_from_csv
+from lightflyer.film.properties import HIGHEST_TAC, FilmProperties
+from lightflyer.film.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
+from lightflyer.film.stack import Film, Layer
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.quantity import Quantity, Section
+from lightflyer.foundation.units import Measured
+
+FOLDER = "folder"
+"""Key of the validation context: the folder that names of CSV files are relative to."""
+
+_LAMPS = {"AM0": am0, "cold-white-led": cold_white_led}
+
+_Thickness = Annotated[Measured, Quantity("m", 0.0, open_below=True)]
+_Density = Annotated[Measured, Quantity("kg/m^3", 0.0, open_below=True)]
+_ArealDensity = Annotated[Measured, Quantity("kg/m^2", 0.0, open_below=True)]
+_Fraction = Annotated[Measured, Quantity("", 0.0, 1.0)]
+_Emittance = Annotated[Measured, Quantity("", 0.0, 1.0, open_below=True)]
+_Tac = Annotated[Measured, Quantity("", 0.0, HIGHEST_TAC, open_below=True)]
+_Correlation = Annotated[Measured, Quantity("", -1.0, 1.0)]
+_Policy = Literal["error", "hold", "lossless"]
+
+
+def _file(name: str, info: ValidationInfo) -> str:
+    folder = (info.context or {}).get(FOLDER)
+    return str(Path(folder, name)) if folder else name
+
+
+class LayerSection(Section):
+    """An entry of ``layers``."""
+
+    material: str
+    thickness: _Thickness
+    density: _Density | None = None
+    tac: _Tac | None = None
+    extrapolation: _Policy | None = None
+
+    @pydantic.field_validator("material")
+    @classmethod
+    def _known(cls, name: str, info: ValidationInfo) -> str:
+        if not name.lower().endswith(".csv"):
+            return canonical_name(name)
+        path = _file(name, info)
+        material_from_csv(path)  # raises here, where the line of the flyer file is known
+        return path
+
+    @property
+    def _library_tac(self) -> Measured | None:
+        return PAGES[self.material].tac if self.material in PAGES else None
+
+    @property
+    def surface_tac(self) -> Measured | None:
+        """TAC of the material's surface, where somebody has measured it [1]."""
+        return self.tac or self._library_tac
+
+    @property
+    def has_density(self) -> bool:
+        """Whether the layer's mass can be computed."""
+        known = self.material in PAGES and PAGES[self.material].density is not None
+        return known or self.density is not None
+
+    def build(self, policy: str) -> Layer:
+        """The layer; ``policy`` is the film's extrapolation policy."""
+        return Layer(self._material(policy), self.thickness.value)
+
+    def _material(self, policy: str) -> Material:
+        chosen = Extrapolation(self.extrapolation or policy)
+        density = None if self.density is None else self.density.value
+        if self.material in PAGES:
+            known = material(self.material, extrapolation=chosen)
+            return known.with_density(density) if density is not None else known
+        own = material_from_csv(self.material, density=density, tac=self.tac)
+        return own.with_extrapolation(chosen)
+
+
+class LayeredFilmSection(Section):
+    """``[film]``: layers, top to bottom, and measured values that replace computed ones."""
+
+    layers: Annotated[tuple[LayerSection, ...], Field(min_length=1)]
+    extrapolation: _Policy = "error"
+    spectrum: str = "AM0"
+    areal_density: _ArealDensity | None = None
+    absorptance: _Fraction | None = None
+    absorptance_bottom: _Fraction | None = None
+    emittance: _Emittance | None = None
+    emittance_top: _Emittance | None = None
+    emittance_bottom: _Emittance | None = None
+    tac_top: _Tac | None = None
+    tac_bottom: _Tac | None = None
+    tac_correlation: _Correlation = Measured(0.0)
+
+    @pydantic.field_validator("spectrum")
+    @classmethod
+    def _known_spectrum(cls, name: str, info: ValidationInfo) -> str:
+        if name in _LAMPS:
+            return name
+        if not name.lower().endswith(".csv"):
+            known = ", ".join(_LAMPS)
+            raise ConfigurationError(f'spectrum "{name}" is unknown; there are: {known}, or a CSV')
+        path = _file(name, info)
+        spectrum_from_csv(path)
+        return path
+
+    @pydantic.model_validator(mode="after")
+    def _one_emittance_a_face(self) -> "LayeredFilmSection":
+        if self.emittance is not None and (self.emittance_top or self.emittance_bottom):
+            raise ConfigurationError(
+                "give either emittance, or emittance_top and emittance_bottom, not both"
+            )
+        return self
+
+    def film(self) -> Film:
+        """The layers with their materials."""
+        return Film(tuple(layer.build(self.extrapolation) for layer in self.layers))
+
+    def light(self) -> Spectrum:
+        """The light's spectrum."""
+        known = _LAMPS.get(self.spectrum)
+        return known() if known else spectrum_from_csv(self.spectrum)
+
+    def measured(self) -> dict[str, Measured]:
+        """The values that replace computed ones, by the name of the property."""
+        given = {
+            "areal_density": self.areal_density,
+            "absorptance": self.absorptance,
+            "absorptance_bottom": self.absorptance_bottom,
+            "emittance_top": self.emittance_top or self.emittance,
+            "emittance_bottom": self.emittance_bottom or self.emittance,
+            "tac_top": self.tac_top or self.layers[0].surface_tac,
+            "tac_bottom": self.tac_bottom or self.layers[-1].surface_tac,
+        }
+        return {name: value for name, value in given.items() if value is not None}
+
+    def computed(self, incidence: float = 0.0) -> ComputedFilm:
+        """The film's properties with the origin of each, for light at an incidence [rad].
+
+        Raises
+        ------
+        ConfigurationError
+            If a density or a TAC is neither known nor given.
+        """
+        self._require_known()
+        return _computed(self, incidence)
+
+    def _require_known(self) -> None:
+        for name, layer in (("tac_top", self.layers[0]), ("tac_bottom", self.layers[-1])):
+            if getattr(self, name) is None and layer.surface_tac is None:
+                raise ConfigurationError(
+                    f"[film] needs {name}: no accommodation coefficient of {layer.material} is "
+                    "known to have been measured"
+                )
+        for layer in self.layers:
+            if self.areal_density is None and not layer.has_density:
+                raise ConfigurationError(
+                    f"[film] needs areal_density, or the layer of {layer.material} its density"
+                )
+
+    def build(self, incidence: float = 0.0) -> FilmProperties:
+        """The film's properties for light at an incidence [rad]."""
+        return self.computed(incidence).properties
+
+    def layer_uncertainties(self) -> dict[str, float]:
+        """The stated standard uncertainties of the layers by dotted name."""
+        return {
+            f"film.layers.{index}.{name}": value.uncertainty
+            for index, layer in enumerate(self.layers)
+            for name, value in layer
+            if isinstance(value, Measured) and value.uncertainty is not None
+        }
+
+    def report(self, incidence: float = 0.0) -> dict[str, Any]:
+        """Which value is computed and which measured, for a prediction's summary."""
+        return self.computed(incidence).report()
+
+
+@cache
+def _computed(section: LayeredFilmSection, incidence: float) -> ComputedFilm:
+    return ComputedFilm.of(
+        section.film(), section.measured(), spectrum=section.light(), incidence=incidence
+    )

@@ -1,0 +1,1 @@
+"""From flyer, surroundings and force model to temperature, lift, levitation and bands."""

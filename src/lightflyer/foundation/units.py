@@ -1,0 +1,175 @@
+"""Quantities with units, at the edge of the program only: "2 cm" becomes 0.02.
+
+Inside the package every number is SI. Units are Pint's; the registry is built from a short list
+of its own (``data/units.txt``) because Pint's full list takes longer to read than a prediction
+takes to compute.
+"""
+
+import math
+import re
+from collections.abc import Callable
+from functools import cache
+from importlib import resources
+from typing import NamedTuple
+
+import pint
+
+from lightflyer.foundation.errors import ConfigurationError
+
+
+class Measured(NamedTuple):
+    """A value in SI units and its standard uncertainty, or None where none is stated.
+
+    Attributes
+    ----------
+    value : float
+    uncertainty : float or None
+    """
+
+    value: float
+    uncertainty: float | None = None
+
+
+_FAR = 1e6  # a value beside which offsets of temperature scales are small
+
+_SEPARATOR = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
+_NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
+_FACTOR = r"[A-Za-zµμ°%]+(?:(?:\*\*|\^)?-?\d|[²³])?"
+_EXPONENT = re.compile(r"(?<=[A-Za-zµμ°])(-?\d)")  # of "m2" and "m-2", which Pint does not read
+_UNIT = re.compile(rf"^{_FACTOR}(?:\s*[*/·]\s*{_FACTOR}|\s+{_FACTOR})*$")
+
+
+@cache
+def registry() -> pint.UnitRegistry:
+    """The package's unit registry.
+
+    Returns
+    -------
+    pint.UnitRegistry
+    """
+    definitions = resources.files("lightflyer") / "data" / "units.txt"
+    with resources.as_file(definitions) as path:
+        return pint.UnitRegistry(str(path))
+
+
+def _converter(unit: str, target: str, text: str) -> Callable[[float], float]:
+    """Conversion of values from ``unit`` to ``target``, offset included."""
+    units = registry()
+    # checked here because Pint's parser meets malformed text with errors of many kinds
+    if not _UNIT.match(unit):
+        raise ConfigurationError(f'"{text}": "{unit}" is not a unit')
+    try:
+        parsed = units.parse_units(_EXPONENT.sub(r"**\1", unit))
+    except pint.UndefinedUnitError:
+        raise ConfigurationError(f'"{text}": unit "{unit}" is unknown; {_wanted(target)}') from None
+    if not units.is_compatible_with(parsed, units.parse_units(target)):
+        raise ConfigurationError(f'"{text}": unit "{unit}" is of the wrong kind; {_wanted(target)}')
+    return lambda value: float(units.Quantity(value, parsed).to(target).magnitude)
+
+
+def scale_and_offset(unit: str, target: str) -> tuple[float, float]:
+    """What turns many values of one unit into another: times the first, plus the second.
+
+    Parameters
+    ----------
+    unit : str
+        Such as ``"mTorr"`` or ``"°C"``.
+    target : str
+        SI unit wanted, ``""`` for a pure number.
+
+    Returns
+    -------
+    scale, offset : float
+
+    Raises
+    ------
+    ConfigurationError
+        If the unit is unknown or of another kind.
+
+    Examples
+    --------
+    >>> scale_and_offset("°C", "K")
+    (1.0, 273.15)
+    """
+    convert = _converter(unit or "dimensionless", target, unit)
+    offset = convert(0.0)
+    # from far away, where the offset's rounding does not count
+    return (convert(_FAR) - offset) / _FAR if offset else convert(1.0), offset
+
+
+def _wanted(target: str) -> str:
+    return f"give one that converts to {target}" if target else "write a pure number or a %"
+
+
+def parse(text: str | float, unit: str) -> Measured:
+    """Read a number with its unit and, if stated, its uncertainty.
+
+    Parameters
+    ----------
+    text : str or float
+        Such as ``"2 cm"``, ``"1.0 ± 0.1 g/m^2"``, ``"0.90 ± 0.03"``, or a bare number where the
+        quantity has no dimension.
+    unit : str
+        SI unit wanted, ``""`` for a pure number.
+
+    Returns
+    -------
+    Measured
+        In ``unit``.
+
+    Raises
+    ------
+    ConfigurationError
+        If the text is no number, its unit is missing, unknown or of another kind, or its
+        uncertainty is negative. The message quotes the text and says what is allowed.
+
+    Examples
+    --------
+    >>> parse("2 cm", "m").value
+    0.02
+    >>> parse("0.90 ± 0.03", "")
+    Measured(value=0.9, uncertainty=0.03)
+    """
+    if isinstance(text, bool) or not isinstance(text, int | float | str):
+        raise ConfigurationError(f"{text!r} is not a number{_with_unit(unit)}")
+    if not isinstance(text, str):
+        if unit:
+            raise ConfigurationError(f'{text} has no unit; write "{text} {unit}"')
+        return _finite(Measured(float(text)), str(text))
+    first, *rest = _SEPARATOR.split(text)
+    if len(rest) > 1:
+        raise ConfigurationError(f'"{text}" has more than one ±')
+    value, value_unit = _split(first, text, unit)
+    uncertainty, own_unit = _split(rest[0], text, unit) if rest else (None, "")
+    if own_unit == "%" and not value_unit:
+        raise ConfigurationError(
+            f'"{text}": relative or absolute? write the uncertainty in the unit of the value'
+        )
+    value_unit = value_unit or own_unit
+    if unit and not value_unit:
+        raise ConfigurationError(f'"{text}" has no unit; write "{text} {unit}"')
+    convert = _converter(value_unit or "dimensionless", unit, text)
+    if uncertainty is None:
+        return _finite(Measured(convert(value)), text)
+    if uncertainty < 0.0:
+        raise ConfigurationError(f'"{text}": the uncertainty is negative')
+    spread = _converter(own_unit, unit, text) if own_unit else convert
+    # a difference of two conversions, in which the offset of a temperature scale drops out
+    return _finite(Measured(convert(value), spread(uncertainty) - spread(0.0)), text)
+
+
+def _split(part: str, text: str, unit: str) -> tuple[float, str]:
+    match = _NUMBER.match(part)
+    if match is None:
+        raise ConfigurationError(f'"{text}" is not a number{_with_unit(unit)}')
+    return float(match[1]), match[2]
+
+
+def _with_unit(unit: str) -> str:
+    return f' with a unit, such as "1 {unit}"' if unit else ""
+
+
+def _finite(measured: Measured, text: str) -> Measured:
+    if not math.isfinite(measured.value):
+        raise ConfigurationError(f'"{text}" is not a finite number')
+    return measured

@@ -1,0 +1,1 @@
+"""Gases: transport properties, and the lengths and speeds made of them."""

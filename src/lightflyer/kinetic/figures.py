@@ -1,0 +1,69 @@
+"""Figure of the gas around a hot disk: temperature and streamlines."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from lightflyer.foundation.drawing import new_figure
+from lightflyer.kinetic import Solution
+
+_EXTENT = 3.0
+_POINTS = 121
+_LEVELS = 14
+
+
+def flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
+    """Draw the temperature of the gas and its streamlines in a plane through the axis.
+
+    Parameters
+    ----------
+    solution : Solution
+    ax : matplotlib.axes.Axes
+    extent : float
+        How far from the disk's centre [disk radii].
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    x = np.linspace(-extent, extent, _POINTS)
+    fields = solution.flow(np.abs(x)[None, :], x[:, None])
+    filled = ax.contourf(x, x, fields["temperature"], levels=_LEVELS, cmap="inferno")
+    label = "(T − T$_c$)/T$_c$" + (" per unit of the faces'" if solution.is_linear else "")
+    ax.figure.colorbar(filled, ax=ax, label=f"{label} [1]")
+    outwards = fields["velocity_radial"] * np.sign(x)[None, :]
+    ax.streamplot(
+        x,
+        x,
+        outwards,
+        fields["velocity_axial"],
+        color="white",
+        linewidth=0.6,
+        density=1.3,
+        arrowsize=0.7,
+    )
+    ax.plot([-1.0, 1.0], [0.0, 0.0], color="white", linewidth=3.0, solid_capstyle="butt")
+    ax.set_aspect("equal")
+    ax.set_xlim(-extent, extent)
+    ax.set_ylim(-extent, extent)
+    ax.set_xlabel("distance from the axis [disk radii]")
+    ax.set_ylabel("height [disk radii]")
+    first, _, second = solution.title.partition(" bottom, ")
+    ax.set_title(f"{first} bottom\n{second}", fontsize="medium")
+    return ax
+
+
+def flow_figure(solution: Solution) -> Figure:
+    """A figure of its own with :func:`flow`, inside the reservoir where there is one.
+
+    Parameters
+    ----------
+    solution : Solution
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = new_figure(width=6.4, height=5.0)
+    flow(solution, figure.axes[0], min(_EXTENT, solution.boundary))
+    return figure

@@ -1,0 +1,1 @@
+"""What one flyer will do."""

@@ -1,0 +1,1 @@
+"""The best design, and what its uncertainty comes from."""

@@ -1,0 +1,301 @@
+"""Looking at the results of a sweep: slices, the best designs, Pareto fronts."""
+
+import difflib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.flight.fields import dataset_unit
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.units import parse
+from lightflyer.sweeps.axes import SAMPLE
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+COVERAGE = (0.025, 0.975)
+"""Quantiles of the samples between which bands are drawn."""
+
+LESS_IS_BETTER = ("levitation_irradiance", "temperature", "lowest_altitude", "areal_density")
+"""Outputs whose best design has the least."""
+
+_AT_ONCE = 2**22  # numbers read at a time
+_ROUNDING = 1e-9  # relative, of a value in other units
+
+
+def find_name(dataset: "xr.Dataset", name: str, *, among: str) -> str:
+    """Full name of a field or an output from the name or its last part.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a sweep.
+    name : str
+        Such as ``"diameter"`` for ``"flyer.diameter"``.
+    among : str
+        ``"fields"`` that have a dimension, or ``"outputs"``.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ConfigurationError
+        If there is none, with the nearest, or several.
+    """
+    known = [str(key) for key in (dataset.dims if among == "fields" else dataset.data_vars)]
+    if name in known:
+        return name
+    ends = [full for full in known if full.endswith(f".{name}")]
+    if len(ends) == 1:
+        return ends[0]
+    if ends:
+        raise ConfigurationError(f'"{name}" may be any of {", ".join(ends)}; write it in full')
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
+    hint = f'did you mean "{near[0]}"?' if near else f"it has {', '.join(known)}"
+    raise ConfigurationError(f'the sweep has no "{name}" among its {among}; {hint}')
+
+
+def parts(array: "xr.DataArray") -> Iterator[tuple[slice, np.ndarray]]:
+    """Values of an array in parts along its first dimension that fit into memory.
+
+    Parameters
+    ----------
+    array : xarray.DataArray
+        Of at least one dimension.
+
+    Yields
+    ------
+    rows : slice
+    values : array
+    """
+    rows = max(1, _AT_ONCE // max(1, int(np.prod(array.shape[1:]))))
+    for start in range(0, array.shape[0], rows):
+        part = slice(start, start + rows)
+        yield part, np.asarray(array[part])
+
+
+@dataclass(frozen=True)
+class BestDesign:
+    """The design that does most.
+
+    Attributes
+    ----------
+    value : float
+        Of the output.
+    units : str
+    where : dict of str to (float, str)
+        Value and units of each coordinate.
+    index : dict of str to int
+        Its place along each dimension.
+    """
+
+    value: float
+    units: str
+    where: dict[str, tuple[float, str]]
+    index: dict[str, int]
+
+    def __str__(self) -> str:
+        at = ", ".join(
+            f"{name} {amount:.6g} {unit}".rstrip() for name, (amount, unit) in self.where.items()
+        )
+        return f"{self.value:.4g} {self.units}".rstrip() + (f" at {at}" if at else "")
+
+
+def best_design(dataset: "xr.Dataset", name: str) -> BestDesign | None:
+    """Where an output is largest, or least where less is better.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a sweep.
+    name : str
+        Of the output.
+
+    Returns
+    -------
+    BestDesign or None
+        None where the output has no value anywhere.
+    """
+    array = dataset[name]
+    sign = -1.0 if name in LESS_IS_BETTER else 1.0
+    best = -np.inf
+    place: tuple[int, ...] = ()
+    for rows, values in parts(array) if array.ndim else [(slice(0, 1), np.asarray(array))]:
+        score = np.where(np.isnan(values), -np.inf, sign * values)
+        here = np.unravel_index(int(np.argmax(score)), score.shape)
+        if score[here] > best:
+            best = float(score[here])
+            first = [int(here[0]) + rows.start] if array.ndim else []
+            place = (*first, *map(int, here[1:]))
+    if not np.isfinite(best):
+        return None
+    index = {str(name): number for name, number in zip(array.dims, place, strict=True)}
+    there = array.isel(index)
+    order = [*array.dims, *(key for key in there.coords if key not in array.dims)]
+    where = {
+        str(key): (float(there.coords[key]), unit_of(there.coords[key]))
+        for key in order
+        if key in there.coords
+    }
+    return BestDesign(sign * best, unit_of(array), where, index)
+
+
+def unit_of(array: "xr.DataArray") -> str:
+    """Units of an array, empty for a pure number."""
+    unit = str(array.attrs.get("units", ""))
+    return "" if unit == "1" else unit
+
+
+def choose_slice(
+    dataset: "xr.Dataset", value: str, kept: list[str], asked: Mapping[str, str]
+) -> tuple["xr.Dataset", dict[str, tuple[float, str]]]:
+    """Fix all dimensions but some: where it was asked for, else at the best design.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a sweep.
+    value : str
+        Output whose best design is meant.
+    kept : list of str
+        Dimensions that stay; samples stay too.
+    asked : dict of str to str
+        Values with units of other fields; the nearest in the sweep is taken.
+
+    Returns
+    -------
+    dataset : xarray.Dataset
+    chosen : dict of str to (float, str)
+        Value and units of each fixed field.
+
+    Raises
+    ------
+    ConfigurationError
+        If a field does not exist or is kept, or a value is not of its kind or outside the sweep.
+    """
+    chosen: dict[str, tuple[float, str]] = {}
+    for short, text in asked.items():
+        name = find_name(dataset, short, among="fields")
+        if name in kept:
+            raise ConfigurationError(f"{name} is an axis of the map; it cannot be fixed as well")
+        unit = dataset_unit(unit_of(dataset[name]))
+        try:
+            wanted = parse(_bare(text) if not unit else text, unit).value
+        except ConfigurationError as error:
+            raise ConfigurationError(f"--at {short}: {error}") from None
+        there = dataset[name].values
+        low, high = float(there.min()), float(there.max())
+        if not low - _ROUNDING * abs(low) <= wanted <= high + _ROUNDING * abs(high):
+            raise ConfigurationError(
+                f"--at {short}: {text} is outside of the sweep's {low:.6g} to {high:.6g} "
+                f"{unit_of(dataset[name])}".rstrip()
+            )
+        number = int(np.argmin(np.abs(there - wanted)))
+        chosen[name] = (float(dataset[name][number]), unit_of(dataset[name]))
+        dataset = dataset.isel({name: number})
+    others = [str(d) for d in dataset[value].dims if d not in kept and d != SAMPLE]
+    if others:
+        best = best_design(dataset, value)
+        for name in others:
+            number = best.index[name] if best else 0
+            chosen[name] = (float(dataset[name][number]), unit_of(dataset[name]))
+            dataset = dataset.isel({name: number})
+    return dataset, chosen
+
+
+def _bare(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def margin(dataset: "xr.Dataset") -> "xr.DataArray | None":
+    """By how much the designs of a sweep fly, as far as its outputs tell.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+
+    Returns
+    -------
+    xarray.DataArray or None
+        Zero or positive where a design flies, of no particular unit; None where no output tells.
+    """
+    if "lift_over_weight" in dataset:
+        return dataset["lift_over_weight"] - 1.0
+    for name in ("relative_payload", "payload"):
+        if name in dataset:
+            return dataset[name].fillna(-1.0)
+    for name in ("lowest_altitude", "levitation_irradiance"):
+        if name in dataset:
+            return dataset[name].notnull() - 0.5
+    if "band_width" in dataset:
+        return (dataset["band_width"] > 0.0) - 0.5
+    return None
+
+
+def pareto_front(
+    dataset: "xr.Dataset", gain: str, cost: str, *, sign: float = 1.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Designs that no other beats in two things at once.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a sweep.
+    gain : str
+        Output of which more is better, or less where it is among :data:`LESS_IS_BETTER`.
+    cost : str
+        Output or coordinate of which less is better.
+    sign : float
+        -1 where more of ``cost`` is better as well.
+
+    Returns
+    -------
+    gain, cost : array, shape (n,)
+        Along the front, ordered by cost; empty where no design that flies has both.
+    """
+    array, other, able = dataset[gain], dataset[cost], margin(dataset)
+    worth = -1.0 if gain in LESS_IS_BETTER else 1.0
+    gains, costs = np.empty(0), np.empty(0)
+    if other.dims != array.dims:
+        other = other.broadcast_like(array).transpose(*array.dims)
+    for rows, values in parts(array):
+        there = np.asarray(other[rows])
+        known = np.isfinite(values) & np.isfinite(there)
+        if able is not None:
+            known &= np.asarray(able[rows]) >= 0.0
+        gains = np.concatenate([gains, worth * values[known]])
+        costs = np.concatenate([costs, sign * there[known]])
+        # cheapest first, and among equals the best; what does not better all cheaper is beaten
+        order = np.lexsort((-gains, costs))
+        gains, costs = gains[order], costs[order]
+        if gains.size:
+            before = np.concatenate([[-np.inf], np.maximum.accumulate(gains)[:-1]])
+            gains, costs = gains[gains > before], costs[gains > before]
+    return worth * gains, sign * costs
+
+
+def over_samples(array: "xr.DataArray") -> dict[str, Any]:
+    """Median and ends of the 95 % band of an output over the samples of a sweep.
+
+    Parameters
+    ----------
+    array : xarray.DataArray
+        With a dimension ``"sample"``.
+
+    Returns
+    -------
+    dict of str to xarray.DataArray
+        ``"low"``, ``"median"`` and ``"high"``.
+    """
+    low, median, high = (
+        array.quantile(level, dim=SAMPLE, keep_attrs=True).drop_vars("quantile")
+        for level in (COVERAGE[0], 0.5, COVERAGE[1])
+    )
+    return {"low": low, "median": median, "high": high}

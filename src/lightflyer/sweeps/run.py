@@ -1,0 +1,329 @@
+"""Sweeps: the outputs of all designs of a study, in memory or in a folder that keeps them."""
+
+import shutil
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from lightflyer.config.reader import read_flyer_file
+from lightflyer.config.sections import FlyerFile
+from lightflyer.flight.outputs import OUTPUTS
+from lightflyer.foundation.errors import ConfigurationError, LightflyerError
+from lightflyer.sweeps.chunks import CHUNK, Chunks
+from lightflyer.sweeps.evaluation import Evaluator
+from lightflyer.sweeps.scheduler import Task, connected, processors, run_here, run_on_dask
+from lightflyer.sweeps.sections import SamplingSection
+from lightflyer.sweeps.store import empty_dataset, open_store
+from lightflyer.sweeps.study import Study, make_study
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+LARGEST = 10**9
+"""Designs above which a sweep has to be confirmed."""
+
+_BYTES = 8  # of a number
+
+
+@dataclass(frozen=True)
+class SweepReport:
+    """What a sweep into a folder did.
+
+    Attributes
+    ----------
+    designs : int
+        Of the whole study.
+    found : int
+        Designs that were there already.
+    damaged : int
+        Chunks that were there and had to be computed again.
+    computed : int
+        Designs computed now.
+    not_converged : int
+        Designs of the whole study whose results are NaN because a root-find failed.
+    seconds : float
+        From the first chunk to the last.
+    """
+
+    designs: int
+    found: int
+    damaged: int
+    computed: int
+    not_converged: int
+    seconds: float
+
+
+class Listener(Protocol):
+    """Hears how a sweep gets on."""
+
+    def film(self, done: int, total: int) -> None:
+        """So many of all films of layers are computed."""
+
+    def begin(self, found: int, total: int) -> None:
+        """So many of all designs were there already."""
+
+    def advance(self, designs: int) -> None:
+        """So many more designs were committed."""
+
+
+class _Deaf:
+    """Listens to nothing."""
+
+    def film(self, done: int, total: int) -> None: ...
+    def begin(self, found: int, total: int) -> None: ...
+    def advance(self, designs: int) -> None: ...
+
+
+def sweep_into(
+    study: Study,
+    folder: str | Path,
+    *,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    chunk: int = CHUNK,
+    listener: Listener | None = None,
+    evaluator: Callable[[int, int], Any] | None = None,
+) -> SweepReport:
+    """Compute a study into a folder, or what is missing of it there.
+
+    Parameters
+    ----------
+    study : Study
+    folder : str or path
+        A Zarr group is made there, or continued.
+    scheduler : str, optional
+        Address of a Dask scheduler; by default threads of this process compute.
+    workers : int, optional
+        Threads of this process.
+    chunk : int
+        Designs in a chunk of a new folder, at most.
+    listener : Listener, optional
+    evaluator : callable, optional
+        In place of the study's own :class:`~lightflyer.sweeps.evaluation.Evaluator`.
+
+    Returns
+    -------
+    SweepReport
+
+    Raises
+    ------
+    OutputError
+        If the folder holds something else or another study, is being written, or cannot be.
+    ConfigurationError
+        If a scheduler does not answer.
+    """
+    folder, heard = Path(folder), listener or _Deaf()
+    with ExitStack() as stack:
+        # first, so that nothing is made for a scheduler that does not answer
+        client = stack.enter_context(connected(scheduler)) if scheduler else None
+        store = stack.enter_context(open_store(folder, study, chunk))
+        missing, chunks = store.missing, store.chunks
+        left = sum(_length(chunks, number) for number in missing)
+        heard.begin(study.size - left, study.size)
+        start, computed = time.perf_counter(), 0
+        if missing:
+            evaluate = evaluator or Evaluator(study, heard.film)
+            task = Task(evaluate, folder.resolve(), chunks, store.token)
+            results = (
+                run_on_dask(task, missing, client, scheduler)
+                if scheduler
+                else run_here(task, missing, workers)
+            )
+            for number, record, failures in results:
+                store.commit(number, record, failures)
+                computed += _length(chunks, number)
+                heard.advance(_length(chunks, number))
+        if store.missing:
+            raise LightflyerError(
+                f"{folder}: {len(store.missing)} chunks were not computed; the same command "
+                "continues"
+            )
+        store.finish()
+        return SweepReport(
+            designs=study.size,
+            found=study.size - left,
+            damaged=len(store.damaged),
+            computed=computed,
+            not_converged=store.failures,
+            seconds=time.perf_counter() - start,
+        )
+
+
+def _length(chunks: Chunks, number: int) -> int:
+    start, stop = chunks.span(number)
+    return stop - start
+
+
+def sweep(
+    flyer: FlyerFile | str | Path,
+    over: Mapping[str, Any],
+    variables: Sequence[str] = ("relative_payload",),
+    *,
+    method: str = "sobol",
+    points: int = 1024,
+    seed: int = 0,
+    out: str | Path | None = None,
+    scheduler: str | None = None,
+) -> "xr.Dataset":
+    """Outputs of a flyer over every combination of some of its numbers.
+
+    Parameters
+    ----------
+    flyer : FlyerFile or path
+    over : dict of str to object
+        What the fields are, by dotted name (``"flyer.diameter"``, ``"altitude"``): texts with
+        units, lists of them, ranges ``{"from": "1 cm", "to": "5 cm", "points": 9}``,
+        distributions ``{"distribution": "normal", "mean": ..., "standard_deviation": ...}``,
+        one-dimensional arrays in SI units (angles in degrees), or :class:`xarray.DataArray` of
+        any dimensions in SI units. Where one of these is backed by Dask, so is the result.
+    variables : sequence of str
+        Names of the outputs.
+    method, points, seed
+        How distributions are drawn: ``"sobol"``, ``"latin-hypercube"`` or ``"random"``.
+    out : str or path, optional
+        Folder to compute into; the result then reads from there. Called again it continues.
+    scheduler : str, optional
+        Address of a Dask scheduler that computes into ``out``.
+
+    Returns
+    -------
+    xarray.Dataset
+        With the fields as coordinates, units on everything, and NaN where there is no such
+        number: no irradiance that levitates the flyer, no band.
+
+    Raises
+    ------
+    ConfigurationError
+        If a field or an output does not exist or a value is not possible.
+    OutputError
+        If the folder cannot be used.
+
+    Examples
+    --------
+    >>> import lightflyer as lf
+    >>> film = {"areal_density": "1 g/m^2", "absorptance": 0.75, "emittance": 0.08,
+    ...         "tac_top": 0.8, "tac_bottom": 0.9}
+    >>> flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film,
+    ...                      environment={"atmosphere": "lu2023"})
+    >>> table = lf.sweep(flyer, {"altitude": ["68 km", "72 km"]}, ["lift_over_weight"])
+    >>> [round(float(value), 3) for value in table.lift_over_weight]
+    [0.995, 1.59]
+    """
+    configuration = flyer if isinstance(flyer, FlyerFile) else read_flyer_file(flyer)
+    if any(hasattr(entry, "dims") for entry in over.values()):
+        if out is not None or scheduler is not None:
+            raise ConfigurationError("out and scheduler take ranges and lists, not DataArrays")
+        from lightflyer.sweeps.labelled import sweep_labelled
+
+        return sweep_labelled(configuration, over, variables)
+    sampling = SamplingSection.model_validate({"method": method, "points": points, "seed": seed})
+    study = make_study(configuration, over, variables, sampling)
+    if out is not None:
+        sweep_into(study, out, scheduler=scheduler)
+        return open_sweep(out)
+    if scheduler is not None:
+        raise ConfigurationError("a scheduler computes into a folder: give out as well")
+    return in_memory(study)
+
+
+def in_memory(study: Study) -> "xr.Dataset":
+    """The outputs of a study as a dataset in memory.
+
+    Parameters
+    ----------
+    study : Study
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    results, failures = Evaluator(study)(0, study.size)
+    dataset = empty_dataset(study)
+    dims = [dimension.name for dimension in study.dimensions]
+    for name, values in results.items():
+        dataset[name] = (dims, values.reshape(study.shape), OUTPUTS[name].attributes)
+    dataset.attrs |= {"complete": True, "not_converged": failures}
+    return dataset
+
+
+def open_sweep(folder: str | Path) -> "xr.Dataset":
+    """The results of a sweep in a folder, read when they are used.
+
+    Parameters
+    ----------
+    folder : str or path
+
+    Returns
+    -------
+    xarray.Dataset
+
+    Raises
+    ------
+    ConfigurationError
+        If there is no such result.
+    """
+    import xarray as xr
+
+    from lightflyer.sweeps.store import require_extra
+
+    require_extra()
+    folder = Path(folder)
+    if not (folder / "zarr.json").is_file():
+        raise ConfigurationError(f"{folder}: is not the result of a sweep")
+    try:
+        return xr.open_zarr(folder, chunks=None)
+    except (ValueError, KeyError, OSError) as error:
+        raise ConfigurationError(f"{folder}: cannot be read as a Zarr group: {error}") from None
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a study would take.
+
+    Attributes
+    ----------
+    designs, size : int
+        Designs, and bytes on the disk.
+    seconds : float
+        On this machine.
+    free : int
+        Bytes free on the disk.
+    """
+
+    designs: int
+    size: int
+    seconds: float
+    free: int
+
+
+def estimate(study: Study, folder: str | Path) -> Estimate:
+    """How large and how long a study would be, from a few of its designs.
+
+    Parameters
+    ----------
+    study : Study
+    folder : str or path
+        Where it would be written.
+
+    Returns
+    -------
+    Estimate
+    """
+    existing = Path(folder).resolve()
+    while not existing.exists():
+        existing = existing.parent
+    evaluate = Evaluator(study)
+    few = min(study.size, evaluate.piece)
+    evaluate(0, few)  # compiles
+    start = time.perf_counter()
+    evaluate(0, few)
+    rate = few / (time.perf_counter() - start)
+    return Estimate(
+        designs=study.size,
+        size=study.size * len(study.variables) * _BYTES,
+        seconds=study.size / (rate * processors()),
+        free=shutil.disk_usage(existing).free,
+    )

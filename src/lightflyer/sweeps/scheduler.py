@@ -1,0 +1,318 @@
+"""Who computes the chunks of a sweep: threads of this process, or a Dask cluster."""
+
+import asyncio
+import ctypes
+import itertools
+import os
+import pickle
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from threading import Thread
+from typing import Any, NamedTuple
+
+import jax
+
+from lightflyer.foundation.errors import ConfigurationError, LightflyerError, MissingExtraError
+from lightflyer.sweeps.chunks import Chunks
+from lightflyer.sweeps.store import Record, stored_study, versions, write_chunk
+
+ANSWER_WITHIN = 10.0
+"""Time a scheduler has to answer [s]."""
+
+VERSIONS_WITHIN = 60.0
+"""Time its workers have to import this package and to say which it is [s]."""
+
+_AHEAD = 3  # chunks handed out per thread of a worker: one computed, one written, one waiting
+_RETRIES = 3
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3  # of mallopt, in malloc.h
+_KEPT = 2**25  # bytes: the largest that glibc takes
+_XLA_THREADS = "PJRT_NPROC"  # in the environment; read when JAX starts
+
+
+class Task(NamedTuple):
+    """What is to be computed and where it goes.
+
+    Attributes
+    ----------
+    evaluator : callable
+        Outputs, and number of failures, of the designs from a number up to another.
+    folder : Path
+        Of the store.
+    chunks : Chunks
+    token : str
+        Of the store.
+    """
+
+    evaluator: Any
+    folder: Path
+    chunks: Chunks
+    token: str
+
+
+Done = tuple[int, Record, int]
+"""Number of a chunk, checksums of its files, number of designs that have not converged."""
+
+
+def processors() -> int:
+    """Number of processors that this process may use, as far as the system says."""
+    if hasattr(os, "sched_getaffinity"):  # on Linux
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def compute_chunk(task: Task, chunk: int) -> Done:
+    """Compute a chunk and write it.
+
+    Parameters
+    ----------
+    task : Task
+    chunk : int
+
+    Returns
+    -------
+    chunk : int
+    record : dict of str to int
+    failures : int
+    """
+    outputs, failures = task.evaluator(*task.chunks.span(chunk))
+    return chunk, write_chunk(task.folder, task.chunks, chunk, outputs), failures
+
+
+def run_here(task: Task, missing: Sequence[int], workers: int | None = None) -> Iterator[Done]:
+    """Compute chunks in threads of this process, in whichever order they are done.
+
+    Parameters
+    ----------
+    task : Task
+    missing : sequence of int
+    workers : int, optional
+        Threads; by default one for each processor and two more, which work while others write.
+
+    Yields
+    ------
+    chunk, record, failures
+    """
+    count = workers or processors() + 2
+    waiting = iter(missing)
+    pool = ThreadPoolExecutor(min(count, max(len(missing), 1)))
+    running: set[Future[Done]] = set()
+    try:
+        for chunk in waiting:
+            running.add(pool.submit(compute_chunk, task, chunk))
+            if len(running) >= count:
+                done, running = wait(running, return_when=FIRST_COMPLETED)
+                yield from (future.result() for future in done)
+        while running:
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            yield from (future.result() for future in done)
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+@cache
+def _settle_in() -> None:
+    """Make a worker's process fit for computing, before its first chunk."""
+    import distributed
+
+    _keep_freed_memory()
+    _start_jax(distributed.get_worker().state.nthreads)
+
+
+def _keep_freed_memory() -> None:
+    """Let a worker's allocator reuse the memory of temporary arrays.
+
+    Dask starts its workers with ``MALLOC_TRIM_THRESHOLD_``. Having any value there, glibc gives
+    every larger array back to the system at once and pages it in anew for the next, which costs
+    more than half of the arithmetic. Other allocators have no ``mallopt`` and no such habit.
+    """
+    with suppress(OSError, AttributeError):
+        libc = ctypes.CDLL(None)
+        libc.mallopt(_M_MMAP_THRESHOLD, _KEPT)
+        libc.mallopt(_M_TRIM_THRESHOLD, _KEPT)
+
+
+def _start_jax(threads: int) -> None:
+    """Start JAX on so many threads, unless it has started or the environment says how many.
+
+    By itself it takes as many as there are processors and cuts each operation into as many parts.
+    But the other processors have workers of their own, and whole operations cost less.
+    """
+    if _XLA_THREADS not in os.environ:
+        os.environ[_XLA_THREADS] = str(threads)
+        try:
+            jax.devices()
+        finally:
+            os.environ.pop(_XLA_THREADS, None)
+
+
+def _compute_remotely(task: Task, chunk: int) -> tuple[Done, Any]:
+    """On a worker: write the chunk if the folder is in sight, else send its outputs back."""
+    import distributed
+
+    _settle_in()
+    outputs, failures = task.evaluator(*task.chunks.span(chunk))
+    with suppress(OSError, ValueError):
+        if stored_study(task.folder)["token"] == task.token:
+            distributed.secede()  # the worker computes the next while this one is written
+            return (chunk, write_chunk(task.folder, task.chunks, chunk, outputs), failures), None
+    return (chunk, {}, failures), outputs
+
+
+def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -> Iterator[Done]:
+    """Compute chunks on an existing Dask cluster, in whichever order they are done.
+
+    Workers that see the store's folder write into it; the results of others come back and are
+    written here. The chunks of a worker that is lost go to another.
+
+    Parameters
+    ----------
+    task : Task
+    missing : sequence of int
+    client : distributed.Client
+        From :func:`connected`.
+    address : str
+        Of its scheduler.
+
+    Yields
+    ------
+    chunk, record, failures
+
+    Raises
+    ------
+    LightflyerError
+        If the cluster is lost.
+    """
+    import cloudpickle
+    import distributed
+
+    threads = max(sum(client.nthreads().values()), 1)
+    try:
+        # made by a task and not scattered: it can be made again when its worker is lost
+        shared = client.submit(pickle.loads, cloudpickle.dumps(task), pure=False)
+        waiting = iter(missing)
+
+        def submit(chunk: int) -> Any:
+            return client.submit(_compute_remotely, shared, chunk, pure=False, retries=_RETRIES)
+
+        first = [submit(chunk) for chunk in itertools.islice(waiting, _AHEAD * threads)]
+        queue = distributed.as_completed(first, loop=client.loop, with_results=True)
+        for _, ((chunk, record, failures), outputs) in queue:
+            for more in itertools.islice(waiting, 1):
+                queue.add(submit(more))
+            if outputs is not None:
+                record = write_chunk(task.folder, task.chunks, chunk, outputs)
+            yield chunk, record, failures
+    except (distributed.KilledWorker, distributed.CancelledError, OSError) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise  # of the disk
+        raise LightflyerError(
+            f"the cluster at {address} was lost ({type(error).__name__}); what is whole is kept, "
+            "and the same command continues"
+        ) from None
+
+
+def _await_answer(address: str) -> None:
+    """Raise unless a scheduler answers in time; a Dask client waits for ever for a silent one."""
+    from distributed.comm.core import connect
+
+    async def greet() -> None:
+        comm = await connect(address, timeout=ANSWER_WITHIN)
+        comm.abort()
+
+    async def greet_in_time() -> None:
+        await asyncio.wait_for(greet(), ANSWER_WITHIN)
+
+    # in a thread of its own: this one may have a running loop, as in a notebook
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(lambda: asyncio.run(greet_in_time())).result()
+
+
+@contextmanager
+def connected(address: str) -> Iterator[Any]:
+    """A client of an existing Dask scheduler whose workers can do the work.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler, such as ``"tcp://127.0.0.1:8786"``.
+
+    Yields
+    ------
+    distributed.Client
+
+    Raises
+    ------
+    ConfigurationError
+        If the scheduler does not answer, has no workers, or they have other packages.
+    MissingExtraError
+        If Dask is not installed.
+    """
+    try:
+        import distributed
+    except ImportError:
+        raise MissingExtraError(
+            "--scheduler needs distributed: pip install 'lightflyer[sweep]'"
+        ) from None
+
+    try:
+        _await_answer(address)
+        client = distributed.Client(address, timeout=ANSWER_WITHIN, set_as_default=False)
+    except Exception as error:  # whatever else listens there may answer anything
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise ConfigurationError(
+            f"--scheduler {address}: no answer within {ANSWER_WITHIN:g} s ({reason}); start one "
+            "with 'dask scheduler', or leave the option out to compute here"
+        ) from None
+    try:
+        _check_workers(client, address)
+        yield client
+    finally:
+        with suppress(Exception):  # a cluster that was lost needs no farewell
+            client.close(timeout=ANSWER_WITHIN)
+
+
+def _check_workers(client: Any, address: str) -> None:
+    """Raise unless there are workers, with the same packages as here."""
+    import distributed
+
+    try:
+        client.wait_for_workers(1, timeout=ANSWER_WITHIN)
+    except (TimeoutError, distributed.TimeoutError):
+        raise ConfigurationError(
+            f"--scheduler {address}: has no workers; start some with 'dask worker {address}'"
+        ) from None
+    here = versions()
+    for worker, there in _versions_of_workers(client, address).items():
+        if isinstance(there, OSError):
+            continue  # lost since it was asked; whoever takes its place does its work
+        if isinstance(there, Exception):
+            raise ConfigurationError(f"--scheduler {address}: the worker at {worker} says: {there}")
+        if there != here:
+            raise ConfigurationError(
+                f"--scheduler {address}: the worker at {worker} has {there}, here is {here}; "
+                "results would differ"
+            )
+
+
+def _versions_of_workers(client: Any, address: str) -> dict[str, Any]:
+    """What each worker says of its packages, or the error that it has instead."""
+    answer: Future[dict[str, Any]] = Future()
+
+    def ask() -> None:
+        try:
+            answer.set_result(client.run(versions, on_error="return"))
+        except Exception as error:  # raised again where the answer is awaited
+            answer.set_exception(error)
+
+    # a call that a worker never answers cannot be ended, only left behind
+    Thread(target=ask, daemon=True).start()
+    try:
+        return answer.result(VERSIONS_WITHIN)
+    except TimeoutError:
+        raise ConfigurationError(
+            f"--scheduler {address}: a worker has not said its versions within "
+            f"{VERSIONS_WITHIN:g} s; end those that hang, or start others"
+        ) from None

@@ -1,0 +1,458 @@
+"""A sweep's results on disk: a Zarr group that survives being killed at any moment.
+
+A chunk's outputs are one file each, written under a temporary name, flushed to the disk and
+renamed. When all of them are there, a line with their checksums goes into a journal beside them,
+and only then does the chunk count as done. Whoever continues trusts nothing: every file that the
+journal names is read and compared with its checksum, and what does not agree is computed again.
+The files are what the Zarr format wants of an array without compression but with a CRC-32C, so any
+reader of Zarr opens the group, and finds a damaged chunk too.
+"""
+
+import importlib.metadata
+import json
+import os
+import shutil
+import tempfile
+import uuid
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import lightflyer
+from lightflyer.flight.outputs import OUTPUTS
+from lightflyer.foundation.errors import MissingExtraError, OutputError
+from lightflyer.sweeps.chunks import Chunks
+from lightflyer.sweeps.study import Study
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_RECORDS = ".lightflyer"
+_STUDY, _JOURNAL, _LOCK = "study.json", "journal", "lock"
+_PARTIAL = ".partial"
+_CHECKSUM_BYTES = 4
+_MOST_DIFFERENCES = 12
+
+Record = dict[str, int]
+"""Checksum of each output's file of a chunk."""
+
+
+def require_extra() -> None:
+    """Raise :class:`MissingExtraError` unless Zarr and its companions are installed."""
+    try:
+        import filelock  # noqa: F401
+        import google_crc32c  # noqa: F401
+        import zarr  # noqa: F401
+    except ImportError as error:
+        raise MissingExtraError(
+            f"sweeps into a folder need {error.name}: pip install 'lightflyer[sweep]'"
+        ) from None
+
+
+def versions() -> dict[str, str]:
+    """Versions of the packages that a result's last bits depend on."""
+    return {"lightflyer": lightflyer.__version__, "jaxlib": importlib.metadata.version("jaxlib")}
+
+
+def write_chunk(folder: Path, chunks: Chunks, chunk: int, outputs: Mapping[str, Any]) -> Record:
+    """Write one chunk of every output; it does not count before it is committed.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the store.
+    chunks : Chunks
+    chunk : int
+    outputs : dict of str to array
+        Of the chunk's designs.
+
+    Returns
+    -------
+    dict of str to int
+        Checksum of each output's file.
+    """
+    import google_crc32c
+
+    record = {}
+    extent = chunks.extent(chunk)
+    inside = tuple(slice(length) for length in extent)
+    for name, values in outputs.items():
+        block = np.reshape(values, extent)
+        if extent != chunks.block:
+            # chunks are stored whole, those at the edge too
+            whole = np.full(chunks.block, np.nan)
+            whole[inside] = block
+            block = whole
+        content = np.ascontiguousarray(block, "<f8").tobytes()
+        record[name] = google_crc32c.value(content)
+        checksum = record[name].to_bytes(_CHECKSUM_BYTES, "little")
+        _write_atomically(_chunk_file(folder, name, chunks, chunk), content, checksum)
+    return record
+
+
+def _chunk_file(folder: Path, name: str, chunks: Chunks, chunk: int) -> Path:
+    return Path(folder, name, "c", *map(str, chunks.place(chunk)))
+
+
+def _write_atomically(path: Path, *parts: bytes) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f"{path.name}.{uuid.uuid4().hex}{_PARTIAL}")
+    try:
+        with temporary.open("wb") as file:
+            file.writelines(parts)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+class Store:
+    """A folder with the results of a study, locked for one writer.
+
+    Made by :func:`open_store`.
+
+    Attributes
+    ----------
+    folder : Path
+    chunks : Chunks
+    token : str
+        Tells this store from any other.
+    done : dict of int to dict
+        Journal entries of the chunks that are whole, by their numbers.
+    damaged : list of int
+        Chunks that were committed but are not whole.
+    """
+
+    def __init__(self, folder: Path, study: Study, chunks: Chunks):
+        self.folder, self.chunks = folder, chunks
+        self._names = study.variables
+        self.token = str(stored_study(folder)["token"])
+        self._journal_path = folder / _RECORDS / _JOURNAL
+        self.done, self.damaged = self._check()
+        self._journal = self._journal_path.open("ab")
+
+    @property
+    def missing(self) -> list[int]:
+        """Numbers of the chunks that are yet to be computed."""
+        return [chunk for chunk in range(len(self.chunks)) if chunk not in self.done]
+
+    @property
+    def failures(self) -> int:
+        """Number of designs that have not converged."""
+        return sum(entry["failures"] for entry in self.done.values())
+
+    def commit(self, chunk: int, record: Record, failures: int) -> None:
+        """Count a chunk as done: all its files are there.
+
+        Parameters
+        ----------
+        chunk : int
+        record : dict of str to int
+            From :func:`write_chunk`.
+        failures : int
+            Number of designs that have not converged.
+        """
+        entry = {"chunk": chunk, "crc32c": record, "failures": failures}
+        self._journal.write(_journal_line(entry))
+        self._journal.flush()
+        os.fsync(self._journal.fileno())
+        self.done[chunk] = entry
+
+    def finish(self) -> None:
+        """Say in the group's attributes that it is whole."""
+        attributes = {"complete": not self.missing, "not_converged": self.failures}
+        path = self.folder / "zarr.json"
+        metadata = json.loads(path.read_text(encoding="utf-8"))
+        if metadata["attributes"] | attributes != metadata["attributes"]:
+            metadata["attributes"] |= attributes
+            _write_atomically(path, json.dumps(metadata).encode())
+
+    def close(self) -> None:
+        """Close the journal."""
+        self._journal.close()
+
+    def _check(self) -> tuple[dict[int, Any], list[int]]:
+        """Entries of whole chunks, and numbers of the others; the journal is mended."""
+        content = self._journal_path.read_bytes() if self._journal_path.exists() else b""
+        entries = {entry["chunk"]: entry for entry in _entries(content)}
+        for name in self._names:
+            for leftover in (self.folder / name).rglob(f"*{_PARTIAL}"):
+                leftover.unlink(missing_ok=True)
+        whole = {chunk: entry for chunk, entry in entries.items() if self._is_whole(entry)}
+        mended = b"".join(map(_journal_line, whole.values()))
+        if mended != content:
+            _write_atomically(self._journal_path, mended)
+        return whole, sorted(set(entries) - set(whole))
+
+    def _is_whole(self, entry: dict[str, Any]) -> bool:
+        import google_crc32c
+
+        for name in self._names:
+            try:
+                path = _chunk_file(self.folder, name, self.chunks, entry["chunk"])
+                content = memoryview(path.read_bytes())
+            except OSError:
+                return False
+            stored = int.from_bytes(content[-_CHECKSUM_BYTES:], "little")
+            found = google_crc32c.value(content[:-_CHECKSUM_BYTES].tobytes())
+            if not found == stored == entry["crc32c"].get(name):
+                return False
+        return True
+
+
+def _journal_line(entry: dict[str, Any]) -> bytes:
+    import google_crc32c
+
+    text = json.dumps(entry, sort_keys=True).encode()
+    return b"%08x %s\n" % (google_crc32c.value(text), text)
+
+
+def _entries(content: bytes) -> Iterator[dict[str, Any]]:
+    """Entries of a journal; lines that were cut or damaged are left out."""
+    for line in content.splitlines(keepends=True):
+        try:
+            entry = json.loads(line[9:])
+        except ValueError:
+            continue
+        if isinstance(entry, dict) and _journal_line(entry) == line:
+            yield entry
+
+
+def stored_study(folder: Path) -> dict[str, Any]:
+    """What a store says of itself: its token, the shape of its chunks, its study.
+
+    Parameters
+    ----------
+    folder : Path
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    OSError
+        If the folder is no store.
+    ValueError
+        If its description is damaged.
+    """
+    content = json.loads((folder / _RECORDS / _STUDY).read_text(encoding="utf-8"))
+    kinds = {"token": str, "block": list, "description": dict}
+    if not isinstance(content, dict) or not all(
+        isinstance(content.get(name), kind) for name, kind in kinds.items()
+    ):
+        raise ValueError(f"{_STUDY} is not the description of a store")
+    return content
+
+
+@contextmanager
+def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store]:
+    """Make a store, or open one to continue it.
+
+    Parameters
+    ----------
+    folder : Path
+    study : Study
+    most_in_chunk : int
+        Designs in a chunk of a new store.
+
+    Yields
+    ------
+    Store
+
+    Raises
+    ------
+    OutputError
+        If the folder holds something else or another study, is being written, or cannot be.
+    MissingExtraError
+        If Zarr is not installed.
+    """
+    require_extra()
+    import filelock
+
+    folder = Path(folder)
+    description = study.description() | versions()
+    try:
+        _require_free(folder)
+        records = folder / _RECORDS
+        records.mkdir(parents=True, exist_ok=True)
+        with filelock.FileLock(records / _LOCK).acquire(timeout=0):
+            if not (records / _STUDY).is_file():
+                _create(folder, study, description, Chunks.of(study.shape, most_in_chunk))
+            try:
+                stored = stored_study(folder)
+            except ValueError:
+                raise _lost(folder, records / _STUDY) from None
+            _require_same(folder, stored["description"], description)
+            chunks = Chunks(study.shape, tuple(stored["block"]))
+            if not _group_is_whole(folder, study, chunks):
+                _mend_group(folder, study, chunks)
+            store = Store(folder, study, chunks)
+            try:
+                yield store
+            finally:
+                store.close()
+    except filelock.Timeout:
+        raise OutputError(
+            f"{folder}: another process is writing to it; wait for it, or choose another folder"
+        ) from None
+    except OSError as error:
+        if isinstance(error, OutputError):
+            raise
+        raise OutputError(
+            f"{folder}: cannot be written: {error.strerror or error}; what is whole is kept, and "
+            "the same command continues"
+        ) from None
+
+
+def _require_free(folder: Path) -> None:
+    """Raise unless the folder is a store, perhaps one whose making was cut off, or free."""
+    if not folder.exists() or (folder / _RECORDS).is_dir():
+        return
+    if not folder.is_dir() or any(folder.iterdir()):
+        raise OutputError(
+            f"{folder}: is there already and is not the result of a sweep; choose another folder"
+        )
+
+
+def _require_same(folder: Path, stored: dict[str, str], asked: dict[str, str]) -> None:
+    """Raise with the differences unless two descriptions are the same."""
+    lines = [
+        f"  {name}: there {stored.get(name, 'not given')}; now {asked.get(name, 'not given')}"
+        for name in dict.fromkeys([*stored, *asked])
+        if stored.get(name) != asked.get(name)
+    ]
+    if list(stored) != list(asked) and not lines:
+        lines = ["  the order of the fields"]
+    if lines:
+        more = len(lines) - _MOST_DIFFERENCES
+        shown = lines[:_MOST_DIFFERENCES] + ([f"  and {more} more"] if more > 0 else [])
+        first = f"{folder}: holds another study; choose another folder, or remove it"
+        raise OutputError("\n".join([first, *shown]))
+
+
+def _lost(folder: Path, path: Path) -> OutputError:
+    """The error that says that a store's own record cannot be read."""
+    return OutputError(
+        f"{folder}: {path.relative_to(folder)} is damaged or missing; restore it, choose another "
+        "folder, or remove this one"
+    )
+
+
+def _names_in_group(study: Study) -> set[str]:
+    """Names of the arrays that a new store holds."""
+    coordinates = (name for dimension in study.dimensions for name in dimension.values)
+    return {*study.variables, *study.fixed, *coordinates}
+
+
+def _create(folder: Path, study: Study, description: dict[str, str], chunks: Chunks) -> None:
+    """Fill a store's folder; it is a store once its study is written, which comes last."""
+    journal, mine = folder / _RECORDS / _JOURNAL, _names_in_group(study)
+    if journal.is_file() and journal.stat().st_size:
+        raise _lost(folder, folder / _RECORDS / _STUDY)
+    leftovers = [path for path in folder.iterdir() if path.name != _RECORDS]
+    if not all(path.name in mine or path.name.startswith("zarr.") for path in leftovers):
+        raise OutputError(
+            f"{folder}: is no whole result of a sweep and holds other files; choose another folder"
+        )
+    for leftover in leftovers:
+        shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink()
+    content = {"token": uuid.uuid4().hex, "block": chunks.block, "description": description}
+    try:
+        _write_group(folder, study, chunks)
+        _write_atomically(folder / _RECORDS / _JOURNAL)
+        text = json.dumps(content, indent=1)
+        _write_atomically(folder / _RECORDS / _STUDY, text.encode())
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def _write_group(folder: Path, study: Study, chunks: Chunks) -> None:
+    """Coordinates, empty outputs and attributes."""
+    import zarr
+    from zarr.codecs import Crc32cCodec
+
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=f"Object at {_RECORDS}")
+        # in the format's newest version it is an addition; readers that do not know it skip it
+        warnings.filterwarnings("ignore", message="Consolidated metadata")
+        empty_dataset(study).to_zarr(folder, mode="a", consolidated=False, zarr_format=3)
+        group = zarr.open_group(folder, mode="r+")
+        for name in study.variables:
+            group.create_array(
+                name,
+                shape=chunks.shape,
+                chunks=chunks.block,
+                dtype="float64",
+                fill_value=np.nan,
+                compressors=[Crc32cCodec()],
+                dimension_names=[dimension.name for dimension in study.dimensions],
+                attributes={**OUTPUTS[name].attributes},
+            )
+        zarr.consolidate_metadata(folder)
+
+
+def _group_is_whole(folder: Path, study: Study, chunks: Chunks) -> bool:
+    """Whether a reader finds the coordinates, and the outputs' descriptions."""
+    import zarr
+
+    try:
+        group: Any = zarr.open_group(folder, mode="r", use_consolidated=False)
+        coordinates = empty_dataset(study).coords
+        return all(
+            np.array_equal(group[name][...], values) for name, values in coordinates.items()
+        ) and all(
+            (group[name].shape, group[name].chunks) == (chunks.shape, chunks.block)
+            for name in study.variables
+        )
+    except (OSError, ValueError, LookupError, TypeError, RuntimeError):  # as decoders raise them
+        return False
+
+
+def _mend_group(folder: Path, study: Study, chunks: Chunks) -> None:
+    """Write coordinates, attributes and the outputs' descriptions anew; chunks stay as they are."""
+    with tempfile.TemporaryDirectory(dir=folder / _RECORDS) as name:
+        fresh = Path(name)
+        _write_group(fresh, study, chunks)
+        for path in fresh.rglob("*"):
+            if path.is_file():
+                _write_atomically(folder / path.relative_to(fresh), path.read_bytes())
+
+
+def empty_dataset(study: Study) -> "xr.Dataset":
+    """A dataset with the coordinates and attributes of a study, without outputs.
+
+    Parameters
+    ----------
+    study : Study
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    import xarray as xr
+
+    coordinates: dict[str, Any] = {
+        name: (dimension.name, values, study.fields[name].attributes)
+        for dimension in study.dimensions
+        for name, values in dimension.values.items()
+    }
+    for name, value in study.fixed.items():
+        coordinates[name] = ((), value, study.fields[name].attributes)
+    attributes = {
+        "title": "lightflyer sweep",
+        "study": study.text,
+        "configuration": study.flyer_text,
+        "versions": json.dumps(versions()),
+        "lightflyer_version": lightflyer.__version__,
+        "complete": False,
+        "not_converged": 0,
+    }
+    return xr.Dataset(coords=coordinates, attrs=attributes)

@@ -1,0 +1,118 @@
+"""Derivatives of a prediction's results in its inputs, through the root-finds."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from lightflyer.foundation.precision import quick_entry_point
+from lightflyer.prediction.prediction import behaviour
+from lightflyer.uncertainty.inputs import Inputs
+
+Table = dict[str, np.ndarray]
+
+
+_COORDINATE_STEP = 1e-4  # relative, over which slopes are compared for second derivatives
+
+
+@quick_entry_point
+def _derivatives(setup: Any, slopes: Any, coordinate: Any) -> Any:
+    """Quantities, and their derivatives in the inputs and, last, the coordinate."""
+    count = len(slopes)
+
+    def quantities(shifts: Any, coordinate: Any) -> dict[str, Any]:
+        moved = jax.tree.map(
+            lambda leaf, *parts: leaf + sum(shifts[i] * part for i, part in enumerate(parts)),
+            setup,
+            *slopes,
+        )
+        table = behaviour(moved, coordinate, moved[1].radiation.irradiance)
+        return {name: table[name] for name in table if name not in ("converged", "residual")}
+
+    def change(direction: Any) -> Any:
+        motion = (direction[:count], direction[count] * jnp.ones_like(coordinate))
+        return jax.jvp(quantities, (jnp.zeros(count), coordinate), motion)
+
+    # one direction after another, so that it is compiled once
+    value, changes = jax.lax.map(change, jnp.eye(count + 1))
+    return {name: rows[0] for name, rows in value.items()}, changes
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Quantities at some coordinates with their derivatives.
+
+    Attributes
+    ----------
+    value : dict of str to array, shape (n,)
+    change, slope_change : dict of str to array, shape (k + 1, n)
+        Derivatives of the value, and of its slope over the coordinate, in the k inputs and,
+        last, the coordinate.
+    covariance : array, shape (k, k)
+        Of the inputs.
+    """
+
+    value: Table
+    change: Table
+    slope_change: Table
+    covariance: np.ndarray
+
+    def spread(self, gradient: np.ndarray) -> float:
+        """Standard uncertainty of what has this gradient, shape (k,), in the inputs."""
+        return float(np.sqrt(np.maximum(gradient @ self.covariance @ gradient, 0.0)))
+
+    def spreads(self, name: str) -> np.ndarray:
+        """Standard uncertainty of a quantity at each coordinate, shape (n,)."""
+        gradient = self.change[name][:-1]
+        variance = np.einsum("ip,ij,jp->p", gradient, self.covariance, gradient)
+        return np.sqrt(np.maximum(variance, 0.0))
+
+    def edge(self, point: int) -> np.ndarray:
+        """Gradient of the coordinate at which lift equals weight, shape (k,)."""
+        lift = "lift_over_weight"
+        return -self.change[lift][:-1, point] / self.change[lift][-1, point]
+
+    def optimum(self, objective: str, point: int) -> np.ndarray:
+        """Gradient of the coordinate of an optimum, shape (k,)."""
+        rows = self.slope_change[objective][:, point]
+        return -rows[:-1] / rows[-1]
+
+    def moving(self, name: str, point: int, coordinate: np.ndarray) -> np.ndarray:
+        """Gradient of a quantity where the coordinate has a gradient itself, shape (k,)."""
+        return self.change[name][:-1, point] + self.change[name][-1, point] * coordinate
+
+
+def sensitivity(inputs: Inputs, coordinate: np.ndarray) -> Sensitivity:
+    """Derivatives of all quantities of a prediction.
+
+    Parameters
+    ----------
+    inputs : Inputs
+    coordinate : array, shape (n,)
+        Altitude [m] or pressure [Pa].
+
+    Returns
+    -------
+    Sensitivity
+
+    Notes
+    -----
+    First derivatives are exact. Those of slopes, which say how an optimum moves, are differences
+    of exact ones: differentiating twice would take far longer to compile.
+    """
+    step = _COORDINATE_STEP * coordinate
+    shifted = np.concatenate([coordinate, coordinate - step, coordinate + step])
+    value, change = _derivatives(inputs.setup, inputs.slopes, shifted)
+    count = coordinate.size
+    step = np.where(step > 0.0, step, np.nan)  # at sea level there is none
+    return Sensitivity(
+        value={name: values[:count] for name, values in value.items()},
+        change={name: rows[:, :count] for name, rows in change.items()},
+        slope_change={
+            name: (rows[:, 2 * count :] - rows[:, count : 2 * count]) / (2.0 * step)
+            for name, rows in change.items()
+        },
+        covariance=inputs.covariance,
+    )

@@ -1,0 +1,250 @@
+"""The outputs of sweeps beside what the package computes for one design at a time."""
+
+import itertools
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import lightflyer as lf
+from lightflyer.sweeps.chunks import Chunks
+from lightflyer.sweeps.evaluation import Evaluator
+from lightflyer.sweeps.run import open_sweep
+from lightflyer.sweeps.study import make_study
+
+FILM = {
+    "areal_density": "1 g/m^2",
+    "absorptance": 0.75,
+    "emittance": 0.08,
+    "tac_top": 0.8,
+    "tac_bottom": 0.9,
+}
+POINT_OUTPUTS = [
+    "pressure",
+    "gas_temperature",
+    "temperature",
+    "lift",
+    "lift_over_weight",
+    "payload",
+    "relative_payload",
+    "levitation_irradiance",
+    "levitation_temperature",
+    "own_mass",
+    "areal_density",
+    "absorptance",
+]
+
+
+@pytest.fixture(scope="module")
+def flyer():
+    return lf.FlyerFile(flyer={"diameter": "2 cm"}, film=FILM, environment={"atmosphere": "lu2023"})
+
+
+@pytest.fixture(scope="module")
+def over():
+    return {
+        "flyer.diameter": np.geomspace(0.005, 0.05, 5),
+        "film.emittance": [0.06, 0.12],
+        "environment.incidence": ["0 deg", "45 deg"],
+        "altitude": {"from": "62 km", "to": "88 km", "points": 7},
+    }
+
+
+@pytest.fixture(scope="module")
+def table(flyer, over):
+    return lf.sweep(flyer, over, POINT_OUTPUTS)
+
+
+def test_each_design_is_what_its_flyer_file_predicts(flyer, table):
+    """Against predict, from a flyer file with the design's numbers written into it."""
+    for diameter, emittance, incidence in itertools.product([0, 3], [0, 1], [0, 1]):
+        part = table.isel(
+            {"flyer.diameter": diameter, "film.emittance": emittance,
+             "environment.incidence": incidence}
+        )  # fmt: skip
+        written = lf.FlyerFile(
+            flyer={"diameter": f"{float(part['flyer.diameter']):.17g} m"},
+            film=FILM | {"emittance": float(part["film.emittance"])},
+            environment={
+                "atmosphere": "lu2023",
+                "incidence": f"{float(part['environment.incidence']):.17g} deg",
+            },
+        )
+        found = lf.predict(written.build(), at=part.altitude.values).at_table
+        # differences of nearly equal numbers are as exact as these
+        larger = {"payload": part.own_mass.values.max(), "relative_payload": 1.0}
+        for name, values in found.items():
+            expected = np.where(np.isfinite(values), values, np.nan)
+            smallest = 1e-9 * larger.get(name, 1e-11)
+            np.testing.assert_allclose(part[name], expected, rtol=1e-9, atol=smallest, err_msg=name)
+
+
+def test_bits_do_not_depend_on_how_designs_are_divided(flyer, over):
+    """An odd number at once leaves a rest for the processor's scalar instructions."""
+    evaluate = Evaluator(make_study(flyer, over, POINT_OUTPUTS))
+    whole, _ = evaluate(0, evaluate.study.size)
+    evaluate.piece = 61
+    parts = [evaluate(start, min(start + 100, evaluate.study.size))[0] for start in (0, 100)]
+    for name, values in whole.items():
+        np.testing.assert_array_equal(np.concatenate([part[name] for part in parts]), values)
+
+
+def test_a_dataset_has_its_fields_units_and_versions(flyer, table):
+    assert list(table.dims) == [
+        "flyer.diameter",
+        "film.emittance",
+        "environment.incidence",
+        "altitude",
+    ]
+    for name in (*table.coords, *table.data_vars):
+        assert table[name].attrs["units"], name
+        assert table[name].attrs["long_name"], name
+    assert table["flyer.diameter"].attrs["units"] == "m"
+    assert table["environment.incidence"].attrs["units"] == "degree"
+    assert table.attrs["lightflyer_version"] == lf.__version__
+    assert "jaxlib" in table.attrs["versions"]
+
+
+def test_in_a_folder_it_is_the_same(flyer, over, table, tmp_path):
+    stored = lf.sweep(flyer, over, POINT_OUTPUTS, out=tmp_path / "results.zarr")
+    xr.testing.assert_identical(stored.drop_attrs(deep=False), table.drop_attrs(deep=False))
+    assert stored.attrs["complete"]
+    assert stored.attrs["not_converged"] == 0
+    again = xr.open_zarr(tmp_path / "results.zarr")  # as anybody would, and by way of Dask
+    xr.testing.assert_identical(again.load(), stored.load())
+
+
+def test_samples_share_a_dimension_and_one_value_is_none(flyer):
+    found = lf.sweep(
+        flyer,
+        {
+            "film.tac_top": "0.80 ± 0.01",
+            "film.tac_bottom": {"distribution": "uniform", "from": 0.88, "to": 0.92},
+            "flyer.diameter": "2 cm",
+            "altitude": ["70 km", "72 km"],
+        },
+        ["lift"],
+        points=8,
+    )
+    assert found.lift.dims == ("altitude", "sample")
+    assert found["film.tac_top"].dims == ("sample",)
+    assert found["flyer.diameter"].dims == ()
+    design = found.isel(altitude=1, sample=3)
+    film = lf.FilmProperties(
+        1e-3, 0.75, 0.08, 0.08, float(design["film.tac_top"]), float(design["film.tac_bottom"])
+    )
+    expected = lf.lift(lf.Disk(film, 0.01), lf.lu2023_earth().state(72e3), lf.Lu2023())
+    assert float(design.lift) == pytest.approx(float(expected), rel=1e-9)
+
+
+def test_a_flyer_that_never_levitates_is_nan(flyer):
+    found = lf.sweep(flyer, {"film.tac_bottom": [0.7], "altitude": ["70 km"]},
+                     ["levitation_irradiance", "lift"])  # fmt: skip
+    assert np.isnan(found.levitation_irradiance).all()
+    assert (found.lift < 0.0).all()
+    assert found.attrs["not_converged"] == 0
+
+
+def test_bands_over_diameter(flyer):
+    found = lf.sweep(
+        flyer,
+        {"flyer.diameter": ["2 cm", "8 cm"]},
+        ["lowest_altitude", "highest_altitude", "band_width", "own_mass"],
+    )
+    first, second = found.isel({"flyer.diameter": 0}), found.isel({"flyer.diameter": 1})
+    assert float(first.lowest_altitude) == pytest.approx(68.022e3, abs=1.0)  # as `predict` finds
+    assert float(first.highest_altitude) == pytest.approx(78.047e3, abs=1.0)
+    assert float(first.band_width) == pytest.approx(10.025e3, abs=2.0)
+    assert np.isnan(second.lowest_altitude)
+    assert float(second.band_width) == 0.0
+
+
+def test_a_chamber_goes_by_pressure():
+    flyer = lf.FlyerFile(
+        flyer={"diameter": "2 cm"},
+        film=FILM,
+        environment={"kind": "chamber", "temperature": "295 K"},
+    )
+    found = lf.sweep(flyer, {"pressure": ["3 Pa", "10 Pa"]}, ["levitation_irradiance"])
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
+    state = lf.Chamber().state(np.array([3.0, 10.0]))
+    expected = lf.levitate(lf.Disk(film, 0.01), state, lf.Lu2023()).irradiance
+    np.testing.assert_allclose(found.levitation_irradiance, expected, rtol=1e-9)
+    with pytest.raises(lf.ConfigurationError, match="is not a number of the flyer file"):
+        lf.sweep(flyer, {"altitude": ["70 km"]}, ["lift"])
+    with pytest.raises(lf.ConfigurationError, match="needs an atmosphere"):
+        lf.sweep(flyer, {"flyer.diameter": ["2 cm"]}, ["band_width"])
+
+
+def test_layers_are_computed_for_each_thickness():
+    layers = [
+        {"material": "Al2O3", "thickness": "10 nm"},
+        {"material": "Ge", "thickness": "20 nm"},
+        {"material": "PET", "thickness": "500 nm"},
+        {"material": "Ge", "thickness": "20 nm"},
+    ]
+    film = {"layers": layers, "emittance": 0.08, "tac_top": 0.8, "tac_bottom": 0.9}
+    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film)
+    names = ["film.layers.3.thickness", "film.tac_top", "altitude"]
+    over = dict(zip(names, (["10 nm", "30 nm"], [0.7, 0.8], ["70 km"]), strict=True))
+    found = lf.sweep(flyer, over, ["payload", "absorptance", "areal_density"])
+    layers[3] = {"material": "Ge", "thickness": "30 nm"}
+    written = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film | {"layers": layers})
+    disk, environment, model, _ = written.build()
+    part = found.isel({names[0]: 1, names[1]: 1, names[2]: 0})
+    assert float(part.absorptance) == pytest.approx(float(disk.film.absorptance), rel=1e-12)
+    assert float(part.areal_density) == pytest.approx(float(disk.film.areal_density), rel=1e-12)
+    expected = lf.payload(disk, environment.state(70e3), model)
+    assert float(part.payload) == pytest.approx(float(expected), rel=1e-9)
+    thinner = found.isel({names[0]: 0, names[1]: 1, names[2]: 0})
+    assert float(thinner.areal_density) < float(part.areal_density)
+    assert not np.isclose(float(found.payload[1, 0, 0]), float(found.payload[1, 1, 0]))
+
+
+def test_labelled_arrays_keep_their_dimensions_and_stay_with_dask(flyer):
+    diameter = xr.DataArray(np.linspace(0.01, 0.03, 6), dims="design")
+    irradiance = xr.DataArray(np.linspace(800.0, 1360.0, 6), dims="design")
+    over = {
+        "flyer.diameter": diameter,
+        "environment.irradiance": irradiance,
+        "altitude": ["70 km", "74 km"],
+    }
+    plain = lf.sweep(flyer, over, ["lift", "temperature"])
+    assert plain.lift.dims == ("design", "altitude")
+    lazy = lf.sweep(
+        flyer, over | {"flyer.diameter": diameter.chunk(design=4)}, ["lift", "temperature"]
+    )
+    assert lazy.lift.chunks == ((4, 2), (2,))
+    np.testing.assert_array_equal(lazy.lift.compute(), plain.lift)
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
+    state = lf.lu2023_earth(irradiance=irradiance.values).state(74e3)
+    expected = lf.lift(lf.Disk(film, 0.5 * diameter.values), state, lf.Lu2023())
+    np.testing.assert_allclose(plain.lift.isel(altitude=1), expected, rtol=1e-9)
+    assert plain["flyer.diameter"].attrs["units"] == "m"
+    with pytest.raises(lf.ConfigurationError, match=r"flyer.diameter = -1 is not positive"):
+        lf.sweep(flyer, over | {"flyer.diameter": 0.0 * diameter - 1.0}, ["lift"])
+
+
+def test_a_folder_without_results_is_refused(tmp_path):
+    with pytest.raises(lf.ConfigurationError, match="not the result of a sweep"):
+        open_sweep(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "shape", [(), (1,), (7,), (100, 3, 61), (4, 1000), (5, 2, 3, 2), (2, 9000)]
+)
+@pytest.mark.parametrize("most", [1, 7, 64, 5000])
+def test_chunks_are_consecutive_and_cover_the_grid_once(shape, most):
+    chunks, end = Chunks.of(shape, most), 0
+    numbers = np.arange(np.prod(shape, dtype=int)).reshape(shape)
+    for chunk in range(len(chunks)):
+        start, stop = chunks.span(chunk)
+        assert start == end
+        assert 0 < stop - start <= most
+        end = stop
+        corner = [n * b for n, b in zip(chunks.place(chunk), chunks.block, strict=True)]
+        part = numbers[
+            tuple(slice(c, c + e) for c, e in zip(corner, chunks.extent(chunk), strict=True))
+        ]
+        np.testing.assert_array_equal(np.ravel(part), np.arange(start, stop))
+    assert end == numbers.size

@@ -1,0 +1,164 @@
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.config.sections import FilmSection, quantity_of
+from lightflyer.uncertainty.inputs import draw, uncertain_inputs
+from lightflyer.uncertainty.monte_carlo import edges, optimum
+
+FILM = {
+    "areal_density": "1.0 g/m^2",
+    "absorptance": 0.75,
+    "emittance": 0.08,
+    "tac_top": 0.8,
+    "tac_bottom": 0.9,
+}
+EARTH = {"atmosphere": "lu2023", "altitude_min": "55 km", "altitude_max": "90 km"}
+CHAMBER = {"kind": "chamber", "temperature": "295 K", "pressure_min": "0.5 Pa",
+           "pressure_max": "50 Pa"}  # fmt: skip
+
+
+def configure(environment=EARTH, diameter="2 cm", **film):
+    return lf.FlyerFile(
+        flyer={"diameter": diameter}, film={**FILM, **film}, environment=environment
+    )
+
+
+def propagate(configuration, samples=0, at=(), seed=0):
+    return lf.propagate(configuration, lf.predict(configuration.build(), at), samples, seed)
+
+
+def test_nothing_without_uncertainties():
+    assert propagate(configure()) is None
+
+
+@pytest.fixture(scope="module")
+def small():
+    """Uncertainties small enough for the model to be linear."""
+    small = {
+        "emittance": "0.08 ± 0.0005",
+        "tac_top": "0.8 ± 0.0004",
+        "tac_bottom": "0.9 ± 0.0004",
+        "tac_correlation": 0.5,
+    }
+    return configure(**small)
+
+
+@pytest.fixture(scope="module")
+def both(small):
+    return propagate(small, samples=400, at=[72e3])
+
+
+def test_monte_carlo_agrees_where_the_model_is_linear(both):
+    results = both.summary()["results"]
+    assert {"altitude_band_km.lower", "minimum_irradiance.value_w_m2", "best.payload_mg",
+            "at[0].temperature_k"} <= set(results)  # fmt: skip
+    for name, result in results.items():
+        spread = result["first_order"]["standard_uncertainty"]
+        # 400 samples know a standard deviation to 3.5 %, so this is four of those
+        assert np.std(both.sampled[name]) == pytest.approx(spread, rel=0.15), name
+        offset = result["monte_carlo"]["median"] - result["value"]
+        grid = 2e-4 * abs(result["value"])  # samples are tabulated every 300 m
+        assert abs(offset) < 0.3 * spread + grid, name
+        assert result["monte_carlo"]["share_of_samples"] == 1.0
+
+
+def test_first_order_is_that_of_repeated_predictions():
+    """One uncertain input: the spread is the result's slope times the input's spread."""
+    spread = 0.01
+    uncertain = propagate(configure(emittance=f"0.08 ± {spread}"))
+    step = 1e-3  # optima are flat: their place needs a step that moves it well
+    low, high = (
+        lf.predict(configure(emittance=0.08 + sign * step).build(), []).summary()
+        for sign in (-1, 1)
+    )
+
+    def slope(read):
+        return abs(read(high) - read(low)) / (2.0 * step)
+
+    for name, read in {
+        "altitude_band_km.lower": lambda s: s["altitude_band_km"][0],
+        "altitude_band_km.upper": lambda s: s["altitude_band_km"][1],
+        "minimum_irradiance.value_w_m2": lambda s: s["minimum_irradiance"]["value_w_m2"],
+        "minimum_irradiance.altitude_km": lambda s: s["minimum_irradiance"]["altitude_km"],
+        "minimum_irradiance.temperature_k": lambda s: s["minimum_irradiance"]["temperature_k"],
+        "best.payload_mg": lambda s: s["best"]["payload_mg"],
+        "best.temperature_k": lambda s: s["best"]["temperature_k"],
+    }.items():
+        expected = spread * slope(read)
+        assert uncertain.first_order[name] == pytest.approx(expected, rel=5e-3), name
+
+
+def test_correlated_tacs_leave_their_difference_certain():
+    tac = {"tac_top": "0.8 ± 0.03", "tac_bottom": "0.9 ± 0.03"}
+    spread = {
+        correlation: propagate(configure(**tac, tac_correlation=correlation)).first_order[
+            "best.payload_mg"
+        ]
+        for correlation in (0.0, 1.0)
+    }
+    # Δα = 0.10 ± 0.04 alone moves the lift by 40 % of 0.50 mg
+    assert spread[0.0] == pytest.approx(0.2, rel=0.1)
+    assert spread[1.0] < 0.1 * spread[0.0]
+
+
+def test_chamber():
+    uncertain = configure(CHAMBER, emittance="0.08 ± 0.002")
+    found = propagate(uncertain, samples=100, at=[3.0])
+    results = found.summary()["results"]
+    for name in ("optimum.pressure_pa", "optimum.irradiance_w_m2", "at[0].temperature_k"):
+        spread = results[name]["first_order"]["standard_uncertainty"]
+        assert np.std(found.sampled[name]) == pytest.approx(spread, rel=0.3), name
+    assert np.all(found.low["temperature"] < found.high["temperature"])
+
+
+def test_best_at_an_end_of_the_range_stays_there():
+    # pushed down by the light, it does best on the ground, where there is no force
+    found = propagate(configure({"atmosphere": "us1976"}, tac_bottom="0.75 ± 0.01"))
+    assert found.nominal["best.altitude_km"] == 0.0
+    assert found.first_order["best.altitude_km"] == 0.0
+    assert np.isfinite(list(found.first_order.values())).all()
+
+
+def test_the_seed_decides(small, both):
+    inputs = uncertain_inputs(small)
+    assert np.array_equal(draw(inputs, 5, 1), draw(inputs, 5, 1))
+    assert not np.array_equal(draw(inputs, 5, 1), draw(inputs, 5, 2))
+    drawn = draw(inputs, 20_000, 3)
+    assert np.cov(drawn.T) == pytest.approx(inputs.covariance, rel=0.05, abs=5e-9)
+
+
+def test_impossible_draws_are_redrawn():
+    inputs = uncertain_inputs(configure(absorptance="0.95 ± 0.1"))
+    drawn = draw(inputs, 1000, 0)
+    assert drawn.shape == (1000, 1)
+    assert 0.0 < drawn.min() < drawn.max() < 1.0
+
+
+def test_inputs_know_units_faces_and_ranges():
+    uncertain = configure(
+        {**EARTH, "incidence": "30 ± 1 deg"}, diameter="2 ± 0.01 cm", emittance="0.08 ± 0.01"
+    )
+    inputs = uncertain_inputs(uncertain)
+    assert inputs.names == ["flyer.diameter", "film.emittance", "environment.incidence"]
+    flyer, environment, _ = inputs.slopes[0]
+    assert flyer.radius == pytest.approx(0.5)
+    flyer, environment, _ = inputs.slopes[1]
+    assert flyer.film.emittance_top == pytest.approx(1.0)
+    assert flyer.film.emittance_bottom == pytest.approx(1.0)
+    _, environment, _ = inputs.slopes[2]
+    assert environment.radiation.incidence == pytest.approx(np.pi / 180.0)
+    assert quantity_of(FilmSection, "absorptance_bottom").highest == 1.0
+
+
+def test_edges_and_optimum_of_known_curves():
+    x = np.linspace(0.0, 10.0, 201)
+    curve = np.exp(1.0 - (x - 5.2) ** 2 / 4.0)[None]
+    lower, upper = edges(x, np.vstack([curve, 0.1 * curve]))
+    assert lower[0] == pytest.approx(3.2, abs=1e-3)
+    assert upper[0] == pytest.approx(7.2, abs=1e-3)
+    assert np.isnan(lower[1])
+    place, there = optimum(x, curve, {"square": (x**2)[None], "curve": curve})
+    assert place[0] == pytest.approx(5.2, abs=1e-3)
+    assert there["square"][0] == pytest.approx(5.2**2, abs=0.01)
+    assert there["curve"][0] == pytest.approx(np.e, rel=1e-4)

@@ -72,7 +72,11 @@ def test_ones_own_lamp(tmp_path):
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
-    [("500", "700", "must increase"), ("2\n", "-2\n", "not be negative"), ("500,2\n", "", "zero")],
+    [
+        ("500", "700", "must increase"),
+        ("2\n", "-2\n", "irradiance = -2 is not"),
+        ("500,2\n", "", "zero"),
+    ],
 )
 def test_a_bad_lamp_gets_one_clear_line(tmp_path, old, new, message):
     path = tmp_path / "lamp.csv"

@@ -1,4 +1,4 @@
-"""Measured levitation points: a CSV with units in its header, and one clear line a mistake.
+"""Measured levitation points, read from a CSV file with units in its header.
 
 Such a file looks like this; further columns are optional::
 
@@ -7,51 +7,65 @@ Such a file looks like this; further columns are optional::
 
 """
 
-import csv
-import math
-import re
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from lightflyer.film.properties import HIGHEST_TAC
-from lightflyer.foundation.checks import require_range
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.text import read_text
-from lightflyer.foundation.units import parse
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.layout import Column
+from lightflyer.foundation.quantity import (
+    AccommodationCoefficient,
+    ArealDensity,
+    Emittance,
+    Fraction,
+    Irradiance,
+    Length,
+    Pressure,
+    Quantity,
+    quantity_of,
+)
+from lightflyer.foundation.table import Table, read_table
 
 REQUIRED = ("sample", "pressure", "irradiance")
 """Columns that every file has."""
 
-NUMBERS: dict[str, tuple[str, float, float, bool]] = {
-    "pressure": ("Pa", 0.0, math.inf, True),
-    "irradiance": ("W/m^2", 0.0, math.inf, True),
-    "pressure_uncertainty": ("Pa", 0.0, math.inf, False),
-    "irradiance_uncertainty": ("W/m^2", 0.0, math.inf, False),
-    "diameter": ("m", 0.0, math.inf, True),
-    "areal_density": ("kg/m^2", 0.0, math.inf, True),
-    "emittance": ("", 0.0, 1.0, True),
-    "absorptance": ("", 0.0, 1.0, True),
-    "tac_top": ("", 0.0, HIGHEST_TAC, True),
-    "tac_bottom": ("", 0.0, HIGHEST_TAC, True),
-}
-"""Columns with numbers: unit, lowest and highest allowed value, whether the lowest is excluded."""
 
-SAMPLE_PROPERTIES = (
-    "diameter", "areal_density", "emittance", "absorptance", "tac_top", "tac_bottom"
-)  # fmt: skip
-"""Columns that say what a sample is."""
+def _positive(kind: object) -> Quantity:
+    return replace(quantity_of(kind) or Quantity(), open_below=True)
 
-_TEXTS = ("sample", "figure")
-FIGURES = ("2", "5", "S2", "S3")
-"""Figures of the paper that points can be drawn in."""
 
-COLUMNS = (*NUMBERS, *_TEXTS)
+_PRESSURE = Column("pressure", Pressure, required=True)
+_IRRADIANCE = Column("irradiance", _positive(Irradiance), required=True)
+_SAMPLE_COLUMNS = (
+    Column("diameter", Length),
+    Column("areal_density", ArealDensity),
+    Column("emittance", Emittance),
+    Column("absorptance", _positive(Fraction)),
+    Column("tac_top", AccommodationCoefficient),
+    Column("tac_bottom", AccommodationCoefficient),
+)
+_COLUMNS = (
+    Column("sample", text=True, required=True, blank=False),
+    _PRESSURE,
+    _IRRADIANCE,
+    _PRESSURE.uncertainty(),
+    _IRRADIANCE.uncertainty(),
+    *_SAMPLE_COLUMNS,
+    Column("figure", text=True),
+)
+
+NUMBERS: dict[str, Quantity] = {one.name: one.quantity for one in _COLUMNS if not one.text}
+"""Columns of numbers: unit and possible range by name."""
+
+SAMPLE_PROPERTIES = tuple(column.name for column in _SAMPLE_COLUMNS)
+"""Columns that describe a sample."""
+
+COLUMNS = (*NUMBERS, *(column.name for column in _COLUMNS if column.text))
 """All columns that a file may have."""
 
-_HEADER = re.compile(r"^\s*([A-Za-z_]+)\s*(?:\[\s*(.*?)\s*\])?\s*$")
+FIGURES = ("2", "5", "S2", "S3")
+"""Figures of the paper in which points can be drawn."""
 
 
 @dataclass(frozen=True)
@@ -111,95 +125,14 @@ def read_points(path: str | Path) -> Points:
     ConfigurationError
         One line that names file, line and column.
     """
-    path = Path(path)
-    text = read_text(path)
-    lines = [
-        (number, cells)
-        for number, cells in enumerate(csv.reader(text.splitlines(), skipinitialspace=True), 1)
-        if any(cell.strip() for cell in cells) and not cells[0].lstrip().startswith("#")
-    ]
-    if not lines:
-        raise ConfigurationError(f"{path}: is empty; its header names {', '.join(REQUIRED)}")
-    (header_line, header), *rows = lines
-    units = _units(header, f"{path}:{header_line}")
-    if not rows:
-        raise ConfigurationError(f"{path}: has a header but no points")
-    values: dict[str, list[str | float]] = {name: [] for name in units}
-    for line, cells in rows:
-        for name, value in _row(cells, units, f"{path}:{line}").items():
-            values[name].append(value)
-    return Points(
-        source=str(path),
-        samples=[str(name) for name in values["sample"]],
-        numbers={
-            name: np.array(column, float) for name, column in values.items() if name in NUMBERS
-        },
-        texts={
-            name: [str(value) for value in column]
-            for name, column in values.items()
-            if name in _TEXTS
-        },
-    )
+    table = read_table(path, _COLUMNS, strict=True, closed=True)
+    _require_figures(table)
+    return Points(table.source, table.texts["sample"], table.numbers, table.texts)
 
 
-def _units(header: Sequence[str], place: str) -> dict[str, str]:
-    """Unit of each column, by name, in the order of the file."""
-    units: dict[str, str] = {}
-    for cell in header:
-        match = _HEADER.match(cell)
-        if match is None or match[1] not in COLUMNS:
+def _require_figures(table: Table) -> None:
+    for line, figure in zip(table.lines, table.texts.get("figure", ()), strict=False):
+        if figure.upper() not in FIGURES:
             raise ConfigurationError(
-                f'{place}: column "{cell.strip()}" is unknown; there are: {", ".join(COLUMNS)}'
+                f'{table.source}:{line}: figure = "{figure}" is not one of {", ".join(FIGURES)}'
             )
-        name, unit = match[1], match[2] or ""
-        if name in units:
-            raise ConfigurationError(f"{place}: column {name} stands twice")
-        if name in NUMBERS:
-            wanted = NUMBERS[name][0]
-            if wanted and not unit:
-                raise ConfigurationError(
-                    f'{place}: column {name} has no unit; write "{name} [{wanted}]"'
-                )
-            _in_si(1.0, name, unit, f"{place}: column {name}")
-        units[name] = unit
-    for name in REQUIRED:
-        if name not in units:
-            raise ConfigurationError(f"{place}: the column {name} is missing")
-    return units
-
-
-def _in_si(value: float, name: str, unit: str, place: str) -> float:
-    wanted = NUMBERS[name][0]
-    try:
-        return parse(f"{value!r} {unit}" if unit else value, wanted).value
-    except ConfigurationError as error:
-        raise ConfigurationError(f"{place}: {error}") from None
-
-
-def _row(cells: Sequence[str], units: dict[str, str], place: str) -> dict[str, str | float]:
-    if len(cells) != len(units):
-        raise ConfigurationError(
-            f"{place}: has {len(cells)} values, the header has {len(units)} columns"
-        )
-    row: dict[str, str | float] = {}
-    for cell, (name, unit) in zip(cells, units.items(), strict=True):
-        if name in _TEXTS:
-            if name == "sample" and not cell.strip():
-                raise ConfigurationError(f"{place}: the sample has no name")
-            if name == "figure" and cell.strip().upper() not in FIGURES:
-                raise ConfigurationError(
-                    f'{place}: figure "{cell.strip()}" is none of {", ".join(FIGURES)}'
-                )
-            row[name] = cell.strip()
-            continue
-        try:
-            number = float(cell)
-        except ValueError:
-            raise ConfigurationError(f'{place}: {name}: "{cell}" is not a number') from None
-        _, lowest, highest, open_below = NUMBERS[name]
-        try:
-            require_range(name, number, lowest, highest, open_below=open_below)
-        except ParameterError as error:
-            raise ConfigurationError(f"{place}: {error}") from None
-        row[name] = _in_si(number, name, unit, f"{place}: {name}")
-    return row

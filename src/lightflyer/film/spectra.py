@@ -2,7 +2,6 @@ r"""Spectra that films are judged by: sunlight, lamps, and heat radiation."""
 
 import dataclasses
 from functools import cache
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ from lightflyer.film.material_csv import read_spectrum_csv
 from lightflyer.foundation import constants
 from lightflyer.foundation.checks import require_positive
 from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.table import shipped_table
 
 SECOND_RADIATION_CONSTANT = constants.PLANCK * constants.SPEED_OF_LIGHT / constants.BOLTZMANN
 """hc/k [m K]."""
@@ -118,12 +118,10 @@ def am0() -> Spectrum:
     >>> print(f"{am0().total:.1f} W/m²")
     1366.1 W/m²
     """
-    file = resources.files("lightflyer") / "data" / "am0_e490.csv"
-    with file.open(encoding="utf-8") as lines:
-        micrometres, per_micrometre = np.loadtxt(lines, delimiter=",").T
-    return Spectrum(
-        "AM0", micrometres * 1e-6, per_micrometre * 1e6, "ASTM E490-00a (2014), table 3"
-    )
+    columns = shipped_table("am0_e490.csv").numbers
+    wavelength = columns["wavelength_um"] * 1e-6
+    irradiance = columns["irradiance_per_um"] * 1e6
+    return Spectrum("AM0", wavelength, irradiance, "ASTM E490-00a (2014), table 3")
 
 
 @cache
@@ -173,8 +171,8 @@ def spectrum_from_csv(path: str | Path) -> Spectrum:
     Parameters
     ----------
     path : str or path
-        Comma-separated; the first line not starting with ``#`` names the columns, with the
-        unit of the wavelength: ``wavelength [nm],irradiance``.
+        The first line that is not a comment names the columns, with the unit of the wavelength:
+        ``wavelength [nm],irradiance``.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The lab bench's optional dependencies, imported when first needed."""
+"""Optional dependencies, imported when first needed."""
 
 import importlib
 from typing import Any
@@ -6,14 +6,17 @@ from typing import Any
 from lightflyer.foundation.errors import MissingExtraError
 
 
-def extra(module: str, purpose: str) -> Any:
-    """Import a module that the extra ``lab`` brings.
+def extra(module: str, what: str, extra_name: str) -> Any:
+    """Import a module of an optional dependency.
 
     Parameters
     ----------
     module : str
-    purpose : str
-        What needs it, for the message.
+        Such as ``"lmfit"`` or ``"skmisc.loess"``.
+    what : str
+        Beginning of the message: what needs the module.
+    extra_name : str
+        Extra of the package that installs it.
 
     Returns
     -------
@@ -29,5 +32,5 @@ def extra(module: str, purpose: str) -> Any:
     except ImportError as error:
         package = module.partition(".")[0]
         raise MissingExtraError(
-            f"{purpose} needs {package}: pip install 'lightflyer[lab]'"
+            f"{what} needs {package}: pip install 'lightflyer[{extra_name}]'"
         ) from error

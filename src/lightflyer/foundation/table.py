@@ -1,39 +1,39 @@
-"""Reading tables that laboratories write: any delimiter, units in the header, rows with faults.
+"""Tables in text files: any delimiter, units in the header, faulty rows named with their line.
 
-What a row can be missing is told apart from what it must not say. A row that cannot be read (an
-empty cell, "OVLD", too few values) is left out and named; a value that cannot be true (a negative
-irradiance, a unit in a cell) stops with one line, because the whole file is then in doubt.
+Two kinds of fault are told apart. A row that cannot be read (an empty cell, "OVLD", too few
+values) is rejected and named; a strict reader refuses the file instead. A value that is impossible
+(a negative irradiance, a unit inside a cell) refuses the file, because all of it is then in doubt.
 """
 
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from importlib import resources
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.foundation.checks import allowed
 from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.text import read_text
-from lightflyer.lab.layout import (
-    COMMENTS,
+from lightflyer.foundation.layout import (
     PREAMBLE,
     Column,
     Layout,
-    layout_from_header,
-    layout_from_option,
+    Placed,
+    find_layout,
+    is_comment,
     names_columns,
     split_cells,
 )
+from lightflyer.foundation.text import read_text
 
-_BLOCK = 50_000  # rows that are read in one go; one with a fault is read again row by row
+_BLOCK = 50_000  # rows read at once; a block with a faulty row is read again row by row
 _NUMBER_AND_UNIT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*[A-Za-zµμ°Ω%/^]+")
 
 
 class Rejected(NamedTuple):
-    """A row that was left out.
+    """A row that was rejected.
 
     Attributes
     ----------
@@ -53,22 +53,22 @@ class Rejected(NamedTuple):
 
 @dataclass(frozen=True)
 class Table:
-    """The rows of a file that could be read.
+    """The columns that were read from a file.
 
     Attributes
     ----------
     source : str
         Name of the file.
     lines : array of int, shape (n,)
-        Line of the file that each row stands in, counted from 1.
+        Line of each row in the file, counted from 1.
     numbers : dict of str to array, shape (n,)
-        Columns with numbers, in SI units, by name.
+        Columns of numbers in SI units, by name.
     texts : dict of str to list of str
-        Columns with text, by name.
+        Columns of text, by name.
     rejected : list of Rejected
-        Rows that were left out, in the order of the file.
+        Rejected rows in the order of the file.
     unused : list of str
-        Columns of the file that nothing was read from.
+        Unknown columns of the file.
     """
 
     source: str
@@ -83,22 +83,23 @@ class Table:
         return len(self.lines)
 
     def without(self, reasons: dict[int, str]) -> "Table":
-        """The table less some rows, which are named among the rejected.
+        """Reject further rows.
 
         Parameters
         ----------
         reasons : dict of int to str
-            Why, by the row's number among those read, counted from 0.
+            Reason by the index of the row.
 
         Returns
         -------
         Table
+            Without these rows, which are added to the rejected ones.
         """
         keep = np.ones(len(self), bool)
         keep[list(reasons)] = False
         out = [Rejected(self.source, int(self.lines[row]), why) for row, why in reasons.items()]
-        return Table(
-            source=self.source,
+        return replace(
+            self,
             lines=self.lines[keep],
             numbers={name: values[keep] for name, values in self.numbers.items()},
             texts={
@@ -106,7 +107,6 @@ class Table:
                 for name, values in self.texts.items()
             },
             rejected=sorted([*self.rejected, *out], key=lambda row: row.line),
-            unused=self.unused,
         )
 
 
@@ -116,21 +116,29 @@ def read_table(
     *,
     layout: str | None = None,
     unique: bool = False,
+    strict: bool = False,
+    closed: bool = False,
 ) -> Table:
-    """Read the columns that a measurement knows.
+    """Read the known columns of a text file.
 
     Parameters
     ----------
     path : str or path
-        Text, UTF-8, with values delimited by commas, semicolons, tabs or white space. Lines
-        that start with ``#``, ``//`` or ``!`` are comments; the header may be one.
+        UTF-8 text, delimited by commas, semicolons, tabs or white space. Lines that start with
+        ``#``, ``//`` or ``!`` are comments.
     columns : sequence of Column
-        What to look for.
+        Known columns.
     layout : str, optional
         The columns in the order of the file, such as ``"pressure [mTorr], -, heater_power [W]"``,
-        in place of its header; ``-`` stands for a column to leave out.
+        in place of its header; ``-`` skips a column.
     unique : bool
-        Leave out a line that has stood before. Always so where there is a column ``time``.
+        Reject a line that repeats an earlier one. Always so where there is a column ``time``.
+    strict : bool
+        Refuse the file at the first row that cannot be read, and take its first line that is
+        not a comment as the header. Otherwise the header may be a comment and stand below an
+        instrument's preamble.
+    closed : bool
+        Refuse unknown columns.
 
     Returns
     -------
@@ -139,30 +147,66 @@ def read_table(
     Raises
     ------
     ConfigurationError
-        One line that names file and line or option: no text, no known column, a unit that is
-        missing, unknown or of another kind, an impossible value, or no row that can be read.
+        One line that names the file and the line or option: not text, an unknown, missing or
+        repeated column, a missing or wrong unit, an impossible value, or no row that can be read.
     """
     path = Path(path)
     text = read_text(path)
     lines = text.splitlines()
-    found = layout_from_option(path, lines, columns, layout) if layout else None
-    found = found or layout_from_header(path, lines, columns)
+    found = find_layout(path, lines, columns, option=layout, strict=strict, closed=closed)
+    empty = f"{found.delimiter} \t" if strict and found.delimiter else None  # as spreadsheets do
     rows = [
         (number, line)
         for number, line in enumerate(lines[found.first :], start=found.first + 1)
-        if line.strip() and not line.lstrip().startswith(COMMENTS)
+        if line.strip(empty) and not is_comment(line)
     ]
     if not rows:
         raise ConfigurationError(f"{path}: has a header but no rows")
-    timed = any(column.name == "time" for column, _, _ in found.columns.values())
+    timed = any(one.column.name == "time" for one in found.columns.values())
     repeated = _repeated(path, rows) if unique or timed else {}
     _require_whole(path, rows, found, ended=text.endswith(("\n", "\r")))
-    kept = [row for row in rows if row[0] not in repeated]
-    table = _read_rows(path, kept, found)
+    table = _read_rows(path, [row for row in rows if row[0] not in repeated], found)
     rejected = sorted([*table.rejected, *repeated.values()], key=lambda row: row.line)
+    if strict and rejected:
+        raise ConfigurationError(str(rejected[0]))
+    table = _possible(replace(table, rejected=rejected), found)
     if not len(table):
-        raise ConfigurationError(f"{rejected[0]}; none of its {len(rows)} rows can be read")
-    return Table(table.source, table.lines, table.numbers, table.texts, rejected, table.unused)
+        raise ConfigurationError(f"{table.rejected[0]}; none of its {len(rows)} rows can be read")
+    return table
+
+
+def shipped_table(name: str) -> Table:
+    """Read a CSV file of the package's own data.
+
+    Parameters
+    ----------
+    name : str
+        File in ``lightflyer/data``, with comments, a header without units, and whole rows.
+
+    Returns
+    -------
+    Table
+        A column is one of numbers, as written, where all of its cells are; otherwise of text.
+
+    Examples
+    --------
+    >>> shipped_table("us1976_upper.csv").numbers["altitude_km"][:2]
+    array([86., 90.])
+    """
+    text = (resources.files("lightflyer") / "data" / name).read_text(encoding="utf-8")
+    rows = [
+        (number, split_cells(line, ","))
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and not is_comment(line)
+    ]
+    (_, header), *body = rows
+    numbers, texts = {}, {}
+    for title, cells in zip(header, zip(*(cells for _, cells in body), strict=True), strict=True):
+        try:
+            numbers[title] = np.array(cells, float)
+        except ValueError:
+            texts[title] = list(cells)
+    return Table(name, np.array([number for number, _ in body]), numbers, texts)
 
 
 def _repeated(path: Path, rows: list[tuple[int, str]]) -> dict[int, Rejected]:
@@ -178,45 +222,44 @@ def _repeated(path: Path, rows: list[tuple[int, str]]) -> dict[int, Rejected]:
 
 
 def _require_whole(path: Path, rows: list[tuple[int, str]], layout: Layout, *, ended: bool) -> None:
-    """Stop at a file that ends within a row: more than that row may be missing."""
+    """Refuse a file that ends within a row: more than that row may be missing."""
     number, line = rows[-1]
     cells, width = split_cells(line, layout.delimiter), len(layout.names)
-    # without a line end, an empty last cell is one that was cut off
+    # without a line end, an empty last cell has been cut off
     cut = not ended and len(cells) == width and not cells[-1] and width - 1 in layout.columns
     if (len(cells) < width or cut) and len(rows) > 1:
         before = len(split_cells(rows[-2][1], layout.delimiter))
         if before >= len(layout.names):
             raise ConfigurationError(
-                f"{path}:{number}: the file ends within a row: it is not whole"
+                f"{path}:{number}: the file ends within a row and is incomplete"
             )
 
 
 def _read_rows(path: Path, rows: list[tuple[int, str]], layout: Layout) -> Table:
-    positions = {p: one for p, one in layout.columns.items() if not one[0].text}
-    texts = {p: column for p, (column, _, _) in layout.columns.items() if column.text}
+    known = layout.number_columns
     decimal_comma = layout.delimiter != "," and any("," in line for _, line in rows[:PREAMBLE])
     blocks, rejected = [], []
-    words: dict[str, list[str]] = {column.name: [] for column in texts.values()}
+    texts: dict[str, list[str]] = {one.column.name: [] for one in layout.text_columns.values()}
     lines: list[np.ndarray] = []
     for block in _blocks(rows):
-        values = None if texts else _read_block(block, layout, list(positions), decimal_comma)
+        values = None if texts else _read_block(block, layout, list(known), decimal_comma)
         numbers = [number for number, _ in block]
         if values is None:
-            numbers, values, said, wrong = _read_slowly(path, block, layout, decimal_comma)
+            numbers, values, more, wrong = _read_slowly(path, block, layout, decimal_comma)
             rejected += wrong
-            for name, more in said.items():
-                words[name] += more
+            for name, cells in more.items():
+                texts[name] += cells
         blocks.append(values)
         lines.append(np.array(numbers, int))
-    stacked = np.concatenate(blocks) if blocks else np.empty((0, len(positions)))
-    table = Table(
+    stacked = np.concatenate(blocks) if blocks else np.empty((0, len(known)))
+    return Table(
         source=str(path),
         lines=np.concatenate(lines),
         numbers={
-            column.name: stacked[:, index] * scale + offset
-            for index, (column, scale, offset) in enumerate(positions.values())
+            one.column.name: stacked[:, index] * one.scale + one.offset
+            for index, one in enumerate(known.values())
         },
-        texts=words,
+        texts=texts,
         rejected=rejected,
         unused=[
             name.strip()
@@ -224,7 +267,6 @@ def _read_rows(path: Path, rows: list[tuple[int, str]], layout: Layout) -> Table
             if position not in layout.columns and name not in ("", "-")
         ],
     )
-    return _possible(table, [column for column, _, _ in positions.values()], str(path))
 
 
 def _blocks(rows: list[tuple[int, str]]) -> Iterator[list[tuple[int, str]]]:
@@ -235,10 +277,10 @@ def _blocks(rows: list[tuple[int, str]]) -> Iterator[list[tuple[int, str]]]:
 def _read_block(
     block: list[tuple[int, str]], layout: Layout, positions: list[int], decimal_comma: bool
 ) -> np.ndarray | None:
-    """All numbers of a block, or None where a row of it needs a closer look."""
+    """All numbers of a block, or None where one of its rows must be looked at."""
     width, delimiter = len(layout.names), layout.delimiter
     lines = [line for _, line in block]
-    if delimiter is not None and any(line.count(delimiter) != width - 1 for line in lines):
+    if any(_count(line, delimiter) != width for line in lines):
         return None
     if decimal_comma:
         lines = [line.replace(",", ".") for line in lines]
@@ -253,6 +295,10 @@ def _read_block(
     return values
 
 
+def _count(line: str, delimiter: str | None) -> int:
+    return len(line.split()) if delimiter is None else line.count(delimiter) + 1
+
+
 def _read_slowly(
     path: Path, block: list[tuple[int, str]], layout: Layout, decimal_comma: bool
 ) -> tuple[list[int], np.ndarray, dict[str, list[str]], list[Rejected]]:
@@ -260,9 +306,7 @@ def _read_slowly(
     width = len(layout.names)
     numbers: list[int] = []
     values: list[list[float]] = []
-    words: dict[str, list[str]] = {
-        column.name: [] for column, _, _ in layout.columns.values() if column.text
-    }
+    texts: dict[str, list[str]] = {one.column.name: [] for one in layout.text_columns.values()}
     rejected: list[Rejected] = []
     for number, line in block:
         cells = split_cells(line, layout.delimiter)
@@ -270,11 +314,12 @@ def _read_slowly(
             del cells[-1]
         if names_columns(layout, cells):
             raise ConfigurationError(
-                f"{path}:{number}: names columns once more: rows below it may have other units; "
-                "split the file there"
+                f"{path}:{number}: is a second header: the rows below may have other units; "
+                "split the file here"
             )
         if len(cells) != width:
-            reason = f"has {len(cells)} values, the header names {width} columns"
+            count = f"{len(cells)} value{'s' * (len(cells) != 1)}"
+            reason = f"has {count}, the header names {width} columns"
             rejected.append(Rejected(str(path), number, reason))
             continue
         row, said = _read_row(cells, layout, decimal_comma, f"{path}:{number}")
@@ -284,9 +329,9 @@ def _read_slowly(
         numbers.append(number)
         values.append(row)
         for name, word in said.items():
-            words[name].append(word)
-    count = sum(not column.text for column, _, _ in layout.columns.values())
-    return numbers, np.array(values, float).reshape(-1, count), words, rejected
+            texts[name].append(word)
+    count = len(layout.number_columns)
+    return numbers, np.array(values, float).reshape(-1, count), texts, rejected
 
 
 def _read_row(
@@ -295,9 +340,11 @@ def _read_row(
     """Numbers and texts of a row; in place of the numbers, why it cannot be read."""
     row: list[float] = []
     said: dict[str, str] = {}
-    for position, (column, _, _) in layout.columns.items():
-        cell = cells[position]
+    for position, one in layout.columns.items():
+        cell, column = cells[position], one.column
         if column.text:
+            if not (cell or column.blank):
+                raise ConfigurationError(f"{place}: {column.name} is empty")
             said[column.name] = cell
             continue
         try:
@@ -316,17 +363,23 @@ def _read_row(
     return row, said
 
 
-def _possible(table: Table, columns: list[Column], path: str) -> Table:
-    """The table without rows of gauges below their zero; stops at any other impossible value."""
+def _possible(table: Table, layout: Layout) -> Table:
+    """The table without gauges' readings below zero; other impossible values refuse it."""
     out: dict[int, str] = {}
-    for column in columns:
+    for one in layout.number_columns.values():
+        column, quantity = one.column, one.column.quantity
         values = table.numbers[column.name]
-        low = values <= column.lowest if column.open_below else values < column.lowest
-        bad = low | (values > column.highest)
-        for row in np.flatnonzero(bad):
-            reason = f"{column.name} = {values[row]:g} {column.unit}".rstrip()
-            reason += f" is not {allowed(column.lowest, column.highest, column.open_below)}"
+        low = values <= quantity.lowest if quantity.open_below else values < quantity.lowest
+        for row in np.flatnonzero(low | (values > quantity.highest)):
+            reason = (
+                f"{column.name} = {_written(float(values[row]), one)} is not {quantity.allowed}"
+            )
             if column.outside == "stop":
-                raise ConfigurationError(f"{path}:{table.lines[row]}: {reason}")
+                raise ConfigurationError(f"{table.source}:{table.lines[row]}: {reason}")
             out.setdefault(int(row), reason)
     return table.without(out) if out else table
+
+
+def _written(value: float, one: Placed) -> str:
+    """A value in the unit of the file."""
+    return f"{(value - one.offset) / one.scale:g} {one.unit}".rstrip()

@@ -12,9 +12,9 @@ import numpy as np
 
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.extras import extra
+from lightflyer.foundation.layout import is_comment, split_cells
 from lightflyer.foundation.text import read_text
 from lightflyer.foundation.units import parse, scale_and_offset
-from lightflyer.lab.layout import COMMENTS, split_cells
 
 _LEAST_SIDE = 16  # pixels
 _GWYDDION_LINE = re.compile(r"^#\s*(Width|Height|Value units)\s*:\s*(.+?)\s*$")
@@ -128,7 +128,7 @@ def _chosen(path: Path, names: list[str], channel: str | None) -> int:
 
 
 def _read_ibw(path: Path, channel: str | None) -> HeightMap:
-    binarywave = extra("igor2.binarywave", "reading .ibw files")
+    binarywave = extra("igor2.binarywave", "reading .ibw files", "lab")
     stream = _content(path)
     try:
         _require_sound_wave(stream.getvalue())
@@ -176,8 +176,8 @@ def _require_sound_wave(content: bytes) -> None:
 
 
 def _read_gwy(path: Path, channel: str | None) -> HeightMap:
-    gwyfile = extra("gwyfile", "reading .gwy files")
-    util = extra("gwyfile.util", "reading .gwy files")
+    gwyfile = extra("gwyfile", "reading .gwy files", "lab")
+    util = extra("gwyfile.util", "reading .gwy files", "lab")
     stream = _content(path)
     content = stream.getvalue()
     if content[:4] != b"GWYP":
@@ -248,7 +248,7 @@ def _read_matrix(path: Path, size: float | None, unit: str | None) -> HeightMap:
     rows = [
         (number, line)
         for number, line in enumerate(lines, start=1)
-        if line.strip() and not line.lstrip().startswith(COMMENTS)
+        if line.strip() and not is_comment(line)
     ]
     if not rows:
         raise ConfigurationError(f"{path}: is empty; a map is a matrix of heights")

@@ -17,9 +17,10 @@ from lightflyer.calibration.points import NUMBERS, SAMPLE_PROPERTIES
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ConfigurationError, ParameterWarning
 from lightflyer.foundation.extras import extra
+from lightflyer.foundation.layout import Column
+from lightflyer.foundation.quantity import Quantity
 from lightflyer.foundation.table import Table, read_table
 from lightflyer.lab.estimate import Estimate, central_interval
-from lightflyer.lab.layout import Column
 from lightflyer.lab.record import dataset
 
 if TYPE_CHECKING:
@@ -42,16 +43,12 @@ _GRID = 300  # pressures of a curve
 _LEAST_SHARE_OF_DRAWS = 0.9  # that LOESS must be able to fit
 
 COLUMNS = (
-    Column("sample", aliases=("name",), text=True),
+    Column("sample", aliases=("name",), text=True, blank=False),
     Column("launchpad", aliases=("pad",), text=True),
-    Column("pressure", "Pa", ("p", "chamber_pressure"), 0.0, open_below=True),
-    Column("irradiance", "W/m^2", ("i", "intensity"), 0.0, open_below=True),
-    Column("floor_gap", "m", ("gap",), 0.0),
-    *(
-        Column(name, unit, (), lowest, highest, open_below)
-        for name, (unit, lowest, highest, open_below) in NUMBERS.items()
-        if name in SAMPLE_PROPERTIES
-    ),
+    Column("pressure", NUMBERS["pressure"], ("p", "chamber_pressure"), required=True),
+    Column("irradiance", NUMBERS["irradiance"], ("i", "intensity"), required=True),
+    Column("floor_gap", Quantity("m", 0.0), ("gap",)),
+    *(Column(name, NUMBERS[name]) for name in SAMPLE_PROPERTIES),
 )
 """Columns of a file of points."""
 
@@ -164,9 +161,6 @@ def read_lift_offs(path: str | Path, *, columns: str | None = None) -> tuple[lis
         One line that names file and line.
     """
     table = read_table(path, COLUMNS, layout=columns)
-    for name in ("pressure", "irradiance"):
-        if name not in table.numbers:
-            raise ConfigurationError(f"{path}: the column {name} is missing")
     samples = table.texts.get("sample", [Path(path).stem] * len(table))
     pads = table.texts.get("launchpad")
     names = (
@@ -174,9 +168,6 @@ def read_lift_offs(path: str | Path, *, columns: str | None = None) -> tuple[lis
         if pads is None
         else [f"{sample} on {pad}" for sample, pad in zip(samples, pads, strict=True)]
     )
-    nameless = [line for line, name in zip(table.lines, samples, strict=True) if not name]
-    if nameless:
-        raise ConfigurationError(f"{path}:{nameless[0]}: the sample has no name")
     return [_sample(table, names, name) for name in dict.fromkeys(names)], table
 
 
@@ -247,7 +238,7 @@ def levitation_curve(
     require_range("span", span, 0.1, 1.0)
     require_range("draws", draws, 100)
     _require_enough(points)
-    loess = extra("skmisc.loess", "smoothing levitation points").loess
+    loess = extra("skmisc.loess", "smoothing levitation points", "lab").loess
     x, y = np.log(points.pressure), np.log(points.irradiance)
     grid = np.linspace(x.min(), x.max(), _GRID)
     fitted = _loess(loess, x, y, span)

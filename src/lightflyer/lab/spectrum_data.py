@@ -1,4 +1,4 @@
-"""Measured spectra and their files: tables and JCAMP-DX."""
+"""Measured infrared spectra, and their files: tables and JCAMP-DX."""
 
 import contextlib
 import io
@@ -11,26 +11,30 @@ import numpy as np
 
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.extras import extra
+from lightflyer.foundation.layout import Column
+from lightflyer.foundation.quantity import Length, Quantity
 from lightflyer.foundation.table import Rejected, Table, read_table
-from lightflyer.lab.layout import Column
 
-Quantity = Literal["transmittance", "reflectance"]
-"""What a spectrum is of."""
+Ordinate = Literal["transmittance", "reflectance"]
+"""Quantity that a spectrum shows."""
 
-# noise about zero and one, and detectors that are not quite linear
-_LOWEST, _HIGHEST = -0.2, 1.5
-_LARGEST_ABSORBANCE = 10.0
+# wider than zero to one for noise, and for detectors that are not quite linear
+_SHARE = Quantity("", -0.2, 1.5)
+_ABSORBANCE = Quantity("", -1.0, 10.0)
 _MOST_POINTS = 20_000_000
 _ABSCISSAE = {"1/cm": 100.0, "cm-1": 100.0, "cm^-1": 100.0}
 _WAVELENGTHS = {"micrometers": 1e-6, "um": 1e-6, "nanometers": 1e-9, "nm": 1e-9}
 
 COLUMNS = (
-    Column("wavenumber", "m^-1", ("wavenumbers", "nu"), 0.0, open_below=True),
-    Column("wavelength", "m", ("lambda", "wl"), 0.0, open_below=True),
-    Column("transmittance", "", ("t", "transmission"), _LOWEST, _HIGHEST),
-    Column("reflectance", "", ("r", "reflection"), _LOWEST, _HIGHEST),
-    Column("absorbance", "", ("a", "abs"), -1.0, _LARGEST_ABSORBANCE),
-)
+    Column(
+        "wavenumber", Quantity("m^-1", 0.0, open_below=True), ("wavenumbers", "nu"),
+        suggested_unit="cm^-1",
+    ),
+    Column("wavelength", Length, ("lambda", "wl"), suggested_unit="um"),
+    Column("transmittance", _SHARE, ("t", "transmission")),
+    Column("reflectance", _SHARE, ("r", "reflection")),
+    Column("absorbance", _ABSORBANCE, ("a", "abs")),
+)  # fmt: skip
 """Columns of a spectrum: one of the first two, and one of the others."""
 
 
@@ -48,11 +52,11 @@ class MeasuredSpectrum:
     value : array, shape (n,)
         [1].
     rejected : tuple of Rejected
-        Rows that were left out.
+        Rejected rows of its file.
     """
 
     source: str
-    quantity: Quantity
+    quantity: Ordinate
     wavenumber: np.ndarray
     value: np.ndarray
     rejected: tuple[Rejected, ...] = ()
@@ -67,7 +71,8 @@ def read_spectrum(path: str | Path, *, columns: str | None = None) -> MeasuredSp
         JCAMP-DX (``.jdx``, ``.dx``, ``.jcamp``), or a table of ``wavenumber`` or ``wavelength``
         and ``transmittance``, ``reflectance`` or (decadic) ``absorbance``, units in the header.
     columns : str, optional
-        The columns of a table without header; see :func:`lightflyer.foundation.table.read_table`.
+        The columns of a table without a header, in their order; see
+        :func:`~lightflyer.foundation.table.read_table`.
 
     Returns
     -------
@@ -84,7 +89,7 @@ def read_spectrum(path: str | Path, *, columns: str | None = None) -> MeasuredSp
     suffix = path.suffix.lower()
     if suffix == ".jws":
         raise ConfigurationError(
-            f"{path}: JASCO's own format cannot be read: export it as JCAMP-DX or text"
+            f"{path}: JASCO's .jws format is not supported; export JCAMP-DX or text"
         )
     if suffix in (".jdx", ".dx", ".jcamp"):
         return _read_jcamp(path)
@@ -94,34 +99,36 @@ def read_spectrum(path: str | Path, *, columns: str | None = None) -> MeasuredSp
 def _from_table(table: Table) -> MeasuredSpectrum:
     numbers = table.numbers
     if ("wavenumber" in numbers) == ("wavelength" in numbers):
-        raise ConfigurationError(f"{table.source}: needs one column wavenumber or wavelength")
+        raise ConfigurationError(f"{table.source}: needs a column wavenumber or wavelength")
     given = [name for name in ("transmittance", "reflectance", "absorbance") if name in numbers]
     if len(given) != 1:
         raise ConfigurationError(
-            f"{table.source}: needs one column transmittance, reflectance or absorbance"
+            f"{table.source}: needs one of the columns transmittance, reflectance, absorbance"
         )
     wavenumber = numbers["wavenumber"] if "wavenumber" in numbers else 1.0 / numbers["wavelength"]
     value = numbers[given[0]]
-    quantity: Quantity = "reflectance" if given[0] == "reflectance" else "transmittance"
+    quantity: Ordinate = "reflectance" if given[0] == "reflectance" else "transmittance"
     if given[0] == "absorbance":
         value = 10.0**-value
     return _sorted(table.source, quantity, wavenumber, value, tuple(table.rejected))
 
 
 def _sorted(
-    source: str, quantity: Quantity, wavenumber: np.ndarray, value: np.ndarray,
+    source: str, quantity: Ordinate, wavenumber: np.ndarray, value: np.ndarray,
     rejected: tuple[Rejected, ...] = (),
 ) -> MeasuredSpectrum:  # fmt: skip
     """The spectrum with increasing wavenumber; values at the same wavenumber are averaged."""
     distinct, place, count = np.unique(wavenumber, return_inverse=True, return_counts=True)
     if distinct.size < 2:
-        raise ConfigurationError(f"{source}: has {distinct.size} wavenumber; a spectrum takes two")
+        raise ConfigurationError(
+            f"{source}: has {distinct.size} wavenumber; a spectrum needs two or more"
+        )
     mean = np.bincount(place, value) / count
     return MeasuredSpectrum(source, quantity, distinct, mean, rejected)
 
 
 def _read_jcamp(path: Path) -> MeasuredSpectrum:
-    jcamp = extra("jcamp", "reading JCAMP-DX")
+    jcamp = extra("jcamp", "reading JCAMP-DX", "lab")
     try:
         text = path.read_bytes().decode("utf-8", "replace")
     except OSError as error:
@@ -131,29 +138,29 @@ def _read_jcamp(path: Path) -> MeasuredSpectrum:
     try:
         with contextlib.redirect_stdout(said):
             content = jcamp.read(lines)
-    except Exception as error:  # the parser raises what its statements happen to
-        raise ConfigurationError(f"{path}: is not readable as JCAMP-DX: {error!r}") from None
-    if said.getvalue():  # its checks of sums and counts, which it only prints
+    except Exception as error:  # the parser has no errors of its own
+        raise ConfigurationError(f"{path}: cannot be read as JCAMP-DX: {error!r}") from None
+    if said.getvalue():  # failed checksums and counts are only printed
         line = said.getvalue().splitlines()[0]
         raise ConfigurationError(f"{path}: is damaged: {line}")
     block = next(
         (one for one in [content, *content.get("children", [])] if np.size(one.get("x")) > 1), None
     )
     if block is None:
-        raise ConfigurationError(f"{path}: has no table of a spectrum")
+        raise ConfigurationError(f"{path}: contains no spectrum")
     return _from_jcamp(path, block)
 
 
 def _prepared(path: Path, text: str) -> list[str]:
-    """Lines of a JCAMP-DX file, without what its parser stumbles over or would never finish."""
+    """Lines of a JCAMP-DX file that its parser can read, and in finite time."""
     if not re.match(r"\s*(?:\$\$.*\n\s*)*##TITLE", text, re.I):
-        raise ConfigurationError(f"{path}:1: is not JCAMP-DX, which starts with ##TITLE=")
+        raise ConfigurationError(f"{path}:1: is not JCAMP-DX: does not start with ##TITLE=")
     if not re.search(r"^##END\s*=", text, re.I | re.M):
         raise ConfigurationError(f"{path}:{len(text.splitlines())}: ends without ##END=")
     points = re.search(r"^##NPOINTS\s*=\s*(\S+)", text, re.I | re.M)
     if points and not (points[1].isascii() and points[1].isdigit()
                        and int(points[1][:12]) <= _MOST_POINTS):  # fmt: skip
-        raise ConfigurationError(f'{path}: ##NPOINTS= "{points[1][:20]}" is no number of points')
+        raise ConfigurationError(f'{path}: ##NPOINTS= "{points[1][:20]}" is not a number of points')
     lines = text.splitlines(keepends=True)
     for number, line in enumerate(lines):
         if re.match(r"##XY(?:DATA|POINTS)\s*=", line, re.I):
@@ -165,35 +172,35 @@ def _prepared(path: Path, text: str) -> list[str]:
 
 
 def _said(block: dict[str, Any], label: str) -> str:
-    """What a label says, fit for a line of a message."""
+    """Content of a label, short enough for a message."""
     return " ".join(str(block.get(label, "")).lower().split())[:40]
 
 
 def _from_jcamp(path: Path, block: dict[str, Any]) -> MeasuredSpectrum:
     x, y = np.asarray(block["x"], float), np.asarray(block["y"], float)
     if x.shape != y.shape or not np.isfinite(x).all() or not np.isfinite(y).all():
-        raise ConfigurationError(f"{path}: is damaged: not every point has two numbers")
+        raise ConfigurationError(f"{path}: is damaged: a point lacks one of its two numbers")
     unit = _said(block, "xunits")
     if unit in _ABSCISSAE:
         wavenumber = x * _ABSCISSAE[unit]
     elif unit in _WAVELENGTHS and np.all(x > 0.0):
         wavenumber = 1.0 / (x * _WAVELENGTHS[unit])
     else:
-        raise ConfigurationError(f'{path}: ##XUNITS= "{unit}" is none of 1/CM, MICROMETERS, NM')
+        raise ConfigurationError(f'{path}: ##XUNITS= "{unit}" is not one of 1/CM, MICROMETERS, NM')
     named = _said(block, "yunits")
     value = y / 100.0 if "%" in named or "percent" in named else y
-    quantity: Quantity = "reflectance" if "reflect" in named else "transmittance"
+    quantity: Ordinate = "reflectance" if "reflect" in named else "transmittance"
     if "absorbance" in named:
-        value = 10.0 ** -np.clip(value, -1.0, _LARGEST_ABSORBANCE)
+        value = 10.0 ** -np.clip(value, _ABSORBANCE.lowest, _ABSORBANCE.highest)
     elif "transmi" not in named and quantity != "reflectance":
         raise ConfigurationError(
-            f'{path}: ##YUNITS= "{named}" is none of TRANSMITTANCE, REFLECTANCE, ABSORBANCE'
+            f'{path}: ##YUNITS= "{named}" is not TRANSMITTANCE, REFLECTANCE or ABSORBANCE'
         )
-    outside = (value < _LOWEST) | (value > _HIGHEST) | (wavenumber <= 0.0)
+    outside = (value < _SHARE.lowest) | (value > _SHARE.highest) | (wavenumber <= 0.0)
     if outside.any():
         first = int(np.argmax(outside))
         raise ConfigurationError(
             f"{path}: {quantity} = {value[first]:g} at {wavenumber[first] / 100.0:g} cm^-1 is not "
-            f"between {_LOWEST:g} and {_HIGHEST:g}; is it in %?"
+            f"{_SHARE.allowed}; is it in %?"
         )
     return _sorted(str(path), quantity, wavenumber, value)

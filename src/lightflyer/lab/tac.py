@@ -453,7 +453,7 @@ def _solve(run: TacRun, kept: np.ndarray, diameter: float, problem: _Problem) ->
 
 def _minimised(problem: _Problem, start: Sequence[float]) -> tuple[Any, Any]:
     """Minimizer and result of lmfit."""
-    lmfit = extra("lmfit", "fitting an accommodation coefficient")
+    lmfit = extra("lmfit", "fitting an accommodation coefficient", "lab")
     parameters = lmfit.Parameters()
     for name, value, lowest in zip(PARAMETERS, start, (_LEAST_TAC, 0.0, -np.inf), strict=True):
         parameters.add(name, value=value, min=lowest)
@@ -477,7 +477,7 @@ def _minimised(problem: _Problem, start: Sequence[float]) -> tuple[Any, Any]:
 def _profile_intervals(
     problem: _Problem, minimizer: Any, result: Any
 ) -> dict[str, tuple[float, float]]:
-    lmfit = extra("lmfit", "fitting an accommodation coefficient")
+    lmfit = extra("lmfit", "fitting an accommodation coefficient", "lab")
     grouped = problem.grouped()
     if grouped is not problem:
         values = [float(result.params[name].value) for name in PARAMETERS]

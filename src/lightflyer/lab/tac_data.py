@@ -1,4 +1,4 @@
-"""What a heater's run holds, and how its files are read."""
+"""Runs of a heater in thin gas, and their files."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,48 +6,48 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.layout import Column
+from lightflyer.foundation.quantity import Pressure, Quantity, Temperature
 from lightflyer.foundation.table import Table, read_table
-from lightflyer.lab.layout import Column
 
-_MILLIKELVIN = 1e-3
-
-
-def _temperature(name: str, *aliases: str) -> Column:
-    return Column(name, "K", aliases, lowest=0.0, open_below=True)
-
+_LEAST_DIFFERENCE = 1e-3  # between heater and gas [K]
 
 COLUMNS = (
-    # a gauge may read below its own zero, which is no reason to doubt the file
-    Column("pressure", "Pa", ("p", "chamber_pressure"), 0.0, open_below=True, outside="reject"),
-    Column("heater_power", "W", ("power",), 0.0, open_below=True),
-    Column("heater_voltage", "V", ("voltage", "u", "v"), 0.0, open_below=True),
-    Column("heater_current", "A", ("current", "i"), 0.0, open_below=True),
-    _temperature("heater_temperature", "t_heater", "temperature"),
-    _temperature("ambient_temperature", "t_ambient", "t_gas", "gas_temperature", "ambient"),
-    Column("time", "s", ("t", "elapsed_time"), unit_of_bare="s"),
-)  # fmt: skip
-"""Columns of a run: reduced, or raw with voltage and current in place of power."""
+    Column("pressure", Pressure, ("p", "chamber_pressure"), outside="reject"),
+    Column("heater_power", Quantity("W", 0.0, open_below=True), ("power",)),
+    Column("heater_voltage", Quantity("V", 0.0, open_below=True), ("voltage", "u", "v")),
+    Column("heater_current", Quantity("A", 0.0, open_below=True), ("current", "i")),
+    Column("heater_temperature", Temperature, ("t_heater", "temperature")),
+    Column(
+        "ambient_temperature", Temperature, ("t_ambient", "t_gas", "gas_temperature", "ambient")
+    ),
+    Column("time", Quantity("s"), ("t", "elapsed_time"), assumed_unit="s"),
+)
+"""Columns of a run; voltage and current may stand in place of power."""
 
 _CALIBRATION_COLUMNS = (
-    Column("resistance", "ohm", ("r", "heater_resistance"), 0.0, open_below=True),
-    _temperature("temperature", "t", "heater_temperature"),
-)
+    Column(
+        "resistance", Quantity("ohm", 0.0, open_below=True), ("r", "heater_resistance"),
+        required=True,
+    ),
+    Column("temperature", Temperature, ("t", "heater_temperature"), required=True),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class TacRun:
-    """A heater's power against pressure, reduced to what the fit needs.
+    """Power of a heater at several pressures.
 
     Attributes
     ----------
     table : Table
-        What was read: the lines, and the rows left out.
+        Table it was read from, with its rejected rows.
     pressure : array, shape (n,)
         [Pa].
     power : array, shape (n,)
         Heating power [W].
     heater_temperature, ambient_temperature : array, shape (n,)
-        Of the heater and of the gas and walls [K].
+        Temperatures of the heater, and of the gas and walls [K].
     """
 
     table: Table
@@ -64,7 +64,7 @@ class TacRun:
 
 @dataclass(frozen=True)
 class ResistanceThermometer:
-    """Temperature of the heater from its resistance, linear in it.
+    """Temperature of the heater, linear in its resistance.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class ResistanceThermometer:
     intercept : float
         [K].
     resistance_range : tuple of float
-        Range of the calibration [ohm].
+        Calibrated range [ohm].
     """
 
     slope: float
@@ -81,7 +81,7 @@ class ResistanceThermometer:
     resistance_range: tuple[float, float]
 
     def temperature(self, resistance: np.ndarray) -> np.ndarray:
-        """Temperature [K] of resistances [ohm], shape (n,)."""
+        """Temperature [K] at a resistance [ohm], shape (n,)."""
         return self.intercept + self.slope * resistance
 
 
@@ -101,11 +101,12 @@ def read_tac(
         ``heater_current``; ``heater_temperature``, unless a thermometer is given; and
         ``ambient_temperature``, unless it is given. Units stand in the header.
     columns : str, optional
-        The columns in place of a header; see :func:`lightflyer.foundation.table.read_table`.
+        The columns in the order of the file, in place of a header; see
+        :func:`~lightflyer.foundation.table.read_table`.
     thermometer : ResistanceThermometer, optional
         Temperature from voltage over current, where the file has no such column.
     ambient_temperature : float, optional
-        Of gas and walls, where the file has no such column [K].
+        Temperature of gas and walls, where the file has no such column [K].
 
     Returns
     -------
@@ -120,7 +121,7 @@ def read_tac(
     _require_columns(table, thermometer, ambient_temperature)
     table = table.without(_not_heated(table, thermometer, ambient_temperature))
     if not len(table):
-        raise ConfigurationError(f"{table.rejected[0]}; no row is left")
+        raise ConfigurationError(f"{table.rejected[0]}; all rows are rejected")
     power, heater = _power(table), _heater_temperature(table, thermometer)
     return TacRun(
         table=table,
@@ -138,16 +139,16 @@ def _require_columns(
     electrical = {"heater_voltage", "heater_current"} <= has
     missing = None
     if "pressure" not in has:
-        missing = "the column pressure"
+        missing = "column pressure"
     elif "heater_power" not in has and not electrical:
-        missing = "the column heater_power, or heater_voltage and heater_current"
+        missing = "column heater_power, or heater_voltage and heater_current"
     elif "heater_temperature" not in has and not (thermometer and electrical):
-        missing = "the column heater_temperature, or a calibration of the heater's resistance"
+        missing = "column heater_temperature, or a calibration of the heater's resistance"
     elif "ambient_temperature" not in has and ambient is None:
-        missing = "the column ambient_temperature, or --ambient"
+        missing = "column ambient_temperature, or --ambient"
     if missing:
         found = ", ".join([*table.numbers, *table.unused]) or "none"
-        raise ConfigurationError(f"{table.source}: needs {missing}; its columns: {found}")
+        raise ConfigurationError(f"{table.source}: needs the {missing}; its columns: {found}")
 
 
 def _power(table: Table) -> np.ndarray:
@@ -159,7 +160,7 @@ def _power(table: Table) -> np.ndarray:
 def _heater_temperature(table: Table, thermometer: ResistanceThermometer | None) -> np.ndarray:
     if "heater_temperature" in table.numbers:
         return table.numbers["heater_temperature"]
-    assert thermometer is not None  # _require_columns saw to it
+    assert thermometer is not None  # checked by _require_columns
     return thermometer.temperature(
         table.numbers["heater_voltage"] / table.numbers["heater_current"]
     )
@@ -168,7 +169,7 @@ def _heater_temperature(table: Table, thermometer: ResistanceThermometer | None)
 def _ambient(table: Table, given: float | None) -> np.ndarray:
     if "ambient_temperature" in table.numbers:
         return table.numbers["ambient_temperature"]
-    assert given is not None  # _require_columns saw to it
+    assert given is not None  # checked by _require_columns
     return np.full(len(table), given)
 
 
@@ -176,7 +177,7 @@ def _not_heated(
     table: Table, thermometer: ResistanceThermometer | None, ambient: float | None
 ) -> dict[int, str]:
     heater, gas = _heater_temperature(table, thermometer), _ambient(table, ambient)
-    rows = np.flatnonzero(heater - gas < _MILLIKELVIN)
+    rows = np.flatnonzero(heater - gas < _LEAST_DIFFERENCE)
     return {
         int(row): f"the heater at {heater[row]:.2f} K is not warmer than the gas at "
         f"{gas[row]:.2f} K"
@@ -185,7 +186,7 @@ def _not_heated(
 
 
 def read_resistance_calibration(path: str | Path) -> ResistanceThermometer:
-    """Straight line through measured resistances and temperatures.
+    """Read a calibration of the heater's resistance, and fit a straight line to it.
 
     Parameters
     ----------
@@ -199,15 +200,12 @@ def read_resistance_calibration(path: str | Path) -> ResistanceThermometer:
     Raises
     ------
     ConfigurationError
-        One line that names the file and what is wrong.
+        One line that names the file and the fault.
     """
     table = read_table(path, _CALIBRATION_COLUMNS)
-    for name in ("resistance", "temperature"):
-        if name not in table.numbers:
-            raise ConfigurationError(f"{path}: the column {name} is missing")
     resistance, temperature = table.numbers["resistance"], table.numbers["temperature"]
     if np.unique(resistance).size < 2:
-        raise ConfigurationError(f"{path}: needs two or more different resistances")
+        raise ConfigurationError(f"{path}: has one resistance; two or more are needed")
     slope, intercept = np.polyfit(resistance, temperature, 1)
     return ResistanceThermometer(
         float(slope), float(intercept), (float(resistance.min()), float(resistance.max()))

@@ -35,7 +35,7 @@ def read_thermal_image(path: str | Path) -> np.ndarray:
     path = Path(path)
     if not path.is_file():
         raise ConfigurationError(f"{path}: cannot be read: no such file")
-    flyr = extra("flyr", "reading radiometric images")
+    flyr = extra("flyr", "reading radiometric images", "lab")
     try:
         kelvin: Any = flyr.unpack(str(path)).kelvin
     except Exception as error:  # the parser raises what its statements happen to

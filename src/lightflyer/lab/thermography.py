@@ -22,10 +22,11 @@ import numpy as np
 
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.layout import Column
+from lightflyer.foundation.quantity import Quantity, Temperature, quantity_of
 from lightflyer.foundation.table import Table, read_table
 from lightflyer.foundation.units import Measured
 from lightflyer.lab.estimate import Estimate, central_interval
-from lightflyer.lab.layout import Column
 from lightflyer.lab.record import dataset
 
 if TYPE_CHECKING:
@@ -47,25 +48,27 @@ class Method(NamedTuple):
         Names of the source's, the reflected, the transmitted and the background reading.
     power : int
         Of the reading that is proportional to radiation.
-    unit : str
-        Of the readings.
+    quantity : Quantity
+        Unit and possible range of the readings.
     remainder : str
-        What is neither reflected nor transmitted.
+        Name of what is neither reflected nor transmitted.
     """
 
     readings: tuple[str, str, str, str]
     power: int
-    unit: str
+    quantity: Quantity
     remainder: str
 
 
 THERMAL = Method(
     ("hotplate_temperature", "lower_temperature", "upper_temperature", "ambient_temperature"),
-    4, "K", "emissivity",
+    4, quantity_of(Temperature) or Quantity("K"), "emissivity",
 )  # fmt: skip
 """Apparent temperatures of a thermal camera."""
 
-LIGHT = Method(("incident", "reflected", "transmitted", "dark"), 1, "", "absorptivity")
+LIGHT = Method(
+    ("incident", "reflected", "transmitted", "dark"), 1, Quantity("", 0.0), "absorptivity"
+)
 """Readings of a light meter, in one unit."""
 
 _ALIASES = {
@@ -141,15 +144,8 @@ def columns_of(method: Method) -> tuple[Column, ...]:
     -------
     tuple of Column
     """
-    thermal = method.unit == "K"
-    return tuple(
-        column
-        for name in method.readings
-        for column in (
-            Column(name, method.unit, _ALIASES.get(name, ()), 0.0, open_below=thermal),
-            Column(f"{name}_uncertainty", method.unit, (), 0.0),
-        )
-    )
+    readings = [Column(name, method.quantity, _ALIASES.get(name, ())) for name in method.readings]
+    return tuple(column for one in readings for column in (one, one.uncertainty()))
 
 
 def read_readings(
@@ -344,7 +340,11 @@ def to_dataset(result: Shares, files: Sequence[str]) -> "xr.Dataset":
     each = shares_of(readings.values, method.power)
     names = [method.remainder if name == "emissivity" else name for name in SHARES]
     variables: dict[str, Any] = {
-        name: ("row", values, {"units": method.unit or "1", "long_name": name.replace("_", " ")})
+        name: (
+            "row",
+            values,
+            {"units": method.quantity.unit or "1", "long_name": name.replace("_", " ")},
+        )
         for name, values in zip(method.readings, readings.values, strict=True)
     }
     variables |= {

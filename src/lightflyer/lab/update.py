@@ -78,7 +78,7 @@ def update_flyer_file(
     """
     path = Path(path)
     read_flyer_file(path)  # the user's own mistakes are named with their lines
-    tomlkit = extra("tomlkit", "updating a flyer file")
+    tomlkit = extra("tomlkit", "updating a flyer file", "lab")
     document = tomlkit.parse(read_text(path))
     written = []
     for (section, key), estimate in values.items():

@@ -46,7 +46,7 @@ def test_launchpads_are_compared_and_the_near_floor_named(examples, lab):
     [
         ("pressure [Pa],irradiance [W/m^2]\n1,2\n", [], "raw.csv:2: raw has 1 point"),
         ("pressure [Pa],irradiance [W/m^2]\n1,-2\n", [], "raw.csv:2: irradiance = -2"),
-        ("pressure [Pa]\n1\n", [], "raw.csv: the column irradiance is missing"),
+        ("pressure [Pa]\n1\n", [], "raw.csv:1: the column irradiance is missing"),
         ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--span", "3"], "span = 3 is not between"),
         ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--calibrate"], "--flyer"),
         ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--update", "a.toml"], "--calibrate"),

@@ -138,7 +138,7 @@ def igor_wave(height: np.ndarray, side: float, note: str) -> bytes:
 
 
 def _gwyddion(height: np.ndarray, note: str) -> bytes:
-    objects = extra("gwyfile.objects", "writing .gwy files")
+    objects = extra("gwyfile.objects", "writing .gwy files", "lab")
     container = objects.GwyContainer()
     unit = objects.GwySIUnit(unitstr="m")
     container["/0/data/title"] = "Height"

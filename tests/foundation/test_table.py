@@ -4,15 +4,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lightflyer as lf
-from lightflyer.foundation.table import read_table
-from lightflyer.lab.layout import Column
+from lightflyer.foundation.layout import Column
+from lightflyer.foundation.quantity import Fraction, Pressure, Quantity, Temperature
+from lightflyer.foundation.table import read_table, shipped_table
 
 COLUMNS = (
-    Column("pressure", "Pa", ("p",), 0.0, open_below=True, outside="reject"),
-    Column("irradiance", "W/m^2", lowest=0.0, open_below=True),
-    Column("temperature", "K", lowest=0.0),
+    Column("pressure", Pressure, ("p",), outside="reject"),
+    Column("irradiance", Quantity("W/m^2", 0.0, open_below=True)),
+    Column("temperature", Temperature),
     Column("sample", text=True),
-    Column("time", "s", unit_of_bare="s"),
+    Column("time", Quantity("s"), assumed_unit="s"),
 )
 
 
@@ -36,6 +37,7 @@ def write(tmp_path):
         "Instrument: X\nRun 3\n# pressure [mTorr] irradiance [kW/m^2]\n30 1.5\n\n20 2.5\n",
         '"remark","pressure [mTorr]","irradiance [W/m^2]"\n"a, b",30,1500\n,20,2500\n',
         "pressure [mTorr],irradiance [kW/m^2]\r\n30,1.5,\r\n20,2.5,\r\n",
+        "pressure_mTorr,irradiance kW/m2\n30,1.5\n20,2.5\n",
     ],
 )
 def test_every_layout_gives_the_same(write, text):
@@ -55,7 +57,8 @@ def test_columns_by_option(write):
 
 
 def test_celsius_and_its_uncertainty(write):
-    columns = (Column("t", "K"), Column("t_uncertainty", "K"))
+    column = Column("t", Temperature)
+    columns = (column, column.uncertainty())
     table = read_table(write("t [°C],t_uncertainty [°C]\n20,0.5\n"), columns)
     assert table.numbers["t"] == pytest.approx(293.15)
     assert table.numbers["t_uncertainty"] == pytest.approx(0.5)
@@ -85,15 +88,15 @@ HEADER = "pressure [Pa],irradiance [W/m^2]\n"
     [
         ("", "", "is empty"),
         (b"\x00\n\xff\xfe", ":2", "not a text file"),
-        ("\n\nfoo,bar\n1,2\n", ":3", "no column is known"),
-        ("Größe,Fluß\n1,2\n", ":1", "no column is known"),
+        ("\n\nfoo,bar\n1,2\n", ":3", "has no known column"),
+        ("Größe,Fluß\n1,2\n", ":1", "has no known column"),
         (HEADER, "", "has a header but no rows"),
         ("pressure,irradiance [W/m^2]\n1,2\n", ":1", "column pressure has no unit"),
         ("pressure [W],irradiance [W/m^2]\n1,2\n", ":1", "of the wrong kind"),
-        ("pressure [Pa],pressure [Torr]\n1,2\n", ":1", "stands twice"),
+        ("pressure [Pa],pressure [Torr]\n1,2\n", ":1", "appears twice"),
         (HEADER + "1,2\n3,-4\n", ":3", "irradiance = -4 W/m^2 is not positive"),
         (HEADER + "1,2\n3 mTorr,4\n5,6\n", ":3", '"3 mTorr" is more than a number'),
-        (HEADER + "1,2\npressure [Torr],irradiance [W/m^2]\n3,4\n", ":3", "once more"),
+        (HEADER + "1,2\npressure [Torr],irradiance [W/m^2]\n3,4\n", ":3", "is a second header"),
         (HEADER + "1,2\n3,4\n5", ":4", "the file ends within a row"),
         (HEADER + "1,2\n3,4\n5,", ":4", "the file ends within a row"),
         (HEADER + "nan,nan\nnan,nan\n", ":2", "none of its 2 rows can be read"),
@@ -107,6 +110,56 @@ def test_one_clear_line_for_each_mistake(write, text, place, says):
     assert str(error.value).startswith(f"{path}{place}: ")
     assert says in str(error.value)
     assert "\n" not in str(error.value)
+
+
+STRICT = (
+    Column("sample", text=True, required=True, blank=False),
+    Column("pressure", Pressure, required=True),
+    Column("share", Fraction),
+    Column("signal", Quantity("", 0.0), any_unit=True),
+)
+
+
+def test_strict_reader_takes_all_or_nothing(write):
+    text = "# pressure [Torr], share\nsample, pressure [Pa], signal (V)\n\npressure, 1, 2\n,,\n"
+    table = read_table(write(text), STRICT, strict=True, closed=True)
+    assert table.texts == {"sample": ["pressure"]}
+    assert {name: values.tolist() for name, values in table.numbers.items()} == {
+        "pressure": [1.0], "signal": [2.0]
+    }  # fmt: skip
+    assert table.lines.tolist() == [4]
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "says"),
+    [
+        ("# sample, pressure [Pa]\n", "", "has comments only"),
+        ("note\nsample,pressure [Pa]\na,1\n", ":1", 'column "note" is unknown'),
+        ("sample,share\na,1\n", ":1", "column pressure is missing; needed: sample, pressure [Pa]"),
+        ("sample,pressure [Pa]\na,1\nb,OVLD\n", ":3", '"OVLD" is not a number'),
+        ("sample,pressure [Pa]\na,1\nb\nc,3\n", ":3", "has 1 value, the header names 2"),
+        ("sample,pressure [Pa]\na,1\n,2\n", ":3", "sample is empty"),
+        ("sample,pressure [mTorr]\na,-30\n", ":2", "pressure = -30 mTorr is not positive"),
+        ("sample,pressure [Pa],share [%]\na,1,120\n", ":2", "share = 120 % is not between"),
+    ],
+)
+def test_strict_reader_refuses(write, text, place, says):
+    path = write(text)
+    with pytest.raises(lf.ConfigurationError) as error:
+        read_table(path, STRICT, strict=True, closed=True)
+    assert str(error.value).startswith(f"{path}{place}: ")
+    assert says in str(error.value)
+
+
+def test_shipped_table():
+    table = shipped_table("kinetic_boundary.csv")
+    assert set(table.texts["gas"]) == {"monatomic", "diatomic"}
+    assert table.numbers["heat_factor"].dtype == float
+    # lines of the file itself, its comments counted
+    assert (table.texts["gas"][0], table.numbers["boundary"][0], table.lines[0]) == (
+        "monatomic", 2.0, 7
+    )  # fmt: skip
+    assert "gas" not in table.numbers
 
 
 CELLS = st.one_of(
@@ -131,13 +184,14 @@ TEXTS = st.one_of(st.text(max_size=200), nearly_tables())
 @given(
     st.one_of(
         st.binary(max_size=200), TEXTS.map(lambda text: text.encode("utf-8", "surrogatepass"))
-    )
+    ),
+    st.booleans(),
 )
-def test_no_content_gives_a_traceback(tmp_path_factory, content):
+def test_no_content_gives_a_traceback(tmp_path_factory, content, strict):
     path = tmp_path_factory.mktemp("fuzz") / "raw.csv"
     path.write_bytes(content)
     try:
-        table = read_table(path, COLUMNS)
+        table = read_table(path, COLUMNS, strict=strict)
     except lf.ConfigurationError as error:
         said = str(error)
         assert said.startswith(str(path))

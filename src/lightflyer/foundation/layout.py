@@ -1,0 +1,387 @@
+"""Layout of a table in a text file: its delimiter, and the names and units of its columns."""
+
+import csv
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.quantity import Quantity, quantity_of
+from lightflyer.foundation.units import scale_and_offset
+
+PREAMBLE = 200
+"""Lines in which the header is looked for."""
+
+COMMENTS = ("#", "//", "!")
+"""Beginnings of comment lines."""
+
+_COMMA_IN_NUMBER = re.compile(r"^\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*$")
+_NAME_AND_UNIT = re.compile(r"^(.*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])])?$")
+_NAME_AND_SUFFIX = re.compile(r"^(.*[^\s_])[\s_]+(\S+)$")
+_SPACED_CELL = re.compile(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?")
+_UNIT_SPELLINGS = {
+    "C": "°C", "deg C": "°C", "deg. C": "°C", "Celsius": "°C", "Kelvin": "K", "torr": "Torr",
+    "mtorr": "mTorr", "\N{GREEK CAPITAL LETTER OMEGA}": "ohm", "\N{OHM SIGN}": "ohm",
+    "Ohm": "ohm", "micron": "um", "microns": "um", "1/cm": "cm^-1", "cm⁻¹": "cm^-1",
+    "1/m": "m^-1", "volts": "V", "amps": "A", "1": "", "-": "", "fraction": "", "a.u.": "",
+}  # fmt: skip
+
+# as spectrometers write their headers
+_WHOLE_NAMES = {"cm-1": ("wavenumber", "cm^-1"), "%t": ("transmittance", "%"),
+                "%r": ("reflectance", "%"), "t%": ("transmittance", "%")}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column that a reader of tables knows.
+
+    Attributes
+    ----------
+    name : str
+        Such as ``"heater_power"``.
+    kind : Quantity or annotation
+        SI unit and possible range of the values: a
+        :class:`~lightflyer.foundation.quantity.Quantity`, or an alias of one such as ``Pressure``.
+        By default any pure number.
+    aliases : tuple of str
+        Other names that headers may use.
+    required : bool
+        Whether a file without the column is refused.
+    outside : {"stop", "reject"}
+        What an impossible value does: refuse the file, or reject the row (a pressure gauge that
+        reads below zero does not cast doubt on the whole file).
+    text : bool
+        Whether the column holds text.
+    blank : bool
+        Whether a text may be empty.
+    difference : bool
+        Whether the values are differences, for which 1 °C is 1 K.
+    any_unit : bool
+        Take values as written, whatever the header adds to the name.
+    assumed_unit : str
+        Unit of the values where the header names none.
+    suggested_unit : str
+        Unit that messages propose, in place of the SI unit.
+    """
+
+    name: str
+    kind: Any = None
+    aliases: tuple[str, ...] = ()
+    required: bool = False
+    outside: Literal["stop", "reject"] = "stop"
+    text: bool = False
+    blank: bool = True
+    difference: bool = False
+    any_unit: bool = False
+    assumed_unit: str = ""
+    suggested_unit: str = ""
+
+    @property
+    def quantity(self) -> Quantity:
+        """SI unit and possible range."""
+        return quantity_of(self.kind) or Quantity()
+
+    @property
+    def with_unit(self) -> str:
+        """The name as a header would write it, such as ``"pressure [Pa]"``."""
+        unit = self.suggested_unit or self.quantity.unit
+        return f"{self.name} [{unit}]" if unit else self.name
+
+    def uncertainty(self) -> "Column":
+        """Column of the standard uncertainties of this one."""
+        kind = Quantity(self.quantity.unit, 0.0)
+        return Column(f"{self.name}_uncertainty", kind, difference=True)
+
+
+class Placed(NamedTuple):
+    """A known column of a file: the unit it is written in, and scale and offset to SI."""
+
+    column: Column
+    unit: str
+    scale: float
+    offset: float
+
+
+class Layout(NamedTuple):
+    """Layout of a file.
+
+    Attributes
+    ----------
+    delimiter : str or None
+        None for white space.
+    names : list of str
+        Names of all columns, as the file or the option writes them.
+    first : int
+        Index of the first row among the lines of the file.
+    columns : dict of int to Placed
+        Known columns by position.
+    """
+
+    delimiter: str | None
+    names: list[str]
+    first: int
+    columns: dict[int, Placed]
+
+    @property
+    def number_columns(self) -> dict[int, Placed]:
+        """Known columns that hold numbers, by position."""
+        return {position: one for position, one in self.columns.items() if not one.column.text}
+
+    @property
+    def text_columns(self) -> dict[int, Placed]:
+        """Known columns that hold text, by position."""
+        return {position: one for position, one in self.columns.items() if one.column.text}
+
+
+def split_cells(line: str, delimiter: str | None) -> list[str]:
+    """Stripped cells of a line.
+
+    Parameters
+    ----------
+    line : str
+    delimiter : str or None
+        None for white space.
+
+    Returns
+    -------
+    list of str
+    """
+    if delimiter is None:
+        return line.split()
+    if '"' in line:
+        cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+        return [cell.strip() for cell in cells]
+    return [cell.strip() for cell in line.split(delimiter)]
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line is a comment."""
+    return line.lstrip().startswith(COMMENTS)
+
+
+def find_layout(
+    path: Path,
+    lines: list[str],
+    columns: Sequence[Column],
+    *,
+    option: str | None = None,
+    strict: bool = False,
+    closed: bool = False,
+) -> Layout:
+    """Layout of a file, from an option, its first line, or the line that is most like a header.
+
+    Parameters
+    ----------
+    path : Path
+        Name of the file, for messages.
+    lines : list of str
+    columns : sequence of Column
+    option : str, optional
+        Names and units in the order of the file, in place of a header.
+    strict : bool
+        Take the first line that is not a comment as the header.
+    closed : bool
+        Refuse unknown columns.
+
+    Returns
+    -------
+    Layout
+
+    Raises
+    ------
+    ConfigurationError
+        If there is no header, a column is unknown, missing or repeated, or a unit is wrong.
+    """
+    if not any(line.strip() for line in lines):
+        known = ", ".join(column.with_unit for column in columns)
+        raise ConfigurationError(f"{path}: is empty; known columns: {known}")
+    if option:
+        return _from_option(path, lines, columns, option)
+    if strict:
+        return _from_first_line(path, lines, columns, closed=closed)
+    return _from_header(path, lines, columns)
+
+
+def names_columns(layout: Layout, cells: Sequence[str]) -> bool:
+    """Whether a row of a file repeats its header."""
+    known = layout.number_columns
+    numbers = [cells[position] for position in known if position < len(cells)]
+    return bool(_matches([one.column for one in known.values()], numbers))
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return bool(_COMMA_IN_NUMBER.match(cell))
+    return True
+
+
+def _delimiter(line: str) -> str | None:
+    return next((mark for mark in ("\t", ";", ",") if mark in line), None)
+
+
+def _normal(name: str) -> str:
+    return re.sub(r"[\s\-.]+", "_", name.strip().strip('"').casefold())
+
+
+def _from_option(path: Path, lines: list[str], columns: Sequence[Column], option: str) -> Layout:
+    """Layout by the names that ``--columns`` gives, from the first row of numbers on."""
+    names = [name.strip() for name in option.split(",")]
+    first = next(
+        (
+            index
+            for index, line in enumerate(lines)
+            if line.strip()
+            and not is_comment(line)
+            and _is_number(split_cells(line, _delimiter_of_row(line, len(names)))[0])
+        ),
+        None,
+    )
+    if first is None:
+        raise ConfigurationError(f"{path}: has no row that starts with a number")
+    known = _placed(columns, names, f"--columns of {path}", closed=True)
+    return Layout(_delimiter_of_row(lines[first], len(names)), names, first, known)
+
+
+def _delimiter_of_row(line: str, width: int) -> str | None:
+    marked = next((mark for mark in ("\t", ";") if mark in line), None)
+    return marked if marked or len(line.split()) == width else _delimiter(line)
+
+
+def _from_first_line(
+    path: Path, lines: list[str], columns: Sequence[Column], *, closed: bool
+) -> Layout:
+    """Layout by the first line that is not a comment."""
+    first = next(
+        (number for number, line in enumerate(lines) if line.strip() and not is_comment(line)), None
+    )
+    if first is None:
+        known = ", ".join(column.with_unit for column in columns)
+        raise ConfigurationError(f"{path}: has comments only; known columns: {known}")
+    delimiter, names = _header_cells(lines[first])
+    known_columns = _placed(columns, names, f"{path}:{first + 1}", closed=closed)
+    return Layout(delimiter, names, first + 1, known_columns)
+
+
+def _header_cells(line: str) -> tuple[str | None, list[str]]:
+    text = line.strip().lstrip("#/! ")
+    delimiter = _delimiter(text)
+    cells = split_cells(text, delimiter) if delimiter else _SPACED_CELL.findall(text)
+    return delimiter, cells[:-1] if cells and not cells[-1] else cells
+
+
+def _from_header(path: Path, lines: list[str], columns: Sequence[Column]) -> Layout:
+    """Layout by the line with the most known columns, above the first row of numbers."""
+    best: tuple[int, int] | None = None
+    for index, line in enumerate(lines[:PREAMBLE]):
+        _, cells = _header_cells(line)
+        if cells and all(_is_number(cell) for cell in cells):
+            break
+        score = len(_matches(columns, cells))
+        if score and (best is None or score > best[0]):
+            best = (score, index)
+    if best is None:
+        known = ", ".join(column.with_unit for column in columns)
+        first = next(number for number, line in enumerate(lines, 1) if line.strip())
+        raise ConfigurationError(
+            f"{path}:{first}: has no known column; name its columns in a header or by --columns: "
+            f"{known}"
+        )
+    delimiter, names = _header_cells(lines[best[1]])
+    place = f"{path}:{best[1] + 1}"
+    return Layout(delimiter, names, best[1] + 1, _placed(columns, names, place))
+
+
+def _matches(columns: Sequence[Column], cells: Sequence[str]) -> dict[int, tuple[Column, str]]:
+    """Known columns of a header with the units it names, by position."""
+    by_name = {_normal(name): one for one in columns for name in (one.name, *one.aliases)}
+    found = {}
+    for position, cell in enumerate(cells):
+        base, unit = _split_name(cell)
+        if _normal(base) in by_name:
+            found[position] = (by_name[_normal(base)], unit)
+    missing = [one for one in columns if not any(one is column for column, _ in found.values())]
+    for column in missing:
+        for position, cell in enumerate(cells):
+            suffix = None if position in found else _suffix(column, cell)
+            if suffix is not None:
+                found[position] = (column, suffix)
+                break
+    return found
+
+
+def _split_name(cell: str) -> tuple[str, str]:
+    """Name and unit of ``pressure [Pa]``, ``Pressure (Pa)`` or ``pressure / Pa``."""
+    text = cell.strip().strip('"')
+    if text.lower() in _WHOLE_NAMES:
+        return _WHOLE_NAMES[text.lower()]
+    match = _NAME_AND_UNIT.match(text)
+    base, unit = (match[1], match[2] or "") if match else (text, "")
+    if not unit and "/" in base:
+        base, _, unit = base.partition("/")
+    return base, _spelled(unit)
+
+
+def _spelled(unit: str) -> str:
+    return _UNIT_SPELLINGS.get(unit.strip(), unit.strip())
+
+
+def _suffix(column: Column, cell: str) -> str | None:
+    """Unit in a header such as ``pressure_mTorr``; None where it is of another column."""
+    text = cell.strip().strip('"')
+    names = [_normal(name) for name in (column.name, *column.aliases)]
+    if column.any_unit:
+        return "" if any(_normal(text).startswith(f"{name}_") for name in names) else None
+    match = _NAME_AND_SUFFIX.match(text)
+    if match is None or _normal(match[1]) not in names or not column.quantity.unit:
+        return None
+    unit = _spelled(match[2])
+    try:
+        scale_and_offset(unit, column.quantity.unit)
+    except ConfigurationError:
+        return None
+    return unit
+
+
+def _placed(
+    columns: Sequence[Column], names: Sequence[str], place: str, *, closed: bool = False
+) -> dict[int, Placed]:
+    """Known columns by position."""
+    matches = _matches(columns, names)
+    for position, name in enumerate(names):
+        if closed and position not in matches and name not in ("", "-"):
+            known = ", ".join(column.with_unit for column in columns)
+            raise ConfigurationError(f'{place}: column "{name}" is unknown; known columns: {known}')
+    placed: dict[int, Placed] = {}
+    for position in sorted(matches):
+        column, unit = matches[position]
+        if any(column is one.column for one in placed.values()):
+            raise ConfigurationError(f"{place}: column {column.name} appears twice")
+        placed[position] = _to_si(column, unit, place)
+    required = [column for column in columns if column.required]
+    for column in required:
+        if not any(column is one.column for one in placed.values()):
+            needed = ", ".join(one.with_unit for one in required)
+            raise ConfigurationError(
+                f"{place}: the column {column.name} is missing; needed: {needed}"
+            )
+    return placed
+
+
+def _to_si(column: Column, unit: str, place: str) -> Placed:
+    if column.text or column.any_unit:
+        return Placed(column, "", 1.0, 0.0)
+    unit = unit or column.assumed_unit
+    if column.quantity.unit and not unit:
+        raise ConfigurationError(
+            f'{place}: column {column.name} has no unit; write "{column.with_unit}"'
+        )
+    try:
+        scale, offset = scale_and_offset(unit, column.quantity.unit)
+    except ConfigurationError as error:
+        said = str(error).removeprefix(f'"{unit}": ')
+        raise ConfigurationError(f"{place}: column {column.name}: {said}") from None
+    return Placed(column, unit, scale, 0.0 if column.difference else offset)

@@ -1,1 +1,1 @@
-"""The flyer file: what it may say, and how it is read."""
+"""The flyer file: its grammar, and the design that it describes."""

@@ -1,1 +1,5 @@
-"""Where it flies: chamber, Earth; gas state, gravity and radiation."""
+"""Where it flies: gas state, gravity, light and heat radiation, wind."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

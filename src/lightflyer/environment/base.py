@@ -1,15 +1,45 @@
 """What a flyer's surroundings are, and what every environment must give."""
 
 import abc
-from typing import Any
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import equinox as eqx
-import jax.numpy as jnp
-from jax import Array
 
 from lightflyer.environment.radiation import Radiation
+from lightflyer.foundation.quantity import Checked, Quantity
 from lightflyer.foundation.types import Numeric
-from lightflyer.gas.gas import AbstractGas
+from lightflyer.gas.base import AbstractGas
+
+
+class Wind(NamedTuple):
+    """Velocity of the gas over ground.
+
+    Attributes
+    ----------
+    east, north, up : array, shape (...)
+        Components [m/s].
+    """
+
+    east: Numeric
+    north: Numeric
+    up: Numeric
+
+
+class Place(NamedTuple):
+    """Where on a planet, and when; what the coordinate of an environment does not say.
+
+    Attributes
+    ----------
+    latitude, longitude : array, shape (...)
+        Geodetic, north and east positive [rad].
+    time : array, shape (...)
+        Seconds since 2000-01-01 12:00 UTC [s].
+    """
+
+    latitude: Numeric
+    longitude: Numeric
+    time: Numeric
 
 
 class EnvironmentState(eqx.Module):
@@ -27,6 +57,8 @@ class EnvironmentState(eqx.Module):
     radiation : Radiation
     wall_distance : array or None
         Distance from the flyer's centre to cold walls around it [m]; None in the open.
+    wind : Wind or None
+        None where the gas is at rest.
     """
 
     pressure: Numeric
@@ -35,51 +67,85 @@ class EnvironmentState(eqx.Module):
     gas: AbstractGas
     radiation: Radiation
     wall_distance: Numeric = None
+    wind: Wind | None = None
 
 
-class AbstractEnvironment(eqx.Module):
-    """Somewhere a flyer can be, described along one coordinate.
+@dataclass(frozen=True)
+class Coordinate:
+    """The coordinate along which an environment is described.
 
-    Subclasses are immutable and final. On a planet the coordinate is the altitude [m]; in a
-    chamber it is the pressure [Pa].
+    Attributes
+    ----------
+    name, unit, long_name : str
+        As in datasets; the unit is SI.
+    lowest, highest : float
+        Range in which states exist.
+    searched : tuple of float
+        Range worth searching for flight, within the former.
+    logarithmic : bool
+        Whether tables and axes are spaced by the logarithm.
+    shown_unit : str
+        Unit in tables, figures and JSON.
+    points : tuple of float
+        Values that a prediction reports where nobody asks for others.
+    easiest_keys : tuple of str
+        Names in JSON of the point that needs the least light: of the group and of the irradiance.
+    step : float or None
+        Spacing that resolves an atmosphere's layers; None for a range cut into equal parts.
+    open_ended : bool
+        Whether states exist beyond ``lowest`` and ``highest``, which then only say where to look.
+    """
+
+    name: str
+    unit: str
+    long_name: str
+    lowest: float
+    highest: float
+    searched: tuple[float, float]
+    logarithmic: bool
+    shown_unit: str
+    points: tuple[float, ...]
+    easiest_keys: tuple[str, str]
+    step: float | None = None
+    open_ended: bool = False
+
+    @property
+    def quantity(self) -> Quantity:
+        """Unit and possible range."""
+        if self.open_ended:
+            return Quantity(self.unit, 0.0, open_below=True)
+        return Quantity(self.unit, self.lowest, self.highest)
+
+
+class AbstractEnvironment(Checked):
+    """Somewhere a flyer can be, described along one coordinate. Subclasses are final.
+
+    Attributes
+    ----------
+    radiation : Radiation
+        Light and heat radiation; every state has it, or what the environment makes of it.
     """
 
     radiation: eqx.AbstractVar[Radiation]
 
-    @abc.abstractmethod
-    def state(self, coordinate: Numeric) -> EnvironmentState:
-        """Surroundings at ``coordinate``, an array of any shape."""
-
     @property
     @abc.abstractmethod
-    def coordinate_range(self) -> tuple[float, float]:
-        """Lowest and highest coordinate that the environment describes."""
-
-
-class AbstractAtmosphere(eqx.Module):
-    """Temperature, pressure and composition over altitude.
-
-    Methods take altitudes [m] of any shape, work under JAX's transformations and return NaN
-    outside :attr:`altitude_range`; environments raise there where the altitude is concrete.
-    """
-
-    @property
-    @abc.abstractmethod
-    def altitude_range(self) -> tuple[float, float]:
-        """Lowest and highest geometric altitude described [m]."""
+    def coordinate(self) -> Coordinate:
+        """What the coordinate is and where it ends."""
 
     @abc.abstractmethod
-    def temperature(self, altitude: Numeric) -> Any:
-        """Kinetic temperature [K]."""
+    def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
+        """Surroundings at a coordinate.
 
-    @abc.abstractmethod
-    def pressure(self, altitude: Numeric) -> Any:
-        """Pressure [Pa]."""
+        Parameters
+        ----------
+        coordinate : array, shape (...)
+            In the unit of :attr:`coordinate`.
+        place : Place, optional
+            Latitude, longitude and time, for an environment that depends on them; by default its
+            own.
 
-    @abc.abstractmethod
-    def molar_mass_ratio(self, altitude: Numeric) -> Any:
-        """Mean molar mass over its value at sea level [1]."""
-
-    def _nan_outside(self, altitude: Numeric, value: Numeric) -> Array:
-        lowest, highest = self.altitude_range
-        return jnp.where((altitude >= lowest) & (altitude <= highest), value, jnp.nan)
+        Returns
+        -------
+        EnvironmentState
+        """

@@ -1,11 +1,28 @@
 """A vacuum chamber with a lamp."""
 
-from lightflyer.environment.base import AbstractEnvironment, EnvironmentState
+from typing import ClassVar, Literal
+
+import pydantic
+
+from lightflyer.environment.base import (
+    AbstractEnvironment,
+    Coordinate,
+    EnvironmentState,
+    Place,
+)
 from lightflyer.environment.radiation import Radiation
+from lightflyer.environment.section import EnvironmentSection
 from lightflyer.foundation import constants
 from lightflyer.foundation.checks import require_positive, require_range
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.quantity import Acceleration, Length, Pressure, Temperature
 from lightflyer.foundation.types import Numeric
-from lightflyer.gas.gas import AIR, AbstractGas
+from lightflyer.foundation.units import Measured
+from lightflyer.gas.air import AIR, GASES
+from lightflyer.gas.base import AbstractGas
+
+DEFAULT_PRESSURES = tuple(digit * 10.0**decade for decade in range(-4, 6) for digit in (1.0, 3.0))
+"""Pressures reported one by one where none are asked for, if in the chamber's range [Pa]."""
 
 
 class Chamber(AbstractEnvironment):
@@ -16,15 +33,15 @@ class Chamber(AbstractEnvironment):
     temperature : array
         Temperature of gas and walls [K].
     gas : AbstractGas
-        Default :data:`lightflyer.AIR`.
+        Default :data:`lightflyer.gas.AIR`.
     gravity : array
-        [m/s²].
+        Acceleration of free fall [m/s²].
     radiation : Radiation
         The lamp. Thermal surroundings are walls at the gas temperature unless it says more.
     pressure_range : tuple of float
         Lowest and highest pressure of interest [Pa].
     radius : array or None
-        Distance from the flyer to the walls [m], which slow down no flow where it is None. Only
+        Distance from the flyer to the walls [m]; None for walls too far away to matter. Only
         the kinetic force model takes it into account.
 
     Raises
@@ -33,32 +50,45 @@ class Chamber(AbstractEnvironment):
         If a concrete value is not positive or the range is empty.
     """
 
-    temperature: Numeric = 295.0
+    temperature: Temperature = 295.0
     gas: AbstractGas = AIR
-    gravity: Numeric = constants.STANDARD_GRAVITY
+    gravity: Acceleration = constants.STANDARD_GRAVITY
     radiation: Radiation = Radiation()
     pressure_range: tuple[Numeric, Numeric] = (1e-2, 1e3)
-    radius: Numeric = None
+    radius: Length | None = None
 
     def __check_init__(self) -> None:
-        require_positive(temperature=self.temperature, gravity=self.gravity)
         lowest, highest = self.pressure_range
         require_positive(pressure_range=lowest)
-        require_range("radius", self.radius, 0.0, open_below=True)
         require_range("upper end of pressure_range", highest, lowest, open_below=True)
 
     @property
-    def coordinate_range(self) -> tuple[float, float]:
-        """The pressure range [Pa]."""
-        return self.pressure_range
+    def coordinate(self) -> Coordinate:
+        """Pressure, over the range of interest; states exist at any positive one."""
+        low, high = self.pressure_range
+        return Coordinate(
+            name="pressure",
+            unit="Pa",
+            long_name="gas pressure",
+            lowest=low,
+            highest=high,
+            searched=(low, high),
+            logarithmic=True,
+            shown_unit="Pa",
+            points=DEFAULT_PRESSURES,
+            easiest_keys=("optimum", "irradiance_w_m2"),
+            open_ended=True,
+        )
 
-    def state(self, coordinate: Numeric) -> EnvironmentState:
+    def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:  # noqa: ARG002
         """Surroundings at a pressure, which may lie outside the range of interest.
 
         Parameters
         ----------
         coordinate : array, shape (...)
             Pressure [Pa].
+        place : Place, optional
+            Has no effect: a chamber is the same everywhere.
 
         Returns
         -------
@@ -77,4 +107,34 @@ class Chamber(AbstractEnvironment):
             gas=self.gas,
             radiation=self.radiation,
             wall_distance=self.radius,
+        )
+
+
+class ChamberSection(EnvironmentSection):
+    """``[environment]``: a vacuum chamber with a lamp."""
+
+    search_keys: ClassVar[tuple[str, str]] = ("pressure_min", "pressure_max")
+
+    kind: Literal["chamber"]
+    temperature: Temperature
+    pressure_min: Pressure = Measured(1e-2)
+    pressure_max: Pressure = Measured(1e3)
+    radius: Length | None = None
+
+    @pydantic.model_validator(mode="after")
+    def _ordered(self) -> "ChamberSection":
+        if self.pressure_min.value >= self.pressure_max.value:
+            raise ConfigurationError("pressure_min must be below pressure_max")
+        return self
+
+    def build(self) -> Chamber:
+        """The chamber."""
+        gravity = constants.STANDARD_GRAVITY if self.gravity is None else self.gravity.value
+        return Chamber(
+            temperature=self.temperature.value,
+            gas=GASES[self.gas or AIR.name],
+            gravity=gravity,
+            radiation=self.build_radiation(),
+            pressure_range=(self.pressure_min.value, self.pressure_max.value),
+            radius=None if self.radius is None else self.radius.value,
         )

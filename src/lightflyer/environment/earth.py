@@ -1,22 +1,49 @@
 """Earth: an atmosphere, its gas, gravity and sunlight."""
 
-from typing import Any
+import abc
+import datetime
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
 
 import equinox as eqx
+import pydantic
 
+from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
+from lightflyer.environment.atmosphere.nrlmsis import NRLMSIS
 from lightflyer.environment.atmosphere.us1976 import US1976
 from lightflyer.environment.base import (
-    AbstractAtmosphere,
     AbstractEnvironment,
+    Coordinate,
     EnvironmentState,
+    Place,
 )
 from lightflyer.environment.radiation import Radiation
+from lightflyer.environment.section import EnvironmentSection
 from lightflyer.foundation import constants
-from lightflyer.foundation.checks import require_positive, require_range
+from lightflyer.foundation.checks import require_range
+from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.quantity import (
+    Acceleration,
+    Altitude,
+    GeomagneticIndex,
+    Latitude,
+    Longitude,
+    SolarFlux,
+)
 from lightflyer.foundation.types import Numeric
-from lightflyer.gas.gas import AIR, LU2023_AIR, AbstractGas
+from lightflyer.gas.air import AIR, GASES, LU2023_AIR
+from lightflyer.gas.base import AbstractGas
+
+HIGHEST_SEARCHED = 150e3
+"""Top of the default search [m]: above, the gas carries no film."""
+
+DEFAULT_ALTITUDES = tuple(1e3 * kilometres for kilometres in range(50, 101, 5))
+"""Altitudes reported one by one where none are asked for [m]: the mesosphere."""
+
+_SPACING = 1000.0  # metres, which resolves the layers of every atmosphere
+_TABLE = "decides the atmosphere's whole table; give each {} a study of its own"
 
 
 def earth_gravity(altitude: Numeric) -> Any:
@@ -33,7 +60,7 @@ class Earth(AbstractEnvironment):
     atmosphere : AbstractAtmosphere
         Default :class:`US1976`.
     gas : AbstractGas
-        Default :data:`lightflyer.AIR`. Its gas constant follows the atmosphere's molar mass.
+        Default :data:`lightflyer.gas.AIR`. Its gas constant follows the atmosphere's molar mass.
     gravity : array or None
         Constant gravity [m/s²]; None lets it fall off with altitude.
     radiation : Radiation
@@ -48,25 +75,36 @@ class Earth(AbstractEnvironment):
 
     atmosphere: AbstractAtmosphere = US1976()
     gas: AbstractGas = AIR
-    gravity: Numeric = None
+    gravity: Acceleration | None = None
     radiation: Radiation = Radiation()
 
-    def __check_init__(self) -> None:
-        if self.gravity is not None:
-            require_positive(gravity=self.gravity)
-
     @property
-    def coordinate_range(self) -> tuple[float, float]:
-        """The atmosphere's altitude range [m]."""
-        return self.atmosphere.altitude_range
+    def coordinate(self) -> Coordinate:
+        """Geometric altitude, over the atmosphere's range."""
+        low, high = self.atmosphere.altitude_range
+        return Coordinate(
+            name="altitude",
+            unit="m",
+            long_name="geometric altitude",
+            lowest=low,
+            highest=high,
+            searched=(low, min(high, HIGHEST_SEARCHED)),
+            logarithmic=False,
+            shown_unit="km",
+            points=DEFAULT_ALTITUDES,
+            easiest_keys=("minimum_irradiance", "value_w_m2"),
+            step=_SPACING,
+        )
 
-    def state(self, coordinate: Numeric) -> EnvironmentState:
+    def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:  # noqa: ARG002
         """Surroundings at an altitude.
 
         Parameters
         ----------
         coordinate : array, shape (...)
             Geometric altitude [m].
+        place : Place, optional
+            Has no effect: the atmosphere is that of one place and time, and the light is given.
 
         Returns
         -------
@@ -77,7 +115,7 @@ class Earth(AbstractEnvironment):
         ParameterError
             If a concrete altitude is outside the atmosphere's range; traced ones give NaN.
         """
-        require_range("altitude [m]", coordinate, *self.coordinate_range)
+        require_range("altitude [m]", coordinate, *self.atmosphere.altitude_range)
         return _state(self, coordinate)
 
 
@@ -106,7 +144,7 @@ def lu2023_earth(irradiance: Numeric = constants.SOLAR_CONSTANT, incidence: Nume
     irradiance : array
         Sunlight [W/m²].
     incidence : array
-        Angle between the light and the disk's normal [rad].
+        Zenith angle of the light, for a level disk its angle of incidence [rad].
 
     Returns
     -------
@@ -120,3 +158,89 @@ def lu2023_earth(irradiance: Numeric = constants.SOLAR_CONSTANT, incidence: Nume
             irradiance, incidence, stefan_boltzmann=constants.STEFAN_BOLTZMANN_LU2023
         ),
     )
+
+
+class EarthSection(EnvironmentSection):
+    """``[environment]``: Earth; each atmosphere is an alternative of its own."""
+
+    search_keys: ClassVar[tuple[str, str]] = ("altitude_min", "altitude_max")
+    default_gas: ClassVar[str] = AIR.name
+    default_gravity: ClassVar[float | None] = None
+
+    kind: Literal["earth"] = "earth"
+    altitude_min: Altitude | None = None
+    altitude_max: Altitude | None = None
+
+    @pydantic.model_validator(mode="after")
+    def _ordered(self) -> "EarthSection":
+        low, high = self.search_range
+        if low is not None and high is not None and low >= high:
+            raise ConfigurationError("altitude_min must be below altitude_max")
+        return self
+
+    @abc.abstractmethod
+    def build_atmosphere(self) -> AbstractAtmosphere:
+        """The atmosphere of this alternative."""
+
+    def build(self) -> Earth:
+        """Earth with this atmosphere."""
+        gravity = self.default_gravity if self.gravity is None else self.gravity.value
+        return Earth(
+            atmosphere=self.build_atmosphere(),
+            gas=GASES[self.gas or self.default_gas],
+            gravity=gravity,
+            radiation=self.build_radiation(),
+        )
+
+
+class Us1976Section(EarthSection):
+    """``[environment]``: Earth with the US Standard Atmosphere 1976."""
+
+    atmosphere: Literal["us1976"] = "us1976"
+
+    def build_atmosphere(self) -> AbstractAtmosphere:
+        """US Standard Atmosphere 1976."""
+        return US1976()
+
+
+class Lu2023Section(EarthSection):
+    """``[environment]``: Earth as in the paper, whose gas and gravity it implies."""
+
+    default_gas: ClassVar[str] = LU2023_AIR.name
+    default_gravity: ClassVar[float | None] = constants.GRAVITY_LU2023
+    stefan_boltzmann: ClassVar[float] = constants.STEFAN_BOLTZMANN_LU2023
+
+    atmosphere: Literal["lu2023"]
+
+    def build_atmosphere(self) -> AbstractAtmosphere:
+        """The paper's polynomial."""
+        return Lu2023Atmosphere()
+
+
+class NrlmsisSection(EarthSection):
+    """``[environment]``: Earth with NRLMSIS 2.1 for a day and place."""
+
+    not_varied: ClassVar[Mapping[str, str]] = {
+        **EarthSection.not_varied,
+        **dict.fromkeys(("latitude", "longitude"), _TABLE.format("place")),
+        **dict.fromkeys(("f107", "f107a", "ap"), _TABLE.format("activity")),
+    }
+
+    atmosphere: Literal["nrlmsis"]
+    date: datetime.datetime
+    latitude: Latitude
+    longitude: Longitude
+    f107: SolarFlux
+    f107a: SolarFlux | None = None
+    ap: GeomagneticIndex
+
+    def build_atmosphere(self) -> AbstractAtmosphere:
+        """NRLMSIS at the given place, time and activity."""
+        return NRLMSIS(
+            date=self.date,
+            latitude=self.latitude.value,
+            longitude=self.longitude.value,
+            f107=self.f107.value,
+            f107a=None if self.f107a is None else self.f107a.value,
+            ap=self.ap.value,
+        )

@@ -2,7 +2,7 @@
 
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import pydantic
 from pydantic import Field, ValidationInfo
@@ -10,25 +10,25 @@ from pydantic import Field, ValidationInfo
 from lightflyer.film.computed import ComputedFilm
 from lightflyer.film.library import PAGES, canonical_name
 from lightflyer.film.materials import Extrapolation, Material, material, material_from_csv
-from lightflyer.film.properties import HIGHEST_TAC, FilmProperties
+from lightflyer.film.properties import FilmProperties
+from lightflyer.film.section import FilmSection
 from lightflyer.film.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
 from lightflyer.film.stack import Film, Layer
 from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import Quantity, Section
+from lightflyer.foundation.precision import is_traced
+from lightflyer.foundation.quantity import (
+    AccommodationCoefficient,
+    ArealDensity,
+    Density,
+    Fraction,
+    Length,
+)
+from lightflyer.foundation.section import Section
+from lightflyer.foundation.toml_file import FOLDER
 from lightflyer.foundation.units import Measured
-
-FOLDER = "folder"
-"""Key of the validation context: the folder that names of CSV files are relative to."""
 
 _LAMPS = {"AM0": am0, "cold-white-led": cold_white_led}
 
-_Thickness = Annotated[Measured, Quantity("m", 0.0, open_below=True)]
-_Density = Annotated[Measured, Quantity("kg/m^3", 0.0, open_below=True)]
-_ArealDensity = Annotated[Measured, Quantity("kg/m^2", 0.0, open_below=True)]
-_Fraction = Annotated[Measured, Quantity("", 0.0, 1.0)]
-_Emittance = Annotated[Measured, Quantity("", 0.0, 1.0, open_below=True)]
-_Tac = Annotated[Measured, Quantity("", 0.0, HIGHEST_TAC, open_below=True)]
-_Correlation = Annotated[Measured, Quantity("", -1.0, 1.0)]
 _Policy = Literal["error", "hold", "lossless"]
 
 
@@ -41,9 +41,9 @@ class LayerSection(Section):
     """An entry of ``layers``."""
 
     material: str
-    thickness: _Thickness
-    density: _Density | None = None
-    tac: _Tac | None = None
+    thickness: Length
+    density: Density | None = None
+    tac: AccommodationCoefficient | None = None
     extrapolation: _Policy | None = None
 
     @pydantic.field_validator("material")
@@ -84,21 +84,18 @@ class LayerSection(Section):
         return own.with_extrapolation(chosen)
 
 
-class LayeredFilmSection(Section):
+class LayeredFilmSection(FilmSection):
     """``[film]``: layers, top to bottom, and measured values that replace computed ones."""
+
+    kind: ClassVar[str] = "layered"
 
     layers: Annotated[tuple[LayerSection, ...], Field(min_length=1)]
     extrapolation: _Policy = "error"
     spectrum: str = "AM0"
-    areal_density: _ArealDensity | None = None
-    absorptance: _Fraction | None = None
-    absorptance_bottom: _Fraction | None = None
-    emittance: _Emittance | None = None
-    emittance_top: _Emittance | None = None
-    emittance_bottom: _Emittance | None = None
-    tac_top: _Tac | None = None
-    tac_bottom: _Tac | None = None
-    tac_correlation: _Correlation = Measured(0.0)
+    areal_density: ArealDensity | None = None
+    absorptance: Fraction | None = None
+    tac_top: AccommodationCoefficient | None = None
+    tac_bottom: AccommodationCoefficient | None = None
 
     @pydantic.field_validator("spectrum")
     @classmethod
@@ -112,14 +109,6 @@ class LayeredFilmSection(Section):
         spectrum_from_csv(path)
         return path
 
-    @pydantic.model_validator(mode="after")
-    def _one_emittance_a_face(self) -> "LayeredFilmSection":
-        if self.emittance is not None and (self.emittance_top or self.emittance_bottom):
-            raise ConfigurationError(
-                "give either emittance, or emittance_top and emittance_bottom, not both"
-            )
-        return self
-
     def film(self) -> Film:
         """The layers with their materials."""
         return Film(tuple(layer.build(self.extrapolation) for layer in self.layers))
@@ -131,16 +120,12 @@ class LayeredFilmSection(Section):
 
     def measured(self) -> dict[str, Measured]:
         """The values that replace computed ones, by the name of the property."""
-        given = {
-            "areal_density": self.areal_density,
-            "absorptance": self.absorptance,
-            "absorptance_bottom": self.absorptance_bottom,
-            "emittance_top": self.emittance_top or self.emittance,
-            "emittance_bottom": self.emittance_bottom or self.emittance,
-            "tac_top": self.tac_top or self.layers[0].surface_tac,
-            "tac_bottom": self.tac_bottom or self.layers[-1].surface_tac,
+        surfaces = {
+            "tac_top": self.layers[0].surface_tac,
+            "tac_bottom": self.layers[-1].surface_tac,
         }
-        return {name: value for name, value in given.items() if value is not None}
+        known = {name: value for name, value in surfaces.items() if value is not None}
+        return known | self.stated()
 
     def computed(self, incidence: float = 0.0) -> ComputedFilm:
         """The film's properties with the origin of each, for light at an incidence [rad].
@@ -151,7 +136,8 @@ class LayeredFilmSection(Section):
             If a density or a TAC is neither known nor given.
         """
         self._require_known()
-        return _computed(self, incidence)
+        traced = is_traced(incidence, [layer.thickness.value for layer in self.layers])
+        return _compute(self, incidence) if traced else _computed(self, incidence)
 
     def _require_known(self) -> None:
         for name, layer in (("tac_top", self.layers[0]), ("tac_bottom", self.layers[-1])):
@@ -166,26 +152,31 @@ class LayeredFilmSection(Section):
                     f"[film] needs areal_density, or the layer of {layer.material} its density"
                 )
 
-    def build(self, incidence: float = 0.0) -> FilmProperties:
-        """The film's properties for light at an incidence [rad]."""
-        return self.computed(incidence).properties
+    def build(
+        self, incidence: float = 0.0, computed: FilmProperties | None = None
+    ) -> FilmProperties:
+        """See :meth:`FilmSection.build`."""
+        if computed is None:
+            return self.computed(incidence).properties
+        given = {name: value.value for name, value in self.measured().items()}
+        if "absorptance" in given:
+            given.setdefault("absorptance_bottom", None)  # the top's then stands for both
+        parts = {name: getattr(computed, name) for name in FilmProperties.__dataclass_fields__}
+        return FilmProperties(**parts | given)
 
-    def layer_uncertainties(self) -> dict[str, float]:
-        """The stated standard uncertainties of the layers by dotted name."""
-        return {
-            f"film.layers.{index}.{name}": value.uncertainty
-            for index, layer in enumerate(self.layers)
-            for name, value in layer
-            if isinstance(value, Measured) and value.uncertainty is not None
-        }
+    def changes_optics(self, name: str) -> bool:
+        """See :meth:`FilmSection.changes_optics`."""
+        return name.startswith("layers.") or (name == "incidence" and self.absorptance is None)
 
     def report(self, incidence: float = 0.0) -> dict[str, Any]:
         """Which value is computed and which measured, for a prediction's summary."""
         return self.computed(incidence).report()
 
 
-@cache
-def _computed(section: LayeredFilmSection, incidence: float) -> ComputedFilm:
+def _compute(section: LayeredFilmSection, incidence: float) -> ComputedFilm:
     return ComputedFilm.of(
         section.film(), section.measured(), spectrum=section.light(), incidence=incidence
     )
+
+
+_computed = cache(_compute)

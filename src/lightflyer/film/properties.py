@@ -2,21 +2,25 @@
 
 import warnings
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.film.emittance import EmittanceCurve, emittance_at, emittance_bounds
-from lightflyer.foundation.checks import require_positive, require_range
-from lightflyer.foundation.errors import ParameterWarning
+from lightflyer.foundation.errors import ParameterError, ParameterWarning
 from lightflyer.foundation.precision import is_traced
+from lightflyer.foundation.quantity import (
+    AccommodationCoefficient,
+    ArealDensity,
+    Checked,
+    Emittance,
+    Fraction,
+)
 from lightflyer.foundation.types import Numeric
 
-HIGHEST_TAC = 1.3
-"""Largest TAC accepted. None can exceed one, but measured values do by their systematic error."""
+_WHOLE = 1.0 + 1e-9  # all radiation, and rounding
 
 
-class FilmProperties(eqx.Module):
+class FilmProperties(Checked):
     """Properties of a thin film, one value or an array of them each.
 
     Attributes
@@ -34,6 +38,9 @@ class FilmProperties(eqx.Module):
     absorptance_bottom : array or None
         Absorptance of the bottom face, for light reflected from below [1]; by default that of
         the top.
+    transmittance, infrared_transmittance : array
+        Share of light and of heat radiation that passes through the film [1]. They matter where
+        one film shades another.
 
     Raises
     ------
@@ -46,29 +53,38 @@ class FilmProperties(eqx.Module):
         If a TAC exceeds one.
     """
 
-    areal_density: Numeric
-    absorptance: Numeric
-    emittance_top: Numeric
-    emittance_bottom: Numeric
-    tac_top: Numeric
-    tac_bottom: Numeric
-    absorptance_bottom: Numeric = None
+    areal_density: ArealDensity
+    absorptance: Fraction
+    emittance_top: Emittance
+    emittance_bottom: Emittance
+    tac_top: AccommodationCoefficient
+    tac_bottom: AccommodationCoefficient
+    absorptance_bottom: Fraction | None = None
+    transmittance: Fraction = 0.0
+    infrared_transmittance: Fraction = 0.0
 
     def __check_init__(self) -> None:
-        require_positive(areal_density=self.areal_density)
-        require_range("absorptance", self.absorptance, 0.0, 1.0)
-        require_range("absorptance_bottom", self.absorptance_bottom, 0.0, 1.0)
-        for name in ("emittance_top", "emittance_bottom"):
-            require_range(name, getattr(self, name), 0.0, 1.0, open_below=True)
         for name in ("tac_top", "tac_bottom"):
             tac = getattr(self, name)
-            require_range(name, tac, 0.0, HIGHEST_TAC, open_below=True)
             if _exceeds_one(tac):
                 warnings.warn(
-                    f"{name} = {np.max(tac):g} exceeds 1, which no surface can: taken as a "
-                    "measured value with a systematic error; only differences of TAC count",
+                    f"{name} = {np.max(tac):g} exceeds 1: unphysical; treated as a measured value "
+                    "with a systematic error, where only the difference of TACs counts",
                     ParameterWarning,
                     stacklevel=2,
+                )
+        self._require_conservation("transmittance", ("absorptance", "absorptance_bottom"))
+        self._require_conservation("infrared_transmittance", ("emittance_top", "emittance_bottom"))
+
+    def _require_conservation(self, passing: str, absorbing: tuple[str, ...]) -> None:
+        """Raise where more radiation is absorbed and transmitted than arrives."""
+        through = getattr(self, passing)
+        for name in absorbing:
+            share = getattr(self, name)
+            if _is_number(through) and _is_number(share) and np.any(through + share > _WHOLE):
+                raise ParameterError(
+                    f"{passing} = {np.max(through):g} and {name} = {np.max(share):g} exceed 1 "
+                    "together"
                 )
 
     @property
@@ -159,8 +175,10 @@ class FilmProperties(eqx.Module):
         return self.absorptance if self.absorptance_bottom is None else self.absorptance_bottom
 
 
+def _is_number(value: Numeric) -> bool:
+    """Whether a value is concrete: JAX rebuilds modules around placeholders."""
+    return not is_traced(value) and bool(np.issubdtype(np.asarray(value).dtype, np.number))
+
+
 def _exceeds_one(tac: Numeric) -> bool:
-    if is_traced(tac):
-        return False
-    array = np.asarray(tac)
-    return bool(np.issubdtype(array.dtype, np.number) and np.any(array > 1.0))
+    return _is_number(tac) and bool(np.any(np.asarray(tac) > 1.0))

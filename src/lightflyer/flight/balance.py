@@ -1,18 +1,25 @@
-r"""Heat balance: the temperature at which a flyer loses what it absorbs.
+r"""Heat balance: the temperatures at which a flyer loses what it absorbs.
 
-One residual serves the whole package:
+For every node :math:`i` of a flyer
 
 .. math::
-    L(\theta) \equiv Q_c(\theta)
-      + A\sigma(\varepsilon_t+\varepsilon_b)\,(T_h^4-T_c^4) = P, \qquad
-    \theta = \frac{T_h-T_c}{T_c}
+    L_i(\theta) \equiv Q_i(\theta) + R_i(\theta) = B_i I + G_i, \qquad
+    \theta_i = \frac{T_i-T_c}{T_c}
 
-with the absorbed power :math:`P` net of what black surroundings at the gas temperature would
-exchange. Both sides vanish together and the loss is close to a power law, so Newton's method is
-applied in logarithms of both: it needs about four steps from 1e-4 Pa to 1e5 Pa. The root lies
-between gas temperature and radiative equilibrium, which is a rigorous bracket for every force
-model whose heat loss increases with the excess.
+with the heat :math:`Q_i` that the gas takes, the radiation and conduction :math:`R_i` net of what
+black surroundings at the gas temperature would exchange, the light :math:`B_i I` and the other
+gains :math:`G_i`. Both sides vanish together.
+
+With one unknown the loss is close to a power law, so Newton's method is applied in logarithms of
+both sides: it needs about four steps from 1e-4 Pa to 1e5 Pa. The root lies between gas temperature
+and radiative equilibrium, which is a rigorous bracket for every force model whose heat loss
+increases with the excess. With several unknowns the same search finds the temperature that the
+flyer would have if all its nodes were equally warm; Newton's method for systems goes on from there.
 """
+
+import math
+from functools import reduce
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -24,7 +31,13 @@ from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ConvergenceError
 from lightflyer.foundation.precision import elementwise_entry_point, is_traced
-from lightflyer.foundation.rootfind import RootStatus, bracketed_power_newton, implicit_root
+from lightflyer.foundation.rootfind import (
+    Ending,
+    RootStatus,
+    bracketed_power_newton,
+    describe_endings,
+    implicit_root,
+)
 from lightflyer.foundation.types import Numeric
 
 SMALLEST_SHARE = 1e-26
@@ -39,28 +52,64 @@ class Equilibrium(eqx.Module):
 
     Attributes
     ----------
-    temperature : array
-        Temperature of the flyer [K].
-    excess : array
-        :math:`\theta = (T_h-T_c)/T_c` [1].
+    nodes : tuple of str
+        Names of the temperatures.
+    temperatures : tuple of array
+        Temperature of each node [K].
+    unknowns : tuple of array
+        :math:`\theta_i = (T_i-T_c)/T_c` of each node [1], then the flyer's flows.
     absorbed_power : array
         Light absorbed, plus thermal radiation absorbed beyond that of black surroundings at
         the gas temperature [W].
     gas_power, radiated_power : array
-        Net loss to the gas and by radiation [W].
+        Net loss to the gas and by radiation, of all nodes [W].
     residual : array
-        Absorbed minus lost power, over the absorbed power [1].
-    converged : bool array
-        Whether the root-find ended and the residual is below :data:`ENERGY_TOLERANCE`.
+        Largest imbalance of a node, over the absorbed power [1].
+    ending : int array
+        Why the search ended, a :class:`~lightflyer.foundation.rootfind.Ending`.
     """
 
-    temperature: Numeric
-    excess: Numeric
+    nodes: tuple[str, ...] = eqx.field(static=True)
+    temperatures: tuple[Numeric, ...]
+    unknowns: tuple[Numeric, ...]
     absorbed_power: Numeric
     gas_power: Numeric
     radiated_power: Numeric
     residual: Numeric
-    converged: Numeric
+    ending: Numeric
+
+    @property
+    def temperature(self) -> Numeric:
+        """Temperature of the hottest node [K]."""
+        return _largest(self.temperatures)
+
+    @property
+    def excess(self) -> Numeric:
+        """Relative temperature excess of the hottest node [1]."""
+        return _largest(self.unknowns[: len(self.nodes)])
+
+    @property
+    def converged(self) -> Numeric:
+        """Whether the search ended at a root and every node's imbalance is within tolerance."""
+        return self.ending == Ending.CONVERGED
+
+    def temperature_of(self, node: str) -> Numeric:
+        """Temperature of a node by its name [K].
+
+        Parameters
+        ----------
+        node : str
+
+        Returns
+        -------
+        array
+        """
+        return self.temperatures[self.nodes.index(node)]
+
+
+def _largest(values: tuple[Numeric, ...]) -> Numeric:
+    maximum = jnp.maximum if is_traced(values) else np.maximum
+    return reduce(maximum, values)
 
 
 def equilibrium(
@@ -70,7 +119,7 @@ def equilibrium(
     *,
     throw: bool = True,
 ) -> Equilibrium:
-    """Temperature and heat flows of a flyer in the given surroundings.
+    """Temperatures and heat flows of a flyer in the given surroundings.
 
     Parameters
     ----------
@@ -89,6 +138,8 @@ def equilibrium(
     ------
     ConvergenceError
         If an element has not converged and ``throw`` is true.
+    ParameterError
+        If the model is not for the flyer or the gas.
 
     Notes
     -----
@@ -107,145 +158,256 @@ def equilibrium(
     >>> print(f"{result.temperature:.4f} K")
     382.9028 K
     """
+    require_suitable(flyer, state, model)
     result = _equilibrium(flyer, state, model)
     if throw:
-        require_converged("heat balance", result.converged, result.residual)
+        require_converged("heat balance", result.ending, result.residual)
     return result
 
 
-def absorbed_power(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
-    """Light and excess heat radiation absorbed by a flyer [W].
+def require_suitable(
+    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
+) -> None:
+    """Raise :class:`ParameterError` unless the model is for the flyer and the gas."""
+    model.require_flyer(type(flyer))
+    model.require_gas(state.gas)
+
+
+def node_losses(
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    model: AbstractForceModel,
+    unknowns: tuple[Array, ...],
+) -> tuple[Array, ...]:
+    """Power that each node loses to the gas, by radiation and to the others [W].
 
     Parameters
     ----------
     flyer : AbstractFlyer
     state : EnvironmentState
+    model : AbstractForceModel
+    unknowns : tuple of array, shape (...)
+        Relative temperature excess of each node [1], then the flows.
 
     Returns
     -------
-    array, broadcast shape
+    tuple of array, broadcast shape
     """
-    light = state.radiation.irradiance * beam_area(flyer, state)
-    return light + infrared_power(flyer, state)
+    gas = model.heat_loss(flyer, state, unknowns)
+    own = flyer.heat_losses(state, unknowns)
+    return tuple(taken + given for taken, given in zip(gas, own, strict=True))
 
 
-def beam_area(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
-    """Absorbed light per irradiance of the beam [m²]."""
-    film = flyer.film
-    return flyer.area * state.radiation.beam_power(film.absorptance, film.absorptance_below)
+def total(parts: tuple[Numeric, ...]) -> Any:
+    """Sum over the nodes."""
+    return reduce(lambda one, other: one + other, parts)
 
 
-def infrared_power(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
-    """Heat radiation absorbed beyond that of black surroundings at the gas temperature [W]."""
-    top, bottom = flyer.film.emittances_at(state.temperature)
-    return flyer.area * state.radiation.infrared_excess(state.temperature, top, bottom)
+def uniform_excess(
+    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel, power: Array
+) -> tuple[Array, RootStatus]:
+    """Excess at which the flyer loses a power if all its nodes are equally warm.
 
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+    state : EnvironmentState
+    model : AbstractForceModel
+    power : array, shape (...)
+        [W].
 
-def radiated_power(flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
-    r"""Net radiation of both faces to black surroundings at the gas temperature [W].
-
-    .. math:: A\sigma(\varepsilon_t+\varepsilon_b)\,T_c^4\,\theta(4+6\theta+4\theta^2+\theta^3)
-
-    which is the difference of fourth powers without its cancellation; where the emittance
-    depends on temperature, that of :math:`\varepsilon T^4`.
+    Returns
+    -------
+    excess : array, shape (...)
+        [1]; not differentiable.
+    status : RootStatus
     """
-    growth = flyer.film.emission_growth(state.temperature, excess)
-    return _blackbody_power(flyer, state) * growth
+    still = (0.0,) * len(flyer.flows)
+
+    def loss(excess: Array) -> Array:
+        return total(node_losses(flyer, state, model, (excess,) * len(flyer.nodes) + still))
+
+    dark = power == 0.0
+    # without light there is nothing to solve; a stand-in keeps the search finite
+    target = jnp.where(dark, _stand_in(flyer, state), power)
+    sign = jnp.sign(target)
+    highest = flyer.highest_excess(state, target)
+    # the secant from zero through the highest: close where gas dominates too
+    secant = highest * jnp.abs(target / loss(sign * highest))
+    size, status = bracketed_power_newton(
+        lambda size: sign * loss(sign * size),
+        target=jnp.abs(target),
+        lower=highest * SMALLEST_SHARE,
+        upper=highest,
+        guess=secant,
+    )
+    return jnp.where(dark, 0.0, sign * size), status
 
 
-def _blackbody_power(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
-    """What one black face would radiate at the gas temperature [W]."""
+def _stand_in(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
+    """What the flyer's outline would radiate at the gas temperature if it were black [W]."""
     return flyer.area * state.radiation.stefan_boltzmann * state.temperature**4
 
 
-def total_loss(
-    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel, excess: Numeric
-) -> Array:
-    """Heat lost to gas and by radiation at a relative temperature excess [W]."""
-    gas = model.heat_loss(flyer, state, excess)
-    return gas + radiated_power(flyer, state, excess)
+def solve_unknowns(
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    model: AbstractForceModel,
+    powers: tuple[Array, ...],
+) -> tuple[tuple[Array, ...], RootStatus]:
+    """Unknowns at which each node loses what it absorbs.
 
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+    state : EnvironmentState
+    model : AbstractForceModel
+    powers : tuple of array, shape (...)
+        Net power that each node absorbs [W].
 
-def _radiative_excess(power_ratio: Array) -> Array:
-    """Excess in vacuum: solves (1 + θ)⁴ = 1 + ``power_ratio`` without cancellation."""
-    root = jnp.sqrt(jnp.sqrt(jnp.maximum(1.0 + power_ratio, 0.0)))
-    return power_ratio / ((root + 1.0) * (root**2 + 1.0))
+    Returns
+    -------
+    unknowns : tuple of array, broadcast shape
+        Differentiable in everything.
+    status : RootStatus
+    """
+    if len(flyer.nodes) == 1 and not flyer.flows:
+        (power,) = powers
 
+        def imbalance(excess: Array) -> Array:
+            return node_losses(flyer, state, model, (excess,))[0] - power
 
-def _solve_excess(
-    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel, power: Array
-) -> tuple[Array, RootStatus]:
-    """Relative temperature excess at which the flyer loses ``power`` [W]."""
-
-    def loss(excess: Array) -> Array:
-        return total_loss(flyer, state, model, excess)
-
-    def search() -> tuple[Array, RootStatus]:
-        dark = power == 0.0
-        # without light there is nothing to solve; a stand-in keeps the search finite
-        black = _blackbody_power(flyer, state)
-        target = jnp.where(dark, black, power)
-        sign = jnp.sign(target)
-        bound = flyer.film.emission_bound(state.temperature, target / black)
-        vacuum = jnp.abs(_radiative_excess(bound))
-        # the secant from zero through the vacuum temperature: close where gas dominates too
-        secant = vacuum * jnp.abs(target / loss(sign * vacuum))
-        size, status = bracketed_power_newton(
-            lambda size: sign * loss(sign * size),
-            target=jnp.abs(target),
-            lower=vacuum * SMALLEST_SHARE,
-            upper=vacuum,
-            guess=secant,
+        shape = jnp.shape(imbalance(jnp.zeros(())))
+        excess, status = implicit_root(
+            imbalance, lambda: uniform_excess(flyer, state, model, power), shape
         )
-        return jnp.where(dark, 0.0, sign * size), status
+        return (excess,), status
+    return _solve_system(flyer, state, model, powers)
 
-    shape = jnp.shape(jnp.asarray(power) + loss(jnp.zeros(())))
-    return implicit_root(lambda excess: loss(excess) - power, search, shape)
+
+def _solve_system(
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    model: AbstractForceModel,
+    powers: tuple[Array, ...],
+) -> tuple[tuple[Array, ...], RootStatus]:
+    from lightflyer.foundation.system import solve_system  # half a second that a disk can spare
+
+    scale = energy_scale(powers)
+
+    def residual(unknowns: tuple[Array, ...]) -> tuple[Array, ...]:
+        losses = node_losses(flyer, state, model, unknowns)
+        heat = tuple((loss - power) / scale for loss, power in zip(losses, powers, strict=True))
+        return heat + tuple(model.flow_balance(flyer, state, unknowns))
+
+    excess, _ = uniform_excess(flyer, state, model, total(powers))
+    return solve_system(residual, flyer.first_guess(state, excess))
+
+
+def energy_scale(powers: tuple[Array, ...]) -> Array:
+    """Size of the powers that an imbalance is measured by [W]; one where all are zero."""
+    size = total(tuple(jnp.abs(power) for power in powers))
+    return jnp.where(size == 0.0, 1.0, size)
+
+
+def light_and_gains(
+    flyer: AbstractFlyer, state: EnvironmentState, irradiance: Numeric
+) -> tuple[Array, ...]:
+    """Net power that each node absorbs under an irradiance of the beam [W].
+
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+    state : EnvironmentState
+    irradiance : array, shape (...)
+        [W/m²].
+
+    Returns
+    -------
+    tuple of array, broadcast shape
+    """
+    areas, gains = flyer.beam_areas(state), flyer.heat_gains(state)
+    return tuple(irradiance * area + gain for area, gain in zip(areas, gains, strict=True))
 
 
 @elementwise_entry_point
 def _equilibrium(
     flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
 ) -> Equilibrium:
-    power = absorbed_power(flyer, state)
-    excess, status = _solve_excess(flyer, state, model, power)
-    gas = model.heat_loss(flyer, state, excess)
-    radiated = radiated_power(flyer, state, excess)
-    residual = (power - gas - radiated) / jnp.where(power == 0.0, 1.0, jnp.abs(power))
+    powers = light_and_gains(flyer, state, state.radiation.irradiance)
+    unknowns, status = solve_unknowns(flyer, state, model, powers)
+    gas = model.heat_loss(flyer, state, unknowns)
+    own = flyer.heat_losses(state, unknowns)
+    imbalances = tuple(
+        power - taken - given for power, taken, given in zip(powers, gas, own, strict=True)
+    )
+    flows = model.flow_balance(flyer, state, unknowns)
+    scale = energy_scale(powers)
+    worst = _furthest(tuple(imbalance / scale for imbalance in imbalances) + tuple(flows))
     return Equilibrium(
-        temperature=state.temperature * (1.0 + excess),
-        excess=excess,
-        absorbed_power=power,
-        gas_power=gas,
-        radiated_power=radiated,
-        residual=residual,
-        converged=status.converged & (jnp.abs(residual) <= ENERGY_TOLERANCE),
+        nodes=flyer.nodes,
+        temperatures=tuple(
+            state.temperature * (1.0 + excess) for excess in unknowns[: len(flyer.nodes)]
+        ),
+        unknowns=unknowns,
+        absorbed_power=total(powers),
+        gas_power=total(gas),
+        radiated_power=total(own),
+        residual=worst,
+        ending=ending_within(status.ending, worst, ENERGY_TOLERANCE),
     )
 
 
-def require_converged(what: str, converged: Numeric, residual: Numeric) -> None:
+def _furthest(values: tuple[Array, ...]) -> Array:
+    """The value that is farthest from zero."""
+    return reduce(lambda a, b: jnp.where(jnp.abs(b) > jnp.abs(a), b, a), values)
+
+
+def ending_within(ending: Array, residual: Array, tolerance: float) -> Array:
+    """An ending, corrected where the residual does not bear it out.
+
+    Parameters
+    ----------
+    ending : int array, shape (...)
+    residual : array, shape (...)
+    tolerance : float
+
+    Returns
+    -------
+    int array, shape (...)
+    """
+    kept = jnp.where(jnp.abs(residual) <= tolerance, ending, int(Ending.TOLERANCE_MISSED))
+    kept = jnp.where(ending == int(Ending.CONVERGED), kept, ending)
+    return jnp.where(jnp.isnan(residual), int(Ending.NOT_FINITE), kept)
+
+
+def require_converged(what: str, ending: Numeric, residual: Numeric) -> None:
     """Raise unless every concrete element converged.
 
     Parameters
     ----------
     what : str
         What was being solved, for the message.
-    converged : bool array
+    ending : int array
+        Why each search ended.
     residual : array
         Scaled residual of each element.
 
     Raises
     ------
     ConvergenceError
-        With the number of elements and the largest residual.
+        With the number of elements, why they failed and the largest residual.
     """
-    if is_traced(converged) or np.all(converged):
+    if is_traced(ending):
         return
-    failed = ~np.asarray(converged)
+    failed = np.asarray(ending) != int(Ending.CONVERGED)
+    if not np.any(failed):
+        return
     residuals = np.abs(np.broadcast_to(residual, failed.shape)[failed])
-    worst = np.nanmax(residuals) if np.any(np.isfinite(residuals)) else np.nan
+    worst = np.nanmax(residuals) if np.any(np.isfinite(residuals)) else math.nan
+    why = describe_endings(np.asarray(ending)[failed])
     raise ConvergenceError(
-        f"{what}: {failed.sum()} of {failed.size} not converged, largest relative residual "
+        f"{what}: {failed.sum()} of {failed.size} not converged ({why}), largest relative residual "
         f"{worst:.2g}; check that inputs are finite and that the force model's heat loss "
         "increases with temperature, or pass throw=False and read `converged`"
     )

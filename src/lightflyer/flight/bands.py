@@ -1,4 +1,9 @@
-"""Where a flyer flies: its altitude bands, many flyers at once and differentiable."""
+"""Where a flyer flies: bands of altitude or pressure, many flyers at once and differentiable.
+
+Whatever is searched over a coordinate is searched here. Each look evaluates a function at evenly
+spaced points between the neighbours of the last look's best; four looks narrow a kilometre to a
+millimetre. Edges are then roots of their own equation.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -9,40 +14,40 @@ import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.balance import require_converged
+from lightflyer.flight.balance import require_converged, require_suitable
 from lightflyer.flight.levitation import lift, weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.rootfind import RootStatus, bracketed_newton, implicit_root
+from lightflyer.foundation.precision import entry_point, float64
+from lightflyer.foundation.rootfind import (
+    Ending,
+    RootStatus,
+    bracketed_newton,
+    implicit_root,
+)
 from lightflyer.foundation.types import Numeric
-
-HIGHEST_SEARCHED = 150e3
-"""Top of the default search [m]: above, the gas carries no film."""
-
-SPACING = 1000.0
-"""Distance of the first look's altitudes [m]."""
 
 MOST_BANDS = 4
 """How many separate bands are told apart."""
 
 _EDGE_TOLERANCE = 1e-10  # of lift over weight; about a micrometre of altitude
 _STAGES = 4  # each narrows the search for the peak some fifty times, to millimetres
+_POINTS = 151  # of the first look where a coordinate has no step of its own
 
 
-class AltitudeBand(eqx.Module):
-    """Altitudes between which a flyer levitates. Fields have the inputs' broadcast shape.
+class Band(eqx.Module):
+    """Range of the coordinate in which a flyer levitates. Fields have the inputs' shape.
 
     Attributes
     ----------
     lower, upper : array
-        Edges [m]; NaN where the flyer levitates nowhere.
+        Edges, in the unit of the environment's coordinate; NaN where the flyer levitates nowhere.
     exists : bool array
         Whether it levitates anywhere in the searched range.
     lower_open, upper_open : bool array
         Whether the edge is the end of the searched range, not of the flyer's ability.
-    converged : bool array
-        Whether both edges met their tolerance.
+    ending : int array
+        Why the search for the edges ended, a :class:`~lightflyer.foundation.rootfind.Ending`.
     """
 
     lower: Numeric
@@ -50,76 +55,85 @@ class AltitudeBand(eqx.Module):
     exists: Numeric
     lower_open: Numeric
     upper_open: Numeric
-    converged: Numeric
+    ending: Numeric
+
+    @property
+    def converged(self) -> Numeric:
+        """Whether both edges met their tolerance."""
+        return self.ending == Ending.CONVERGED
 
 
-def altitude_band(
+def levitation_band(
     flyer: AbstractFlyer,
     environment: AbstractEnvironment,
     model: AbstractForceModel,
-    altitude_range: tuple[float, float] | None = None,
+    search_range: tuple[float, float] | None = None,
     *,
     throw: bool = True,
-) -> AltitudeBand:
-    """The widest altitude band in which a flyer levitates with its payload.
+) -> Band:
+    """The widest band of altitude, or pressure, in which a flyer levitates with its payload.
 
     Parameters
     ----------
     flyer : AbstractFlyer
         Numbers of any shape, which the result has.
     environment : AbstractEnvironment
-        One whose coordinate is the altitude; its irradiance is the light available.
+        Its irradiance is the light available.
     model : AbstractForceModel
-    altitude_range : tuple of float, optional
-        Searched altitudes [m]; by default the environment's up to 150 km.
+    search_range : tuple of float, optional
+        Coordinates searched, altitudes [m] or pressures [Pa]; by default what the environment
+        finds worth searching.
     throw : bool
         Raise where an edge has not converged (not under JAX's transformations).
 
     Returns
     -------
-    AltitudeBand
+    Band
         One band an element.
 
     Raises
     ------
     ConvergenceError
         If an edge has not converged and ``throw`` is true.
+    ParameterError
+        If the model is not for the flyer or the gas.
 
     Notes
     -----
-    Edges are roots, not grid points, and differentiable. The first look is every kilometre and at
-    the altitude of most lift, so a narrow band is found if it holds that altitude.
+    Edges are roots, not grid points, and differentiable. The first look is every kilometre (in a
+    chamber, 150 steps of equal ratio) and at the coordinate of most lift, so a narrow band is
+    found if it holds that coordinate.
 
     Examples
     --------
     >>> import lightflyer as lf
     >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    >>> band = lf.altitude_band(lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023())
+    >>> band = lf.levitation_band(lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023())
     >>> print(f"{band.lower / 1e3:.3f} km to {band.upper / 1e3:.3f} km")
     68.022 km to 78.047 km
     """
-    bands = altitude_bands(flyer, environment, model, altitude_range, throw=throw)
+    bands = levitation_bands(flyer, environment, model, search_range, throw=throw)
     return _widest(bands)
 
 
-def altitude_bands(
+def levitation_bands(
     flyer: AbstractFlyer,
     environment: AbstractEnvironment,
     model: AbstractForceModel,
-    altitude_range: tuple[float, float] | None = None,
+    search_range: tuple[float, float] | None = None,
     *,
     throw: bool = True,
-) -> AltitudeBand:
-    """All altitude bands in which a flyer levitates, lowest first.
+) -> Band:
+    """All bands in which a flyer levitates, lowest first.
 
     Parameters
     ----------
-    flyer, environment, model, altitude_range, throw
-        As for :func:`altitude_band`.
+    flyer, environment, model, search_range, throw
+        As for :func:`levitation_band`.
 
     Returns
     -------
-    AltitudeBand
+    Band
         With a leading axis of length :data:`MOST_BANDS` in every field; ``exists`` is false
         where there are fewer bands.
 
@@ -128,56 +142,63 @@ def altitude_bands(
     ConvergenceError
         If an edge has not converged and ``throw`` is true.
     """
-    lowest, highest = environment.coordinate_range if altitude_range is None else altitude_range
-    if altitude_range is None:
-        highest = min(highest, HIGHEST_SEARCHED)
-    count = max(3, round((highest - lowest) / SPACING) + 1)
-    with jax.enable_x64(True):
-        grid = jnp.linspace(lowest, highest, count)
-    bands = _altitude_bands(flyer, environment, model, grid)
+    coordinate = environment.coordinate
+    low, high = coordinate.searched if search_range is None else search_range
+    count = (
+        _POINTS if coordinate.step is None else max(3, round((high - low) / coordinate.step) + 1)
+    )
+    with float64():
+        ends = jnp.asarray([low, high], jnp.float64)
+        grid = jnp.linspace(*(jnp.log(ends) if coordinate.logarithmic else ends), count)
+    searched = _Searched(flyer, environment, model, coordinate.logarithmic)
+    bands = _levitation_bands(searched, grid)
     if throw:
-        require_converged("altitude band", bands.converged, jnp.zeros(()))
+        require_converged("levitation band", bands.ending, jnp.zeros(()))
     return bands
 
 
+class _Searched(eqx.Module):
+    """What is searched, and along which coordinate."""
+
+    flyer: AbstractFlyer
+    environment: AbstractEnvironment
+    model: AbstractForceModel
+    logarithmic: bool = eqx.field(static=True)
+
+    def margin(self, place: Array) -> Array:
+        """Lift over weight, minus one, at a coordinate or its logarithm."""
+        place = jnp.exp(place) if self.logarithmic else place
+        state = self.environment.state(place)
+        require_suitable(self.flyer, state, self.model)
+        force = lift(self.flyer, state, self.model, throw=False)
+        return force / weight(self.flyer, state) - 1.0
+
+
 @entry_point
-def _altitude_bands(
-    flyer: AbstractFlyer,
-    environment: AbstractEnvironment,
-    model: AbstractForceModel,
-    grid: Array,
-) -> AltitudeBand:
-    def margin_of(
-        flyer: AbstractFlyer, environment: AbstractEnvironment, model: AbstractForceModel
-    ) -> Callable[[Array], Array]:
-        def margin(altitude: Array) -> Array:
-            state = environment.state(altitude)
-            return lift(flyer, state, model, throw=False) / weight(flyer, state) - 1.0
-
-        return margin
-
-    margin = margin_of(flyer, environment, model)
+def _levitation_bands(searched: _Searched, grid: Array) -> Band:
     # the table only chooses brackets: the edges' derivative comes from their own equation
-    frozen = jax.lax.stop_gradient((flyer, environment, model))
-    margins, peak, height = _scan(margin_of(*frozen), grid)
-    altitudes, margins = _with_point(grid, margins, peak, height)
-    found = [_band(altitudes, margins > 0.0, number) for number in range(1, MOST_BANDS + 1)]
+    frozen = jax.lax.stop_gradient(searched)
+    margins, peak, height = scan(frozen.margin, grid)
+    places, margins = _with_point(grid, margins, peak, height)
+    found = [_band(places, margins > 0.0, number) for number in range(1, MOST_BANDS + 1)]
     outside, inside, exists, is_open = (
         jnp.stack(part, axis=1) for part in zip(*found, strict=True)
     )
-    edges, status = _edges(margin, outside, inside, exists & ~is_open)
-    edges = jnp.where(exists, jnp.where(is_open, inside, edges), jnp.nan)
-    return AltitudeBand(
+    edges, status = _edges(searched.margin, outside, inside, exists & ~is_open)
+    edges = jnp.where(is_open, inside, edges)
+    edges = jnp.exp(edges) if searched.logarithmic else edges
+    edges = jnp.where(exists, edges, jnp.nan)
+    return Band(
         lower=edges[0],
         upper=edges[1],
         exists=exists[0],
         lower_open=is_open[0],
         upper_open=is_open[1],
-        converged=jnp.all(status.converged, axis=0),
+        ending=jnp.max(status.ending, axis=0),
     )
 
 
-def _scan(function: Callable[[Array], Array], grid: Array) -> tuple[Array, Array, Array]:
+def scan(function: Callable[[Array], Array], grid: Array) -> tuple[Array, Array, Array]:
     """Values of a function on a grid, and its largest value between the grid's points.
 
     Each stage looks at as many points as the grid has, evenly spaced between the neighbours of
@@ -228,13 +249,13 @@ def _with_point(grid: Array, values: Array, point: Array, value: Array) -> tuple
     return jnp.take_along_axis(coordinates, order, 0), jnp.take_along_axis(values, order, 0)
 
 
-def _band(altitudes: Array, flies: Array, number: int) -> tuple[Array, Array, Array, Array]:
+def _band(places: Array, flies: Array, number: int) -> tuple[Array, Array, Array, Array]:
     """Where the band of the given number begins and ends in the table.
 
-    Returns, for lower and upper edge stacked, the altitudes just outside and just inside, and
+    Returns, for lower and upper edge stacked, the places just outside and just inside, and
     whether the band exists and is open at that end.
     """
-    size = altitudes.shape[0]
+    size = places.shape[0]
     before = jnp.concatenate([jnp.zeros_like(flies[:1]), flies[:-1]])
     member = flies & (jnp.cumsum(flies & ~before, axis=0) == number)
     first = jnp.argmax(member, axis=0)
@@ -242,7 +263,7 @@ def _band(altitudes: Array, flies: Array, number: int) -> tuple[Array, Array, Ar
     exists = jnp.any(member, axis=0)
 
     def at(index: Array) -> Array:
-        return jnp.take_along_axis(altitudes, index[None], axis=0)[0]
+        return jnp.take_along_axis(places, index[None], axis=0)[0]
 
     outside = jnp.stack([at(jnp.maximum(first - 1, 0)), at(jnp.minimum(last + 1, size - 1))])
     inside = jnp.stack([at(first), at(last)])
@@ -253,7 +274,7 @@ def _band(altitudes: Array, flies: Array, number: int) -> tuple[Array, Array, Ar
 def _edges(
     margin: Callable[[Array], Array], outside: Array, inside: Array, wanted: Array
 ) -> tuple[Array, RootStatus]:
-    """Altitudes at which lift equals weight, between points outside and inside the band.
+    """Places at which lift equals weight, between points outside and inside the band.
 
     The unknown is the way from outside (0) to inside (1), along which the margin rises.
     Elements that are not wanted get a stand-in equation with its root half way.
@@ -273,7 +294,7 @@ def _edges(
 
 
 @entry_point
-def _widest(bands: AltitudeBand) -> AltitudeBand:
+def _widest(bands: Band) -> Band:
     width = jnp.where(bands.exists, bands.upper - bands.lower, -jnp.inf)
     widest = jnp.argmax(width, axis=0)[None]
     return jax.tree.map(lambda field: jnp.take_along_axis(field, widest, axis=0)[0], bands)

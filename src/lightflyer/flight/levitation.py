@@ -1,6 +1,9 @@
-"""Levitation: lift, payload, the irradiance it takes, and the altitudes where it works."""
+"""Levitation: lift, payload, and the irradiance it takes."""
+
+from collections.abc import Callable
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jax import Array
 
@@ -8,22 +11,25 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flight.balance import (
     SMALLEST_SHARE,
     Equilibrium,
-    beam_area,
+    ending_within,
     equilibrium,
-    infrared_power,
+    light_and_gains,
+    node_losses,
     require_converged,
-    total_loss,
+    require_suitable,
+    solve_unknowns,
+    total,
 )
-from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.base import HIGHEST_TEMPERATURE, AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.precision import elementwise_entry_point, entry_point
-from lightflyer.foundation.rootfind import RootStatus, bracketed_power_newton, implicit_root
+from lightflyer.foundation.rootfind import (
+    Ending,
+    RootStatus,
+    bracketed_power_newton,
+    implicit_root,
+)
 from lightflyer.foundation.types import Numeric
-
-HIGHEST_TEMPERATURE = 3000.0
-"""Where the search for a levitating temperature ends [K]: no film survives it, and the gas
-correlations end below it."""
-
 
 LOAD_TOLERANCE = 1e-10
 """Largest difference of force and weight of a converged levitation, over the weight."""
@@ -38,20 +44,26 @@ class Levitation(eqx.Module):
         Smallest irradiance of the beam that carries the flyer's weight [W/m²]; infinite where
         none does, zero where thermal radiation alone suffices.
     temperature : array
-        Temperature of the flyer at that irradiance [K]; NaN where none suffices.
+        Temperature of the hottest node at that irradiance [K]; NaN where none suffices.
     levitates : bool array
         Whether any irradiance suffices.
     residual : array
         Force over weight, minus one [1].
-    converged : bool array
-        Whether the root-find met its tolerance, or found that there is no root.
+    ending : int array
+        Why the search ended, a :class:`~lightflyer.foundation.rootfind.Ending`. That no
+        irradiance suffices is an answer: converged.
     """
 
     irradiance: Numeric
     temperature: Numeric
     levitates: Numeric
     residual: Numeric
-    converged: Numeric
+    ending: Numeric
+
+    @property
+    def converged(self) -> Numeric:
+        """Whether the root-find met its tolerance, or found that there is no root."""
+        return self.ending == Ending.CONVERGED
 
 
 @entry_point
@@ -70,6 +82,52 @@ def weight(flyer: AbstractFlyer, state: EnvironmentState) -> Numeric:
     return flyer.mass * state.gravity
 
 
+def upward_force(
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    model: AbstractForceModel,
+    unknowns: tuple[Array, ...],
+) -> Array:
+    """Vertical part of the gas's force, and the buoyancy of what the flyer displaces [N].
+
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+    state : EnvironmentState
+    model : AbstractForceModel
+    unknowns : tuple of array, shape (...)
+
+    Returns
+    -------
+    array, broadcast shape
+    """
+    force = model.force(flyer, state, unknowns)
+    if flyer.attitude is not None:
+        force = force * jnp.cos(flyer.attitude.tilt)
+    volume = flyer.displaced_volume
+    if isinstance(volume, float) and volume == 0.0:
+        return force
+    return force + state.gas.density(state.pressure, state.temperature) * volume * state.gravity
+
+
+def largest_payload(flyer: AbstractFlyer, state: EnvironmentState, lift: Numeric) -> Numeric:
+    """Mass that a lift carries beside the flyer's own [kg].
+
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+    state : EnvironmentState
+    lift : array, shape (...)
+        [N].
+
+    Returns
+    -------
+    array, broadcast shape
+        Negative by what is missing where the flyer cannot lift itself.
+    """
+    return lift / state.gravity - flyer.own_mass
+
+
 def lift(
     flyer: AbstractFlyer,
     state: EnvironmentState,
@@ -77,7 +135,7 @@ def lift(
     *,
     throw: bool = True,
 ) -> Array:
-    """Photophoretic force on a flyer in the given light, before its weight.
+    """Vertical force on a flyer in the given light, before its weight.
 
     Parameters
     ----------
@@ -96,6 +154,8 @@ def lift(
     ------
     ConvergenceError
         If the heat balance has not converged and ``throw`` is true.
+    ParameterError
+        If the model is not for the flyer or the gas.
 
     Notes
     -----
@@ -111,17 +171,62 @@ def lift(
     """
     force, _, balance = _lift_and_payload(flyer, state, model)
     if throw:
-        require_converged("heat balance", balance.converged, balance.residual)
+        require_converged("heat balance", balance.ending, balance.residual)
     return force
 
 
 @elementwise_entry_point
 def _lift_and_payload(
     flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
-) -> tuple[Array, Array, Equilibrium]:
+) -> tuple[Array, Numeric, Equilibrium]:
     balance = equilibrium(flyer, state, model, throw=False)
-    force = model.force(flyer, state, balance.excess)
-    return force, force / state.gravity - flyer.own_mass, balance
+    force = upward_force(flyer, state, model, balance.unknowns)
+    return force, largest_payload(flyer, state, force), balance
+
+
+def force_vector(
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    model: AbstractForceModel,
+    *,
+    throw: bool = True,
+) -> tuple[Array, Array, Array]:
+    """Force of the gas on a flyer in the given light, in three directions.
+
+    Parameters
+    ----------
+    flyer, state, model, throw
+        As for :func:`lift`.
+
+    Returns
+    -------
+    x, y, z : array, broadcast shape
+        Components [N]: ``x`` towards azimuth 0, ``y`` towards azimuth 90°, ``z`` up. Buoyancy is
+        not part of them.
+
+    Raises
+    ------
+    ConvergenceError
+        If the heat balance has not converged and ``throw`` is true.
+    """
+    *components, balance = _force_vector(flyer, state, model)
+    if throw:
+        require_converged("heat balance", balance.ending, balance.residual)
+    x, y, z = components
+    return x, y, z
+
+
+@elementwise_entry_point
+def _force_vector(
+    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
+) -> tuple[Array, Array, Array, Equilibrium]:
+    balance = equilibrium(flyer, state, model, throw=False)
+    force = model.force(flyer, state, balance.unknowns)
+    if flyer.attitude is None:
+        return 0.0 * force, 0.0 * force, force, balance
+    sideways = force * jnp.sin(flyer.attitude.tilt)
+    x, y = jnp.cos(flyer.attitude.azimuth), jnp.sin(flyer.attitude.azimuth)
+    return sideways * x, sideways * y, force * jnp.cos(flyer.attitude.tilt), balance
 
 
 def payload(
@@ -136,7 +241,7 @@ def payload(
     Parameters
     ----------
     flyer : AbstractFlyer
-        Its own ``payload`` field plays no part.
+        Its own ``payload`` field has no effect.
     state : EnvironmentState
     model : AbstractForceModel
     throw : bool
@@ -151,6 +256,8 @@ def payload(
     ------
     ConvergenceError
         If the heat balance has not converged and ``throw`` is true.
+    ParameterError
+        If the model is not for the flyer or the gas.
 
     Notes
     -----
@@ -158,7 +265,7 @@ def payload(
     """
     _, mass, balance = _lift_and_payload(flyer, state, model)
     if throw:
-        require_converged("heat balance", balance.converged, balance.residual)
+        require_converged("heat balance", balance.ending, balance.residual)
     return mass
 
 
@@ -171,7 +278,7 @@ def levitate(
 ) -> Levitation:
     """Smallest irradiance at which a flyer carries its weight, and its temperature then.
 
-    The irradiance of ``state`` plays no part, its incidence and thermal surroundings do.
+    The irradiance of ``state`` has no effect; its direction and thermal surroundings do.
 
     Parameters
     ----------
@@ -190,6 +297,8 @@ def levitate(
     ------
     ConvergenceError
         If an element has not converged and ``throw`` is true.
+    ParameterError
+        If the model is not for the flyer or the gas.
 
     Notes
     -----
@@ -204,9 +313,10 @@ def levitate(
     >>> print(f"{result.irradiance:.3f} W/m², {result.temperature:.4f} K")
     811.018 W/m², 323.6874 K
     """
+    require_suitable(flyer, state, model)
     result = _levitate(flyer, state, model)
     if throw:
-        require_converged("levitation", result.converged, result.residual)
+        require_converged("levitation", result.ending, result.residual)
     return result
 
 
@@ -214,44 +324,139 @@ def levitate(
 def _levitate(
     flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
 ) -> Levitation:
-    def force(excess: Array) -> Array:
-        return model.force(flyer, state, excess)
+    if len(flyer.nodes) == 1 and not flyer.flows:
+        return _by_temperature(flyer, state, model)
+    return _by_irradiance(flyer, state, model)
 
-    load = weight(flyer, state)
-    hottest = HIGHEST_TEMPERATURE / state.temperature - 1.0
-    strongest = force(hottest)
-    levitates = (strongest >= load) & (jnp.cos(state.radiation.incidence) > 0.0)
-    # Where no temperature suffices, a load within reach stands in, to be discarded below: so
+
+def _reach(
+    function: Callable[[Array], Array], top: Array, strongest: Array, load: Array
+) -> tuple[Array, Array, RootStatus]:
+    """Where an increasing force reaches the load.
+
+    Parameters
+    ----------
+    function : callable
+        Force over a positive argument, as good as increasing where it is positive.
+    top : array, shape (...)
+        Upper end of the argument.
+    strongest : array, shape (...)
+        Force there.
+    load : array, shape (...)
+
+    Returns
+    -------
+    argument : array, shape (...)
+        Differentiable; something finite where the load is out of reach.
+    within : bool array, shape (...)
+        Whether the load is within reach.
+    status : RootStatus
+    """
+    within = strongest >= load
+    # Where no argument suffices, a load within reach stands in, to be discarded by the caller: so
     # neither the search nor its derivative meets a NaN.
-    within_reach = jnp.where(strongest == 0.0, 1.0, 0.5 * jnp.abs(strongest))
-    target = jnp.where(levitates, load, within_reach)
+    stand_in = jnp.where(strongest == 0.0, 1.0, 0.5 * jnp.abs(strongest))
+    target = jnp.where(within, load, stand_in)
 
-    def reached(excess: Array) -> Array:
-        pushed = jnp.sign(strongest) * force(excess)
-        return jnp.where(strongest == 0.0, excess / hottest, pushed)
+    def reached(argument: Array) -> Array:
+        pushed = jnp.sign(strongest) * function(argument)
+        return jnp.where(strongest == 0.0, argument / top, pushed)
 
     def search() -> tuple[Array, RootStatus]:
         return bracketed_power_newton(
             reached,
             target=target,
-            lower=hottest * SMALLEST_SHARE,
-            upper=hottest,
-            guess=hottest * target / reached(hottest),
+            lower=top * SMALLEST_SHARE,
+            upper=top,
+            guess=top * target / reached(top),
         )
 
-    excess, status = implicit_root(
-        lambda excess: reached(excess) - target, search, jnp.shape(target)
+    argument, status = implicit_root(
+        lambda argument: reached(argument) - target, search, jnp.shape(target)
     )
-    needed = total_loss(flyer, state, model, excess) - infrared_power(flyer, state)
-    collecting = beam_area(flyer, state)
+    return argument, within, status
+
+
+def _by_temperature(
+    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
+) -> Levitation:
+    """One node: the temperature that carries the load, then the irradiance that holds it."""
+
+    def force(excess: Array) -> Array:
+        return upward_force(flyer, state, model, (excess,))
+
+    load = weight(flyer, state)
+    hottest = HIGHEST_TEMPERATURE / state.temperature - 1.0
+    strongest = force(hottest)
+    excess, levitates, status = _reach(force, hottest, strongest, load)
+    needed = total(node_losses(flyer, state, model, (excess,))) - total(flyer.heat_gains(state))
+    collecting = total(flyer.beam_areas(state))
     irradiance = needed / jnp.where(collecting > 0.0, collecting, 1.0)
+    temperature = state.temperature * (1.0 + excess)
     levitates &= collecting > 0.0
-    residual = jnp.where(levitates, force(excess) / load - 1.0, 0.0)
-    held = status.converged & (jnp.abs(residual) <= LOAD_TOLERANCE)
+    return _answer(
+        levitates, irradiance, temperature, force(excess) / load - 1.0, status, strongest
+    )
+
+
+def _by_irradiance(
+    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
+) -> Levitation:
+    """Several unknowns: the irradiance at which they carry the load, searched together.
+
+    The brightest light looked at absorbs what the flyer would lose if all of it were at the
+    highest temperature: at any stronger one some node is hotter.
+    """
+
+    def unknowns_in(irradiance: Array) -> tuple[Array, ...]:
+        return solve_unknowns(flyer, state, model, light_and_gains(flyer, state, irradiance))[0]
+
+    def force(irradiance: Array) -> Array:
+        return upward_force(flyer, state, model, unknowns_in(irradiance))
+
+    load = weight(flyer, state)
+    collecting = total(flyer.beam_areas(state))
+    can_collect = collecting > 0.0
+    hottest = HIGHEST_TEMPERATURE / state.temperature - 1.0
+    everywhere = (hottest,) * len(flyer.nodes) + (0.0 * hottest,) * len(flyer.flows)
+    loss = total(node_losses(flyer, state, model, everywhere))
+    brightest = (loss - total(flyer.heat_gains(state))) / jnp.where(can_collect, collecting, 1.0)
+    brightest = jnp.broadcast_to(brightest, jnp.shape(brightest + load))
+    strongest = force(brightest)
+    irradiance, levitates, status = _reach(force, brightest, strongest, load)
+    unknowns = unknowns_in(irradiance)
+    temperature = state.temperature * (
+        1.0 + jax.tree.reduce(jnp.maximum, unknowns[: len(flyer.nodes)])
+    )
+    lifted_in_the_dark = force(jnp.zeros_like(irradiance)) >= load
+    levitates &= can_collect & (temperature <= HIGHEST_TEMPERATURE)
+    residual = upward_force(flyer, state, model, unknowns) / load - 1.0
+    return _answer(
+        levitates,
+        jnp.where(lifted_in_the_dark, 0.0, irradiance),
+        temperature,
+        jnp.where(lifted_in_the_dark, 0.0, residual),
+        status,
+        strongest,
+    )
+
+
+def _answer(
+    levitates: Array,
+    irradiance: Array,
+    temperature: Array,
+    residual: Array,
+    status: RootStatus,
+    strongest: Array,
+) -> Levitation:
+    """The result, without what belongs to stand-ins."""
+    residual = jnp.where(levitates, residual, 0.0)
+    ending = ending_within(status.ending, residual, LOAD_TOLERANCE)
+    ending = jnp.where(levitates, ending, int(Ending.CONVERGED))
     return Levitation(
         irradiance=jnp.where(levitates, jnp.maximum(irradiance, 0.0), jnp.inf),
-        temperature=jnp.where(levitates, state.temperature * (1.0 + excess), jnp.nan),
+        temperature=jnp.where(levitates, temperature, jnp.nan),
         levitates=levitates,
         residual=residual,
-        converged=~jnp.isnan(strongest) & (held | ~levitates),
+        ending=jnp.where(jnp.isnan(strongest), int(Ending.NOT_FINITE), ending),
     )

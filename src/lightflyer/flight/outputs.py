@@ -1,92 +1,33 @@
-"""What a design gives: the outputs of sweeps, optimisations and sensitivities by name."""
+"""What a design gives: every result's name, unit and definition, once.
+
+Predictions, sweeps, optimisations, sensitivities, figures, JSON and the paper's report all take
+theirs from this list.
+"""
 
 import difflib
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import jax.numpy as jnp
 
-from lightflyer.config.sections import FlyerFile
-from lightflyer.environment.base import EnvironmentState
-from lightflyer.film.properties import FilmProperties
-from lightflyer.flight.balance import Equilibrium, equilibrium
-from lightflyer.flight.bands import HIGHEST_SEARCHED, AltitudeBand, altitude_band
-from lightflyer.flight.fields import build, coordinate_name, dataset_unit
-from lightflyer.flight.levitation import Levitation, levitate, weight
+from lightflyer.environment.base import Coordinate
+from lightflyer.flight.case import Case
+from lightflyer.flight.setup import Setup
+from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.files import QUANTITIES
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.units import dataset_unit, scale_and_offset
 
 
-class Design:
-    """One design, whose results are computed when they are first asked for.
+def _always(_: AbstractFlyer) -> bool:
+    return True
 
-    Parameters
-    ----------
-    configuration : FlyerFile
-    values : dict of str to array
-        Numbers that differ from the flyer file's, by dotted name, the coordinate among them;
-        scalars, which may be traced.
-    film : FilmProperties, optional
-        What the layers of the film give, where it has layers.
-    """
 
-    def __init__(
-        self,
-        configuration: FlyerFile,
-        values: Mapping[str, Numeric],
-        film: FilmProperties | None = None,
-    ):
-        self.flyer, self.environment, self.model = build(configuration, values, film)
-        self._coordinate = values.get(coordinate_name(configuration))
-        section = configuration.environment
-        ends = (getattr(section, name, None) for name in ("altitude_min", "altitude_max"))
-        self._ends = tuple(None if end is None else end.value for end in ends)
-        self.converged: Any = jnp.array(True)
-
-    @cached_property
-    def state(self) -> EnvironmentState:
-        """Surroundings."""
-        return self.environment.state(self._coordinate)
-
-    @cached_property
-    def balance(self) -> Equilibrium:
-        """Heat balance in the available light."""
-        found = equilibrium(self.flyer, self.state, self.model, throw=False)
-        self.converged &= found.converged
-        return found
-
-    @cached_property
-    def levitation(self) -> Levitation:
-        """What it takes to levitate."""
-        found = levitate(self.flyer, self.state, self.model, throw=False)
-        self.converged &= found.converged
-        return found
-
-    @cached_property
-    def lift(self) -> Any:
-        """Force in the available light [N]."""
-        return self.model.force(self.flyer, self.state, self.balance.excess)
-
-    @cached_property
-    def payload(self) -> Any:
-        """Largest payload in the available light [kg]."""
-        return self.lift / self.state.gravity - self.flyer.own_mass
-
-    @cached_property
-    def band(self) -> AltitudeBand:
-        """Widest altitude band in which it levitates."""
-        low, high = self._ends
-        searched = None
-        if low is not None or high is not None:
-            lowest, highest = self.environment.coordinate_range
-            highest = min(highest, HIGHEST_SEARCHED)
-            searched = (lowest if low is None else low, highest if high is None else high)
-        found = altitude_band(self.flyer, self.environment, self.model, searched, throw=False)
-        self.converged &= found.converged
-        return found
+def _has_film(flyer: AbstractFlyer) -> bool:
+    return hasattr(flyer, "film")
 
 
 @dataclass(frozen=True)
@@ -95,146 +36,292 @@ class Output:
 
     Attributes
     ----------
-    units, long_name : str
-        As in datasets.
+    name : str
+    unit : str
+        SI unit as Pint reads it, empty for a pure number.
+    long_name : str
+        As in datasets and on axes.
     value : callable
-        Of a :class:`Design`.
-    over_altitude : bool
-        Whether it is found by a search over altitude, so that no altitude is given.
+        From a :class:`~lightflyer.flight.case.Case` to an array in the unit.
+    shown_unit : str
+        Unit in tables and figures.
+    json_unit : str
+        Unit in JSON, where it ends the name.
+    less_is_better : bool
+        Whether the best design has the least of it.
+    over_band : bool
+        Whether it is found by a search over the coordinate, so that no coordinate is given.
     needs_coordinate : bool
         Whether it depends on where the flyer is.
+    exists : callable
+        Whether a flyer has it.
     """
 
-    units: str
+    name: str
+    unit: str
     long_name: str
-    value: Callable[[Design], Any]
-    over_altitude: bool = False
+    value: Callable[[Case], Any]
+    shown_unit: str = ""
+    json_unit: str = ""
+    less_is_better: bool = False
+    over_band: bool = False
     needs_coordinate: bool = True
+    exists: Callable[[AbstractFlyer], bool] = _always
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Of a variable that holds its values."""
-        return {"units": self.units, "long_name": self.long_name}
+        """Attributes of a dataset's variable that holds its values."""
+        return {"units": dataset_unit(self.unit), "long_name": self.long_name}
+
+    @cached_property
+    def shown(self) -> tuple[float, str]:
+        """Factor from the SI unit to the one shown, and that unit."""
+        return _factor(self.unit, self.shown_unit), self.shown_unit or self.unit
+
+    @cached_property
+    def json(self) -> tuple[str, float]:
+        """Name in JSON, and factor from the SI unit."""
+        unit = self.json_unit or self.unit
+        return json_name(self.name, unit), _factor(self.unit, self.json_unit)
 
 
-def _at_a_point(name: str, value: Callable[[Design], Any]) -> Output:
-    return Output(*QUANTITIES[name], value)
+def json_name(name: str, unit: str) -> str:
+    """Name of a number in JSON, with its unit at the end.
+
+    Parameters
+    ----------
+    name : str
+    unit : str
+        As Pint reads it.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> json_name("levitation_irradiance", "W/m^2")
+    'levitation_irradiance_w_m2'
+    """
+    ending = re.sub(r"[^a-z0-9]+", "_", unit.lower().replace("^", "")).strip("_")
+    return f"{name}_{ending}" if ending else name
 
 
-OUTPUTS: dict[str, Output] = {
-    "pressure": _at_a_point("pressure", lambda design: design.state.pressure),
-    "gas_temperature": _at_a_point("gas_temperature", lambda design: design.state.temperature),
-    "temperature": _at_a_point("temperature", lambda design: design.balance.temperature),
-    "lift": _at_a_point("lift", lambda design: design.lift),
-    "lift_over_weight": _at_a_point(
-        "lift_over_weight", lambda design: design.lift / weight(design.flyer, design.state)
+def _factor(unit: str, shown: str) -> float:
+    return scale_and_offset(unit, shown)[0] if shown and shown != unit else 1.0
+
+
+_POINT = (
+    Output("pressure", "Pa", "gas pressure", lambda case: case.state.pressure),
+    Output("gas_temperature", "K", "gas temperature", lambda case: case.state.temperature),
+    Output(
+        "levitation_irradiance",
+        "W/m^2",
+        "smallest irradiance that levitates the flyer",
+        lambda case: case.levitation.irradiance,
+        less_is_better=True,
     ),
-    "payload": _at_a_point("payload", lambda design: design.payload),
-    "relative_payload": _at_a_point(
-        "relative_payload", lambda design: design.payload / design.flyer.own_mass
+    Output(
+        "levitation_temperature",
+        "K",
+        "flyer temperature at the levitation irradiance",
+        lambda case: case.levitation.temperature,
     ),
-    "levitation_irradiance": _at_a_point(
-        "levitation_irradiance", lambda design: design.levitation.irradiance
+    Output(
+        "temperature",
+        "K",
+        "flyer temperature in the available light",
+        lambda case: case.balance.temperature,
+        less_is_better=True,
     ),
-    "levitation_temperature": _at_a_point(
-        "levitation_temperature", lambda design: design.levitation.temperature
+    Output(
+        "lift",
+        "N",
+        "photophoretic force in the available light",
+        lambda case: case.lift,
+        shown_unit="µN",
     ),
-    "lowest_altitude": Output(
-        "m", "lower edge of the widest altitude band", lambda design: design.band.lower, True
+    Output(
+        "lift_over_weight",
+        "",
+        "lift over weight with payload",
+        lambda case: case.lift / case.weight,
     ),
-    "highest_altitude": Output(
-        "m", "upper edge of the widest altitude band", lambda design: design.band.upper, True
+    Output(
+        "payload",
+        "kg",
+        "largest payload in the available light",
+        lambda case: case.payload,
+        shown_unit="mg",
+        json_unit="mg",
     ),
-    "band_width": Output(
+    Output(
+        "relative_payload",
+        "",
+        "largest payload over the flyer's own mass",
+        lambda case: case.payload / case.flyer.own_mass,
+    ),
+)
+
+_BAND = (
+    Output(
+        "lowest_altitude",
+        "m",
+        "lower edge of the widest altitude band",
+        lambda case: case.band.lower,
+        shown_unit="km",
+        less_is_better=True,
+        over_band=True,
+    ),
+    Output(
+        "highest_altitude",
+        "m",
+        "upper edge of the widest altitude band",
+        lambda case: case.band.upper,
+        shown_unit="km",
+        over_band=True,
+    ),
+    Output(
+        "band_width",
         "m",
         "width of the widest altitude band",
-        lambda design: jnp.where(
-            design.band.exists, design.band.upper - design.band.lower, jnp.zeros(())
-        ),
-        True,
+        lambda case: jnp.where(case.band.exists, case.band.upper - case.band.lower, 0.0),
+        shown_unit="km",
+        over_band=True,
     ),
-    "areal_density": Output(
-        "kg m-2",
-        "areal density of the film",
-        lambda design: design.flyer.film.areal_density,
+)
+
+_DESIGN = (
+    Output(
+        "areal_density",
+        "kg/m^2",
+        "areal density of the flyer",
+        lambda case: case.flyer.own_mass / case.flyer.area,
+        shown_unit="g/m^2",
+        less_is_better=True,
         needs_coordinate=False,
     ),
-    "own_mass": Output(
-        "kg", "mass of the flyer", lambda design: design.flyer.own_mass, needs_coordinate=False
+    Output(
+        "own_mass",
+        "kg",
+        "mass of the flyer",
+        lambda case: case.flyer.own_mass,
+        shown_unit="mg",
+        needs_coordinate=False,
     ),
-    "absorptance": Output(
-        "1",
+    Output(
+        "absorptance",
+        "",
         "absorptance of the top face for the light",
-        lambda design: design.flyer.film.absorptance,
+        lambda case: case.flyer.film.absorptance,
         needs_coordinate=False,
+        exists=_has_film,
     ),
-}
-"""All outputs by name."""
+)
+
+OUTPUTS: dict[str, Output] = {output.name: output for output in (*_POINT, *_BAND, *_DESIGN)}
+"""Outputs that every flyer has, by name, and those of its film where there is one."""
+
+PREDICTED = tuple(output.name for output in _POINT)
+"""Names of the outputs that a prediction tabulates, besides those of the flyer's nodes."""
 
 
-def unit_of_output(name: str) -> str:
-    """Unit of an output as people write it, empty for a pure number."""
-    output = OUTPUTS.get(name)
-    return "" if output is None else dataset_unit(output.units)
+def node_outputs(flyer: AbstractFlyer) -> dict[str, Output]:
+    """Outputs of the nodes of a flyer that has several.
+
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+
+    Returns
+    -------
+    dict of str to Output
+        The temperature of each node, such as ``"temperature_top"``; empty for one node.
+    """
+    if len(flyer.nodes) < 2:
+        return {}
+    found = (
+        Output(
+            f"temperature_{node}",
+            "K",
+            f"temperature of the {node} in the available light",
+            lambda case, node=node: case.balance.temperature_of(node),  # type: ignore[misc]
+        )
+        for node in flyer.nodes
+    )
+    return {output.name: output for output in found}
 
 
-def check_outputs(names: Sequence[str], configuration: FlyerFile, given: Sequence[str]) -> None:
+def outputs_of(flyer: AbstractFlyer) -> dict[str, Output]:
+    """All outputs of a flyer by name.
+
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+
+    Returns
+    -------
+    dict of str to Output
+    """
+    shared = {name: output for name, output in OUTPUTS.items() if output.exists(flyer)}
+    return shared | node_outputs(flyer)
+
+
+def check_outputs(names: Sequence[str], setup: Setup, given: Sequence[str]) -> None:
     """Raise unless all outputs exist and can be computed from what is given.
 
     Parameters
     ----------
     names : sequence of str
-        Of outputs.
-    configuration : FlyerFile
+        Names of outputs.
+    setup : Setup
     given : sequence of str
-        Dotted names of the fields that have values, among them perhaps the coordinate.
+        Names of the fields that have values, among them perhaps the coordinate.
 
     Raises
     ------
     ConfigurationError
         Saying which output is unknown, with the nearest name; or what else it needs.
     """
+    known, coordinate = outputs_of(setup.flyer), setup.environment.coordinate
     if not names:
-        raise ConfigurationError(f"names no output; there are: {', '.join(OUTPUTS)}")
+        raise ConfigurationError(f"names no output; choose from {', '.join(known)}")
     for name in names:
-        if name not in OUTPUTS:
-            near = difflib.get_close_matches(name, OUTPUTS, n=1, cutoff=0.6)
-            hint = f'did you mean "{near[0]}"?' if near else f"there are: {', '.join(OUTPUTS)}"
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
+            hint = f'did you mean "{near[0]}"?' if near else f"choose from {', '.join(known)}"
             raise ConfigurationError(f'"{name}" is not an output; {hint}')
-    coordinate = coordinate_name(configuration)
-    unit = {"pressure": "Pa", "altitude": "km"}[coordinate]
-    for name in names:
-        output = OUTPUTS[name]
-        if output.over_altitude and coordinate == "pressure":
-            raise ConfigurationError(f'"{name}" needs an atmosphere, not a chamber')
-        if output.over_altitude and coordinate in given:
-            raise ConfigurationError(
-                f'"{name}" is searched over all altitudes; leave altitude out, and the outputs '
-                "at one altitude to a study of their own"
-            )
-        if output.needs_coordinate and not output.over_altitude and coordinate not in given:
-            raise ConfigurationError(
-                f'"{name}" needs {coordinate}, one such as "70 {unit}" or a range of them'
-            )
+        _check_coordinate(known[name], coordinate, given)
+
+
+def _check_coordinate(output: Output, coordinate: Coordinate, given: Sequence[str]) -> None:
+    name = coordinate.name
+    if output.over_band and name != "altitude":
+        raise ConfigurationError(f'"{output.name}" needs an atmosphere, not a chamber')
+    if output.over_band and name in given:
+        raise ConfigurationError(
+            f'"{output.name}" is searched over all altitudes; leave altitude out, and give outputs '
+            "at one altitude a study of their own"
+        )
+    if output.needs_coordinate and not output.over_band and name not in given:
+        raise ConfigurationError(
+            f'"{output.name}" needs {name}, one such as "70 {coordinate.shown_unit}" or a range '
+            "of them"
+        )
 
 
 def evaluate(
-    configuration: FlyerFile,
-    names: Sequence[str],
-    values: Mapping[str, Numeric],
-    film: FilmProperties | None = None,
+    setup: Setup, names: Sequence[str], coordinate: Numeric | None = None
 ) -> tuple[dict[str, Any], Any]:
     """Outputs of one design; to be mapped, compiled and differentiated in double precision.
 
     Parameters
     ----------
-    configuration : FlyerFile
+    setup : Setup
     names : sequence of str
-        Of the outputs.
-    values : dict of str to array, shape ()
-        By dotted name.
-    film : FilmProperties, optional
-        What the layers of the film give, where it has layers.
+        Names of the outputs.
+    coordinate : array, shape (), optional
+        Altitude [m] or pressure [Pa], for outputs that need it.
 
     Returns
     -------
@@ -242,6 +329,34 @@ def evaluate(
         An irradiance that no light gives is infinite, an edge that does not exist is NaN.
     converged : bool array, shape ()
     """
-    design = Design(configuration, values, film)
-    outputs = {name: jnp.asarray(OUTPUTS[name].value(design), float) for name in names}
-    return outputs, design.converged
+    case, known = Case(setup, coordinate), outputs_of(setup.flyer)
+    outputs = {name: jnp.asarray(known[name].value(case), float) for name in names}
+    return outputs, case.converged
+
+
+def tabulate(setup: Setup, coordinate: Numeric, irradiance: Numeric) -> dict[str, Any]:
+    """Everything a prediction tabulates, at each coordinate under its irradiance.
+
+    Parameters
+    ----------
+    setup : Setup
+    coordinate : array, shape (...)
+        Altitude [m] or pressure [Pa].
+    irradiance : array, shape (...)
+        Irradiance of the beam [W/m²].
+
+    Returns
+    -------
+    dict of str to array, broadcast shape
+        SI units; with ``"converged"`` and ``"residual"``. To be called under double precision, by
+        way of an entry point.
+    """
+    case, known = Case(setup, coordinate, irradiance), outputs_of(setup.flyer)
+    values = {name: known[name].value(case) for name in predicted_names(setup.flyer)}
+    values |= {"converged": case.converged, "residual": case.residual}
+    return {name: value + jnp.zeros_like(coordinate) for name, value in values.items()}
+
+
+def predicted_names(flyer: AbstractFlyer) -> tuple[str, ...]:
+    """Names of the outputs that a prediction of a flyer tabulates."""
+    return (*PREDICTED, *node_outputs(flyer))

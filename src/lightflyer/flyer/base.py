@@ -1,40 +1,148 @@
 """What every flyer must give to the heat balance and the force models."""
 
 import abc
+from typing import Any, ClassVar
 
 import equinox as eqx
+from jax import Array
 
-from lightflyer.film.properties import FilmProperties
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.environment.radiation import Attitude
+from lightflyer.foundation.quantity import Checked, Mass
 from lightflyer.foundation.types import Numeric
 
+HIGHEST_TEMPERATURE = 3000.0
+"""Where the search for a temperature ends [K]: no film survives it, and the gas correlations end
+below it."""
 
-class AbstractFlyer(eqx.Module):
-    """A body of one temperature with a top and a bottom face. Subclasses are final.
+
+class AbstractFlyer(Checked):
+    r"""A body with one or several temperatures. Subclasses are final.
+
+    The temperatures, one for each of :attr:`nodes`, are unknowns of the heat balance. They are
+    handed to flyers and force models as relative excesses over the gas,
+    :math:`\theta_i = (T_i - T_c)/T_c`, in a tuple of arrays in the order of the nodes, which stays
+    exact where flyer and gas differ by a microkelvin. Further unknowns of :attr:`flows` follow in
+    the same tuple.
 
     Attributes
     ----------
-    film : FilmProperties
-    radius : array
-        Radius, or that of the disk it behaves like: the length of continuum flow [m].
+    nodes : tuple of str
+        Names of the temperatures, such as ``("top", "bottom")``.
+    flows : tuple of str
+        Names of further unknowns, for which the force model gives an equation each.
     payload : array
         Mass carried beside the flyer's own [kg].
+    attitude : Attitude or None
+        How the flyer lies; None stands for level.
     """
 
-    film: eqx.AbstractVar[FilmProperties]
-    radius: eqx.AbstractVar[Numeric]
-    payload: eqx.AbstractVar[Numeric]
+    nodes: eqx.AbstractClassVar[tuple[str, ...]]
+    flows: ClassVar[tuple[str, ...]] = ()
+
+    payload: eqx.AbstractVar[Mass]
+    attitude: eqx.AbstractVar[Attitude | None]
 
     @property
     @abc.abstractmethod
     def area(self) -> Numeric:
-        """Area of one face [m²]."""
+        """Area seen from above when level [m²]."""
 
     @property
     @abc.abstractmethod
     def own_mass(self) -> Numeric:
         """Mass without payload [kg]."""
 
+    @abc.abstractmethod
+    def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
+        """Light that each node absorbs, per irradiance of the beam.
+
+        Parameters
+        ----------
+        state : EnvironmentState
+
+        Returns
+        -------
+        tuple of array, shape (...)
+            One for each node [m²].
+        """
+
+    @abc.abstractmethod
+    def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
+        """Power that each node absorbs beside the beam.
+
+        Diffuse light, and heat radiation beyond that of black surroundings at the gas temperature.
+
+        Parameters
+        ----------
+        state : EnvironmentState
+
+        Returns
+        -------
+        tuple of array, shape (...)
+            One for each node [W].
+        """
+
+    @abc.abstractmethod
+    def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
+        """Power that each node gives away by radiation and conduction, but not to the gas.
+
+        Parameters
+        ----------
+        state : EnvironmentState
+        unknowns : tuple of array, shape (...)
+            Relative temperature excess of each node [1], then the flows.
+
+        Returns
+        -------
+        tuple of array, shape (...)
+            One for each node [W], zero where all excesses are: radiation to black surroundings at
+            the gas temperature, radiation and conduction to the other nodes.
+        """
+
+    @abc.abstractmethod
+    def describe(self) -> str:
+        """What the flyer is, in a few words, such as ``"disk of 2 cm"``."""
+
     @property
     def mass(self) -> Numeric:
         """Mass with payload [kg]."""
         return self.own_mass + self.payload
+
+    @property
+    def displaced_volume(self) -> Numeric:
+        """Volume of gas that the flyer displaces [m³]; zero for films."""
+        return 0.0
+
+    def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
+        r"""Bound of the size of the excesses when the flyer absorbs a power.
+
+        Parameters
+        ----------
+        state : EnvironmentState
+        power : array, shape (...)
+            Net power absorbed by all nodes together [W]; negative below gas temperature.
+
+        Returns
+        -------
+        array, shape (...)
+            Largest possible :math:`|\theta|` [1].
+        """
+        return HIGHEST_TEMPERATURE / state.temperature + 0.0 * power
+
+    def first_guess(self, state: EnvironmentState, excess: Array) -> tuple[Array, ...]:
+        """Unknowns from which the search for several begins.
+
+        Parameters
+        ----------
+        state : EnvironmentState
+        excess : array, shape (...)
+            Excess at which all nodes together are in balance if they had one temperature [1].
+
+        Returns
+        -------
+        tuple of array, shape (...)
+            One for each node, then one for each flow.
+        """
+        del state
+        return (excess,) * len(self.nodes) + (0.0 * excess,) * len(self.flows)

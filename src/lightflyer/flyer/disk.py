@@ -1,23 +1,34 @@
 """The flat disk of the paper."""
 
-import jax.numpy as jnp
+from typing import Any, ClassVar, Literal
 
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.environment.radiation import Attitude
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.foundation.checks import require_positive, require_range
+from lightflyer.flyer.section import FlyerSection
+from lightflyer.foundation.quantity import Length, Mass
 from lightflyer.foundation.types import Numeric
+
+_CENTIMETRE = 1e-2
 
 
 class Disk(AbstractFlyer):
-    """A thin horizontal disk.
+    """A thin flat disk of one temperature.
 
     Attributes
     ----------
     film : FilmProperties
     radius : array
-        [m].
+        Radius [m].
     payload : array
         Mass carried beside the film's [kg].
+    attitude : Attitude or None
+        How the disk lies; None stands for level.
 
     Raises
     ------
@@ -31,13 +42,12 @@ class Disk(AbstractFlyer):
     0.3142 mg
     """
 
-    film: FilmProperties
-    radius: Numeric
-    payload: Numeric = 0.0
+    nodes: ClassVar[tuple[str, ...]] = ("film",)
 
-    def __check_init__(self) -> None:
-        require_positive(radius=self.radius)
-        require_range("payload", self.payload, 0.0)
+    film: FilmProperties
+    radius: Length
+    payload: Mass = 0.0
+    attitude: Attitude | None = None
 
     @property
     def area(self) -> Numeric:
@@ -48,3 +58,65 @@ class Disk(AbstractFlyer):
     def own_mass(self) -> Numeric:
         """Mass of the film [kg]."""
         return self.area * self.film.areal_density
+
+    def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
+        """See :meth:`AbstractFlyer.beam_areas`."""
+        light, film = state.radiation.on_faces(self.attitude), self.film
+        absorbed = film.absorptance * light.beam_top + film.absorptance_below * light.beam_bottom
+        return (self.area * absorbed,)
+
+    def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
+        """See :meth:`AbstractFlyer.heat_gains`."""
+        light, film = state.radiation.on_faces(self.attitude), self.film
+        diffuse = (
+            film.absorptance * light.diffuse_top + film.absorptance_below * light.diffuse_bottom
+        )
+        top, bottom = film.emittances_at(state.temperature)
+        above, below = state.radiation.infrared_excess(state.temperature, self.attitude)
+        return (self.area * (diffuse + top * above + bottom * below),)
+
+    def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
+        r"""See :meth:`AbstractFlyer.heat_losses`.
+
+        .. math:: A\sigma(\varepsilon_t+\varepsilon_b)\,T_c^4\,\theta(4+6\theta+4\theta^2+\theta^3)
+
+        which is the difference of fourth powers without its cancellation; where the emittance
+        depends on temperature, that of :math:`\varepsilon T^4`.
+        """
+        (excess,) = unknowns
+        return (self._black_power(state) * self.film.emission_growth(state.temperature, excess),)
+
+    def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
+        """See :meth:`AbstractFlyer.highest_excess`: the excess in vacuum."""
+        bound = self.film.emission_bound(state.temperature, power / self._black_power(state))
+        root = jnp.sqrt(jnp.sqrt(jnp.maximum(1.0 + bound, 0.0)))
+        # solves (1 + θ)⁴ = 1 + bound without cancellation
+        return jnp.abs(bound / ((root + 1.0) * (root**2 + 1.0)))
+
+    def describe(self) -> str:
+        """See :meth:`AbstractFlyer.describe`."""
+        return f"disk of {2.0 * float(np.asarray(self.radius)) / _CENTIMETRE:g} cm"
+
+    def _black_power(self, state: EnvironmentState) -> Array:
+        """What one black face would radiate at the gas temperature [W]."""
+        return self.area * state.radiation.stefan_boltzmann * state.temperature**4
+
+
+class DiskSection(FlyerSection):
+    """``[flyer]``: a disk."""
+
+    flyer_type: ClassVar[type[AbstractFlyer]] = Disk
+    template: ClassVar[str] = "flyer-earth"
+
+    shape: Literal["disk"] = "disk"
+    diameter: Length
+
+    def build(self, film: FilmProperties | None, incidence: float) -> Disk:  # noqa: ARG002
+        """The disk, of the given film."""
+        assert film is not None  # needs_film saw to it
+        return Disk(
+            film,
+            radius=0.5 * self.diameter.value,
+            payload=self.payload.value,
+            attitude=self.attitude(),
+        )

@@ -1,1 +1,5 @@
-"""How strongly it is pushed: one force model a file."""
+"""How the gas heats, cools and pushes a flyer: one model a file."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

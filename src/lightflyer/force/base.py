@@ -1,84 +1,133 @@
-r"""What a force model must give.
+"""What a force model must give.
 
-A force model answers two questions about a flyer that is hotter than the gas: how much heat
-does the gas take from it, and how strongly does the gas push it? Both are asked in terms of the
-relative temperature excess :math:`\theta = (T_h - T_c)/T_c`, which stays exact where flyer and
-gas differ by a millikelvin. A new model is one small file with one final class.
+A force model answers two questions about a flyer that is not as warm as the gas: how much heat does
+the gas take from each part of it, and how strongly does the gas push it? A new model is one small
+file with one final class over laws that are plain functions of plain numbers.
 """
 
 import abc
+from typing import Any, ClassVar
 
 import equinox as eqx
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.quantity import Checked
+from lightflyer.gas.base import AbstractGas
+
+ANY_GAS = ("monatomic", "diatomic", "polyatomic")
+"""Kinds of molecules, for a model that holds for all of them."""
 
 
-class AbstractForceModel(eqx.Module):
-    """Heat loss to the gas and photophoretic force of a flyer.
+class AbstractForceModel(Checked):
+    r"""Heat loss to the gas and photophoretic force of one kind of flyer.
 
-    Both methods must be pure JAX functions that broadcast. The solvers rely on two properties:
-    the heat loss increases with the excess and is zero at zero excess; the force, where it is
-    positive, does not decrease with it.
+    Its methods must be pure JAX functions that broadcast. They take the unknowns of the flyer: the
+    relative temperature excess :math:`\theta_i = (T_i - T_c)/T_c` of each node, then its flows.
+    The solvers rely on two properties: all heat losses together increase with a common excess and
+    are zero at zero excess; the force, where it is positive, does not decrease as the light grows.
+
+    Attributes
+    ----------
+    flyers : tuple of type
+        Classes of flyers that the model is for.
+    molecules : tuple of str
+        Kinds of gas that it is for, of :data:`ANY_GAS`.
     """
 
+    flyers: eqx.AbstractClassVar[tuple[type[AbstractFlyer], ...]]
+    molecules: ClassVar[tuple[str, ...]] = ANY_GAS
+
     @abc.abstractmethod
-    def heat_loss(self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
-        r"""Heat that the gas takes from both faces [W].
+    def heat_loss(
+        self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> tuple[Array, ...]:
+        """Heat that the gas takes from each node.
 
         Parameters
         ----------
         flyer : AbstractFlyer
+            One of :attr:`flyers`.
         state : EnvironmentState
-        excess : array, shape (...)
-            :math:`\theta = (T_h - T_c)/T_c > -1` [1].
+        unknowns : tuple of array, shape (...)
+            Relative temperature excess of each node [1], then the flows.
+
+        Returns
+        -------
+        tuple of array, broadcast shape
+            One for each node [W].
+        """
+
+    @abc.abstractmethod
+    def force(self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
+        """Force of the gas on the flyer along its axis, towards the top face positive [N].
+
+        Parameters
+        ----------
+        flyer : AbstractFlyer
+            One of :attr:`flyers`.
+        state : EnvironmentState
+        unknowns : tuple of array, shape (...)
+            Relative temperature excess of each node [1], then the flows.
 
         Returns
         -------
         array, broadcast shape
         """
 
-    @abc.abstractmethod
-    def force(self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
-        r"""Force of the gas on the flyer, upward positive [N].
+    def flow_balance(
+        self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> tuple[Array, ...]:
+        """Equations of the flyer's flows, one each, scaled to order one and zero in balance.
 
         Parameters
         ----------
-        flyer : AbstractFlyer
-        state : EnvironmentState
-        excess : array, shape (...)
-            :math:`\theta = (T_h - T_c)/T_c > -1` [1].
+        flyer, state, unknowns
+            As for :meth:`heat_loss`.
 
         Returns
         -------
-        array, broadcast shape
+        tuple of array, broadcast shape
+            Empty for a flyer without flows.
         """
+        del flyer, state, unknowns
+        return ()
 
+    @classmethod
+    def require_flyer(cls, flyer: type[AbstractFlyer]) -> None:
+        """Raise unless the model is for a class of flyers.
 
-def kinetic_conductance(flyer: AbstractFlyer, state: EnvironmentState, speed: Numeric) -> Array:
-    r"""Free-molecular heat loss per relative temperature excess [W].
+        Parameters
+        ----------
+        flyer : type
 
-    .. math:: \frac{Q_\mathrm{fm}}{\theta} =
-        \frac18\,\frac{\gamma+1}{\gamma-1}\,\bar v\,(2A)\,\bar\alpha\,p
+        Raises
+        ------
+        ParameterError
+            Naming the model, the flyer and the flyers it is for.
+        """
+        if not issubclass(flyer, cls.flyers):
+            known = ", ".join(kind.__name__ for kind in cls.flyers)
+            raise ParameterError(
+                f"force model {cls.__name__} is not for {flyer.__name__}; it is for {known}"
+            )
 
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    speed : array
-        :math:`\bar v` times :math:`T_c` over the temperature it belongs to [m/s].
+    def require_gas(self, gas: AbstractGas) -> None:
+        """Raise unless the model is for a gas.
 
-    Returns
-    -------
-    array, broadcast shape
+        Parameters
+        ----------
+        gas : AbstractGas
 
-    References
-    ----------
-    [Lu2023]_ Eq. (4).
-    """
-    ratio = state.gas.heat_capacity_ratio
-    both_faces = 2.0 * flyer.area
-    internal_modes = (ratio + 1.0) / (ratio - 1.0)
-    return 0.125 * internal_modes * speed * both_faces * flyer.film.tac_mean * state.pressure
+        Raises
+        ------
+        ParameterError
+            Naming the model, the gas and the kinds of molecules it is for.
+        """
+        if gas.molecules not in self.molecules:
+            raise ParameterError(
+                f"force model {type(self).__name__} is not for {gas.name}, whose molecules are "
+                f"{gas.molecules}; it is for {' and '.join(self.molecules)} gas"
+            )

@@ -1,17 +1,41 @@
 """The limit of gas so thin that molecules meet the flyer and not each other."""
 
-import jax.numpy as jnp
+from typing import ClassVar, Literal
+
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.force.base import AbstractForceModel, kinetic_conductance
+from lightflyer.flyer.disk import Disk
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.force.laws import accommodated_force, free_molecular_conductance, linear_force
+from lightflyer.force.section import ForceSection
 from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
+
+
+def disk_conductance(disk: Disk, state: EnvironmentState) -> Array:
+    """Free-molecular heat loss of both faces per relative temperature excess [W].
+
+    Parameters
+    ----------
+    disk : Disk
+    state : EnvironmentState
+
+    Returns
+    -------
+    array, broadcast shape
+    """
+    return free_molecular_conductance(
+        2.0 * disk.area,
+        disk.film.tac_mean,
+        state.pressure,
+        state.gas.mean_speed(state.temperature),
+        state.gas.heat_capacity_ratio,
+    )
 
 
 class FreeMolecular(AbstractForceModel):
-    r"""Free-molecular heat loss and force, exact for any temperature difference.
+    r"""Free-molecular heat loss and force of a disk, exact for any temperature difference.
 
     .. math::
         Q = \frac18\,\frac{\gamma+1}{\gamma-1}\,\frac{\bar v(T_c)}{T_c}\,(2A)\,\bar\alpha\,p\,
@@ -26,24 +50,27 @@ class FreeMolecular(AbstractForceModel):
     [Lu2023]_ Eqs. (4) and (19), without their small-difference approximation.
     """
 
-    @entry_point
-    def heat_loss(self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
-        """See :meth:`AbstractForceModel.heat_loss`."""
-        return free_molecular_heat_loss(flyer, state, excess)
+    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
 
     @entry_point
-    def force(self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
+    def heat_loss(
+        self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> tuple[Array, ...]:
+        """See :meth:`AbstractForceModel.heat_loss`."""
+        (excess,) = unknowns
+        return (disk_conductance(flyer, state) * excess,)
+
+    @entry_point
+    def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         """See :meth:`AbstractForceModel.force`."""
+        (excess,) = unknowns
         film = flyer.film
-        bottom = jnp.sqrt(1.0 + film.tac_bottom * excess)
-        top = jnp.sqrt(1.0 + film.tac_top * excess)
-        # the difference of the roots, written without cancellation
-        difference = film.tac_difference * excess / (bottom + top)
-        return 0.5 * state.pressure * flyer.area * difference
+        faces = (film.tac_top, film.tac_bottom)
+        return accommodated_force(flyer.area, *faces, state.pressure, excess)
 
 
 class LinearFreeMolecular(AbstractForceModel):
-    r"""Free-molecular force to first order in the temperature difference.
+    r"""Free-molecular force of a disk to first order in the temperature difference.
 
     .. math:: F = A\,p\,\Delta\alpha\,\frac{\Delta T}{4T_c}
 
@@ -55,32 +82,42 @@ class LinearFreeMolecular(AbstractForceModel):
     [Lu2023]_ Eqs. (4) and (19).
     """
 
+    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
+
     @entry_point
-    def heat_loss(self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
+    def heat_loss(
+        self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> tuple[Array, ...]:
         """See :meth:`AbstractForceModel.heat_loss`."""
-        return free_molecular_heat_loss(flyer, state, excess)
+        (excess,) = unknowns
+        return (disk_conductance(flyer, state) * excess,)
 
     @entry_point
-    def force(self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
+    def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         """See :meth:`AbstractForceModel.force`."""
-        return 0.25 * flyer.area * state.pressure * flyer.film.tac_difference * excess
+        (excess,) = unknowns
+        return linear_force(flyer.area, flyer.film.tac_difference, state.pressure, excess)
 
 
-def free_molecular_heat_loss(
-    flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric
-) -> Array:
-    """Free-molecular heat loss of both faces [W], exact; [Lu2023]_ Eq. (4) at T_c.
+class FreeMolecularSection(ForceSection):
+    """``[force]``: the exact free-molecular limit."""
 
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    excess : array, shape (...)
-        Relative temperature excess [1].
+    model_type: ClassVar[type[AbstractForceModel]] = FreeMolecular
 
-    Returns
-    -------
-    array, broadcast shape
-    """
-    speed = state.gas.mean_speed(state.temperature)
-    return kinetic_conductance(flyer, state, speed) * excess
+    model: Literal["free-molecular"]
+
+    def build(self) -> FreeMolecular:
+        """The force model."""
+        return FreeMolecular()
+
+
+class LinearFreeMolecularSection(ForceSection):
+    """``[force]``: the free-molecular limit for small temperature differences."""
+
+    model_type: ClassVar[type[AbstractForceModel]] = LinearFreeMolecular
+
+    model: Literal["free-molecular-linear"]
+
+    def build(self) -> LinearFreeMolecular:
+        """The force model."""
+        return LinearFreeMolecular()

@@ -1,18 +1,22 @@
 r"""The force from kinetic theory: no fitted constants."""
 
-import equinox as eqx
+from typing import Any, ClassVar, Literal
+
 import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.force.free_molecular import free_molecular_heat_loss
-from lightflyer.force.kinetic_table import GASES, kinetic_fit
-from lightflyer.foundation.errors import ParameterError
+from lightflyer.force.free_molecular import disk_conductance
+from lightflyer.force.kinetic_table import KineticFit, kinetic_fit
+from lightflyer.force.laws import maxwell_force
+from lightflyer.force.section import ForceSection
 from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
-from lightflyer.gas.gas import knudsen_number
+from lightflyer.foundation.quantity import StandardErrors
+from lightflyer.foundation.units import Measured
+from lightflyer.gas.base import knudsen_number
 
 
 class Kinetic(AbstractForceModel):
@@ -34,16 +38,11 @@ class Kinetic(AbstractForceModel):
         Deviation of the truth from the table, in the model's own standard errors [1]: those
         of the table and of the kinetic equation itself. A flyer file gives both as 0 ± 1, so
         that they are part of a prediction's uncertainty. None stands for zero.
-    gas : {"diatomic", "monatomic"}
-        Kind of the gas in the table. Air is diatomic.
-
-    Raises
-    ------
-    ParameterError
-        If there is no such gas.
 
     Notes
     -----
+    The table is that of the gas's kind, monatomic or diatomic; other gases are refused.
+
     The table ends at Kn = 0.03. In denser gas the heat loss goes on as that of conduction, the
     force as a power law; natural convection is left out. Beyond the table's temperature ratio
     of 2.5 the ratios stay what they are there.
@@ -60,56 +59,54 @@ class Kinetic(AbstractForceModel):
     [Shakhov1968]_, [Rykov1975]_; the page on the kinetic force says how far to trust it.
     """
 
-    force_error: Numeric = None
-    heat_error: Numeric = None
-    gas: str = eqx.field(static=True, default="diatomic")
+    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
+    molecules: ClassVar[tuple[str, ...]] = ("monatomic", "diatomic")
 
-    def __check_init__(self) -> None:
-        if self.gas not in GASES:
-            raise ParameterError(f"gas = {self.gas!r} is not one of {', '.join(GASES)}")
+    force_error: StandardErrors | None = None
+    heat_error: StandardErrors | None = None
 
     @entry_point
-    def heat_loss(self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
+    def heat_loss(
+        self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> tuple[Array, ...]:
         """See :meth:`AbstractForceModel.heat_loss`."""
-        fit, knudsen = kinetic_fit(self.gas), _knudsen_number(flyer, state)
+        (excess,) = unknowns
+        fit, knudsen = _fit_and_knudsen_number(flyer, state)
         ratio = fit.heat_ratio(knudsen, 1.0 + excess, flyer.film.tac_mean)
         if state.wall_distance is not None:
             ratio *= fit.wall_factors(knudsen, state.wall_distance / flyer.radius)[1]
         if self.heat_error is not None:
             ratio *= 1.0 + self.heat_error * fit.relative_heat_error(knudsen)
-        return ratio * free_molecular_heat_loss(flyer, state, excess)
+        return (ratio * disk_conductance(flyer, state) * excess,)
 
     @entry_point
-    def force(self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
+    def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         """See :meth:`AbstractForceModel.force`."""
-        fit, knudsen = kinetic_fit(self.gas), _knudsen_number(flyer, state)
+        (excess,) = unknowns
+        fit, knudsen = _fit_and_knudsen_number(flyer, state)
         ratio = fit.force_ratio(knudsen, 1.0 + excess, flyer.film.tac_mean)
         if state.wall_distance is not None:
             ratio *= fit.wall_factors(knudsen, state.wall_distance / flyer.radius)[0]
         if self.force_error is not None:
             ratio *= 1.0 + self.force_error * fit.relative_force_error(knudsen, ratio)
-        return ratio * maxwell_force(flyer, state, excess)
+        free = maxwell_force(flyer.area, flyer.film.tac_difference, state.pressure, excess)
+        return ratio * free
 
 
-def maxwell_force(flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
-    r"""Free-molecular force at Maxwell walls [N], exact.
-
-    .. math:: F = \frac{pA}{2}\,\Delta\alpha\left[\sqrt{1+\theta}-1\right]
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    excess : array, shape (...)
-        Relative temperature excess [1].
-
-    Returns
-    -------
-    array, broadcast shape
-    """
-    growth = excess / (jnp.sqrt(1.0 + excess) + 1.0)  # √(1 + θ) − 1 without cancellation
-    return 0.5 * state.pressure * flyer.area * flyer.film.tac_difference * growth
+def _fit_and_knudsen_number(disk: Disk, state: EnvironmentState) -> tuple[KineticFit, Any]:
+    knudsen = knudsen_number(state.pressure, state.temperature, disk.radius, state.gas)
+    return kinetic_fit(state.gas.molecules), jnp.asarray(knudsen)
 
 
-def _knudsen_number(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
-    return knudsen_number(state.pressure, state.temperature, flyer.radius, state.gas)
+class KineticSection(ForceSection):
+    """``[force]``: the kinetic equation, solved; its own error counts unless told otherwise."""
+
+    model_type: ClassVar[type[AbstractForceModel]] = Kinetic
+
+    model: Literal["kinetic"]
+    force_error: StandardErrors = Measured(0.0, 1.0)
+    heat_error: StandardErrors = Measured(0.0, 1.0)
+
+    def build(self) -> Kinetic:
+        """The force model."""
+        return Kinetic(self.force_error.value, self.heat_error.value)

@@ -5,6 +5,7 @@ conventions does. Both are here, as :data:`PRINTED` and :data:`REPORTED`; neithe
 """
 
 import math
+from typing import ClassVar, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -12,10 +13,15 @@ from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.force.base import AbstractForceModel, kinetic_conductance
-from lightflyer.foundation.checks import require_positive
+from lightflyer.flyer.disk import Disk
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.force.laws import free_molecular_conductance, in_series
+from lightflyer.force.section import ForceSection
 from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.quantity import Coefficient
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.units import Measured
+from lightflyer.gas.base import AbstractGas
 
 _THERMAL_CREEP = 1.14  # κ_s of [Lu2023] Eq. (20)
 _DISK_NUSSELT = 8.0 / math.pi  # isothermal disk at rest, [Lu2023] Eq. (7)
@@ -55,6 +61,144 @@ READINGS = {"printed": PRINTED, "reported": REPORTED}
 """Readings by the name they have in a flyer file."""
 
 
+def rayleigh_number(
+    excess: Numeric,
+    *,
+    radius: Numeric,
+    pressure: Numeric,
+    temperature: Numeric,
+    gravity: Numeric,
+    gas: AbstractGas,
+) -> Array:
+    r"""Rayleigh number of a disk, from the size of the temperature difference.
+
+    .. math:: \mathrm{Ra} = \frac{g}{\bar T}\,\frac{\rho\,(2r)^3\,|\Delta T|}{\mu D},
+        \qquad D = \frac{\kappa}{\rho c_p}, \quad \rho = \frac{p}{R\bar T}
+
+    Parameters
+    ----------
+    excess : array, shape (...)
+        Relative temperature excess [1].
+    radius, pressure, temperature, gravity : array, shape (...)
+        Of the disk [m]; of the gas [Pa], [K]; acceleration of free fall [m/s²].
+    gas : AbstractGas
+
+    Returns
+    -------
+    array, broadcast shape
+        [1].
+
+    References
+    ----------
+    [Lu2023]_ Eqs. (8)-(10), with (9) corrected.
+    """
+    mean = _mean_temperature(temperature, excess)
+    density = gas.density(pressure, mean)
+    viscosity, conductivity = gas.viscosity(mean), gas.conductivity(mean)
+    difference = temperature * jnp.abs(excess)
+    buoyancy = gravity * density * (2.0 * radius) ** 3 * difference
+    return buoyancy * density * gas.heat_capacity(mean) / (mean * viscosity * conductivity)
+
+
+def heat_conductances(
+    excess: Numeric,
+    *,
+    radius: Numeric,
+    tac_mean: Numeric,
+    pressure: Numeric,
+    temperature: Numeric,
+    gravity: Numeric,
+    gas: AbstractGas,
+    reading: Reading = REPORTED,
+) -> tuple[Array, Array]:
+    """Heat loss of a disk per relative temperature excess in the two limits.
+
+    Parameters
+    ----------
+    excess : array, shape (...)
+        Relative temperature excess [1].
+    radius : array, shape (...)
+        Of the disk [m].
+    tac_mean : array, shape (...)
+        Mean thermal accommodation coefficient of the faces [1].
+    pressure, temperature, gravity : array, shape (...)
+        Of the gas [Pa], [K]; acceleration of free fall [m/s²].
+    gas : AbstractGas
+    reading : Reading
+
+    Returns
+    -------
+    free_molecular, continuum : array, broadcast shape
+        [W]. The first is proportional to the mean TAC, the second does not depend on it.
+
+    References
+    ----------
+    [Lu2023]_ Eqs. (4), (5) and (7).
+    """
+    stretch = 1.0 + 0.5 * reading.heat_weight * excess
+    speed = gas.mean_speed(temperature) / jnp.sqrt(stretch)
+    free_molecular = free_molecular_conductance(
+        2.0 * jnp.pi * radius**2, tac_mean, pressure, speed, gas.heat_capacity_ratio
+    )
+    rayleigh = rayleigh_number(
+        excess, radius=radius, pressure=pressure, temperature=temperature, gravity=gravity, gas=gas
+    )
+    # the fourth root has no derivative at zero; its product with the excess there is zero
+    still = rayleigh == 0.0
+    fourth_root = jnp.where(still, 0.0, jnp.sqrt(jnp.sqrt(jnp.where(still, 1.0, rayleigh))))
+    nusselt = _DISK_NUSSELT + _CONVECTION * fourth_root
+    conductivity = gas.conductivity(_mean_temperature(temperature, excess))
+    continuum = nusselt * jnp.pi * radius * conductivity * temperature
+    return free_molecular, reading.continuum_faces * continuum
+
+
+def creep_stiffness(
+    excess: Numeric,
+    creep_temperature: Numeric,
+    *,
+    radius: Numeric,
+    tac_mean: Numeric,
+    pressure: Numeric,
+    temperature: Numeric,
+    gas: AbstractGas,
+) -> Array:
+    r"""Continuum force per relative temperature excess and TAC difference.
+
+    .. math:: \frac{F_\mathrm{cont}}{\Delta\alpha\,\theta} = 16\mu \cdot 6\kappa_s \frac\mu\rho
+        \cdot \frac{T_h\kappa}{r p\bar v}\cdot\frac{\gamma-1}{\gamma+1}\cdot\frac1{\bar\alpha}
+
+    Parameters
+    ----------
+    excess : array, shape (...)
+        Relative temperature excess [1].
+    creep_temperature : array, shape (...)
+        What the reading takes for :math:`T_h` [K].
+    radius, tac_mean, pressure, temperature, gas
+        As for :func:`heat_conductances`.
+
+    Returns
+    -------
+    array, broadcast shape
+        [N].
+
+    References
+    ----------
+    [Lu2023]_ Eq. (20), with the factor μ that its misprint lost.
+    """
+    mean = _mean_temperature(temperature, excess)
+    viscosity = gas.viscosity(mean)
+    kinematic = viscosity / gas.density(pressure, mean)
+    creep = 16.0 * viscosity * 6.0 * _THERMAL_CREEP * kinematic
+    flux = creep_temperature * gas.conductivity(mean)
+    thermal = flux / (radius * pressure * gas.mean_speed(mean))
+    internal_modes = (gas.heat_capacity_ratio - 1.0) / (gas.heat_capacity_ratio + 1.0)
+    return creep * thermal * internal_modes / tac_mean
+
+
+def _mean_temperature(temperature: Numeric, excess: Numeric) -> Array:
+    return temperature * (1.0 + 0.5 * excess)
+
+
 class Lu2023(AbstractForceModel):
     r"""Interpolation between free-molecular and continuum limits for a disk.
 
@@ -85,119 +229,59 @@ class Lu2023(AbstractForceModel):
     [Lu2023]_ Eqs. (3)-(10) and (18)-(20), with their misprints corrected (see the errata).
     """
 
-    c_fm: Numeric = 0.4
-    c_cont: Numeric = 3.0
+    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
+
+    c_fm: Coefficient = 0.4
+    c_cont: Coefficient = 3.0
     reading: Reading = REPORTED
 
-    def __check_init__(self) -> None:
-        require_positive(c_fm=self.c_fm, c_cont=self.c_cont)
-
     @entry_point
-    def heat_loss(self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
+    def heat_loss(
+        self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> tuple[Array, ...]:
         """See :meth:`AbstractForceModel.heat_loss`."""
-        return excess * _in_series(*self.heat_conductances(flyer, state, excess))
+        (excess,) = unknowns
+        limits = heat_conductances(
+            excess,
+            radius=flyer.radius,
+            tac_mean=flyer.film.tac_mean,
+            pressure=state.pressure,
+            temperature=state.temperature,
+            gravity=state.gravity,
+            gas=state.gas,
+            reading=self.reading,
+        )
+        return (excess * in_series(*limits),)
 
     @entry_point
-    def heat_conductances(
-        self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric
-    ) -> tuple[Array, Array]:
-        """Heat loss per relative temperature excess in the two limits [W].
-
-        Parameters
-        ----------
-        flyer : AbstractFlyer
-        state : EnvironmentState
-        excess : array, shape (...)
-            Relative temperature excess [1].
-
-        Returns
-        -------
-        free_molecular, continuum : array, broadcast shape
-            The first is proportional to the mean TAC, the second does not depend on it.
-        """
-        stretch = 1.0 + 0.5 * self.reading.heat_weight * excess
-        speed = state.gas.mean_speed(state.temperature) / jnp.sqrt(stretch)
-        free_molecular = kinetic_conductance(flyer, state, speed)
-        continuum = self.reading.continuum_faces * _continuum_conductance(flyer, state, excess)
-        return free_molecular, continuum
-
-    @entry_point
-    def force(self, flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
+    def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         """See :meth:`AbstractForceModel.force`."""
+        (excess,) = unknowns
         stretch = 1.0 + 0.5 * self.reading.force_weight * excess
         free_molecular = 0.25 * flyer.area * state.pressure / stretch
-        creep_temperature = state.temperature * (1.0 + 0.5 * self.reading.creep_weight * excess)
-        continuum = _creep_stiffness(flyer, state, excess, creep_temperature)
-        per_difference = _in_series(self.c_fm * free_molecular, self.c_cont * continuum)
+        continuum = creep_stiffness(
+            excess,
+            state.temperature * (1.0 + 0.5 * self.reading.creep_weight * excess),
+            radius=flyer.radius,
+            tac_mean=flyer.film.tac_mean,
+            pressure=state.pressure,
+            temperature=state.temperature,
+            gas=state.gas,
+        )
+        per_difference = in_series(self.c_fm * free_molecular, self.c_cont * continuum)
         return flyer.film.tac_difference * excess * per_difference
 
 
-def _in_series(first: Array, second: Array) -> Array:
-    """Conductances in series: zero where either is."""
-    return first * second / (first + second)
+class Lu2023ForceSection(ForceSection):
+    """``[force]``: the paper's interpolation between limits."""
 
+    model_type: ClassVar[type[AbstractForceModel]] = Lu2023
 
-def _mean_temperature(state: EnvironmentState, excess: Numeric) -> Array:
-    return state.temperature * (1.0 + 0.5 * excess)
+    model: Literal["lu2023"] = "lu2023"
+    reading: Literal["reported", "printed"] = "reported"
+    c_fm: Coefficient = Measured(0.4)
+    c_cont: Coefficient = Measured(3.0)
 
-
-def rayleigh_number(flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
-    r"""Rayleigh number of the disk, from the size of the temperature difference.
-
-    .. math:: \mathrm{Ra} = \frac{g}{\bar T}\,\frac{\rho\,(2r)^3\,|\Delta T|}{\mu D},
-        \qquad D = \frac{\kappa}{\rho c_p}, \quad \rho = \frac{p}{R\bar T}
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    excess : array, shape (...)
-        Relative temperature excess [1].
-
-    Returns
-    -------
-    array, broadcast shape
-
-    References
-    ----------
-    [Lu2023]_ Eqs. (8)-(10), with (9) corrected.
-    """
-    mean, gas = _mean_temperature(state, excess), state.gas
-    density = gas.density(state.pressure, mean)
-    viscosity, conductivity = gas.viscosity(mean), gas.conductivity(mean)
-    diameter = 2.0 * flyer.radius
-    difference = state.temperature * jnp.abs(excess)
-    buoyancy = state.gravity * density * diameter**3 * difference
-    return buoyancy * density * gas.heat_capacity(mean) / (mean * viscosity * conductivity)
-
-
-def _continuum_conductance(flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric) -> Array:
-    """Continuum heat loss per relative temperature excess [W]; [Lu2023]_ Eqs. (5) and (7)."""
-    rayleigh = rayleigh_number(flyer, state, excess)
-    # the fourth root has no derivative at zero; its product with the excess there is zero
-    still = rayleigh == 0.0
-    fourth_root = jnp.where(still, 0.0, jnp.sqrt(jnp.sqrt(jnp.where(still, 1.0, rayleigh))))
-    nusselt = _DISK_NUSSELT + _CONVECTION * fourth_root
-    conductivity = state.gas.conductivity(_mean_temperature(state, excess))
-    return nusselt * jnp.pi * flyer.radius * conductivity * state.temperature
-
-
-def _creep_stiffness(
-    flyer: AbstractFlyer, state: EnvironmentState, excess: Numeric, creep_temperature: Numeric
-) -> Array:
-    r"""Continuum force per relative temperature excess and TAC difference [N].
-
-    .. math:: \frac{F_\mathrm{cont}}{\Delta\alpha\,\theta} = 16\mu \cdot 6\kappa_s \frac\mu\rho
-        \cdot \frac{T_h\kappa}{r p\bar v}\cdot\frac{\gamma-1}{\gamma+1}\cdot\frac1{\bar\alpha}
-
-    [Lu2023]_ Eq. (20), with the factor μ that its misprint lost and the temperature that the
-    reading chooses for :math:`T_h`.
-    """
-    mean, gas = _mean_temperature(state, excess), state.gas
-    viscosity = gas.viscosity(mean)
-    kinematic = viscosity / gas.density(state.pressure, mean)
-    creep = 16.0 * viscosity * 6.0 * _THERMAL_CREEP * kinematic
-    flux = creep_temperature * gas.conductivity(mean)
-    thermal = flux / (flyer.radius * state.pressure * gas.mean_speed(mean))
-    internal_modes = (gas.heat_capacity_ratio - 1.0) / (gas.heat_capacity_ratio + 1.0)
-    return creep * thermal * internal_modes / flyer.film.tac_mean
+    def build(self) -> Lu2023:
+        """The force model."""
+        return Lu2023(self.c_fm.value, self.c_cont.value, READINGS[self.reading])

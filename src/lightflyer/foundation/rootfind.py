@@ -5,13 +5,16 @@ own. Gradients do not unroll the loop. :func:`jax.lax.custom_root` differentiate
 at the root, so forward, reverse and higher derivatives cost one linearised residual.
 """
 
+import enum
 import math
 import sys
 from collections.abc import Callable
+from typing import Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 RELATIVE_TOLERANCE = 1e-12
@@ -23,19 +26,57 @@ MAXIMUM_STEPS = 100
 """Bound on Newton and bisection steps. Bisection alone needs about 60 for any bracket."""
 
 
+class Ending(enum.IntEnum):
+    """Why a search ended."""
+
+    CONVERGED = 0
+    STEP_LIMIT = 1
+    NOT_FINITE = 2
+    TOLERANCE_MISSED = 3
+
+
+_REASONS = {
+    Ending.CONVERGED: "converged",
+    Ending.STEP_LIMIT: "reached the limit of steps",
+    Ending.NOT_FINITE: "met a number that is not finite",
+    Ending.TOLERANCE_MISSED: "missed the tolerance",
+}
+
+
+def describe_endings(endings: Any) -> str:
+    """Why searches ended, in words.
+
+    Parameters
+    ----------
+    endings : int array
+        Values of :class:`Ending`.
+
+    Returns
+    -------
+    str
+        Each reason once, such as ``"reached the limit of steps"``.
+    """
+    return ", ".join(_REASONS[Ending(code)] for code in np.unique(endings))
+
+
 class RootStatus(eqx.Module):
     """How a root-find ended, element by element.
 
     Attributes
     ----------
-    converged : bool array
-        Whether the residual met the tolerance.
+    ending : int array
+        Why it ended, an :class:`Ending`.
     steps : int
         Steps taken by the slowest element.
     """
 
-    converged: Array
+    ending: Array
     steps: Array
+
+    @property
+    def converged(self) -> Array:
+        """Whether the residual met the tolerance."""
+        return self.ending == Ending.CONVERGED
 
 
 class _Search(eqx.Module):
@@ -187,7 +228,9 @@ def _search(
         steps=jnp.zeros((), int),
     )
     end = jax.lax.while_loop(unfinished, advance, start)
-    return end.point, RootStatus(converged=~end.active, steps=end.steps)
+    ending = jnp.where(end.active, int(Ending.STEP_LIMIT), int(Ending.CONVERGED))
+    ending = jnp.where(jnp.isfinite(end.point), ending, int(Ending.NOT_FINITE))
+    return end.point, RootStatus(ending=ending, steps=end.steps)
 
 
 def implicit_root(
@@ -225,4 +268,4 @@ def implicit_root(
 
     start = jnp.zeros(shape)
     root, status = jax.lax.custom_root(residual, start, found, invert_slope, has_aux=True)
-    return root, RootStatus(converged=status.converged > 0.5, steps=status.steps.astype(int))
+    return root, jax.tree.map(lambda leaf: leaf.astype(int), status)

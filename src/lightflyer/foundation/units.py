@@ -97,6 +97,49 @@ def scale_and_offset(unit: str, target: str) -> tuple[float, float]:
     return (convert(_FAR) - offset) / _FAR if offset else convert(1.0), offset
 
 
+_DATASET_UNITS = {
+    "": "1",
+    "kg/m^2": "kg m-2",
+    "kg/m^3": "kg m-3",
+    "W/m^2": "W m-2",
+    "m/s^2": "m s-2",
+    "m/s": "m s-1",
+    "W/(m*K)": "W m-1 K-1",
+    "deg": "degree",
+}
+
+
+def dataset_unit(unit: str) -> str:
+    """A unit in the spelling of datasets, as UDUNITS and CF want it.
+
+    Parameters
+    ----------
+    unit : str
+        As flyer files write it, empty for a pure number.
+
+    Returns
+    -------
+    str
+    """
+    return _DATASET_UNITS.get(unit, unit)
+
+
+def file_unit(unit: str) -> str:
+    """A unit in the spelling of flyer files, from that of datasets; inverse of the above.
+
+    Parameters
+    ----------
+    unit : str
+
+    Returns
+    -------
+    str
+        Empty for a pure number.
+    """
+    written = {there: here for here, there in _DATASET_UNITS.items()}
+    return written.get(unit, unit)
+
+
 def _wanted(target: str) -> str:
     return f"give one that converts to {target}" if target else "write a pure number or a %"
 

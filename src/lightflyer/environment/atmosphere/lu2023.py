@@ -5,7 +5,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.environment.base import AbstractAtmosphere
+from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.foundation import constants
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric

@@ -6,7 +6,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.environment.base import AbstractAtmosphere
+from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.foundation import constants
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import MissingExtraError

@@ -9,12 +9,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.environment.base import AbstractAtmosphere
+from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.foundation import constants
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.spline import Spline
 from lightflyer.foundation.types import Numeric
-from lightflyer.gas.gas import AIR
+from lightflyer.gas.air import AIR
 
 # [USSA1976] table 4: bases of the layers below 86 km in geopotential altitude [m'], and the
 # gradients of molecular-scale temperature above them [K/m'].
@@ -214,7 +214,7 @@ class US1976(AbstractAtmosphere):
 
         .. math:: L = \frac{R^* T}{\sqrt2\, \pi N_A \sigma^2 p}
 
-        with a fixed collision diameter: 4.2 % above :func:`lightflyer.mean_free_path` at sea
+        with a fixed collision diameter: 4.2 % above :func:`lightflyer.gas.mean_free_path` at sea
         level. The force models use the latter.
         """
         cross_section = jnp.sqrt(2.0) * jnp.pi * _COLLISION_DIAMETER**2

@@ -1,50 +1,15 @@
-"""Gases: transport properties and the lengths and speeds made of them.
+"""Air: as in the US Standard Atmosphere 1976, and as in the paper."""
 
-A gas is three correlations in temperature and two numbers. Two sets for air are given:
-:data:`AIR`, the US Standard Atmosphere's, and :data:`LU2023_AIR`, the paper's, for its
-reproduction. A gas of your own is one subclass of :class:`AbstractGas`.
-"""
-
-import abc
 import math
+from typing import ClassVar
 
-import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.foundation import constants
-from lightflyer.foundation.checks import require_positive
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
-
-
-class AbstractGas(eqx.Module):
-    """An ideal gas. Every method takes arrays of any shape and is differentiable for T > 0."""
-
-    specific_gas_constant: eqx.AbstractVar[Numeric]
-    heat_capacity_ratio: eqx.AbstractVar[Numeric]
-
-    @abc.abstractmethod
-    def viscosity(self, temperature: Numeric) -> Array:
-        """Dynamic viscosity [Pa s] at ``temperature`` [K]."""
-
-    @abc.abstractmethod
-    def conductivity(self, temperature: Numeric) -> Array:
-        """Thermal conductivity [W/(m K)] at ``temperature`` [K]."""
-
-    @abc.abstractmethod
-    def heat_capacity(self, temperature: Numeric) -> Array:
-        """Isobaric specific heat capacity [J/(kg K)] at ``temperature`` [K]."""
-
-    @entry_point
-    def density(self, pressure: Numeric, temperature: Numeric) -> Array:
-        """Density of the ideal gas [kg/m³] at ``pressure`` [Pa] and ``temperature`` [K]."""
-        return pressure / (self.specific_gas_constant * temperature)
-
-    @entry_point
-    def mean_speed(self, temperature: Numeric) -> Array:
-        r"""Mean molecular speed :math:`\bar v = \sqrt{8RT/\pi}` [m/s]."""
-        return jnp.sqrt(8.0 * self.specific_gas_constant * temperature / jnp.pi)
+from lightflyer.gas.base import AbstractGas
 
 
 def _power(base: Numeric, exponent: float, unit: float = 1.0) -> Array:
@@ -76,6 +41,9 @@ class Air(AbstractGas):
     ----------
     [USSA1976]_ Eqs. (51) and (53).
     """
+
+    name: ClassVar[str] = "air"
+    molecules: ClassVar[str] = "diatomic"
 
     specific_gas_constant: Numeric = constants.GAS_CONSTANT_US1976 / constants.MOLAR_MASS_AIR
     heat_capacity_ratio: Numeric = 1.4
@@ -114,6 +82,9 @@ class Lu2023Air(AbstractGas):
     [Lu2023]_ Eqs. (11)-(13).
     """
 
+    name: ClassVar[str] = "lu2023-air"
+    molecules: ClassVar[str] = "diatomic"
+
     specific_gas_constant: Numeric = constants.GAS_CONSTANT_LU2023
     heat_capacity_ratio: Numeric = 1.4
 
@@ -144,83 +115,5 @@ AIR = Air()
 LU2023_AIR = Lu2023Air()
 """Air as in the paper."""
 
-
-@entry_point
-def _mean_free_path(pressure: Numeric, temperature: Numeric, gas: AbstractGas) -> Array:
-    thermal = jnp.sqrt(jnp.pi * gas.specific_gas_constant * temperature / 2.0)
-    return gas.viscosity(temperature) / pressure * thermal
-
-
-def mean_free_path(pressure: Numeric, temperature: Numeric, gas: AbstractGas = AIR) -> Array:
-    r"""Mean free path from viscosity.
-
-    .. math:: \lambda = \frac{\mu}{p}\sqrt{\frac{\pi R T}{2}}
-
-    Parameters
-    ----------
-    pressure : array, shape (...)
-        Gas pressure [Pa].
-    temperature : array, shape (...)
-        Gas temperature [K].
-    gas : AbstractGas
-        Default :data:`AIR`.
-
-    Returns
-    -------
-    array, broadcast shape
-        Mean free path [m].
-
-    Raises
-    ------
-    ParameterError
-        If a concrete pressure or temperature is not positive.
-
-    Notes
-    -----
-    Differentiable for p, T > 0. The US Standard Atmosphere defines another one from a
-    collision diameter; see :meth:`US1976.mean_free_path`.
-
-    References
-    ----------
-    [VincentiKruger1965]_ ch. I.4.
-
-    Examples
-    --------
-    >>> print(f"{mean_free_path(101325.0, 288.15):.3e} m")
-    6.366e-08 m
-    """
-    require_positive(pressure=pressure, temperature=temperature)
-    return _mean_free_path(pressure, temperature, gas)
-
-
-def knudsen_number(
-    pressure: Numeric, temperature: Numeric, radius: Numeric, gas: AbstractGas = AIR
-) -> Array:
-    r"""Knudsen number of a disk, :math:`\mathrm{Kn} = \lambda/(2r)`.
-
-    Parameters
-    ----------
-    pressure, temperature : array, shape (...)
-        Gas pressure [Pa] and temperature [K].
-    radius : array, shape (...)
-        Disk radius [m].
-    gas : AbstractGas
-        Default :data:`AIR`.
-
-    Returns
-    -------
-    array, broadcast shape
-        Knudsen number [1].
-
-    Raises
-    ------
-    ParameterError
-        If a concrete argument is not positive.
-
-    Examples
-    --------
-    >>> print(f"{knudsen_number(3.446, 215.4, 0.01):.4f}")
-    0.0640
-    """
-    require_positive(radius=radius)
-    return mean_free_path(pressure, temperature, gas) / (2.0 * radius)
+GASES: dict[str, AbstractGas] = {gas.name: gas for gas in (AIR, LU2023_AIR)}
+"""Gases by the name they have in a flyer file."""

@@ -1,0 +1,383 @@
+"""The flyer file: its sections, and the design that it describes."""
+
+import json
+from collections.abc import Mapping
+from functools import cached_property, reduce
+from typing import Annotated, Any
+
+import jax
+import pydantic
+from pydantic import Discriminator, Tag
+
+from lightflyer.config.discovery import discover
+from lightflyer.environment.section import EnvironmentSection
+from lightflyer.film.section import FilmSection
+from lightflyer.flight.design import AbstractDesign, digest
+from lightflyer.flight.setup import Setup
+from lightflyer.flyer.section import FlyerSection
+from lightflyer.force.section import ForceSection
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.quantity import RADIANS_PER_DEGREE, Quantity
+from lightflyer.foundation.section import Alternative, Section
+from lightflyer.foundation.types import Numeric
+
+discover()
+
+PARTS = ("flyer", "film", "environment", "force")
+"""Sections whose numbers describe a design."""
+
+_ANY_MODEL = "lu2023"  # where the flyer is unknown: the error about that comes first
+_INCIDENCE = "environment.incidence"
+_FILM = "film."
+
+
+def _union(base: type[Alternative]) -> Any:
+    """Type of a section that is any of its alternatives."""
+    members = [Annotated[kind, Tag(tag)] for tag, kind in base.alternatives.items()]
+    return Annotated[reduce(lambda one, other: one | other, members), Discriminator(base.tag_of)]
+
+
+class FlyerFile(Section):
+    """A flyer file: what the flyer is, where it flies and how its force is computed.
+
+    Also buildable in Python, with the same names and texts as in the file::
+
+        FlyerFile(
+            flyer={"diameter": "2 cm"},
+            film={"areal_density": "1.0 g/m^2", "absorptance": 0.75, "emittance": 0.08,
+                  "tac_top": 0.8, "tac_bottom": "0.90 ± 0.03"},
+        )
+
+    Numbers are :class:`~lightflyer.foundation.units.Measured`: value and uncertainty, in SI units
+    (angles in degrees).
+    """
+
+    flyer: _union(FlyerSection)  # type: ignore[valid-type]
+    film: _union(FilmSection) | None = None  # type: ignore[valid-type]
+    environment: _union(EnvironmentSection)  # type: ignore[valid-type]
+    force: _union(ForceSection)  # type: ignore[valid-type]
+
+    @pydantic.model_validator(mode="before")
+    @classmethod
+    def _with_defaults(cls, content: Any) -> Any:
+        """The environment where none is given, and the flyer's own force model."""
+        if not isinstance(content, Mapping):
+            return content
+        kind = FlyerSection.alternatives.get(FlyerSection.tag_of(content.get("flyer")))
+        model = _ANY_MODEL if kind is None else kind.default_model  # type: ignore[attr-defined]
+        given = {key: entry for key, entry in content.items() if entry is not None}
+        force = given.get("force")
+        if isinstance(force, Mapping) and "model" not in force:
+            given["force"] = {"model": model, **force}
+        return {"environment": {}, "force": {"model": model}} | given
+
+    @pydantic.model_validator(mode="after")
+    def _belong_together(self) -> "FlyerFile":
+        if self.flyer.needs_film and self.film is None:
+            raise ConfigurationError("the section [film] is missing")
+        if not self.flyer.needs_film and self.film is not None:
+            raise ConfigurationError(
+                f'[film] does not belong to shape = "{self.flyer.tag()}", which holds its films '
+                "in sections of its own"
+            )
+        try:
+            self.force.model_type.require_flyer(self.flyer.flyer_type)
+        except ParameterError:
+            suitable = ", ".join(f'"{name}"' for name in models_for(type(self.flyer)))
+            raise ConfigurationError(
+                f'force.model = "{self.force.tag()}" is not for shape = "{self.flyer.tag()}"; '
+                f"choose from {suitable}"
+            ) from None
+        return self
+
+    def parts(self) -> dict[str, Section]:
+        """The sections that are there, by name."""
+        found = {name: getattr(self, name) for name in PARTS}
+        return {name: section for name, section in found.items() if section is not None}
+
+    def build(self) -> Setup:
+        """The flyer, environment and force model described.
+
+        Returns
+        -------
+        Setup
+
+        Raises
+        ------
+        MissingExtraError
+            If the atmosphere needs a package that is not installed.
+        """
+        return build(self.parts())
+
+    def design(self, text: str = "") -> "FileDesign":
+        """The design described, whose numbers have the names that they have in the file.
+
+        Parameters
+        ----------
+        text : str
+            What the file says, for the record.
+
+        Returns
+        -------
+        FileDesign
+        """
+        return FileDesign(self, text)
+
+    def uncertainties(self) -> dict[str, float]:
+        """The stated standard uncertainties by dotted name, in the units of the values.
+
+        Returns
+        -------
+        dict of str to float
+            Such as ``{"film.tac_bottom": 0.03}``.
+        """
+        return {
+            f"{part}.{name}": value.uncertainty
+            for part, section in self.parts().items()
+            for name, _, value in section.numbers()
+            if value is not None and value.uncertainty is not None
+        }
+
+
+def models_for(kind: type[FlyerSection]) -> list[str]:
+    """Names of the force models that are for a flyer.
+
+    Parameters
+    ----------
+    kind : type
+        Section of the flyer.
+
+    Returns
+    -------
+    list of str
+    """
+    return [
+        tag
+        for tag, section in ForceSection.alternatives.items()
+        if issubclass(kind.flyer_type, section.model_type.flyers)  # type: ignore[attr-defined]
+    ]
+
+
+def build(parts: Mapping[str, Any], computed_film: Any = None) -> Setup:
+    """Objects from sections.
+
+    Parameters
+    ----------
+    parts : dict of str to Section
+        By the section's name.
+    computed_film : FilmProperties, optional
+        What the layers of a film give, where that is known.
+
+    Returns
+    -------
+    Setup
+    """
+    environment = parts["environment"]
+    incidence = environment.incidence.value * RADIANS_PER_DEGREE
+    film = parts.get("film")
+    properties = None if film is None else film.build(incidence, computed_film)
+    return Setup(
+        flyer=parts["flyer"].build(properties, incidence),
+        environment=environment.build(),
+        model=parts["force"].build(),
+        search_range=environment.search_range,
+    )
+
+
+class FileDesign(AbstractDesign):
+    """The design that a flyer file describes.
+
+    Equal to any other of the same file. Can be pickled.
+
+    Parameters
+    ----------
+    file : FlyerFile
+    text : str
+        What the file says, for the record.
+    """
+
+    def __init__(self, file: FlyerFile, text: str = ""):
+        self.file, self.text = file, text
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, FileDesign) and other.file == self.file
+
+    def __hash__(self) -> int:
+        return hash(self.file)
+
+    @cached_property
+    def _all(self) -> dict[str, tuple[Section, str, Quantity, Any]]:
+        """Section, name within it, quantity and value of every number of the file."""
+        return {
+            f"{part}.{name}": (section, name, quantity, value)
+            for part, section in self.file.parts().items()
+            for name, quantity, value in section.numbers()
+        }
+
+    @cached_property
+    def quantities(self) -> dict[str, Quantity]:
+        """See :attr:`AbstractDesign.quantities`."""
+        return {
+            name: quantity
+            for name, (section, inner, quantity, _) in self._all.items()
+            if section.reason_not_varied(inner) is None
+        }
+
+    def number(self, name: str) -> float | None:
+        """See :meth:`AbstractDesign.number`."""
+        value = self._all[name][3] if name in self._all else None
+        return None if value is None else float(value.value)
+
+    @property
+    def uncertainties(self) -> dict[str, float]:
+        """See :attr:`AbstractDesign.uncertainties`."""
+        return self.file.uncertainties()
+
+    @property
+    def correlations(self) -> dict[tuple[str, str], float]:
+        """See :attr:`AbstractDesign.correlations`."""
+        found = {}
+        for name, film in _films(self.file):
+            for (first, second), value in film.correlations.items():
+                found[(f"{name}.{first}", f"{name}.{second}")] = value
+        return found
+
+    def why_not_varied(self, name: str) -> str | None:
+        """See :meth:`AbstractDesign.why_not_varied`."""
+        if name not in self._all:
+            return None
+        section, inner, _, _ = self._all[name]
+        return section.reason_not_varied(inner)
+
+    def conflict(self, names: list[str]) -> tuple[str, str] | None:
+        """See :meth:`AbstractDesign.conflict`: an emittance for both faces and one for a face."""
+        for name in names:
+            part, _, last = name.rpartition(".")
+            if last == "emittance":
+                for face in (f"{part}.emittance_top", f"{part}.emittance_bottom"):
+                    if face in names:
+                        return face, name
+        return None
+
+    def costly(self, names: list[str]) -> list[str]:
+        """See :meth:`AbstractDesign.costly`: what changes the optics of layers."""
+        film = self.file.film
+        if film is None:
+            return []
+        within = {
+            name: "incidence" if name == _INCIDENCE else name.removeprefix(_FILM)
+            for name in names
+            if name == _INCIDENCE or name.startswith(_FILM)
+        }
+        return [name for name, inner in within.items() if film.changes_optics(inner)]
+
+    def prepare(self, values: Mapping[str, float]) -> Any:
+        """See :meth:`AbstractDesign.prepare`: properties of the film of layers."""
+        parts = self._replaced(values)
+        return parts["film"].build(parts["environment"].incidence.value * RADIANS_PER_DEGREE)
+
+    def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:
+        """See :meth:`AbstractDesign.build`."""
+        return build(self._replaced(values or {}), prepared)
+
+    def _replaced(self, values: Mapping[str, Numeric]) -> dict[str, Any]:
+        parts: dict[str, Section] = self.file.parts()
+        for name in parts:
+            mine = {
+                key.removeprefix(f"{name}."): value
+                for key, value in values.items()
+                if key.startswith(f"{name}.")
+            }
+            if mine:
+                parts[name] = parts[name].replaced(mine)
+        return parts
+
+    def description(self) -> dict[str, str]:
+        """See :meth:`AbstractDesign.description`."""
+        described = {}
+        for part, content in self.file.model_dump(mode="json").items():
+            for key, entry in _flattened(content or {}):
+                if entry is not None:
+                    described[f"flyer file: {part}.{key}"] = json.dumps(entry)
+        # what the sections read from elsewhere: materials, spectra, atmospheres
+        leaves = jax.tree.leaves(self.setup)
+        described["numbers of the flyer file and of its data"] = digest(*leaves)
+        return described
+
+
+def _films(file: FlyerFile) -> list[tuple[str, FilmSection]]:
+    """Dotted names and sections of all films of a flyer file."""
+    inside = [
+        (f"flyer.{name}", getattr(file.flyer, name)) for name in type(file.flyer).model_fields
+    ]
+    candidates = [("film", file.film), *inside]
+    return [(name, film) for name, film in candidates if isinstance(film, FilmSection)]
+
+
+def _flattened(content: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    """Entries of nested sections by dotted name; a list of sections stays one entry each."""
+    found: list[tuple[str, Any]] = []
+    for key, entry in content.items():
+        if isinstance(entry, Mapping):
+            found += [(f"{key}.{inner}", value) for inner, value in _flattened(entry)]
+        elif isinstance(entry, list) and entry and isinstance(entry[0], Mapping):
+            found += [(f"{key}.{number}", value) for number, value in enumerate(entry)]
+        else:
+            found.append((key, entry))
+    return found
+
+
+def section_at(name: str, content: Any) -> type[Section] | None:
+    """Class of the section at a dotted name of the file, for messages about its keys.
+
+    Parameters
+    ----------
+    name : str
+        Such as ``"flyer.top"`` or ``"film.layers.0"``, empty for the file itself.
+    content : dict
+        What the file says, which decides between alternatives.
+
+    Returns
+    -------
+    type or None
+        None where there is no such section.
+    """
+    bases = {
+        "flyer": FlyerSection,
+        "film": FilmSection,
+        "environment": EnvironmentSection,
+        "force": ForceSection,
+    }
+    first, _, rest = name.partition(".")
+    if not first:
+        return FlyerFile
+    if first not in bases:
+        return None
+    given = content.get(first) if isinstance(content, Mapping) else None
+    kind: type[Section] | None = bases[first].alternatives.get(bases[first].tag_of(given))
+    for key in rest.split(".") if rest else []:
+        if kind is None or key.isdigit():
+            continue  # entries of a list are all alike
+        kind = _inner_section(kind, key, given)
+        given = given.get(key) if isinstance(given, Mapping) else None
+    return kind
+
+
+def _inner_section(kind: type[Section], key: str, given: Any) -> type[Section] | None:
+    if key not in kind.model_fields:
+        return None
+    found = _sections_in(kind.model_fields[key].annotation)
+    inside = given.get(key) if isinstance(given, Mapping) else None
+    tagged = [part for part in found if issubclass(part, Alternative)]
+    if tagged:
+        base = next(part for part in tagged[0].__mro__ if Alternative in part.__bases__)
+        return base.alternatives.get(base.tag_of(inside))
+    return found[0] if found else None
+
+
+def _sections_in(annotation: Any) -> list[type[Section]]:
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        return [annotation]
+    return [
+        section for part in getattr(annotation, "__args__", ()) for section in _sections_in(part)
+    ]

@@ -1,0 +1,15 @@
+from .atmosphere.base import AbstractAtmosphere as AbstractAtmosphere
+from .atmosphere.lu2023 import Lu2023Atmosphere as Lu2023Atmosphere
+from .atmosphere.nrlmsis import NRLMSIS as NRLMSIS
+from .atmosphere.us1976 import US1976 as US1976
+from .base import AbstractEnvironment as AbstractEnvironment
+from .base import Coordinate as Coordinate
+from .base import EnvironmentState as EnvironmentState
+from .base import Place as Place
+from .base import Wind as Wind
+from .chamber import Chamber as Chamber
+from .earth import Earth as Earth
+from .earth import lu2023_earth as lu2023_earth
+from .radiation import Attitude as Attitude
+from .radiation import Radiation as Radiation
+from .view_factor import ground_view_factor as ground_view_factor

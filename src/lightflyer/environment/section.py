@@ -1,0 +1,67 @@
+"""``[environment]`` of a flyer file: what all its alternatives share."""
+
+import abc
+from collections.abc import Mapping
+from typing import ClassVar, Literal
+
+from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.environment.radiation import Radiation
+from lightflyer.foundation import constants
+from lightflyer.foundation.quantity import (
+    RADIANS_PER_DEGREE,
+    Acceleration,
+    Fraction,
+    Incidence,
+    Irradiance,
+)
+from lightflyer.foundation.section import Alternative
+from lightflyer.foundation.units import Measured
+from lightflyer.gas.air import GASES
+
+_SEARCH = "says where bands are searched"
+
+GasName = Literal[tuple(GASES)]  # type: ignore[valid-type]
+"""Names of gases in a flyer file."""
+
+
+class EnvironmentSection(Alternative, abc.ABC):
+    """``[environment]``: light, heat radiation, gas and gravity; subclasses add the place."""
+
+    choosing_keys: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("kind", "earth"),
+        ("atmosphere", "us1976"),
+    )
+    not_varied: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("altitude_min", "altitude_max", "pressure_min", "pressure_max"), _SEARCH
+    )
+    search_keys: ClassVar[tuple[str, str]]
+    stefan_boltzmann: ClassVar[float] = constants.STEFAN_BOLTZMANN
+
+    gas: GasName | None = None
+    gravity: Acceleration | None = None
+    irradiance: Irradiance = Measured(constants.SOLAR_CONSTANT)
+    incidence: Incidence = Measured(0.0)
+    infrared_top: Irradiance | None = None
+    infrared_bottom: Irradiance | None = None
+    albedo: Fraction = Measured(0.0)
+
+    def build_radiation(self) -> Radiation:
+        """Light and heat radiation."""
+        return Radiation(
+            irradiance=self.irradiance.value,
+            zenith_angle=self.incidence.value * RADIANS_PER_DEGREE,
+            albedo=self.albedo.value,
+            infrared_above=None if self.infrared_top is None else self.infrared_top.value,
+            infrared_below=None if self.infrared_bottom is None else self.infrared_bottom.value,
+            stefan_boltzmann=self.stefan_boltzmann,
+        )
+
+    @property
+    def search_range(self) -> tuple[float | None, float | None]:
+        """Ends of the coordinates to search, None where the file leaves one out."""
+        low, high = (getattr(self, key) for key in self.search_keys)
+        return (None if low is None else low.value, None if high is None else high.value)
+
+    @abc.abstractmethod
+    def build(self) -> AbstractEnvironment:
+        """The environment."""

@@ -1,0 +1,62 @@
+r"""How much of what a plane face sees is the planet.
+
+With the half-angle :math:`\gamma` of the planet's disk as seen from the flyer,
+:math:`\sin\gamma = R/(R+h)`, a face that looks straight down sees the share
+:math:`\sin^2\gamma` of it.
+"""
+
+import jax.numpy as jnp
+from jax import Array
+
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.types import Numeric
+
+_SMALLEST = 1e-12  # of sines and roots below, where a branch that is not taken would divide by zero
+
+
+@entry_point
+def ground_view_factor(angle: Numeric, straight_down: Numeric) -> Array:
+    r"""View factor from a plane element to a sphere, for any orientation.
+
+    With :math:`s=\sin\gamma` and the angle :math:`\theta` between the face's normal and the
+    direction to the centre, :math:`F = s^2\cos\theta` as long as the whole sphere is in front of
+    the plane; between there and the angle at which all of it is behind,
+
+    .. math::
+        F = \frac1\pi\left[\frac\pi2 - \arcsin\frac{\cos\gamma}{\sin\theta}
+            + s^2\cos\theta\,\arccos(-\cot\gamma\cot\theta)
+            - \cos\gamma\sqrt{s^2-\cos^2\theta}\right]
+
+    Parameters
+    ----------
+    angle : array, shape (...)
+        :math:`\theta` [rad], 0 to π.
+    straight_down : array, shape (...)
+        :math:`\sin^2\gamma`, the view factor of a face that looks straight down [1]; one for an
+        endless plane.
+
+    Returns
+    -------
+    array, broadcast shape
+        [1].
+
+    Notes
+    -----
+    Differentiable but where the plane touches the sphere.
+
+    References
+    ----------
+    [Howell2010]_ configuration factor B-43 (differential planar element to sphere).
+    """
+    cosine, sine = jnp.cos(angle), jnp.sin(angle)
+    away = 1.0 - straight_down  # cos²γ
+    whole = straight_down * cosine
+    cut = cosine**2 < straight_down
+    root = jnp.sqrt(jnp.where(cut, jnp.maximum(straight_down - cosine**2, _SMALLEST), 1.0))
+    safe_sine = jnp.where(cut, jnp.maximum(sine, _SMALLEST), 1.0)
+    far = jnp.sqrt(jnp.maximum(away, _SMALLEST))
+    ratio = jnp.clip(far / safe_sine, 0.0, 1.0)
+    near = jnp.sqrt(jnp.maximum(straight_down, _SMALLEST))
+    cotangents = jnp.clip(-(far / near) * cosine / safe_sine, -1.0, 1.0)
+    part = 0.5 * jnp.pi - jnp.arcsin(ratio) + whole * jnp.arccos(cotangents) - far * root
+    return jnp.where(cut, part / jnp.pi, jnp.maximum(whole, 0.0))

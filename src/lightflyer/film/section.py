@@ -1,0 +1,144 @@
+"""``[film]`` of a flyer file: what its alternatives share, and a film of measured properties."""
+
+import abc
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import pydantic
+
+from lightflyer.film.properties import FilmProperties
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.quantity import (
+    AccommodationCoefficient,
+    ArealDensity,
+    Correlation,
+    Emittance,
+    Fraction,
+)
+from lightflyer.foundation.section import Alternative
+from lightflyer.foundation.units import Measured
+
+FACES = ("tac_top", "tac_bottom")
+"""Numbers whose errors ``tac_correlation`` is about."""
+
+
+class FilmSection(Alternative, abc.ABC):
+    """``[film]``: a film whose properties are measured, or computed from its layers."""
+
+    kind: ClassVar[str]
+    """``"measured"`` or ``"layered"``."""
+
+    not_varied: ClassVar[Mapping[str, str]] = {
+        "tac_correlation": "is about uncertainties and changes no design"
+    }
+
+    absorptance_bottom: Fraction | None = None
+    emittance: Emittance | None = None
+    emittance_top: Emittance | None = None
+    emittance_bottom: Emittance | None = None
+    tac_correlation: Correlation = Measured(0.0)
+    transmittance: Fraction | None = None
+    infrared_transmittance: Fraction | None = None
+
+    @pydantic.model_validator(mode="after")
+    def _one_emittance_a_face(self) -> "FilmSection":
+        if self.emittance is not None and (self.emittance_top or self.emittance_bottom):
+            raise ConfigurationError(
+                "give either emittance, or emittance_top and emittance_bottom, not both"
+            )
+        return self
+
+    @classmethod
+    def tag(cls) -> str:
+        """Kind of the film."""
+        return cls.kind
+
+    @classmethod
+    def tag_of(cls, content: Any) -> str:
+        """``"layered"`` for a film with layers, else ``"measured"``."""
+        layered = (
+            "layers" in content if isinstance(content, Mapping) else hasattr(content, "layers")
+        )
+        return "layered" if layered else "measured"
+
+    def replaced(self, values: Mapping[str, Any]) -> "FilmSection":
+        """See :meth:`Section.replaced`; one emittance stands for both faces."""
+        cleared = {"emittance_top": None, "emittance_bottom": None} if "emittance" in values else {}
+        section = self.model_copy(update=cleared) if cleared else self
+        return super(FilmSection, section).replaced(values)  # type: ignore[return-value]
+
+    def stated(self) -> dict[str, Measured]:
+        """The values that the file gives, by the name of the film's property."""
+        given = {
+            name: getattr(self, name)
+            for name in FilmProperties.__dataclass_fields__
+            if getattr(self, name) is not None
+        }
+        if self.emittance is not None:
+            given |= {"emittance_top": self.emittance, "emittance_bottom": self.emittance}
+        return given
+
+    @property
+    def correlations(self) -> dict[tuple[str, str], float]:
+        """Correlation of the errors of two numbers, by their names."""
+        shared = self.tac_correlation.value
+        both = all(getattr(self, name) is not None for name in FACES)
+        return {(FACES[0], FACES[1]): shared} if both and shared else {}
+
+    @abc.abstractmethod
+    def build(
+        self, incidence: float = 0.0, computed: FilmProperties | None = None
+    ) -> FilmProperties:
+        """The film's properties, without their uncertainties.
+
+        Parameters
+        ----------
+        incidence : float
+            Of the light [rad].
+        computed : FilmProperties, optional
+            What :meth:`build` gave for other numbers, where their change leaves the optics alone.
+
+        Returns
+        -------
+        FilmProperties
+        """
+
+    def changes_optics(self, name: str) -> bool:
+        """Whether a number's change means computing the optics of layers anew.
+
+        Parameters
+        ----------
+        name : str
+            Dotted name within the section, or ``"incidence"``.
+
+        Returns
+        -------
+        bool
+        """
+        del name
+        return False
+
+
+class MeasuredFilmSection(FilmSection):
+    """``[film]``: properties, measured or assumed."""
+
+    kind: ClassVar[str] = "measured"
+
+    areal_density: ArealDensity
+    absorptance: Fraction
+    tac_top: AccommodationCoefficient
+    tac_bottom: AccommodationCoefficient
+
+    @pydantic.model_validator(mode="after")
+    def _both_emittances(self) -> "MeasuredFilmSection":
+        if self.emittance is None and None in (self.emittance_top, self.emittance_bottom):
+            raise ConfigurationError("give emittance, or both emittance_top and emittance_bottom")
+        return self
+
+    def build(
+        self,
+        incidence: float = 0.0,  # noqa: ARG002
+        computed: FilmProperties | None = None,  # noqa: ARG002
+    ) -> FilmProperties:
+        """The film's properties, without their uncertainties; the same at any incidence."""
+        return FilmProperties(**{name: value.value for name, value in self.stated().items()})

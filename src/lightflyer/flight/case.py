@@ -1,0 +1,96 @@
+"""One flyer in one place, and everything that follows, computed when it is first asked for."""
+
+from functools import cached_property
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flight.balance import Equilibrium, equilibrium
+from lightflyer.flight.bands import Band, levitation_band
+from lightflyer.flight.levitation import (
+    Levitation,
+    largest_payload,
+    levitate,
+    upward_force,
+    weight,
+)
+from lightflyer.flight.setup import Setup
+from lightflyer.foundation.types import Numeric
+
+
+class Case:
+    """A setup at a coordinate, to be used inside traced functions in double precision.
+
+    Parameters
+    ----------
+    setup : Setup
+    coordinate : array, shape (...), optional
+        Altitude [m] or pressure [Pa]; not needed by what is searched over it.
+    irradiance : array, shape (...), optional
+        In place of the environment's [W/m²].
+    """
+
+    def __init__(
+        self, setup: Setup, coordinate: Numeric | None = None, irradiance: Numeric | None = None
+    ):
+        self.setup, self.coordinate, self._irradiance = setup, coordinate, irradiance
+        self.converged: Any = jnp.array(True)
+        self.residual: Any = jnp.zeros(())
+
+    @property
+    def flyer(self) -> Any:
+        """The flyer."""
+        return self.setup.flyer
+
+    @cached_property
+    def state(self) -> EnvironmentState:
+        """Surroundings."""
+        state = self.setup.environment.state(self.coordinate)
+        if self._irradiance is None:
+            return state
+        return eqx.tree_at(lambda state: state.radiation.irradiance, state, self._irradiance)
+
+    @cached_property
+    def balance(self) -> Equilibrium:
+        """Heat balance in the available light."""
+        found = equilibrium(self.flyer, self.state, self.setup.model, throw=False)
+        self._note(found)
+        return found
+
+    @cached_property
+    def levitation(self) -> Levitation:
+        """What it takes to levitate."""
+        found = levitate(self.flyer, self.state, self.setup.model, throw=False)
+        self._note(found)
+        return found
+
+    @cached_property
+    def lift(self) -> Any:
+        """Vertical force in the available light [N]."""
+        return upward_force(self.flyer, self.state, self.setup.model, self.balance.unknowns)
+
+    @cached_property
+    def weight(self) -> Any:
+        """Weight with payload [N]."""
+        return weight(self.flyer, self.state)
+
+    @cached_property
+    def payload(self) -> Any:
+        """Largest payload in the available light [kg]."""
+        return largest_payload(self.flyer, self.state, self.lift)
+
+    @cached_property
+    def band(self) -> Band:
+        """Widest band of the coordinate in which it levitates."""
+        setup = self.setup
+        found = levitation_band(
+            setup.flyer, setup.environment, setup.model, setup.searched, throw=False
+        )
+        self.converged &= found.converged
+        return found
+
+    def _note(self, found: Equilibrium | Levitation) -> None:
+        self.converged &= found.converged
+        self.residual += jnp.abs(found.residual)

@@ -1,0 +1,341 @@
+"""A design: a setup whose numbers have names, so that studies can vary them.
+
+Sweeps, optimisation, sensitivities and uncertainty know nothing else. A flyer file is one way to
+make a design; three objects are another, whose numbers are named by their place in them, such as
+``"flyer.film.tac_top"``.
+"""
+
+import abc
+import difflib
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import fields as dataclass_fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import numpy as np
+
+from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.flight.setup import Setup
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.quantity import Quantity, quantities_of
+from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.units import dataset_unit
+
+
+class Field(NamedTuple):
+    """A number that describes a design.
+
+    Attributes
+    ----------
+    name : str
+        Dotted, such as ``"film.emittance"``, or the coordinate's name, such as ``"altitude"``.
+    quantity : Quantity
+        Its unit and range.
+    """
+
+    name: str
+    quantity: Quantity
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Attributes of a coordinate that holds its values."""
+        words = self.name.replace(".", " ").replace("_", " ")
+        return {"units": dataset_unit(self.quantity.unit), "long_name": words}
+
+
+class AbstractDesign(abc.ABC):
+    """A setup that can be built anew with other numbers."""
+
+    text: str = ""
+    """What the design was read from, for the record."""
+
+    @abc.abstractmethod
+    def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:
+        """The setup with some numbers replaced.
+
+        Parameters
+        ----------
+        values : dict of str to array, shape (...), optional
+            By the name of the field, in its unit; they broadcast and may be traced. They are not
+            checked. A coordinate among them has no effect.
+        prepared : object, optional
+            From :meth:`prepare`.
+
+        Returns
+        -------
+        Setup
+        """
+
+    @cached_property
+    @abc.abstractmethod
+    def quantities(self) -> dict[str, Quantity]:
+        """Unit and range of each number that may be varied, by name, without the coordinate."""
+
+    @abc.abstractmethod
+    def number(self, name: str) -> float | None:
+        """Value of a number, None for an optional one that is not given."""
+
+    @property
+    @abc.abstractmethod
+    def uncertainties(self) -> dict[str, float]:
+        """Standard uncertainties that are stated, by name, in the units of the values."""
+
+    @property
+    @abc.abstractmethod
+    def correlations(self) -> dict[tuple[str, str], float]:
+        """Correlation of the errors of two numbers, by their names."""
+
+    @abc.abstractmethod
+    def description(self) -> dict[str, str]:
+        """Everything that decides results, in words that can be compared and shown."""
+
+    def costly(self, names: list[str]) -> list[str]:
+        """Those of some numbers whose change takes more than arithmetic; see :meth:`prepare`."""
+        del names
+        return []
+
+    def prepare(self, values: Mapping[str, float]) -> Any:
+        """Whatever :meth:`build` needs for other values of costly numbers: arrays in a pytree."""
+        del values
+
+    def why_not_varied(self, name: str) -> str | None:
+        """Reason why a number of the design cannot be varied, None where there is none."""
+        del name
+        return None
+
+    def conflict(self, names: list[str]) -> tuple[str, str] | None:
+        """Two of some numbers that cannot be given at once, None where there are none."""
+        del names
+        return None
+
+    @cached_property
+    def setup(self) -> Setup:
+        """The setup with its own numbers."""
+        return self.build()
+
+    @property
+    def coordinate_name(self) -> str:
+        """Name of the coordinate of the surroundings, such as ``"altitude"``."""
+        return self.setup.environment.coordinate.name
+
+    @cached_property
+    def fields(self) -> dict[str, Field]:
+        """All numbers that may be varied, and the coordinate of the surroundings, by name."""
+        coordinate = self.setup.environment.coordinate
+        quantities = {**self.quantities, coordinate.name: coordinate.quantity}
+        return {name: Field(name, quantity) for name, quantity in quantities.items()}
+
+    def field(self, name: str) -> Field:
+        """A number by its name.
+
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        Field
+
+        Raises
+        ------
+        ConfigurationError
+            If there is no such number, with the nearest name; or if it cannot be varied, with why.
+        """
+        known = self.fields
+        if name in known:
+            return known[name]
+        reason = self.why_not_varied(name)
+        if reason is not None:
+            raise ConfigurationError(f"{name} cannot be varied: it {reason}")
+        last = name.rpartition(".")[2]
+        near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
+        near = near or [full for full in known if full.rpartition(".")[2] == last]
+        hint = f'did you mean "{near[0]}"?' if near else f"choose from {', '.join(known)}"
+        raise ConfigurationError(f"{name} is not a number of the design; {hint}")
+
+
+class ObjectDesign(AbstractDesign):
+    """A design made of objects.
+
+    Parameters
+    ----------
+    setup : Setup
+        Numbers that are scalars may be varied.
+    uncertainties : dict of str to float, optional
+        Standard uncertainties by name, such as ``{"flyer.film.tac_bottom": 0.03}``.
+    correlations : dict of (str, str) to float, optional
+        Correlation of the errors of two numbers.
+
+    Raises
+    ------
+    ConfigurationError
+        If a name is not that of a number.
+    """
+
+    def __init__(
+        self,
+        setup: Setup,
+        uncertainties: Mapping[str, float] | None = None,
+        correlations: Mapping[tuple[str, str], float] | None = None,
+    ):
+        self._base = setup
+        self._uncertainties = dict(uncertainties or {})
+        self._correlations = dict(correlations or {})
+        for name in (*self._uncertainties, *(name for pair in self._correlations for name in pair)):
+            self.field(name)
+
+    @cached_property
+    def _numbers(self) -> dict[str, tuple[Quantity, float]]:
+        parts = {
+            "flyer": self._base.flyer,
+            "environment": self._base.environment,
+            "force": self._base.model,
+        }
+        found = {}
+        for prefix, part in parts.items():
+            for name, quantity, value in _numbers_in(part):
+                found[f"{prefix}.{name}"] = (quantity, value)
+        return found
+
+    @cached_property
+    def quantities(self) -> dict[str, Quantity]:
+        """See :attr:`AbstractDesign.quantities`."""
+        return {name: quantity for name, (quantity, _) in self._numbers.items()}
+
+    def number(self, name: str) -> float | None:
+        """See :meth:`AbstractDesign.number`."""
+        return self._numbers[name][1] if name in self._numbers else None
+
+    @property
+    def uncertainties(self) -> dict[str, float]:
+        """See :attr:`AbstractDesign.uncertainties`."""
+        return dict(self._uncertainties)
+
+    @property
+    def correlations(self) -> dict[tuple[str, str], float]:
+        """See :attr:`AbstractDesign.correlations`."""
+        return dict(self._correlations)
+
+    def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:  # noqa: ARG002
+        """See :meth:`AbstractDesign.build`."""
+        moved = {name: value for name, value in (values or {}).items() if name in self._numbers}
+        if not moved:
+            return self._base
+        return eqx.tree_at(
+            lambda setup: [_at(setup, name) for name in moved], self._base, list(moved.values())
+        )
+
+    def description(self) -> dict[str, str]:
+        """See :meth:`AbstractDesign.description`."""
+        base = self._base
+        parts = {"flyer": base.flyer, "environment": base.environment, "force": base.model}
+        kinds = {
+            f"object: {name}": f"{type(part).__module__}.{type(part).__qualname__}"
+            for name, part in parts.items()
+        }
+        numbers = {f"object: {name}": repr(value) for name, (_, value) in self._numbers.items()}
+        structure = str(jax.tree.structure(base))
+        described = kinds | numbers | {"search range": repr(base.search_range)}
+        described["numbers of the objects and of their data"] = digest(*jax.tree.leaves(base))
+        described["structure of the objects"] = hashlib.sha256(structure.encode()).hexdigest()[:12]
+        return described
+
+
+def _numbers_in(part: Any) -> Iterator[tuple[str, Quantity, float]]:
+    """Dotted name, quantity and value of each scalar number inside a module."""
+    known = quantities_of(type(part))
+    for field in dataclass_fields(part):
+        if field.metadata.get("static", False):
+            continue
+        value = getattr(part, field.name)
+        if isinstance(value, eqx.Module):
+            for name, quantity, number in _numbers_in(value):
+                yield f"{field.name}.{name}", quantity, number
+        elif _is_scalar(value):
+            yield field.name, known.get(field.name, Quantity()), float(value)
+
+
+def _is_scalar(value: Any) -> bool:
+    if isinstance(value, bool) or value is None or isinstance(value, str | tuple | list | dict):
+        return False
+    array = np.asarray(value)
+    return array.ndim == 0 and bool(np.issubdtype(array.dtype, np.number))
+
+
+def _at(setup: Setup, name: str) -> Any:
+    first, *rest = name.split(".")
+    part: Any = setup.model if first == "force" else getattr(setup, first)
+    for key in rest:
+        part = getattr(part, key)
+    return part
+
+
+def digest(*arrays: Any) -> str:
+    """Fingerprint of numbers, to tell whether two sets are the same.
+
+    Parameters
+    ----------
+    *arrays : array
+
+    Returns
+    -------
+    str
+    """
+    total = hashlib.sha256()
+    for array in arrays:
+        total.update(np.ascontiguousarray(array, float).tobytes())
+    return f"sha256 {total.hexdigest()[:12]}"
+
+
+def as_design(
+    what: Any,
+    environment: AbstractEnvironment | None = None,
+    model: AbstractForceModel | None = None,
+) -> AbstractDesign:
+    """A design from whatever a user has in hand.
+
+    Parameters
+    ----------
+    what : AbstractDesign, Setup, FlyerFile, path of a flyer file, or AbstractFlyer
+    environment, model : optional
+        Where ``what`` is a flyer.
+
+    Returns
+    -------
+    AbstractDesign
+
+    Raises
+    ------
+    ParameterError
+        If it is none of these.
+    ConfigurationError
+        If a flyer file cannot be used.
+    """
+    if isinstance(what, AbstractFlyer):
+        if environment is None or model is None:
+            raise ParameterError("a flyer needs an environment and a force model beside it")
+        return ObjectDesign(Setup(what, environment, model))
+    if environment is not None or model is not None:
+        raise ParameterError(
+            f"environment and model stand beside a flyer, not beside {type(what).__name__}"
+        )
+    if isinstance(what, AbstractDesign):
+        return what
+    if isinstance(what, Setup):
+        return ObjectDesign(what)
+    if isinstance(what, str | Path):
+        from lightflyer.config.reader import read_flyer_file  # the way in for files
+
+        what = read_flyer_file(what)
+    if hasattr(what, "design"):
+        found: AbstractDesign = what.design()
+        return found
+    raise ParameterError(
+        f"{type(what).__name__} is neither a flyer, a Setup, a flyer file nor its path"
+    )

@@ -1,0 +1,40 @@
+"""A flyer, its environment and a force model, as one object."""
+
+import equinox as eqx
+
+from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.force.base import AbstractForceModel
+
+
+class Setup(eqx.Module):
+    """What flies, where, and how the gas pushes it.
+
+    Attributes
+    ----------
+    flyer : AbstractFlyer
+    environment : AbstractEnvironment
+    model : AbstractForceModel
+    search_range : tuple of (float or None)
+        Ends of the altitudes [m] or pressures [Pa] to search; None for the environment's own.
+
+    Raises
+    ------
+    ParameterError
+        If the model is not for the flyer.
+    """
+
+    flyer: AbstractFlyer
+    environment: AbstractEnvironment
+    model: AbstractForceModel
+    search_range: tuple[float | None, float | None] = eqx.field(static=True, default=(None, None))
+
+    def __check_init__(self) -> None:
+        self.model.require_flyer(type(self.flyer))
+
+    @property
+    def searched(self) -> tuple[float, float]:
+        """Ends of the coordinates to search."""
+        low, high = self.environment.coordinate.searched
+        own_low, own_high = self.search_range
+        return (low if own_low is None else own_low, high if own_high is None else own_high)

@@ -1,0 +1,11 @@
+from .base import AbstractForceModel as AbstractForceModel
+from .free_molecular import FreeMolecular as FreeMolecular
+from .free_molecular import LinearFreeMolecular as LinearFreeMolecular
+from .kinetic import Kinetic as Kinetic
+from .lu2023 import PRINTED as PRINTED
+from .lu2023 import REPORTED as REPORTED
+from .lu2023 import Lu2023 as Lu2023
+from .lu2023 import Reading as Reading
+from .section import ForceSection as ForceSection
+from .simple_form import SimpleForm as SimpleForm
+from .simple_form import fit_simple_form as fit_simple_form

@@ -1,6 +1,7 @@
 import pytest
 
 import lightflyer as lf
+from lightflyer.calibration.points import read_points
 
 GOOD = """\
 # a comment
@@ -22,7 +23,7 @@ def write(tmp_path):
 
 
 def test_reads_units_comments_and_blank_lines(write):
-    points = lf.read_points(write(GOOD))
+    points = read_points(write(GOOD))
     assert points.samples == ["Ge 2 cm", "CNT"]
     assert points.pressure[0] == pytest.approx(30e-3 * 101325.0 / 760.0)
     assert points.irradiance.tolist() == [1500.0, 2500.0]
@@ -58,7 +59,7 @@ HEADER = "sample,pressure [Pa],irradiance [W/m^2]"
 def test_one_clear_line_for_each_mistake(write, text, line, says):
     path = write(text)
     with pytest.raises(lf.ConfigurationError) as error:
-        lf.read_points(path)
+        read_points(path)
     message = str(error.value)
     assert "\n" not in message
     assert message.startswith(f"{path}:{line}: " if line else f"{path}: ")
@@ -67,4 +68,4 @@ def test_one_clear_line_for_each_mistake(write, text, line, says):
 
 def test_missing_file(tmp_path):
     with pytest.raises(lf.ConfigurationError, match="cannot be read"):
-        lf.read_points(tmp_path / "nothing.csv")
+        read_points(tmp_path / "nothing.csv")

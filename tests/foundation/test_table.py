@@ -134,6 +134,7 @@ def test_strict_reader_takes_all_or_nothing(write):
     ("text", "place", "says"),
     [
         ("# sample, pressure [Pa]\n", "", "has comments only"),
+        ("-,-\n1,2\n", ":1", "sample is missing"),
         ("note\nsample,pressure [Pa]\na,1\n", ":1", 'column "note" is unknown'),
         ("sample,share\na,1\n", ":1", "column pressure is missing; needed: sample, pressure [Pa]"),
         ("sample,pressure [Pa]\na,1\nb,OVLD\n", ":3", '"OVLD" is not a number'),
@@ -149,6 +150,16 @@ def test_strict_reader_refuses(write, text, place, says):
         read_table(path, STRICT, strict=True, closed=True)
     assert str(error.value).startswith(f"{path}{place}: ")
     assert says in str(error.value)
+
+
+def test_no_known_column(write):
+    column = (Column("share", Fraction), Column("name", text=True))
+    with pytest.raises(lf.ConfigurationError, match=":1: has no known column; known columns: sh"):
+        read_table(write("1,2\n3,4\n"), column, strict=True)
+    with pytest.raises(lf.ConfigurationError, match="--columns of .* has no known column"):
+        read_table(write("1,2\n3,4\n"), column, layout="-, -")
+    # names alone are a table too
+    assert read_table(write("name\na\n"), column).texts == {"name": ["a"]}
 
 
 def test_shipped_table():

@@ -368,6 +368,9 @@ def _placed(
             raise ConfigurationError(
                 f"{place}: the column {column.name} is missing; needed: {needed}"
             )
+    if not placed:
+        known = ", ".join(column.with_unit for column in columns)
+        raise ConfigurationError(f"{place}: has no known column; known columns: {known}")
     return placed
 
 

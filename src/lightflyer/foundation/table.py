@@ -331,7 +331,7 @@ def _read_slowly(
         for name, word in said.items():
             texts[name].append(word)
     count = len(layout.number_columns)
-    return numbers, np.array(values, float).reshape(-1, count), texts, rejected
+    return numbers, np.array(values, float).reshape(len(numbers), count), texts, rejected
 
 
 def _read_row(

@@ -4,8 +4,15 @@ from scipy.interpolate import CubicSpline
 from skmisc.loess import loess
 
 import lightflyer as lf
-from lightflyer.lab.levitation import LiftOffs, compare, levitation_curve, read_lift_offs, summary
-from lightflyer.lab.levitation_model import calibrated, model_curve
+from lightflyer.environment import Chamber
+from lightflyer.film.properties import FilmProperties
+from lightflyer.flight.levitation import levitate
+from lightflyer.flight.setup import Setup
+from lightflyer.flyer import Disk
+from lightflyer.force import Lu2023
+from lightflyer.lab.levitation import compare, levitation_curve, summary
+from lightflyer.lab.levitation_data import LiftOffs, read_lift_offs
+from lightflyer.lab.levitation_model import calibrate_curves, model_curve
 
 RANGE = (1.5, 40.0)
 
@@ -14,8 +21,8 @@ RANGE = (1.5, 40.0)
 def truth():
     """Log-pressure and log-irradiance of the model's curve."""
     pressure = np.geomspace(*RANGE, 4000)
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    light = lf.levitate(lf.Disk(film, 0.01), lf.Chamber().state(pressure), lf.Lu2023()).irradiance
+    film = FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    light = levitate(Disk(film, radius=0.01), Chamber().state(pressure), Lu2023()).irradiance
     return np.log(pressure), np.log(light)
 
 
@@ -107,7 +114,7 @@ def test_reduction_between_two_samples(truth, rng):
 
 def test_an_optimum_at_the_end_is_said():
     x = np.linspace(0.0, 2.0, 12)
-    with pytest.warns(lf.ParameterWarning, match="at the end of its pressures"):
+    with pytest.warns(lf.ParameterWarning, match="minimum at the end of its pressures"):
         curve = levitation_curve(LiftOffs("a", np.exp(x), np.exp(7.0 + x)), draws=100)
     assert curve.at_edge
 
@@ -141,11 +148,11 @@ def test_files_and_ground_effect(tmp_path):
 
 
 def test_model_and_calibration(truth, rng):
-    film = lf.FilmProperties(1e-3, 0.75, 0.48, 0.48, tac_top=0.8, tac_bottom=0.9)
-    setup = lf.Setup(lf.Disk(film, 0.02), lf.Chamber(), lf.Lu2023(0.5, 2.0), (None, None))
+    film = FilmProperties(1e-3, 0.75, 0.48, 0.48, tac_top=0.8, tac_bottom=0.9)
+    setup = Setup(Disk(film, radius=0.02), Chamber(), Lu2023(0.5, 2.0))
     points = draw(truth, rng, 16, 0.01)
     points.properties.update(emittance=0.08, diameter=0.02)
-    fit, better = calibrated([levitation_curve(points, draws=100)], setup)
+    fit, better = calibrate_curves([levitation_curve(points, draws=100)], setup)
     np.testing.assert_allclose(fit.values, [0.4, 3.0], rtol=0.1)
     pressure, light = model_curve(points, better)
     inside = (pressure > RANGE[0]) & (pressure < RANGE[1])

@@ -3,6 +3,7 @@ import pytest
 from uncertainties import ufloat
 
 import lightflyer as lf
+from lightflyer.foundation.units import Measured
 from lightflyer.lab.thermal_image import parse_regions, read_thermal_image, region_temperatures
 from lightflyer.lab.thermography import (
     LIGHT,
@@ -14,10 +15,10 @@ from lightflyer.lab.thermography import (
 )
 
 TEMPERATURES = {
-    "hotplate_temperature": lf.Measured(423.15, 0.5),
-    "lower_temperature": lf.Measured(323.15, 0.7),
-    "upper_temperature": lf.Measured(403.15, 0.6),
-    "ambient_temperature": lf.Measured(295.15, 0.3),
+    "hotplate_temperature": Measured(423.15, 0.5),
+    "lower_temperature": Measured(323.15, 0.7),
+    "upper_temperature": Measured(403.15, 0.6),
+    "ambient_temperature": Measured(295.15, 0.3),
 }
 
 
@@ -113,7 +114,7 @@ def test_regions_of_an_image():
     found = region_temperatures(image, regions, "a.jpg")
     assert found["hotplate_temperature"].value == 400.0
     assert found["ambient_temperature"].value == 295.0
-    with pytest.raises(lf.ConfigurationError, match=r"a\.jpg: region hotplate leaves the image"):
+    with pytest.raises(lf.ConfigurationError, match=r"a\.jpg: region hotplate extends beyond"):
         region_temperatures(image[:15], regions, "a.jpg")
     for text in ("hotplate", "hotplate=1:1,2:3", "hotplate=1:2"):
         with pytest.raises(lf.ConfigurationError, match="--regions"):
@@ -124,5 +125,5 @@ def test_regions_of_an_image():
 def test_a_picture_is_no_thermal_image(tmp_path, content):
     path = tmp_path / "a.jpg"
     path.write_bytes(content)
-    with pytest.raises(lf.ConfigurationError, match=r"a\.jpg: is no radiometric image"):
+    with pytest.raises(lf.ConfigurationError, match=r"a\.jpg: is not a radiometric FLIR image"):
         read_thermal_image(path)

@@ -1,1 +1,5 @@
-"""Raw measurements to numbers with intervals: one module a measurement."""
+"""Lab bench: numbers with intervals from raw measurements, one module per measurement."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""A number with its interval: what every measurement ends in."""
+"""Measured numbers with their intervals."""
 
 import math
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ import numpy as np
 from scipy import stats
 
 CONFIDENCE = 0.95
-"""Of every interval of the lab bench."""
+"""Confidence of every interval of the lab bench."""
 
 
 @dataclass(frozen=True)
@@ -22,9 +22,9 @@ class Estimate:
     interval : tuple of float
         Ends of the 95 % interval; infinite where the data set no bound.
     unit : str
-        Of all of them, ``""`` for a pure number.
+        Unit of value, interval and uncertainty; ``""`` for a pure number.
     uncertainty : float or None
-        Standard uncertainty, where one sums the interval up.
+        Standard uncertainty, if the interval has one.
     """
 
     value: float
@@ -44,7 +44,7 @@ class Estimate:
             Estimate and its standard uncertainty.
         unit : str
         freedom : float
-            Degrees of freedom of the uncertainty; Student's factor counts them.
+            Degrees of freedom of the uncertainty, for Student's factor.
 
         Returns
         -------
@@ -54,7 +54,7 @@ class Estimate:
         return cls(float(value), (float(value - half), float(value + half)), unit, uncertainty)
 
     def to_json(self) -> dict[str, Any]:
-        """Value, interval and unit; an end that is not finite is null."""
+        """JSON object of value, interval and unit; an infinite end is null."""
         ends = [end if math.isfinite(end) else None for end in map(float, self.interval)]
         return {"value": float(self.value), "interval_95": ends, "unit": self.unit}
 
@@ -65,29 +65,30 @@ class Estimate:
 
 
 def central_interval(draws: np.ndarray, axis: int = -1) -> np.ndarray:
-    """Ends of the middle 95 % of draws.
+    """Central 95 % interval of draws.
 
     Parameters
     ----------
     draws : array
     axis : int
-        That the draws are counted along.
+        Axis of the draws.
 
     Returns
     -------
     array, shape (2, ...)
+        Lower and upper ends.
     """
     tail = 0.5 * (1.0 - CONFIDENCE)
     return np.asarray(np.quantile(draws, [tail, 1.0 - tail], axis=axis))
 
 
 def weighted_mean(estimates: Sequence[Estimate]) -> Estimate:
-    r"""Mean of independent estimates of one quantity, with the variance between them.
+    r"""Mean of independent estimates of one quantity, including the variance between them.
 
     Parameters
     ----------
     estimates : sequence of Estimate
-        With standard uncertainties, in one unit.
+        With standard uncertainties, in the same unit.
 
     Returns
     -------
@@ -95,9 +96,8 @@ def weighted_mean(estimates: Sequence[Estimate]) -> Estimate:
 
     Notes
     -----
-    Estimates are weighted by :math:`1/(u_i^2+\tau^2)`, where :math:`\tau^2` is the variance
-    between them that their scatter shows beyond their own uncertainties; it is zero where they
-    agree.
+    Estimates are weighted by :math:`1/(u_i^2+\tau^2)`. Here :math:`\tau^2` is the variance between
+    them beyond their own uncertainties; it is zero where they agree.
 
     References
     ----------

@@ -1,12 +1,12 @@
 r"""Emissivity, or its upper bound, from infrared transmittance and reflectance.
 
-What a film neither transmits nor reflects it absorbs, and so emits. Spectra are averaged over a
+A film absorbs, and so emits, what it neither transmits nor reflects. Spectra are averaged over a
 band, and over Planck's spectrum at a temperature,
 
 .. math:: \bar\tau(T) = \frac{\int B_\nu(T)\,\tau(\nu)\,d\nu}{\int B_\nu(T)\,d\nu},
 
-both integrals over the wavenumbers measured. Without reflectance, :math:`1-\bar\tau` is an upper
-bound of the emissivity.
+with both integrals over the measured wavenumbers. Without reflectance, :math:`1-\bar\tau` is an
+upper bound of the emissivity.
 """
 
 import warnings
@@ -28,24 +28,25 @@ if TYPE_CHECKING:
     import xarray as xr
 
 PER_CENTIMETRE = 100.0
-"""Wavenumbers in 1/cm, in 1/m."""
+"""One reciprocal centimetre [1/m]."""
 
 BAND = (500.0 * PER_CENTIMETRE, 1300.0 * PER_CENTIMETRE)
-"""The paper's band, 900 ± 400 cm⁻¹ [1/m]."""
+"""Band of the paper, 900 ± 400 cm⁻¹ [1/m]."""
 
 TEMPERATURES = (300.0, 400.0, 441.0, 500.0)
-"""At which averages are given by default [K]."""
+"""Default temperatures of Planck-weighted means [K]."""
 
 _WIDEST_STEP = 1.0  # of hcν/kT in one piece of the quadrature
 _NODES, _FEW_NODES = 8, 2  # Gauss-Legendre, per piece
-_FINE = 50_000  # points above which a spectrum is so fine that few nodes do
-_NOISE_VARIANCE = 6.0  # of y[i-1] - 2 y[i] + y[i+1], over that of y
+_FINE = 50_000  # points above which a spectrum is fine enough for few nodes
+_NOISE_VARIANCE = 6.0  # variance of y[i-1] - 2 y[i] + y[i+1] over the variance of y
 _MEDIAN_OF_SQUARE = float(special.chdtri(1, 0.5))  # of a standard normal variable
+_ROUNDING = 1e-9  # fraction of the band below which a gap is rounding
 
 
 @dataclass(frozen=True)
 class Averages:
-    """Means of one quantity over the band and over Planck's spectrum.
+    """Averages of one quantity over the band and over Planck's spectrum.
 
     Attributes
     ----------
@@ -60,24 +61,24 @@ class Averages:
 
 @dataclass(frozen=True)
 class Ftir:
-    """What spectra of a film say of its emissivity.
+    """Transmittance, reflectance and emissivity of a film from its infrared spectra.
 
     Attributes
     ----------
     spectra : list of MeasuredSpectrum
-        Of transmittance.
+        Spectra of transmittance.
     reflectances : list of MeasuredSpectrum
-        Empty where none was measured.
+        Spectra of reflectance; empty if none was measured.
     band : tuple of float
         [1/m].
     transmittance : Averages
     reflectance : Averages or None
     uncovered_band : float
-        Share of the band's width without data [1].
+        Fraction of the band's width without data [1].
     uncovered : dict of float to float
-        Share of a black body's power without data, by temperature [1].
+        Fraction of a black body's power without data [1], by temperature [K].
     accuracy : float
-        Standard uncertainty of the instrument's ordinate that the intervals hold [1].
+        Standard uncertainty of the instrument's ordinate, included in the intervals [1].
     """
 
     spectra: list[MeasuredSpectrum]
@@ -91,18 +92,18 @@ class Ftir:
 
     @property
     def upper_bound(self) -> Estimate:
-        """Emissivity if the film reflected nothing, over the band."""
+        """Upper bound of the emissivity over the band: that of a film that reflects nothing."""
         return _remainder([self.transmittance.band])
 
     @property
     def emissivity(self) -> Estimate | None:
-        """Emissivity over the band, where reflectance was measured."""
+        """Emissivity over the band; None if reflectance was not measured."""
         if self.reflectance is None:
             return None
         return _remainder([self.transmittance.band, self.reflectance.band])
 
     def planck_emissivity(self) -> dict[float, Estimate]:
-        """Emissivity by temperature, or its upper bound where reflectance was not measured."""
+        """Emissivity by temperature [K], or its upper bound if reflectance was not measured."""
         parts = [one for one in (self.transmittance, self.reflectance) if one is not None]
         return {
             temperature: _remainder([part.planck[temperature] for part in parts])
@@ -142,7 +143,7 @@ def _by_temperature(estimates: dict[float, Estimate]) -> dict[str, Any]:
 
 
 def _remainder(parts: Sequence[Estimate]) -> Estimate:
-    """One minus the parts, whose errors are independent."""
+    """One minus the parts, with independent errors."""
     value = 1.0 - sum(one.value for one in parts)
     low = float(np.sqrt(sum((one.interval[1] - one.value) ** 2 for one in parts)))
     high = float(np.sqrt(sum((one.value - one.interval[0]) ** 2 for one in parts)))
@@ -158,18 +159,18 @@ def reduce_ftir(
     temperatures: Sequence[float] = TEMPERATURES,
     accuracy: float = 0.0,
 ) -> Ftir:
-    """Averages of a film's spectra, and its emissivity or its upper bound.
+    """Average a film's spectra for its emissivity, or its upper bound.
 
     Parameters
     ----------
     spectra : sequence of MeasuredSpectrum
-        Of transmittance; several are repeated measurements of one film.
+        Spectra of transmittance; several are repeated measurements of one film.
     reflectances : sequence of MeasuredSpectrum
-        Of reflectance, likewise.
+        Spectra of reflectance, likewise.
     band : tuple of float
         Lowest and highest wavenumber of the band [1/m].
     temperatures : sequence of float
-        At which to weight with Planck's spectrum [K].
+        Temperatures of the Planck weighting [K].
     accuracy : float
         Standard uncertainty of the instrument's ordinate, common to a whole spectrum [1].
 
@@ -180,7 +181,7 @@ def reduce_ftir(
     Raises
     ------
     ParameterError
-        If there is no spectrum, one is of another quantity, it has no data in the band, or an
+        If there is no spectrum, one shows another quantity or has no data in the band, or an
         argument is impossible.
 
     Warns
@@ -190,19 +191,19 @@ def reduce_ftir(
 
     Notes
     -----
-    Intervals of one spectrum hold its noise, taken from the second differences of its points, and
-    the accuracy; those of several the scatter between their means, and the accuracy.
+    The interval of one spectrum includes its noise, estimated from the second differences of its
+    points, and the accuracy; that of several includes the scatter of their means and the accuracy.
     """
     require_positive(temperatures=np.asarray(temperatures, float))
     require_range("accuracy", accuracy, 0.0, 1.0)
     require_range("lower end of the band", band[0], 0.0)
     require_range("upper end of the band", band[1], band[0], open_below=True)
     if not spectra:
-        raise ParameterError("there is no spectrum of transmittance")
+        raise ParameterError("a spectrum of transmittance is needed")
     for group, quantity in ((spectra, "transmittance"), (reflectances, "reflectance")):
         for one in group:
             if one.quantity != quantity:
-                raise ParameterError(f"{one.source}: is of {one.quantity}, not of {quantity}")
+                raise ParameterError(f"{one.source}: shows {one.quantity}, not {quantity}")
     every = [*spectra, *reflectances]
     low = max(one.wavenumber[0] for one in every)
     high = min(one.wavenumber[-1] for one in every)
@@ -240,13 +241,13 @@ def _uncovered_band(band: tuple[float, float], low: float, high: float, source: 
     in_cm = [end / PER_CENTIMETRE for end in (*band, low, high)]
     if covered <= 0.0:
         raise ParameterError(
-            f"{source}: has no data in the band of {in_cm[0]:g} to {in_cm[1]:g} cm^-1; its data "
-            f"are from {in_cm[2]:.5g} to {in_cm[3]:.5g} cm^-1"
+            f"{source}: has no data in the band from {in_cm[0]:g} to {in_cm[1]:g} cm^-1; its data "
+            f"extend from {in_cm[2]:.5g} to {in_cm[3]:.5g} cm^-1"
         )
-    if covered < width * (1.0 - 1e-9):
+    if covered < width * (1.0 - _ROUNDING):
         warnings.warn(
-            f"{source}: data from {in_cm[2]:.5g} to {in_cm[3]:.5g} cm^-1 leave "
-            f"{1.0 - covered / width:.1%} of the band uncovered",
+            f"{source}: data from {in_cm[2]:.5g} to {in_cm[3]:.5g} cm^-1 do not cover "
+            f"{1.0 - covered / width:.1%} of the band",
             ParameterWarning,
             stacklevel=3,
         )
@@ -254,7 +255,7 @@ def _uncovered_band(band: tuple[float, float], low: float, high: float, source: 
 
 
 def uncovered_power(covered: tuple[float, float], temperature: float) -> float:
-    """Share of a black body's power outside a range of wavenumbers.
+    """Fraction of a black body's power outside a range of wavenumbers.
 
     Parameters
     ----------
@@ -273,14 +274,14 @@ def uncovered_power(covered: tuple[float, float], temperature: float) -> float:
 
 
 def _cut(spectrum: MeasuredSpectrum, ends: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Points of a spectrum between two wavenumbers, with both ends."""
+    """Points of a spectrum between two wavenumbers, including both ends."""
     inside = (spectrum.wavenumber > ends[0]) & (spectrum.wavenumber < ends[1])
     wavenumber = np.concatenate([ends[:1], spectrum.wavenumber[inside], ends[1:]])
     return wavenumber, np.interp(wavenumber, spectrum.wavenumber, spectrum.value)
 
 
 def _noise(value: np.ndarray) -> float:
-    """Standard deviation of a spectrum's points, from how they differ from their neighbours."""
+    """Standard deviation of a spectrum's noise, from second differences of its points."""
     if len(value) < 3:
         return 0.0
     bends = np.diff(value, 2)
@@ -288,17 +289,17 @@ def _noise(value: np.ndarray) -> float:
 
 
 def _band_mean(spectrum: MeasuredSpectrum, ends: tuple[float, float]) -> tuple[float, float]:
-    """Mean over a band of the straight lines between points, and its noise."""
+    """Mean over a band, linear between points, and its noise."""
     wavenumber, value = _cut(spectrum, ends)
     width = np.diff(wavenumber)
     share = 0.5 * (np.append(width, 0.0) + np.append(0.0, width)) / (ends[1] - ends[0])
-    first = value[0]  # taken out, so that a flat spectrum's mean is its value to the last digit
+    first = value[0]  # subtracted, so that the mean of a flat spectrum is exact
     mean = first + float(share @ (value - first))
     return mean, _noise(value) * float(np.sqrt(share @ share))
 
 
 def planck_weights(wavenumber: np.ndarray, temperature: float, nodes: int = _NODES) -> np.ndarray:
-    r"""Weights with which points, joined by straight lines, add to a Planck-weighted mean.
+    r"""Weights of points for a Planck-weighted mean, linear between the points.
 
     Parameters
     ----------
@@ -307,7 +308,7 @@ def planck_weights(wavenumber: np.ndarray, temperature: float, nodes: int = _NOD
     temperature : float
         [K].
     nodes : int
-        Of Gauss-Legendre quadrature in each piece.
+        Nodes of Gauss-Legendre quadrature in each piece.
 
     Returns
     -------
@@ -316,8 +317,8 @@ def planck_weights(wavenumber: np.ndarray, temperature: float, nodes: int = _NOD
 
     Notes
     -----
-    A point's weight is the integral of :math:`B_\nu(T)` times the line that falls from one at the
-    point to zero at its neighbours.
+    The weight of a point is the integral of :math:`B_\nu(T)` times the hat function that is one at
+    the point and zero at its neighbours.
     """
     per_metre = SECOND_RADIATION_CONSTANT / temperature
     steps = np.maximum(1, np.ceil(np.diff(wavenumber) * per_metre / _WIDEST_STEP)).astype(int)
@@ -348,7 +349,7 @@ def _planck_mean(
 
 
 def _combined(means: Sequence[tuple[float, float]], accuracy: float) -> Estimate:
-    """Mean of repeated spectra with its interval."""
+    """Mean of repeated spectra."""
     values = np.array([mean for mean, _ in means])
     if len(values) == 1:
         return Estimate.normal(float(values[0]), float(np.hypot(means[0][1], accuracy)))
@@ -361,7 +362,7 @@ def _combined(means: Sequence[tuple[float, float]], accuracy: float) -> Estimate
 
 
 def to_dataset(result: Ftir) -> "xr.Dataset":
-    """The spectra, each over its own wavenumbers.
+    """Dataset of the spectra, each over its own wavenumbers.
 
     Parameters
     ----------

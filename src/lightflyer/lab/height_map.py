@@ -1,4 +1,4 @@
-"""Maps of height and their files: Asylum's .ibw, Gwyddion's .gwy, and plain matrices."""
+"""Height maps and their files: Asylum's .ibw, Gwyddion's .gwy, and text matrices."""
 
 import io
 import math
@@ -32,9 +32,9 @@ class HeightMap:
     height : array, shape (rows, columns)
         [m].
     width, length : float
-        Of the map along its rows and its columns [m].
+        Size of the map along its rows and along its columns [m].
     channel : str
-        What the file calls it.
+        Name in the file.
     """
 
     source: str
@@ -51,18 +51,18 @@ def read_height_map(
     unit: str | None = None,
     channel: str | None = None,
 ) -> HeightMap:
-    """Read a map of height.
+    """Read a height map.
 
     Parameters
     ----------
     path : str or path
         Igor binary wave (``.ibw``), Gwyddion (``.gwy``), or a text file with a matrix of numbers.
     size : float, optional
-        Width of the map [m], where a matrix does not say it; its pixels are square.
+        Width of a matrix [m], where the file does not state it; pixels are square.
     unit : str, optional
-        Of a matrix's heights, where it does not say it.
+        Unit of a matrix's heights, where the file does not state it.
     channel : str, optional
-        Of several in the file; by default the first one whose name has "height" in it.
+        Channel to read; by default the first whose name contains "height".
 
     Returns
     -------
@@ -71,7 +71,7 @@ def read_height_map(
     Raises
     ------
     ConfigurationError
-        One line that names the file and, of a matrix, the line.
+        One line that names the file and, for a matrix, the line.
     MissingExtraError
         If the package that reads the format is not installed.
     """
@@ -91,11 +91,11 @@ def _require_usable(one: HeightMap) -> None:
     if one.height.ndim != 2 or min(one.height.shape) < _LEAST_SIDE:
         shape = " x ".join(map(str, one.height.shape))
         raise ConfigurationError(
-            f"{one.source}: is {shape} pixels; a map takes {_LEAST_SIDE} x {_LEAST_SIDE} or more"
+            f"{one.source}: has {shape} pixels; {_LEAST_SIDE} x {_LEAST_SIDE} or more are needed"
         )
     bad = int((~np.isfinite(one.height)).sum())
     if bad:
-        raise ConfigurationError(f"{one.source}: {bad} of its heights are no numbers")
+        raise ConfigurationError(f"{one.source}: {bad} of its heights are not finite")
     sides = np.array([one.width, one.length])
     if not (np.isfinite(sides).all() and (sides > 0.0).all()):
         raise ConfigurationError(f"{one.source}: its size is not positive")
@@ -109,7 +109,7 @@ def _content(path: Path) -> io.BytesIO:
 
 
 def _chosen(path: Path, names: list[str], channel: str | None) -> int:
-    """Number of the channel asked for, or of the first one of heights."""
+    """Index of a named channel, or of the first one with heights."""
     if channel is not None:
         matching = [n for n, name in enumerate(names) if name.lower() == channel.lower()]
     else:
@@ -122,7 +122,7 @@ def _chosen(path: Path, names: list[str], channel: str | None) -> int:
     if not matching:
         what = f'channel "{channel}"' if channel else "channel of heights"
         raise ConfigurationError(
-            f"{path}: has no {what}; it has {', '.join(names)}; --channel names one"
+            f"{path}: has no {what}; choose one by --channel: {', '.join(names)}"
         )
     return matching[0]
 
@@ -133,14 +133,14 @@ def _read_ibw(path: Path, channel: str | None) -> HeightMap:
     try:
         _require_sound_wave(stream.getvalue())
         wave = binarywave.load(stream)["wave"]
-        with np.errstate(invalid="ignore"):  # damaged numbers are found below
+        with np.errstate(invalid="ignore"):  # _require_usable finds damaged numbers
             data = np.asarray(wave["wData"], float)
         scales = [float(scale) for scale in wave["wave_header"]["sfA"]]
         labels = [] if data.ndim < 3 else wave["labels"][2]
-    except Exception as error:  # the parser raises what its statements happen to
-        raise ConfigurationError(f"{path}: is not readable as an Igor wave: {error!r}") from None
+    except Exception as error:  # the parser has no errors of its own
+        raise ConfigurationError(f"{path}: cannot be read as an Igor wave: {error!r}") from None
     if data.ndim not in (2, 3) or not data.size:
-        raise ConfigurationError(f"{path}: holds no map")
+        raise ConfigurationError(f"{path}: contains no map")
     names = [bytes(label).decode("utf-8", "replace") for label in labels if label]
     number = 0
     if data.ndim == 3:
@@ -153,14 +153,14 @@ def _read_ibw(path: Path, channel: str | None) -> HeightMap:
     return HeightMap(str(path), data.T, width, length, name)
 
 
-# offsets in an Igor wave of version 5: sizes of its parts, and numbers of points
+# offsets in an Igor wave of version 5: sizes of its parts, numbers of points, end of the headers
 _IGOR_SIZES, _IGOR_DIMENSIONS, _IGOR_HEADERS = (4, "14i"), (64 + 68, "4i"), 64 + 320
 
 
 def _require_sound_wave(content: bytes) -> None:
-    """Raise ValueError where the sizes in an Igor wave's header do not fit the file.
+    """Raise ValueError if the sizes in the header of an Igor wave do not fit the file.
 
-    igor2 works for very long on some damaged files.
+    igor2 runs for very long on some damaged files.
     """
     if len(content) < _IGOR_HEADERS:
         raise ValueError("the file ends within its header")
@@ -186,19 +186,19 @@ def _read_gwy(path: Path, channel: str | None) -> HeightMap:
         _require_sound(content, 4)
         fields = util.get_datafields(gwyfile.load(stream))
         maps = {str(name): _gwyddion_map(path, str(name), one) for name, one in fields.items()}
-    except Exception as error:  # the parser raises what its statements happen to
-        raise ConfigurationError(f"{path}: is not readable as Gwyddion: {error!r}") from None
+    except Exception as error:  # the parser has no errors of its own
+        raise ConfigurationError(f"{path}: cannot be read as Gwyddion: {error!r}") from None
     if not maps:
-        raise ConfigurationError(f"{path}: holds no map")
+        raise ConfigurationError(f"{path}: contains no map")
     names = list(maps)
     found, unit = maps[names[_chosen(path, names, channel)]]
     if unit != "m":
-        raise ConfigurationError(f'{path}: channel "{found.channel}" is in "{unit}", not in m')
+        raise ConfigurationError(f'{path}: channel "{found.channel}" has the unit "{unit}", not m')
     return found
 
 
 def _gwyddion_map(path: Path, name: str, field: Any) -> tuple[HeightMap, str]:
-    """A channel, and the unit of its values."""
+    """A channel and its unit."""
     unit = getattr(getattr(field, "si_unit_z", None), "unitstr", "m")
     height = np.asarray(field.data, float)
     return HeightMap(str(path), height, float(field.xreal), float(field.yreal), name), str(unit)
@@ -208,9 +208,9 @@ _ITEM_SIZES = {"b": 1, "c": 1, "i": 4, "q": 8, "d": 8}  # of Gwyddion's types
 
 
 def _require_sound(content: bytes, start: int) -> int:
-    """Raise ValueError where an object of a Gwyddion file does not fit its size; its end.
+    """End of an object of a Gwyddion file; ValueError if its parts do not fit its size.
 
-    gwyfile never comes back from some damaged files.
+    gwyfile does not return from some damaged files.
     """
     start = content.index(b"\0", start) + 1
     end = start + 4 + int.from_bytes(content[start : start + 4], "little")
@@ -251,11 +251,11 @@ def _read_matrix(path: Path, size: float | None, unit: str | None) -> HeightMap:
         if line.strip() and not is_comment(line)
     ]
     if not rows:
-        raise ConfigurationError(f"{path}: is empty; a map is a matrix of heights")
+        raise ConfigurationError(f"{path}: is empty; a matrix of heights is needed")
     height = _numbers(path, rows)
     unit = unit or stated.get("Value units")
     if unit is None:
-        raise ConfigurationError(f'{path}: its heights have no unit; write --unit "nm"')
+        raise ConfigurationError(f'{path}: its heights have no unit; state it by --unit "nm"')
     try:
         scale = scale_and_offset(unit, "m")[0]
         width = parse(stated["Width"], "m").value if size is None and "Width" in stated else size
@@ -263,14 +263,14 @@ def _read_matrix(path: Path, size: float | None, unit: str | None) -> HeightMap:
     except ConfigurationError as error:
         raise ConfigurationError(f"{path}: {error}") from None
     if width is None:
-        raise ConfigurationError(f'{path}: says no width; write --size "10 um"')
+        raise ConfigurationError(f'{path}: has no width; state it by --size "10 um"')
     if length is None or size is not None:
         length = width * height.shape[0] / height.shape[1]
     return HeightMap(str(path), height * scale, width, length)
 
 
 def _numbers(path: Path, rows: list[tuple[int, str]]) -> np.ndarray:
-    """The matrix; stops at the first row that differs from the first one."""
+    """The matrix; all rows must be as long as the first."""
     first = rows[0][1]
     delimiter = next((mark for mark in ("\t", ";") if mark in first), None)
     if delimiter is None and "," in first and len(first.split(",")) > len(first.split()):
@@ -293,7 +293,8 @@ def _numbers(path: Path, rows: list[tuple[int, str]]) -> np.ndarray:
             raise ConfigurationError(f'{path}:{number}: "{bad[:40]}" is not a number') from None
         if len(matrix[-1]) != len(matrix[0]):
             raise ConfigurationError(
-                f"{path}:{number}: has {len(matrix[-1])} heights, the first row {len(matrix[0])}"
+                f"{path}:{number}: has {len(matrix[-1])} heights, the first row has "
+                f"{len(matrix[0])}"
             )
     return np.array(matrix)
 

@@ -1,111 +1,64 @@
 r"""Optimal pressure and minimum irradiance from levitation points.
 
-Points of pressure and irradiance at which a sample lifted off are smoothed by LOESS of degree 2 on
-logarithms, and the least irradiance of the curve and its pressure are found, with intervals.
+LOESS of degree 2 on logarithms smooths the points at which a sample lifted off. The minimum of the
+curve is the least irradiance at which the sample levitates.
 """
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import combinations
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.calibration.points import NUMBERS, SAMPLE_PROPERTIES
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ConfigurationError, ParameterWarning
 from lightflyer.foundation.extras import extra
-from lightflyer.foundation.layout import Column
-from lightflyer.foundation.quantity import Quantity
-from lightflyer.foundation.table import Table, read_table
 from lightflyer.lab.estimate import Estimate, central_interval
+from lightflyer.lab.levitation_data import LiftOffs
 from lightflyer.lab.record import dataset
 
 if TYPE_CHECKING:
     import xarray as xr
 
 SPAN = 0.75
-"""Share of a sample's points that each local fit sees; LOESS's own default."""
+"""Fraction of a sample's points in each local fit; the default of LOESS."""
 
 BAND_CONFIDENCE = 0.99
-"""Of the band about the curve."""
+"""Confidence of the band about the curve."""
 
 DRAWS = 2000
-"""Resamples of the bootstrap."""
+"""Number of bootstrap resamples."""
 
 _DEGREE = 2
 _LEAST_POINTS = 8
 _LEAST_PRESSURES = 6
 _LEAST_SPREAD = 1e-6  # of log-pressure
 _GRID = 300  # pressures of a curve
-_LEAST_SHARE_OF_DRAWS = 0.9  # that LOESS must be able to fit
-
-COLUMNS = (
-    Column("sample", aliases=("name",), text=True, blank=False),
-    Column("launchpad", aliases=("pad",), text=True),
-    Column("pressure", NUMBERS["pressure"], ("p", "chamber_pressure"), required=True),
-    Column("irradiance", NUMBERS["irradiance"], ("i", "intensity"), required=True),
-    Column("floor_gap", Quantity("m", 0.0), ("gap",)),
-    *(Column(name, NUMBERS[name]) for name in SAMPLE_PROPERTIES),
-)
-"""Columns of a file of points."""
-
-
-@dataclass(frozen=True)
-class LiftOffs:
-    """Points at which one sample lifted off from one launchpad.
-
-    Attributes
-    ----------
-    name : str
-    pressure : array, shape (n,)
-        [Pa].
-    irradiance : array, shape (n,)
-        [W/m²].
-    place : str
-        File and lines, for messages.
-    floor_gap : float or None
-        Between launchpad and floor [m].
-    properties : dict of str to float
-        What is known of the sample, in SI units, by names from
-        :data:`lightflyer.calibration.points.SAMPLE_PROPERTIES`.
-    """
-
-    name: str
-    pressure: np.ndarray
-    irradiance: np.ndarray
-    place: str = ""
-    floor_gap: float | None = None
-    properties: dict[str, float] = field(default_factory=dict)
-
-    @property
-    def in_ground_effect(self) -> bool:
-        """Whether the gap to the floor is below the disk's diameter."""
-        gap, diameter = self.floor_gap, self.properties.get("diameter")
-        return gap is not None and diameter is not None and gap < diameter
+_LEAST_FITTED = 0.9  # fraction of the resamples that LOESS must be able to fit
 
 
 @dataclass(frozen=True)
 class LevitationCurve:
-    """The curve through a sample's points, and its least irradiance.
+    """Curve through a sample's points, with its minimum.
 
     Attributes
     ----------
     points : LiftOffs
     optimal_pressure : Estimate
-        Where the least light is needed [Pa].
+        Pressure of the minimum [Pa].
     minimum_irradiance : Estimate
-        The least light needed [W/m²].
+        Least irradiance at which the sample levitates [W/m²].
     at_edge : bool
-        Whether the least is at the end of the pressures measured, and so no least.
+        Whether the minimum is at the end of the measured pressures, so that the optimum may lie
+        beyond.
     pressure : array, shape (m,)
-        Of the curve [Pa].
+        Pressures of the curve [Pa].
     irradiance, lower, upper : array, shape (m,)
         LOESS curve and its 99 % band [W/m²].
     draws : array, shape (b, 2)
-        Log-pressure and log-irradiance of the least of every resample.
+        Logarithms of pressure and irradiance at the minimum of each resample.
     """
 
     points: LiftOffs
@@ -121,12 +74,12 @@ class LevitationCurve:
 
 @dataclass(frozen=True)
 class Comparison:
-    """How much less light one sample needs than another.
+    """Reduction of the minimum irradiance from one sample to another.
 
     Attributes
     ----------
     first, second : str
-        The sample that needs less, and the other.
+        Sample with the lower minimum irradiance, and the other sample.
     reduction : Estimate
         One minus the ratio of their minimum irradiances [1].
     """
@@ -136,81 +89,21 @@ class Comparison:
     reduction: Estimate
 
 
-def read_lift_offs(path: str | Path, *, columns: str | None = None) -> tuple[list[LiftOffs], Table]:
-    """Read levitation points.
-
-    Parameters
-    ----------
-    path : str or path
-        Table with ``pressure`` and ``irradiance``, units in the header; ``sample`` where there is
-        more than one, and further ``launchpad``, ``floor_gap`` and what a sample is:
-        :data:`lightflyer.calibration.points.SAMPLE_PROPERTIES`.
-    columns : str, optional
-        The columns in place of a header; see :func:`lightflyer.foundation.table.read_table`.
-
-    Returns
-    -------
-    samples : list of LiftOffs
-        One for every sample on every launchpad.
-    table : Table
-        What was read.
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names file and line.
-    """
-    table = read_table(path, COLUMNS, layout=columns)
-    samples = table.texts.get("sample", [Path(path).stem] * len(table))
-    pads = table.texts.get("launchpad")
-    names = (
-        samples
-        if pads is None
-        else [f"{sample} on {pad}" for sample, pad in zip(samples, pads, strict=True)]
-    )
-    return [_sample(table, names, name) for name in dict.fromkeys(names)], table
-
-
-def _sample(table: Table, names: Sequence[str], name: str) -> LiftOffs:
-    rows = np.flatnonzero([one == name for one in names])
-    lines = table.lines[rows]
-    place = f"{table.source}:{lines[0]}"
-
-    def only(column: str) -> float | None:
-        if column not in table.numbers:
-            return None
-        values = np.unique(table.numbers[column][rows])
-        if values.size > 1:
-            raise ConfigurationError(f"{place}: {name} has more than one {column}")
-        return float(values[0])
-
-    return LiftOffs(
-        name=name,
-        pressure=table.numbers["pressure"][rows],
-        irradiance=table.numbers["irradiance"][rows],
-        place=place,
-        floor_gap=only("floor_gap"),
-        properties={
-            column: value for column in SAMPLE_PROPERTIES if (value := only(column)) is not None
-        },
-    )
-
-
 def levitation_curve(
     points: LiftOffs, *, span: float = SPAN, draws: int = DRAWS, seed: int = 0
 ) -> LevitationCurve:
-    r"""LOESS curve through a sample's points, with optimal pressure and minimum irradiance.
+    r"""Fit a LOESS curve to a sample's points, and find its minimum.
 
     Parameters
     ----------
     points : LiftOffs
-        Eight or more, over six or more pressures.
+        Eight or more, at six or more pressures.
     span : float
-        Share of the points that each local fit sees.
+        Fraction of the points in each local fit.
     draws : int
-        Resamples of the bootstrap.
+        Number of bootstrap resamples.
     seed : int
-        Of the resamples.
+        Seed of the resampling.
 
     Returns
     -------
@@ -219,21 +112,20 @@ def levitation_curve(
     Raises
     ------
     ConfigurationError
-        If there are too few points, or they are at too few pressures.
+        If there are too few points or pressures.
     MissingExtraError
         If scikit-misc is not installed.
 
     Warns
     -----
     ParameterWarning
-        If the least irradiance is at the end of the pressures.
+        If the minimum is at the end of the pressures.
 
     Notes
     -----
-    Curve and 99 % band are those of LOESS of degree 2 [Cleveland1988]_ on logarithms. The least
-    irradiance is that of the curve to which LOESS of its residuals is added, once ("twicing"
-    [Tukey1977]_), which takes out most of the error that smoothing a bend makes. Intervals hold
-    the middle 95 % of what resamples of the points give.
+    Curve and 99 % band are those of LOESS of degree 2 [Cleveland1988]_ on logarithms. The minimum
+    is that of the curve plus LOESS of its residuals ("twicing" [Tukey1977]_), which removes most
+    of the bias of smoothing a bend. Intervals are the central 95 % of bootstrap resamples.
     """
     require_range("span", span, 0.1, 1.0)
     require_range("draws", draws, 100)
@@ -243,20 +135,22 @@ def levitation_curve(
     grid = np.linspace(x.min(), x.max(), _GRID)
     fitted = _loess(loess, x, y, span)
     if fitted is None:
-        raise ConfigurationError(f"{points.place}: LOESS cannot fit {points.name}: add points")
+        raise ConfigurationError(f"{points.place}: LOESS cannot fit {points.name}; add points")
     predicted = fitted.predict(grid, stderror=True)
     band = predicted.confidence(1.0 - BAND_CONFIDENCE)
     best, at_edge = _least(grid, _twice(loess, x, y, span, grid))
     if at_edge:
         warnings.warn(
-            f"{points.place}: {points.name} needs least light at the end of its pressures, so "
-            "its optimum may lie beyond; measure farther",
+            f"{points.place}: {points.name} has its minimum at the end of its pressures; the "
+            "optimum may lie beyond: extend the measurement",
             ParameterWarning,
             stacklevel=2,
         )
     resampled = _bootstrap(loess, x, y, span, draws, seed)
-    if len(resampled) < _LEAST_SHARE_OF_DRAWS * draws:
-        raise ConfigurationError(f"{points.place}: {points.name} has too few points to resample")
+    if len(resampled) < _LEAST_FITTED * draws:
+        raise ConfigurationError(
+            f"{points.place}: {points.name} has too few points for a bootstrap"
+        )
     estimates = [
         _estimate(value, resampled[:, number], unit)
         for number, (value, unit) in enumerate(zip(best, ("Pa", "W/m^2"), strict=True))
@@ -279,18 +173,18 @@ def _require_enough(points: LiftOffs) -> None:
     place, name = points.place, points.name
     if count < _LEAST_POINTS:
         raise ConfigurationError(
-            f"{place}: {name} has {count} point{'s' * (count != 1)}; a curve takes "
+            f"{place}: {name} has {count} point{'s' * (count != 1)}; a curve needs "
             f"{_LEAST_POINTS} or more"
         )
     if pressures < _LEAST_PRESSURES or np.ptp(np.log(points.pressure)) < _LEAST_SPREAD:
         raise ConfigurationError(
             f"{place}: {name} was measured at {pressures} pressure{'s' * (pressures != 1)}; a "
-            f"curve takes {_LEAST_PRESSURES} or more"
+            f"curve needs {_LEAST_PRESSURES} or more"
         )
 
 
 def _loess(loess: Any, x: np.ndarray, y: np.ndarray, span: float) -> Any:
-    """A fitted curve, or None where the points do not carry one."""
+    """Fitted curve, or None where LOESS cannot fit the points."""
     curve = loess(x, y, span=span, degree=_DEGREE)
     try:
         curve.fit()
@@ -314,7 +208,7 @@ def _twice(
 
 
 def _least(grid: np.ndarray, values: Any) -> tuple[tuple[float, float], bool]:
-    """Vertex of the parabola through the least of equidistant values, and whether it is an end."""
+    """Vertex of the parabola through the least of equidistant values; whether it is at an end."""
     lowest = int(np.argmin(values))
     if lowest in (0, len(grid) - 1):
         return (float(grid[lowest]), float(values[lowest])), True
@@ -342,16 +236,16 @@ def _bootstrap(
 
 
 def _estimate(log_value: float, log_draws: np.ndarray, unit: str) -> Estimate:
-    """Value and percentile interval of a positive quantity, from logarithms."""
+    """Positive quantity with its percentile interval, from logarithms."""
     low, high = np.exp(central_interval(log_draws))
     value = float(np.exp(log_value))
     spread = value * float(log_draws.std(ddof=1))
-    # the estimate itself belongs to its interval, which resamples of few points may leave
+    # resamples of few points may miss the estimate, which belongs to its interval
     return Estimate(value, (min(float(low), value), max(float(high), value)), unit, spread)
 
 
 def compare(curves: Sequence[LevitationCurve]) -> list[Comparison]:
-    """Reduction of the minimum irradiance between every two samples.
+    """Compare the minimum irradiances of every two samples.
 
     Parameters
     ----------
@@ -360,7 +254,7 @@ def compare(curves: Sequence[LevitationCurve]) -> list[Comparison]:
     Returns
     -------
     list of Comparison
-        The sample that needs less light stands first.
+        The sample with the lower minimum irradiance is first.
     """
     found = []
     for pair in combinations(curves, 2):
@@ -405,20 +299,20 @@ def summary(curves: Sequence[LevitationCurve]) -> dict[str, Any]:
 
 
 def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.Dataset":
-    """The points and the curves of all samples.
+    """Points and curves of all samples.
 
     Parameters
     ----------
     curves : sequence of LevitationCurve
     files : sequence of str
-        Read.
+        Names of the files read.
 
     Returns
     -------
     xarray.Dataset
         Points over ``point``, curves over ``sample`` and ``node``.
     """
-    light = ("W m-2", "irradiance at which the sample lifts off")
+    light = ("W m-2", "irradiance at lift-off")
     names = [curve.points.name for curve in curves]
 
     def points(field: str) -> np.ndarray:
@@ -432,7 +326,11 @@ def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.D
     return dataset(
         "levitation",
         {
-            "point_sample": ("point", owner, {"units": "1", "long_name": "number of the sample"}),
+            "point_sample": (
+                "point",
+                owner,
+                {"units": "1", "long_name": "position of the sample, from 0"},
+            ),
             "point_pressure": ("point", points("pressure"), _named("Pa", "gas pressure")),
             "point_irradiance": ("point", points("irradiance"), _named(*light)),
             "pressure": nodes("pressure", "Pa", "gas pressure"),

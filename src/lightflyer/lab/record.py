@@ -12,14 +12,14 @@ if TYPE_CHECKING:
 def dataset(
     title: str, variables: Mapping[str, Any], files: Sequence[str], **attributes: Any
 ) -> "xr.Dataset":
-    """A dataset that says what it is, from which files, and by which version.
+    """Dataset with its title, its input files and the package's version.
 
     Parameters
     ----------
     title : str
-        What was measured.
+        Name of the measurement.
     variables : mapping
-        As :class:`xarray.Dataset` takes them, each with ``units`` and ``long_name``.
+        Variables of a :class:`xarray.Dataset`, each with ``units`` and ``long_name``.
     files : sequence of str
         Names of the files read.
     **attributes

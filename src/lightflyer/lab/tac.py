@@ -1,7 +1,7 @@
 r"""Thermal accommodation coefficient from the power of a heater in thin gas.
 
-A disk held at one temperature loses heat to the gas, and to its leads and by radiation. Per area
-and temperature difference that is
+A disk held at one temperature loses heat to the gas, to its leads and by radiation. Per area and
+temperature difference that is
 
 .. math::
     \frac{P}{A\,\Delta T} = \delta\left[\left(\frac{1}{\alpha h_\mathrm{fm}(p)}
@@ -9,54 +9,43 @@ and temperature difference that is
 
 with the accommodation coefficient :math:`\alpha`, the ratio :math:`\delta` of effective to
 nominal area and an offset :math:`C`. The slope at low pressure is :math:`\delta\alpha`, the
-plateau at high pressure :math:`\delta`, what is left without gas :math:`\delta C`: pressures from
-one end to the other fix all three.
+plateau at high pressure :math:`\delta` times a known conductance, and without gas
+:math:`\delta C` remains: pressures from one end to the other determine all three.
 """
 
-import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from scipy import stats
 
-from lightflyer.environment.chamber import Chamber
-from lightflyer.film.properties import FilmProperties
-from lightflyer.flyer.disk import Disk
-from lightflyer.force.lu2023 import PRINTED, Lu2023, Reading
+from lightflyer.force.lu2023 import PRINTED, Reading, heat_conductances
 from lightflyer.foundation import constants
 from lightflyer.foundation.checks import require_positive, require_range
-from lightflyer.foundation.errors import ConfigurationError, ConvergenceError
-from lightflyer.foundation.extras import extra
+from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.precision import elementwise_entry_point
 from lightflyer.foundation.types import Numeric
-from lightflyer.gas.gas import AIR, AbstractGas
-from lightflyer.lab.estimate import CONFIDENCE, Estimate, weighted_mean
-from lightflyer.lab.record import dataset
+from lightflyer.gas.air import AIR
+from lightflyer.gas.base import AbstractGas
+from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.tac_data import TacRun
-
-if TYPE_CHECKING:
-    import xarray as xr
+from lightflyer.lab.tac_intervals import covariance_estimates, profile_estimates
+from lightflyer.lab.tac_problem import (
+    PARAMETERS,
+    Problem,
+    first_guess,
+    gas_conductance,
+    minimise,
+    require_distinct,
+)
 
 LU2023_HEATER_DIAMETER = 24e-3
 """Diameter of the paper's heater [m]; [Lu2023]_ supplement."""
 
 HEATERS = {"lu2023": LU2023_HEATER_DIAMETER}
-"""Diameters of heaters that have a name [m]."""
+"""Diameters of named heaters [m]."""
 
-PARAMETERS = ("tac", "area_ratio", "offset")
-"""What is fitted: α, δ and C."""
-
-_OFFSET_UNIT = "W/(m^2 K)"
-_UNITS = ("", "", _OFFSET_UNIT)
 _LEAST_ROWS = 6
-_LEAST_TAC = 1e-6  # bound of the fit
-_STARTS = np.geomspace(0.02, 3.0, 60)  # coefficients tried for a first guess
-_RANK_TOLERANCE = 1e-7  # of the scaled Jacobian's singular values
-_GROUPS = 5_000  # of rows of neighbouring pressure, which a profile of very many rows is made of
-_ROUNDING = 1e-10  # relative scatter that is rounding, not noise
 
 
 @dataclass(frozen=True)
@@ -67,23 +56,23 @@ class TacFit:
     ----------
     run : TacRun
     kept : bool array, shape (n,)
-        Rows at constant temperature, which the fit used.
+        Rows at constant temperature, which are fitted.
     diameter : float
-        Of the heater [m].
+        Diameter of the heater [m].
     tac, area_ratio, offset : Estimate
         With 95 % profile intervals; the offset in W/(m² K).
     covariance_intervals : dict of str to tuple of float
         95 % intervals from the covariance, by name of the parameter.
     covariance : array, shape (3, 3)
-        In the order of :data:`PARAMETERS`.
+        In the order of :data:`~lightflyer.lab.tac_problem.PARAMETERS`.
     scatter : float
         Relative scatter of the measured conductance about the fit [1].
     conductance : array, shape (m,)
-        :math:`P/(A\,\Delta T)` of the rows kept [W/(m² K)].
+        Measured :math:`P/(A\,\Delta T)` of the fitted rows [W/(m² K)].
     fitted : array, shape (m,)
-        The same of the fit.
+        Its fitted value [W/(m² K)].
     weight : array, shape (m,)
-        What residuals of the conductance were multiplied with [m² K/W].
+        Factor of the residuals in the fit [m² K/W].
     free_molecular, continuum, radiation : array, shape (m,)
         Conductances of the model at a coefficient of one [W/(m² K)].
     """
@@ -106,37 +95,37 @@ class TacFit:
 
     @property
     def pressure(self) -> np.ndarray:
-        """Pressure of the rows kept [Pa], shape (m,)."""
+        """Pressure of the fitted rows [Pa], shape (m,)."""
         return self.run.pressure[self.kept]
 
     @cached_property
     def order(self) -> np.ndarray:
-        """The rows kept in the order of pressure, shape (m,)."""
+        """Indices that sort the fitted rows by pressure, shape (m,)."""
         return np.argsort(self.pressure, kind="stable")
 
     @property
     def rows_used(self) -> int:
-        """Rows that the fit used."""
+        """Number of fitted rows."""
         return int(self.kept.sum())
 
     @property
     def rows_dropped(self) -> int:
-        """Rows that were read but not at the constant temperature."""
+        """Number of rows dropped because the heater was not at its constant temperature."""
         return int((~self.kept).sum())
 
     @property
     def mean_temperature(self) -> float:
-        """Mean heater temperature of the rows kept [K]."""
+        """Mean heater temperature of the fitted rows [K]."""
         return float(self.run.heater_temperature[self.kept].mean())
 
     @property
     def temperature_variation(self) -> float:
-        """Coefficient of variation of the heater temperature of the rows kept [1]."""
+        """Coefficient of variation of the heater temperature over the fitted rows [1]."""
         return float(self.run.heater_temperature[self.kept].std(ddof=1) / self.mean_temperature)
 
     @property
     def residual_correlation(self) -> float:
-        """Correlation of neighbouring residuals in the order of pressure [1]."""
+        """Correlation between residuals at neighbouring pressures [1]."""
         residuals = (self.conductance - self.fitted) * self.weight
         ordered = residuals[self.order]
         power = float(ordered @ ordered)
@@ -167,36 +156,22 @@ class TacFit:
 
 @elementwise_entry_point
 def _limits(
-    pressure: Numeric, ambient: Numeric, excess: Numeric, radius: Numeric, model: Lu2023,
+    pressure: Numeric, ambient: Numeric, heater: Numeric, diameter: Numeric, reading: Reading,
     gas: AbstractGas,
 ) -> tuple[Any, Any]:  # fmt: skip
     """Conductances per nominal area of both limits, at a coefficient of one [W/(m² K)]."""
-    film = FilmProperties(1.0, 0.0, 1.0, 1.0, tac_top=1.0, tac_bottom=1.0)
-    disk = Disk(film, radius)
-    state = Chamber(temperature=ambient, gas=gas).state(pressure)
-    free_molecular, continuum = model.heat_conductances(disk, state, excess)
-    per_kelvin = disk.area * ambient
+    free_molecular, continuum = heat_conductances(
+        (heater - ambient) / ambient,
+        radius=0.5 * diameter,
+        tac_mean=1.0,
+        pressure=pressure,
+        temperature=ambient,
+        gravity=constants.STANDARD_GRAVITY,
+        gas=gas,
+        reading=reading,
+    )
+    per_kelvin = _area(diameter) * ambient
     return free_molecular / per_kelvin, continuum / per_kelvin
-
-
-def gas_conductance(tac: Numeric, free_molecular: np.ndarray, continuum: np.ndarray) -> np.ndarray:
-    """Both limits in series [W/(m² K)].
-
-    Parameters
-    ----------
-    tac : float or array
-        Accommodation coefficient [1].
-    free_molecular : array
-        Free-molecular conductance at a coefficient of one [W/(m² K)].
-    continuum : array
-        [W/(m² K)].
-
-    Returns
-    -------
-    array, broadcast shape
-    """
-    kinetic = tac * free_molecular
-    return kinetic * continuum / (kinetic + continuum)
 
 
 def heater_power(
@@ -211,7 +186,7 @@ def heater_power(
     reading: Reading = PRINTED,
     gas: AbstractGas = AIR,
 ) -> np.ndarray:
-    """Power that holds a heater at its temperature: what :func:`fit_tac` turns round.
+    """Power that holds a heater at its temperature: the inverse of :func:`fit_tac`.
 
     Parameters
     ----------
@@ -224,7 +199,7 @@ def heater_power(
     offset : float
         Conductance without gas [W/(m² K)].
     diameter, reading, gas
-        As for :func:`fit_tac`.
+        See :func:`fit_tac`.
 
     Returns
     -------
@@ -232,15 +207,12 @@ def heater_power(
         [W].
     """
     difference = heater_temperature - ambient_temperature
-    limits: Any = _limits(
-        pressure, ambient_temperature, difference / ambient_temperature, 0.5 * diameter,
-        Lu2023(reading=reading), gas,
-    )  # fmt: skip
+    limits: Any = _limits(pressure, ambient_temperature, heater_temperature, diameter, reading, gas)
     conductance = area_ratio * (gas_conductance(tac, *limits) + offset)
     return conductance * _area(diameter) * difference
 
 
-def _area(diameter: float) -> float:
+def _area(diameter: Numeric) -> Numeric:
     return 0.25 * np.pi * diameter**2
 
 
@@ -253,19 +225,19 @@ def fit_tac(
     reading: Reading = PRINTED,
     gas: AbstractGas = AIR,
 ) -> TacFit:
-    r"""Accommodation coefficient, area ratio and offset of a run.
+    r"""Fit accommodation coefficient, area ratio and offset to a run.
 
     Parameters
     ----------
     run : TacRun
     diameter : float
-        Of the heater [m]; by default the paper's.
+        Diameter of the heater [m]; by default the paper's.
     tolerance : float
-        Rows whose heater temperature is farther than this from the median are dropped [K].
+        Largest distance of the heater temperature from its median [K]; other rows are dropped.
     emissivity : float, optional
-        Of the heater, on both faces. Where given, the radiation
-        :math:`2\sigma\varepsilon(T_h^4-T_c^4)/\Delta T` is counted by itself and the offset is
-        what remains; otherwise the offset holds it.
+        Emissivity of both faces of the heater [1]. Where given, the radiation
+        :math:`2\sigma\varepsilon(T_h^4-T_c^4)/\Delta T` is counted apart from the offset;
+        otherwise the offset includes it.
     reading : Reading
         Conventions of the heat loss; :data:`lightflyer.PRINTED` counts the disk's continuum loss
         once, :data:`lightflyer.REPORTED` twice, which doubles α and halves δ.
@@ -280,8 +252,8 @@ def fit_tac(
     ParameterError
         If an argument is impossible.
     ConfigurationError
-        If there are too few rows at constant temperature, or their pressures cannot tell the
-        three parameters apart.
+        If there are too few rows at constant temperature, or their pressures do not determine
+        all three parameters.
     ConvergenceError
         If the fit fails.
     MissingExtraError
@@ -289,10 +261,10 @@ def fit_tac(
 
     Notes
     -----
-    Least squares on the conductance :math:`P/(A\Delta T)`, all rows with the same relative
-    scatter, which is estimated from the residuals: each is divided by the conductance of a first
-    fit. Profile intervals end where the sum of squares, minimised over the other two, exceeds its
-    least value by Fisher's 95 % point.
+    Least squares on the conductance :math:`P/(A\Delta T)`. All rows have the same relative
+    scatter, estimated from the residuals; each residual is divided by the conductance of a first
+    fit. A profile interval ends where the sum of squares, minimised over the other two parameters,
+    exceeds its minimum by Fisher's 95 % point.
 
     References
     ----------
@@ -302,20 +274,17 @@ def fit_tac(
     require_range("emissivity", emissivity, 0.0, 1.0)
     kept = _at_constant_temperature(run, tolerance)
     heater, ambient = run.heater_temperature[kept], run.ambient_temperature[kept]
-    excess = (heater - ambient) / ambient
-    limits: Any = _limits(
-        run.pressure[kept], ambient, excess, 0.5 * diameter, Lu2023(reading=reading), gas
-    )
+    limits: Any = _limits(run.pressure[kept], ambient, heater, diameter, reading, gas)
     free_molecular, continuum = limits
     radiation = np.zeros_like(heater)
     if emissivity is not None:
         both_faces = 2.0 * constants.STEFAN_BOLTZMANN * emissivity
         radiation = both_faces * (heater + ambient) * (heater**2 + ambient**2)
     conductance = run.power[kept] / (_area(diameter) * (heater - ambient))
-    problem = _Problem(
+    problem = Problem(
         run.source, conductance, free_molecular, continuum, radiation, 1.0 / conductance
     )
-    problem = problem.weighted(1.0 / problem.model(*_first_guess(problem.grouped())))
+    problem = problem.weighted(1.0 / problem.model(*first_guess(problem.grouped())))
     return _solve(run, kept, diameter, problem)
 
 
@@ -326,245 +295,36 @@ def _at_constant_temperature(run: TacRun, tolerance: float) -> np.ndarray:
     if kept.sum() < max(_LEAST_ROWS, 0.5 * len(kept)):
         if len(kept) < _LEAST_ROWS:
             raise ConfigurationError(
-                f"{run.source}:{run.table.lines[0]}: has {len(kept)} row{'s' * (len(kept) > 1)} "
-                f"that can be used; a fit of three parameters takes {_LEAST_ROWS} or more"
+                f"{run.source}:{run.table.lines[0]}: has {len(kept)} usable row"
+                f"{'s' * (len(kept) > 1)}; a fit of three parameters needs {_LEAST_ROWS} or more"
             )
         worst = int(np.argmax(off))
         raise ConfigurationError(
             f"{run.source}:{run.table.lines[worst]}: the heater's temperature is not constant: "
             f"only {kept.sum()} of {len(kept)} rows are within {tolerance:g} K of its median; "
-            "--tolerance allows more"
+            "--tolerance sets the limit"
         )
     return kept
 
 
-@dataclass(frozen=True)
-class _Problem:
-    source: str
-    conductance: np.ndarray
-    free_molecular: np.ndarray
-    continuum: np.ndarray
-    radiation: np.ndarray
-    weight: np.ndarray
-
-    def weighted(self, weight: np.ndarray) -> "_Problem":
-        return _Problem(self.source, self.conductance, self.free_molecular, self.continuum,
-                        self.radiation, weight)  # fmt: skip
-
-    def model(self, tac: float, area_ratio: float, offset: float) -> np.ndarray:
-        """Conductance per nominal area [W/(m² K)]."""
-        gas = gas_conductance(tac, self.free_molecular, self.continuum)
-        return area_ratio * (gas + self.radiation + offset)
-
-    def residuals(self, tac: float, area_ratio: float, offset: float) -> np.ndarray:
-        return (self.model(tac, area_ratio, offset) - self.conductance) * self.weight
-
-    def jacobian(self, tac: float, area_ratio: float, offset: float) -> np.ndarray:
-        """Of the residuals, shape (3, m)."""
-        gas = gas_conductance(tac, self.free_molecular, self.continuum)
-        per_tac = area_ratio * gas**2 / (tac**2 * self.free_molecular)
-        columns = (per_tac, gas + self.radiation + offset, np.full_like(gas, area_ratio))
-        return np.stack(columns) * self.weight
-
-    @cached_property
-    def _groups(self) -> list[np.ndarray]:
-        return np.array_split(np.argsort(self.free_molecular, kind="stable"), _GROUPS)
-
-    def grouped(self) -> "_Problem":
-        """Rows of neighbouring pressure averaged, each group weighted by its size.
-
-        For very many rows, whose profile would take long: within a group the model hardly
-        changes, and the scatter within it does not depend on the parameters.
-        """
-        if len(self.conductance) <= 2 * _GROUPS:
-            return self
-        groups = self._groups
-        columns = (self.conductance, self.free_molecular, self.continuum, self.radiation)
-        means = [np.array([values[rows].mean() for rows in groups]) for values in columns]
-        sizes = np.array([len(rows) for rows in groups])
-        weight = np.array([self.weight[rows].mean() for rows in groups]) * np.sqrt(sizes)
-        return _Problem(self.source, means[0], means[1], means[2], means[3], weight)
-
-
-def _first_guess(problem: _Problem) -> tuple[float, float, float]:
-    """Best of many coefficients, with area ratio and offset by linear least squares for each."""
-    weight = problem.weight
-    best, least = (1.0, 1.0, 0.0), np.inf
-    for tac in _STARTS:
-        gas = gas_conductance(tac, problem.free_molecular, problem.continuum) + problem.radiation
-        design = np.stack([gas * weight, weight], axis=1)
-        (ratio, product), *_ = np.linalg.lstsq(design, problem.conductance * weight)
-        cost = float(np.sum((design @ (ratio, product) - problem.conductance * weight) ** 2))
-        if cost < least and ratio > 0.0:
-            best, least = (float(tac), float(ratio), float(product / ratio)), cost
-    return best
-
-
-def _require_distinct(problem: _Problem, values: Sequence[float]) -> None:
-    jacobian = problem.jacobian(*values)
-    scaled = jacobian / np.maximum(np.linalg.norm(jacobian, axis=1, keepdims=True), 1e-300)
-    singular = np.sqrt(np.maximum(np.linalg.eigvalsh(scaled @ scaled.T), 0.0))
-    if singular[0] < _RANK_TOLERANCE * singular[-1]:
-        raise ConfigurationError(
-            f"{problem.source}: its pressures cannot tell accommodation coefficient, area ratio "
-            "and offset apart; they must reach from free-molecular gas to the plateau"
-        )
-
-
-def _solve(run: TacRun, kept: np.ndarray, diameter: float, problem: _Problem) -> TacFit:
-    guess = _first_guess(problem.grouped())
-    _require_distinct(problem, guess)
-    minimizer, result = _minimised(problem, guess)
-    values = [float(result.params[name].value) for name in PARAMETERS]
+def _solve(run: TacRun, kept: np.ndarray, diameter: float, problem: Problem) -> TacFit:
+    guess = first_guess(problem.grouped())
+    require_distinct(problem, guess)
+    minimizer, result = minimise(problem, guess)
     freedom = len(problem.conductance) - len(PARAMETERS)
-    covariance = np.asarray(result.covar)
-    spread = np.sqrt(np.diag(covariance))
-    by_covariance = {
-        name: Estimate.normal(value, float(one), unit, freedom)
-        for name, value, one, unit in zip(PARAMETERS, values, spread, _UNITS, strict=True)
-    }
-    # rows without scatter, as somebody's model makes them, have no profile to follow
-    exact = result.chisqr < freedom * _ROUNDING**2
-    profile = (
-        {name: one.interval for name, one in by_covariance.items()}
-        if exact
-        else _profile_intervals(problem, minimizer, result)
-    )
-    estimates = {
-        name: Estimate(one.value, profile[name], one.unit, one.uncertainty)
-        for name, one in by_covariance.items()
-    }
+    by_covariance = covariance_estimates(result, freedom)
     return TacFit(
         run=run,
         kept=kept,
         diameter=diameter,
-        **estimates,
+        **profile_estimates(problem, minimizer, result, by_covariance),
         covariance_intervals={name: one.interval for name, one in by_covariance.items()},
-        covariance=covariance,
+        covariance=np.asarray(result.covar),
         scatter=float(np.sqrt(result.chisqr / freedom)),
         conductance=problem.conductance,
-        fitted=problem.model(*values),
+        fitted=problem.model(*(one.value for one in by_covariance.values())),
         weight=problem.weight,
         free_molecular=problem.free_molecular,
         continuum=problem.continuum,
         radiation=problem.radiation,
     )
-
-
-def _minimised(problem: _Problem, start: Sequence[float]) -> tuple[Any, Any]:
-    """Minimizer and result of lmfit."""
-    lmfit = extra("lmfit", "fitting an accommodation coefficient", "lab")
-    parameters = lmfit.Parameters()
-    for name, value, lowest in zip(PARAMETERS, start, (_LEAST_TAC, 0.0, -np.inf), strict=True):
-        parameters.add(name, value=value, min=lowest)
-
-    def residuals(given: Any) -> np.ndarray:
-        return problem.residuals(*(float(given[name]) for name in PARAMETERS))
-
-    def jacobian(given: Any) -> np.ndarray:
-        rows = problem.jacobian(*(float(given[name]) for name in PARAMETERS))
-        return rows[[given[name].vary for name in PARAMETERS]]
-
-    minimizer = lmfit.Minimizer(residuals, parameters, scale_covar=True)
-    options = {"Dfun": jacobian, "col_deriv": 1, "ftol": 1e-14, "xtol": 1e-12, "gtol": 1e-14}
-    minimizer.kws.update(options)
-    result = minimizer.leastsq()
-    if result.covar is None or not np.all(np.isfinite(result.covar)):
-        raise ConvergenceError(f"{problem.source}: the fit failed: {result.message}")
-    return minimizer, result
-
-
-def _profile_intervals(
-    problem: _Problem, minimizer: Any, result: Any
-) -> dict[str, tuple[float, float]]:
-    lmfit = extra("lmfit", "fitting an accommodation coefficient", "lab")
-    grouped = problem.grouped()
-    if grouped is not problem:
-        values = [float(result.params[name].value) for name in PARAMETERS]
-        minimizer, result = _minimised(grouped, values)
-        variance = float(np.mean(problem.residuals(*values) ** 2))
-
-        def probability(best: Any, other: Any) -> float:
-            return float(stats.chi2.cdf((other.chisqr - best.chisqr) / variance, 1))
-    else:
-
-        def probability(best: Any, other: Any) -> float:
-            return float(lmfit.confidence.f_compare(best, other))
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # an end that is not found is infinite, which says it
-        found = lmfit.conf_interval(minimizer, result, sigmas=[CONFIDENCE], prob_func=probability)
-    return {name: (float(ends[0][1]), float(ends[-1][1])) for name, ends in found.items()}
-
-
-def mean_tac(fits: Sequence[TacFit]) -> Estimate:
-    """Mean coefficient of several runs.
-
-    Parameters
-    ----------
-    fits : sequence of TacFit
-
-    Returns
-    -------
-    Estimate
-        See :func:`lightflyer.lab.estimate.weighted_mean`.
-    """
-    return weighted_mean([fit.tac for fit in fits])
-
-
-def summary(fits: Sequence[TacFit]) -> dict[str, Any]:
-    """One run, or the mean of several with each of them, as a JSON object.
-
-    Parameters
-    ----------
-    fits : sequence of TacFit
-
-    Returns
-    -------
-    dict
-    """
-    if len(fits) == 1:
-        return fits[0].summary()
-    return {
-        **{
-            name: weighted_mean([fit.estimates()[name] for fit in fits]).to_json()
-            for name in PARAMETERS
-        },
-        "rows_used": sum(fit.rows_used for fit in fits),
-        "rows_dropped": sum(fit.rows_dropped for fit in fits),
-        "runs": {fit.run.source: fit.summary() for fit in fits},
-    }
-
-
-def to_dataset(fits: Sequence[TacFit]) -> "xr.Dataset":
-    """The rows of all runs, measured and fitted.
-
-    Parameters
-    ----------
-    fits : sequence of TacFit
-
-    Returns
-    -------
-    xarray.Dataset
-        Over ``row``; ``run`` counts the files that the attribute ``files`` lists.
-    """
-    per_area = "W m-2 K-1"
-
-    def joined(values: Sequence[np.ndarray], units: str, long_name: str) -> Any:
-        return "row", np.concatenate(values), {"units": units, "long_name": long_name}
-
-    run = [np.full(fit.rows_used, number) for number, fit in enumerate(fits)]
-    return dataset(
-        "thermal accommodation coefficient",
-        {
-            "run": joined(run, "1", "number of the file, counted from 0"),
-            "line": joined([fit.run.table.lines[fit.kept] for fit in fits], "1", "line of it"),
-            "pressure": joined([fit.pressure for fit in fits], "Pa", "gas pressure"),
-            "conductance": joined(
-                [fit.conductance for fit in fits], per_area,
-                "power per nominal area and temperature difference",
-            ),
-            "fitted": joined([fit.fitted for fit in fits], per_area, "the same of the fit"),
-        },
-        [fit.run.source for fit in fits],
-    )  # fmt: skip

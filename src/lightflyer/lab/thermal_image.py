@@ -1,4 +1,4 @@
-"""Temperatures of regions of a radiometric image of a FLIR camera."""
+"""Temperatures of regions of a radiometric image from a FLIR camera."""
 
 import re
 from pathlib import Path
@@ -14,7 +14,7 @@ _REGION = re.compile(r"^\s*(\w+)\s*=\s*(\d+)\s*:\s*(\d+)\s*,\s*(\d+)\s*:\s*(\d+)
 
 
 def read_thermal_image(path: str | Path) -> np.ndarray:
-    """Temperatures that a radiometric JPEG of a FLIR camera holds.
+    """Read the temperatures of a radiometric JPEG from a FLIR camera.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def read_thermal_image(path: str | Path) -> np.ndarray:
     Raises
     ------
     ConfigurationError
-        If the file holds none.
+        If the file contains none.
     MissingExtraError
         If flyr is not installed.
     """
@@ -38,19 +38,19 @@ def read_thermal_image(path: str | Path) -> np.ndarray:
     flyr = extra("flyr", "reading radiometric images", "lab")
     try:
         kelvin: Any = flyr.unpack(str(path)).kelvin
-    except Exception as error:  # the parser raises what its statements happen to
+    except Exception as error:  # the parser has no errors of its own
         said = " ".join(repr(error).split())
-        raise ConfigurationError(f"{path}: is no radiometric image of FLIR: {said}") from None
+        raise ConfigurationError(f"{path}: is not a radiometric FLIR image: {said}") from None
     return np.asarray(kelvin, float)
 
 
 def parse_regions(text: str) -> dict[str, tuple[slice, slice]]:
-    """Named rectangles of an image.
+    """Parse named rectangles of an image.
 
     Parameters
     ----------
     text : str
-        Such as ``"hotplate=10:40,20:60; upper=50:80,20:60"``: rows, then columns, from and to.
+        First and last rows, then columns: ``"hotplate=10:40,20:60; upper=50:80,20:60"``.
 
     Returns
     -------
@@ -59,14 +59,14 @@ def parse_regions(text: str) -> dict[str, tuple[slice, slice]]:
     Raises
     ------
     ConfigurationError
-        If a part is no such rectangle, or is empty.
+        If a part is not a rectangle, or an empty one.
     """
     found = {}
     for part in filter(str.strip, text.split(";")):
         match = _REGION.match(part)
         if match is None:
             raise ConfigurationError(
-                f'--regions: "{part.strip()}" is no region; write "hotplate=10:40,20:60"'
+                f'--regions: "{part.strip()}" is not a region; write "hotplate=10:40,20:60"'
             )
         first, last, left, right = map(int, match.groups()[1:])
         if first >= last or left >= right:
@@ -78,7 +78,7 @@ def parse_regions(text: str) -> dict[str, tuple[slice, slice]]:
 def region_temperatures(
     image: np.ndarray, regions: dict[str, tuple[slice, slice]], source: str
 ) -> dict[str, Measured]:
-    """Mean temperature of each region, with the standard error of its mean.
+    """Mean temperature of each region with its standard error.
 
     Parameters
     ----------
@@ -91,18 +91,20 @@ def region_temperatures(
     Returns
     -------
     dict of str to Measured
-        [K], by the name of the region with ``_temperature`` behind it.
+        [K], by the name of the region with ``_temperature`` appended.
 
     Raises
     ------
     ConfigurationError
-        If a region is not inside the image.
+        If a region extends beyond the image.
     """
     found = {}
     for name, (rows, columns) in regions.items():
         if rows.stop > image.shape[0] or columns.stop > image.shape[1]:
             shape = " x ".join(map(str, image.shape))
-            raise ConfigurationError(f"{source}: region {name} leaves the image of {shape} pixels")
+            raise ConfigurationError(
+                f"{source}: region {name} extends beyond the image of {shape} pixels"
+            )
         pixels = image[rows, columns]
         spread = float(pixels.std(ddof=1) / np.sqrt(pixels.size)) if pixels.size > 1 else 0.0
         found[f"{name}_temperature"] = Measured(float(pixels.mean()), spread)

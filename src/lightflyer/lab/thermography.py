@@ -1,16 +1,16 @@
 r"""Reflectance, transmittance and emissivity from temperatures, or from a light meter.
 
-A film between a hotplate and a camera shows the camera three apparent temperatures: that of the
-hotplate, that of the film's lower side lit by the hotplate, and that of its upper side. Above what
-surroundings at :math:`T_\infty` radiate,
+A thermal camera sees three apparent temperatures of a film above a hotplate: that of the hotplate,
+that of the film's lower side, which reflects the hotplate, and that of its upper side, which
+transmits it. In excess of the radiation of surroundings at :math:`T_\infty`,
 
 .. math::
     \rho = \frac{T_\mathrm{lower}^4 - T_\infty^4}{T_\mathrm{hotplate}^4 - T_\infty^4}, \quad
     \tau = \frac{T_\mathrm{upper}^4 - T_\infty^4}{T_\mathrm{hotplate}^4 - T_\infty^4}, \quad
     \varepsilon = 1 - \tau - \rho .
 
-A light meter's readings of the incident, the reflected and the transmitted light, less its reading
-in the dark, stand in the same relation with the first power in place of the fourth.
+For a light meter's readings of incident, reflected and transmitted light, less its reading in the
+dark, the same relations hold with the first power in place of the fourth.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,25 +33,25 @@ if TYPE_CHECKING:
     import xarray as xr
 
 DRAWS = 100_000
-"""Monte Carlo draws beside first order."""
+"""Number of Monte Carlo draws."""
 
-SHARES = ("reflectance", "transmittance", "emissivity")
-"""What the readings give."""
+PROPERTIES = ("reflectance", "transmittance", "emissivity")
+"""Properties that the readings determine."""
 
 
 class Method(NamedTuple):
-    """A kind of reading.
+    """Kind of reading.
 
     Attributes
     ----------
     readings : tuple of str
-        Names of the source's, the reflected, the transmitted and the background reading.
+        Names of the readings of source, reflection, transmission and background.
     power : int
-        Of the reading that is proportional to radiation.
+        Power of the reading that is proportional to radiation.
     quantity : Quantity
         Unit and possible range of the readings.
     remainder : str
-        Name of what is neither reflected nor transmitted.
+        Name of the part that is neither reflected nor transmitted.
     """
 
     readings: tuple[str, str, str, str]
@@ -69,7 +69,7 @@ THERMAL = Method(
 LIGHT = Method(
     ("incident", "reflected", "transmitted", "dark"), 1, Quantity("", 0.0), "absorptivity"
 )
-"""Readings of a light meter, in one unit."""
+"""Readings of a light meter, all in the same unit."""
 
 _ALIASES = {
     "hotplate_temperature": ("t_hotplate", "hotplate"),
@@ -81,15 +81,15 @@ _ALIASES = {
 
 @dataclass(frozen=True)
 class Readings:
-    """Four readings, once or several times, with their common uncertainties.
+    """Repeated readings of source, reflection, transmission and background.
 
     Attributes
     ----------
     method : Method
     values : array, shape (4, n)
-        In the order of the method's readings [K], or the light meter's unit.
+        In the order of the method's readings [K], or in the light meter's unit.
     uncertainties : array, shape (4,)
-        Standard uncertainty of each that all n share, such as a calibration's.
+        Standard uncertainties common to all n rows, such as a calibration's.
     """
 
     method: Method
@@ -98,14 +98,14 @@ class Readings:
 
 
 @dataclass(frozen=True)
-class Shares:
-    """Reflectance, transmittance and what is left of one.
+class RadiativeProperties:
+    """Reflectance, transmittance and emissivity, or absorptivity for a light meter.
 
     Attributes
     ----------
     readings : Readings
     first_order, monte_carlo : dict of str to Estimate
-        By names of :data:`SHARES`; from derivatives, and from draws.
+        Uncertainty propagated by derivatives and by draws; by names of :data:`PROPERTIES`.
     """
 
     readings: Readings
@@ -114,7 +114,7 @@ class Shares:
 
     @property
     def emissivity(self) -> Estimate:
-        """Emissivity, or for a light meter absorptivity [1]."""
+        """Emissivity, or absorptivity for a light meter [1]."""
         return self.first_order["emissivity"]
 
     def summary(self) -> dict[str, Any]:
@@ -134,7 +134,7 @@ class Shares:
 
 
 def columns_of(method: Method) -> tuple[Column, ...]:
-    """Columns of a table of readings: each, and its standard uncertainty.
+    """Columns of a table of readings, each with its standard uncertainty.
 
     Parameters
     ----------
@@ -155,16 +155,17 @@ def read_readings(
     columns: str | None = None,
     given: Mapping[str, Measured] | None = None,
 ) -> tuple[Readings, Table]:
-    """Read a table of readings, one measurement a row.
+    """Read a table of readings, one measurement per row.
 
     Parameters
     ----------
     path : str or path
     method : Method
     columns : str, optional
-        The columns in place of a header; see :func:`lightflyer.foundation.table.read_table`.
+        The columns in the order of the file, in place of a header; see
+        :func:`~lightflyer.foundation.table.read_table`.
     given : mapping of str to Measured, optional
-        Readings that the file has no column for.
+        Readings for which the file has no column.
 
     Returns
     -------
@@ -202,12 +203,12 @@ def read_readings(
 
 
 def given_readings(given: Mapping[str, Measured], method: Method) -> Readings:
-    """Readings given one by one.
+    """Readings from single values.
 
     Parameters
     ----------
     given : mapping of str to Measured
-        By the method's names.
+        By the names of the method's readings.
     method : Method
 
     Returns
@@ -221,7 +222,7 @@ def given_readings(given: Mapping[str, Measured], method: Method) -> Readings:
     """
     missing = [name for name in method.readings if name not in given]
     if missing:
-        raise ConfigurationError(f"name a file, or give {', '.join(missing)} too")
+        raise ConfigurationError(f"give a file, or also {', '.join(missing)}")
     picked = [given[name] for name in method.readings]
     values = np.array([[one.value] for one in picked])
     if values[0, 0] <= values[3, 0]:
@@ -229,14 +230,15 @@ def given_readings(given: Mapping[str, Measured], method: Method) -> Readings:
     return Readings(method, values, np.array([one.uncertainty or 0.0 for one in picked]))
 
 
-def shares_of(values: np.ndarray, power: int) -> np.ndarray:
-    """Reflectance, transmittance and the rest of readings.
+def properties_of(values: np.ndarray, power: int) -> np.ndarray:
+    """Reflectance, transmittance and remainder from readings.
 
     Parameters
     ----------
     values : array, shape (4, ...)
-        Source, reflected, transmitted, background.
+        Readings of source, reflection, transmission and background.
     power : int
+        Power of a reading that is proportional to radiation.
 
     Returns
     -------
@@ -250,86 +252,90 @@ def shares_of(values: np.ndarray, power: int) -> np.ndarray:
 
 
 def _derivatives(values: np.ndarray, power: int) -> np.ndarray:
-    """Of the three shares by the four readings, shape (3, 4)."""
+    """Derivatives of the three properties by the four readings, shape (3, 4)."""
     source, _, _, background = values**power
     slope = power * values ** (power - 1)
     span = source - background
-    shares = shares_of(values, power)
+    found = properties_of(values, power)
     rows = np.zeros((3, 4))
     for number in (0, 1):
-        rows[number, 0] = -shares[number] * slope[0] / span
+        rows[number, 0] = -found[number] * slope[0] / span
         rows[number, 1 + number] = slope[1 + number] / span
-        rows[number, 3] = (shares[number] - 1.0) * slope[3] / span
+        rows[number, 3] = (found[number] - 1.0) * slope[3] / span
     rows[2] = -rows[0] - rows[1]
     return rows
 
 
-def reduce_readings(readings: Readings, *, draws: int = DRAWS, seed: int = 0) -> Shares:
+def reduce_readings(
+    readings: Readings, *, draws: int = DRAWS, seed: int = 0
+) -> RadiativeProperties:
     """Reflectance, transmittance and emissivity with propagated uncertainties.
 
     Parameters
     ----------
     readings : Readings
     draws : int
-        Of the Monte Carlo beside first order.
+        Number of Monte Carlo draws.
     seed : int
+        Seed of the draws.
 
     Returns
     -------
-    Shares
+    RadiativeProperties
 
     Raises
     ------
     ParameterError
-        If the readings are not physical: negative, or no more than the background.
+        If a reading is negative, or the source does not exceed the background.
 
     Notes
     -----
-    The stated uncertainties are common to all rows, so they do not average out; the scatter of
-    several rows does, and is added from that of their shares. Both ways draw on the same: first
-    order on derivatives at the mean readings, Monte Carlo on normal draws of them, whose interval
-    need not be symmetric.
+    The stated uncertainties are common to all rows and do not average out. The scatter of several
+    rows does average out; the scatter of their properties is added. First order uses derivatives
+    at the mean readings, Monte Carlo normal draws of the readings, whose interval need not be
+    symmetric.
     """
     require_range("draws", draws, 1000)
     power, count = readings.method.power, readings.values.shape[1]
     mean = readings.values.mean(axis=1)
     if np.any(readings.values < 0.0) or np.any(readings.values[0] <= readings.values[3]):
-        raise ParameterError("the source must read more than the background, and nothing negative")
-    each = shares_of(readings.values, power)
+        raise ParameterError("readings must not be negative, and the source must exceed background")
+    each = properties_of(readings.values, power)
     value = each.mean(axis=1)
     scatter = np.cov(each) / count if count > 1 else np.zeros((3, 3))
     slopes = _derivatives(mean, power)
     common = (slopes * readings.uncertainties**2) @ slopes.T
-    # of few rows the scatter is known poorly, which the degrees of freedom carry on
+    # the scatter of few rows is poorly known, which the degrees of freedom account for
     total, random = np.diag(common + scatter), np.diag(scatter)
     with np.errstate(divide="ignore", invalid="ignore"):
         freedom = np.where(random > 0.0, (count - 1) * (total / random) ** 2, np.inf)
     rng = np.random.default_rng(seed)
     drawn = mean[:, None] + readings.uncertainties[:, None] * rng.normal(size=(4, draws))
-    cloud = shares_of(np.maximum(drawn, 0.0), power) - shares_of(mean, power)[:, None]
+    cloud = properties_of(np.maximum(drawn, 0.0), power) - properties_of(mean, power)[:, None]
     cloud += value[:, None] + rng.multivariate_normal(np.zeros(3), scatter, draws).T
     low, high = central_interval(cloud, axis=1)
-    return Shares(
+    return RadiativeProperties(
         readings=readings,
         first_order={
             name: Estimate.normal(float(one), float(np.sqrt(variance)), "", float(known))
-            for name, one, variance, known in zip(SHARES, value, total, freedom, strict=True)
+            for name, one, variance, known in zip(PROPERTIES, value, total, freedom, strict=True)
         },
         monte_carlo={
             name: Estimate(float(cloud[number].mean()), (float(low[number]), float(high[number])),
                            "", float(cloud[number].std()))
-            for number, name in enumerate(SHARES)
+            for number, name in enumerate(PROPERTIES)
         },
     )  # fmt: skip
 
 
-def to_dataset(result: Shares, files: Sequence[str]) -> "xr.Dataset":
-    """The readings and the shares of each row.
+def to_dataset(result: RadiativeProperties, files: Sequence[str]) -> "xr.Dataset":
+    """Readings and properties of each row.
 
     Parameters
     ----------
-    result : Shares
+    result : RadiativeProperties
     files : sequence of str
+        Names of the files read.
 
     Returns
     -------
@@ -337,8 +343,8 @@ def to_dataset(result: Shares, files: Sequence[str]) -> "xr.Dataset":
     """
     readings = result.readings
     method = readings.method
-    each = shares_of(readings.values, method.power)
-    names = [method.remainder if name == "emissivity" else name for name in SHARES]
+    each = properties_of(readings.values, method.power)
+    names = [method.remainder if name == "emissivity" else name for name in PROPERTIES]
     variables: dict[str, Any] = {
         name: (
             "row",

@@ -1,4 +1,4 @@
-"""Writing a measured value into a flyer file, which keeps its comments."""
+"""Writing measured values into a flyer file without losing its comments."""
 
 import datetime
 import math
@@ -16,7 +16,7 @@ from lightflyer.foundation.text import read_text
 from lightflyer.lab.estimate import Estimate
 
 Face = Literal["top", "bottom", "both"]
-"""Which faces of a film a value is for."""
+"""Faces of a film that a value applies to."""
 
 _ORIGIN = re.compile(r"\s*(?:[;#]\s*)?measured: .*$")
 _DIGITS = 2  # of an uncertainty
@@ -24,7 +24,7 @@ _FACES = {"top": ("top",), "bottom": ("bottom",), "both": ("top", "bottom")}
 
 
 def measured_text(estimate: Estimate) -> str:
-    """An estimate as flyer files write it.
+    """Text of an estimate for a flyer file.
 
     Parameters
     ----------
@@ -52,32 +52,35 @@ def measured_text(estimate: Estimate) -> str:
 def update_flyer_file(
     path: str | Path, values: Mapping[tuple[str, str], Estimate], origin: str
 ) -> list[str]:
-    """Write values with their ± into a flyer file, and where they come from beside them.
+    """Write values with their uncertainties and their origin into a flyer file.
 
     Parameters
     ----------
     path : str or path
     values : mapping of (str, str) to Estimate
-        By section and key. ``emittance_top`` and ``emittance_bottom`` take the place of
-        ``emittance``, and the other way round.
+        By section and key. ``emittance_top`` and ``emittance_bottom`` replace ``emittance``, and
+        vice versa.
     origin : str
-        What was measured; stands in a comment behind each value, after the comment that was
-        there and in place of an earlier origin.
+        Measurement and files, written into the comment after each value. An existing comment is
+        kept; an earlier origin is replaced.
 
     Returns
     -------
     list of str
-        What was written, one text a key.
+        Written entries, one per key.
 
     Raises
     ------
     ConfigurationError
-        If the file is no flyer file, or would not be one with these values; it is left as it is.
+        If the file is not a valid flyer file, or would not be with these values; it is not
+        changed.
     OutputError
         If it cannot be written.
+    MissingExtraError
+        If tomlkit is not installed.
     """
     path = Path(path)
-    read_flyer_file(path)  # the user's own mistakes are named with their lines
+    read_flyer_file(path)  # names existing mistakes with their lines
     tomlkit = extra("tomlkit", "updating a flyer file", "lab")
     document = tomlkit.parse(read_text(path))
     written = []
@@ -95,7 +98,7 @@ def update_flyer_file(
 
 
 def emittance_keys(face: Face) -> list[tuple[str, str]]:
-    """Keys of a film's emittance: of one face, or one key for both.
+    """Keys of a film's emittance: one per face, or one for both.
 
     Parameters
     ----------
@@ -125,7 +128,7 @@ def tac_keys(face: Face) -> list[tuple[str, str]]:
 
 
 def _make_room(film: Any, key: str) -> None:
-    """Take away what a key of the emittance would contradict, keeping what it said of a face."""
+    """Remove emittances that a key replaces, keeping the value and comment of the other face."""
     both, faces = "emittance", ("emittance_top", "emittance_bottom")
     if key == both:
         there = [face for face in faces if face in film]
@@ -149,7 +152,7 @@ def _add(table: Any, key: str, value: Any, comment: str) -> None:
 
 
 def _own_comment(item: Any) -> str:
-    """The comment behind a value, without an origin written there before."""
+    """The comment after a value, without an earlier origin."""
     return str(_ORIGIN.sub("", item.trivia.comment).lstrip("# ").rstrip())
 
 
@@ -161,7 +164,8 @@ def _put(table: Any, key: str, text: str, origin: str) -> None:
 
 
 def _replace(path: Path, text: str) -> None:
-    """Write the file if the text is a flyer file; names of other files in it stay relative."""
+    """Replace the file if the text is a valid flyer file."""
+    # beside the file, so that relative names of other files in it stay valid
     try:
         handle, name = tempfile.mkstemp(prefix=".lightflyer-", suffix=".toml", dir=path.parent)
     except OSError as error:
@@ -174,7 +178,7 @@ def _replace(path: Path, text: str) -> None:
             read_flyer_file(staged)
         except ConfigurationError as error:
             said = str(error).replace(str(staged), str(path))
-            raise ConfigurationError(f"{said}; the file is left as it was") from None
+            raise ConfigurationError(f"{said}; the file is unchanged") from None
         staged.chmod(path.stat().st_mode)
         os.replace(staged, path)
     except OSError as error:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import lightflyer as lf
+from lightflyer.config.reader import read_flyer_file
 from lightflyer.lab.synthetic.ftir import true_transmittance
 
 FILM = """\
@@ -41,7 +41,7 @@ def test_reflectance_updates_a_flyer_file(examples, lab, flyer_file):
     assert code == 0
     found = json.loads(out)
     assert found["emissivity"]["value"] == pytest.approx(0.1175, abs=1e-3)
-    film = lf.read_flyer_file(path).film
+    film = read_flyer_file(path).film
     assert film.emittance_top.value == pytest.approx(0.1175, abs=1e-3)
     assert film.emittance_top.uncertainty == pytest.approx(0.005 * np.sqrt(2.0), rel=0.02)
     assert film.emittance_bottom.value == 0.08
@@ -55,7 +55,7 @@ def test_reflectance_updates_a_flyer_file(examples, lab, flyer_file):
         (["film.jdx", "--band", "900 cm^-1"], "has no width"),
         (["film.jdx", "--band", "9000 ± 400 cm^-1"], "no data in the band"),
         (["film.jdx", "--temperatures", "0 K"], "temperatures = 0 is not positive"),
-        (["film-reflectance.csv"], "is of reflectance, not of transmittance"),
+        (["film-reflectance.csv"], "shows reflectance, not transmittance"),
     ],
 )
 def test_bad_input(examples, lab, arguments, says):

@@ -3,7 +3,7 @@ import json
 import pytest
 import xarray as xr
 
-import lightflyer as lf
+from lightflyer.config.reader import read_flyer_file
 
 
 def test_points_to_record_with_model_and_calibration(examples, lab):
@@ -28,14 +28,14 @@ def test_points_to_record_with_model_and_calibration(examples, lab):
     with xr.open_dataset(folder / "o" / "levitation.nc", engine="h5netcdf") as record:
         assert record.sizes["sample"] == 2
     assert (folder / "o" / "levitation.svg").exists()
-    assert lf.read_flyer_file(lf_file).force.c_fm.value == pytest.approx(0.4, rel=0.05)
+    assert read_flyer_file(lf_file).force.c_fm.value == pytest.approx(0.4, rel=0.05)
 
 
 def test_launchpads_are_compared_and_the_near_floor_named(examples, lab):
     examples("levitation")
     code, out, err = lab("levitation", "launchpads.csv", "--draws", "200", "--json")
     assert code == 0
-    assert "Ge 2 cm on plate: the floor is 5 mm below" in err
+    assert "Ge 2 cm on plate is in ground effect: the floor is 5 mm below" in err
     found = json.loads(out)
     low, high = found["comparisons"][0]["reduction"]["interval_95"]
     assert low < 0.1 < high

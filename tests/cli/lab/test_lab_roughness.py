@@ -27,8 +27,8 @@ def test_three_maps_to_one_record(examples, lab):
     ("arguments", "says"),
     [
         (["missing.ibw"], "missing.ibw: cannot be read"),
-        (["map.txt"], 'map.txt: its heights have no unit; write --unit "nm"'),
-        (["map.txt", "--unit", "nm"], 'map.txt: says no width; write --size "10 um"'),
+        (["map.txt"], 'map.txt: its heights have no unit; state it by --unit "nm"'),
+        (["map.txt", "--unit", "nm"], 'map.txt: has no width; state it by --size "10 um"'),
         (["map.txt", "--unit", "nm", "--size", "10"], "--size: "),
         (["map.txt", "--unit", "nm", "--size", "1 um", "--threshold", "0"], "threshold = 0"),
     ],

@@ -3,14 +3,14 @@ import json
 import pytest
 import xarray as xr
 
-import lightflyer as lf
+from lightflyer.config.reader import read_flyer_file
 
 
 def test_raw_file_to_record_figure_and_flyer_file(examples, lab):
     folder = examples("tac")
     code, out, err = lab("tac", "tac-raw.csv", "--calibration", "tac-resistance.csv", "--out", "o")
     assert (code, err) == (0, "")
-    assert "left out tac-raw.csv:42: repeats line 41" in out
+    assert "rejected tac-raw.csv:42: repeats line 41" in out
     names = {path.name for path in (folder / "o").iterdir()}
     assert names == {"tac.json", "tac.nc", "tac.png", "tac.svg"}
     found = json.loads((folder / "o" / "tac.json").read_text(encoding="utf-8"))
@@ -38,7 +38,7 @@ def test_several_runs_are_averaged_and_written_into_a_flyer_file(examples, lab, 
     assert (code, err) == (0, "")
     found = json.loads(out)
     assert set(found["runs"]) == {"tac-raw.csv", "tac-reduced.txt"}
-    read = lf.read_flyer_file(path).film
+    read = read_flyer_file(path).film
     assert read.tac_bottom.value == pytest.approx(found["tac"]["value"], abs=1e-3)
     assert read.tac_top.value == 0.8
     assert "measured: lab tac, printed reading, tac-raw.csv, tac-reduced.txt, " in path.read_text(
@@ -53,8 +53,8 @@ HEADER = "pressure [Pa],heater_power [W],heater_temperature [K],ambient_temperat
     ("text", "arguments", "says"),
     [
         ("", [], "raw.csv: is empty"),
-        (HEADER + "1,1,320,295\n", [], "raw.csv:2: has 1 row that can be used"),
-        (HEADER + "1,0.05,320,295\n" * 9, [], "raw.csv: its pressures cannot tell"),
+        (HEADER + "1,1,320,295\n", [], "raw.csv:2: has 1 usable row;"),
+        (HEADER + "1,0.05,320,295\n" * 9, [], "raw.csv: its pressures do not determine"),
         (HEADER + "1,-0.05,320,295\n", [], "raw.csv:2: heater_power = -0.05 W is not positive"),
         (HEADER + "1,0.05,290,295\n", [], "raw.csv:2: the heater at 290.00 K is not warmer"),
         (HEADER.replace("pressure", "Größe"), [], "raw.csv: has a header but no rows"),

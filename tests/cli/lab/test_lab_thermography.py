@@ -3,7 +3,7 @@ import json
 import pytest
 import xarray as xr
 
-import lightflyer as lf
+from lightflyer.config.reader import read_flyer_file
 
 
 def test_table_to_record_and_flyer_file(examples, lab, flyer_file):
@@ -17,7 +17,7 @@ def test_table_to_record_and_flyer_file(examples, lab, flyer_file):
         low, high = found[name]["interval_95"]
         assert low < truth < high
         assert found["monte_carlo"][name]["unit"] == ""
-    film = lf.read_flyer_file(path).film
+    film = read_flyer_file(path).film
     assert film.emittance.value == pytest.approx(found["emissivity"]["value"], abs=1e-3)
     with xr.open_dataset(folder / "o" / "thermography.nc", engine="h5netcdf") as record:
         assert record.hotplate_temperature.units == "K"
@@ -31,7 +31,7 @@ def test_light_meter_gives_the_absorptance(examples, lab, flyer_file):
                        path, "--face", "top")  # fmt: skip
     assert code == 0
     assert json.loads(out)["absorptivity"]["value"] == pytest.approx(0.75, abs=2e-3)
-    assert lf.read_flyer_file(path).film.absorptance.value == pytest.approx(0.75, abs=2e-3)
+    assert read_flyer_file(path).film.absorptance.value == pytest.approx(0.75, abs=2e-3)
 
 
 GIVEN = ["--hotplate", "150 °C", "--lower", "50 °C", "--upper", "130 °C", "--ambient", "22 °C"]
@@ -43,7 +43,7 @@ def test_one_row_without_uncertainty(folder, lab):
     (folder / "one.csv").write_text(f"{header}\n423.15,320.15,406.15,295.15\n")
     code, out, _ = lab("thermography", str(folder / "one.csv"), "--out", str(folder / "out"))
     assert code == 0
-    assert "the interval of one row is empty" in out
+    assert "the interval of one row has no width" in out
     assert (folder / "out" / "thermography.png").exists()
 
 
@@ -58,13 +58,13 @@ def test_scalars(lab):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        ([], "name a file, or give hotplate_temperature"),
+        ([], "give a file, or also hotplate_temperature"),
         (["missing.csv"], "missing.csv: cannot be read"),
         (["missing.jpg", "--regions", "a=1:2,3:4"], "missing.jpg: cannot be read"),
-        (["missing.jpg"], "an image takes --regions"),
+        (["missing.jpg"], "an image needs --regions"),
         ([*GIVEN[:-1], "160 °C"], "hotplate_temperature is not above ambient_temperature"),
         ([*GIVEN[:-1], "22"], "--ambient: "),
-        (["--light-meter", *GIVEN], "--light-meter takes a file"),
+        (["--light-meter", *GIVEN], "--light-meter needs a file"),
     ],
 )
 def test_bad_input(folder, lab, arguments, says):

@@ -1,4 +1,4 @@
-"""``lightflyer lab``: raw measurements to numbers with intervals, one module a measurement."""
+"""``lightflyer lab``: numbers with intervals from raw measurements, one module per command."""
 
 import cyclopts
 

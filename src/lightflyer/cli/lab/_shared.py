@@ -1,4 +1,4 @@
-"""What the commands of the lab bench share: options, tables, and records on disk."""
+"""Options, tables and records that the commands of the lab bench share."""
 
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -35,10 +35,10 @@ def quantity(option: str, text: str, unit: str) -> "Measured":
     Parameters
     ----------
     option : str
-        Its name, for messages.
+        Name of the option, for messages.
     text : str
     unit : str
-        SI unit wanted.
+        SI unit of the value.
 
     Returns
     -------
@@ -58,15 +58,15 @@ def quantity(option: str, text: str, unit: str) -> "Measured":
 
 
 def difference(option: str, text: str, unit: str) -> float:
-    """Value of an option that is a difference, in which 1 °C is 1 K.
+    """Value of an option that is a difference, for which 1 °C is 1 K.
 
     Parameters
     ----------
     option : str
-        Its name, for messages.
+        Name of the option, for messages.
     text : str
     unit : str
-        SI unit wanted.
+        SI unit of the value.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def _number_or_text(text: str) -> str | float:
 
 
 def read_summary(tables: Sequence["LabTable"]) -> list[dict[str, Any]]:
-    """What was read, as JSON: each file, its rows, and those left out with the reason."""
+    """JSON list of the files read, their rows, and the rejected rows with reasons."""
     return [
         {
             "file": table.source,
@@ -109,7 +109,7 @@ def read_summary(tables: Sequence["LabTable"]) -> list[dict[str, Any]]:
 
 
 def show_read(console: Console, tables: Sequence["LabTable"]) -> None:
-    """Print what was read, and every row left out."""
+    """Print the files read, and their rejected rows."""
     for table in tables:
         unused = f"; not used: {', '.join(table.unused)}" if table.unused else ""
         console.print(f"read {len(table)} rows of {table.source}{unused}", markup=False)
@@ -117,12 +117,12 @@ def show_read(console: Console, tables: Sequence["LabTable"]) -> None:
 
 
 def show_rejected(console: Console, rejected: Sequence["Rejected"]) -> None:
-    """Print the rows left out, the first of them where there are very many."""
+    """Print rejected rows, only the first of very many."""
     for row in rejected[:_SHOWN_REJECTED]:
-        console.print(f"  left out {row}", markup=False, soft_wrap=True)
+        console.print(f"  rejected {row}", markup=False, soft_wrap=True)
     if len(rejected) > _SHOWN_REJECTED:
         console.print(
-            f"  and {len(rejected) - _SHOWN_REJECTED} more rows, which the JSON record names"
+            f"  and {len(rejected) - _SHOWN_REJECTED} more rows, listed in the JSON record"
         )
 
 
@@ -147,27 +147,27 @@ def write_record(
     figures: Callable[[], dict[str, "Figure"]],
     update: Callable[[], list[str]],
 ) -> tuple[list[Path], list[str]]:
-    """Write the record (JSON, NetCDF) and figures (PNG, SVG) of a measurement, all or none.
+    """Write the record (JSON, NetCDF) and figures (PNG, SVG) of a measurement, or nothing.
 
     Parameters
     ----------
     out : Path or None
         Folder; None writes no record.
     name : str
-        Of the files without suffix.
+        Name of the files without suffix.
     document : dict
-        The JSON record.
+        JSON record.
     dataset : xarray.Dataset
     figures : callable
-        Makes the figures by file name without suffix.
+        Returns the figures by file name without suffix.
     update : callable
-        Updates the flyer file, once all else is ready; where it fails nothing is written.
+        Updates the flyer file after all files are prepared; if it fails, nothing is written.
 
     Returns
     -------
     written : list of Path
     updated : list of str
-        What was written into the flyer file.
+        Entries written into the flyer file.
     """
     if out is None:
         return [], update()
@@ -193,7 +193,9 @@ def updating(
     name: str,
     files: Sequence[Path],
 ) -> Callable[[], list[str]]:
-    """What writes values into a flyer file, for :func:`write_record`; nothing where none is named.
+    """Function that writes values into a flyer file, for :func:`write_record`.
+
+    It does nothing if no flyer file is named.
 
     Parameters
     ----------
@@ -201,9 +203,9 @@ def updating(
     values : mapping of (str, str) to Estimate
         By section and key.
     name : str
-        Of the measurement, and how it was read where that matters.
+        Name of the measurement, with the reading where it matters.
     files : sequence of Path
-        It was made from.
+        Measured files.
 
     Returns
     -------
@@ -223,13 +225,13 @@ def updating(
 def finish(
     console: Console, written: Sequence[Path], updated: Sequence[str], flyer: Path | None
 ) -> None:
-    """Say what was written, or how to have it written."""
+    """Print what was written, or how to write it."""
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
     for text in updated:
         console.print(f"{flyer}: {text}", soft_wrap=True, markup=False)
     if not written:
-        console.print("add --out FOLDER to write the record and a figure")
+        console.print("add --out FOLDER to write a record and a figure")
 
 
 def print_json(document: dict[str, Any]) -> None:

@@ -13,16 +13,16 @@ def example_command(
     out: Path = Path("."),
     seed: int = 0,
 ) -> None:
-    """Write synthetic raw files to try a command with; each says that it is synthetic.
+    """Write synthetic raw files to try a command with, each labelled as synthetic.
 
     Parameters
     ----------
     name
-        Of the measurement.
+        Measurement.
     out
-        Folder to write them into.
+        Folder to write into.
     seed
-        Of their noise.
+        Seed of the noise.
     """
     from lightflyer.foundation.files import output_directory
     from lightflyer.lab.synthetic import example_files

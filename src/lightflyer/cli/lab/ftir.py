@@ -48,23 +48,23 @@ def ftir_command(
         Spectra of transmittance of one film: JCAMP-DX (.jdx, .dx), or tables of wavenumber or
         wavelength and transmittance or absorbance, units in the header. Several are repeats.
     reflectance
-        Spectrum of its reflectance; without it the emissivity has an upper bound only.
+        Spectrum of its reflectance. Without it, only an upper bound of the emissivity follows.
     columns
-        The columns of tables without header: "wavenumber [cm^-1], transmittance [%]".
+        Columns of tables without a header: "wavenumber [cm^-1], transmittance [%]".
     band
-        Middle and half width of the band.
+        Centre and half width of the band.
     temperatures
-        At which to weight with Planck's spectrum.
+        Temperatures of the Planck weighting.
     accuracy
         Standard uncertainty of the instrument's ordinate, such as "0.5 %".
     film
-        TOML file with the layers of a film, whose computed spectrum is drawn beside.
+        TOML file with the layers of a film; draws its computed spectrum.
     out
         Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
     update
-        Flyer file to write the emissivity over the band into; takes --reflectance.
+        Flyer file to write the emissivity over the band into; needs --reflectance.
     face
-        Which face of that file's film it is for.
+        Face of that film.
     json_output
         Print one JSON object instead of tables.
     """
@@ -74,8 +74,8 @@ def ftir_command(
 
     if update is not None and reflectance is None:
         raise ConfigurationError(
-            "--update: transmittance alone gives an upper bound, which no film has as its "
-            "emittance; --reflectance makes it one"
+            "--update: transmittance alone gives only an upper bound of the emittance; add "
+            "--reflectance"
         )
     middle = quantity("--band", band, "m^-1")
     if not middle.uncertainty:
@@ -110,7 +110,7 @@ def ftir_command(
         show_rejected(console, one.rejected)
     _show(console, result)
     if not result.accuracy:
-        console.print("intervals hold the noise alone; --accuracy adds the instrument's")
+        console.print("intervals include noise only; --accuracy adds that of the instrument")
     finish(console, written, updated, update)
 
 
@@ -124,7 +124,7 @@ def _read(spectrum: "MeasuredSpectrum") -> dict[str, Any]:
 
 
 def _computed(film: Path | None, result: "Ftir") -> dict[str, Any]:
-    """The film's computed spectra over the wavenumbers measured, as far as its data reach."""
+    """Computed spectra of the film over the measured wavenumbers that its data cover."""
     if film is None:
         return {}
     import numpy as np
@@ -136,11 +136,11 @@ def _computed(film: Path | None, result: "Ftir") -> dict[str, Any]:
     ends = [one.wavenumber[[0, -1]] for one in result.spectra]
     low = max(min(end[0] for end in ends), 1.0 / longest)
     high = max(end[1] for end in ends)
-    if shortest > 0.0:  # it is zero for materials that are extrapolated
+    if shortest > 0.0:  # zero if all materials are extrapolated
         high = min(high, 1.0 / shortest)
     if low >= high:
-        raise ConfigurationError(f"{film}: its materials have no data where the spectra have")
-    # the ends themselves could fall out of the materials' range by rounding
+        raise ConfigurationError(f"{film}: its materials have no data in the range of the spectra")
+    # by rounding, the ends themselves may lie outside the materials' range
     wavenumber = np.linspace(low, high, 1002)[1:-1]
     optics = stack.optics(1.0 / wavenumber).unpolarised()
     found = {"transmittance": (wavenumber, np.asarray(optics.transmittance))}
@@ -150,7 +150,7 @@ def _computed(film: Path | None, result: "Ftir") -> dict[str, Any]:
 
 
 def _figures(result: "Ftir", computed: dict[str, Any]) -> "dict[str, Figure]":
-    from lightflyer.lab.ftir_figures import ftir_figures
+    from lightflyer.lab.figures.ftir import ftir_figures
 
     return ftir_figures(result, computed)
 
@@ -176,5 +176,5 @@ def _show(console: Console, result: "Ftir") -> None:
             f"{estimate.value:.4f}", f"{ends[0]:.4f} to {ends[1]:.4f}",
             f"{result.uncovered[temperature]:.1%}",
         )  # fmt: skip
-    console.print("weighted with Planck's spectrum, over the wavenumbers measured:")
+    console.print("weighted with Planck's spectrum over the measured wavenumbers:")
     console.print(table)

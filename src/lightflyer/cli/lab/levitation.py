@@ -46,30 +46,30 @@ def levitation_command(
     update: Path | None = None,
     json_output: Json = False,
 ) -> None:
-    """Find the pressure at which samples need least light, and compare samples and launchpads.
+    """Find the minimum irradiance of samples and its pressure; compare samples and launchpads.
 
     Parameters
     ----------
     files
         Tables of points at which a sample just lifted off, with the columns pressure and
         irradiance, units in the header such as "pressure [mTorr]", and sample where there is
-        more than one. Further columns: launchpad, floor_gap, and what a sample is, for the
-        model's curve: diameter, areal_density, emittance, absorptance, tac_top, tac_bottom.
+        more than one. Further columns: launchpad, floor_gap and, for the model's curve, diameter,
+        areal_density, emittance, absorptance, tac_top, tac_bottom.
     columns
-        The columns in the order of the files, in place of a header: "pressure [Pa], irradiance
-        [W/m^2]"; - is one to leave out.
+        Columns in the order of the files, in place of a header: "pressure [Pa], irradiance
+        [W/m^2]"; - skips a column.
     span
-        Share of a sample's points that each local fit sees.
+        Fraction of a sample's points in each local fit.
     draws
-        Resamples of the bootstrap behind the intervals.
+        Number of bootstrap resamples for the intervals.
     seed
-        Of the resamples.
+        Seed of the resampling.
     flyer
-        Flyer file of a chamber, whose predicted curve is drawn beside the points.
+        Flyer file of a chamber; draws its predicted curve.
     calibrate
-        Fit the force coefficients to the points, starting from that flyer, and draw that curve.
+        Fit the force coefficients to the points, starting from that flyer, and draw the curve.
     pressure_unit
-        Of the figure's axis.
+        Unit of the figure's axis.
     out
         Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
     update
@@ -78,12 +78,13 @@ def levitation_command(
         Print one JSON object instead of tables.
     """
     from lightflyer.lab import levitation
+    from lightflyer.lab.levitation_data import read_lift_offs
 
     if update is not None and not calibrate:
-        raise ConfigurationError("--update writes force coefficients: it takes --calibrate")
+        raise ConfigurationError("--update writes calibrated force coefficients; add --calibrate")
     if calibrate and flyer is None:
-        raise ConfigurationError("--calibrate starts from a flyer: name its file by --flyer")
-    read = [levitation.read_lift_offs(file, columns=columns) for file in files]
+        raise ConfigurationError("--calibrate starts from a flyer; name its file by --flyer")
+    read = [read_lift_offs(file, columns=columns) for file in files]
     curves = [
         levitation.levitation_curve(points, span=span, draws=draws, seed=seed + number)
         for number, points in enumerate(_distinct([one for lots, _ in read for one in lots]))
@@ -116,7 +117,7 @@ def _distinct(lots: Sequence[Any]) -> Sequence[Any]:
     seen: dict[str, str] = {}
     for one in lots:
         if one.name in seen:
-            raise ConfigurationError(f"{one.place}: {one.name} also stands in {seen[one.name]}")
+            raise ConfigurationError(f"{one.place}: {one.name} is also in {seen[one.name]}")
         seen[one.name] = one.place
     return lots
 
@@ -128,8 +129,8 @@ def _warn_of_ground_effect(curves: "Sequence[LevitationCurve]") -> None:
                 1e3 * float(one or 0.0) for one in (points.floor_gap, points.properties["diameter"])
             )
             warnings.warn(
-                f"{points.place}: {points.name}: the floor is {gap:.3g} mm below, less than the "
-                f"diameter of {diameter:.3g} mm: the floor helps it up",
+                f"{points.place}: {points.name} is in ground effect: the floor is {gap:.3g} mm "
+                f"below, less than the diameter of {diameter:.3g} mm",
                 ParameterWarning,
                 stacklevel=2,
             )
@@ -138,19 +139,18 @@ def _warn_of_ground_effect(curves: "Sequence[LevitationCurve]") -> None:
 def _models(
     curves: "Sequence[LevitationCurve]", flyer: Path | None, *, calibrate: bool
 ) -> tuple[dict[str, Any], "Calibration | None"]:
-    """Curves of the model, and of the calibrated one, by name."""
+    """Curves of the model and of the calibrated model, by label."""
     if flyer is None:
         return {}, None
     from lightflyer.config.reader import read_flyer_file
-    from lightflyer.environment.chamber import Chamber
-    from lightflyer.lab.levitation_model import calibrated, model_curve
+    from lightflyer.lab.levitation_model import calibrate_curves, model_curve
 
     setup = read_flyer_file(flyer).build()
-    if not isinstance(setup.environment, Chamber):
-        raise ConfigurationError(f"{flyer}: is not of a chamber; points are")
+    if setup.environment.coordinate.name != "pressure":
+        raise ConfigurationError(f"{flyer}: levitation points need a chamber as the environment")
     setups, fit = {"model": setup}, None
     if calibrate:
-        fit, setups["calibrated model"] = calibrated(curves, setup)
+        fit, setups["calibrated model"] = calibrate_curves(curves, setup)
     return {
         name: {curve.points.name: model_curve(curve.points, one) for curve in curves}
         for name, one in setups.items()
@@ -172,7 +172,7 @@ def _coefficients(fit: "Calibration") -> dict[tuple[str, str], "Estimate"]:
 def _figures(
     curves: "Sequence[LevitationCurve]", pressure_unit: str, models: dict[str, Any]
 ) -> "dict[str, Figure]":
-    from lightflyer.lab.levitation_figures import levitation_figures
+    from lightflyer.lab.figures.levitation import levitation_figures
 
     return levitation_figures(curves, pressure_unit=pressure_unit, models=models)
 
@@ -191,7 +191,7 @@ def _show(console: Console, curves: "Sequence[LevitationCurve]") -> None:
             low, high = estimate.interval
             row += [f"{estimate.value:.4g}", f"{low:.4g} to {high:.4g}"]
         table.add_row(*row)
-    console.print("least light, and the pressure at which it suffices:")
+    console.print("minimum irradiance and its pressure:")
     console.print(table)
     for one in compare(curves):
         low, high = (_PERCENT * end for end in one.reduction.interval)

@@ -19,7 +19,7 @@ from lightflyer.cli.lab._shared import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from lightflyer.lab.roughness import Roughness
+    from lightflyer.lab.surface import Roughness
 
 _NAMES = {
     "rms_height": "rms height Sq",
@@ -42,31 +42,31 @@ def roughness_command(
     out: Path | None = None,
     json_output: Json = False,
 ) -> None:
-    """Level height maps, mask the particles on them, and give the roughness of the rest.
+    """Level height maps, mask their particles, and find the roughness of the surface.
 
     Parameters
     ----------
     files
         Maps: Asylum's .ibw, Gwyddion's .gwy, or text files with a matrix of heights.
     size
-        Width of a matrix, such as "10 um", where the file does not say it.
+        Width of a matrix, such as "10 um", where the file does not state it.
     unit
-        Of a matrix's heights, such as "nm", where the file does not say it.
+        Unit of a matrix's heights, such as "nm", where the file does not state it.
     channel
-        Of several in a file, such as HeightRetrace.
+        Channel of a file with several, such as HeightRetrace.
     threshold
-        Height of a particle above the surface, in the surface's robust standard deviations.
+        Least height of a particle, in robust standard deviations of the surface.
     order
-        Of the polynomial that levels a map: 1 is a plane, 2 also bends.
+        Order of the levelling polynomial: 1 is a plane, 2 adds curvature.
     seed
-        Of the resamples behind the intervals.
+        Seed of the resampling for the intervals.
     out
         Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
     json_output
         Print one JSON object instead of tables.
     """
     from lightflyer.lab.height_map import read_height_map
-    from lightflyer.lab.roughness import roughness, summary, to_dataset
+    from lightflyer.lab.surface import roughness, summary, to_dataset
 
     width = None if size is None else quantity("--size", size, "m").value
     maps = [read_height_map(file, size=width, unit=unit, channel=channel) for file in files]
@@ -95,6 +95,6 @@ def roughness_command(
 
 
 def _figures(results: "Sequence[Roughness]") -> "dict[str, Figure]":
-    from lightflyer.lab.roughness_figures import roughness_figures
+    from lightflyer.lab.figures.surface import roughness_figures
 
     return roughness_figures(results)

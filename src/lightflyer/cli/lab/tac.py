@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from lightflyer.lab.tac import TacFit
 
-_CORRELATED = 0.5  # of neighbouring residuals, above which intervals are too narrow
+_CORRELATED = 0.5  # correlation of neighbouring residuals above which intervals are too narrow
 _PERCENT = 100.0
 
 
@@ -54,41 +54,41 @@ def tac_command(
     Parameters
     ----------
     files
-        Tables, one a run, with the columns pressure, heater_power (or heater_voltage and
+        Tables, one per run, with the columns pressure, heater_power (or heater_voltage and
         heater_current), heater_temperature and ambient_temperature, units in the header such as
         "pressure [mTorr]". Several runs are averaged.
     columns
-        The columns in the order of the files, in place of a header: "pressure [Pa], -,
-        heater_power [mW]", where - is one to leave out.
+        Columns in the order of the files, in place of a header: "pressure [Pa], -,
+        heater_power [mW]"; - skips a column.
     calibration
-        Table of resistance and temperature, from which voltage over current gives the heater's
+        Table of resistance and temperature; voltage over current then gives the heater's
         temperature.
     ambient
         Temperature of gas and walls where the files have no such column, such as "22 °C".
     heater
-        Preset of the heater: lu2023 is the paper's, 24 mm across.
+        Preset of the heater: lu2023 is the paper's, with a diameter of 24 mm.
     diameter
-        Of the heater, such as "24 mm", in place of the preset's.
+        Diameter of the heater, such as "24 mm", in place of the preset's.
     tolerance
-        Rows whose heater temperature is farther than this from the median are dropped.
+        Largest distance of the heater temperature from its median; other rows are dropped.
     emissivity
-        Of the heater; its radiation is then counted apart from the offset.
+        Emissivity of the heater; its radiation is then counted apart from the offset.
     reading
         Conventions of the heat loss; reported counts the continuum loss twice.
     gas
-        Whose properties are used.
+        Gas in the chamber.
     out
         Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
     update
         Flyer file to write the coefficient into.
     face
-        Which face of that file's film the coefficient is for.
+        Face of that film.
     json_output
         Print one JSON object instead of tables.
     """
-    from lightflyer.config.sections import GASES
     from lightflyer.force.lu2023 import READINGS
-    from lightflyer.lab import tac
+    from lightflyer.gas import GASES
+    from lightflyer.lab import tac, tac_record
     from lightflyer.lab.tac_data import read_resistance_calibration, read_tac
     from lightflyer.lab.update import tac_keys
 
@@ -108,10 +108,10 @@ def tac_command(
         for file in _distinct(files)
     ]
     fits = [tac.fit_tac(run, **options) for run in runs]
-    document = tac.summary(fits) | {"read": read_summary([run.table for run in runs])}
-    values = dict.fromkeys(tac_keys(face), tac.mean_tac(fits))
+    document = tac_record.summary(fits) | {"read": read_summary([run.table for run in runs])}
+    values = dict.fromkeys(tac_keys(face), tac_record.mean_tac(fits))
     written, updated = write_record(
-        out, "tac", document, tac.to_dataset(fits), lambda: _figures(fits),
+        out, "tac", document, tac_record.to_dataset(fits), lambda: _figures(fits),
         updating(update, values, f"tac, {reading} reading", files),
     )  # fmt: skip
     if json_output:
@@ -126,18 +126,18 @@ def tac_command(
 def _distinct(files: Sequence[Path]) -> Sequence[Path]:
     for number, file in enumerate(files):
         if file in files[:number]:
-            raise ConfigurationError(f"{file}: is given twice")
+            raise ConfigurationError(f"{file}: is listed twice")
     return files
 
 
 def _figures(fits: "Sequence[TacFit]") -> "dict[str, Figure]":
-    from lightflyer.lab.tac_figures import tac_figures
+    from lightflyer.lab.figures.tac import tac_figures
 
     return tac_figures(fits)
 
 
 def _show(console: Console, fits: "Sequence[TacFit]") -> None:
-    from lightflyer.lab import tac
+    from lightflyer.lab.tac_record import mean_tac
 
     for fit in fits:
         console.print(
@@ -150,21 +150,21 @@ def _show(console: Console, fits: "Sequence[TacFit]") -> None:
                  "offset": "offset C"}  # fmt: skip
         console.print(estimate_table([(names[name], one) for name, one in fit.estimates().items()]))
         console.print(
-            f"rows scatter by {_PERCENT * fit.scatter:.2g} % about the fit; intervals are those "
-            "of the profile"
+            f"rows scatter by {_PERCENT * fit.scatter:.2g} % about the fit; intervals are "
+            "profile intervals"
         )
         if fit.residual_correlation > _CORRELATED:
             console.print(
-                "neighbouring rows stray from the fit together (correlation "
+                "neighbouring rows deviate from the fit together (correlation "
                 f"{fit.residual_correlation:.2f}): the intervals are too narrow"
             )
     if len(fits) > 1:
         console.print(_runs_table(fits))
-        console.print(f"mean accommodation coefficient {tac.mean_tac(fits)}")
+        console.print(f"mean accommodation coefficient {mean_tac(fits)}")
 
 
 def _runs_table(fits: "Sequence[TacFit]") -> Table:
-    """Like the paper's table S2."""
+    """Table of runs, like the paper's table S2."""
     table = Table(box=None, padding=(0, 1))
     for heading in ("run", "TAC α", "95 % interval", "area ratio δ", "offset C\n[W/(m² K)]"):
         table.add_column(heading, justify="left" if heading == "run" else "right")

@@ -1,4 +1,4 @@
-"""``lightflyer lab thermography``: emissivity from temperatures, or absorptivity from light."""
+"""``lightflyer lab thermography``: emissivity from temperatures, absorptivity from light."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.foundation.units import Measured
-    from lightflyer.lab.thermography import Shares
+    from lightflyer.lab.thermography import RadiativeProperties
 
 _IMAGES = (".jpg", ".jpeg")
 
@@ -53,15 +53,15 @@ def thermography_command(
     ----------
     file
         Table with the columns hotplate_temperature, lower_temperature, upper_temperature and
-        ambient_temperature, one measurement a row; or a radiometric image (.jpg) with --regions.
-        Without file the four options below give them.
+        ambient_temperature, one measurement per row; or a radiometric image (.jpg) with
+        --regions. Without a file, the four options below give the temperatures.
     light_meter
         The columns are incident, reflected, transmitted and dark, readings of a light meter in
-        one unit: they give the visible absorptivity.
+        any one unit, which give the visible absorptivity.
     columns
-        The columns in the order of the file, in place of a header.
+        Columns in the order of the file, in place of a header.
     hotplate
-        Its temperature, such as "150 ± 0.5 °C", where the file has no such column.
+        Temperature of the hotplate, such as "150 ± 0.5 °C", where the file has no such column.
     lower
         Apparent temperature of the film's lower side.
     upper
@@ -69,19 +69,19 @@ def thermography_command(
     ambient
         Temperature of the surroundings.
     regions
-        Of an image, rows and columns from and to: "hotplate=10:40,20:60; upper=50:80,20:60".
+        Regions of an image, rows and then columns: "hotplate=10:40,20:60; upper=50:80,20:60".
     accuracy
-        Standard uncertainty common to all readings without one of their own, such as "0.5 K".
+        Standard uncertainty of all readings that state none, such as "0.5 K".
     draws
-        Of the Monte Carlo beside first order.
+        Number of Monte Carlo draws.
     seed
-        Of those draws.
+        Seed of the draws.
     out
         Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
     update
-        Flyer file to write the emissivity (of a light meter: the absorptance) into.
+        Flyer file to write the emissivity (the absorptance for a light meter) into.
     face
-        Which face of that file's film it is for.
+        Face of that film.
     json_output
         Print one JSON object instead of tables.
     """
@@ -91,7 +91,7 @@ def thermography_command(
     texts = (hotplate, lower, upper, ambient)
     given = _given(dict(zip(thermography.THERMAL.readings, texts, strict=True)))
     if light_meter and (given or accuracy or file is None):
-        raise ConfigurationError("--light-meter takes a file, and no temperatures")
+        raise ConfigurationError("--light-meter needs a file and takes no temperatures")
     tables = []
     if file is None:
         readings = thermography.given_readings(given, method)
@@ -151,7 +151,7 @@ def _of_image(file: Path, regions: str | None, accuracy: str | None) -> "dict[st
     from lightflyer.lab.thermal_image import parse_regions, read_thermal_image, region_temperatures
 
     if regions is None:
-        raise ConfigurationError(f'{file}: an image takes --regions "hotplate=10:40,20:60; ..."')
+        raise ConfigurationError(f'{file}: an image needs --regions "hotplate=10:40,20:60; ..."')
     rectangles = parse_regions(regions)
     found = region_temperatures(read_thermal_image(file), rectangles, str(file))
     if accuracy is None:
@@ -164,7 +164,7 @@ def _of_image(file: Path, regions: str | None, accuracy: str | None) -> "dict[st
 
 
 def _values(
-    result: "Shares", face: Literal["top", "bottom", "both"], *, light_meter: bool
+    result: "RadiativeProperties", face: Literal["top", "bottom", "both"], *, light_meter: bool
 ) -> dict[tuple[str, str], Any]:
     from lightflyer.lab.update import emittance_keys
 
@@ -175,13 +175,13 @@ def _values(
     return {("film", key): result.emissivity for key in keys.get(face, both)}
 
 
-def _figures(result: "Shares") -> "dict[str, Figure]":
-    from lightflyer.lab.thermography_figures import thermography_figures
+def _figures(result: "RadiativeProperties") -> "dict[str, Figure]":
+    from lightflyer.lab.figures.thermography import thermography_figures
 
     return thermography_figures(result)
 
 
-def _show(console: Console, result: "Shares") -> None:
+def _show(console: Console, result: "RadiativeProperties") -> None:
     remainder = result.readings.method.remainder
     rows = []
     for name, estimate in result.first_order.items():
@@ -190,9 +190,9 @@ def _show(console: Console, result: "Shares") -> None:
     console.print(estimate_table(rows))
     if not result.readings.uncertainties.any():
         alone = result.readings.values.shape[1] == 1
-        held = (
-            "the interval of one row is empty"
+        said = (
+            "the interval of one row has no width"
             if alone
-            else "intervals hold the rows' scatter alone"
+            else "intervals include the scatter of the rows only"
         )
-        console.print(f"no reading states an uncertainty: {held}")
+        console.print(f"no reading states an uncertainty: {said}")

@@ -1,4 +1,4 @@
-"""Synthetic raw files with known truth, one module a measurement; each file says what it is."""
+"""Synthetic raw files with known truth, one module per measurement."""
 
 from typing import NamedTuple
 
@@ -6,14 +6,14 @@ from lightflyer.foundation.errors import ParameterError
 
 
 class Example(NamedTuple):
-    """Synthetic files and what to do with them.
+    """Synthetic files and the commands that reduce them.
 
     Attributes
     ----------
     files : dict of str to (str or bytes)
         Content by file name.
     commands : list of str
-        Of ``lightflyer lab``, to reduce them.
+        Arguments of ``lightflyer lab``.
     """
 
     files: dict[str, str | bytes]
@@ -21,14 +21,14 @@ class Example(NamedTuple):
 
 
 def example_files(name: str, seed: int = 0) -> Example:
-    """Synthetic raw files of a measurement.
+    """Synthetic raw files of a measurement, each labelled as synthetic.
 
     Parameters
     ----------
     name : str
-        Of the measurement.
+        Name of the measurement.
     seed : int
-        Of the noise.
+        Seed of the noise.
 
     Returns
     -------
@@ -37,7 +37,7 @@ def example_files(name: str, seed: int = 0) -> Example:
     Raises
     ------
     ParameterError
-        If there is no such measurement.
+        If the name is unknown.
     """
     if name == "ftir":
         from lightflyer.lab.synthetic.ftir import ftir_files
@@ -54,7 +54,7 @@ def example_files(name: str, seed: int = 0) -> Example:
             ["levitation levitation.csv --out levitation", "levitation launchpads.csv"],
         )
     if name == "roughness":
-        from lightflyer.lab.synthetic.roughness import roughness_files
+        from lightflyer.lab.synthetic.surface import roughness_files
 
         files = roughness_files(seed)
         return Example(files, [f"roughness {' '.join(files)} --out roughness"])
@@ -73,4 +73,4 @@ def example_files(name: str, seed: int = 0) -> Example:
             ['thermography thermal.csv --accuracy "0.5 K" --out thermography',
              "thermography light-meter.csv --light-meter"],
         )  # fmt: skip
-    raise ParameterError(f'there are no synthetic files of "{name}"')
+    raise ParameterError(f'there are no synthetic files for "{name}"')

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lightflyer.lab.synthetic._dirt import dirty_text, label
+from lightflyer.lab.synthetic._faults import faulty_table, label
 
 _FIRST, _LAST, _STEP = 400.0, 4000.0, 2.0  # [1/cm]
 _NOISE = 0.002
@@ -14,7 +14,7 @@ _REFLECTANCE = 0.04
 
 
 def true_transmittance(wavenumber: np.ndarray) -> np.ndarray:
-    """Transmittance that the synthetic spectra are made from.
+    """True transmittance of the synthetic spectra.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def true_transmittance(wavenumber: np.ndarray) -> np.ndarray:
 
 
 def ftir_files(seed: int = 0) -> dict[str, str]:
-    """A spectrum as JCAMP-DX and as a table over wavelength, and one of reflectance.
+    """Spectra of transmittance as JCAMP-DX and as a table, and a spectrum of reflectance.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def ftir_files(seed: int = 0) -> dict[str, str]:
     mirror = [f"{nu:.1f},{value:.6f}" for nu, value in zip(wavenumber, reflected, strict=True)]
     return {
         "film.jdx": _jcamp(wavenumber, first, lines),
-        "film.csv": dirty_text(lines, ["Wavelength (µm)", "Transmittance (%)"], rows, rng,
+        "film.csv": faulty_table(lines, ["Wavelength (µm)", "Transmittance (%)"], rows, rng,
                                delimiter=";", decimal_comma=True),
         "film-reflectance.csv": "\n".join([*lines, "cm-1,reflectance", *mirror]) + "\n",
     }  # fmt: skip

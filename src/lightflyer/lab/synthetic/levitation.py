@@ -7,9 +7,9 @@ from lightflyer.film.properties import FilmProperties
 from lightflyer.flight.levitation import levitate
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.lu2023 import Lu2023
-from lightflyer.lab.synthetic._dirt import TORR, dirty_text, label
+from lightflyer.lab.synthetic._faults import TORR, faulty_table, label
 
-_EMITTANCES = {"Ge 2 cm": 0.08, "CNT 2 cm": 0.48}  # the paper's
+_EMITTANCES = {"Ge 2 cm": 0.08, "CNT 2 cm": 0.48}  # of the paper's samples
 _PRESSURES = (1.2, 40.0)  # [Pa]
 _POINTS = 28  # of each sample
 _NOISE = 0.05  # relative
@@ -31,11 +31,11 @@ def lift_off_irradiance(pressure: np.ndarray, sample: str) -> np.ndarray:
     """
     emittance = _EMITTANCES[sample]
     film = FilmProperties(1e-3, 0.75, emittance, emittance, tac_top=0.8, tac_bottom=0.9)
-    return levitate(Disk(film, 0.01), Chamber().state(pressure), Lu2023()).irradiance
+    return levitate(Disk(film=film, radius=0.01), Chamber().state(pressure), Lu2023()).irradiance
 
 
 def levitation_files(seed: int = 0) -> dict[str, str]:
-    """A file of points of two samples, and one of two launchpads.
+    """Points of two samples, and points of one sample on two launchpads.
 
     Parameters
     ----------
@@ -68,9 +68,9 @@ def levitation_files(seed: int = 0) -> dict[str, str]:
     pad_header = ["Sample", "Launchpad", "Diameter (mm)", "Floor gap (mm)", "Pressure (Pa)",
                   "Irradiance (W/m2)"]  # fmt: skip
     return {
-        "levitation.csv": dirty_text(lines, header, rows, rng, shuffled=True),
-        "launchpads.csv": dirty_text(
-            [*lines, "# on the plate the floor is near: 10 % less light"], pad_header, pads, rng,
+        "levitation.csv": faulty_table(lines, header, rows, rng, shuffled=True),
+        "launchpads.csv": faulty_table(
+            [*lines, "# the floor is close to the plate: 10 % less light"], pad_header, pads, rng,
             delimiter=";", decimal_comma=True,
         ),
     }  # fmt: skip

@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.lab.synthetic._dirt import TORR, dirty_text, label
+from lightflyer.lab.synthetic._faults import TORR, faulty_table, label
 from lightflyer.lab.tac import LU2023_HEATER_DIAMETER, heater_power
 
 
 class TacTruth(NamedTuple):
-    """What a synthetic run is made from."""
+    """Parameters of a synthetic run."""
 
     tac: float = 0.75
     area_ratio: float = 1.22
@@ -17,19 +17,19 @@ class TacTruth(NamedTuple):
 
 
 PLATINUM = TacTruth()
-"""The paper's fit to platinum."""
+"""Fit of the paper to platinum."""
 
 _AMBIENT, _HEATER = 295.0, 323.0  # [K]
 _PRESSURES = (1e-4, 200.0)  # [Pa]
-_RESISTANCE, _PER_KELVIN, _AT = 10.0, 3.85e-3, 295.0  # of the heater: ohm, 1/K, K
+_RESISTANCE, _PER_KELVIN, _AT = 10.0, 3.85e-3, 295.0  # of the heater [ohm], [1/K], [K]
 _RELATIVE_NOISE = 0.01  # of the power
 _TEMPERATURE_NOISE = 0.05  # [K]
-_WARM_UP = (-9.0, -4.0, -1.6)  # of the first rows, before the heater is at its temperature [K]
+_WARM_UP = (-9.0, -4.0, -1.6)  # offsets of the first rows, while the heater warms up [K]
 _ZERO = 273.15
 
 
 def tac_files(seed: int = 0, truth: TacTruth = PLATINUM) -> dict[str, str]:
-    """Raw and reduced files of two runs, and the calibration of the heater's resistance.
+    """A raw and a reduced run, and the calibration of the heater's resistance.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def tac_files(seed: int = 0, truth: TacTruth = PLATINUM) -> dict[str, str]:
 def _run(
     rng: np.random.Generator, truth: TacTruth, count: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Pressure, power, heater and ambient temperature of a run from high vacuum up."""
+    """Pressure, power, heater and ambient temperature of a run with rising pressure."""
     pressure = np.geomspace(*_PRESSURES, count)
     heater = np.full(count, _HEATER)
     heater[: len(_WARM_UP)] += _WARM_UP
@@ -80,7 +80,7 @@ def _raw(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:
     ]  # fmt: skip
     header = ["time [s]", "pressure [mTorr]", "heater_voltage [V]", "heater_current [mA]",
               "ambient_temperature [°C]"]  # fmt: skip
-    return dirty_text(lines, header, rows, rng)
+    return faulty_table(lines, header, rows, rng)
 
 
 def _reduced(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:
@@ -91,7 +91,7 @@ def _reduced(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str
     ]
     header = ["Pressure (Pa)", "Heater Power (mW)", "Heater Temperature (°C)",
               "Ambient Temperature (°C)"]  # fmt: skip
-    return dirty_text(lines, header, rows, rng, delimiter=";", decimal_comma=True, shuffled=True)
+    return faulty_table(lines, header, rows, rng, delimiter=";", decimal_comma=True, shuffled=True)
 
 
 def _calibration(lines: list[str]) -> str:

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from lightflyer.lab.synthetic._dirt import dirty_text, label
+from lightflyer.lab.synthetic._faults import faulty_table, label
 
 REFLECTANCE, TRANSMITTANCE = 0.12, 0.80
-"""Of the synthetic film in the infrared: its emissivity is 0.08."""
+"""Properties of the synthetic film in the infrared; its emissivity is 0.08."""
 VISIBLE_REFLECTANCE, VISIBLE_TRANSMITTANCE = 0.15, 0.10
-"""Of the synthetic film in the visible: its absorptivity is 0.75."""
+"""Properties of the synthetic film in the visible; its absorptivity is 0.75."""
 
 _HOTPLATE, _AMBIENT, _ZERO = 423.15, 295.15, 273.15  # [K]
 _NOISE = 0.2  # [K]
@@ -15,7 +15,7 @@ _ROWS = 12
 
 
 def thermography_files(seed: int = 0) -> dict[str, str]:
-    """A table of temperatures and one of a light meter's readings.
+    """A table of temperatures, and one of a light meter's readings.
 
     Parameters
     ----------
@@ -46,11 +46,11 @@ def thermography_files(seed: int = 0) -> dict[str, str]:
     absorbed = 1.0 - VISIBLE_REFLECTANCE - VISIBLE_TRANSMITTANCE
     visible = f"truth: r {VISIBLE_REFLECTANCE}, t {VISIBLE_TRANSMITTANCE}, absorptivity {absorbed}"
     return {
-        "thermal.csv": dirty_text(
+        "thermal.csv": faulty_table(
             label("thermography", said), [f"{name} (°C)" for name in names], rows, rng,
             delimiter=";", decimal_comma=True,
         ),
-        "light-meter.csv": dirty_text(
+        "light-meter.csv": faulty_table(
             label("thermography", visible), ["incident", "reflected", "transmitted", "dark"],
             light, rng,
         ),

@@ -1,4 +1,4 @@
-"""Figure of height maps: each levelled, and with its particles masked."""
+"""Figure of height maps: levelled, and with their particles masked."""
 
 from collections.abc import Sequence
 from string import ascii_lowercase
@@ -9,23 +9,23 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from lightflyer.foundation.drawing import ORANGE, new_figure
-from lightflyer.lab.roughness import NANOMETRE, Roughness
+from lightflyer.lab.surface import NANOMETRE, Roughness
 
-_WIDTH, _HEIGHT = 4.6, 8.0  # of one map's column [inch]
+_WIDTH, _HEIGHT = 4.6, 8.0  # of the column of one map [inch]
 _MOST_PIXELS = 1024  # drawn along a side
-_SHOWN = 3.5  # robust heights that the colours span, in rms heights
+_SHOWN = 3.5  # range of the colours, in rms heights
 _MICROMETRE = 1e-6
 
 
-def height_map(result: Roughness, ax: Axes, *, masked: bool) -> Axes:
-    """Draw a levelled map, with all particles or with those masked.
+def draw_height_map(result: Roughness, ax: Axes, *, masked: bool) -> Axes:
+    """Draw a levelled map, with its particles or with their mask.
 
     Parameters
     ----------
     result : Roughness
     ax : matplotlib.axes.Axes
     masked : bool
-        Show the mask in place of the particles, and scale the colours to the surface.
+        Show the mask instead of the particles, and scale the colours to the surface.
 
     Returns
     -------
@@ -54,12 +54,12 @@ def height_map(result: Roughness, ax: Axes, *, masked: bool) -> Axes:
 
 
 def roughness_figures(results: Sequence[Roughness]) -> dict[str, Figure]:
-    """The figure of several maps, by file name without suffix.
+    """Figure of several maps, by file name without suffix.
 
     Parameters
     ----------
     results : sequence of Roughness
-        A column each: with particles above, without them below.
+        One column each: with particles above, masked below.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def roughness_figures(results: Sequence[Roughness]) -> dict[str, Figure]:
     count = len(results)
     figure = new_figure(columns=count, width=_WIDTH, height=_HEIGHT, rows=2)
     for number, ax in enumerate(figure.axes[: 2 * count]):
-        height_map(results[number % count], ax, masked=number >= count)
+        draw_height_map(results[number % count], ax, masked=number >= count)
         letter = ascii_lowercase[number % len(ascii_lowercase)]
         ax.text(0.02, 0.98, f"({letter})", transform=ax.transAxes, va="top", color="white",
                 weight="bold")  # fmt: skip

@@ -1,4 +1,4 @@
-"""What makes a synthetic file look like a laboratory's."""
+"""Faults that make a synthetic file look like a laboratory's."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,7 @@ import numpy as np
 from lightflyer.foundation.units import scale_and_offset
 
 TORR = scale_and_offset("Torr", "Pa")[0]
-"""In pascal."""
+"""[Pa]."""
 
 
 def label(name: str, truth: str) -> list[str]:
@@ -16,9 +16,9 @@ def label(name: str, truth: str) -> list[str]:
     Parameters
     ----------
     name : str
-        Of the measurement.
+        Name of the measurement.
     truth : str
-        What the file was made from.
+        True values.
 
     Returns
     -------
@@ -28,7 +28,7 @@ def label(name: str, truth: str) -> list[str]:
     return [f'# SYNTHETIC: made by "lightflyer lab example {name}", not measured', f"# {truth}"]
 
 
-def dirty_text(
+def faulty_table(
     lines: Sequence[str],
     header: Sequence[str],
     rows: Sequence[Sequence[str]],
@@ -38,25 +38,25 @@ def dirty_text(
     decimal_comma: bool = False,
     shuffled: bool = False,
 ) -> str:
-    """A table with the faults of real ones.
+    """Text of a table with the faults of real ones.
 
     Parameters
     ----------
     lines : sequence of str
-        That come first.
+        First lines.
     header : sequence of str
     rows : sequence of sequence of str
     rng : numpy.random.Generator
     delimiter : str
     decimal_comma : bool
-        Write decimal commas, and a byte-order mark, as some offices' programs do.
+        Write decimal commas and a byte-order mark, as some spreadsheets do.
     shuffled : bool
-        Swap the order of the rows.
+        Shuffle the rows.
 
     Returns
     -------
     str
-        With one row twice, one with an empty cell, one with an overflow, and one left out.
+        One row appears twice, one has an empty cell, one an overflow, and one is missing.
     """
     order = rng.permutation(len(rows)) if shuffled else np.arange(len(rows))
     texts = [list(rows[index]) for index in order]

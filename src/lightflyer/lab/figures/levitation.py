@@ -1,4 +1,4 @@
-"""Figure of levitation points: curves of several samples, with the model beside them."""
+"""Figure of levitation points: curves of several samples, and the model's."""
 
 from collections.abc import Mapping, Sequence
 
@@ -14,7 +14,7 @@ from lightflyer.lab.levitation import LevitationCurve
 _WIDTH, _HEIGHT = 7.0, 5.0
 _PER_KILOWATT = 1e-3
 _MODEL_STYLES = ("--", ":")
-_ABOVE = 1.6  # factor of the axes beyond the points
+_ABOVE = 1.6  # factor by which the axes extend beyond the points
 
 ModelCurves = Mapping[str, tuple[np.ndarray, np.ndarray]]
 """Pressure [Pa] and irradiance [W/m²] by the name of a sample."""
@@ -27,16 +27,16 @@ def levitation_curves(
     pressure_unit: str = "Pa",
     models: Mapping[str, ModelCurves] | None = None,
 ) -> Axes:
-    """Draw points, LOESS curves with their 99 % bands, and the least irradiance of each.
+    """Draw points, LOESS curves with their 99 % bands, and each minimum.
 
     Parameters
     ----------
     curves : sequence of LevitationCurve
     ax : matplotlib.axes.Axes
     pressure_unit : str
-        Of the axis.
+        Unit of the axis.
     models : mapping, optional
-        Further curves by what they are, such as ``"model"``.
+        Further curves by label, such as ``"model"``.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def levitation_curves(
     ax.set_ylim(light.min() / _ABOVE, light.max() * _ABOVE)
     for axis in (ax.xaxis, ax.yaxis):
         plain_decades(axis)
-        # one or two decades: 2 and 5 between them are needed to read a pressure off
+        # over one or two decades, 2 and 5 are needed to read off a pressure
         axis.set_minor_formatter(FuncFormatter(_two_and_five))
     ax.set_xlabel(f"pressure [{pressure_unit}]")
     ax.set_ylabel("irradiance to levitate [kW/m²]")
@@ -78,11 +78,11 @@ def _two_and_five(value: float, _: object) -> str:
 
 
 def _mark_least(curve: LevitationCurve, ax: Axes, colour: str, per_pascal: float) -> None:
-    """Draw the least irradiance with the intervals of both coordinates."""
+    """Draw the minimum with the intervals of both coordinates."""
     at, light = curve.optimal_pressure, curve.minimum_irradiance
     x = np.array([at.value, *at.interval]) * per_pascal
     y = np.array([light.value, *light.interval]) * _PER_KILOWATT
-    # an interval of resamples may lie beside the estimate
+    # an interval from resamples may not contain the estimate
     right, up = (np.maximum([[z[0] - z[1]], [z[2] - z[0]]], 0.0) for z in (x, y))
     ax.errorbar(
         x[0], y[0], xerr=right, yerr=up,
@@ -96,12 +96,12 @@ def levitation_figures(
     pressure_unit: str = "Pa",
     models: Mapping[str, ModelCurves] | None = None,
 ) -> dict[str, Figure]:
-    """The figure of several samples, by file name without suffix.
+    """Figure of several samples, by file name without suffix.
 
     Parameters
     ----------
     curves, pressure_unit, models
-        As for :func:`levitation_curves`.
+        See :func:`levitation_curves`.
 
     Returns
     -------

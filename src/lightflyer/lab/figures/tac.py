@@ -1,4 +1,4 @@
-"""Figure of accommodation coefficients: a heater's conductance against pressure."""
+"""Figure of accommodation coefficients: conductance of a heater against pressure."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,20 +8,21 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.foundation.drawing import BLUE, GREY, MARKERS, PALETTE, new_figure, plain_decades
-from lightflyer.lab.tac import TacFit, gas_conductance
+from lightflyer.lab.tac import TacFit
+from lightflyer.lab.tac_problem import gas_conductance
 
-_SHADED = (0.5, 1.5)  # coefficients between which the paper shades
+_SHADED = (0.5, 1.5)  # range of coefficients that the paper shades
 _MOST_POINTS = 3_000  # drawn of one run
 _WIDTH = 6.5
 
 
 def _ordered(fit: TacFit, most: int = _MOST_POINTS) -> np.ndarray:
-    """Rows in the order of pressure, evenly thinned where there are very many."""
+    """Rows in the order of pressure, thinned evenly if there are very many."""
     return fit.order[:: max(1, len(fit.order) // most)]
 
 
 def effective_conductance(fits: Sequence[TacFit], ax: Axes) -> Axes:
-    """Draw conductance over effective area against pressure, with the fit.
+    """Draw the conductance per effective area against pressure, with the fit.
 
     Parameters
     ----------
@@ -40,7 +41,7 @@ def effective_conductance(fits: Sequence[TacFit], ax: Axes) -> Axes:
         ax.plot(fit.pressure[rows], fit.conductance[rows] / ratio, ls="", mfc="none", ms=4,
                 label=label, rasterized=len(rows) > 1000, **style)  # fmt: skip
         ax.plot(fit.pressure[rows], fit.fitted[rows] / ratio, color=style["color"], lw=1.2)
-    ax.axhline(fits[0].offset.value, color=GREY, ls=":", lw=1, label="offset: leads, radiation")
+    ax.axhline(fits[0].offset.value, color=GREY, ls=":", lw=1, label="offset (leads, radiation)")
     ax.set_xscale("log")
     plain_decades(ax.xaxis)
     ax.set_xlabel("pressure [Pa]")
@@ -71,7 +72,7 @@ def _shade(fit: TacFit, ax: Axes, *, with_offset: bool) -> None:
 
 
 def gas_part(fits: Sequence[TacFit], ax: Axes) -> Axes:
-    """Draw what the gas conducts against pressure, with the limits of the first run.
+    """Draw the conductance of the gas against pressure, with both limits for the first run.
 
     Parameters
     ----------
@@ -103,13 +104,13 @@ def gas_part(fits: Sequence[TacFit], ax: Axes) -> Axes:
     plain_decades(ax.xaxis)
     plain_decades(ax.yaxis)
     ax.set_xlabel("pressure [Pa]")
-    ax.set_ylabel("conducted by the gas [W/(m² K)]")
+    ax.set_ylabel("conductance of the gas [W/(m² K)]")
     ax.legend(fontsize="small", loc="lower right")
     return ax
 
 
 def tac_figures(fits: Sequence[TacFit]) -> dict[str, Figure]:
-    """The figures of one run or several, by file name without suffix.
+    """Figure of one or several runs, by file name without suffix.
 
     Parameters
     ----------

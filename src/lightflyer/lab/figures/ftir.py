@@ -1,4 +1,4 @@
-"""Figure of infrared spectra, with what a warm body radiates."""
+"""Figure of infrared spectra, with the spectrum of a black body."""
 
 from collections.abc import Mapping
 
@@ -11,7 +11,7 @@ from lightflyer.foundation.drawing import GREY, ORANGE, PALETTE, new_figure
 from lightflyer.lab.ftir import PER_CENTIMETRE, Ftir
 
 _WIDTH, _HEIGHT = 7.5, 4.6
-_RADIATION_HEIGHT = 0.35  # of the axes that the black body's curve takes
+_RADIATION_HEIGHT = 0.35  # of the black body's curve, in heights of the axes
 _MOST_POINTS = 20_000  # drawn of one spectrum
 _TICKS_UM = np.array([2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 25.0])
 _MICROMETRES_TIMES_PER_CENTIMETRE = 1e4
@@ -20,7 +20,7 @@ _MICROMETRES_TIMES_PER_CENTIMETRE = 1e4
 def spectra(
     result: Ftir, ax: Axes, computed: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
 ) -> Axes:
-    """Draw spectra over wavenumber with the band and a black body's spectrum.
+    """Draw spectra over wavenumber, the band, and the spectrum of a black body.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def spectra(
     ax.set_xlim(max(end[1] for end in ends), min(end[0] for end in ends))
     ax.set_ylim(0.0, 1.02)
     ax.set_xlabel("wavenumber [cm⁻¹]")
-    ax.set_ylabel("share of the light [1]")
+    ax.set_ylabel("fraction of the light [1]")
     _wavelength_axis(ax)
     ax.legend(fontsize="small", loc="center left")
     return ax
@@ -79,13 +79,13 @@ def _wavelength_axis(ax: Axes) -> None:
 def ftir_figures(
     result: Ftir, computed: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
 ) -> dict[str, Figure]:
-    """The figure of spectra, by file name without suffix.
+    """Figure of spectra, by file name without suffix.
 
     Parameters
     ----------
     result : Ftir
     computed : mapping, optional
-        As for :func:`spectra`.
+        See :func:`spectra`.
 
     Returns
     -------

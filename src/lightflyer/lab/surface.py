@@ -1,12 +1,10 @@
 r"""Roughness of a surface from a map of its height, without the particles on it.
 
-The map is levelled by a polynomial fitted to what is no particle, and particles are what stands out
-of it by more than a robust criterion allows:
+A polynomial fitted to the surface between the particles levels the map; a particle is a region that
+rises above the surface by more than a robust threshold. With the height :math:`z` above the mean,
 
 .. math:: S_q^2 = \overline{z^2}, \quad S_a = \overline{|z|}, \quad
-    S_{sk} = \overline{z^3}/S_q^3, \quad S_{ku} = \overline{z^4}/S_q^4
-
-with the height :math:`z` above the mean.
+    S_{sk} = \overline{z^3}/S_q^3, \quad S_{ku} = \overline{z^4}/S_q^4.
 """
 
 import warnings
@@ -27,23 +25,24 @@ if TYPE_CHECKING:
     import xarray as xr
 
 NANOMETRE = 1e-9
-"""In metres."""
+"""[m]."""
 
 THRESHOLD = 4.5
-"""Height of a particle above the surface, in robust standard deviations of the surface."""
+"""Least height of a particle, in robust standard deviations of the surface."""
 
 LARGEST_MASKED = 0.05
-"""Masked share of a map above which a warning is given."""
+"""Masked fraction of a map above which a warning is issued."""
 
 PARAMETERS = ("rms_height", "mean_absolute_height", "skewness", "kurtosis")
 """Sq, Sa, Ssk and Sku."""
 
 _UNITS = ("nm", "nm", "", "")
-_FLANK = 2.0  # heights down to which a particle's flank reaches, in the same deviations
+_FLANK = 2.0  # least height of a particle's flank, in the same deviations
 _MARGIN = 2  # pixels by which the mask is widened
-_MAD_TO_DEVIATION = 1.482602218505602  # of normal heights
+_MAD_TO_DEVIATION = 1.482602218505602  # for normally distributed heights
 _PASSES = 25
-_ROUNDING = 1e-9  # share of the raw heights' range below which nothing is a particle
+_MOST_MASKED = 0.9  # fraction of a map
+_ROUNDING = 1e-9  # fraction of the raw heights' range below which nothing is a particle
 _TILES = 8  # along each side, resampled for the intervals
 _DRAWS = 1000
 
@@ -56,16 +55,17 @@ class Roughness:
     ----------
     source : HeightMap
     height : array, shape (rows, columns)
-        Levelled [m]; its mean over what is not masked is zero.
+        Levelled height [m]; its mean outside the mask is zero.
     mask : bool array, shape (rows, columns)
-        Where a particle is.
+        True on particles.
     parameters : dict of str to Estimate
-        Names of :data:`PARAMETERS`, without the particles; heights in nm.
+        Parameters of the surface without the particles, by names of :data:`PARAMETERS`; heights
+        in nm.
     parameters_all : dict of str to Estimate
-        The same with them.
+        The same for the whole map.
     masked_fraction : Estimate
     particles : int
-        Connected parts of the mask.
+        Number of connected regions of the mask.
     """
 
     source: HeightMap
@@ -90,34 +90,34 @@ class Roughness:
 
 
 def level(height: np.ndarray, mask: np.ndarray | None = None, order: int = 2) -> np.ndarray:
-    """Take away the polynomial that fits a map best.
+    """Subtract the polynomial that fits a map best.
 
     Parameters
     ----------
     height : array, shape (rows, columns)
         [m].
     mask : bool array, shape (rows, columns), optional
-        Pixels that the fit leaves out.
+        Pixels to exclude from the fit.
     order : int
-        Of the polynomial, counted over both directions: 1 is a plane, 2 also bends.
+        Total order of the polynomial: 1 is a plane, 2 adds curvature.
 
     Returns
     -------
     array, shape (rows, columns)
         [m].
     """
-    # Legendre polynomials are nearly orthogonal on the pixels, so the normal equations are sound
+    # Legendre polynomials are nearly orthogonal on the pixels: well-conditioned normal equations
     rows, columns = (np.linspace(-1.0, 1.0, count) for count in height.shape)
     along = [np.polynomial.Legendre.basis(degree) for degree in range(order + 1)]
     first, second = np.array([(i, j) for i in range(order + 1) for j in range(order + 1 - i)]).T
     ys = np.stack([one(rows) for one in along])
     xs = np.stack([one(columns) for one in along])
     kept = np.ones(height.shape) if mask is None else (~mask).astype(float)
-    # products over rows and columns apart: no matrix as long as the map is ever made
+    # separate products over rows and columns avoid a matrix with a row for every pixel
     products = np.einsum("ar,br,rc,dc,ec->abde", ys, ys, kept, xs, xs, optimize=True)
     normal = products[first[:, None], first, second[:, None], second]
     residual = height - height[kept > 0.0].mean()
-    for _ in range(2):  # the second pass takes away what rounding left of the first
+    for _ in range(2):  # the second pass removes rounding errors of the first
         moments = ys @ (residual * kept) @ xs.T
         coefficients = np.zeros_like(moments)
         coefficients[first, second] = np.linalg.solve(normal, moments[first, second])
@@ -128,16 +128,16 @@ def level(height: np.ndarray, mask: np.ndarray | None = None, order: int = 2) ->
 def find_particles(
     height: np.ndarray, *, threshold: float = THRESHOLD, order: int = 2
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Level a map and mask what stands out of it.
+    """Level a map and mask the particles on it.
 
     Parameters
     ----------
     height : array, shape (rows, columns)
         [m].
     threshold : float
-        Height of a particle above the median, in robust standard deviations.
+        Least height of a particle above the median, in robust standard deviations.
     order : int
-        Of the levelling polynomial.
+        Order of the levelling polynomial.
 
     Returns
     -------
@@ -148,14 +148,14 @@ def find_particles(
     Raises
     ------
     ConfigurationError
-        If hardly anything is left.
+        If more than 90 % of the map is masked.
 
     Notes
     -----
-    The standard deviation is 1.4826 times the median absolute deviation of what is not masked,
-    which particles on a few per cent of the map hardly change. A particle is a connected region
-    that rises above two deviations and somewhere above the threshold, widened by two pixels for
-    its foot. Levelling and masking take turns until the mask stays.
+    The standard deviation is 1.4826 times the median absolute deviation outside the mask, which
+    particles on a few per cent of the map hardly change. A particle is a connected region that is
+    everywhere higher than two deviations and somewhere higher than the threshold, widened by two
+    pixels for its foot. Levelling and masking alternate until the mask no longer changes.
     """
     mask = np.zeros(height.shape, bool)
     smallest = _ROUNDING * float(np.ptp(height))
@@ -171,14 +171,14 @@ def find_particles(
         if np.array_equal(found, mask):
             break
         mask = found
-        if mask.mean() > 0.9:
-            raise ConfigurationError("nearly all of the map stands out of the rest as particles")
+        if mask.mean() > _MOST_MASKED:
+            raise ConfigurationError("nearly all of the map would be masked as particles")
     levelled = level(height, mask, order)
     return levelled - levelled[~mask].mean(), mask
 
 
 def surface_parameters(height: np.ndarray) -> np.ndarray:
-    """Sq, Sa, Ssk and Sku of heights.
+    """Root-mean-square height Sq, mean absolute height Sa, skewness Ssk and kurtosis Sku.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def surface_parameters(height: np.ndarray) -> np.ndarray:
     Returns
     -------
     array, shape (4,)
-        [m], [m], [1], [1]; the last two are NaN where all heights are the same.
+        [m], [m], [1], [1]; the last two are NaN where all heights are equal.
 
     References
     ----------
@@ -206,17 +206,17 @@ def surface_parameters(height: np.ndarray) -> np.ndarray:
 def roughness(
     source: HeightMap, *, threshold: float = THRESHOLD, order: int = 2, seed: int = 0
 ) -> Roughness:
-    """Roughness of a map, with its particles and without them.
+    """Roughness of a map, without its particles and with them.
 
     Parameters
     ----------
     source : HeightMap
     threshold : float
-        Height of a particle, in robust standard deviations of the surface.
+        Least height of a particle, in robust standard deviations of the surface.
     order : int
-        Of the levelling polynomial, 0 to 5.
+        Order of the levelling polynomial, 0 to 5.
     seed : int
-        Of the resamples behind the intervals.
+        Seed of the resampling for the intervals.
 
     Returns
     -------
@@ -225,7 +225,7 @@ def roughness(
     Raises
     ------
     ConfigurationError
-        If hardly anything of the map is surface.
+        If more than 90 % of the map is masked.
 
     Warns
     -----
@@ -234,8 +234,8 @@ def roughness(
 
     Notes
     -----
-    Intervals come from resampling 8 x 8 tiles of the map; they say how much another place on the
-    same surface would differ, as far as the map is many correlation lengths wide.
+    Intervals come from resampling 8 x 8 tiles of the map. They show how much another place on the
+    same surface would differ, if the map is many correlation lengths wide.
     """
     require_range("threshold", threshold, 1.0)
     require_range("order", order, 0, 5)
@@ -246,8 +246,8 @@ def roughness(
     share = float(mask.mean())
     if share > LARGEST_MASKED:
         warnings.warn(
-            f"{source.source}: {share:.1%} of the map is masked as particles; a higher threshold, "
-            "or a cleaner place, may describe the surface better",
+            f"{source.source}: {share:.1%} of the map is masked as particles; raise the threshold "
+            "or measure a cleaner place",
             ParameterWarning,
             stacklevel=2,
         )
@@ -268,7 +268,7 @@ def roughness(
 
 
 def _tile_sums(values: np.ndarray, kept: np.ndarray) -> np.ndarray:
-    """Count, sums of the first four powers and of sizes over each tile; shape (tiles, 6)."""
+    """Count, sums of the powers 1 to 4 and of magnitudes in each tile; shape (tiles, 6)."""
     fields = (kept.astype(float), *(np.where(kept, values**power, 0.0) for power in (1, 2, 3, 4)),
               np.where(kept, np.abs(values), 0.0))  # fmt: skip
     starts = [np.linspace(0, count, _TILES, endpoint=False).astype(int) for count in values.shape]
@@ -282,7 +282,7 @@ def _tile_sums(values: np.ndarray, kept: np.ndarray) -> np.ndarray:
 
 
 def _estimates(height: np.ndarray, kept: np.ndarray, picks: np.ndarray) -> dict[str, Estimate]:
-    """The four parameters, with intervals from resampled tiles."""
+    """Parameters with intervals from resampled tiles."""
     values = surface_parameters(height[kept])
     rms = float(values[0])
     scale = rms if rms > 0.0 else 1.0

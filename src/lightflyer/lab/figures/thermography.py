@@ -1,21 +1,21 @@
-"""Figure of readings reduced to reflectance, transmittance and emissivity."""
+"""Figure of reflectance, transmittance and emissivity."""
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.foundation.drawing import BLUE, GREY, VERMILION, new_figure
-from lightflyer.lab.thermography import SHARES, Shares, shares_of
+from lightflyer.lab.thermography import PROPERTIES, RadiativeProperties, properties_of
 
-_OFFSET = 0.12  # between first order and Monte Carlo
+_OFFSET = 0.12  # half the distance between first order and Monte Carlo
 
 
-def shares(result: Shares, ax: Axes) -> Axes:
-    """Draw the shares of every row, and both intervals of their means.
+def draw_properties(result: RadiativeProperties, ax: Axes) -> Axes:
+    """Draw the properties of every row, and both intervals of their means.
 
     Parameters
     ----------
-    result : Shares
+    result : RadiativeProperties
     ax : matplotlib.axes.Axes
 
     Returns
@@ -23,8 +23,8 @@ def shares(result: Shares, ax: Axes) -> Axes:
     matplotlib.axes.Axes
     """
     method = result.readings.method
-    each = shares_of(result.readings.values, method.power)
-    for number, name in enumerate(SHARES):
+    each = properties_of(result.readings.values, method.power)
+    for number, name in enumerate(PROPERTIES):
         ax.plot(np.full(each.shape[1], number), each[number], "o", color=GREY, mfc="none", ms=4,
                 label="rows" if number == 0 else None)  # fmt: skip
         ways = ((result.first_order, -_OFFSET, BLUE, "s", "first order"),
@@ -32,33 +32,33 @@ def shares(result: Shares, ax: Axes) -> Axes:
         for estimates, shift, colour, marker, label in ways:
             one = estimates[name]
             low, high = one.interval
-            ends = np.maximum([[one.value - low], [high - one.value]], 0.0)  # of rounding
+            ends = np.maximum([[one.value - low], [high - one.value]], 0.0)  # rounding errors
             ax.errorbar(
                 number + shift, one.value, yerr=ends,
                 fmt=marker, color=colour, capsize=4, ms=5,
                 label=f"{label}, 95 %" if number == 0 else None,
             )  # fmt: skip
-    names = [method.remainder if name == "emissivity" else name for name in SHARES]
+    names = [method.remainder if name == "emissivity" else name for name in PROPERTIES]
     ax.set_xticks(range(len(names)), names)
     ax.set_xlim(-0.5, len(names) - 0.5)
     ax.axhline(0.0, color=GREY, lw=0.8)
-    ax.set_ylabel("share of the radiation [1]")
+    ax.set_ylabel("fraction of the radiation [1]")
     ax.legend(fontsize="small")
     ax.grid(alpha=0.25, axis="y")
     return ax
 
 
-def thermography_figures(result: Shares) -> dict[str, Figure]:
-    """The figure of the shares, by file name without suffix.
+def thermography_figures(result: RadiativeProperties) -> dict[str, Figure]:
+    """Figure of the properties, by file name without suffix.
 
     Parameters
     ----------
-    result : Shares
+    result : RadiativeProperties
 
     Returns
     -------
     dict of str to matplotlib.figure.Figure
     """
     figure = new_figure()
-    shares(result, figure.axes[0])
+    draw_properties(result, figure.axes[0])
     return {"thermography": figure}

@@ -6,14 +6,19 @@ from scipy import stats
 
 import lightflyer as lf
 from lightflyer.lab.height_map import HeightMap, read_height_map
-from lightflyer.lab.roughness import (
+from lightflyer.lab.surface import (
     find_particles,
     level,
     roughness,
     summary,
     surface_parameters,
 )
-from lightflyer.lab.synthetic.roughness import igor_wave, roughness_files, surface, with_particles
+from lightflyer.lab.synthetic.surface import (
+    igor_wave,
+    random_surface,
+    roughness_files,
+    with_particles,
+)
 
 SIDE = 10e-6
 
@@ -47,7 +52,7 @@ def test_a_tilted_bowed_plane_is_flat():
 def test_particles_do_not_count(seed):
     # fine enough that the places under the particles do not matter: they hide 3 % of the surface
     rng = np.random.default_rng(seed)
-    clean = surface(rng, pixels=800)
+    clean = random_surface(rng, pixels=800)
     y, x = np.mgrid[-1:1:800j, -1:1:800j]
     bowed = 4e-7 * x - 3e-7 * y + 1e-7 * x**2
     found = roughness(of(with_particles(clean, rng, 12) + bowed))
@@ -62,7 +67,7 @@ def test_particles_do_not_count(seed):
 
 
 def test_mask_is_where_the_particle_is(rng):
-    clean = surface(rng)
+    clean = random_surface(rng)
     dirty = clean.copy()
     dirty[100:110, 50:70] += 1e-6
     _, mask = find_particles(dirty)
@@ -73,7 +78,7 @@ def test_mask_is_where_the_particle_is(rng):
 
 
 def test_units_and_scales(rng):
-    one = roughness(of(surface(rng)))
+    one = roughness(of(random_surface(rng)))
     ten = roughness(of(10.0 * one.source.height))
     value = one.parameters["rms_height"].value
     assert value == pytest.approx(1e9 * one.height.std(), rel=1e-9)
@@ -86,7 +91,7 @@ def test_intervals_cover_another_place():
     # interval of one quarter of a wide surface against the rms height of all of it
     inside, count = 0, 40
     for seed in range(count):
-        wide = surface(np.random.default_rng(seed), pixels=256)
+        wide = random_surface(np.random.default_rng(seed), pixels=256)
         found = roughness(of(wide[:128, :128]), order=0)
         low, high = found.parameters["rms_height"].interval
         inside += low <= 34.8 <= high
@@ -95,11 +100,11 @@ def test_intervals_cover_another_place():
 
 def test_many_particles_are_warned_of(rng):
     with pytest.warns(lf.ParameterWarning, match="is masked as particles"):
-        roughness(of(with_particles(surface(rng), rng, 60)))
+        roughness(of(with_particles(random_surface(rng), rng, 60)))
 
 
 def test_several_maps_are_averaged(rng):
-    maps = [roughness(of(surface(rng, rms_height=height * 1e-9))) for height in (30.0, 40.0)]
+    maps = [roughness(of(random_surface(rng, rms_height=height * 1e-9))) for height in (30.0, 40.0)]
     found = summary(maps)
     assert found["rms_height"]["value"] == pytest.approx(35.0, rel=1e-3)
 
@@ -111,7 +116,7 @@ def write(tmp_path, content, name="map.txt"):
 
 
 def test_formats_agree(tmp_path, rng):
-    height = surface(rng, pixels=32) + 1e-6
+    height = random_surface(rng, pixels=32) + 1e-6
     igor = read_height_map(write(tmp_path, igor_wave(height, SIDE, "note"), "map.ibw"))
     np.testing.assert_allclose(igor.height, height, rtol=1e-6)
     assert igor.channel == "HeightRetrace"
@@ -122,7 +127,7 @@ def test_formats_agree(tmp_path, rng):
         text = text.replace(".", ",") if comma else text
         found = read_height_map(write(tmp_path, text), size=SIDE, unit="nm")
         np.testing.assert_allclose(found.height, height, rtol=1e-6)
-    with pytest.raises(lf.ConfigurationError, match='no channel "phase"; it has HeightRetrace'):
+    with pytest.raises(lf.ConfigurationError, match="choose one by --channel: HeightRetrace"):
         read_height_map(tmp_path / "map.ibw", channel="phase")
 
 
@@ -144,20 +149,20 @@ ROWS = "\n".join(["1 2 3 4"] * 4)
         ("m.txt", "", "is empty"),
         ("m.txt", b"\x00\xff\xfe", "is not a text file"),
         ("m.txt", ROWS, "heights have no unit"),
-        ("m.txt", "# Value units: m\n" + ROWS, "says no width"),
+        ("m.txt", "# Value units: m\n" + ROWS, "has no width"),
         ("m.txt", "# Value units: W\n# Width: 1 um\n" + ROWS, "wrong kind"),
-        ("m.txt", "# Value units: m\n# Width: 1 um\n" + ROWS, "is 4 x 4 pixels"),
+        ("m.txt", "# Value units: m\n# Width: 1 um\n" + ROWS, "has 4 x 4 pixels"),
         ("m.txt", ROWS + "\n1 2 x 4", ':5: "x" is not a number'),
-        ("m.txt", ROWS + "\n1 2 3", ":5: has 3 heights, the first row 4"),
+        ("m.txt", ROWS + "\n1 2 3", ":5: has 3 heights, the first row has 4"),
         (
             "m.txt",
             "# Value units: m\n# Width: 1 um\n" + "\n".join(["nan " * 20] * 20),
             "400 of its",
         ),
-        ("m.ibw", b"", "not readable as an Igor wave"),
-        ("m.ibw", b"\x05\x00" + b"\x7f" * 500, "not readable as an Igor wave"),
+        ("m.ibw", b"", "cannot be read as an Igor wave"),
+        ("m.ibw", b"\x05\x00" + b"\x7f" * 500, "cannot be read as an Igor wave"),
         ("m.gwy", b"", "is not a Gwyddion file"),
-        ("m.gwy", b"GWYPGwyContainer\x00\xff\xff", "not readable as Gwyddion"),
+        ("m.gwy", b"GWYPGwyContainer\x00\xff\xff", "cannot be read as Gwyddion"),
     ],
 )
 def test_one_clear_line_for_each_mistake(tmp_path, name, content, says):

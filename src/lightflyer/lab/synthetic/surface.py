@@ -7,28 +7,28 @@ import numpy as np
 from scipy import ndimage
 
 from lightflyer.foundation.extras import extra
-from lightflyer.lab.roughness import level
-from lightflyer.lab.synthetic._dirt import label
+from lightflyer.lab.surface import level
+from lightflyer.lab.synthetic._faults import label
 
 _SIDE = 10e-6  # [m]
 _PIXELS = 256
-_CORRELATION = 3.0  # length of the surface's hills [pixels]
+_CORRELATION = 3.0  # correlation length of the surface [pixels]
 RMS_HEIGHT = 34.8e-9
-"""Of the synthetic surfaces without particles [m]: the paper's germanium film."""
+"""Rms height of the synthetic surfaces without particles [m]; the paper's germanium film."""
 _PARTICLES = 9
 _PARTICLE_RADII = (160e-9, 320e-9)  # [m]
 
 
-def surface(
+def random_surface(
     rng: np.random.Generator, *, pixels: int = _PIXELS, rms_height: float = RMS_HEIGHT
 ) -> np.ndarray:
-    """A level surface of normal heights.
+    """Level surface with normally distributed heights.
 
     Parameters
     ----------
     rng : numpy.random.Generator
     pixels : int
-        Along each side.
+        Pixels along each side.
     rms_height : float
         [m].
 
@@ -42,12 +42,12 @@ def surface(
 
 
 def with_particles(height: np.ndarray, rng: np.random.Generator, count: int) -> np.ndarray:
-    """The surface with spherical particles half sunk into it.
+    """Surface with spherical particles half sunk into it.
 
     Parameters
     ----------
     height : array, shape (n, n)
-        [m], of a map as wide as the synthetic ones.
+        [m]; the map is as wide as the synthetic ones.
     rng : numpy.random.Generator
     count : int
 
@@ -82,8 +82,8 @@ def roughness_files(seed: int = 0) -> dict[str, str | bytes]:
     """
     rng = np.random.default_rng(seed)
     y, x = np.mgrid[-1 : 1 : _PIXELS * 1j, -1 : 1 : _PIXELS * 1j]
-    bowed = 400e-9 * x - 250e-9 * y + 120e-9 * x**2 + 60e-9 * x * y  # of tilt and scanner
-    maps = [with_particles(surface(rng), rng, _PARTICLES) + bowed + 3e-6 for _ in range(3)]
+    bowed = 400e-9 * x - 250e-9 * y + 120e-9 * x**2 + 60e-9 * x * y  # tilt, and bow of the scanner
+    maps = [with_particles(random_surface(rng), rng, _PARTICLES) + bowed + 3e-6 for _ in range(3)]
     said = label("roughness", f"truth: rms height {RMS_HEIGHT * 1e9:.1f} nm without particles")
     return {
         "germanium.ibw": igor_wave(maps[0], _SIDE, "; ".join(said)),
@@ -93,7 +93,7 @@ def roughness_files(seed: int = 0) -> dict[str, str | bytes]:
 
 
 def igor_wave(height: np.ndarray, side: float, note: str) -> bytes:
-    """A map as an Igor binary wave of version 5 with the channels height and amplitude.
+    """Igor binary wave of version 5 with the channels height and amplitude.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def igor_wave(height: np.ndarray, side: float, note: str) -> bytes:
 
     both = header(0) + wave
     total = sum(struct.unpack(f"<{len(both) // 2}h", both))
-    checksum = (-total + 0x8000) % 0x10000 - 0x8000  # so that all words add to zero
+    checksum = (-total + 0x8000) % 0x10000 - 0x8000  # makes the sum of all words zero
     return header(checksum) + wave + data + text + labels
 
 
@@ -152,7 +152,7 @@ def _gwyddion(height: np.ndarray, note: str) -> bytes:
 
 
 def _matrix(height: np.ndarray, said: list[str]) -> str:
-    """As Gwyddion exports a channel to text."""
+    """Text that Gwyddion exports for a channel."""
     rows = ["\t".join(f"{value:.6e}" for value in row) for row in height]
     head = [*said, "# Channel: Height", f"# Width: {_SIDE * 1e6:.2f} µm",
             f"# Height: {_SIDE * 1e6:.2f} µm", "# Value units: m"]  # fmt: skip

@@ -1,0 +1,1 @@
+"""Figures of measurements, one module each."""

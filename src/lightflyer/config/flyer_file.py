@@ -259,6 +259,10 @@ class FileDesign(AbstractDesign):
                         return face, name
         return None
 
+    def is_layer(self, name: str) -> bool:
+        """See :meth:`AbstractDesign.is_layer`."""
+        return ".layers." in name
+
     def costly(self, names: list[str]) -> list[str]:
         """See :meth:`AbstractDesign.costly`: what changes the optics of layers."""
         film = self.file.film

@@ -2,7 +2,7 @@
 
 import abc
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import equinox as eqx
 
@@ -125,6 +125,9 @@ class AbstractEnvironment(Checked):
     radiation : Radiation
         Light and heat radiation; every state has it, or what the environment makes of it.
     """
+
+    dimmable_light: ClassVar[bool] = False
+    """Whether somebody can turn the light up and down: a lamp, not the sun."""
 
     radiation: eqx.AbstractVar[Radiation]
 

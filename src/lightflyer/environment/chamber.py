@@ -50,6 +50,8 @@ class Chamber(AbstractEnvironment):
         If a concrete value is not positive or the range is empty.
     """
 
+    dimmable_light: ClassVar[bool] = True
+
     temperature: Temperature = 295.0
     gas: AbstractGas = AIR
     gravity: Acceleration = constants.STANDARD_GRAVITY

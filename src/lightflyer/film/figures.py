@@ -8,11 +8,20 @@ from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
 from lightflyer.film.materials import MICROMETRE
 from lightflyer.film.spectra import Spectrum, am0, planck
 from lightflyer.film.summary import SPECTRUM_RANGE, FilmSummary
-from lightflyer.foundation.drawing import BLUE, GREEN, GREY, ORANGE, VERMILION, new_figure
+from lightflyer.foundation.drawing import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    YELLOW,
+    new_figure,
+)
 
 _TICKS_UM = (0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 _SHOWN_TEMPERATURE = 300.0
-SKY, PURPLE, YELLOW = "#56B4E9", "#CC79A7", "#F0E442"
 _LAYER_COLOURS = (BLUE, ORANGE, GREEN, VERMILION, SKY, PURPLE, YELLOW, GREY)
 
 

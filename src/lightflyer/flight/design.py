@@ -104,6 +104,11 @@ class AbstractDesign(abc.ABC):
         """Whatever :meth:`build` needs for other values of costly numbers: arrays in a pytree."""
         del values
 
+    def is_layer(self, name: str) -> bool:
+        """Whether a number describes a layer of a film; its ± is kept with the data only."""
+        del name
+        return False
+
     def why_not_varied(self, name: str) -> str | None:
         """Reason why a number of the design cannot be varied, None where there is none."""
         del name

@@ -95,6 +95,24 @@ class AbstractForceModel(Checked):
         del flyer, state, unknowns
         return ()
 
+    def caveats(self, flyer: Any, state: EnvironmentState) -> tuple[str, ...]:
+        """What about a flyer or its surroundings is outside the model's range, in words.
+
+        Parameters
+        ----------
+        flyer : AbstractFlyer
+            Concrete numbers.
+        state : EnvironmentState
+            Concrete numbers, at one place or many.
+
+        Returns
+        -------
+        tuple of str
+            Empty where the model holds.
+        """
+        del flyer, state
+        return ()
+
     @classmethod
     def require_flyer(cls, flyer: type[AbstractFlyer]) -> None:
         """Raise unless the model is for a class of flyers.

@@ -7,8 +7,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from lightflyer.flight.outputs import tabulate
 from lightflyer.foundation.precision import quick_entry_point
-from lightflyer.prediction.prediction import behaviour
 from lightflyer.uncertainty.inputs import Inputs
 
 Table = dict[str, np.ndarray]
@@ -18,22 +18,22 @@ _COORDINATE_STEP = 1e-4  # relative, over which slopes are compared for second d
 
 
 @quick_entry_point
-def _derivatives(setup: Any, slopes: Any, coordinate: Any) -> Any:
-    """Quantities, and their derivatives in the inputs and, last, the coordinate."""
-    count = len(slopes)
+def _derivatives(setup: Any, tangents: Any, coordinate: Any) -> Any:
+    """Outputs, and their derivatives in the inputs and, last, the coordinate."""
+    count = len(tangents)
 
-    def quantities(shifts: Any, coordinate: Any) -> dict[str, Any]:
+    def outputs(shifts: Any, coordinate: Any) -> dict[str, Any]:
         moved = jax.tree.map(
             lambda leaf, *parts: leaf + sum(shifts[i] * part for i, part in enumerate(parts)),
             setup,
-            *slopes,
+            *tangents,
         )
-        table = behaviour(moved, coordinate, moved[1].radiation.irradiance)
+        table = tabulate(moved, coordinate, moved.environment.radiation.irradiance)
         return {name: table[name] for name in table if name not in ("converged", "residual")}
 
     def change(direction: Any) -> Any:
         motion = (direction[:count], direction[count] * jnp.ones_like(coordinate))
-        return jax.jvp(quantities, (jnp.zeros(count), coordinate), motion)
+        return jax.jvp(outputs, (jnp.zeros(count), coordinate), motion)
 
     # one direction after another, so that it is compiled once
     value, changes = jax.lax.map(change, jnp.eye(count + 1))
@@ -41,8 +41,8 @@ def _derivatives(setup: Any, slopes: Any, coordinate: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class Sensitivity:
-    """Quantities at some coordinates with their derivatives.
+class Derivatives:
+    """Outputs at some coordinates with their derivatives.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Sensitivity:
         Derivatives of the value, and of its slope over the coordinate, in the k inputs and,
         last, the coordinate.
     covariance : array, shape (k, k)
-        Of the inputs.
+        Covariance of the inputs.
     """
 
     value: Table
@@ -64,7 +64,7 @@ class Sensitivity:
         return float(np.sqrt(np.maximum(gradient @ self.covariance @ gradient, 0.0)))
 
     def spreads(self, name: str) -> np.ndarray:
-        """Standard uncertainty of a quantity at each coordinate, shape (n,)."""
+        """Standard uncertainty of an output at each coordinate, shape (n,)."""
         gradient = self.change[name][:-1]
         variance = np.einsum("ip,ij,jp->p", gradient, self.covariance, gradient)
         return np.sqrt(np.maximum(variance, 0.0))
@@ -80,12 +80,12 @@ class Sensitivity:
         return -rows[:-1] / rows[-1]
 
     def moving(self, name: str, point: int, coordinate: np.ndarray) -> np.ndarray:
-        """Gradient of a quantity where the coordinate has a gradient itself, shape (k,)."""
+        """Gradient of an output where the coordinate has a gradient itself, shape (k,)."""
         return self.change[name][:-1, point] + self.change[name][-1, point] * coordinate
 
 
-def sensitivity(inputs: Inputs, coordinate: np.ndarray) -> Sensitivity:
-    """Derivatives of all quantities of a prediction.
+def derivatives(inputs: Inputs, coordinate: np.ndarray) -> Derivatives:
+    """Derivatives of all outputs of a prediction.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def sensitivity(inputs: Inputs, coordinate: np.ndarray) -> Sensitivity:
 
     Returns
     -------
-    Sensitivity
+    Derivatives
 
     Notes
     -----
@@ -104,10 +104,11 @@ def sensitivity(inputs: Inputs, coordinate: np.ndarray) -> Sensitivity:
     """
     step = _COORDINATE_STEP * coordinate
     shifted = np.concatenate([coordinate, coordinate - step, coordinate + step])
-    value, change = _derivatives(inputs.setup, inputs.slopes, shifted)
+    setup, tangents = inputs.setup_and_tangents()
+    value, change = _derivatives(setup, tangents, shifted)
     count = coordinate.size
     step = np.where(step > 0.0, step, np.nan)  # at sea level there is none
-    return Sensitivity(
+    return Derivatives(
         value={name: values[:count] for name, values in value.items()},
         change={name: rows[:, :count] for name, rows in change.items()},
         slope_change={

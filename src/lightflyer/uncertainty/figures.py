@@ -4,7 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lightflyer.prediction.prediction import AltitudePrediction, ChamberPrediction
+from lightflyer.flight.outputs import OUTPUTS
+from lightflyer.foundation.units import dataset_unit
+from lightflyer.prediction.figures import across
 from lightflyer.uncertainty.propagation import BANDS, PredictionUncertainty
 
 if TYPE_CHECKING:
@@ -12,87 +14,60 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_KILOMETRE = 1e3
-_MILLIGRAMS = 1e6
 _OPACITY = 0.2
 _HEADROOM = 1.1
 _FAR = 1e9  # beyond every axis
-# Which line of its axes belongs to a quantity.
-_LINES = {
-    "levitation_irradiance": 0,
-    "temperature": 0,
-    "levitation_temperature": 1,
-    "payload": 0,
-}
 
 
-def add_to_dataset(
-    dataset: "xr.Dataset",
-    prediction: AltitudePrediction | ChamberPrediction,
-    uncertainty: PredictionUncertainty,
-) -> None:
+def add_to_dataset(dataset: "xr.Dataset", uncertainty: PredictionUncertainty) -> None:
     """Add the 95 % bands as variables ``..._low`` and ``..._high`` over a coordinate of their own.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         Of the prediction; changed.
-    prediction : AltitudePrediction or ChamberPrediction
     uncertainty : PredictionUncertainty
     """
-    chamber = isinstance(prediction, ChamberPrediction)
-    name, units, long_name = (
-        ("band_pressure", "Pa", "gas pressure")
-        if chamber
-        else ("band_altitude", "m", "geometric altitude")
-    )
-    attributes = {"units": units, "long_name": long_name}
-    dataset.coords[name] = (name, uncertainty.coordinate, attributes)
+    where = uncertainty.prediction.coordinate
+    name = f"band_{where.name}"
+    about = {"units": dataset_unit(where.unit), "long_name": where.long_name}
+    dataset.coords[name] = (name, uncertainty.coordinate, about)
     for end, table in (("low", uncertainty.low), ("high", uncertainty.high)):
-        for quantity in BANDS:
-            about = dataset[quantity].attrs
+        for output in BANDS:
+            about = dataset[output].attrs
             long_name = f"{about['long_name']}, {end} end of the 95 % band"
             attributes = {"units": about["units"], "long_name": long_name}
-            dataset[f"{quantity}_{end}"] = (name, table[quantity], attributes)
+            dataset[f"{output}_{end}"] = (name, table[output], attributes)
 
 
-def add_to_figures(
-    figures: "dict[str, Figure]",
-    prediction: AltitudePrediction | ChamberPrediction,
-    uncertainty: PredictionUncertainty,
-) -> None:
+def add_to_figures(figures: "dict[str, Figure]", uncertainty: PredictionUncertainty) -> None:
     """Shade the 95 % bands around the lines of a prediction's figures.
 
     Parameters
     ----------
     figures : dict of str to matplotlib.figure.Figure
-        From :func:`lightflyer.foundation.drawing.prediction_figures`; changed.
-    prediction : AltitudePrediction or ChamberPrediction
+        From :func:`lightflyer.prediction.figures.prediction_figures`; changed.
     uncertainty : PredictionUncertainty
     """
-    axes = figures["levitation-irradiance"].axes
-    if isinstance(prediction, ChamberPrediction):
-        _shade(axes[0], "levitation_irradiance", uncertainty, 1.0, 1.0)
-        return
-    across = 1.0 / _KILOMETRE
-    _shade(axes[0], "levitation_irradiance", uncertainty, across, 1.0)
-    _shade(axes[1], "levitation_temperature", uncertainty, across, 1.0)
-    _shade(axes[1], "temperature", uncertainty, across, 1.0)
+    irradiance, temperature = figures["levitation-irradiance"].axes
+    _shade(irradiance, "needed", "levitation_irradiance", uncertainty)
+    _shade(temperature, "just levitating", "levitation_temperature", uncertainty)
+    _shade(temperature, "available light", "temperature", uncertainty)
     payload = figures["payload"].axes[0]
-    _shade(payload, "payload", uncertainty, across, _MILLIGRAMS)
+    _shade(payload, "", "payload", uncertainty)
+    scale, _ = OUTPUTS["payload"].shown
     bottom, top = payload.get_ylim()
-    highest = _HEADROOM * _MILLIGRAMS * float(np.nanmax(uncertainty.high["payload"]))
+    highest = _HEADROOM * scale * float(np.nanmax(uncertainty.high["payload"]))
     payload.set_ylim(bottom, max(top, highest))
 
 
-def _shade(
-    ax: "Axes", name: str, uncertainty: PredictionUncertainty, across: float, scale: float
-) -> None:
-    """Shade a band in the colour of its line, found by its place in the figure."""
+def _shade(ax: "Axes", label: str, output: str, uncertainty: PredictionUncertainty) -> None:
+    """Shade a band in the colour of its line, the first whose label ends so."""
+    scale, _ = OUTPUTS[output].shown
+    low, high = uncertainty.low[output] * scale, uncertainty.high[output] * scale
     # a lower end without an upper one: some samples need more light than there is a number for
-    low, high = uncertainty.low[name] * scale, uncertainty.high[name] * scale
     ceiling = np.where(np.isfinite(low) & ~np.isfinite(high), _FAR, high)
-    colour = ax.get_lines()[_LINES[name]].get_color()
-    ax.fill_between(
-        uncertainty.coordinate * across, low, ceiling, color=colour, alpha=_OPACITY, lw=0, zorder=0
-    )
+    lines = (line for line in ax.get_lines() if str(line.get_label()).endswith(label))
+    colour = next(lines).get_color()
+    places = uncertainty.coordinate * across(uncertainty.prediction)
+    ax.fill_between(places, low, ceiling, color=colour, alpha=_OPACITY, lw=0, zorder=0)

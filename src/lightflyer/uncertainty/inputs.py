@@ -1,85 +1,142 @@
-"""The uncertain numbers of a flyer file, and what they move."""
+"""The uncertain numbers of a design, and what they move."""
 
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.config.sections import FlyerFile, Setup, quantity_of
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.units import Measured
-from lightflyer.uncertainty.correlation import FACES
+from lightflyer.flight.design import AbstractDesign
+from lightflyer.foundation.errors import ParameterError, ParameterWarning
+from lightflyer.foundation.precision import float64
 
-_STEP = 1e-3  # relative; setups are linear in their inputs, so any step is exact
+_STEP = 1e-3  # relative, over which costly parts of a design are compared
 _MOST_DRAWS = 1000
-
-NOT_PROPAGATED = frozenset(
-    {
-        "altitude_min",
-        "altitude_max",
-        "pressure_min",
-        "pressure_max",
-        "latitude",
-        "longitude",
-        "f107",
-        "f107a",
-        "ap",
-        "tac_correlation",
-    }
-)
-"""Fields that say where to search, what an atmosphere's table is built from, or how the errors
-of others are correlated."""
-
-_LAYERS = "film.layers"  # thickness and density of layers: kept with the data, not propagated
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """The uncertain numbers of a flyer file.
+    """The uncertain numbers of a design.
 
     Attributes
     ----------
+    design : AbstractDesign
     names : list of str
         Dotted, as ``"film.tac_top"``.
     values, spreads : array, shape (k,)
-        In the units of the configuration: SI, angles in degrees.
+        Values and standard uncertainties, in the units of the design: SI, angles in degrees where
+        a flyer file gives them so.
     correlation : array, shape (k, k)
     ranges : array, shape (k, 2)
         Possible values.
-    setup : tuple of flyer, environment and model
-    slopes : list of such tuples, length k
-        Derivative of the setup's numbers in each input.
+    prepared : pytree or None
+        What the design needs to be built with its own numbers.
+    prepared_slopes : dict of str to pytree
+        Change of ``prepared`` per unit of each input that moves it.
     """
 
+    design: AbstractDesign
     names: list[str]
     values: np.ndarray
     spreads: np.ndarray
     correlation: np.ndarray
     ranges: np.ndarray
-    setup: Any
-    slopes: list[Any]
+    prepared: Any
+    prepared_slopes: dict[str, Any]
 
     @property
     def covariance(self) -> np.ndarray:
-        """Of the inputs, shape (k, k)."""
+        """Covariance of the inputs, shape (k, k)."""
         return self.correlation * np.outer(self.spreads, self.spreads)
 
     @property
-    def tac_correlation(self) -> float | None:
-        """Of the errors of the faces' TACs, or None where not both are uncertain."""
-        if not set(FACES) <= set(self.names):
-            return None
-        first, second = (self.names.index(face) for face in FACES)
-        return float(self.correlation[first, second])
+    def shared(self) -> dict[tuple[str, str], float]:
+        """Correlations that are not zero, by the names of the two inputs."""
+        rows, columns = np.nonzero(np.triu(self.correlation, 1))
+        return {
+            (self.names[row], self.names[column]): float(self.correlation[row, column])
+            for row, column in zip(rows, columns, strict=True)
+        }
+
+    def build(self, values: Any) -> Any:
+        """Setup at other values of the inputs.
+
+        Parameters
+        ----------
+        values : array, shape (k, ...)
+            Concrete or traced; not checked.
+
+        Returns
+        -------
+        Setup
+            Numbers that depend on the inputs have the trailing shape of ``values``.
+        """
+        prepared = self.prepared
+        for name, slope in self.prepared_slopes.items():
+            row = self.names.index(name)
+            shift = values[row] - self.values[row]
+            prepared = jax.tree.map(
+                lambda base, change, shift=shift: base + _beside(shift, change), prepared, slope
+            )
+        return self.design.build(dict(zip(self.names, values, strict=True)), prepared)
+
+    def setup_and_tangents(self) -> tuple[Any, list[Any]]:
+        """Setup at the inputs' values, and its derivative in each of them.
+
+        Returns
+        -------
+        setup : Setup
+            Every number an array.
+        tangents : list of Setup, length k
+        """
+        with float64():
+            values = jnp.asarray(self.values)
+            structure = jax.tree.structure(self.build(values))
+
+            def leaves(inputs: Any) -> list[Any]:
+                return [jnp.asarray(leaf, float) for leaf in jax.tree.leaves(self.build(inputs))]
+
+            base, push = jax.linearize(leaves, values)
+            tangents = [push(direction) for direction in jnp.eye(len(values))]
+            setup, *moved = (
+                jax.tree.unflatten(structure, [np.asarray(leaf) for leaf in part])
+                for part in (base, *tangents)
+            )
+        return setup, moved
+
+    def setup_of(self, samples: np.ndarray) -> Any:
+        """Setup whose uncertain numbers are arrays over samples.
+
+        Parameters
+        ----------
+        samples : array, shape (samples, k)
+
+        Returns
+        -------
+        Setup
+            Numbers that depend on the inputs have shape (samples, 1).
+        """
+        with float64(), warnings.catch_warnings():
+            # a sample beyond what is usual is no news: its distribution was stated
+            warnings.simplefilter("ignore", ParameterWarning)
+            return self.build(samples.T[:, :, None])
 
 
-def uncertain_inputs(configuration: FlyerFile) -> Inputs | None:
-    """The uncertain numbers of a flyer file that a prediction depends on.
+def _beside(shift: Any, change: Any) -> Any:
+    """Product of a shift of shape (samples, 1) and a change, of which a table keeps its axis."""
+    if np.ndim(change) and np.ndim(shift):
+        return shift[..., None] * change
+    return shift * change
+
+
+def uncertain_inputs(design: AbstractDesign) -> Inputs | None:
+    """The uncertain numbers of a design that a prediction depends on.
 
     Parameters
     ----------
-    configuration : FlyerFile
+    design : AbstractDesign
 
     Returns
     -------
@@ -88,57 +145,46 @@ def uncertain_inputs(configuration: FlyerFile) -> Inputs | None:
     """
     stated = {
         name: spread
-        for name, spread in configuration.uncertainties().items()
-        if spread > 0.0
-        and name.rpartition(".")[2] not in NOT_PROPAGATED
-        and not name.startswith(_LAYERS)
+        for name, spread in design.uncertainties.items()
+        if spread > 0.0 and name in design.fields and not design.is_layer(name)
     }
     if not stated:
         return None
     names = list(stated)
-    fields = [_field(configuration, name) for name in names]
     correlation = np.eye(len(names))
-    if set(FACES) <= set(names):
-        first, second = (names.index(face) for face in FACES)
-        shared = configuration.film.tac_correlation.value
-        correlation[first, second] = correlation[second, first] = shared
-    base = _parts(configuration.build())
+    for pair, shared in design.correlations.items():
+        if set(pair) <= set(names):
+            first, second = (names.index(name) for name in pair)
+            correlation[first, second] = correlation[second, first] = shared
+    values = np.array([design.number(name) for name in names], float)
+    quantities = [design.fields[name].quantity for name in names]
+    costly = design.costly(names)
+    prepared = design.prepare({}) if costly else None
     return Inputs(
+        design=design,
         names=names,
-        values=np.array([value for value, _, _ in fields]),
+        values=values,
         spreads=np.array(list(stated.values())),
         correlation=correlation,
-        ranges=np.array([[lowest, highest] for _, lowest, highest in fields]),
-        setup=base,
-        slopes=[
-            _slope(configuration, base, name, value, stated[name])
-            for name, (value, _, _) in zip(names, fields, strict=True)
-        ],
+        ranges=np.array([[quantity.lowest, quantity.highest] for quantity in quantities]),
+        prepared=prepared,
+        prepared_slopes={
+            name: _prepared_slope(design, prepared, name, values[names.index(name)], stated[name])
+            for name in costly
+        },
     )
 
 
-def _field(configuration: FlyerFile, name: str) -> tuple[float, float, float]:
-    """Value and range of a field."""
-    section, _, key = name.rpartition(".")
-    part = getattr(configuration, section)
-    quantity = quantity_of(type(part), key)
-    return getattr(part, key).value, quantity.lowest, quantity.highest
-
-
-def _parts(setup: Setup) -> Any:
-    return jax.tree.map(
-        lambda leaf: np.asarray(leaf, float), (setup.flyer, setup.environment, setup.model)
-    )
-
-
-def _slope(configuration: FlyerFile, base: Any, name: str, value: float, spread: float) -> Any:
-    """Derivative of the setup's numbers in one input."""
-    section, _, key = name.rpartition(".")
+def _prepared_slope(
+    design: AbstractDesign, prepared: Any, name: str, value: float, spread: float
+) -> Any:
+    """Change of a design's costly part per unit of one input."""
     # towards zero, which no upper limit forbids; from zero upwards
     step = -_STEP * value if value else _STEP * spread
-    moved = getattr(configuration, section).model_copy(update={key: Measured(value + step)})
-    setup = _parts(configuration.model_copy(update={section: moved}).build())
-    return jax.tree.map(lambda there, here: (there - here) / step, setup, base)
+    moved = design.prepare({name: value + step})
+    return jax.tree.map(
+        lambda there, here: (np.asarray(there) - np.asarray(here)) / step, moved, prepared
+    )
 
 
 def draw(inputs: Inputs, samples: int, seed: int) -> np.ndarray:

@@ -2,12 +2,13 @@
 
 from typing import Any
 
-import jax
 import numpy as np
 
 from lightflyer.flight.balance import require_converged
+from lightflyer.flight.outputs import tabulate
 from lightflyer.foundation.precision import quick_entry_point
-from lightflyer.prediction.prediction import behaviour
+from lightflyer.foundation.rootfind import Ending
+from lightflyer.uncertainty.inputs import Inputs
 
 BLOCK = 50
 """Samples evaluated at once."""
@@ -17,19 +18,17 @@ Table = dict[str, np.ndarray]
 
 @quick_entry_point
 def _tabulate(setup: Any, coordinate: Any) -> dict[str, Any]:
-    return behaviour(setup, coordinate, setup[1].radiation.irradiance)
+    return tabulate(setup, coordinate, setup.environment.radiation.irradiance)
 
 
-def tabulate(setup: Any, slopes: list[Any], shifts: np.ndarray, coordinate: np.ndarray) -> Table:
-    """Behaviour of many flyers at the same coordinates.
+def tabulate_samples(inputs: Inputs, samples: np.ndarray, coordinate: np.ndarray) -> Table:
+    """Outputs of many flyers at the same coordinates.
 
     Parameters
     ----------
-    setup : tuple of flyer, environment and model
-    slopes : list of such tuples, length k
-        Derivative of the setup in each input; only scalar numbers may move.
-    shifts : array, shape (samples, k)
-        Of the inputs.
+    inputs : Inputs
+    samples : array, shape (samples, k)
+        Values of the inputs.
     coordinate : array, shape (n,)
         [m] or [Pa].
 
@@ -42,29 +41,20 @@ def tabulate(setup: Any, slopes: list[Any], shifts: np.ndarray, coordinate: np.n
     ConvergenceError
         If a root-find failed.
     """
-    leaves, structure = jax.tree.flatten(setup)
-    rows = [jax.tree.leaves(slope) for slope in slopes]
-    moving = [
-        number for number in range(len(leaves)) if any(np.any(row[number] != 0.0) for row in rows)
-    ]
     blocks = []
-    for start in range(0, len(shifts), BLOCK):
-        shift = np.pad(
-            shifts[start : start + BLOCK],
-            ((0, max(0, BLOCK - (len(shifts) - start))), (0, 0)),
-            mode="edge",
-        )
-        moved = list(leaves)
-        for number in moving:
-            slope = np.array([float(row[number]) for row in rows])
-            moved[number] = (leaves[number] + shift @ slope)[:, None]
-        table = _tabulate(jax.tree.unflatten(structure, moved), coordinate)
+    for start in range(0, len(samples), BLOCK):
+        block = samples[start : start + BLOCK]
+        filled = np.pad(block, ((0, BLOCK - len(block)), (0, 0)), mode="edge")
+        table = _tabulate(inputs.setup_of(filled), coordinate)
         shape = (BLOCK, coordinate.size)
         blocks.append({name: np.broadcast_to(value, shape) for name, value in table.items()})
     table = {
-        name: np.concatenate([block[name] for block in blocks])[: len(shifts)] for name in blocks[0]
+        name: np.concatenate([block[name] for block in blocks])[: len(samples)]
+        for name in blocks[0]
     }
-    require_converged("Monte Carlo", table.pop("converged") > 0.5, table.pop("residual"))
+    failed = table.pop("converged") < 0.5
+    ending = np.where(failed, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
+    require_converged("Monte Carlo", ending, table.pop("residual"))
     return table
 
 

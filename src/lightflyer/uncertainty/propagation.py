@@ -12,10 +12,19 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.config.sections import FlyerFile
-from lightflyer.prediction.prediction import AltitudePrediction, ChamberPrediction
-from lightflyer.uncertainty import monte_carlo as sampling
-from lightflyer.uncertainty.derivatives import Sensitivity, sensitivity
+from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.flight.design import as_design
+from lightflyer.flight.outputs import outputs_of
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.prediction.prediction import (
+    AT_THE_BEST,
+    Place,
+    Prediction,
+    predict_design,
+)
+from lightflyer.uncertainty import monte_carlo
+from lightflyer.uncertainty.derivatives import Derivatives, derivatives
 from lightflyer.uncertainty.inputs import Inputs, draw, uncertain_inputs
 
 DEFAULT_SAMPLES = 500
@@ -31,9 +40,7 @@ BANDS = ("levitation_irradiance", "levitation_temperature", "temperature", "payl
 """Quantities that have bands in the figures."""
 
 _STANDARD_DEVIATIONS = 1.959963984540054  # of a normal distribution, for 95 %
-_KILO = 1e3
-_MILLIGRAMS = 1e6
-_MARGIN = 5e3  # altitude searched beyond the nominal range [m]
+_MARGIN = 10  # points of the prediction's table searched beyond the nominal range
 _LIGHT_SPAN = 30.0  # irradiance, over the least, up to which the nominal range reaches
 
 Table = dict[str, np.ndarray]
@@ -41,7 +48,7 @@ Table = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class _Target:
-    """One result: which quantity, in which unit, at which coordinate, and what moves that.
+    """One result: which output, in which unit, at which coordinate, and what moves that.
 
     ``mover`` is empty at a fixed coordinate, ``lower`` or ``upper`` at an edge, or names the
     objective of an optimum. Without a quantity the coordinate itself is the result. ``at_end``:
@@ -63,6 +70,7 @@ class PredictionUncertainty:
 
     Attributes
     ----------
+    prediction : Prediction
     inputs : Inputs
     nominal : dict of str to float
         The results, named as in the prediction's summary: ``"best.payload_mg"``.
@@ -77,6 +85,7 @@ class PredictionUncertainty:
         95 % bands of :data:`BANDS`, in SI units.
     """
 
+    prediction: Prediction
     inputs: Inputs
     nominal: dict[str, float]
     first_order: dict[str, float]
@@ -91,11 +100,20 @@ class PredictionUncertainty:
         """All of it as a JSON object; bands are 95 %."""
         return {
             "inputs": dict(zip(self.inputs.names, self.inputs.spreads.tolist(), strict=True)),
-            "tac_correlation": self.inputs.tac_correlation,
+            "tac_correlation": self.tac_correlation,
             "samples": self.samples,
             "seed": self.seed,
             "results": {name: self._result(name) for name in self.nominal},
         }
+
+    @property
+    def tac_correlation(self) -> float | None:
+        """Correlation of the errors of a film's TACs; None where not both are uncertain."""
+        for name in self.inputs.names:
+            other = f"{name.removesuffix('tac_top')}tac_bottom"
+            if name.endswith("tac_top") and other in self.inputs.names:
+                return self.inputs.shared.get((name, other), 0.0)
+        return None
 
     def _result(self, name: str) -> dict[str, Any]:
         value, spread = self.nominal[name], self.first_order[name]
@@ -114,18 +132,25 @@ class PredictionUncertainty:
 
 
 def propagate(
-    configuration: FlyerFile,
-    prediction: AltitudePrediction | ChamberPrediction,
+    what: Any,
+    environment: AbstractEnvironment | None = None,
+    model: AbstractForceModel | None = None,
+    *,
+    prediction: Prediction | None = None,
     samples: int = DEFAULT_SAMPLES,
     seed: int = 0,
 ) -> PredictionUncertainty | None:
-    """Uncertainty of a prediction from the ± of its flyer file.
+    """Uncertainty of a prediction from the ± of its design.
 
     Parameters
     ----------
-    configuration : FlyerFile
-    prediction : AltitudePrediction or ChamberPrediction
-        Of that file.
+    what : FlyerFile, path, AbstractDesign, Setup or AbstractFlyer
+        A flyer file states ± itself; for objects make an
+        :class:`~lightflyer.flight.design.ObjectDesign` with ``uncertainties``.
+    environment, model : optional
+        Where ``what`` is a flyer.
+    prediction : Prediction, optional
+        Of the same design, if it is there already.
     samples : int
         Of Monte Carlo; 0 for first order alone.
     seed : int
@@ -139,35 +164,42 @@ def propagate(
     Raises
     ------
     ParameterError
-        If the uncertainties make nearly every sample impossible.
+        If the uncertainties make nearly every sample impossible, or ``samples`` or ``seed`` is
+        negative.
 
     Notes
     -----
-    Uncertainties of an atmosphere's date, place and indices are not propagated. Of several
-    altitude bands the samples follow the one around the strongest lift.
+    Inputs go through the design's own build: first order by its derivatives, Monte Carlo by
+    building every sample. The optics of layers are linear in the light's angle of incidence.
+    Uncertainties of layers, and of an atmosphere's date, place and indices, are not propagated. Of
+    several bands the samples follow the one around the strongest lift.
     """
-    inputs = uncertain_inputs(configuration)
+    if samples < 0 or seed < 0:
+        raise ParameterError("samples and seed must be zero or positive")
+    design = as_design(what, environment, model)
+    inputs = uncertain_inputs(design)
     if inputs is None:
         return None
+    prediction = predict_design(design) if prediction is None else prediction
     targets, points = _targets(prediction)
-    low, high = _range(prediction)
-    chamber = isinstance(prediction, ChamberPrediction)
-    even = np.linspace(np.log(low), np.log(high), BAND_POINTS) if chamber else None
-    grid = np.linspace(low, high, BAND_POINTS) if even is None else np.exp(even)
+    even = _even_grid(prediction)
+    logarithmic = prediction.coordinate.logarithmic
+    grid = np.exp(even) if logarithmic else even
     coordinates = np.concatenate([grid, points])
-    derivatives = sensitivity(inputs, coordinates)
+    slopes = derivatives(inputs, coordinates)
     sampled: dict[str, np.ndarray] = {}
     if samples:
-        shifts = draw(inputs, samples, seed) - inputs.values
-        table = sampling.tabulate(inputs.setup, inputs.slopes, shifts, coordinates)
-        sampled = _sampled(targets, table, grid if even is None else even, chamber=chamber)
+        drawn = draw(inputs, samples, seed)
+        table = monte_carlo.tabulate_samples(inputs, drawn, coordinates)
+        sampled = _sampled(targets, table, even, logarithmic=logarithmic)
         bands = _quantiles({name: table[name][:, :BAND_POINTS] for name in BANDS})
     else:
-        bands = _normal_bands(derivatives)
+        bands = _normal_bands(slopes)
     return PredictionUncertainty(
+        prediction=prediction,
         inputs=inputs,
         nominal={target.name: target.nominal for target in targets},
-        first_order={target.name: _spread(target, derivatives) for target in targets},
+        first_order={target.name: _spread(target, slopes) for target in targets},
         sampled=sampled,
         samples=samples,
         seed=seed,
@@ -177,134 +209,121 @@ def propagate(
     )
 
 
-def _targets(
-    prediction: AltitudePrediction | ChamberPrediction,
-) -> tuple[list[_Target], np.ndarray]:
+class _Targets:
+    """Collects the results of a prediction, and the coordinates at which they are."""
+
+    def __init__(self, prediction: Prediction):
+        self.prediction = prediction
+        self.known = outputs_of(prediction.setup.flyer)
+        self.ends = (prediction.coordinates[0], prediction.coordinates[-1])
+        self.points: list[float] = []
+        self.targets: list[_Target] = []
+
+    def at(self, coordinate: float) -> None:
+        """Let what is added next be at a coordinate."""
+        self.points.append(coordinate)
+
+    def add(self, name: str, value: float, output: str, scale: float, mover: str = "") -> None:
+        """A result at the last coordinate; one that is not finite is left out."""
+        if np.isfinite(value):
+            point, at_end = len(self.points) - 1, self.points[-1] in self.ends
+            self.targets.append(_Target(name, scale * value, output, scale, point, mover, at_end))
+
+    def add_coordinate(self, name: str, mover: str) -> None:
+        """The last coordinate itself."""
+        factor = self.prediction.coordinate_key[1]
+        self.add(name, self.points[-1], "", factor, mover)
+
+    def add_outputs(
+        self, group: str, place: Place, names: tuple[str, ...], mover: str = ""
+    ) -> None:
+        """Some outputs at the last coordinate."""
+        for output in names:
+            key, scale = self.known[output].json
+            self.add(f"{group}.{key}", place.values[output], output, scale, mover)
+
+
+def _targets(prediction: Prediction) -> tuple[list[_Target], np.ndarray]:
     """The results of a prediction, and the coordinates at which they are."""
-    if isinstance(prediction, ChamberPrediction):
-        return _chamber_targets(prediction)
-    points: list[float] = []
-    targets: list[_Target] = []
-    searched = (prediction.altitude[0], prediction.altitude[-1])
-
-    def add(group: str, coordinate: float, mover: str, parts: dict[str, tuple[Any, ...]]) -> None:
-        points.append(coordinate)
-        for key, (nominal, quantity, scale) in parts.items():
-            if nominal is not None and np.isfinite(nominal):
-                name = f"{group}.{key}"
-                place, at_end = len(points) - 1, coordinate in searched
-                targets.append(_Target(name, float(nominal), quantity, scale, place, mover, at_end))
-
-    summary, widest = prediction.summary(), prediction.widest
+    found = _Targets(prediction)
+    key, _ = prediction.coordinate_key
+    unit = key.removeprefix(prediction.coordinate.name)
+    widest = prediction.widest
     if widest is not None:
         for edge, coordinate in zip(("lower", "upper"), prediction.bands[widest], strict=True):
-            if coordinate not in searched:  # else it is not the flyer's own edge
-                parts = {edge: (coordinate / _KILO, "", 1.0 / _KILO)}
-                add("altitude_band_km", coordinate, edge, parts)
+            if coordinate not in found.ends:  # else it is not the flyer's own edge
+                found.at(coordinate)
+                found.add_coordinate(f"{prediction.coordinate.name}_band{unit}.{edge}", edge)
     if prediction.easiest is not None:
-        found = summary["minimum_irradiance"]
-        parts = {
-            "altitude_km": (found["altitude_km"], "", 1.0 / _KILO),
-            "value_w_m2": (found["value_w_m2"], "levitation_irradiance", 1.0),
-            "temperature_k": (found["temperature_k"], "levitation_temperature", 1.0),
-        }
-        add("minimum_irradiance", prediction.easiest[0], "levitation_irradiance", parts)
-    best = summary["best"]
-    parts = {
-        "altitude_km": (best["altitude_km"], "", 1.0 / _KILO),
-        "payload_mg": (best["payload_mg"], "payload", _MILLIGRAMS),
-        "relative_payload": (best["relative_payload"], "relative_payload", 1.0),
-        "temperature_k": (best["temperature_k"], "temperature", 1.0),
-        "lift_over_weight": (best["lift_over_weight"], "lift_over_weight", 1.0),
-    }
-    add("best", prediction.best[0], "payload", parts)
-    for number, row in enumerate(summary["at"]):
-        add(f"at[{number}]", float(prediction.at_altitude[number]), "", _point_parts(row))
-    return targets, np.array(points)
+        group, light = prediction.coordinate.easiest_keys
+        values, mover = prediction.easiest.values, "levitation_irradiance"
+        found.at(prediction.easiest.coordinate)
+        found.add_coordinate(f"{group}.{key}", mover)
+        found.add(f"{group}.{light}", values[mover], mover, 1.0, mover)
+        hot = "levitation_temperature"
+        found.add(f"{group}.temperature_k", values[hot], hot, 1.0, mover)
+    found.at(prediction.best.coordinate)
+    found.add_coordinate(f"best.{key}", "payload")
+    found.add_outputs("best", prediction.best, AT_THE_BEST, "payload")
+    given = ("pressure", "gas_temperature")
+    names = tuple(name for name in prediction.point_names if name not in given)
+    for number in range(prediction.asked.size):
+        found.at(float(prediction.asked[number]))
+        found.add_outputs(f"at[{number}]", prediction.place(number), names)
+    return found.targets, np.array(found.points)
 
 
-def _point_parts(row: dict[str, Any]) -> dict[str, tuple[Any, ...]]:
-    quantities = {
-        "levitation_irradiance_w_m2": "levitation_irradiance",
-        "levitation_temperature_k": "levitation_temperature",
-        "temperature_k": "temperature",
-        "lift_n": "lift",
-        "lift_over_weight": "lift_over_weight",
-    }
-    return {key: (row[key], name, 1.0) for key, name in quantities.items()}
-
-
-def _chamber_targets(prediction: ChamberPrediction) -> tuple[list[_Target], np.ndarray]:
-    summary, points, targets = prediction.summary(), [], []
-    if prediction.optimum is not None:
-        found = summary["optimum"]
-        points.append(prediction.optimum[0])
-        at_end = points[0] in (prediction.pressure[0], prediction.pressure[-1])
-        for key, quantity in (
-            ("pressure_pa", ""),
-            ("irradiance_w_m2", "levitation_irradiance"),
-            ("temperature_k", "levitation_temperature"),
-        ):
-            name = f"optimum.{key}"
-            mover = "levitation_irradiance"
-            targets.append(_Target(name, found[key], quantity, 1.0, 0, mover, at_end))
-    for number, row in enumerate(summary["at"]):
-        points.append(float(prediction.at_pressure[number]))
-        for key, (nominal, quantity, scale) in _point_parts(row).items():
-            if nominal is not None:
-                name = f"at[{number}].{key}"
-                targets.append(_Target(name, nominal, quantity, scale, len(points) - 1))
-    return targets, np.array(points)
-
-
-def _range(prediction: AltitudePrediction | ChamberPrediction) -> tuple[float, float]:
-    """Coordinates between which bands are drawn and samples searched."""
-    if isinstance(prediction, ChamberPrediction):
-        return float(prediction.pressure[0]), float(prediction.pressure[-1])
-    needed, altitude = prediction.table["levitation_irradiance"], prediction.altitude
-    centre = prediction.best[0]
-    low, high = centre - 3.0 * _MARGIN, centre + 3.0 * _MARGIN
+def _even_grid(prediction: Prediction) -> np.ndarray:
+    """Evenly spaced coordinates, or logarithms of them, at which bands are known."""
+    coordinates = prediction.coordinates
+    last = coordinates.size - 1
+    best = int(np.searchsorted(coordinates, prediction.best.coordinate))
+    low, high = best - 3 * _MARGIN, best + 3 * _MARGIN
     if prediction.easiest is not None:
-        least = prediction.easiest[1]["levitation_irradiance"][0]
-        near = np.flatnonzero(needed < _LIGHT_SPAN * least)
-        low, high = min(low, altitude[near[0]] - _MARGIN), max(high, altitude[near[-1]] + _MARGIN)
-    return float(max(low, altitude[0])), float(min(high, altitude[-1]))
+        least = prediction.easiest.values["levitation_irradiance"]
+        near = np.flatnonzero(prediction.table["levitation_irradiance"] < _LIGHT_SPAN * least)
+        low, high = min(low, near[0] - _MARGIN), max(high, near[-1] + _MARGIN)
+    if prediction.coordinate.logarithmic:
+        low, high = 0, last
+    ends = coordinates[[max(low, 0), min(high, last)]]
+    ends = np.log(ends) if prediction.coordinate.logarithmic else ends
+    return np.linspace(*ends, BAND_POINTS)
 
 
-def _spread(target: _Target, derivatives: Sensitivity) -> float:
+def _spread(target: _Target, slopes: Derivatives) -> float:
     """Standard uncertainty of a result to first order."""
     point = BAND_POINTS + target.point
     if target.mover in ("lower", "upper"):
-        moving = derivatives.edge(point)
+        moving = slopes.edge(point)
     elif target.mover and not target.at_end:
-        moving = derivatives.optimum(target.mover, point)
+        moving = slopes.optimum(target.mover, point)
     else:
-        moving = np.zeros(len(derivatives.covariance))
+        moving = np.zeros(len(slopes.covariance))
     if target.quantity:
-        moving = derivatives.moving(target.quantity, point, moving)
-    return target.scale * derivatives.spread(moving)
+        moving = slopes.moving(target.quantity, point, moving)
+    return target.scale * slopes.spread(moving)
 
 
 def _sampled(
-    targets: list[_Target], table: Table, even: np.ndarray, *, chamber: bool
+    targets: list[_Target], table: Table, even: np.ndarray, *, logarithmic: bool
 ) -> dict[str, np.ndarray]:
     """Each result in each sample; ``even`` is the evenly spaced coordinate of the bands."""
     over_grid = {name: values[:, : even.size] for name, values in table.items()}
     found: dict[str, Any] = {}
-    lower, upper = sampling.edges(even, over_grid["lift_over_weight"])
+    lower, upper = monte_carlo.edges(even, over_grid["lift_over_weight"])
     found["lower"], found["upper"] = (lower, {}), (upper, {})
-    found["payload"] = sampling.optimum(even, over_grid["payload"], over_grid)
+    found["payload"] = monte_carlo.optimum(even, over_grid["payload"], over_grid)
     logarithms = dict(over_grid)
     with np.errstate(divide="ignore"):
         logarithms["levitation_irradiance"] = np.log(over_grid["levitation_irradiance"])
-    place, there = sampling.optimum(even, -logarithms["levitation_irradiance"], logarithms)
+    place, there = monte_carlo.optimum(even, -logarithms["levitation_irradiance"], logarithms)
     there["levitation_irradiance"] = np.exp(there["levitation_irradiance"])
     found["levitation_irradiance"] = place, there
     results = {}
     for target in targets:
         if target.mover:
             place, there = found[target.mover]
-            coordinate = np.exp(place) if chamber else place
+            coordinate = np.exp(place) if logarithmic else place
             values = there[target.quantity] if target.quantity else coordinate
         else:
             values = table[target.quantity][:, even.size + target.point]
@@ -322,10 +341,10 @@ def _quantiles(table: Table) -> tuple[Table, Table]:
     return low, high
 
 
-def _normal_bands(derivatives: Sensitivity) -> tuple[Table, Table]:
+def _normal_bands(slopes: Derivatives) -> tuple[Table, Table]:
     low, high = {}, {}
     for name in BANDS:
-        value = derivatives.value[name][:BAND_POINTS]
-        half = _STANDARD_DEVIATIONS * derivatives.spreads(name)[:BAND_POINTS]
+        value = slopes.value[name][:BAND_POINTS]
+        half = _STANDARD_DEVIATIONS * slopes.spreads(name)[:BAND_POINTS]
         low[name], high[name] = value - half, value + half
     return low, high

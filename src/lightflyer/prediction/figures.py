@@ -1,0 +1,258 @@
+"""Figures of a prediction: irradiance, temperature and payload over altitude or pressure."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from lightflyer.flight.outputs import OUTPUTS, node_outputs
+from lightflyer.foundation.drawing import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    new_figure,
+    plain_decades,
+)
+from lightflyer.foundation.units import scale_and_offset
+from lightflyer.prediction.prediction import Prediction
+
+IRRADIANCE_SPAN = 30.0
+"""How far above the least irradiance the axes reach."""
+
+_AROUND = 0.1  # of the searched range, drawn on each side of the best where nothing levitates
+_HEADROOM = 0.4  # above the hottest temperature, for the legend
+_MARGIN = 20.0  # kelvins below the coldest
+_NODE_COLOURS = (ORANGE, SKY, PURPLE, GREEN)
+
+
+def across(prediction: Prediction) -> float:
+    """Factor from the coordinate's SI unit to the one shown."""
+    where = prediction.coordinate
+    return scale_and_offset(where.unit, where.shown_unit)[0]
+
+
+def _shown_range(prediction: Prediction) -> tuple[float, float]:
+    """Range worth drawing, in the unit shown: where flight takes not many times the light."""
+    coordinates = prediction.coordinates
+    needed = prediction.table["levitation_irradiance"]
+    if prediction.easiest is not None:
+        least = prediction.easiest.values["levitation_irradiance"]
+        near = np.flatnonzero(needed < IRRADIANCE_SPAN * least)
+        ends = coordinates[[near[0], near[-1]]]
+    else:
+        best = int(np.searchsorted(coordinates, prediction.best.coordinate))
+        around = int(_AROUND * coordinates.size)
+        ends = coordinates[[max(best - around, 0), min(best + around, coordinates.size - 1)]]
+    low, high = across(prediction) * ends
+    return float(low), float(high)
+
+
+def _shade_bands(prediction: Prediction, ax: Axes) -> None:
+    for index, band in enumerate(prediction.bands):
+        lower, upper = (across(prediction) * edge for edge in band)
+        label = "levitates" if index == 0 else None
+        ax.axvspan(lower, upper, color=GREEN, alpha=0.15, lw=0, label=label)
+
+
+def _coordinate_axis(prediction: Prediction, ax: Axes) -> None:
+    where = prediction.coordinate
+    low, high = _shown_range(prediction)
+    if where.logarithmic:
+        ax.set_xscale("log")
+        plain_decades(ax.xaxis)
+    ax.set_xlim(low, high)
+    ax.set_xlabel(f"{where.long_name.rpartition(' ')[2]} [{where.shown_unit}]")
+    ax.grid(alpha=0.25, which="both" if where.logarithmic else "major")
+    if where.name != "pressure":
+        _pressure_axis(prediction, ax, low, high)
+
+
+def _pressure_axis(prediction: Prediction, ax: Axes, low: float, high: float) -> None:
+    """The same axis in pressure, through the table: log-pressure is monotonic in altitude."""
+    places = prediction.coordinates * across(prediction)
+    log_pressure = np.log10(prediction.table["pressure"])
+
+    def to_log_pressure(x: Any) -> np.ndarray:
+        return np.interp(x, places, log_pressure)
+
+    def to_place(x: Any) -> np.ndarray:
+        return np.interp(x, log_pressure[::-1], places[::-1])
+
+    top = ax.secondary_xaxis("top", functions=(to_log_pressure, to_place))
+    decades = np.arange(np.floor(log_pressure.min()), np.ceil(log_pressure.max()) + 1)
+    ticks = np.add.outer(decades, np.log10([1.0, 3.0])).ravel()
+    inside = (ticks > to_log_pressure(high)) & (ticks < to_log_pressure(low))
+    top.set_xticks(ticks[inside], [f"{10**tick:.2g}" for tick in ticks[inside]])
+    top.set_xlabel("pressure [Pa]")
+
+
+def irradiance(prediction: Prediction, ax: Axes) -> Axes:
+    """Draw the smallest irradiance that levitates the flyer, and what is available.
+
+    Parameters
+    ----------
+    prediction : Prediction
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    factor, available = across(prediction), prediction.available
+    needed = prediction.table["levitation_irradiance"]
+    _shade_bands(prediction, ax)
+    shown = np.where(np.isfinite(needed), needed, np.nan)
+    ax.plot(factor * prediction.coordinates, shown, color=BLUE, label="needed")
+    ax.axhline(available, color=ORANGE, ls="--", label="available")
+    ax.set_yscale("log")
+    plain_decades(ax.yaxis)
+    ax.set_ylabel("irradiance [W/m²]")
+    _coordinate_axis(prediction, ax)
+    if prediction.easiest is None:
+        ax.text(0.5, 0.6, "does not levitate", transform=ax.transAxes, ha="center")
+    else:
+        least = prediction.easiest.values["levitation_irradiance"]
+        point = factor * prediction.easiest.coordinate
+        ax.plot(point, least, "o", color=BLUE, ms=5)
+        where = f"{least:.0f} W/m²\nat {point:.3g} {prediction.coordinate.shown_unit}"
+        ax.annotate(where, (point, least), (0, -28), textcoords="offset points", ha="center")
+        ax.set_ylim(0.4 * least, IRRADIANCE_SPAN * max(least, available) / 2)
+    ax.legend(loc="lower left")
+    return ax
+
+
+def temperature(prediction: Prediction, ax: Axes) -> Axes:
+    """Draw the flyer's temperatures, in the available light and when it just levitates.
+
+    Parameters
+    ----------
+    prediction : Prediction
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    places, table = across(prediction) * prediction.coordinates, prediction.table
+    nodes = node_outputs(prediction.setup.flyer)
+    _shade_bands(prediction, ax)
+    hottest_label = "hottest part" if nodes else "flyer"
+    style = {"color": VERMILION, "label": f"{hottest_label}, available light"}
+    ax.plot(places, table["temperature"], **style)
+    for colour, name in zip(_NODE_COLOURS, nodes, strict=False):
+        words = name.removeprefix("temperature_").replace("_", " ")
+        ax.plot(places, table[name], color=colour, ls="--", label=f"{words}, available light")
+    levitating = {"color": BLUE, "ls": "-.", "label": f"{hottest_label}, just levitating"}
+    ax.plot(places, table["levitation_temperature"], **levitating)
+    ax.plot(places, table["gas_temperature"], color=GREY, ls=":", label="gas")
+    low, high = _shown_range(prediction)
+    shown = (places >= low) & (places <= high)
+    coldest, hottest = table["gas_temperature"][shown].min(), table["temperature"][shown].max()
+    ax.set_ylim(coldest - _MARGIN, hottest + _HEADROOM * (hottest - coldest))
+    ax.set_ylabel("temperature [K]")
+    _coordinate_axis(prediction, ax)
+    ax.legend(loc="upper center", ncols=2, fontsize="small")
+    return ax
+
+
+def payload(prediction: Prediction, ax: Axes) -> Axes:
+    """Draw the largest payload, with the relative payload on the right.
+
+    Parameters
+    ----------
+    prediction : Prediction
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    factor, (scale, unit) = across(prediction), OUTPUTS["payload"].shown
+    values = prediction.best.values
+    best, point = values["payload"] * scale, factor * prediction.best.coordinate
+    own_mass = float(prediction.setup.flyer.own_mass) * scale
+    _shade_bands(prediction, ax)
+    ax.plot(factor * prediction.coordinates, prediction.table["payload"] * scale, color=BLUE)
+    ax.plot(point, best, "o", color=BLUE, ms=5)
+    ax.annotate(
+        f"{best:.3g} {unit}", (point, best), (0, 7), textcoords="offset points", ha="center"
+    )
+    ax.axhline(0.0, color=GREY, lw=0.8)
+    low = min(0.0, best) - 0.35 * max(abs(best), 0.3 * own_mass)
+    ax.set_ylim(low, best + 0.25 * (best - low))
+    ax.set_ylabel(f"largest payload [{unit}]")
+    right = ax.secondary_yaxis(
+        "right", functions=(lambda mass: mass / own_mass, lambda ratio: ratio * own_mass)
+    )
+    right.set_ylabel("relative payload [own mass]")
+    _coordinate_axis(prediction, ax)
+    if prediction.bands:
+        ax.legend(loc="lower left")
+    return ax
+
+
+def temperature_map(prediction: Prediction, ax: Axes) -> Axes:
+    """Draw the flyer's temperature over pressure and irradiance, with the levitation curve.
+
+    Parameters
+    ----------
+    prediction : Prediction
+        With a map.
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    found, factor, where = prediction.map, across(prediction), prediction.coordinate
+    assert found is not None  # the caller has looked
+    image = ax.contourf(
+        factor * found.coordinate,
+        found.irradiance,
+        found.temperature.T,
+        levels=24,
+        cmap="cividis",
+    )
+    ax.figure.colorbar(image, ax=ax, label="flyer temperature [K]")
+    needed = prediction.table["levitation_irradiance"]
+    shown = np.where(needed <= found.irradiance[-1], needed, np.nan)
+    places = factor * prediction.coordinates
+    ax.plot(places, shown, color="white", lw=2, label="levitates above")
+    if where.logarithmic:
+        ax.set_xscale("log")
+        plain_decades(ax.xaxis)
+    ax.set_xlim(places[0], places[-1])
+    ax.set_ylim(found.irradiance[0], found.irradiance[-1])
+    ax.set_xlabel(f"{where.long_name.rpartition(' ')[2]} [{where.shown_unit}]")
+    ax.set_ylabel("irradiance [W/m²]")
+    if np.isfinite(shown).any():
+        ax.legend(loc="lower right", facecolor=GREY, labelcolor="white")
+    return ax
+
+
+def prediction_figures(prediction: Prediction) -> dict[str, Figure]:
+    """The figures of a prediction, by file name without suffix.
+
+    Parameters
+    ----------
+    prediction : Prediction
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+    """
+    both, carried = new_figure(columns=2), new_figure()
+    left, right = both.axes
+    irradiance(prediction, left)
+    temperature(prediction, right)
+    payload(prediction, carried.axes[0])
+    figures = {"levitation-irradiance": both, "payload": carried}
+    if prediction.map is not None:
+        figures["temperature-map"] = new_figure()
+        temperature_map(prediction, figures["temperature-map"].axes[0])
+    return figures

@@ -1,0 +1,4 @@
+from .inputs import Inputs as Inputs
+from .inputs import uncertain_inputs as uncertain_inputs
+from .propagation import PredictionUncertainty as PredictionUncertainty
+from .propagation import propagate as propagate

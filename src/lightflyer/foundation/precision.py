@@ -19,15 +19,16 @@ caller. To keep all digits::
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import AbstractContextManager
-from functools import partial, wraps
+from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+
+from lightflyer.foundation.batches import in_batches
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -125,46 +126,13 @@ def elementwise_entry_point(function: Callable[P, R]) -> Callable[P, R]:
         if is_traced(leaves) or len(shapes) != 1 or math.prod(*shapes) <= PIECE:
             return compiled(*args)
         (shape,) = shapes
-        return _assemble(
-            (compiled(*jax.tree.unflatten(structure, piece)) for piece in _pieces(leaves)), shape
+        flat = [np.ravel(leaf) if np.ndim(leaf) else leaf for leaf in leaves]
+        whole = in_batches(
+            lambda *piece: compiled(*jax.tree.unflatten(structure, piece)), flat, PIECE
         )
+        return jax.tree.map(lambda leaf: leaf.reshape(shape) if leaf.ndim else leaf, whole)
 
     return _scoped(function, in_pieces)
-
-
-def _pieces(leaves: list[Any]) -> Iterator[list[Any]]:
-    """Equally long pieces of flat arrays; the last is filled up with its own last element."""
-    flat = [np.ravel(leaf) if np.ndim(leaf) else leaf for leaf in leaves]
-    size = max(np.size(leaf) for leaf in flat)
-    for start in range(0, size, PIECE):
-        piece = [leaf[start : start + PIECE] if np.ndim(leaf) else leaf for leaf in flat]
-        missing = start + PIECE - size
-        yield [_lengthened(leaf, missing) for leaf in piece] if missing > 0 else piece
-
-
-def _lengthened(leaf: Any, missing: int) -> Any:
-    return np.pad(leaf, (0, missing), "edge") if np.ndim(leaf) else leaf
-
-
-def _assemble(pieces: Iterator[Any], shape: tuple[int, ...]) -> Any:
-    """Join the results of pieces; while one is copied, JAX already works on the next."""
-    size = math.prod(shape)
-
-    def allocate(part: Array) -> np.ndarray:
-        return np.empty(size if part.ndim else (), part.dtype)
-
-    def store(start: int, whole: np.ndarray, part: np.ndarray) -> None:
-        if part.ndim:
-            whole[start : start + PIECE] = part[: size - start]
-        else:
-            whole[...] = part
-
-    running = next(pieces)
-    result = jax.tree.map(allocate, running)
-    for start in range(0, size, PIECE):
-        done, running = running, next(pieces, None)
-        jax.tree.map(partial(store, start), result, jax.tree.map(np.asarray, done))
-    return jax.tree.map(lambda whole: whole.reshape(shape) if whole.ndim else whole, result)
 
 
 def quick_entry_point(function: Callable[P, R]) -> Callable[P, R]:

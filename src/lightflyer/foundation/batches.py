@@ -1,0 +1,67 @@
+"""Evaluating a function that is compiled for one length at any number of points."""
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any
+
+import jax
+import numpy as np
+
+
+def in_batches(function: Callable[..., Any], arrays: Sequence[Any], size: int) -> Any:
+    """Apply a function to arrays of any length, in batches of one length.
+
+    A compiled function is compiled anew for every length of its arguments. Here it only ever
+    meets one, which also keeps its temporary arrays small.
+
+    Parameters
+    ----------
+    function : callable
+        Takes as many arrays as there are ``arrays``, of leading length ``size``, and returns any
+        tree of arrays with that leading length, row by row, and of scalars.
+    arrays : sequence of array, shape (n, ...) or ()
+        At least one has a leading axis, and n is at least one. The last batch is filled up with
+        copies of the last row. Scalars go into every batch.
+    size : int
+        Length of a batch.
+
+    Returns
+    -------
+    tree of array, shape (n, ...) or ()
+        As from ``function``, in NumPy.
+
+    Examples
+    --------
+    >>> table = in_batches(lambda x, y: {"product": x * y}, (np.arange(5.0), 2.0), size=2)
+    >>> table["product"]
+    array([0., 2., 4., 6., 8.])
+    """
+    count = max(len(array) for array in arrays if np.ndim(array))
+    batches = _batches(arrays, count, size)
+    running = function(*next(batches))
+    result = jax.tree.map(partial(_allocate, count), running)
+    for start in range(0, count, size):
+        done, batch = running, next(batches, None)
+        # JAX already works on the next while this one is copied
+        running = None if batch is None else function(*batch)
+        jax.tree.map(partial(_store, start), result, jax.tree.map(np.asarray, done))
+    return result
+
+
+def _batches(arrays: Sequence[Any], count: int, size: int) -> Iterator[list[Any]]:
+    for start in range(0, count, size):
+        rows: Any = slice(start, start + size)
+        if start + size > count:
+            rows = np.minimum(np.arange(start, start + size), count - 1)
+        yield [array[rows] if np.ndim(array) else array for array in arrays]
+
+
+def _allocate(count: int, part: Any) -> np.ndarray:
+    return np.empty((count, *part.shape[1:]) if np.ndim(part) else (), part.dtype)
+
+
+def _store(start: int, whole: np.ndarray, part: np.ndarray) -> None:
+    if part.ndim:
+        whole[start : start + len(part)] = part[: len(whole) - start]
+    else:
+        whole[...] = part

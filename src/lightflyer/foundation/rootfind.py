@@ -1,21 +1,23 @@
-"""The one root-find of the package: a bracketed, safeguarded Newton with implicit gradients.
+"""Root-finding in one unknown: a bracketed, safeguarded Newton with implicit gradients.
 
 It solves many independent scalar equations at once: every array element is a problem of its
 own. Gradients do not unroll the loop. :func:`jax.lax.custom_root` differentiates the residual
-at the root, so forward, reverse and higher derivatives cost one linearised residual.
+at the root, so forward, reverse and higher derivatives cost one linearised residual. Several
+coupled unknowns are solved by :mod:`lightflyer.foundation.system`.
 """
 
 import enum
 import math
 import sys
+from collections import Counter
 from collections.abc import Callable
-from typing import Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.typing import ArrayLike
 
 RELATIVE_TOLERANCE = 1e-12
 """Default bound on the scaled residual at a root; a hundred times tighter than promised."""
@@ -33,6 +35,22 @@ class Ending(enum.IntEnum):
     STEP_LIMIT = 1
     NOT_FINITE = 2
     TOLERANCE_MISSED = 3
+    SINGULAR = 4
+    STALLED = 5
+
+    def describe(self) -> str:
+        """Phrase for messages.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> Ending.STEP_LIMIT.describe()
+        'reached the limit of steps'
+        """
+        return _REASONS[self]
 
 
 _REASONS = {
@@ -40,10 +58,12 @@ _REASONS = {
     Ending.STEP_LIMIT: "reached the limit of steps",
     Ending.NOT_FINITE: "met a number that is not finite",
     Ending.TOLERANCE_MISSED: "missed the tolerance",
+    Ending.SINGULAR: "met a singular Jacobian",
+    Ending.STALLED: "stalled where no step reduces the residual",
 }
 
 
-def describe_endings(endings: Any) -> str:
+def describe_endings(endings: ArrayLike) -> str:
     """Why searches ended, in words.
 
     Parameters
@@ -54,9 +74,20 @@ def describe_endings(endings: Any) -> str:
     Returns
     -------
     str
-        Each reason once, such as ``"reached the limit of steps"``.
+        Each reason once, the commonest first, with its number if there are several.
+
+    Examples
+    --------
+    >>> describe_endings([Ending.STEP_LIMIT, Ending.STEP_LIMIT])
+    'reached the limit of steps'
+    >>> describe_endings([Ending.STEP_LIMIT, Ending.NOT_FINITE, Ending.NOT_FINITE])
+    '2 met a number that is not finite, 1 reached the limit of steps'
     """
-    return ", ".join(_REASONS[Ending(code)] for code in np.unique(endings))
+    counts = Counter(np.ravel(np.asarray(endings)).tolist()).most_common()
+    return ", ".join(
+        Ending(code).describe() if len(counts) == 1 else f"{count} {Ending(code).describe()}"
+        for code, count in counts
+    )
 
 
 class RootStatus(eqx.Module):
@@ -65,7 +96,7 @@ class RootStatus(eqx.Module):
     Attributes
     ----------
     ending : int array
-        Why it ended, an :class:`Ending`.
+        Why it ended, values of :class:`Ending`.
     steps : int
         Steps taken by the slowest element.
     """
@@ -75,7 +106,7 @@ class RootStatus(eqx.Module):
 
     @property
     def converged(self) -> Array:
-        """Whether the residual met the tolerance."""
+        """Whether the search found a root: bool array."""
         return self.ending == Ending.CONVERGED
 
 
@@ -228,9 +259,15 @@ def _search(
         steps=jnp.zeros((), int),
     )
     end = jax.lax.while_loop(unfinished, advance, start)
-    ending = jnp.where(end.active, int(Ending.STEP_LIMIT), int(Ending.CONVERGED))
-    ending = jnp.where(jnp.isfinite(end.point), ending, int(Ending.NOT_FINITE))
-    return end.point, RootStatus(ending=ending, steps=end.steps)
+    return end.point, RootStatus(ending=_ending(end), steps=end.steps)
+
+
+def _ending(end: _Search) -> Array:
+    """Tell the endings apart by the last state alone, which costs the loop nothing."""
+    # a residual of NaN leaves the bracket as it is, so that bisection proposes the same point again
+    stuck = ~jnp.isfinite(end.last_step) | (end.last_step == 0.0)
+    codes = [jnp.int8(Ending.CONVERGED), jnp.int8(Ending.NOT_FINITE)]
+    return jnp.select([~end.active, stuck], codes, jnp.int8(Ending.STEP_LIMIT))
 
 
 def implicit_root(
@@ -268,4 +305,4 @@ def implicit_root(
 
     start = jnp.zeros(shape)
     root, status = jax.lax.custom_root(residual, start, found, invert_slope, has_aux=True)
-    return root, jax.tree.map(lambda leaf: leaf.astype(int), status)
+    return root, RootStatus(status.ending.astype(jnp.int8), status.steps.astype(int))

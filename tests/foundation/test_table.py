@@ -156,7 +156,7 @@ def test_no_known_column(write):
     column = (Column("share", Fraction), Column("name", text=True))
     with pytest.raises(lf.ConfigurationError, match=":1: has no known column; known columns: sh"):
         read_table(write("1,2\n3,4\n"), column, strict=True)
-    with pytest.raises(lf.ConfigurationError, match="--columns of .* has no known column"):
+    with pytest.raises(lf.ConfigurationError, match=r"--columns of .* has no known column"):
         read_table(write("1,2\n3,4\n"), column, layout="-, -")
     # names alone are a table too
     assert read_table(write("name\na\n"), column).texts == {"name": ["a"]}

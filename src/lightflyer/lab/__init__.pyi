@@ -50,6 +50,3 @@ from .thermography import Readings as Readings
 from .thermography import given_readings as given_readings
 from .thermography import read_readings as read_readings
 from .thermography import reduce_readings as reduce_readings
-from .update import emittance_keys as emittance_keys
-from .update import tac_keys as tac_keys
-from .update import update_flyer_file as update_flyer_file

@@ -211,7 +211,7 @@ def updating(
     -------
     callable
     """
-    from lightflyer.lab.update import update_flyer_file
+    from lightflyer.config.update import update_flyer_file
 
     def update() -> list[str]:
         if flyer is None:

@@ -68,9 +68,9 @@ def ftir_command(
     json_output
         Print one JSON object instead of tables.
     """
+    from lightflyer.config.update import emittance_keys
     from lightflyer.lab.ftir import reduce_ftir, to_dataset
     from lightflyer.lab.spectrum_data import read_spectrum
-    from lightflyer.lab.update import emittance_keys
 
     if update is not None and reflectance is None:
         raise ConfigurationError(

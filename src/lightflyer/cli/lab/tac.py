@@ -86,11 +86,11 @@ def tac_command(
     json_output
         Print one JSON object instead of tables.
     """
+    from lightflyer.config.update import tac_keys
     from lightflyer.force.lu2023 import READINGS
     from lightflyer.gas import GASES
     from lightflyer.lab import tac, tac_record
     from lightflyer.lab.tac_data import read_resistance_calibration, read_tac
-    from lightflyer.lab.update import tac_keys
 
     thermometer = None if calibration is None else read_resistance_calibration(calibration)
     width = tac.HEATERS[heater] if diameter is None else quantity("--diameter", diameter, "m").value

@@ -166,7 +166,7 @@ def _of_image(file: Path, regions: str | None, accuracy: str | None) -> "dict[st
 def _values(
     result: "RadiativeProperties", face: Literal["top", "bottom", "both"], *, light_meter: bool
 ) -> dict[tuple[str, str], Any]:
-    from lightflyer.lab.update import emittance_keys
+    from lightflyer.config.update import emittance_keys
 
     if not light_meter:
         return dict.fromkeys(emittance_keys(face), result.emissivity)

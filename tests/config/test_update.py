@@ -4,8 +4,8 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.config.reader import read_flyer_file
+from lightflyer.config.update import emittance_keys, measured_text, tac_keys, update_flyer_file
 from lightflyer.lab.estimate import Estimate
-from lightflyer.lab.update import emittance_keys, measured_text, tac_keys, update_flyer_file
 
 VALUE = Estimate.normal(0.9031, 0.0312)
 

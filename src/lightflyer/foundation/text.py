@@ -19,7 +19,7 @@ def read_text(path: Path) -> str:
     Raises
     ------
     ConfigurationError
-        If the file cannot be read or is no text.
+        If the file cannot be read or is not text.
     """
     try:
         return path.read_text(encoding="utf-8-sig")

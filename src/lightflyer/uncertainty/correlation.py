@@ -1,63 +1,122 @@
-"""Errors that go together: the two accommodation coefficients of a film, measured in one set-up."""
+"""Numbers whose errors are correlated, such as two coefficients measured in one set-up."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-FACES = ("film.tac_top", "film.tac_bottom")
-"""The fields whose errors a flyer file's ``tac_correlation`` is about."""
+from lightflyer.foundation.errors import ParameterError
+
+Correlations = Mapping[tuple[str, str], float]
+"""Correlation of the errors of two numbers, by their dotted names in either order."""
+
+_ROUNDING = 1e-12  # of a pivot of a correlation matrix, whose diagonal is one
 
 
-def correlated_groups(names: Sequence[str], tac_correlation: float) -> tuple[tuple[str, ...], ...]:
-    """Uncertain fields, those with correlated errors together.
+def correlation_matrix(names: Sequence[str], correlations: Correlations) -> np.ndarray:
+    """Correlations as a matrix.
+
+    Parameters
+    ----------
+    names : sequence of str, length k
+    correlations : dict of (str, str) to float
+        Pairs of other names have no effect.
+
+    Returns
+    -------
+    array, shape (k, k)
+        One on the diagonal, zero where nothing is stated.
+    """
+    matrix = np.eye(len(names))
+    row = {name: number for number, name in enumerate(names)}
+    for (first, second), value in correlations.items():
+        if first in row and second in row:
+            matrix[row[first], row[second]] = matrix[row[second], row[first]] = value
+    return matrix
+
+
+def correlated_groups(
+    names: Sequence[str], correlations: Correlations
+) -> tuple[tuple[str, ...], ...]:
+    """Names, those of numbers that are correlated directly or by way of others together.
 
     Parameters
     ----------
     names : sequence of str
-        Dotted.
-    tac_correlation : float
-        Of the errors of the faces' accommodation coefficients.
+    correlations : dict of (str, str) to float
 
     Returns
     -------
     tuple of tuple of str
-        In the order in which each group's first field stands.
+        Groups in the order of their first names, each in the order of ``names``.
     """
-    if not tac_correlation or not set(FACES) <= set(names):
-        return tuple((name,) for name in names)
-    pair = tuple(name for name in names if name in FACES)
-    return tuple(pair if name == pair[0] else (name,) for name in names if name != pair[1])
+    from scipy.sparse.csgraph import connected_components
+
+    count, label = connected_components(correlation_matrix(names, correlations), directed=False)
+    groups = [
+        tuple(name for name, own in zip(names, label, strict=True) if own == group)
+        for group in range(count)
+    ]
+    return tuple(sorted(groups, key=lambda group: list(names).index(group[0])))
 
 
-def correlate(shares: np.ndarray, names: Sequence[str], tac_correlation: float) -> np.ndarray:
-    r"""Shares of independent draws, made to belong to correlated ones.
+def correlate(shares: np.ndarray, names: Sequence[str], correlations: Correlations) -> np.ndarray:
+    r"""Correlated draws from independent ones, by a Gaussian copula.
 
-    A Gaussian copula: with :math:`z = \Phi^{-1}(u)` the second coefficient's becomes
-    :math:`\rho z_1 + \sqrt{1 - \rho^2}\,z_2`. Each keeps its own distribution; normal ones have
-    the correlation :math:`\rho`.
+    With :math:`z = \Phi^{-1}(u)` and the correlation matrix :math:`R = L L^\mathsf{T}` the draws
+    become :math:`\Phi(L z)`. Each number keeps its own distribution; normal ones have the
+    correlations :math:`R`.
 
     Parameters
     ----------
     shares : array, shape (n, k)
-        Between 0 and 1, a column for each field.
+        Independent and uniform between 0 and 1, a column for each name.
     names : sequence of str, length k
-        Dotted.
-    tac_correlation : float
+    correlations : dict of (str, str) to float
 
     Returns
     -------
     array, shape (n, k)
+        Uniform between 0 and 1; columns of numbers that are not correlated are unchanged.
+
+    Raises
+    ------
+    ParameterError
+        If no joint distribution has these correlations.
     """
-    pairs = [group for group in correlated_groups(names, tac_correlation) if len(group) > 1]
-    if not pairs:
+    lower = _factor(correlation_matrix(names, correlations), names)
+    changed = [row for row in range(len(names)) if np.any(lower[row, :row])]
+    if not changed:
         return shares
     from scipy.special import ndtr, ndtri
 
-    (pair,) = pairs
-    first, second = (list(names).index(name) for name in pair)
     tiny = np.finfo(float).tiny  # the ends themselves have no number, and are no draws
-    one, other = ndtri(np.clip(shares[:, [first, second]], tiny, 1.0 - np.finfo(float).epsneg)).T
+    normal = ndtri(np.clip(shares, tiny, 1.0 - np.finfo(float).epsneg))
     correlated = shares.copy()
-    rest = np.sqrt(1.0 - tac_correlation**2)
-    correlated[:, second] = ndtr(tac_correlation * one + rest * other)
+    for row in changed:
+        correlated[:, row] = ndtr(normal @ lower[row])
     return correlated
+
+
+def _factor(matrix: np.ndarray, names: Sequence[str]) -> np.ndarray:
+    """Cholesky factor; unlike LAPACK's it exists for errors that are the same but for a factor."""
+    lower = np.zeros_like(matrix)
+    for row in range(len(matrix)):
+        for column in range(row):
+            left = matrix[row, column] - lower[row, :column] @ lower[column, :column]
+            pivot = lower[column, column]
+            if pivot == 0.0 and abs(left) > _ROUNDING:
+                raise _impossible(matrix, names)
+            lower[row, column] = left / pivot if pivot else 0.0
+        square = matrix[row, row] - lower[row, :row] @ lower[row, :row]
+        if square < -_ROUNDING:
+            raise _impossible(matrix, names)
+        lower[row, row] = np.sqrt(square) if square > _ROUNDING else 0.0
+    return lower
+
+
+def _impossible(matrix: np.ndarray, names: Sequence[str]) -> ParameterError:
+    involved = [name for name, row in zip(names, matrix, strict=True) if np.count_nonzero(row) > 1]
+    return ParameterError(
+        f"no joint distribution has the correlations stated for {', '.join(involved)}: their "
+        "matrix has a negative eigenvalue"
+    )

@@ -2,20 +2,31 @@
 
 from importlib import resources
 from pathlib import Path
-from typing import Literal
 
 from rich.console import Console
 
-from lightflyer.foundation.errors import OutputError
+from lightflyer.foundation.errors import OutputError, ParameterError
+
+_PREFIX, _SUFFIX = "flyer-", ".toml"
 
 
-def init(
-    path: Path = Path("flyer.toml"),
-    /,
-    *,
-    kind: Literal["earth", "chamber"] = "earth",
-    force: bool = False,
-) -> None:
+def templates() -> dict[str, str]:
+    """Texts of the commented flyer files that come with the package.
+
+    Returns
+    -------
+    dict of str to str
+        By kind, such as ``"earth"``: the template ``data/flyer-earth.toml``.
+    """
+    found = (entry for entry in (resources.files("lightflyer") / "data").iterdir())
+    return {
+        entry.name.removeprefix(_PREFIX).removesuffix(_SUFFIX): entry.read_text(encoding="utf-8")
+        for entry in sorted(found, key=lambda entry: entry.name)
+        if entry.name.startswith(_PREFIX) and entry.name.endswith(_SUFFIX)
+    }
+
+
+def init(path: Path = Path("flyer.toml"), /, *, kind: str = "earth", force: bool = False) -> None:
     """Write a commented flyer file to start from.
 
     Parameters
@@ -23,16 +34,19 @@ def init(
     path
         Where to write it.
     kind
-        Fly over Earth, or in a vacuum chamber.
+        What it describes: earth (a disk over Earth), chamber (the disk in a vacuum chamber) or
+        sandwich (two perforated membranes over Earth).
     force
         Overwrite an existing file.
     """
-    template = resources.files("lightflyer") / "data" / f"flyer-{kind}.toml"
+    known = templates()
+    if kind not in known:
+        raise ParameterError(f'--kind "{kind}" is unknown; choose from {", ".join(known)}')
     try:
         with path.open("w" if force else "x", encoding="utf-8") as file:
-            file.write(template.read_text(encoding="utf-8"))
+            file.write(known[kind])
     except FileExistsError:
-        raise OutputError(f"{path}: exists; --force overwrites it") from None
+        raise OutputError(f"{path}: already exists; --force overwrites it") from None
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
     Console().print(

@@ -2,22 +2,24 @@
 
 import gc
 import json
+import math
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 
 if TYPE_CHECKING:
-    from lightflyer.config.sections import FlyerFile, Setup
-    from lightflyer.prediction.prediction import AltitudePrediction, ChamberPrediction
+    from lightflyer.config.flyer_file import FlyerFile
+    from lightflyer.environment.base import Coordinate
+    from lightflyer.prediction.prediction import Prediction
     from lightflyer.uncertainty.propagation import PredictionUncertainty
 
-_KILOMETRE = 1e3
 _MILLIGRAMS = 1e6
 
 
@@ -55,45 +57,36 @@ def predict_command(
     """
     gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
     from lightflyer.config.reader import read_flyer_file
-    from lightflyer.prediction.prediction import predict
+    from lightflyer.prediction.prediction import predict_design
 
     if samples < 0 or seed < 0:
         raise ParameterError("--samples and --seed must be zero or positive")
-    configuration = read_flyer_file(flyer_file)
-    setup = configuration.build()
+    file = read_flyer_file(flyer_file)
+    design = file.design()
     loading = _load_in_background() if out is not None else None
-    prediction = predict(setup, _asked(at, setup))
-    summary = prediction.summary() | _film_origins(configuration)
-    uncertainty = _uncertainty(configuration, prediction, samples, seed)
+    where = design.setup.environment.coordinate
+    prediction = predict_design(design, _asked(at, where))
+    uncertainty = None
+    if file.uncertainties():  # else nothing is imported or compiled for it
+        from lightflyer.uncertainty.propagation import propagate
+
+        uncertainty = propagate(design, prediction=prediction, samples=samples, seed=seed)
+    summary = prediction.summary() | _film_origins(file)
     if uncertainty is not None:
         summary["uncertainty"] = uncertainty.summary()
     written = []
     if out is not None and loading is not None:
         loading.join()
-        results = (prediction, summary, uncertainty)
-        written = _write(out, configuration, flyer_file, setup, results, csv=csv)
+        written = _write(out, file, flyer_file, (prediction, summary, uncertainty), csv=csv)
     if json_output:
         print(json.dumps(summary, allow_nan=False))  # noqa: T201
         return
     console = Console(highlight=False)
-    _show(console, configuration, setup, prediction, summary)
+    _show(console, file, prediction, summary)
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
     if out is None:
         console.print("add --out FOLDER to write figures and data")
-
-
-def _uncertainty(
-    configuration: "FlyerFile",
-    prediction: "AltitudePrediction | ChamberPrediction",
-    samples: int,
-    seed: int,
-) -> "PredictionUncertainty | None":
-    if not configuration.uncertainties():
-        return None  # and nothing is imported or compiled for it
-    from lightflyer.uncertainty.propagation import propagate
-
-    return propagate(configuration, prediction, samples, seed)
 
 
 def _load_in_background() -> threading.Thread:
@@ -108,101 +101,89 @@ def _load_in_background() -> threading.Thread:
     return thread
 
 
-def _asked(at: str | None, setup: "Setup") -> list[float] | None:
+def _asked(at: str | None, where: "Coordinate") -> list[float] | None:
     """The coordinates of ``--at`` in SI units."""
-    from lightflyer.environment.chamber import Chamber
     from lightflyer.foundation.units import parse
 
     if at is None:
         return None
-    unit = "Pa" if isinstance(setup.environment, Chamber) else "m"
     try:
-        points = [parse(part.strip(), unit).value for part in at.split(",") if part.strip()]
+        points = [parse(part.strip(), where.unit).value for part in at.split(",") if part.strip()]
     except ConfigurationError as error:
         raise ConfigurationError(f"--at: {error}") from None
     if not points:
-        raise ConfigurationError(f'--at "{at}" names no point')
+        raise ConfigurationError(f'--at "{at}" names no {where.name}')
     return points
 
 
-def _film_origins(configuration: "FlyerFile") -> dict[str, Any]:
+def _film_origins(file: "FlyerFile") -> dict[str, Any]:
     """Where the properties of a film of layers come from."""
-    import math
-
     from lightflyer.film.layered_section import LayeredFilmSection
 
-    if not isinstance(configuration.film, LayeredFilmSection):
+    if not isinstance(file.film, LayeredFilmSection):
         return {}
-    incidence = math.radians(configuration.environment.incidence.value)
-    return {"film": configuration.film.report(incidence)}
+    incidence = math.radians(file.environment.incidence.value)
+    return {"film": file.film.report(incidence)}
 
 
 def _write(
     out: Path,
-    configuration: "FlyerFile",
+    file: "FlyerFile",
     flyer_file: Path,
-    setup: "Setup",
-    results: "tuple[AltitudePrediction | ChamberPrediction, Any, PredictionUncertainty | None]",
+    results: "tuple[Prediction, Any, PredictionUncertainty | None]",
     *,
     csv: bool,
 ) -> list[Path]:
-    from lightflyer.foundation import drawing as plot
-    from lightflyer.foundation import files as output
+    from lightflyer.foundation.drawing import save
+    from lightflyer.foundation.files import output_directory
+    from lightflyer.prediction.figures import prediction_figures
+    from lightflyer.prediction.tables import to_dataset, write_csv
 
     prediction, summary, uncertainty = results
-
-    dataset = output.to_dataset(prediction, flyer_file.read_text(encoding="utf-8-sig"))
-    dataset.attrs["uncertainties"] = json.dumps(configuration.uncertainties())
+    dataset = to_dataset(prediction, flyer_file.read_text(encoding="utf-8-sig"))
+    dataset.attrs["uncertainties"] = json.dumps(file.uncertainties())
     dataset.attrs["summary"] = json.dumps(summary)
-    available = float(setup.environment.radiation.irradiance)
-    figures = plot.prediction_figures(prediction, available)
+    figures = prediction_figures(prediction)
     if uncertainty is not None:
-        from lightflyer.uncertainty import figures as bands
+        from lightflyer.uncertainty.figures import add_to_dataset, add_to_figures
 
-        bands.add_to_dataset(dataset, prediction, uncertainty)
-        bands.add_to_figures(figures, prediction, uncertainty)
+        add_to_dataset(dataset, uncertainty)
+        add_to_figures(figures, uncertainty)
     names = ["prediction.nc", "prediction.json"]
-    with output.output_directory(out) as stage:
+    with output_directory(out) as stage:
         dataset.to_netcdf(stage("prediction.nc"), engine="h5netcdf")
         text = json.dumps(summary, indent=2, allow_nan=False)
         stage("prediction.json").write_text(text + "\n", encoding="utf-8")
         if csv:
             names.append("prediction.csv")
-            output.write_csv(prediction, stage("prediction.csv"))
+            write_csv(prediction, stage("prediction.csv"))
         for name, figure in figures.items():
             files = [f"{name}.png", f"{name}.svg"]
-            plot.save(figure, [stage(file) for file in files])
+            save(figure, [stage(file) for file in files])
             names += files
     return [out / name for name in names]
 
 
 def _show(
-    console: Console,
-    configuration: "FlyerFile",
-    setup: "Setup",
-    prediction: "AltitudePrediction | ChamberPrediction",
-    summary: dict[str, Any],
+    console: Console, file: "FlyerFile", prediction: "Prediction", summary: dict[str, Any]
 ) -> None:
-    from lightflyer.prediction.prediction import AltitudePrediction
-
-    flyer, light = setup.flyer, float(setup.environment.radiation.irradiance)
+    flyer = prediction.setup.flyer
     own_mass, payload = float(flyer.own_mass) * _MILLIGRAMS, float(flyer.payload) * _MILLIGRAMS
-    diameter = configuration.flyer.diameter.value * 100.0
+    light = prediction.available
     console.print(
-        f"disk of {diameter:g} cm, {own_mass:.4g} mg, payload {payload:g} mg; "
-        f"light {light:g} W/m² at {configuration.environment.incidence.value:g}° incidence"
+        f"{flyer.describe()}, {own_mass:.4g} mg, payload {payload:g} mg; "
+        f"light {light:g} W/m² at {file.environment.incidence.value:g}° incidence"
     )
     if "film" in summary:
         console.print(_origins_line(summary["film"]), soft_wrap=True)
-    if isinstance(prediction, AltitudePrediction):
-        _show_altitude(console, summary, light)
-    else:
-        _show_chamber(console, summary)
-    console.print(_points_table(summary["at"]))
+    console.print(_results(prediction, summary))
+    console.print(_points_table(prediction))
+    for caveat in prediction.caveats:
+        console.print(f"warning: {caveat}", soft_wrap=True)
     if "uncertainty" in summary:
         _show_bands(console, summary["uncertainty"])
-    elif configuration.uncertainties():
-        uncertain = ", ".join(configuration.uncertainties())
+    elif file.uncertainties():
+        uncertain = ", ".join(file.uncertainties())
         console.print(f"uncertainties of {uncertain} are kept with the data, not propagated")
 
 
@@ -254,80 +235,89 @@ def _film_value(value: float | dict[str, float]) -> str:
     return " to ".join(f"{number:.3g} at {kelvin} K" for kelvin, number in (ends[0], ends[-1]))
 
 
-def _show_altitude(console: Console, summary: dict[str, Any], light: float) -> None:
+def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
+    """Where it levitates, with how much light, and what it carries."""
+    where, light = prediction.coordinate, prediction.available
+    key, factor = prediction.coordinate_key
+    unit, digits = where.shown_unit, ".3g" if where.logarithmic else ".2f"
+    best, easiest = prediction.best, prediction.easiest
     rows = Table.grid(padding=(0, 2))
-    pressures, bands = summary["pressure_band_pa"], summary["altitude_bands_km"]
-    easiest, best = summary["minimum_irradiance"], summary["best"]
-    if pressures is None:
-        rows.add_row("levitates", f"nowhere at {light:g} W/m²: {_shortfall(best)}")
+    if not prediction.bands:
+        shortfall = f"lift is at most {best.values['lift_over_weight']:.2f} of its weight, at "
+        shortfall += f"{best.coordinate * factor:{digits}} {unit}"
+        rows.add_row("levitates", f"nowhere at {light:g} W/m²: {shortfall}")
     else:
-        where = ", ".join(f"{low:.3f} km to {high:.3f} km" for low, high in bands)
-        label = "widest at " if len(bands) > 1 else ""
-        rows.add_row(
-            "levitates", f"{where} ({label}{pressures[0]:.3g} Pa to {pressures[1]:.3g} Pa)"
-        )
+        edge = ".4g" if where.logarithmic else ".3f"
+        bands = summary[f"{where.name}_bands{key.removeprefix(where.name)}"]
+        shown = ", ".join(f"{low:{edge}} {unit} to {high:{edge}} {unit}" for low, high in bands)
+        rows.add_row("levitates", shown + _pressures(prediction, summary, len(bands)))
     if easiest is None:
-        rows.add_row("least irradiance", "none: no irradiance lifts it at any altitude")
+        rows.add_row("least irradiance", f"none: no irradiance lifts it at any {where.name}")
     else:
         rows.add_row(
             "least irradiance",
-            f"{easiest['value_w_m2']:.1f} W/m² at {easiest['altitude_km']:.2f} km "
-            f"({easiest['temperature_k']:.1f} K)",
+            f"{easiest.values['levitation_irradiance']:.1f} W/m² at "
+            f"{easiest.coordinate * factor:{digits}} {unit} "
+            f"({easiest.values['levitation_temperature']:.1f} K)",
         )
-    rows.add_row("best payload", _best(best))
-    console.print(rows)
+    place = f"at {best.coordinate * factor:{digits}} {unit} ({best.values['temperature']:.1f} K)"
+    rows.add_row("best payload", _payload(best.values, place))
+    return rows
 
 
-def _shortfall(best: dict[str, Any]) -> str:
-    return (
-        f"lift is at most {best['lift_over_weight']:.2f} of its weight, "
-        f"at {best['altitude_km']:.2f} km"
-    )
+def _pressures(prediction: "Prediction", summary: dict[str, Any], bands: int) -> str:
+    """Pressures of the widest band, where the coordinate is another."""
+    if prediction.coordinate.name == "pressure":
+        return ""
+    low, high = summary["pressure_band_pa"]
+    return f" ({'widest at ' if bands > 1 else ''}{low:.3g} Pa to {high:.3g} Pa)"
 
 
-def _best(best: dict[str, Any]) -> str:
-    where = f"at {best['altitude_km']:.2f} km ({best['temperature_k']:.1f} K)"
-    if best["payload_mg"] < 0.0:
-        return f"none: {-best['payload_mg']:.4g} mg short of lifting itself {where}"
-    return f"{best['payload_mg']:.4g} mg, {best['relative_payload']:.3g} of its own mass, {where}"
+def _payload(best: dict[str, float], place: str) -> str:
+    payload = best["payload"] * _MILLIGRAMS
+    if payload < 0.0:
+        return f"none: {-payload:.4g} mg short of lifting itself {place}"
+    return f"{payload:.4g} mg, {best['relative_payload']:.3g} of its own mass, {place}"
 
 
-def _show_chamber(console: Console, summary: dict[str, Any]) -> None:
-    optimum = summary["optimum"]
-    if optimum is None:
-        console.print("no irradiance levitates it at any pressure in the range")
-        return
-    console.print(
-        f"least irradiance {optimum['irradiance_w_m2']:.1f} W/m² at "
-        f"{optimum['pressure_pa']:.3g} Pa ({optimum['temperature_k']:.1f} K)"
-    )
-
-
-# Heading and format of each column; a column is shown where the summary has it.
+# Heading and format of the columns that every flyer has.
 _COLUMNS = {
-    "altitude_km": ("altitude\n[km]", "g"),
-    "pressure_pa": ("pressure\n[Pa]", ".4g"),
-    "gas_temperature_k": ("gas\n[K]", ".1f"),
-    "levitation_irradiance_w_m2": ("to levitate\n[W/m²]", ".1f"),
-    "levitation_temperature_k": ("then\n[K]", ".1f"),
-    "temperature_k": ("in the light\n[K]", ".1f"),
-    "lift_n": ("lift\n[µN]", ".4g"),
+    "pressure": ("pressure\n[Pa]", ".4g"),
+    "gas_temperature": ("gas\n[K]", ".1f"),
+    "levitation_irradiance": ("to levitate\n[W/m²]", ".1f"),
+    "levitation_temperature": ("then\n[K]", ".1f"),
+    "temperature": ("in the light\n[K]", ".1f"),
+    "lift": ("lift\n[µN]", ".4g"),
     "lift_over_weight": ("lift /\nweight", ".3f"),
 }
-_SCALES = {"lift_n": 1e6}
+_NODE = ("of the {}\n[K]", ".1f")  # a temperature of one part of the flyer
 
 
-def _points_table(points: list[dict[str, Any]]) -> Table | str:
-    if not points:
+def _points_table(prediction: "Prediction") -> Table | str:
+    """What happens at each coordinate asked for."""
+    from lightflyer.flight.outputs import outputs_of
+
+    if not prediction.asked.size:
         return ""
-    shown = [name for name in _COLUMNS if name in points[0]]
+    where, (_, factor) = prediction.coordinate, prediction.coordinate_key
+    known, names = outputs_of(prediction.setup.flyer), prediction.point_names
     table = Table(box=None, padding=(0, 1))
-    for name in shown:
-        table.add_column(_COLUMNS[name][0], justify="right")
-    for point in points:
-        table.add_row(*(_cell(name, point[name]) for name in shown))
+    table.add_column(escape(f"{where.name}\n[{where.shown_unit}]"), justify="right")
+    formats = []
+    for name in names:
+        node = name.removeprefix("temperature_").replace("_", " ")
+        heading, form = _COLUMNS.get(name, (_NODE[0].format(node), _NODE[1]))
+        table.add_column(heading, justify="right")
+        formats.append(form)
+    for index in range(prediction.asked.size):
+        place = prediction.place(index)
+        cells = (
+            _cell(place.values[name] * known[name].shown[0], form)
+            for name, form in zip(names, formats, strict=True)
+        )
+        table.add_row(f"{place.coordinate * factor:.6g}", *cells)
     return table
 
 
-def _cell(name: str, value: float | None) -> str:
-    return "–" if value is None else format(value * _SCALES.get(name, 1.0), _COLUMNS[name][1])
+def _cell(value: float, form: str) -> str:
+    return format(value, form) if math.isfinite(value) else "–"

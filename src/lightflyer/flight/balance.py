@@ -301,7 +301,9 @@ def _solve_system(
         return heat + tuple(model.flow_balance(flyer, state, unknowns))
 
     excess, _ = uniform_excess(flyer, state, model, total(powers))
-    return solve_system(residual, flyer.first_guess(state, excess))
+    # no temperature falls to absolute zero; flows have no such bound
+    lower = None if flyer.flows else -1.0
+    return solve_system(residual, flyer.first_guess(state, excess), lower=lower)
 
 
 def energy_scale(powers: tuple[Array, ...]) -> Array:

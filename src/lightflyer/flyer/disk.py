@@ -106,7 +106,6 @@ class DiskSection(FlyerSection):
     """``[flyer]``: a disk."""
 
     flyer_type: ClassVar[type[AbstractFlyer]] = Disk
-    template: ClassVar[str] = "flyer-earth"
 
     shape: Literal["disk"] = "disk"
     diameter: Length

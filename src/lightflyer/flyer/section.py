@@ -24,9 +24,6 @@ class FlyerSection(Alternative, abc.ABC):
     default_model: ClassVar[str] = "lu2023"
     """Force model where the file has no ``[force]``."""
 
-    template: ClassVar[str] = ""
-    """Name of the file in ``data/`` that ``lightflyer init --kind`` writes, without its suffix."""
-
     payload: Mass = Measured(0.0)
     tilt: Tilt = Measured(0.0)
     azimuth: Azimuth = Measured(0.0)

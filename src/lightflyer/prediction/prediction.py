@@ -6,7 +6,7 @@ edges and optima are found by looking closer with the same function.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -18,6 +18,7 @@ from lightflyer.flight.looks import bands_of, crossing, peak
 from lightflyer.flight.outputs import json_name, outputs_of, predicted_names, tabulate
 from lightflyer.flight.setup import Setup
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.foundation.batches import in_batches
 from lightflyer.foundation.precision import quick_entry_point
 from lightflyer.foundation.rootfind import Ending
 from lightflyer.foundation.units import scale_and_offset
@@ -79,14 +80,7 @@ class Evaluator:
         dict of str to array, shape (n,)
         """
         light = np.full(coordinates.shape, self.irradiance) if irradiance is None else irradiance
-        missing = -coordinates.size % POINTS
-        padded = np.pad(coordinates, (0, missing), mode="edge").reshape(-1, POINTS)
-        lights = np.pad(light, (0, missing), mode="edge").reshape(-1, POINTS)
-        parts = [_tabulate(self.setup, *rows) for rows in zip(padded, lights, strict=True)]
-        table = {
-            name: np.concatenate([part[name] for part in parts])[: coordinates.size]
-            for name in parts[0]
-        }
+        table = in_batches(partial(_tabulate, self.setup), (coordinates, light), POINTS)
         failed = table.pop("converged") < 0.5
         ending = np.where(failed, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
         require_converged("prediction", ending, table.pop("residual"))

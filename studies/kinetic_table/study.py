@@ -12,8 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.kinetic.gas_model import gas_model
-from lightflyer.kinetic.solution import (
+from lightflyer.kinetic.cases import (
     COARSE,
     MEDIUM,
     SMALLEST_ERROR,
@@ -23,6 +22,7 @@ from lightflyer.kinetic.solution import (
     meshes,
     solve_case,
 )
+from lightflyer.kinetic.model_gases import gas_model
 from lightflyer.kinetic.solver import furthest_boundary
 
 FOLDER = Path(__file__).parent

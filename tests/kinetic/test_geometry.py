@@ -7,14 +7,13 @@ import pytest
 
 from lightflyer.kinetic import _kernels
 from lightflyer.kinetic.directions import node_directions
+from lightflyer.kinetic.interpolation import bases_at, nodes_in_eta
 from lightflyer.kinetic.mesh import build_mesh, gauss, panel_nodes
 from lightflyer.kinetic.operators import Quadrature, kernel_arguments
 from lightflyer.kinetic.rays import (
     MOST_CUTS,
     cut_ray,
     exit_length,
-    interpolate,
-    nodes_in_eta,
     piece_integrals,
     spheroidal,
 )
@@ -61,7 +60,7 @@ def test_fields_go_on_across_the_edges_of_panels(boundary):
     xi_basis, eta_basis = np.empty((2, mesh.order))
 
     def value(xi, eta):
-        i, j = interpolate(xi, eta, panels, xi_basis, eta_basis)
+        i, j = bases_at(xi, eta, panels, xi_basis, eta_basis)
         block = values.reshape(-1, nodes_in_eta(panels))[i : i + mesh.order, j : j + mesh.order]
         return xi_basis @ block @ eta_basis
 

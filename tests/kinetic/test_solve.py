@@ -5,10 +5,10 @@ import pytest
 
 from lightflyer.foundation.errors import ConvergenceError, ParameterError
 from lightflyer.kinetic import nonlinear, solve
-from lightflyer.kinetic.gas_model import DIATOMIC, MONATOMIC
+from lightflyer.kinetic.cases import COARSE, MEDIUM, Case, Resolution, solve_case
 from lightflyer.kinetic.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic.model_gases import DIATOMIC, MONATOMIC
 from lightflyer.kinetic.operators import Quadrature, assemble
-from lightflyer.kinetic.solution import COARSE, MEDIUM, Case, Resolution, solve_case
 
 SKETCH = Resolution(3, 0.7, Quadrature(3, 3, 3))
 HARD_SPHERE = 1.0186  # mean free path (32/5π) μ/(ρ v̄) over (μ/p) √(πRT/2)

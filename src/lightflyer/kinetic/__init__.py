@@ -1,9 +1,8 @@
 """The kinetic equation of a gas around a hot thin disk: force and heat with nothing fitted.
 
-:func:`solve` is the whole of it. It needs numba, the extra ``kinetic``, and imports it when it
-is called; nothing else in the package does.
+Solving needs numba, the extra ``kinetic``, which is imported when :func:`solve` is called.
 """
 
-from lightflyer.kinetic.solver import Solution, solve
+import lazy_loader
 
-__all__ = ["Solution", "solve"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

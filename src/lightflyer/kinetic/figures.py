@@ -5,14 +5,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.foundation.drawing import new_figure
-from lightflyer.kinetic import Solution
+from lightflyer.kinetic.solver import Solution
 
 _EXTENT = 3.0
 _POINTS = 121
 _LEVELS = 14
 
 
-def flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
+def draw_flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
     """Draw the temperature of the gas and its streamlines in a plane through the axis.
 
     Parameters
@@ -54,7 +54,7 @@ def flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
 
 
 def flow_figure(solution: Solution) -> Figure:
-    """A figure of its own with :func:`flow`, inside the reservoir where there is one.
+    """A figure of its own with :func:`draw_flow`, inside the reservoir where there is one.
 
     Parameters
     ----------
@@ -65,5 +65,5 @@ def flow_figure(solution: Solution) -> Figure:
     matplotlib.figure.Figure
     """
     figure = new_figure(width=6.4, height=5.0)
-    flow(solution, figure.axes[0], min(_EXTENT, solution.boundary))
+    draw_flow(solution, figure.axes[0], min(_EXTENT, solution.boundary))
     return figure

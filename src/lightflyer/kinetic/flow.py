@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 
 from lightflyer.kinetic._kernels import kernel
+from lightflyer.kinetic.cases import COARSE, Outcome
+from lightflyer.kinetic.interpolation import bases_at, interpolate, nodes_in_eta
 from lightflyer.kinetic.operators import kernel_arguments
-from lightflyer.kinetic.rays import interpolate, nodes_in_eta, spheroidal
-from lightflyer.kinetic.solution import COARSE, Outcome
+from lightflyer.kinetic.rays import spheroidal
 
 _NAMES = (
     "pressure",
@@ -26,14 +27,10 @@ def _sample(points, halves, mesh, values):
     xi_basis, eta_basis = np.empty(order), np.empty(order)
     for p in range(points.shape[0]):
         xi, eta = spheroidal(points[p, 0] ** 2, points[p, 1])
-        i, j = interpolate(max(xi, 1e-12), eta, mesh, xi_basis, eta_basis)
+        i, j = bases_at(max(xi, 1e-12), eta, mesh, xi_basis, eta_basis)
         fields = halves[0] if points[p, 1] >= 0.0 else halves[1]
+        interpolate(fields, i, j, eta_size, xi_basis, eta_basis, values[p])
         scale = np.sqrt(max(0.0, 1.0 - eta * eta))
-        for a in range(order):
-            for b in range(order):
-                w = xi_basis[a] * eta_basis[b]
-                for f in range(values.shape[1]):
-                    values[p, f] += w * fields[(i + a) * eta_size + j + b, f]
         values[p, 1] *= scale
         values[p, 4] *= scale
         if points[p, 1] < 0.0:  # the lower half is kept mirrored
@@ -42,7 +39,7 @@ def _sample(points, halves, mesh, values):
 
 
 def sample(outcome: Outcome, radius: Any, height: Any) -> dict[str, np.ndarray]:
-    """Fields at points, by the interpolation that the solver itself uses.
+    """Fields at points, by the solver's own interpolation.
 
     Parameters
     ----------
@@ -57,7 +54,7 @@ def sample(outcome: Outcome, radius: Any, height: Any) -> dict[str, np.ndarray]:
     radius, height = np.broadcast_arrays(radius, height)
     points = np.stack([radius.ravel(), height.ravel()], axis=1)
     panels = kernel_arguments(outcome.mesh, 1.0, COARSE.quadrature)[1]
-    values = np.zeros((points.shape[0], outcome.fields.shape[-1]))
+    values = np.empty((points.shape[0], outcome.fields.shape[-1]))
     _sample(points, outcome.fields, panels, values)
     names = _NAMES[: 7 if values.shape[1] > 6 else 6]
     return {name: values[:, k].reshape(radius.shape) for k, name in enumerate(names)}

@@ -8,7 +8,7 @@ from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from lightflyer.foundation.errors import ConvergenceError
-from lightflyer.kinetic.gas_model import GasModel
+from lightflyer.kinetic.model_gases import GasModel
 from lightflyer.kinetic.operators import Operators
 
 _SQRT_PI = np.sqrt(np.pi)

@@ -15,19 +15,21 @@ from numba import prange
 
 from lightflyer.kinetic._kernels import kernel, parallel_kernel
 from lightflyer.kinetic.directions import node_directions
+from lightflyer.kinetic.interpolation import (
+    bases_at,
+    eta_basis_at,
+    interpolate,
+    nodes_in_eta,
+    scatter,
+)
 from lightflyer.kinetic.rays import (
     MOST_CUTS,
     REACH,
     SHORTEST,
-    cut_ray,
-    exit_length,
-    interpolate,
-    lagrange,
     maxwellian_integrals,
-    nodes_in_eta,
-    panel_of,
     piece_integrals,
     spheroidal,
+    trace_ray,
 )
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
@@ -108,17 +110,6 @@ def _source_weights(j, first, on_face, row, source, theta, source_theta, weight,
 
 
 @kernel
-def _scatter(target, weights, i, j, eta_size, xi_basis, eta_basis):
-    order = xi_basis.size
-    for a in range(order):
-        for b in range(order):
-            w = xi_basis[a] * eta_basis[b]
-            cell = target[(i + a) * eta_size + j + b]
-            for k in range(weights.size):
-                cell[k] += w * weights[k]
-
-
-@kernel
 def _conserve(uniform, radial_scale, cell, correction):
     """Correct the node's own weights so that uniform fields are reproduced exactly.
 
@@ -137,34 +128,23 @@ def _conserve(uniform, radial_scale, cell, correction):
 
 
 @kernel
-def _value(values, i, j, eta_size, xi_basis, eta_basis):
-    """A field at a point, by its Lagrange bases."""
-    order = xi_basis.size
-    value = 0.0
-    for a in range(order):
-        for b in range(order):
-            weight = xi_basis[a] * eta_basis[b]
-            value += weight * values[(i + a) * eta_size + j + b]
-    return value
-
-
-@kernel
 def _locate(point, direction, start, width, state, setup, mesh, scratch):
     """Find where the points of one piece of a ray lie and how often molecules collide there."""
     rarefaction, exponent, excess, _, linear = state
     gauss_ray = setup[3]
-    xi_basis, eta_basis, panels, radial, temperatures, frequencies, _, _ = scratch
+    xi_basis, eta_basis, panels, radial, temperatures, frequencies, _, _, here = scratch
     eta_size = nodes_in_eta(mesh)
     for k in range(gauss_ray.shape[1]):
         s = start + width * gauss_ray[0, k]
         x, y = point[0] + s * direction[0], s * direction[1]
         xi, eta = spheroidal(x * x + y * y, point[1] + s * direction[2])
-        i, j = interpolate(xi, eta, mesh, xi_basis[k], eta_basis[k])
+        i, j = bases_at(xi, eta, mesh, xi_basis[k], eta_basis[k])
         panels[k, 0], panels[k, 1] = i, j
         radial[k] = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
         temperatures[k] = 1.0
         if not linear:
-            temperatures[k] += _value(excess, i, j, eta_size, xi_basis[k], eta_basis[k])
+            interpolate(excess, i, j, eta_size, xi_basis[k], eta_basis[k], here)
+            temperatures[k] += here[0]
         frequencies[k] = rarefaction * temperatures[k] ** exponent
 
 
@@ -173,7 +153,7 @@ def _add_piece(depth, width, below, seen, state, setup, mesh, scratch, target, o
     """Add the points of one piece to a row; returns the optical depth at the piece's end."""
     on_face, row, straight, theta, weight = seen
     linear, gauss_ray = state[4], setup[3]
-    xi_basis, eta_basis, panels, radial, temperatures, frequencies, buffer, integrals = scratch
+    xi_basis, eta_basis, panels, radial, temperatures, frequencies, buffer, integrals, _ = scratch
     _, source, weights, uniform = out
     eta_size = nodes_in_eta(mesh)
     flat = weights.ravel()
@@ -184,7 +164,7 @@ def _add_piece(depth, width, below, seen, state, setup, mesh, scratch, target, o
         source[0] = radial[k]
         w = weight * frequencies[k] * width * gauss_ray[1, k]
         _source_weights(j, 0, on_face, row, source, theta, temperatures[k], w, weights)
-        _scatter(target, flat, panels[k, 0], panels[k, 1], eta_size, xi_basis[k], eta_basis[k])
+        scatter(target, flat, panels[k, 0], panels[k, 1], eta_size, xi_basis[k], eta_basis[k])
         if linear and not on_face:
             _source_weights(j, 0, on_face, row, straight, 1.0, 1.0, w, weights)
             uniform += weights
@@ -195,13 +175,16 @@ def _add_piece(depth, width, below, seen, state, setup, mesh, scratch, target, o
 def _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, walls):
     """Add one ray to a row; returns the optical depth at its end."""
     table, scale = setup[5:]
-    radius, height = point[0], point[1]
-    length = min(REACH * LARGEST_DEPTH / state[0], exit_length(radius, height, direction, mesh[5]))
-    number, hit = cut_ray(radius, height, direction, length, 1.0 / state[0], mesh[0], mesh[2], cuts)
-    outside = 1.0
-    if hit < length:
-        outside = (radius + hit * direction[0]) ** 2 + (hit * direction[1]) ** 2
-    disk = outside < 1.0
+    number, hit, crossing = trace_ray(
+        point[0],
+        point[1],
+        direction,
+        REACH * LARGEST_DEPTH / state[0],
+        1.0 / state[0],
+        mesh,
+        cuts,
+    )
+    disk = crossing < 1.0
     depth, emitted = 0.0, False
     for piece in range(number - 1):
         start, width = cuts[piece], cuts[piece + 1] - cuts[piece]
@@ -213,7 +196,7 @@ def _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, w
         if below and disk and not emitted:
             emitted = True
             maxwellian_integrals(depth, state[3], table, scale, out[0])
-            _wall(out[0], seen, np.sqrt(1.0 - outside), mesh, scratch[1][0], walls)
+            _wall(out[0], seen, np.sqrt(1.0 - crossing), mesh, scratch[1][0], walls)
         _locate(point, direction, start, width, state, setup, mesh, scratch)
         target = 0
         if below:
@@ -240,6 +223,7 @@ def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
         np.empty(points),
         np.empty((4, NUMBER)),
         np.empty((points, NUMBER)),
+        np.empty(1),
     )
     weights = np.empty((FIELDS, FLUXES if on_face else FIELDS))
     uniform = np.zeros_like(weights)
@@ -247,7 +231,7 @@ def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
     out = (j, np.empty(2), weights, uniform)
     row, straight = np.empty(2), np.empty(2)
     corrected = state[4] and not on_face
-    theta = 1.0 if on_face else 1.0 + state[2][i]
+    theta = 1.0 if on_face else 1.0 + state[2][i, 0]
     for d in range(count):
         direction = directions[d]
         straight[0], straight[1] = -direction[0], -direction[2]
@@ -269,10 +253,7 @@ def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
 def _wall(j, seen, eta, mesh, eta_basis, walls):
     """Add what a face emits towards a node: σ by its nodes on the face, the rest uniform."""
     _, row, straight, theta, weight = seen
-    edges, order = mesh[2], eta_basis.size
-    panel = panel_of(edges, eta)
-    v = (eta - edges[panel]) / (edges[panel + 1] - edges[panel])
-    lagrange(mesh[4][panel], v, eta_basis)
+    order, first = eta_basis.size, eta_basis_at(eta, mesh, eta_basis)
     out = np.empty(FIELDS)
     for kind in range(EMISSIONS):
         w = weight * straight[1] if kind == 2 else weight
@@ -282,7 +263,7 @@ def _wall(j, seen, eta, mesh, eta_basis, walls):
         for m in range(FIELDS):
             if kind == 0:
                 for a in range(order):
-                    walls[panel * (order - 1) + a, m] += eta_basis[a] * out[m]
+                    walls[first + a, m] += eta_basis[a] * out[m]
             else:
                 walls[walls.shape[0] - EMISSIONS + kind, m] += out[m]
 

@@ -15,20 +15,21 @@ from numba import prange
 
 from lightflyer.kinetic._kernels import kernel, parallel_kernel
 from lightflyer.kinetic.directions import node_directions
+from lightflyer.kinetic.interpolation import (
+    bases_at,
+    interpolate,
+    interpolate_on_face,
+    nodes_in_eta,
+)
 from lightflyer.kinetic.linear_kernel import MOST_DIRECTIONS, NORMALISATION
 from lightflyer.kinetic.rays import (
     MOST_CUTS,
     REACH,
     SHORTEST,
-    cut_ray,
-    exit_length,
-    interpolate,
-    lagrange,
     maxwellian_integrals,
-    nodes_in_eta,
-    panel_of,
     piece_integrals,
     spheroidal,
+    trace_ray,
 )
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
@@ -83,36 +84,22 @@ def _add_piece(brought, weight, hot, cold, coefficients, rotates):
 
 
 @kernel
-def _interpolated(fields, xi, eta, mesh, xi_basis, eta_basis, eta_size, state):
-    """Fields at a point; the last entry is u² without the radial scale's help."""
-    order = xi_basis.size
-    i, j = interpolate(xi, eta, mesh, xi_basis, eta_basis)
-    for f in range(fields.shape[1]):
-        state[f] = 0.0
-    for a in range(order):
-        first = (i + a) * eta_size + j
-        for b in range(order):
-            w = xi_basis[a] * eta_basis[b]
-            for f in range(fields.shape[1]):
-                state[f] += w * fields[first + b, f]
-    scale = 1.0 - eta * eta
-    state[9] = state[1] * state[1] * scale + state[2] * state[2]
-
-
-@kernel
-def _ray(point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, gas, half, brought):
+def _ray(point, direction, rarefaction, setup, mesh, gas, half, cuts, brought):
     """Fill what one ray brings: its deviation times the speed to the powers 2 to 5."""
-    gauss_ray, _, table, scale = setup[3:]
-    own, other, sigma, tac, wall = half
-    order, eta_size = mesh[3].shape[2], nodes_in_eta(mesh)
-    points = gauss_ray.shape[1]
-    xi_basis, eta_basis = np.empty(order), np.empty(order)
-    state, frequencies = np.zeros(10), np.empty(points)
-    thetas, ones = np.empty(points), np.ones(points)
+    # the arrays are local, and the loop over points is in this function, because compilers cannot
+    # rule out that arrays passed to a function overlap: apart it takes half as long again
+    rule, eta_size, order = setup[3], nodes_in_eta(mesh), mesh[3].shape[2]
+    points = rule.shape[1]
+    xi_basis, eta_basis, state = np.empty(order), np.empty(order), np.zeros(10)
+    frequencies, thetas, ones = np.empty(points), np.empty(points), np.ones(points)
     hot, cold = np.empty((points, NUMBER)), np.empty((points, NUMBER))
-    buffer = np.empty((4, NUMBER))
-    coefficients = np.zeros((points, 2, 4))
-    radius, height = point[0], point[1]
+    buffer, coefficients = np.empty((4, NUMBER)), np.empty((points, 2, 4))
+    optical_scale = 1.0 / rarefaction
+    longest = REACH * LARGEST_DEPTH * optical_scale
+    number, hit, crossing = trace_ray(
+        point[0], point[1], direction, longest, optical_scale, mesh, cuts
+    )
+    disk = crossing < 1.0
     brought[:] = 0.0
     depth, share = 0.0, 1.0
     for piece in range(number - 1):
@@ -121,20 +108,22 @@ def _ray(point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, ga
             continue
         below = start >= hit
         if below and disk and share == 1.0:
-            x, y = radius + hit * direction[0], hit * direction[1]
+            x, y = point[0] + hit * direction[0], hit * direction[1]
             eta = np.sqrt(max(0.0, 1.0 - x * x - y * y))
-            density = _on_face(sigma, eta, mesh, eta_basis)
-            _add_wall(brought, density, wall, tac, depth, table, scale, hot[0], cold[0])
-            share = 1.0 - tac
+            _add_wall(brought, eta, half, depth, setup, mesh, eta_basis, hot[0], cold[0])
+            share = 1.0 - half[3]
             if share == 0.0:
                 return
-        fields = other if below and not disk else own
+        fields = half[1] if below and not disk else half[0]
         vertical = direction[2] if below else -direction[2]
         for k in range(points):
-            s = start + width * gauss_ray[0, k]
-            x, y, z = radius + s * direction[0], s * direction[1], height + s * direction[2]
+            s = start + width * rule[0, k]
+            x, y, z = point[0] + s * direction[0], s * direction[1], point[1] + s * direction[2]
             xi, eta = spheroidal(x * x + y * y, z)
-            _interpolated(fields, xi, eta, mesh, xi_basis, eta_basis, eta_size, state)
+            i, j = bases_at(xi, eta, mesh, xi_basis, eta_basis)
+            interpolate(fields, i, j, eta_size, xi_basis, eta_basis, state)
+            # u²: the radial velocity is kept divided by √(1−η²)
+            state[9] = state[1] * state[1] * (1.0 - eta * eta) + state[2] * state[2]
             radial = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
             temperature = max(LOWEST, 1.0 + state[3])
             frequencies[k] = rarefaction * (1.0 + state[0]) * temperature ** gas[3]
@@ -142,27 +131,18 @@ def _ray(point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, ga
         piece_integrals(depth, width, thetas, frequencies, setup[3:], buffer, hot)
         depth = piece_integrals(depth, width, ones, frequencies, setup[3:], buffer, cold)
         for k in range(points):
-            w = share * width * gauss_ray[1, k] * frequencies[k]
+            w = share * width * rule[1, k] * frequencies[k]
             _add_piece(brought, w, hot[k], cold[k], coefficients[k], gas[4])
         if depth > LARGEST_DEPTH:
             return
 
 
 @kernel
-def _on_face(values, eta, mesh, eta_basis):
-    edges = mesh[2]
-    panel = panel_of(edges, eta)
-    v = (eta - edges[panel]) / (edges[panel + 1] - edges[panel])
-    lagrange(mesh[4][panel], v, eta_basis)
-    value = 0.0
-    for a in range(eta_basis.size):
-        value += eta_basis[a] * values[panel * (eta_basis.size - 1) + a]
-    return value
-
-
-@kernel
-def _add_wall(brought, density, temperature, tac, depth, table, scale, hot, cold):
-    """Add what a face emits diffusely, less what the gas at rest would."""
+def _add_wall(brought, eta, half, depth, setup, mesh, eta_basis, hot, cold):
+    """Add what a face emits diffusely at a point, less what the gas at rest would."""
+    _, _, sigma, tac, temperature = half
+    table, scale = setup[5:]
+    density = interpolate_on_face(sigma, eta, mesh, eta_basis)
     maxwellian_integrals(depth, temperature, table, scale, hot)
     maxwellian_integrals(depth, 1.0, table, scale, cold)
     for k in range(_POWERS):
@@ -172,49 +152,47 @@ def _add_wall(brought, density, temperature, tac, depth, table, scale, hot, cold
 
 
 @kernel
+def _add_fluxes(w, z, brought, out):
+    """Add the number, momentum and energies of one ray that arrive at a face."""
+    out[0] -= w * z * brought[1]
+    out[1] += w * z * z * brought[2]
+    out[2] -= w * z * brought[3]
+    out[3] -= w * z * brought[5]
+
+
+@kernel
+def _add_moments(w, x, z, brought, out):
+    """Add the raw moments of one ray at a node."""
+    out[0] += w * brought[0]
+    out[1] += w * x * brought[1]
+    out[2] += w * z * brought[1]
+    out[3] += w * brought[2]
+    out[4] += w * x * brought[3]
+    out[5] += w * z * brought[3]
+    out[6] += w * brought[4]
+    out[7] += w * x * brought[5]
+    out[8] += w * z * brought[5]
+    out[9] += w * x * x * brought[2]
+    out[10] += w * x * z * brought[2]
+    out[11] += w * z * z * brought[2]
+
+
+@kernel
 def _collect(point, on_face, rarefaction, setup, mesh, gas, half, out):
     """Raw moments at a node, or fluxes at a face, summed over all directions."""
     layer, gauss_height, gauss_azimuth = setup[:3]
-    radius, height = point[0], point[1]
     directions = np.empty((MOST_DIRECTIONS, 4))
-    count = node_directions(radius, height, layer, gauss_height, gauss_azimuth, directions)
+    count = node_directions(point[0], point[1], layer, gauss_height, gauss_azimuth, directions)
     cuts, brought = np.empty(MOST_CUTS), np.empty(_POWERS + 2)
-    optical_scale = 1.0 / rarefaction
-    longest = REACH * LARGEST_DEPTH * optical_scale
     out[:] = 0.0
     for d in range(count):
         direction = directions[d]
-        length = min(longest, exit_length(radius, height, direction, mesh[5]))
-        number, hit = cut_ray(
-            radius, height, direction, length, optical_scale, mesh[0], mesh[2], cuts
-        )
-        disk = False
-        if hit < length:
-            x, y = radius + hit * direction[0], hit * direction[1]
-            disk = x * x + y * y < 1.0
-        _ray(
-            point, direction, cuts, number, hit, disk, rarefaction, setup, mesh, gas, half, brought
-        )
-        w = NORMALISATION * direction[3]
-        x, z = -direction[0], -direction[2]
+        _ray(point, direction, rarefaction, setup, mesh, gas, half, cuts, brought)
+        w, x, z = NORMALISATION * direction[3], -direction[0], -direction[2]
         if on_face:
-            out[0] -= w * z * brought[1]
-            out[1] += w * z * z * brought[2]
-            out[2] -= w * z * brought[3]
-            out[3] -= w * z * brought[5]
-            continue
-        out[0] += w * brought[0]
-        out[1] += w * x * brought[1]
-        out[2] += w * z * brought[1]
-        out[3] += w * brought[2]
-        out[4] += w * x * brought[3]
-        out[5] += w * z * brought[3]
-        out[6] += w * brought[4]
-        out[7] += w * x * brought[5]
-        out[8] += w * z * brought[5]
-        out[9] += w * x * x * brought[2]
-        out[10] += w * x * z * brought[2]
-        out[11] += w * z * z * brought[2]
+            _add_fluxes(w, z, brought, out)
+        else:
+            _add_moments(w, x, z, brought, out)
 
 
 @kernel

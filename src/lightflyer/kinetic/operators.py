@@ -148,7 +148,7 @@ def assemble(
     base = base or BaseState()
     linear = base.excess is None
     excess = np.zeros(n) if base.excess is None else np.ascontiguousarray(base.excess)
-    state = (rarefaction, base.frequency_exponent, excess, base.face, linear)
+    state = (rarefaction, base.frequency_exponent, excess[:, None], base.face, linear)
     own, other, reflected = (np.zeros((n, n, 36)) for _ in range(3))
     walls = np.zeros((n, e + linear_kernel.EMISSIONS - 1, linear_kernel.FIELDS))
     corrections = np.zeros((n, linear_kernel.FIELDS, linear_kernel.FIELDS))

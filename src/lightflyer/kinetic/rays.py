@@ -9,7 +9,6 @@ disk has reflected.
 import numpy as np
 
 from lightflyer.kinetic._kernels import kernel
-from lightflyer.kinetic.mesh import BEYOND, CYLINDER, DECAYING, INVERSE, LINEAR, cylinder_xi
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
 # optical depths at which a ray is cut, so that each piece is smooth enough for Gauss's rule
@@ -143,77 +142,37 @@ def cut_ray(radius, height, direction, length, optical_scale, xi_edges, eta_edge
 
 
 @kernel
-def panel_of(edges, value):
-    """Panel in which a value lies."""
-    panel = 0
-    while panel < edges.size - 2 and value >= edges[panel + 1]:
-        panel += 1
-    return panel
-
-
-@kernel
-def lagrange(nodes, v, basis):
-    """Fill the Lagrange polynomials of nodes, nodes[0], on [0, 1]; nodes[1] scales them."""
-    for i in range(basis.size):
-        product = nodes[1, i]
-        for j in range(basis.size):
-            if j != i:
-                product *= v - nodes[0, j]
-        basis[i] = product
-
-
-@kernel
-def nodes_in_eta(mesh):
-    """Number of nodes at one ξ: neighbouring panels share one."""
-    return mesh[4].shape[0] * (mesh[4].shape[2] - 1) + 1
-
-
-@kernel
-def interpolate(xi, eta, mesh, xi_basis, eta_basis):
-    """Lagrange bases of the panel in which a point lies.
+def trace_ray(radius, height, direction, longest, optical_scale, mesh, cuts):
+    """Cut a ray that ends at the reservoir or where nothing beyond is seen.
 
     Parameters
     ----------
-    xi, eta : float
+    radius, height, direction, optical_scale, cuts
+        As for :func:`cut_ray`.
+    longest : float
+        Largest length [disk radii].
     mesh : tuple
         Panels, of :func:`lightflyer.kinetic.operators.kernel_arguments`.
-    xi_basis, eta_basis : array, shape (order,)
-        Filled.
 
     Returns
     -------
-    xi_first, eta_first : int
-        Number of its first node in ξ and η.
+    count : int
+        Number of distances in ``cuts``.
+    hit : float
+        Distance at which the ray crosses z = 0, infinite if it does not.
+    crossing : float
+        Squared radius of that point; 1 where the ray ends before.
     """
-    xi_edges, xi_kinds, eta_edges, xi_nodes, eta_nodes, boundary = mesh
-    i, j = panel_of(xi_edges, xi), panel_of(eta_edges, eta)
-    kind = xi_kinds[i]
-    if kind == LINEAR:
-        v = (xi - xi_edges[i]) / (xi_edges[i + 1] - xi_edges[i])
-    elif kind == CYLINDER:
-        outer = cylinder_xi(eta, boundary)
-        v = (1.0 / xi_edges[i] - 1.0 / xi) / (1.0 / xi_edges[i] - 1.0 / outer)
-        low, offset = 0.0, BEYOND * boundary
-        while i < xi_kinds.size - 1 and v >= xi_edges[i + 1] - offset:
-            low = xi_edges[i + 1] - offset
-            i += 1
-        v = (v - low) / (xi_edges[i + 1] - offset - low)
-    elif kind == INVERSE:
-        low = 1.0 / xi_edges[i]
-        v = (low - 1.0 / xi) / (low - 1.0 / xi_edges[i + 1])
-    else:
-        v = 1.0 - xi_edges[i] / xi
-    lagrange(xi_nodes[i], v, xi_basis)
-    if kind == DECAYING:
-        for k in range(xi_basis.size):
-            xi_basis[k] *= (1.0 - v) / (1.0 - xi_nodes[i, 0, k])
-    lagrange(eta_nodes[j], (eta - eta_edges[j]) / (eta_edges[j + 1] - eta_edges[j]), eta_basis)
-    shared = xi_basis.size - 1
-    return i * shared, j * shared
+    length = min(longest, exit_length(radius, height, direction, mesh[5]))
+    count, hit = cut_ray(radius, height, direction, length, optical_scale, mesh[0], mesh[2], cuts)
+    crossing = 1.0
+    if hit < length:
+        crossing = (radius + hit * direction[0]) ** 2 + (hit * direction[1]) ** 2
+    return count, hit, crossing
 
 
 @kernel
-def speed_integrals(depth, table, scale, values):
+def _tabulated(depth, table, scale, values):
     """Fill J₁ to J₈ at an optical depth below the largest of the table."""
     position = np.sqrt(depth) * scale
     cell = int(position)
@@ -231,7 +190,7 @@ def maxwellian_integrals(depth, temperature, table, scale, values):
     if reduced >= _SHORTENED * LARGEST_DEPTH:
         values[:] = 0.0
         return
-    speed_integrals(reduced, table, scale, values)
+    _tabulated(reduced, table, scale, values)
     factor = 1.0 / root
     for p in range(NUMBER):
         values[p] *= factor

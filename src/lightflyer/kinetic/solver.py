@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.foundation.checks import require_range
-from lightflyer.foundation.errors import MissingExtraError, ParameterError
-from lightflyer.kinetic.gas_model import gas_model
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.extras import extra
+from lightflyer.kinetic.model_gases import gas_model
 
 if TYPE_CHECKING:
-    from lightflyer.kinetic.solution import Case, Outcome
+    from lightflyer.kinetic.cases import Case, Outcome
 
 KNUDSEN_RANGE = (0.03, 100.0)
 """Knudsen numbers λ(T_c)/(2r) that the meshes are made for."""
@@ -211,7 +212,7 @@ def solve(
         gas,
         boundary,
     )
-    from lightflyer.kinetic.solution import SMALLEST_ERROR, meshes, solve_case
+    from lightflyer.kinetic.cases import SMALLEST_ERROR, meshes, solve_case
 
     began = time.perf_counter()
     fine, coarse = (
@@ -260,14 +261,9 @@ def _case(
         require_range("temperature_ratio", temperature, 1.0, HIGHEST_TEMPERATURE_RATIO)
     if all(value == (0.0 if linear else 1.0) for value in temperature):
         raise ParameterError("both faces are as cold as the gas: there is no force and no heat")
-    try:
-        from lightflyer.kinetic.solution import Case
-    except ModuleNotFoundError as error:
-        if error.name != "numba":
-            raise
-        raise MissingExtraError(
-            "the kinetic solver needs numba: pip install 'lightflyer[kinetic]'"
-        ) from error
+    extra("numba", "the kinetic solver", "kinetic")
+    from lightflyer.kinetic.cases import Case
+
     return Case(
         rarefaction=float(np.sqrt(np.pi) / (4.0 * knudsen)),
         tac=(float(tac[0]), float(tac[1])),

@@ -7,9 +7,9 @@ import numpy as np
 
 from lightflyer.foundation.errors import ConvergenceError
 from lightflyer.kinetic.free_molecular import FreeMolecularDisk
-from lightflyer.kinetic.gas_model import GasModel
 from lightflyer.kinetic.linear import FaceResult, LinearSystem, Walls, face_result
 from lightflyer.kinetic.mesh import Mesh, build_mesh
+from lightflyer.kinetic.model_gases import GasModel
 from lightflyer.kinetic.nonlinear import HotDisk, NonlinearProblem
 from lightflyer.kinetic.operators import Quadrature, assemble
 

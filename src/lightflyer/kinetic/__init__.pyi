@@ -1,0 +1,4 @@
+from .figures import draw_flow as draw_flow
+from .figures import flow_figure as flow_figure
+from .solver import Solution as Solution
+from .solver import solve as solve

@@ -43,10 +43,10 @@ def profile_estimates(
     ----------
     problem : Problem
     minimizer, result
-        Of :func:`~lightflyer.lab.tac_problem.minimise`.
+        From :func:`~lightflyer.lab.tac_problem.minimise`.
     by_covariance : dict of str to Estimate
-        Of :func:`covariance_estimates`. Rows without scatter, which a model made, have no profile
-        and keep these intervals.
+        From :func:`covariance_estimates`. Rows computed by a model have no scatter and no profile;
+        they keep these intervals.
 
     Returns
     -------

@@ -1,5 +1,6 @@
 """``lightflyer lab ftir``: emissivity, or its upper bound, from infrared spectra."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -77,14 +78,11 @@ def ftir_command(
             "--update: transmittance alone gives only an upper bound of the emittance; add "
             "--reflectance"
         )
-    middle = quantity("--band", band, "m^-1")
-    if not middle.uncertainty:
-        raise ConfigurationError(f'--band "{band}" has no width; write "900 ± 400 cm^-1"')
     spectra = [read_spectrum(file, columns=columns) for file in files]
     mirrors = [] if reflectance is None else [read_spectrum(reflectance, columns=columns)]
     result = reduce_ftir(
         spectra, mirrors,
-        band=(middle.value - middle.uncertainty, middle.value + middle.uncertainty),
+        band=_ends(band),
         temperatures=[quantity("--temperatures", one, "K").value
                       for one in temperatures.split(",") if one.strip()],
         accuracy=quantity("--accuracy", accuracy, "").value,
@@ -101,17 +99,19 @@ def ftir_command(
         print_json(document)
         return
     console = Console(highlight=False)
-    for one in (*spectra, *mirrors):
-        ends = one.wavenumber[[0, -1]] / 100.0
-        console.print(
-            f"read {len(one.wavenumber)} points of {one.quantity} of {one.source}, "
-            f"{ends[0]:.5g} to {ends[1]:.5g} cm⁻¹", markup=False, soft_wrap=True,
-        )  # fmt: skip
-        show_rejected(console, one.rejected)
+    _show_read(console, [*spectra, *mirrors])
     _show(console, result)
     if not result.accuracy:
         console.print("intervals include noise only; --accuracy adds that of the instrument")
     finish(console, written, updated, update)
+
+
+def _ends(band: str) -> tuple[float, float]:
+    """Lowest and highest wavenumber of a band [1/m]."""
+    centre = quantity("--band", band, "m^-1")
+    if not centre.uncertainty:
+        raise ConfigurationError(f'--band "{band}" has no width; write "900 ± 400 cm^-1"')
+    return centre.value - centre.uncertainty, centre.value + centre.uncertainty
 
 
 def _read(spectrum: "MeasuredSpectrum") -> dict[str, Any]:
@@ -155,8 +155,22 @@ def _figures(result: "Ftir", computed: dict[str, Any]) -> "dict[str, Figure]":
     return ftir_figures(result, computed)
 
 
+def _show_read(console: Console, spectra: "Sequence[MeasuredSpectrum]") -> None:
+    from lightflyer.lab.ftir import PER_CENTIMETRE
+
+    for one in spectra:
+        ends = one.wavenumber[[0, -1]] / PER_CENTIMETRE
+        console.print(
+            f"read {len(one.wavenumber)} points of {one.quantity} from {one.source}, "
+            f"{ends[0]:.5g} to {ends[1]:.5g} cm⁻¹", markup=False, soft_wrap=True,
+        )  # fmt: skip
+        show_rejected(console, one.rejected)
+
+
 def _show(console: Console, result: "Ftir") -> None:
-    low, high = (end / 100.0 for end in result.band)
+    from lightflyer.lab.ftir import PER_CENTIMETRE
+
+    low, high = (end / PER_CENTIMETRE for end in result.band)
     console.print(f"over {low:g} to {high:g} cm⁻¹:")
     console.print(f"  transmittance {result.transmittance.band}")
     console.print(f"  upper bound of the emissivity {result.upper_bound}")

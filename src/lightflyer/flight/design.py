@@ -8,6 +8,9 @@ make a design; three objects are another, whose numbers are named by their place
 import abc
 import difflib
 import hashlib
+import inspect
+import pickle
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import fields as dataclass_fields
 from functools import cached_property
@@ -23,9 +26,14 @@ from lightflyer.flight.setup import Setup
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.pickling import dumps
 from lightflyer.foundation.quantity import Quantity, quantities_of
+from lightflyer.foundation.text import read_text
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import dataset_unit
+
+_PACKAGES = ("lightflyer", "equinox")  # whose versions a result records
+_ADDRESS = re.compile(r" at 0x[0-9a-f]+")  # in the text of a function, another in each process
 
 
 class Field(NamedTuple):
@@ -168,6 +176,8 @@ class AbstractDesign(abc.ABC):
 class ObjectDesign(AbstractDesign):
     """A design made of objects.
 
+    Equal to any other of equal objects. Can be pickled, also where their classes are a script's.
+
     Parameters
     ----------
     setup : Setup
@@ -194,6 +204,21 @@ class ObjectDesign(AbstractDesign):
         self._correlations = dict(correlations or {})
         for name in (*self._uncertainties, *(name for pair in self._correlations for name in pair)):
             self.field(name)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (dumps((self._base, self._uncertainties, self._correlations)),)
+
+    @cached_property
+    def _identity(self) -> tuple[Any, ...]:
+        leaves, structure = jax.tree.flatten(self._base)
+        stated = tuple(self._uncertainties.items()), tuple(self._correlations.items())
+        return structure, digest(*leaves), *stated
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ObjectDesign) and other._identity == self._identity
+
+    def __hash__(self) -> int:
+        return hash(self._identity)
 
     @cached_property
     def _numbers(self) -> dict[str, tuple[Quantity, float]]:
@@ -245,11 +270,33 @@ class ObjectDesign(AbstractDesign):
             for name, part in parts.items()
         }
         numbers = {f"object: {name}": repr(value) for name, (_, value) in self._numbers.items()}
-        structure = str(jax.tree.structure(base))
-        described = kinds | numbers | {"search range": repr(base.search_range)}
+        structure = _ADDRESS.sub("", str(jax.tree.structure(base)))
+        described = kinds | numbers | _code(base) | {"search range": repr(base.search_range)}
         described["numbers of the objects and of their data"] = digest(*jax.tree.leaves(base))
         described["structure of the objects"] = hashlib.sha256(structure.encode()).hexdigest()[:12]
         return described
+
+
+def _unpickled(content: bytes) -> ObjectDesign:
+    return ObjectDesign(*pickle.loads(content))
+
+
+def _code(part: Any) -> dict[str, str]:
+    """Fingerprint of the source of each class among objects, but for the package's own."""
+    found = {}
+    for kind in type(part).__mro__:
+        if issubclass(kind, eqx.Module) and kind.__module__.partition(".")[0] not in _PACKAGES:
+            try:
+                source = inspect.getsource(kind)
+            except (OSError, TypeError):
+                continue  # typed into an interpreter
+            name = f"code of {kind.__module__}.{kind.__qualname__}"
+            found[name] = f"sha256 {hashlib.sha256(source.encode()).hexdigest()[:12]}"
+    for field in dataclass_fields(part):
+        value = getattr(part, field.name)
+        if isinstance(value, eqx.Module):
+            found |= _code(value)
+    return found
 
 
 def _numbers_in(part: Any) -> Iterator[tuple[str, Quantity, float]]:
@@ -337,7 +384,7 @@ def as_design(
     if isinstance(what, str | Path):
         from lightflyer.config.reader import read_flyer_file  # the way in for files
 
-        what = read_flyer_file(what)
+        return read_flyer_file(what).design(read_text(Path(what)))
     if hasattr(what, "design"):
         found: AbstractDesign = what.design()
         return found

@@ -6,8 +6,8 @@ model,
 .. math:: \ln I_i^\mathrm{measured} \sim N(\ln I_i^\mathrm{model}, \sigma_i^2),
 
 with the points' own uncertainties, or one unknown scatter :math:`\sigma` for all. Priors are flat
-in the logarithm, of parameters from 1e-6 to the largest value allowed (1e6 for the force
-coefficients) and of the scatter from 1e-4 to 10.
+in the logarithm: of parameters from 1e-6 to the largest possible value, or to 1e6 where there is
+none (times the start for parameters with a unit), and of the scatter from 1e-4 to 10.
 """
 
 from collections.abc import Callable
@@ -19,8 +19,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.calibration.calibration import Calibration, _predicted, _Problem, _set_up
-from lightflyer.config.sections import Setup
+from lightflyer.calibration.calibration import Calibration
 from lightflyer.foundation.errors import ConvergenceError, MissingExtraError, ParameterError
 from lightflyer.foundation.precision import float64
 
@@ -28,16 +27,15 @@ SCATTER = "scatter"
 """Name of the scatter of log-irradiance among the draws, where it is estimated."""
 
 CHAINS = 4
-"""Chains run side by side; how well they agree says whether they converged."""
+"""Number of chains; their agreement shows that they converged."""
 
 HIGHEST_R_HAT = 1.05
-"""Above it chains disagree, and :func:`posterior` raises."""
+"""R-hat above which the chains disagree and :func:`posterior` raises."""
 
 HIGHEST_DIVERGENT = 0.01
 """Share of divergent draws above which :func:`posterior` raises."""
 
 _FEWEST = 100  # draws, below which R-hat says nothing
-_HIGHEST_COEFFICIENT = 1e6  # where a parameter itself has no upper bound
 _SCATTER_RANGE = (1e-4, 10.0)  # of log-irradiance
 _INSIDE = 1e-3  # distance of a chain's start from a bound, of the log-parameter
 _TAILS = (0.025, 0.975)  # of a 95 % interval
@@ -50,13 +48,13 @@ class Posterior:
     Attributes
     ----------
     names : list of str
-        Parameters as the calibration names them; last :data:`SCATTER`, where it is estimated.
+        Names of the parameters; last :data:`SCATTER`, where it is estimated.
     draws : array, shape (chains, draws, p)
-        Units as in the calibration; scatter of log-irradiance [1].
+        Parameters in SI units; scatter of log-irradiance [1].
     r_hat : array, shape (p,)
         Split R-hat, 1 where chains agree.
     effective_draws : array, shape (p,)
-        Number of independent draws that would give means as exact.
+        Number of independent draws whose means would be as accurate.
     divergences : int
         Draws where the integration failed.
     """
@@ -74,7 +72,7 @@ class Posterior:
 
     @property
     def standard_deviations(self) -> np.ndarray:
-        """Of the draws, shape (p,)."""
+        """Standard deviations of the draws, shape (p,)."""
         return self.draws.std(axis=(0, 1), ddof=1)
 
     @property
@@ -83,7 +81,7 @@ class Posterior:
         return np.quantile(self.draws, _TAILS, axis=(0, 1)).T
 
     def of(self, name: str) -> np.ndarray:
-        """Draws of one parameter, all chains after one another, shape (chains · draws,)."""
+        """Draws of one parameter, one chain after another, shape (chains · draws,)."""
         return self.draws[..., self.names.index(name)].ravel()
 
     def summary(self) -> dict[str, Any]:
@@ -116,7 +114,6 @@ class Posterior:
 
 def posterior(
     calibration: Calibration,
-    setup: Setup,
     *,
     samples: int = 2000,
     warmup: int = 300,
@@ -128,15 +125,13 @@ def posterior(
     Parameters
     ----------
     calibration : Calibration
-        From :func:`lightflyer.calibrate`; chains start at its values.
-    setup : Setup
-        The one that was calibrated.
+        From :func:`lightflyer.calibrate`; the chains start at its values.
     samples : int
-        Draws to keep, over all :data:`CHAINS` chains; rounded up to a multiple of them.
+        Draws to keep in all :data:`CHAINS` chains together; rounded up to a multiple of them.
     warmup : int
-        Draws of each chain that adapt the sampler and are thrown away.
+        Draws of each chain that adapt the sampler and are discarded.
     seed : int
-        Of the draws; the same one gives the same draws on the same machine.
+        Seed of the draws; the same seed gives the same draws on the same machine.
     progress : bool
         Show a progress bar on standard error.
 
@@ -155,8 +150,8 @@ def posterior(
 
     Notes
     -----
-    Priors are flat in the logarithm of each parameter and of the scatter. Stated uncertainties,
-    that of pressure included, are those of ``calibration.uncertainty``.
+    Priors are flat in the logarithm of each parameter and of the scatter. Where uncertainties are
+    stated, the likelihood has those of ``calibration.uncertainty``.
     """
     numpyro = _numpyro()
     for name, number in (("samples", samples), ("warmup", warmup)):
@@ -164,12 +159,10 @@ def posterior(
             raise ParameterError(f"{name} must be at least {_FEWEST}, got {number}")
     if seed < 0:
         raise ParameterError(f"seed must not be negative, got {seed}")
-    problem, names, _, bounds = _set_up(calibration.points, setup, calibration.names)
-    names = [*names, SCATTER] if calibration.estimated_scatter else names
+    names = [*calibration.names, *([SCATTER] if calibration.estimated_scatter else [])]
     with float64():
-        sampler = _sampler(numpyro, calibration, problem, bounds)
         mcmc = numpyro.infer.MCMC(
-            sampler,
+            _sampler(numpyro, calibration),
             num_warmup=warmup,
             num_samples=-(-samples // CHAINS),
             num_chains=CHAINS,
@@ -204,33 +197,47 @@ def _numpyro() -> ModuleType:
     return numpyro
 
 
-def _sampler(
-    numpyro: ModuleType, calibration: Calibration, problem: _Problem, bounds: np.ndarray
-) -> Any:
+def _sampler(numpyro: ModuleType, calibration: Calibration) -> Any:
     """NUTS over the logarithms of parameters and scatter, started at the fit."""
-    low, high = bounds[0], np.minimum(bounds[1], np.log(_HIGHEST_COEFFICIENT))
+    low, high = _prior_ends(calibration)
     least, most = np.log(_SCATTER_RANGE)
     start = {"parameters": np.clip(np.log(calibration.values), low + _INSIDE, high - _INSIDE)}
     if calibration.estimated_scatter:
         scatter = np.log(calibration.uncertainty[:1])
         start[SCATTER] = np.clip(scatter, least + _INSIDE, most - _INSIDE)
     return numpyro.infer.NUTS(
-        _model(numpyro, calibration, problem, (low, high)),
+        probabilistic_model(calibration),
         dense_mass=True,  # coefficients are correlated
         forward_mode_differentiation=True,  # few parameters
         init_strategy=numpyro.infer.init_to_value(values=start),
     )
 
 
-def _model(
-    numpyro: ModuleType,
-    calibration: Calibration,
-    problem: _Problem,
-    ends: tuple[np.ndarray, np.ndarray],
-) -> Callable[[], None]:
+def _prior_ends(calibration: Calibration) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper ends of the priors of the log-parameters, shape (p,) each."""
+    ranges = [parameter.log_prior_range for parameter in calibration.problem.parameters]
+    lower, upper = np.array(ranges).T
+    return lower, upper
+
+
+def probabilistic_model(calibration: Calibration) -> Callable[[], None]:
+    """Priors and likelihood, as numpyro takes them.
+
+    Parameters
+    ----------
+    calibration : Calibration
+
+    Returns
+    -------
+    callable
+        Has the sites ``"parameters"`` (logarithms), :data:`SCATTER` (logarithm, where it is
+        estimated) and ``"measured"``; to be run in double precision.
+    """
+    numpyro = _numpyro()
     distributions = numpyro.distributions
     measured = np.log(calibration.points.irradiance)
-    log_pressure = np.log(problem.pressure)
+    log_pressure = np.log(calibration.points.pressure)
+    ends = _prior_ends(calibration)
     least, most = np.log(_SCATTER_RANGE)
 
     def model() -> None:
@@ -239,7 +246,7 @@ def _model(
         if calibration.estimated_scatter:
             prior = distributions.Uniform(least, most).expand([1]).to_event(1)
             spread = jnp.exp(numpyro.sample(SCATTER, prior))
-        predicted = _predicted(parameters, log_pressure, problem)
+        predicted = calibration.problem.model.log_irradiance(parameters, log_pressure)
         numpyro.sample("measured", distributions.Normal(predicted, spread), obs=measured)
 
     return model
@@ -251,10 +258,10 @@ def _require_converged(result: Posterior) -> None:
     if not np.all(result.r_hat <= HIGHEST_R_HAT):
         raise ConvergenceError(
             f"posterior: chains disagree about {result.names[worst]} "
-            f"(R-hat {result.r_hat[worst]:.3f}); ask for more samples, or free fewer parameters"
+            f"(R-hat {result.r_hat[worst]:.3f}); draw more samples, or fit fewer parameters"
         )
     count = result.draws.shape[0] * result.draws.shape[1]
     if result.divergences > HIGHEST_DIVERGENT * count:
         raise ConvergenceError(
-            f"posterior: {result.divergences} of {count} draws diverged; free fewer parameters"
+            f"posterior: {result.divergences} of {count} draws diverged; fit fewer parameters"
         )

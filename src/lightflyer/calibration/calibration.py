@@ -1,110 +1,37 @@
-r"""Force coefficients, and film properties, from measured levitation points.
+r"""Force coefficients, film properties and other numbers from measured levitation points.
 
 The model's irradiance to levitate is fitted to the measured one by least squares on
 
 .. math:: r_i = \frac{\ln I_i^\mathrm{measured} - \ln I_i^\mathrm{model}}{\sigma_i}
 
-jointly over all samples. What is fitted is the logarithm of each parameter, so that all stay
-positive. Where the points carry no uncertainty, one relative scatter for all is estimated from
-the residuals.
+jointly over all samples. The logarithm of each parameter is fitted, so that all stay positive.
+Where the points carry no uncertainty, one relative scatter for all is estimated from the
+residuals.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 from scipy import stats
-from scipy.optimize import OptimizeResult, brentq, least_squares
 
+from lightflyer.calibration.least_squares import LeastSquares
 from lightflyer.calibration.points import Points
-from lightflyer.config.sections import Setup
-from lightflyer.environment.chamber import Chamber
-from lightflyer.film.properties import HIGHEST_TAC, FilmProperties
-from lightflyer.flight.levitation import levitate
-from lightflyer.flyer.disk import Disk
-from lightflyer.force.lu2023 import Lu2023
+from lightflyer.calibration.problem import DEFAULT_FREE, UNREACHABLE, Problem, problem_of
+from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.flight.design import as_design
+from lightflyer.flight.setup import Setup
+from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.checks import require_positive
 from lightflyer.foundation.errors import ConvergenceError, ParameterError
-from lightflyer.foundation.precision import quick_entry_point
-
-# Name and largest value of what can be fitted.
-FITTABLE = {
-    "c_fm": np.inf,
-    "c_cont": np.inf,
-    "tac_top": HIGHEST_TAC,
-    "tac_bottom": HIGHEST_TAC,
-    "emittance": 1.0,
-    "absorptance": 1.0,
-}
-"""What can be fitted, with the largest value allowed."""
-
-DEFAULT_FREE = ("c_fm", "c_cont")
-"""What is fitted where nothing else is asked for."""
 
 CONFIDENCE = 0.95
-"""Of the profile intervals."""
+"""Probability that an interval claims."""
 
-_SMALLEST = 1e-6  # lower bound of every parameter
-_UNREACHABLE = 50.0  # log-irradiance that stands for "no irradiance levitates it"
 _RANK_TOLERANCE = 1e-8  # of the Jacobian's singular values
 _INVOLVED = 0.03  # share of a direction that names a parameter in a message
-_INTERVAL_STEPS = 40  # doublings of the step that looks for an interval's end
 _EFFECTIVE_VARIANCE_PASSES = 3
-
-
-class _Problem(eqx.Module):
-    """The data as arrays over the points; ``index`` is -1 where a property is not fitted."""
-
-    base: np.ndarray  # (properties, points)
-    index: np.ndarray  # (properties, points)
-    pressure: np.ndarray
-    radius: np.ndarray
-    areal_density: np.ndarray
-    environment: Chamber
-    model: Lu2023
-
-
-def _predicted(parameters: Any, log_pressure: Any, problem: _Problem) -> jax.Array:
-    """Log-irradiance to levitate of log-parameters, shape (points,); can be traced."""
-    index = problem.index.astype(int)
-    fitted = jnp.exp(parameters)[jnp.maximum(index, 0)]
-    values = dict(zip(FITTABLE, jnp.where(index >= 0, fitted, problem.base), strict=True))
-    film = FilmProperties(
-        areal_density=problem.areal_density,
-        absorptance=values["absorptance"],
-        emittance_top=values["emittance"],
-        emittance_bottom=values["emittance"],
-        tac_top=values["tac_top"],
-        tac_bottom=values["tac_bottom"],
-    )
-    model = Lu2023(values["c_fm"], values["c_cont"], problem.model.reading)
-    state = problem.environment.state(jnp.exp(log_pressure))
-    found = levitate(Disk(film, problem.radius), state, model, throw=False)
-    irradiance = jnp.where(found.levitates, found.irradiance, 1.0)
-    return jnp.where(found.levitates, jnp.log(irradiance), _UNREACHABLE)
-
-
-@quick_entry_point
-def _log_irradiance(parameters: Any, problem: _Problem) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Log-irradiance to levitate, its Jacobian, and its slope over log-pressure."""
-    log_pressure = jnp.log(problem.pressure)
-    # forward mode, one direction after another: a loop compiles once what vmap would compile wide
-    jacobian = jax.lax.map(
-        lambda direction: jax.jvp(
-            lambda x: _predicted(x, log_pressure, problem), (parameters,), (direction,)
-        )[1],
-        jnp.eye(parameters.size),
-    ).T
-    value, slope = jax.jvp(
-        lambda x: _predicted(parameters, x, problem),
-        (log_pressure,),
-        (jnp.ones_like(log_pressure),),
-    )
-    return value, jacobian, slope
 
 
 @dataclass(frozen=True)
@@ -113,11 +40,12 @@ class Calibration:
 
     Attributes
     ----------
-    names : list of str
-        Parameters, ``"emittance[Ge 2 cm]"`` where one belongs to one sample alone.
+    problem : Problem
+        Design, points and parameters.
     values : array, shape (p,)
+        Fitted parameters, in SI units.
     covariance : array, shape (p, p)
-        Of the values, to first order.
+        Covariance of the values, to first order.
     intervals : array, shape (p, 2)
         95 % profile-likelihood intervals; an end at a parameter's bound is that bound.
     scatter : float
@@ -130,10 +58,9 @@ class Calibration:
         Standard uncertainty of each point's log-irradiance, that of pressure included.
     fitted : array, shape (n,)
         Fitted irradiance [W/m²].
-    points : Points
     """
 
-    names: list[str]
+    problem: Problem
     values: np.ndarray
     covariance: np.ndarray
     intervals: np.ndarray
@@ -142,12 +69,33 @@ class Calibration:
     residuals: np.ndarray
     uncertainty: np.ndarray
     fitted: np.ndarray
-    points: Points
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the parameters, ``"emittance[Ge 2 cm]"`` where one is of one sample alone."""
+        return self.problem.names
+
+    @property
+    def points(self) -> Points:
+        """The points."""
+        return self.problem.points
 
     @property
     def standard_uncertainties(self) -> np.ndarray:
         """Square roots of the covariance's diagonal, shape (p,)."""
         return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def setup(self) -> Setup:
+        """The design with the fitted values of the parameters that all samples share."""
+        shared = {
+            field: parameter.target.factor * float(value)
+            for parameter, value in zip(self.problem.parameters, self.values, strict=True)
+            if parameter.chosen.all()
+            for field in parameter.target.fields
+        }
+        model = self.problem.model
+        return model.design.build(shared, model.prepared)
 
     def summary(self) -> dict[str, Any]:
         """The fit as a JSON object."""
@@ -174,68 +122,30 @@ class Calibration:
         }
 
 
-class _Fit:
-    """Least squares over log-parameters, with any of them held at a value."""
-
-    def __init__(self, problem: _Problem, measured: np.ndarray, bounds: np.ndarray):
-        self.problem, self.measured, self.bounds = problem, measured, bounds
-        self.weight = np.ones_like(measured)
-
-    def model(self, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return _log_irradiance(parameters, self.problem)  # type: ignore[return-value]
-
-    def solve(
-        self, start: np.ndarray, held: int | None = None, value: float = np.nan
-    ) -> tuple[np.ndarray, float]:
-        """Parameters of least cost, and that cost: the sum of squared weighted residuals."""
-        free = np.arange(start.size) != held
-        if not free.any():
-            parameters = np.array([value])
-            return parameters, self.cost(parameters)
-        cache: dict[bytes, Any] = {}
-
-        def whole(part: np.ndarray) -> np.ndarray:
-            parameters = np.where(free, 0.0, value)
-            parameters[free] = part
-            return parameters
-
-        def evaluate(part: np.ndarray) -> Any:
-            key = part.tobytes()
-            if key not in cache:
-                cache.clear()
-                cache[key] = self.model(whole(part))
-            return cache[key]
-
-        found: OptimizeResult = least_squares(
-            lambda part: (evaluate(part)[0] - self.measured) * self.weight,
-            start[free],
-            jac=lambda part: evaluate(part)[1][:, free] * self.weight[:, None],
-            bounds=self.bounds[:, free],
-            x_scale="jac",
-            ftol=1e-12,
-            xtol=1e-10,
-            gtol=1e-12,
-        )
-        return whole(found.x), 2.0 * float(found.cost)
-
-    def cost(self, parameters: np.ndarray) -> float:
-        """Sum of squared weighted residuals."""
-        return float(np.sum(((self.model(parameters)[0] - self.measured) * self.weight) ** 2))
-
-
-def calibrate(points: Points, setup: Setup, free: Sequence[str] = DEFAULT_FREE) -> Calibration:
-    """Fit force coefficients and film properties to levitation points of one or more samples.
+def calibrate(
+    points: Points,
+    what: Any,
+    environment: AbstractEnvironment | None = None,
+    model: AbstractForceModel | None = None,
+    *,
+    free: Sequence[str] = DEFAULT_FREE,
+) -> Calibration:
+    """Fit numbers of a design to levitation points of one or more samples.
 
     Parameters
     ----------
     points : Points
-        From :func:`read_points`. Columns such as ``diameter`` or ``emittance``
-        say what a sample is where it differs from the flyer of ``setup``.
-    setup : Setup
-        Flyer, chamber and :class:`Lu2023` model: what is not fitted, and where the fit starts.
+        From :func:`read_points`. Columns such as ``diameter`` or ``emittance`` say what a sample
+        is where it differs from the flyer of the design.
+    what : AbstractDesign, Setup, FlyerFile, path of a flyer file, or AbstractFlyer
+        What is not fitted, and where the fit starts; in an environment whose coordinate is the
+        pressure.
+    environment, model : optional
+        Where ``what`` is a flyer.
     free : sequence of str
-        Names from :data:`FITTABLE`: one value for all samples, or ``"emittance[Ge 2 cm]"`` for
-        one sample alone.
+        Numbers of the design in full, such as ``"force.c_fm"``, or by the end of their names
+        where only one ends so, such as ``"c_fm"`` or ``"emittance"`` (of both faces). A name alone
+        is one value for all samples; ``"emittance[Ge 2 cm]"`` is that of one sample.
 
     Returns
     -------
@@ -251,46 +161,44 @@ def calibrate(points: Points, setup: Setup, free: Sequence[str] = DEFAULT_FREE) 
 
     Notes
     -----
-    Gradients are exact, through the root-find. The uncertainty of pressure counts by the slope
+    Derivatives are exact, through the root-find. The uncertainty of pressure counts by the slope
     of the fitted curve (effective variance). Intervals are those of the profile likelihood; with
-    an estimated scatter their threshold is Fisher's.
+    an estimated scatter their threshold is that of Fisher's distribution.
 
     Examples
     --------
     >>> import numpy as np
     >>> import lightflyer as lf
     >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    >>> setup = lf.Setup(lf.Disk(film, 0.01), lf.Chamber(), lf.Lu2023(0.5, 2.0), (None, None))
+    >>> disk, chamber = lf.Disk(film, 0.01), lf.Chamber()
     >>> pressure = np.geomspace(1.0, 20.0, 8)
-    >>> truth = lf.Lu2023(0.4, 3.0)
-    >>> light = lf.levitate(setup.flyer, setup.environment.state(pressure), truth).irradiance
+    >>> light = lf.levitate(disk, chamber.state(pressure), lf.Lu2023(0.4, 3.0)).irradiance
     >>> light = light * (1.0 + 0.01 * (-1.0) ** np.arange(8))  # synthetic scatter
     >>> numbers = {"pressure": pressure, "irradiance": light}
-    >>> fit = calibrate(lf.Points("synthetic", ["disk"] * 8, numbers), setup)
+    >>> points = Points("synthetic", ["disk"] * 8, numbers)
+    >>> fit = calibrate(points, disk, chamber, lf.Lu2023(0.5, 2.0))
     >>> print(f"{fit.values[0]:.2f} {fit.values[1]:.1f}")
     0.40 3.0
     """
-    problem, names, start, bounds = _set_up(points, setup, free)
-    fit = _Fit(problem, np.log(points.irradiance), bounds)
-    _require_reachable(fit, start, points)
-    best, spread = _solve_weighted(fit, start, points)
-    predicted, jacobian, _ = fit.model(best)
+    problem = problem_of(points, as_design(what, environment, model), free)
+    _require_reachable(problem)
+    fit, best, spread = _solve_weighted(problem)
+    predicted, jacobian, _ = problem.linearised(best)
     weighted = jacobian * fit.weight[:, None]
-    _require_distinct(weighted, names)
-    freedom = len(points) - len(names)
+    _require_distinct(weighted, problem.names)
+    freedom = len(points) - best.size
     cost = fit.cost(best)
-    estimated = not _has_uncertainty(points)
+    estimated = not points.has_uncertainty
     variance = cost / freedom if estimated else 1.0
-    threshold = _threshold(variance, freedom, estimated=estimated)
-    values = np.exp(best)
+    limit = cost + _threshold(variance, freedom, estimated=estimated)
     in_logarithms = np.linalg.inv(weighted.T @ weighted) * variance
     intervals = [
-        _interval(fit, best, cost + threshold, number, np.sqrt(in_logarithms[number, number]))
-        for number in range(len(names))
+        fit.interval(best, limit, number, first_order)
+        for number, first_order in enumerate(np.sqrt(np.diag(in_logarithms)))
     ]
-    residuals = fit.measured - predicted
+    values, residuals = np.exp(best), fit.measured - predicted
     return Calibration(
-        names=names,
+        problem=problem,
         values=values,
         covariance=in_logarithms * np.outer(values, values),
         intervals=np.exp(np.array(intervals)),
@@ -299,12 +207,7 @@ def calibrate(points: Points, setup: Setup, free: Sequence[str] = DEFAULT_FREE) 
         residuals=residuals,
         uncertainty=np.full(len(points), np.sqrt(variance)) if estimated else spread,
         fitted=np.exp(predicted),
-        points=points,
     )
-
-
-def _has_uncertainty(points: Points) -> bool:
-    return bool({"irradiance_uncertainty", "pressure_uncertainty"} & set(points.numbers))
 
 
 def _threshold(variance: float, freedom: int, *, estimated: bool) -> float:
@@ -314,113 +217,47 @@ def _threshold(variance: float, freedom: int, *, estimated: bool) -> float:
     return float(stats.chi2.ppf(CONFIDENCE, 1))
 
 
-def _set_up(
-    points: Points, setup: Setup, free: Sequence[str]
-) -> tuple[_Problem, list[str], np.ndarray, np.ndarray]:
-    """Problem, names, start and bounds of the log-parameters."""
-    model, environment = setup.model, setup.environment
-    if not isinstance(model, Lu2023) or not isinstance(environment, Chamber):
-        raise ParameterError("calibration takes a chamber and the lu2023 force model")
-    film, count = setup.flyer.film, len(points)
-    stated = {
-        "c_fm": model.c_fm,
-        "c_cont": model.c_cont,
-        "tac_top": film.tac_top,
-        "tac_bottom": film.tac_bottom,
-        "emittance": 0.5 * film.emittance_sum,
-        "absorptance": film.absorptance,
-        "areal_density": film.areal_density,
-        "diameter": 2.0 * setup.flyer.radius,
-    }
-    columns = {
-        name: points.numbers.get(name, np.full(count, float(value)))
-        for name, value in stated.items()
-    }
-    base = np.stack([columns[name] for name in FITTABLE])
-    index = np.full(base.shape, -1.0)
-    start, highest = [], []
-    for number, text in enumerate(free):
-        name, chosen = _chosen(text, points)
-        row = list(FITTABLE).index(name)
-        if np.any(index[row, chosen] >= 0):
-            raise ParameterError(f"{text} is fitted twice")
-        index[row, chosen] = number
-        start.append(float(np.exp(np.mean(np.log(base[row, chosen])))))
-        highest.append(FITTABLE[name])
-    if not start:
-        raise ParameterError("nothing is free: name at least one parameter")
-    needed = len(start) + (0 if _has_uncertainty(points) else 1)
-    if count < needed:
-        why = "" if needed == len(start) else " and their scatter"
-        raise ParameterError(
-            f"{points.source}: {count} points cannot fix {len(start)} parameters{why}"
-        )
-    problem = _Problem(
-        base=base,
-        index=index,
-        pressure=points.pressure,
-        radius=0.5 * columns["diameter"],
-        areal_density=columns["areal_density"],
-        environment=environment,
-        model=model,
-    )
-    bounds = np.log(np.stack([np.full(len(start), _SMALLEST), np.array(highest)]))
-    inside = np.minimum(np.log(start), bounds[1] - 1e-6)
-    return problem, list(free), inside, bounds
-
-
-def _chosen(text: str, points: Points) -> tuple[str, np.ndarray]:
-    """Name of a parameter and the points that it concerns."""
-    name, _, sample = text.partition("[")
-    name, sample = name.strip(), sample.removesuffix("]").strip()
-    if name not in FITTABLE:
-        raise ParameterError(f'"{name}" cannot be fitted; there are: {", ".join(FITTABLE)}')
-    if not sample:
-        return name, np.ones(len(points), bool)
-    chosen = points.of(sample)
-    if not chosen.any():
-        there = ", ".join(dict.fromkeys(points.samples))
-        raise ParameterError(f'{text}: there is no sample "{sample}" in {points.source}: {there}')
-    return name, chosen
-
-
-def _require_reachable(fit: _Fit, start: np.ndarray, points: Points) -> None:
-    out_of_reach = np.flatnonzero(fit.model(start)[0] >= _UNREACHABLE)
+def _require_reachable(problem: Problem) -> None:
+    points = problem.points
+    out_of_reach = np.flatnonzero(problem.linearised(problem.start)[0] >= UNREACHABLE)
     if out_of_reach.size:
         first = out_of_reach[0]
         raise ParameterError(
-            f"{points.source}: with the starting values no irradiance levitates "
+            f"{points.source}: at the starting values no irradiance levitates "
             f"{points.samples[first]} at {points.pressure[first]:.4g} Pa "
-            f"({out_of_reach.size} of {len(points)} points): start from other values, or leave "
-            "those points out"
+            f"({out_of_reach.size} of {len(points)} points); start from other values, or remove "
+            "those points"
         )
 
 
-def _solve_weighted(fit: _Fit, start: np.ndarray, points: Points) -> tuple[np.ndarray, np.ndarray]:
-    """Best parameters, and the uncertainty of each log-irradiance behind their weights."""
+def _solve_weighted(problem: Problem) -> tuple[LeastSquares, np.ndarray, np.ndarray]:
+    """Weighted fit, its best parameters, and the uncertainty of each log-irradiance."""
+    points = problem.points
+    spread = np.ones(len(points))
+    fit = LeastSquares(problem, spread)
     try:
-        best, _ = fit.solve(start)
-        spread = np.ones(len(points))
-        if _has_uncertainty(points):
-            for _ in range(_EFFECTIVE_VARIANCE_PASSES):
-                spread = _log_uncertainty(points, fit.model(best)[2])
-                fit.weight = 1.0 / spread
-                best, _ = fit.solve(best)
+        best, _ = fit.solve(problem.start)
+        for _ in range(_EFFECTIVE_VARIANCE_PASSES if points.has_uncertainty else 0):
+            spread = _log_uncertainty(points, problem.linearised(best)[2])
+            fit = LeastSquares(problem, 1.0 / spread)
+            best, _ = fit.solve(best)
+    except ParameterError:
+        raise
     except ValueError as error:
         raise ConvergenceError(f"calibration: {error}") from None
-    return best, spread
+    return fit, best, spread
 
 
 def _log_uncertainty(points: Points, slope: np.ndarray) -> np.ndarray:
     """Uncertainty of log-irradiance, that of pressure included by the curve's slope."""
-    nothing = np.zeros(len(points))
-    light = points.numbers.get("irradiance_uncertainty", nothing) / points.irradiance
-    pressure = points.numbers.get("pressure_uncertainty", nothing) / points.pressure
+    exact = np.zeros(len(points))
+    light = points.numbers.get("irradiance_uncertainty", exact) / points.irradiance
+    pressure = points.numbers.get("pressure_uncertainty", exact) / points.pressure
     spread = np.hypot(light, slope * pressure)
     if np.any(spread == 0.0):
         point = int(np.argmin(spread)) + 1
         raise ParameterError(
-            f"{points.source}: point {point} has no uncertainty while others have; give each one"
+            f"{points.source}: point {point} has no uncertainty, but others have; give one for each"
         )
     require_positive(uncertainty=spread)
     return spread
@@ -431,45 +268,9 @@ def _require_distinct(weighted: np.ndarray, names: list[str]) -> None:
     _, singular, directions = np.linalg.svd(weighted, full_matrices=False)
     if singular[-1] > _RANK_TOLERANCE * singular[0]:
         return
-    blurred = [
+    mixed = [
         name for name, part in zip(names, directions[-1], strict=True) if abs(part) > _INVOLVED
     ]
-    raise ParameterError(f"the points cannot tell {' and '.join(blurred)} apart; free fewer")
-
-
-def _interval(
-    fit: _Fit, best: np.ndarray, limit: float, number: int, scale: float
-) -> tuple[float, float]:
-    """Where the profile of the cost over one log-parameter reaches a limit, or its bounds.
-
-    ``scale`` is the parameter's first-order standard uncertainty, for a first step.
-    """
-    lower, upper = (
-        _interval_end(fit, best, limit, number, direction * scale, bound)
-        for direction, bound in ((-1.0, fit.bounds[0][number]), (1.0, fit.bounds[1][number]))
+    raise ParameterError(
+        f"the points cannot tell {' and '.join(mixed)} apart; fit fewer parameters"
     )
-    return lower, upper
-
-
-def _interval_end(
-    fit: _Fit, best: np.ndarray, limit: float, number: int, step: float, bound: float
-) -> float:
-    start = best
-
-    def excess(value: float) -> float:
-        nonlocal start
-        start, cost = fit.solve(start, number, value)
-        return cost - limit
-
-    inside: float = best[number]
-    clip: Callable[[float], float] = (
-        (lambda x: max(x, bound)) if step < 0.0 else (lambda x: min(x, bound))
-    )
-    for _ in range(_INTERVAL_STEPS):
-        outside = clip(inside + 2.0 * step)
-        if excess(outside) >= 0.0:
-            return float(brentq(excess, inside, outside, xtol=1e-5, rtol=1e-8))
-        if outside == bound:
-            return bound
-        inside, step = outside, 1.5 * step
-    return inside

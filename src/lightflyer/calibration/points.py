@@ -45,12 +45,12 @@ _SAMPLE_COLUMNS = (
     Column("tac_top", AccommodationCoefficient),
     Column("tac_bottom", AccommodationCoefficient),
 )
+_UNCERTAINTIES = (_PRESSURE.uncertainty(), _IRRADIANCE.uncertainty())
 _COLUMNS = (
     Column("sample", text=True, required=True, blank=False),
     _PRESSURE,
     _IRRADIANCE,
-    _PRESSURE.uncertainty(),
-    _IRRADIANCE.uncertainty(),
+    *_UNCERTAINTIES,
     *_SAMPLE_COLUMNS,
     Column("figure", text=True),
 )
@@ -102,6 +102,17 @@ class Points:
     def irradiance(self) -> np.ndarray:
         """Irradiance at lift-off [W/m²], shape (n,)."""
         return self.numbers["irradiance"]
+
+    @property
+    def has_uncertainty(self) -> bool:
+        """Whether uncertainties are stated."""
+        return any(column.name in self.numbers for column in _UNCERTAINTIES)
+
+    @property
+    def properties(self) -> dict[str, np.ndarray]:
+        """Columns that describe the samples, by name: arrays of shape (n,)."""
+        measured = {column.name for column in (_PRESSURE, _IRRADIANCE, *_UNCERTAINTIES)}
+        return {name: column for name, column in self.numbers.items() if name not in measured}
 
     def of(self, sample: str) -> np.ndarray:
         """Which points belong to a sample: bool array, shape (n,)."""

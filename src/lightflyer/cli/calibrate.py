@@ -13,7 +13,6 @@ from rich.table import Table
 if TYPE_CHECKING:
     from lightflyer.calibration.bayes import Posterior
     from lightflyer.calibration.calibration import Calibration
-    from lightflyer.config.sections import Setup
 
 
 def calibrate_command(
@@ -35,23 +34,24 @@ def calibrate_command(
     points_file
         CSV with the columns sample, pressure and irradiance, units in the header such as
         "pressure [mTorr]". Further columns: irradiance_uncertainty, pressure_uncertainty, and
-        what differs between samples (diameter, areal_density, emittance, absorptance, tac_top,
-        tac_bottom).
+        the properties in which samples differ (diameter, areal_density, emittance, absorptance,
+        tac_top, tac_bottom).
     flyer
-        Flyer file of a chamber: all that is not fitted, and where the fit starts. Default: the
-        paper's 2-cm disk, as "lightflyer init --kind chamber" writes it.
+        Flyer file with a chamber: it gives everything that is not fitted, and the starting
+        values. Default: the paper's 2-cm disk, as "lightflyer init --kind chamber" writes it.
     free
-        What is fitted, of c_fm, c_cont, tac_top, tac_bottom, emittance, absorptance; such as
-        "c_fm,c_cont,emittance[Ge 2 cm]", where brackets name one sample.
+        Parameters to fit, separated by commas: numbers of the flyer file such as c_fm, c_cont,
+        tac_top, tac_bottom, emittance, absorptance. Brackets restrict one to a sample:
+        "c_fm,c_cont,emittance[Ge 2 cm]".
     out
-        Folder to write the fit (JSON), the residuals (CSV) and their figure (PNG, SVG) into, and
-        the posterior's draws (CSV).
+        Folder for the fit (JSON), the residuals (CSV) and their figure (PNG, SVG), and the draws
+        from the posterior (CSV).
     posterior
         Also draw from the posterior by NUTS; needs numpyro: pip install 'lightflyer[posterior]'.
     samples
-        Draws of the posterior.
+        Number of draws from the posterior.
     seed
-        Of the posterior's draws.
+        Seed of the draws from the posterior.
     json_output
         Print one JSON object instead of a table.
     """
@@ -62,29 +62,28 @@ def calibrate_command(
     points = read_points(points_file)
     template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"
     with resources.as_file(template) as default:
-        configuration = read_flyer_file(default if flyer is None else flyer)
+        design = read_flyer_file(default if flyer is None else flyer)
     names = [name.strip() for name in free.split(",") if name.strip()]
-    setup = configuration.build()
-    fit = calibrate(points, setup, names)
-    drawn = _draw(fit, setup, samples, seed) if posterior else None
+    fit = calibrate(points, design, free=names)
+    drawn = _draw(fit, samples, seed) if posterior else None
     written = [] if out is None else _write(out, fit, drawn)
     if json_output:
         print(json.dumps(_summary(fit, drawn), allow_nan=False))  # noqa: T201
         return
     console = Console(highlight=False)
     if flyer is None:
-        console.print("flyer: the paper's 2-cm disk in a chamber at 295 K; --flyer names your own")
+        console.print("flyer: the paper's 2-cm disk in a chamber at 295 K; use --flyer for yours")
     _show(console, fit, drawn)
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
     if out is None:
-        console.print("add --out FOLDER to write the fit and a figure of its residuals")
+        console.print("add --out FOLDER to write the fit and a figure of the residuals")
 
 
-def _draw(fit: "Calibration", setup: "Setup", samples: int, seed: int) -> "Posterior":
+def _draw(fit: "Calibration", samples: int, seed: int) -> "Posterior":
     from lightflyer.calibration.bayes import posterior
 
-    return posterior(fit, setup, samples=samples, seed=seed, progress=sys.stderr.isatty())
+    return posterior(fit, samples=samples, seed=seed, progress=sys.stderr.isatty())
 
 
 def _summary(fit: "Calibration", drawn: "Posterior | None") -> dict[str, Any]:
@@ -111,7 +110,7 @@ def _write(out: Path, fit: "Calibration", drawn: "Posterior | None") -> list[Pat
 
 
 def _draws_csv(drawn: "Posterior") -> str:
-    """One line a draw: its chain, counted from 1, and the parameters."""
+    """One line per draw: the number of its chain, from 1, and the parameters."""
     header = ",".join(["chain", *(name.replace(",", ";") for name in drawn.names)])
     rows = [
         ",".join([str(number), *(f"{value:.8g}" for value in draw)])
@@ -151,7 +150,7 @@ def _show(console: Console, fit: "Calibration", drawn: "Posterior | None") -> No
             name.replace("[", "\\["), f"{value:.4g}", f"{spread:.2g}", f"{low:.4g} to {high:.4g}"
         )
     console.print(table)
-    kind = "estimated from it" if fit.estimated_scatter else "as stated in the file"
+    kind = "estimated from the scatter" if fit.estimated_scatter else "as stated in the file"
     console.print(
         f"{len(fit.points)} points of {len(set(fit.points.samples))} samples scatter by "
         f"{100.0 * fit.scatter:.2g} % of the irradiance; their uncertainty is {kind}"
@@ -177,4 +176,4 @@ def _show_posterior(console: Console, drawn: "Posterior") -> None:
         )
     console.print(table)
     chains, draws = drawn.draws.shape[:2]
-    console.print(f"{chains * draws} draws of {chains} chains, {drawn.divergences} divergent")
+    console.print(f"{chains * draws} draws in {chains} chains, {drawn.divergences} divergent")

@@ -1,0 +1,133 @@
+"""Weighted least squares over log-parameters, and intervals of the profile likelihood."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import OptimizeResult, brentq, least_squares
+
+from lightflyer.calibration.problem import Problem
+
+_INTERVAL_STEPS = 40  # growing steps that look for an interval's end
+
+
+@dataclass(frozen=True, eq=False)
+class LeastSquares:
+    """Sum of squared weighted residuals of log-irradiance.
+
+    Attributes
+    ----------
+    problem : Problem
+    weight : array, shape (n,)
+        Of each residual, one over its uncertainty.
+    """
+
+    problem: Problem
+    weight: np.ndarray
+
+    @property
+    def measured(self) -> np.ndarray:
+        """Measured log-irradiance, shape (n,)."""
+        return np.log(self.problem.points.irradiance)
+
+    def cost(self, parameters: np.ndarray) -> float:
+        """Sum of squared weighted residuals at log-parameters of shape (p,)."""
+        predicted, _, _ = self.problem.linearised(parameters)
+        return float(np.sum(((predicted - self.measured) * self.weight) ** 2))
+
+    def solve(
+        self, start: np.ndarray, held: int | None = None, value: float = np.nan
+    ) -> tuple[np.ndarray, float]:
+        """Log-parameters of least cost.
+
+        Parameters
+        ----------
+        start : array, shape (p,)
+        held : int, optional
+            Number of a parameter that is not fitted.
+        value : float
+            Its value.
+
+        Returns
+        -------
+        parameters : array, shape (p,)
+        cost : float
+        """
+        free = np.arange(start.size) != held
+        if not free.any():
+            parameters = np.array([value])
+            return parameters, self.cost(parameters)
+        cache: dict[bytes, Any] = {}
+
+        def whole(part: np.ndarray) -> np.ndarray:
+            parameters = np.where(free, 0.0, value)
+            parameters[free] = part
+            return parameters
+
+        def evaluate(part: np.ndarray) -> Any:
+            key = part.tobytes()
+            if key not in cache:
+                cache.clear()
+                cache[key] = self.problem.linearised(whole(part))
+            return cache[key]
+
+        found: OptimizeResult = least_squares(
+            lambda part: (evaluate(part)[0] - self.measured) * self.weight,
+            start[free],
+            jac=lambda part: evaluate(part)[1][:, free] * self.weight[:, None],
+            bounds=self.problem.bounds[:, free],
+            x_scale="jac",
+            ftol=1e-12,
+            xtol=1e-10,
+            gtol=1e-12,
+        )
+        return whole(found.x), 2.0 * float(found.cost)
+
+    def interval(
+        self, best: np.ndarray, limit: float, number: int, scale: float
+    ) -> tuple[float, float]:
+        """Where the profile of the cost over one log-parameter reaches a limit.
+
+        Parameters
+        ----------
+        best : array, shape (p,)
+            Log-parameters of least cost.
+        limit : float
+            Cost at the ends of the interval.
+        number : int
+            Number of the parameter.
+        scale : float
+            Its first-order standard uncertainty, for a first step.
+
+        Returns
+        -------
+        lower, upper : float
+            The parameter's bound where the profile stays below the limit.
+        """
+        lowest, highest = self.problem.bounds[:, number]
+        return (
+            self._interval_end(best, limit, number, -scale, lowest),
+            self._interval_end(best, limit, number, scale, highest),
+        )
+
+    def _interval_end(
+        self, best: np.ndarray, limit: float, number: int, step: float, bound: float
+    ) -> float:
+        start = best
+
+        def excess(value: float) -> float:
+            nonlocal start
+            start, cost = self.solve(start, number, value)
+            return cost - limit
+
+        clip: Callable[[float, float], float] = max if step < 0.0 else min
+        inside = float(best[number])
+        for _ in range(_INTERVAL_STEPS):
+            outside = clip(inside + 2.0 * step, bound)
+            if excess(outside) >= 0.0:
+                return float(brentq(excess, inside, outside, xtol=1e-5, rtol=1e-8))
+            if outside == bound:
+                return float(bound)
+            inside, step = outside, 1.5 * step
+        return inside

@@ -1,0 +1,306 @@
+"""A calibration's question: which numbers of a design are fitted to which points.
+
+The design is a constant of the compiled function, and the numbers it is asked at are arguments, so
+every fit of one design runs the same code.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from lightflyer.calibration.points import Points
+from lightflyer.calibration.targets import Target, target_of
+from lightflyer.flight.design import AbstractDesign
+from lightflyer.flight.levitation import levitate
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.precision import quick_entry_point
+
+DEFAULT_FREE = ("c_fm", "c_cont")
+"""What is fitted where nothing else is asked for."""
+
+SMALLEST, LARGEST = 1e-6, 1e6
+"""Range of a parameter where its own does not end; over its start where it has a unit."""
+
+UNREACHABLE = 50.0
+"""Log-irradiance that stands for "no irradiance levitates it"."""
+
+_INSIDE = 1e-6  # distance of the start from the upper bound, of the log-parameter
+
+
+Fields: TypeAlias = tuple[str, ...]
+"""Full names of numbers of a design that have one value."""
+
+
+class LevitationModel(eqx.Module):
+    """Irradiance to levitate of a design at points, as a function of the fitted parameters.
+
+    Attributes
+    ----------
+    design : AbstractDesign
+    prepared : object
+        What :meth:`~lightflyer.flight.design.AbstractDesign.build` needs of it.
+    targets : tuple of (tuple of str, float)
+        For each row of ``stated``, the numbers of the design that have its values, and the factor
+        from the values to the numbers.
+    stated : array, shape (rows, n)
+        Values at each point where nothing is fitted.
+    index : array, shape (rows, n)
+        Number of the parameter that is the value at each point, -1 where none is.
+    """
+
+    design: AbstractDesign = eqx.field(static=True)
+    prepared: Any
+    targets: tuple[tuple[Fields, float], ...] = eqx.field(static=True)
+    stated: np.ndarray
+    index: np.ndarray
+
+    def log_irradiance(self, log_parameters: Any, log_pressure: Any) -> jax.Array:
+        """Log-irradiance to levitate, to be traced in double precision.
+
+        Parameters
+        ----------
+        log_parameters : array, shape (p,)
+        log_pressure : array, shape (n,)
+            Logarithm of the gas pressure [Pa].
+
+        Returns
+        -------
+        array, shape (n,)
+            :data:`UNREACHABLE` where no irradiance suffices.
+        """
+        index = jnp.asarray(self.index).astype(int)
+        fitted = jnp.exp(log_parameters)[jnp.maximum(index, 0)]
+        rows = jnp.where(index >= 0, fitted, self.stated)
+        numbers = {
+            field: factor * row
+            for (fields, factor), row in zip(self.targets, rows, strict=True)
+            for field in fields
+        }
+        setup = self.design.build(numbers, self.prepared)
+        state = setup.environment.state(jnp.exp(log_pressure))
+        found = levitate(setup.flyer, state, setup.model, throw=False)
+        irradiance = jnp.where(found.levitates, found.irradiance, 1.0)
+        return jnp.where(found.levitates, jnp.log(irradiance), UNREACHABLE)
+
+
+@quick_entry_point
+def _linearised(
+    model: LevitationModel, log_parameters: Any, log_pressure: Any
+) -> tuple[jax.Array, jax.Array, jax.Array]:
+    # forward mode, one direction after another: a loop compiles once what vmap would compile wide
+    jacobian = jax.lax.map(
+        lambda direction: jax.jvp(
+            lambda x: model.log_irradiance(x, log_pressure), (log_parameters,), (direction,)
+        )[1],
+        jnp.eye(log_parameters.size),
+    ).T
+    value, slope = jax.jvp(
+        lambda x: model.log_irradiance(log_parameters, x),
+        (log_pressure,),
+        (jnp.ones_like(log_pressure),),
+    )
+    return value, jacobian, slope
+
+
+class Parameter(NamedTuple):
+    """A number that is fitted, at all points or at those of one sample.
+
+    Attributes
+    ----------
+    name : str
+        As asked for, such as ``"c_fm"`` or ``"emittance[Ge 2 cm]"``.
+    target : Target
+        Numbers of the design that it stands for.
+    chosen : bool array, shape (n,)
+        Points that it is about.
+    start : float
+        Where the fit starts.
+    """
+
+    name: str
+    target: Target
+    chosen: np.ndarray
+    start: float
+
+    @property
+    def log_bounds(self) -> tuple[float, float]:
+        """Range of the logarithm; infinite above where the number has no largest value."""
+        quantity = self.target.quantity
+        lowest = max(quantity.lowest, SMALLEST * self._scale)
+        return float(np.log(lowest)), float(np.log(quantity.highest))
+
+    @property
+    def log_prior_range(self) -> tuple[float, float]:
+        """Range of the logarithm, with an end where the number has no largest value."""
+        lower, upper = self.log_bounds
+        return lower, min(upper, float(np.log(LARGEST * self._scale)))
+
+    @property
+    def _scale(self) -> float:
+        return self.start if self.target.quantity.unit else 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What is fitted to what.
+
+    Attributes
+    ----------
+    points : Points
+    model : LevitationModel
+    parameters : tuple of Parameter
+    """
+
+    points: Points
+    model: LevitationModel
+    parameters: tuple[Parameter, ...]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the parameters."""
+        return [parameter.name for parameter in self.parameters]
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """Lower and upper bounds of the log-parameters, shape (2, p)."""
+        return np.array([parameter.log_bounds for parameter in self.parameters]).T
+
+    @property
+    def start(self) -> np.ndarray:
+        """Log-parameters from which the fit starts, shape (p,)."""
+        start = np.log([parameter.start for parameter in self.parameters])
+        lower, upper = self.bounds
+        return np.clip(start, lower, upper - _INSIDE)
+
+    def linearised(self, log_parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Model at the points, and how it changes.
+
+        Parameters
+        ----------
+        log_parameters : array, shape (p,)
+
+        Returns
+        -------
+        value : array, shape (n,)
+            Log-irradiance to levitate.
+        jacobian : array, shape (n, p)
+            Its derivatives with respect to the log-parameters.
+        slope : array, shape (n,)
+            Its derivative with respect to log-pressure.
+        """
+        log_pressure = np.log(self.points.pressure)
+        return _linearised(self.model, log_parameters, log_pressure)  # type: ignore[return-value]
+
+
+def problem_of(points: Points, design: AbstractDesign, free: Sequence[str]) -> Problem:
+    """Set up a calibration.
+
+    Parameters
+    ----------
+    points : Points
+    design : AbstractDesign
+    free : sequence of str
+        Names of the parameters.
+
+    Returns
+    -------
+    Problem
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or stands twice, there are fewer points than parameters, or the
+        coordinate of the environment is not the pressure.
+    """
+    if design.coordinate_name != "pressure":
+        raise ParameterError(
+            "calibration compares with points at known pressures; the coordinate of this "
+            f"environment is {design.coordinate_name}"
+        )
+    _require_enough(points, len(free))
+    columns = {name: target_of(design, name, describes_flyer=True) for name in points.properties}
+    stated = {target.fields: points.properties[name] for name, target in columns.items()}
+    parameters = tuple(_parameter(text, points, design, stated) for text in free)
+    targets = {target.fields: target for target in columns.values()}
+    targets |= {parameter.target.fields: parameter.target for parameter in parameters}
+    _require_separate(design, targets)
+    every = list(design.quantities)
+    model = LevitationModel(
+        design=design,
+        prepared=design.prepare({}) if design.costly(every) else None,
+        targets=tuple((target.fields, target.factor) for target in targets.values()),
+        stated=np.stack([_row(target, points, stated) for target in targets.values()]),
+        index=np.stack([_index(fields, points, parameters) for fields in targets]),
+    )
+    return Problem(points, model, parameters)
+
+
+def _require_enough(points: Points, parameters: int) -> None:
+    if not parameters:
+        raise ParameterError("no parameters to fit")
+    scatter = 0 if points.has_uncertainty else 1
+    if len(points) < parameters + scatter:
+        also = " and their scatter" if scatter else ""
+        raise ParameterError(
+            f"{points.source}: {len(points)} points cannot determine {parameters} parameters{also}"
+        )
+
+
+def _row(target: Target, points: Points, stated: Mapping[Fields, np.ndarray]) -> np.ndarray:
+    """Values of a target over the points: those of its column, or the design's own."""
+    own = np.nan if target.value is None else target.value
+    return np.asarray(stated.get(target.fields, np.full(len(points), own)), float)
+
+
+def _parameter(
+    text: str, points: Points, design: AbstractDesign, stated: Mapping[Fields, np.ndarray]
+) -> Parameter:
+    name, _, sample = text.partition("[")
+    name, sample = name.strip(), sample.removesuffix("]").strip()
+    try:
+        target = target_of(design, name)
+    except ParameterError as error:
+        raise ParameterError(f'"{name}" cannot be fitted: {error}') from None
+    costly = design.costly(list(target.fields))
+    if costly:
+        raise ParameterError(f'"{name}" changes the optics of layers: too costly to fit')
+    chosen = points.of(sample) if sample else np.ones(len(points), bool)
+    if not chosen.any():
+        samples = ", ".join(dict.fromkeys(points.samples))
+        raise ParameterError(
+            f'{text}: {points.source} has no sample "{sample}"; choose from {samples}'
+        )
+    values = _row(target, points, stated)[chosen]
+    if not np.all(values > 0.0):
+        known = "has no value" if target.value is None else f"is {np.min(values):g}"
+        raise ParameterError(
+            f'"{name}" {known} at the start; a parameter starts from a positive value'
+        )
+    return Parameter(text, target, chosen, float(np.exp(np.mean(np.log(values)))))
+
+
+def _index(fields: Fields, points: Points, parameters: Sequence[Parameter]) -> np.ndarray:
+    """Number of the parameter that is the value of some fields at each point, -1 for none."""
+    index = np.full(len(points), -1.0)
+    for number, parameter in enumerate(parameters):
+        if parameter.target.fields == fields:
+            if np.any(index[parameter.chosen] >= 0.0):
+                raise ParameterError(f"{parameter.name} is fitted twice")
+            index[parameter.chosen] = number
+    return index
+
+
+def _require_separate(design: AbstractDesign, targets: Mapping[Fields, Target]) -> None:
+    """Raise where two names set the same number of the design, each in its own way."""
+    fields = [field for group in targets for field in group]
+    both = design.conflict(fields)
+    if both is not None:
+        raise ParameterError(f"{both[0]} and {both[1]} cannot both be given")
+    for field in fields:
+        if fields.count(field) > 1:
+            raise ParameterError(f"{field} is given twice, by itself and for both faces")

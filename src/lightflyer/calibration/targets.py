@@ -1,0 +1,124 @@
+"""Names that points and users give, as numbers of a design.
+
+A name is that of a number in full (``"force.c_fm"``, ``"flyer.film.tac_top"``) or its end, from a
+dot on (``"film.tac_top"``, ``"tac_top"``), where only one number ends so. Two names stand for
+numbers that are called otherwise in some designs: :data:`ALIASES`, and a name whose number exists
+once for the top and once for the bottom, such as ``"emittance"``.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import NamedTuple
+
+from lightflyer.flight.design import AbstractDesign
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.quantity import Quantity
+
+ALIASES = {"diameter": ("radius", 0.5)}
+"""Names that points have for numbers of other names, with the factor between them."""
+
+FACES = ("top", "bottom")
+"""Faces that share a number given without a face."""
+
+_FLYER_PARTS = ("flyer", "film")  # first parts of the names of numbers that describe a flyer
+
+
+class Target(NamedTuple):
+    """Numbers of a design that one name stands for.
+
+    Attributes
+    ----------
+    fields : tuple of str
+        Full names of the numbers, which all get the same value.
+    factor : float
+        What turns a value of the name into theirs.
+    quantity : Quantity
+        Unit and range of a value of the name.
+    value : float or None
+        The design's own, None where it has none.
+    """
+
+    fields: tuple[str, ...]
+    factor: float
+    quantity: Quantity
+    value: float | None
+
+
+def target_of(design: AbstractDesign, name: str, *, describes_flyer: bool = False) -> Target:
+    """Numbers of a design that a name stands for.
+
+    Parameters
+    ----------
+    design : AbstractDesign
+    name : str
+    describes_flyer : bool
+        Whether only numbers of the flyer are meant, as in columns of points.
+
+    Returns
+    -------
+    Target
+
+    Raises
+    ------
+    ParameterError
+        If no number has the name or several have.
+    """
+    known = [
+        field
+        for field in design.quantities
+        if not describes_flyer or field.partition(".")[0] in _FLYER_PARTS
+    ]
+    field = _only(known, name)
+    if field is not None:
+        value = design.number(field)
+        if value is None:
+            value = _mean(design, _faces(known, name))
+        return Target((field,), 1.0, design.quantities[field], value)
+    part, dot, last = name.rpartition(".")
+    if last in ALIASES:
+        other, factor = ALIASES[last]
+        field = _only(known, f"{part}{dot}{other}")
+        if field is not None:
+            value = design.number(field)
+            own = None if value is None else value / factor
+            return Target((field,), factor, _scaled(design.quantities[field], factor), own)
+    faces = _faces(known, name)
+    if faces:
+        return Target(faces, 1.0, design.quantities[faces[0]], _mean(design, faces))
+    raise ParameterError(_why_unknown(design, name))
+
+
+def _only(known: Iterable[str], name: str) -> str | None:
+    """The number that has a name, None where none has."""
+    found = [field for field in known if field == name]
+    found = found or [field for field in known if field.endswith(f".{name}")]
+    if len(found) > 1:
+        raise ParameterError(f'"{name}" is ambiguous: {", ".join(found)}')
+    return found[0] if found else None
+
+
+def _faces(known: Iterable[str], name: str) -> tuple[str, ...]:
+    """Numbers of both faces that a name without a face stands for; empty where there are none."""
+    found = tuple(_only(known, f"{name}_{face}") for face in FACES)
+    return tuple(field for field in found if field is not None) if all(found) else ()
+
+
+def _scaled(quantity: Quantity, factor: float) -> Quantity:
+    return replace(quantity, lowest=quantity.lowest / factor, highest=quantity.highest / factor)
+
+
+def _mean(design: AbstractDesign, fields: tuple[str, ...]) -> float | None:
+    values = [design.number(field) for field in fields]
+    given = [value for value in values if value is not None]
+    return math.fsum(given) / len(given) if given and len(given) == len(values) else None
+
+
+def _why_unknown(design: AbstractDesign, name: str) -> str:
+    if name == design.coordinate_name:
+        return f"{name} is the coordinate of the points"
+    try:
+        design.field(name)
+    except ConfigurationError as error:
+        return str(error)
+    return f"{name} does not describe the flyer"

@@ -23,15 +23,15 @@ def test_a_file_becomes_the_objects_it_describes(flyer_file):
     setup = lf.read_flyer_file(flyer_file()).build()
     assert setup.flyer.radius == 0.01
     assert setup.flyer.film.areal_density == pytest.approx(1e-3)
-    assert isinstance(setup.environment.atmosphere, lf.Lu2023Atmosphere)
+    assert isinstance(setup.environment.atmosphere, lf.environment.Lu2023Atmosphere)
     assert setup.environment.radiation.irradiance == 1360.0
-    assert setup.model.reading == lf.REPORTED
+    assert setup.model.reading == lf.force.REPORTED
 
 
 def test_the_same_in_python_and_the_defaults():
     setup = lf.FlyerFile(**MINIMAL).build()
     assert isinstance(setup.environment, lf.Earth)
-    assert isinstance(setup.environment.atmosphere, lf.US1976)
+    assert isinstance(setup.environment.atmosphere, lf.environment.US1976)
     assert setup.environment.radiation.incidence == 0.0
     assert isinstance(setup.model, lf.Lu2023)
     assert setup.coordinate_range == (None, None)
@@ -39,12 +39,12 @@ def test_the_same_in_python_and_the_defaults():
 
 def test_paper_atmosphere_implies_gas_gravity_and_rounding_unless_given(flyer_file):
     implied = lf.read_flyer_file(flyer_file()).build().environment
-    assert implied.gas is lf.LU2023_AIR
+    assert implied.gas is lf.gas.LU2023_AIR
     assert implied.gravity == 9.8
     assert implied.radiation.stefan_boltzmann == 5.67e-8
     text = 'incidence = "0 deg"\ngas = "air"\ngravity = "9.7 m/s^2"'
     given_ = lf.read_flyer_file(flyer_file('incidence = "0 deg"', text)).build().environment
-    assert given_.gas is lf.AIR
+    assert given_.gas is lf.gas.AIR
     assert given_.gravity == pytest.approx(9.7)
 
 
@@ -92,7 +92,7 @@ def test_other_force_models(flyer_file, model):
     text = path.read_text().partition("[force]")[0] + f'[force]\nmodel = "{model}"\n'
     path.write_text(text)
     assert isinstance(
-        lf.read_flyer_file(path).build().model, lf.FreeMolecular | lf.LinearFreeMolecular
+        lf.read_flyer_file(path).build().model, lf.FreeMolecular | lf.force.LinearFreeMolecular
     )
 
 

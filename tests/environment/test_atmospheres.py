@@ -22,7 +22,7 @@ def offline(monkeypatch):
 
 @pytest.fixture
 def nrlmsis(offline):
-    return lf.NRLMSIS(MIDSUMMER, latitude=40.0, longitude=-75.0, f107=150.0, ap=4.0)
+    return lf.environment.NRLMSIS(MIDSUMMER, latitude=40.0, longitude=-75.0, f107=150.0, ap=4.0)
 
 
 def hydrostatic_error(atmosphere, altitudes, gas_constant, gravity, step=10.0):
@@ -39,7 +39,7 @@ def standard_gravity(altitude):
 
 
 def test_paper_atmosphere_check_values():
-    atmosphere = lf.Lu2023Atmosphere()
+    atmosphere = lf.environment.Lu2023Atmosphere()
     heights = np.array([50e3, 70e3, 100e3])
     np.testing.assert_allclose(atmosphere.pressure(heights), [75.888, 4.71544, 0.025051], rtol=1e-5)
     assert atmosphere.temperature(70e3) == pytest.approx(220.0640, rel=2e-7)
@@ -47,14 +47,14 @@ def test_paper_atmosphere_check_values():
 
 def test_paper_atmosphere_is_hydrostatic():
     altitudes = np.linspace(1e3, 119e3, 60)
-    error = hydrostatic_error(lf.Lu2023Atmosphere(), altitudes, 287.05, 9.8)
+    error = hydrostatic_error(lf.environment.Lu2023Atmosphere(), altitudes, 287.05, 9.8)
     assert np.abs(error).max() < 1e-5
 
 
 def test_standard_atmosphere_is_hydrostatic_through_every_layer():
     altitudes = np.linspace(0.5e3, 150e3, 300)
     error = hydrostatic_error(
-        lf.US1976(), altitudes, 8314.32 / 28.9644, standard_gravity(altitudes)
+        lf.environment.US1976(), altitudes, 8314.32 / 28.9644, standard_gravity(altitudes)
     )
     # exact below 80 km; the table above 86 km has four to five digits
     assert np.abs(error[altitudes < 79e3]).max() < 2e-4
@@ -62,7 +62,7 @@ def test_standard_atmosphere_is_hydrostatic_through_every_layer():
 
 
 def test_standard_atmosphere_is_continuous_at_its_seams():
-    atmosphere = lf.US1976()
+    atmosphere = lf.environment.US1976()
     for seam in (80e3, 86e3, 91e3, 110e3, 120e3):
         for quantity in (atmosphere.temperature, atmosphere.pressure, atmosphere.molar_mass_ratio):
             below, above = quantity(seam - 1e-3), quantity(seam + 1e-3)
@@ -82,10 +82,10 @@ def test_nrlmsis_matches_pymsis_between_its_nodes_without_network(nrlmsis):
 
 
 def test_nrlmsis_resembles_the_standard_and_knows_the_season(nrlmsis):
-    standard = lf.US1976()
+    standard = lf.environment.US1976()
     assert nrlmsis.pressure(50e3) == pytest.approx(standard.pressure(50e3), rel=0.3)
-    winter = lf.NRLMSIS(datetime.datetime(2024, 12, 21, 12), 65.0, 0.0, 150.0, 4.0)
-    summer = lf.NRLMSIS(datetime.datetime(2024, 6, 21, 12), 65.0, 0.0, 150.0, 4.0)
+    winter = lf.environment.NRLMSIS(datetime.datetime(2024, 12, 21, 12), 65.0, 0.0, 150.0, 4.0)
+    summer = lf.environment.NRLMSIS(datetime.datetime(2024, 6, 21, 12), 65.0, 0.0, 150.0, 4.0)
     # the polar summer mesopause is the coldest place on Earth
     assert summer.temperature(87e3) < winter.temperature(87e3) - 30.0
 
@@ -94,7 +94,7 @@ def test_nrlmsis_takes_time_zones(offline):
     eastern = datetime.timezone(datetime.timedelta(hours=-5))
     aware = datetime.datetime(2024, 6, 21, 7, tzinfo=eastern)
     place = {"latitude": 40.0, "longitude": -75.0, "f107": 150.0, "ap": 4.0}
-    same = lf.NRLMSIS(MIDSUMMER, **place), lf.NRLMSIS(aware, **place)
+    same = lf.environment.NRLMSIS(MIDSUMMER, **place), lf.environment.NRLMSIS(aware, **place)
     assert same[0].temperature(90e3) == same[1].temperature(90e3)
 
 
@@ -104,16 +104,16 @@ def test_nrlmsis_takes_time_zones(offline):
 def test_nrlmsis_rejects_impossible_arguments(name, value):
     arguments = {"latitude": 0.0, "longitude": 0.0, "f107": 150.0, "ap": 4.0, name: value}
     with pytest.raises(lf.ParameterError, match=name):
-        lf.NRLMSIS(MIDSUMMER, **arguments)
+        lf.environment.NRLMSIS(MIDSUMMER, **arguments)
 
 
 def test_missing_pymsis_names_the_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "pymsis", None)
     with pytest.raises(lf.MissingExtraError, match=r"lightflyer\[nrlmsis\]"):
-        lf.NRLMSIS(MIDSUMMER, 0.0, 0.0, 150.0, 4.0)
+        lf.environment.NRLMSIS(MIDSUMMER, 0.0, 0.0, 150.0, 4.0)
 
 
-@pytest.mark.parametrize("atmosphere", [lf.US1976(), lf.Lu2023Atmosphere()])
+@pytest.mark.parametrize("atmosphere", [lf.environment.US1976(), lf.environment.Lu2023Atmosphere()])
 def test_outside_the_range_concrete_raises_and_traced_is_nan(atmosphere):
     earth = lf.Earth(atmosphere=atmosphere)
     beyond = atmosphere.altitude_range[1] + 1.0
@@ -152,4 +152,4 @@ def test_chamber_states():
 def test_radiation_rejects_the_impossible():
     for bad in ({"irradiance": -1.0}, {"incidence": 2.0}, {"albedo": 1.1}, {"infrared_top": -1.0}):
         with pytest.raises(lf.ParameterError, match=next(iter(bad))):
-            lf.Radiation(**bad)
+            lf.environment.Radiation(**bad)

@@ -3,11 +3,19 @@ import pytest
 import tmm
 
 import lightflyer as lf
-from lightflyer.film.averages import absorptance, emittance, emittance_curve
-from lightflyer.film.emittance import EmittanceCurve, evaluate
-from lightflyer.film.materials import material, tabulated_material
-from lightflyer.film.spectra import Spectrum, am0, planck
-from lightflyer.film.stack import Film, Layer
+from lightflyer.film import (
+    EmittanceCurve,
+    Film,
+    Layer,
+    Spectrum,
+    absorptance,
+    am0,
+    emittance,
+    emittance_curve,
+    material,
+    planck,
+    tabulated_material,
+)
 
 TEMPERATURES = np.array([200.0, 300.0, 441.0, 1000.0])
 
@@ -99,10 +107,10 @@ def test_the_curve_follows_the_emittance_everywhere():
     curve = emittance_curve(nominal(), "bottom")
     between = np.geomspace(100.0, 1500.0, 37)
     np.testing.assert_allclose(
-        evaluate(curve, between), emittance(nominal(), between, side="bottom").value, rtol=1e-5
+        curve(between), emittance(nominal(), between, side="bottom").value, rtol=1e-5
     )
     # held beyond its ends
-    ends = evaluate(curve, np.array([50.0, 100.0, 1500.0, 2500.0]))
+    ends = curve(np.array([50.0, 100.0, 1500.0, 2500.0]))
     assert ends[0] == ends[1]
     assert ends[2] == ends[3]
 
@@ -134,7 +142,7 @@ def test_the_heat_balance_closes_with_a_curve(irradiance, altitude):
     balance = lf.equilibrium(flyer(curve, curve), state, lf.Lu2023())
     area, sigma = np.pi * 0.01**2, constants_sigma()
     hot, cold = float(balance.temperature), float(state.temperature)
-    emitted = [evaluate(curve, np.array(t)) * t**4 for t in (hot, cold)]
+    emitted = [curve(np.array(t)) * t**4 for t in (hot, cold)]
     expected = 2.0 * area * sigma * (emitted[0] - emitted[1])
     scale = max(abs(expected), 1e-6 * float(balance.absorbed_power))
     assert balance.radiated_power == pytest.approx(expected, abs=1e-6 * scale + 1e-12 * area * 500)

@@ -2,13 +2,14 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.film.materials import (
+from lightflyer.film import (
+    Film,
+    Layer,
     material,
     material_from_csv,
     material_names,
     tabulated_material,
 )
-from lightflyer.film.stack import Film, Layer
 
 
 @pytest.mark.parametrize("name", material_names())

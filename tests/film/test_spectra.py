@@ -3,7 +3,7 @@ import pytest
 from scipy.integrate import quad
 
 import lightflyer as lf
-from lightflyer.film.spectra import (
+from lightflyer.film import (
     Spectrum,
     am0,
     blackbody_fraction,

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.film.materials import tabulated_material
-from lightflyer.film.stack import Film, Layer
-from lightflyer.film.transfer import stack_optics
+from lightflyer.film import Film, Layer, stack_optics, tabulated_material
 
 
 def random_stack(rng, layers=4):

@@ -1,3 +1,5 @@
+from typing import ClassVar
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
@@ -9,102 +11,110 @@ import lightflyer as lf
 PRESSURES = np.geomspace(1e-3, 1e3, 7)
 MODELS = [
     lf.FreeMolecular(),
-    lf.LinearFreeMolecular(),
+    lf.force.LinearFreeMolecular(),
     lf.Lu2023(),
-    lf.Lu2023(reading=lf.PRINTED),
+    lf.Lu2023(reading=lf.force.PRINTED),
 ]
 
 
 def state_at(pressure, temperature=220.0):
-    return lf.EnvironmentState(pressure, temperature, 9.8, lf.LU2023_AIR, lf.Radiation())
+    return lf.environment.EnvironmentState(
+        pressure, temperature, 9.8, lf.gas.LU2023_AIR, lf.environment.Radiation()
+    )
 
 
-@pytest.mark.parametrize("reading", [lf.PRINTED, lf.REPORTED])
+@pytest.mark.parametrize("reading", [lf.force.PRINTED, lf.force.REPORTED])
 def test_paper_model_against_its_equations_in_numpy(disk, reading):
     cold, hot = 220.0, np.linspace(230.0, 600.0, 9)[:, None]
-    model, reported = lf.Lu2023(reading=reading), reading is lf.REPORTED
+    model, reported = lf.Lu2023(reading=reading), reading is lf.force.REPORTED
     state, excess = state_at(PRESSURES, cold), hot / cold - 1.0
     heat = numpy_model.lost_power(hot, cold, PRESSURES, 0.01, 0.85, 0.0, reported=reported)
-    np.testing.assert_allclose(model.heat_loss(disk, state, excess), heat, rtol=1e-12)
+    np.testing.assert_allclose(model.heat_loss(disk, state, (excess,))[0], heat, rtol=1e-12)
     force = numpy_model.force(hot, cold, PRESSURES, 0.01, 0.8, 0.9, reported=reported)
-    np.testing.assert_allclose(model.force(disk, state, excess), force, rtol=1e-12)
+    np.testing.assert_allclose(model.force(disk, state, (excess,)), force, rtol=1e-12)
 
 
 def test_identity_between_linear_force_and_heat(disk):
     state, excess = state_at(PRESSURES), 0.3
-    model, film = lf.LinearFreeMolecular(), disk.film
+    model, film = lf.force.LinearFreeMolecular(), disk.film
     gamma = 1.4
-    heat = model.heat_loss(disk, state, excess)
+    heat = model.heat_loss(disk, state, (excess,))[0]
     through_heat = (
         heat
-        / lf.LU2023_AIR.mean_speed(220.0)
+        / lf.gas.LU2023_AIR.mean_speed(220.0)
         * (gamma - 1) / (gamma + 1)
         * film.tac_difference / film.tac_mean
     )  # fmt: skip
-    np.testing.assert_allclose(model.force(disk, state, excess), through_heat, rtol=1e-13)
+    np.testing.assert_allclose(model.force(disk, state, (excess,)), through_heat, rtol=1e-13)
 
 
 def test_exact_force_becomes_linear_for_small_differences(disk):
     state = state_at(1.0)
-    exact, linear = lf.FreeMolecular(), lf.LinearFreeMolecular()
+    exact, linear = lf.FreeMolecular(), lf.force.LinearFreeMolecular()
     for excess in (1e-3, 1e-6, 1e-12):
-        ratio = exact.force(disk, state, excess) / linear.force(disk, state, excess)
+        ratio = exact.force(disk, state, (excess,)) / linear.force(disk, state, (excess,))
         assert ratio == pytest.approx(1.0, rel=excess)
 
 
 @pytest.mark.parametrize(("excess", "overestimate"), [(0.57, 1.20), (1.2, 1.40)])
 def test_linear_force_overestimates_by_the_stated_amount(disk, excess, overestimate):
     state = state_at(1.0)
-    linear = lf.LinearFreeMolecular().force(disk, state, excess)
-    exact = lf.FreeMolecular().force(disk, state, excess)
+    linear = lf.force.LinearFreeMolecular().force(disk, state, (excess,))
+    exact = lf.FreeMolecular().force(disk, state, (excess,))
     assert linear / exact == pytest.approx(overestimate, abs=0.03)
 
 
 def test_exact_force_is_the_difference_of_square_roots(disk):
     excess = np.linspace(-0.5, 2.0, 11)
     expected = 0.5 * np.pi * 0.01**2 * (np.sqrt(1 + 0.9 * excess) - np.sqrt(1 + 0.8 * excess))
-    found = lf.FreeMolecular().force(disk, state_at(1.0), excess)
+    found = lf.FreeMolecular().force(disk, state_at(1.0), (excess,))
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-18)
 
 
 def test_both_limits_of_the_interpolation(disk):
     excess = 0.4
     thin, dense = state_at(1e-6), state_at(1e7)
-    model = lf.Lu2023(c_fm=1.0, c_cont=1.0, reading=lf.PRINTED)
-    linear = lf.LinearFreeMolecular()
-    assert model.force(disk, thin, excess) == pytest.approx(
-        linear.force(disk, thin, excess), rel=1e-6, abs=0.0
+    model = lf.Lu2023(c_fm=1.0, c_cont=1.0, reading=lf.force.PRINTED)
+    linear = lf.force.LinearFreeMolecular()
+    assert model.force(disk, thin, (excess,)) == pytest.approx(
+        linear.force(disk, thin, (excess,)), rel=1e-6, abs=0.0
     )
     # the printed heat loss takes the speed at the mean temperature
-    assert model.heat_loss(disk, thin, excess) * np.sqrt(1.2) == pytest.approx(
-        linear.heat_loss(disk, thin, excess), rel=1e-6, abs=0.0
+    assert model.heat_loss(disk, thin, (excess,))[0] * np.sqrt(1.2) == pytest.approx(
+        linear.heat_loss(disk, thin, (excess,))[0], rel=1e-6, abs=0.0
     )
     # continuum without convection: 8 r kappa dT at the mean temperature
     still = eqx.tree_at(lambda state: state.gravity, dense, 1e-30)
     conductivity = numpy_model.conductivity(220.0 * 1.2)
-    assert model.heat_loss(disk, still, excess) == pytest.approx(
+    assert model.heat_loss(disk, still, (excess,))[0] == pytest.approx(
         8 * 0.01 * conductivity * 220.0 * excess, rel=1e-4
     )
     # and force inversely proportional to pressure squared
-    ratio = model.force(disk, state_at(1e7), excess) / model.force(disk, state_at(2e7), excess)
+    ratio = model.force(disk, state_at(1e7), (excess,)) / model.force(
+        disk, state_at(2e7), (excess,)
+    )
     assert ratio == pytest.approx(4.0, rel=1e-4)
 
 
 def test_force_coefficients_scale_the_limits(disk):
     thin, dense = state_at(1e-6), state_at(1e7)
     one, other = lf.Lu2023(1.0, 1.0), lf.Lu2023(0.4, 3.0)
-    assert other.force(disk, thin, 0.4) / one.force(disk, thin, 0.4) == pytest.approx(0.4, rel=1e-5)
-    assert other.force(disk, dense, 0.4) / one.force(disk, dense, 0.4) == pytest.approx(3, rel=1e-5)
+    assert other.force(disk, thin, (0.4,)) / one.force(disk, thin, (0.4,)) == pytest.approx(
+        0.4, rel=1e-5
+    )
+    assert other.force(disk, dense, (0.4,)) / one.force(disk, dense, (0.4,)) == pytest.approx(
+        3, rel=1e-5
+    )
 
 
 @pytest.mark.parametrize("model", MODELS)
 def test_what_the_solvers_rely_on(disk, model):
     state = state_at(PRESSURES[:, None])
     excess = np.concatenate([-np.geomspace(0.9, 1e-9, 30), [0.0], np.geomspace(1e-9, 10, 60)])
-    heat = model.heat_loss(disk, state, excess)
+    heat = model.heat_loss(disk, state, (excess,))[0]
     assert np.all(np.diff(heat, axis=1) > 0.0)
     assert np.all(heat[:, 30] == 0.0)
-    force = model.force(disk, state, excess[31:])
+    force = model.force(disk, state, (excess[31:],))
     assert np.all(np.diff(force, axis=1) > 0.0)
 
 
@@ -112,21 +122,22 @@ def test_what_the_solvers_rely_on(disk, model):
 def test_swapping_the_faces_reverses_the_force_and_not_the_heat(film, model):
     swapped = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.9, tac_bottom=0.8)
     disks, state = (lf.Disk(film, 0.01), lf.Disk(swapped, 0.01)), state_at(3.0)
-    forces = [model.force(disk, state, 0.5) for disk in disks]
-    heats = [model.heat_loss(disk, state, 0.5) for disk in disks]
+    forces = [model.force(disk, state, (0.5,)) for disk in disks]
+    heats = [model.heat_loss(disk, state, (0.5,))[0] for disk in disks]
     assert forces[0] == pytest.approx(-forces[1], rel=1e-14)
     assert heats[0] == pytest.approx(heats[1], rel=1e-14)
 
 
 def test_a_users_own_model_is_one_small_class(disk):
     class HalfOfFreeMolecular(lf.AbstractForceModel):
+        flyers: ClassVar = (lf.Disk,)
         share: float = 0.5
 
-        def heat_loss(self, flyer, state, excess):
-            return lf.FreeMolecular().heat_loss(flyer, state, excess)
+        def heat_loss(self, flyer, state, unknowns):
+            return lf.FreeMolecular().heat_loss(flyer, state, unknowns)
 
-        def force(self, flyer, state, excess):
-            return self.share * lf.FreeMolecular().force(flyer, state, excess)
+        def force(self, flyer, state, unknowns):
+            return self.share * lf.FreeMolecular().force(flyer, state, unknowns)
 
     state = lf.Earth().state(72e3)
     mine, reference = HalfOfFreeMolecular(), lf.FreeMolecular()

@@ -6,10 +6,15 @@ import numpy as np
 from jax.test_util import check_grads
 
 import lightflyer as lf
-from lightflyer.film.averages import absorptance, emittance, emittance_curve
-from lightflyer.film.materials import material
-from lightflyer.film.stack import Film, Layer
-from lightflyer.film.transfer import stack_optics
+from lightflyer.film import (
+    Film,
+    Layer,
+    absorptance,
+    emittance,
+    emittance_curve,
+    material,
+    stack_optics,
+)
 
 # n and k of two layers, thickness / 100 nm, wavelength / 500 nm, incidence
 POINT = np.array([1.7, 3.5, 0.02, 0.8, 1.3, 0.4, 1.1, 0.7])

@@ -11,9 +11,9 @@ import lightflyer as lf
 
 MODELS = {
     "free-molecular": lf.FreeMolecular(),
-    "linear": lf.LinearFreeMolecular(),
+    "linear": lf.force.LinearFreeMolecular(),
     "reported": lf.Lu2023(),
-    "printed": lf.Lu2023(reading=lf.PRINTED),
+    "printed": lf.Lu2023(reading=lf.force.PRINTED),
 }
 # radius, areal density, absorptance, emittance, top TAC, bottom TAC, pressure, temperature,
 # irradiance: each at several points of the operating range
@@ -29,8 +29,8 @@ POINTS = np.array(
 def build(x):
     radius, areal_density, absorptance, emittance, top, bottom, pressure, temperature, light = x
     film = lf.FilmProperties(areal_density, absorptance, emittance, emittance, top, bottom)
-    radiation = lf.Radiation(light, 0.3, infrared_bottom=200.0, albedo=0.2)
-    state = lf.EnvironmentState(pressure, temperature, 9.6, lf.AIR, radiation)
+    radiation = lf.environment.Radiation(light, 0.3, infrared_bottom=200.0, albedo=0.2)
+    state = lf.environment.EnvironmentState(pressure, temperature, 9.6, lf.gas.AIR, radiation)
     return lf.Disk(film, radius, payload=1e-9), state
 
 
@@ -98,7 +98,7 @@ def test_jit_and_vmap_equal_the_plain_call():
     np.testing.assert_allclose(mapped, plain, rtol=1e-10)
 
 
-@pytest.mark.parametrize("atmosphere", [lf.US1976(), lf.Lu2023Atmosphere()])
+@pytest.mark.parametrize("atmosphere", [lf.environment.US1976(), lf.environment.Lu2023Atmosphere()])
 @pytest.mark.parametrize("altitude", [5e3, 31e3, 72e3, 83.2e3, 96e3, 106e3, 119e3])
 def test_atmospheres(atmosphere, altitude):
     for quantity in (atmosphere.temperature, atmosphere.pressure, atmosphere.molar_mass_ratio):
@@ -110,7 +110,7 @@ def test_atmospheres(atmosphere, altitude):
         assert slope == pytest.approx(rise / (2 * step), rel=1e-4, abs=1e-12)
 
 
-@pytest.mark.parametrize("gas", [lf.AIR, lf.LU2023_AIR])
+@pytest.mark.parametrize("gas", [lf.gas.AIR, lf.gas.LU2023_AIR])
 def test_gases(gas):
     for quantity in (gas.viscosity, gas.conductivity, gas.heat_capacity, gas.mean_speed):
         with lf.float64():
@@ -135,8 +135,8 @@ def test_derivative_in_the_dark_is_that_of_a_faint_light():
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
 
     def temperature(light):
-        radiation = lf.Radiation(light)
-        state = lf.EnvironmentState(3.0, 215.0, 9.6, lf.AIR, radiation)
+        radiation = lf.environment.Radiation(light)
+        state = lf.environment.EnvironmentState(3.0, 215.0, 9.6, lf.gas.AIR, radiation)
         return lf.equilibrium(lf.Disk(film, 0.01), state, lf.FreeMolecular()).temperature
 
     with lf.float64():

@@ -152,9 +152,9 @@ def test_model_and_calibration(truth, rng):
     setup = Setup(Disk(film, radius=0.02), Chamber(), Lu2023(0.5, 2.0))
     points = draw(truth, rng, 16, 0.01)
     points.properties.update(emittance=0.08, diameter=0.02)
-    fit, better = calibrate_curves([levitation_curve(points, draws=100)], setup)
+    fit = calibrate_curves([levitation_curve(points, draws=100)], setup)
     np.testing.assert_allclose(fit.values, [0.4, 3.0], rtol=0.1)
-    pressure, light = model_curve(points, better)
+    pressure, light = model_curve(points, fit.setup)
     inside = (pressure > RANGE[0]) & (pressure < RANGE[1])
     np.testing.assert_allclose(
         np.log(light[inside]), np.interp(np.log(pressure[inside]), *truth), atol=0.05

@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 import tmm
 
-from lightflyer.film.transfer import stack_optics
+from lightflyer.film import stack_optics
 
 STACKS = 200
 MOST_LAYERS = 8

@@ -43,7 +43,7 @@ PUBLISHED_ABOVE = [
 @pytest.mark.parametrize("row", PUBLISHED, ids=lambda row: f"{row[0]}m")
 def test_published_rows_to_86_km(row):
     altitude, *expected = row
-    atmosphere = lf.US1976()
+    atmosphere = lf.environment.US1976()
     quantities = ("temperature", "pressure", "density", "viscosity", "mean_free_path")
     for name, value in zip(quantities, expected, strict=True):
         if value is not None:
@@ -55,7 +55,7 @@ def test_published_rows_to_86_km(row):
 @pytest.mark.parametrize("row", PUBLISHED_ABOVE, ids=lambda row: f"{row[0] / 1e3:g}km")
 def test_published_rows_above_86_km(row):
     altitude, temperature, pressure, molar_mass = row
-    atmosphere = lf.US1976()
+    atmosphere = lf.environment.US1976()
     assert atmosphere.temperature(altitude) == pytest.approx(temperature, rel=3e-5)
     assert atmosphere.pressure(altitude) == pytest.approx(pressure, rel=2e-5)
     ratio = atmosphere.molar_mass_ratio(altitude)
@@ -66,13 +66,13 @@ def test_rows_left_out_of_the_interpolation_above_86_km():
     # table I rows that the package's table does not hold
     heights = np.array([170e3, 220e3, 260e3])
     published = np.array([2.1210e-4, 5.0149e-5, 1.9894e-5])
-    np.testing.assert_allclose(lf.US1976().pressure(heights), published, rtol=1e-3)
+    np.testing.assert_allclose(lf.environment.US1976().pressure(heights), published, rtol=1e-3)
 
 
 def test_every_hundred_metres_against_fluids():
     altitudes = np.arange(0.0, 80e3, 100.0)
     other = [fluids.atmosphere.ATMOSPHERE_1976(z) for z in altitudes]
-    atmosphere = lf.US1976()
+    atmosphere = lf.environment.US1976()
     for name, theirs in (("temperature", "T"), ("pressure", "P"), ("density", "rho")):
         expected = [getattr(row, theirs) for row in other]
         np.testing.assert_allclose(getattr(atmosphere, name)(altitudes), expected, rtol=TOLERANCE)
@@ -85,7 +85,7 @@ def test_every_hundred_metres_against_ambiance():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         other = ambiance.Atmosphere(altitudes)
-    atmosphere = lf.US1976()
+    atmosphere = lf.environment.US1976()
     np.testing.assert_allclose(atmosphere.temperature(altitudes), other.temperature, rtol=TOLERANCE)
     np.testing.assert_allclose(atmosphere.pressure(altitudes), other.pressure, rtol=2 * TOLERANCE)
     # ICAO's Avogadro constant is 7e-5 larger than the standard's
@@ -99,5 +99,5 @@ def test_kinetic_differs_from_molecular_scale_temperature_above_80_km():
     # fluids gives the molecular-scale temperature; the ratio of table 8 turns it into kinetic
     for altitude, ratio in ((83e3, 0.999870), (85e3, 0.999694), (86e3, 0.999579)):
         molecular_scale = fluids.atmosphere.ATMOSPHERE_1976(altitude).T
-        found = lf.US1976().temperature(altitude)
+        found = lf.environment.US1976().temperature(altitude)
         assert found == pytest.approx(molecular_scale * ratio, rel=1e-6)

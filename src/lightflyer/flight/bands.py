@@ -11,6 +11,7 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from lightflyer.environment.base import AbstractEnvironment
@@ -226,7 +227,7 @@ def scan(function: Callable[[Array], Array], grid: Array) -> tuple[Array, Array,
         lower, upper = ends
         points = lower + fractions * (upper - lower)
         values = function(points)
-        best = jnp.argmax(jnp.where(jnp.isnan(values), -jnp.inf, values), axis=0)
+        best = _first_largest(jnp.where(jnp.isnan(values), -jnp.inf, values))
 
         def at(table: Array, index: Array) -> Array:
             return jnp.take_along_axis(table, index[None], axis=0)[0]
@@ -243,10 +244,26 @@ def scan(function: Callable[[Array], Array], grid: Array) -> tuple[Array, Array,
 def _with_point(grid: Array, values: Array, point: Array, value: Array) -> tuple[Array, Array]:
     """Insert one more coordinate and value into each element's table."""
     columns = jnp.broadcast_to(grid.reshape(-1, *[1] * point.ndim), values.shape)
-    coordinates = jnp.concatenate([columns, point[None]])
-    order = jnp.argsort(coordinates, axis=0)
-    values = jnp.concatenate([values, value[None]])
-    return jnp.take_along_axis(coordinates, order, 0), jnp.take_along_axis(values, order, 0)
+    place = jnp.sum(columns < point, axis=0, dtype=jnp.int32)
+    rows = np.arange(grid.size + 1, dtype=np.int32).reshape(-1, *[1] * point.ndim)
+
+    def inserted(table: Array, entry: Array) -> Array:
+        before = jnp.concatenate([table, table[-1:]])
+        after = jnp.concatenate([table[:1], table])
+        return jnp.where(rows < place, before, jnp.where(rows == place, entry, after))
+
+    return inserted(columns, point), inserted(values, value)
+
+
+def _first_largest(table: Array) -> Array:
+    """Index of the largest entry of each column, in 32 bits whatever JAX's switch says.
+
+    Inside a caller's own single-precision ``jit`` JAX cannot lower an argmax of double precision.
+    """
+    count = table.shape[0]
+    rows = np.arange(count, dtype=np.int32).reshape(-1, *[1] * (table.ndim - 1))
+    largest = table == jnp.max(table, axis=0)
+    return jnp.min(jnp.where(largest, rows, np.int32(count - 1)), axis=0)
 
 
 def _band(places: Array, flies: Array, number: int) -> tuple[Array, Array, Array, Array]:
@@ -257,9 +274,9 @@ def _band(places: Array, flies: Array, number: int) -> tuple[Array, Array, Array
     """
     size = places.shape[0]
     before = jnp.concatenate([jnp.zeros_like(flies[:1]), flies[:-1]])
-    member = flies & (jnp.cumsum(flies & ~before, axis=0) == number)
-    first = jnp.argmax(member, axis=0)
-    last = size - 1 - jnp.argmax(member[::-1], axis=0)
+    member = flies & (jnp.cumsum(flies & ~before, axis=0, dtype=jnp.int32) == number)
+    first = _first_largest(member)
+    last = size - 1 - _first_largest(member[::-1])
     exists = jnp.any(member, axis=0)
 
     def at(index: Array) -> Array:
@@ -296,5 +313,5 @@ def _edges(
 @entry_point
 def _widest(bands: Band) -> Band:
     width = jnp.where(bands.exists, bands.upper - bands.lower, -jnp.inf)
-    widest = jnp.argmax(width, axis=0)[None]
+    widest = _first_largest(width)[None]
     return jax.tree.map(lambda field: jnp.take_along_axis(field, widest, axis=0)[0], bands)

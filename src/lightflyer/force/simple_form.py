@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lightflyer.environment.base import EnvironmentState
-from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.lu2023 import REPORTED, Lu2023, Reading
 from lightflyer.foundation.errors import ParameterError
@@ -31,7 +31,7 @@ class SimpleForm(NamedTuple):
 
 def fit_simple_form(
     model: AbstractForceModel,
-    flyer: AbstractFlyer,
+    flyer: Disk,
     state: EnvironmentState,
     excess: Numeric,
     reading: Reading = REPORTED,
@@ -42,13 +42,13 @@ def fit_simple_form(
     ----------
     model : AbstractForceModel
         The model to imitate.
-    flyer : AbstractFlyer
+    flyer : Disk
     state : EnvironmentState
         Surroundings in which the forces shall agree: arrays, at least two points.
     excess : array, shape (...)
         Relative temperature excess there [1].
     reading : Reading
-        Default :data:`lightflyer.REPORTED`.
+        Default :data:`lightflyer.force.REPORTED`.
 
     Returns
     -------
@@ -66,19 +66,20 @@ def fit_simple_form(
     >>> import lightflyer as lf
     >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     >>> state = lf.Chamber().state(np.geomspace(0.1, 100.0, 20))
-    >>> same = lf.fit_simple_form(lf.Lu2023(0.7, 2.0), lf.Disk(film, 0.01), state, 0.5)
+    >>> same = lf.force.fit_simple_form(lf.Lu2023(0.7, 2.0), lf.Disk(film, 0.01), state, 0.5)
     >>> print(f"{same.model.c_fm:.6f} {same.model.c_cont:.6f}")
     0.700000 2.000000
     """
     # 1/F is linear in 1/C_fm and 1/C_cont; only the weights, those of the logarithm, are not
     from scipy.optimize import least_squares
 
-    wanted = np.ravel(model.force(flyer, state, excess))
+    unknowns = (excess,)
+    wanted = np.ravel(model.force(flyer, state, unknowns))
     if wanted.size < 2 or not np.all(wanted > 0.0):
-        raise ParameterError("the forces to imitate must be positive, and two at least")
+        raise ParameterError("the forces to imitate must be positive, and at least two")
     huge = 1e30  # takes the other limit out
-    thin = np.ravel(Lu2023(1.0, huge, reading).force(flyer, state, excess))
-    dense = np.ravel(Lu2023(huge, 1.0, reading).force(flyer, state, excess))
+    thin = np.ravel(Lu2023(1.0, huge, reading).force(flyer, state, unknowns))
+    dense = np.ravel(Lu2023(huge, 1.0, reading).force(flyer, state, unknowns))
 
     def misfit(logarithms: np.ndarray) -> np.ndarray:
         c_fm, c_cont = np.exp(logarithms)

@@ -266,8 +266,8 @@ def _ending(end: _Search) -> Array:
     """Tell the endings apart by the last state alone, which costs the loop nothing."""
     # a residual of NaN leaves the bracket as it is, so that bisection proposes the same point again
     stuck = ~jnp.isfinite(end.last_step) | (end.last_step == 0.0)
-    codes = [jnp.int8(Ending.CONVERGED), jnp.int8(Ending.NOT_FINITE)]
-    return jnp.select([~end.active, stuck], codes, jnp.int8(Ending.STEP_LIMIT))
+    unfinished = jnp.where(stuck, jnp.int8(Ending.NOT_FINITE), jnp.int8(Ending.STEP_LIMIT))
+    return jnp.where(end.active, unfinished, jnp.int8(Ending.CONVERGED))
 
 
 def implicit_root(

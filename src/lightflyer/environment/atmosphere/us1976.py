@@ -122,9 +122,8 @@ def _upper_temperature(altitude: Numeric, xp: ModuleType = jnp) -> Any:
     linear = _T9 + _LAPSE_9 * (altitude - _Z9)
     reduced = (altitude - _Z10) * (radius + _Z10) / (radius + altitude)
     exponential = _T_INFINITY - (_T_INFINITY - _T10) * xp.exp(-_DECAY * reduced)
-    return xp.select(
-        [altitude < _Z8, altitude < _Z9, altitude < _Z10], [_T7, ellipse, linear], exponential
-    )
+    above = xp.where(altitude < _Z10, linear, exponential)
+    return xp.where(altitude < _Z8, _T7, xp.where(altitude < _Z9, ellipse, above))
 
 
 def _temperature(altitude: Array) -> Array:

@@ -55,17 +55,17 @@ def test_any_number_of_points_may_be_asked_for(setup):
 
 
 def test_chamber_map_and_table_agree(disk):
-    chamber = lf.Chamber(radiation=lf.Radiation(1000.0))
+    chamber = lf.Chamber(radiation=lf.environment.Radiation(1000.0))
     prediction = lf.predict(lf.Setup(disk, chamber, lf.Lu2023(), (None, None)))
     row = int(np.argmin(np.abs(prediction.map_irradiance - 1000.0)))
     irradiance = prediction.map_irradiance[row]
-    state = lf.Chamber(radiation=lf.Radiation(irradiance)).state(prediction.map_pressure)
+    state = lf.Chamber(radiation=lf.environment.Radiation(irradiance)).state(prediction.map_pressure)
     expected = lf.equilibrium(disk, state, lf.Lu2023()).temperature
     np.testing.assert_allclose(prediction.map_temperature[:, row], expected, rtol=1e-10)
 
 
 def test_dataset_without_a_file(setup):
-    dataset = lf.to_dataset(lf.predict(setup))
+    dataset = lf.prediction.to_dataset(lf.predict(setup))
     assert dataset["lift"].attrs["units"] == "N"
     assert not np.isinf(dataset["levitation_irradiance"]).any()
     assert np.isnan(dataset["levitation_irradiance"]).any()

@@ -1,3 +1,5 @@
+from typing import ClassVar
+
 import jax
 import numpy as np
 import numpy_model
@@ -6,11 +8,14 @@ from scipy.optimize import brentq
 
 import lightflyer as lf
 from lightflyer.flight.balance import require_converged
+from lightflyer.foundation.rootfind import Ending
 
 
 def state(pressure, temperature=220.0, **radiation):
     radiation.setdefault("stefan_boltzmann", 5.67e-8)
-    return lf.EnvironmentState(pressure, temperature, 9.8, lf.LU2023_AIR, lf.Radiation(**radiation))
+    return lf.environment.EnvironmentState(
+        pressure, temperature, 9.8, lf.gas.LU2023_AIR, lf.environment.Radiation(**radiation)
+    )
 
 
 @pytest.mark.parametrize("pressure", [1e-4, 1e-2, 1.0, 100.0, 1e5])
@@ -54,7 +59,7 @@ def test_a_faint_light_in_dense_gas_keeps_its_digits(disk):
 
 
 def test_a_cold_sky_cools_below_the_gas(disk):
-    sky = {"irradiance": 0.0, "infrared_top": 0.0, "infrared_bottom": 0.0}
+    sky = {"irradiance": 0.0, "infrared_above": 0.0, "infrared_below": 0.0}
     cold = lf.equilibrium(disk, state(np.array([1e-9, 1.0, 1e5]), **sky), lf.Lu2023())
     assert np.all(np.diff(cold.temperature) > 0.0)
     assert cold.temperature[0] < 100.0
@@ -64,15 +69,15 @@ def test_a_cold_sky_cools_below_the_gas(disk):
 
 def test_surroundings_at_gas_temperature_are_the_default_written_out(disk):
     black = 5.67e-8 * 220.0**4
-    told = lf.equilibrium(disk, state(3.0, infrared_top=black, infrared_bottom=black), lf.Lu2023())
+    told = lf.equilibrium(disk, state(3.0, infrared_above=black, infrared_below=black), lf.Lu2023())
     default = lf.equilibrium(disk, state(3.0), lf.Lu2023())
     assert told.temperature == pytest.approx(default.temperature, rel=1e-13)
 
 
 def test_faces_have_their_own_emittance_surroundings_and_albedo():
     film = lf.FilmProperties(1e-3, 0.75, 0.05, 0.4, 0.8, 0.9, absorptance_bottom=0.3)
-    radiation = {"infrared_top": 10.0, "infrared_bottom": 240.0, "albedo": 0.3}
-    vacuum = state(1e-13, irradiance=1000.0, incidence=np.pi / 3, **radiation)
+    radiation = {"infrared_above": 10.0, "infrared_below": 240.0, "albedo": 0.3}
+    vacuum = state(1e-13, irradiance=1000.0, zenith_angle=np.pi / 3, **radiation)
     found = lf.equilibrium(lf.Disk(film, 0.01), vacuum, lf.FreeMolecular()).temperature
     light = 1000.0 * 0.5 * (0.75 + 0.3 * 0.3)
     heat = 0.05 * 10.0 + 0.4 * 240.0
@@ -81,7 +86,9 @@ def test_faces_have_their_own_emittance_surroundings_and_albedo():
 
 def test_absorbed_light_goes_with_the_cosine(disk):
     straight = lf.equilibrium(disk, state(3.0, irradiance=500.0), lf.Lu2023())
-    slanted = lf.equilibrium(disk, state(3.0, irradiance=1000.0, incidence=np.pi / 3), lf.Lu2023())
+    slanted = lf.equilibrium(
+        disk, state(3.0, irradiance=1000.0, zenith_angle=np.pi / 3), lf.Lu2023()
+    )
     assert slanted.temperature == pytest.approx(straight.temperature, rel=1e-12)
 
 
@@ -95,26 +102,37 @@ def test_arrays_of_any_shape_broadcast(film):
 
 def test_non_convergence_raises_unless_asked_not_to(disk):
     class Broken(lf.AbstractForceModel):
-        def heat_loss(self, flyer, state, excess):
-            return -1e3 * excess
+        flyers: ClassVar = (lf.Disk,)
 
-        def force(self, flyer, state, excess):
-            return excess
+        def heat_loss(self, flyer, state, unknowns):
+            return (-1e3 * unknowns[0],)
+
+        def force(self, flyer, state, unknowns):
+            return unknowns[0]
 
     with pytest.raises(lf.ConvergenceError, match="1 of 1 not converged"):
         lf.equilibrium(disk, state(1.0), Broken())
-    assert not lf.equilibrium(disk, state(1.0), Broken(), throw=False).converged
+    result = lf.equilibrium(disk, state(1.0), Broken(), throw=False)
+    assert not result.converged
+    assert result.ending == Ending.TOLERANCE_MISSED
 
 
 def test_nan_input_is_flagged_not_returned_in_silence(disk):
     poisoned = state(np.array([1.0, np.nan]))
     with pytest.raises(lf.ConvergenceError, match="1 of 2"):
         lf.equilibrium(disk, poisoned, lf.Lu2023())
-    converged = lf.equilibrium(disk, poisoned, lf.Lu2023(), throw=False).converged
-    np.testing.assert_array_equal(converged, [True, False])
+    result = lf.equilibrium(disk, poisoned, lf.Lu2023(), throw=False)
+    np.testing.assert_array_equal(result.converged, [True, False])
+    np.testing.assert_array_equal(result.ending, [Ending.CONVERGED, Ending.NOT_FINITE])
 
 
 def test_under_jit_the_flag_is_the_only_word(disk):
-    result = jax.jit(lambda p: lf.equilibrium(disk, state(p), lf.Lu2023()))(np.nan)
-    assert not bool(result.converged)
-    require_converged("nothing", np.array(True), np.array(0.0))
+    solve = jax.jit(lambda p: lf.equilibrium(disk, state(p), lf.Lu2023()).converged)
+    np.testing.assert_array_equal([solve(np.nan), solve(1.0)], [False, True])
+
+
+def test_only_concrete_failures_raise_and_say_why():
+    endings = np.array([Ending.CONVERGED, Ending.STEP_LIMIT])
+    with pytest.raises(lf.ConvergenceError, match=r"search: 1 of 2 not converged \(.*limit"):
+        require_converged("search", endings, np.array([0.0, 0.5]))
+    assert require_converged("search", endings[:1], np.array([0.0])) is None

@@ -1,0 +1,291 @@
+"""Newton's method for very many small systems at once, as root-finders of optimistix.
+
+Every array element is a system of its own. The whole batch is one problem to optimistix, but the
+Jacobian is taken and solved element by element, in array operations that XLA fuses, and each
+element ends by itself. Importing this module imports optimistix, which takes a while:
+:func:`lightflyer.foundation.system.solve_system` does so when it is first called.
+"""
+
+import sys
+from collections.abc import Callable, Sequence
+from functools import reduce
+from typing import Any, TypeAlias
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import optimistix as optx
+from jax import Array
+
+from lightflyer.foundation.linear import solve_linear
+from lightflyer.foundation.rootfind import RELATIVE_TOLERANCE, ROUNDING, Ending
+
+Unknowns: TypeAlias = tuple[Array, ...]
+
+_NEAR = 1e-8
+"""Relative Newton step after which there is nothing to look at.
+
+The error falls as the square of the step, but not below the step times the rounding error of the
+Jacobian's inverse: 1e-4 where the coefficients of a system are 1e12 apart.
+"""
+
+_NEAR_AT_LAST = 1e-6
+_PATIENCE = 12
+"""Steps after which :data:`_NEAR_AT_LAST` will do, as rounding may allow no more."""
+
+_TOUCH = 0.1
+"""Relative step that an element still takes when its residual is within tolerance.
+
+The step is at hand, and an unknown that hardly matters to the residual may need it.
+"""
+
+_LARGEST_LOSS = 0.9
+"""Largest share of its distance to the lower bound that an unknown may lose in a step."""
+
+_SHRINKAGE = 0.3
+"""A step that does not help is shortened to this share."""
+
+
+class _ElementwiseSolver(optx.AbstractRootFinder[Unknowns, Unknowns, None, Any]):
+    """What optimistix asks of a root-finder and both methods answer alike.
+
+    Attributes
+    ----------
+    atol : float
+        Largest residual at a root.
+    lower : tuple of n float
+        Bounds that the unknowns never reach.
+    """
+
+    rtol: float = _NEAR
+    atol: float = RELATIVE_TOLERANCE
+    norm: Callable[[Any], Array] = optx.max_norm
+    lower: tuple[float, ...] = ()
+
+    def terminate(
+        self, fn: Any, y: Unknowns, args: Any, options: Any, state: Any, tags: Any
+    ) -> tuple[Array, Any]:
+        """Stop when every element has ended."""
+        del fn, y, args, options, tags
+        return ~jnp.any(_searching(state.ending)), optx.RESULTS.successful
+
+    def postprocess(
+        self,
+        fn: Any,
+        y: Unknowns,
+        aux: None,
+        args: Any,
+        options: Any,
+        state: Any,
+        tags: Any,
+        result: optx.RESULTS,
+    ) -> tuple[Unknowns, None, dict[str, Any]]:
+        """Report why each element ended."""
+        del fn, args, options, tags, result
+        return y, aux, {"ending": state.ending}
+
+
+class _Newton(eqx.Module):
+    """Residual and Jacobian at a point, and Newton's step from there."""
+
+    value: Unknowns
+    jacobian: tuple[Unknowns, ...]
+    step: Unknowns
+
+
+def _newton(fn: Any, point: Unknowns, args: Any) -> _Newton:
+    """Newton's step, with the Jacobian taken one unknown at a time.
+
+    What does not depend on an unknown is then no work.
+    """
+    value: Unknowns = ()
+    columns = []
+    for index, entry in enumerate(point):
+
+        def of_one(unknown: Array, index: int = index) -> Unknowns:
+            return fn((*point[:index], unknown, *point[index + 1 :]), args)[0]
+
+        value, column = jax.jvp(of_one, (entry,), (jnp.ones_like(entry),))
+        columns.append(column)
+    rows = tuple(zip(*columns, strict=True))
+    return _Newton(value, rows, solve_linear(rows, [-entry for entry in value]))
+
+
+class _PlainState(eqx.Module):
+    ending: Array
+    steps: Array
+
+
+class PlainNewton(_ElementwiseSolver):
+    """Newton's method that only keeps above a lower bound: fast, but it may diverge.
+
+    An element that meets a value that is not finite ends there, at the last finite point.
+    """
+
+    def init(
+        self,
+        fn: Any,
+        y: Unknowns,
+        args: Any,
+        options: Any,
+        f_struct: Any,
+        aux_struct: Any,
+        tags: Any,
+    ) -> _PlainState:
+        """Begin with every element searching."""
+        del fn, args, options, f_struct, aux_struct, tags
+        return _PlainState(_full(y, Ending.STEP_LIMIT), jnp.zeros((), int))
+
+    def step(
+        self, fn: Any, y: Unknowns, args: Any, options: Any, state: _PlainState, tags: Any
+    ) -> tuple[Unknowns, _PlainState, None]:
+        """Move every element that is still searching by a Newton step."""
+        del options, tags
+        newton = _newton(fn, y, args)
+        target = tuple(
+            old + jnp.maximum(change, _LARGEST_LOSS * (bound - old))
+            for old, change, bound in zip(y, newton.step, self.lower, strict=True)
+        )
+        searching = _searching(state.ending)
+        done = _largest(newton.value) <= self.atol
+        finite = _all_finite(target)
+        near = jnp.where(state.steps < _PATIENCE, _NEAR, _NEAR_AT_LAST)
+        verdict = _choose(
+            (done | _is_short(newton.step, y, near), Ending.CONVERGED),
+            (~finite, Ending.NOT_FINITE),
+            otherwise=Ending.STEP_LIMIT,
+        )
+        ending = jnp.where(searching, verdict, state.ending)
+        moving = searching & finite & (~done | _is_short(newton.step, y, _TOUCH))
+        point = _select(moving, target, y)
+        return point, _PlainState(ending, state.steps + 1), None
+
+
+class _DampedState(eqx.Module):
+    base: Unknowns
+    scale: Unknowns
+    level: Array
+    ending: Array
+
+
+class DampedNewton(_ElementwiseSolver):
+    """Newton's method whose steps are shortened until they reduce the residual.
+
+    Each equation is measured by the sum of what its terms would change if every unknown changed
+    by itself and by its step, so that neither the equations' scale nor that of the unknowns
+    matters. The option ``settled``, a bool array, names the elements that stay as they are.
+    """
+
+    def init(
+        self,
+        fn: Any,
+        y: Unknowns,
+        args: Any,
+        options: Any,
+        f_struct: Any,
+        aux_struct: Any,
+        tags: Any,
+    ) -> _DampedState:
+        """Begin with every element searching that is not settled."""
+        del fn, args, f_struct, aux_struct, tags
+        ending = _choose((options["settled"], Ending.CONVERGED), otherwise=Ending.STEP_LIMIT)
+        scale = tuple(jnp.ones_like(entry) for entry in y)
+        return _DampedState(y, scale, jnp.full_like(y[0], jnp.inf), ending)
+
+    def step(
+        self, fn: Any, y: Unknowns, args: Any, options: Any, state: _DampedState, tags: Any
+    ) -> tuple[Unknowns, _DampedState, None]:
+        """Go on from every point that is better than the last, and half back from the others."""
+        del options, tags
+        newton = _newton(fn, y, args)
+        target = self._in_bounds(y, newton.step)
+        searching = _searching(state.ending)
+        level = _level(newton.value, state.scale)
+        better = level < state.level
+        done = _largest(newton.value) <= self.atol
+        retreat = tuple(a + _SHRINKAGE * (b - a) for a, b in zip(state.base, y, strict=True))
+        reached = done | _is_short(newton.step, y, _NEAR_AT_LAST)
+        onward = _choose(
+            (reached, Ending.CONVERGED),
+            (~_all_finite(target), Ending.SINGULAR),
+            (_is_still(target, y), Ending.STALLED),
+            otherwise=Ending.STEP_LIMIT,
+        )
+        backward = _choose(
+            (jnp.isinf(state.level), Ending.NOT_FINITE),
+            (_is_still(retreat, state.base), Ending.STALLED),
+            otherwise=Ending.STEP_LIMIT,
+        )
+        verdict = jnp.where(better, onward, backward)
+        base = _select(better, y, state.base)
+        ahead = _select(better & ~done, target, _select(better, y, retreat))
+        failed = verdict > Ending.STEP_LIMIT
+        point = _select(searching, _select(failed, base, ahead), y)
+        scale = _select(better, _scale(newton, y), state.scale)
+        new = _DampedState(
+            base=base,
+            scale=scale,
+            level=jnp.where(better, _level(newton.value, scale), state.level),
+            ending=jnp.where(searching, verdict, state.ending),
+        )
+        return point, new, None
+
+    def _in_bounds(self, point: Unknowns, step: Unknowns) -> Unknowns:
+        """Where a step leads if all of it is shortened so as to keep above the bounds."""
+        share = jnp.ones_like(point[0])
+        for old, change, bound in zip(point, step, self.lower, strict=True):
+            allowed = _LARGEST_LOSS * (old - bound) / jnp.maximum(-change, sys.float_info.min)
+            share = jnp.minimum(share, allowed)
+        return tuple(old + share * change for old, change in zip(point, step, strict=True))
+
+
+def _searching(ending: Array) -> Array:
+    return ending == Ending.STEP_LIMIT
+
+
+def _full(point: Unknowns, ending: Ending) -> Array:
+    return jnp.full(point[0].shape, ending, jnp.int8)
+
+
+def _choose(*cases: tuple[Array, Ending], otherwise: Ending) -> Array:
+    """Ending of the first case that holds, element by element."""
+    chosen = jnp.int8(otherwise)
+    for holds, ending in reversed(cases):
+        chosen = jnp.where(holds, jnp.int8(ending), chosen)
+    return chosen
+
+
+def _select(condition: Array, true: Unknowns, false: Unknowns) -> Unknowns:
+    return tuple(jnp.where(condition, a, b) for a, b in zip(true, false, strict=True))
+
+
+def _largest(entries: Sequence[Array]) -> Array:
+    return reduce(jnp.maximum, [jnp.abs(entry) for entry in entries])
+
+
+def _all(conditions: Sequence[Array]) -> Array:
+    return reduce(jnp.logical_and, conditions)
+
+
+def _all_finite(point: Unknowns) -> Array:
+    return _all([jnp.isfinite(entry) for entry in point])
+
+
+def _is_short(step: Unknowns, point: Unknowns, share: Array | float) -> Array:
+    return _all([jnp.abs(a) <= share * jnp.abs(b) for a, b in zip(step, point, strict=True)])
+
+
+def _is_still(new: Unknowns, old: Unknowns) -> Array:
+    return _is_short(tuple(a - b for a, b in zip(new, old, strict=True)), old, ROUNDING)
+
+
+def _level(value: Unknowns, scale: Unknowns) -> Array:
+    return _largest([a * b for a, b in zip(value, scale, strict=True)])
+
+
+def _scale(newton: _Newton, point: Unknowns) -> Unknowns:
+    size = [jnp.abs(a) + jnp.abs(b) for a, b in zip(point, newton.step, strict=True)]
+    terms = [
+        [jnp.abs(slope) * b for slope, b in zip(row, size, strict=True)] for row in newton.jacobian
+    ]
+    return tuple(1.0 / reduce(jnp.add, row) for row in terms)

@@ -11,7 +11,7 @@ import numpy as np
 import tmm
 
 import lightflyer as lf
-from lightflyer.film.transfer import transfer
+from lightflyer.film.transfer_matrix import transfer
 
 STACKS, LAYERS, WAVELENGTHS, ANGLES = 1000, 4, 400, 16
 SAMPLE = 400  # calls of tmm that are timed; one per wavelength, angle and polarisation

@@ -138,7 +138,7 @@ def flyer(top, bottom):
 @pytest.mark.parametrize("altitude", [30e3, 70e3, 140e3])
 def test_the_heat_balance_closes_with_a_curve(irradiance, altitude):
     curve = emittance_curve(nominal())
-    state = lf.Earth(radiation=lf.Radiation(irradiance)).state(altitude)
+    state = lf.Earth(radiation=lf.environment.Radiation(irradiance)).state(altitude)
     balance = lf.equilibrium(flyer(curve, curve), state, lf.Lu2023())
     area, sigma = np.pi * 0.01**2, constants_sigma()
     hot, cold = float(balance.temperature), float(state.temperature)
@@ -166,7 +166,7 @@ def test_a_level_curve_is_a_constant():
 
 def test_cooling_below_the_gas_has_a_root_too():
     curve = emittance_curve(nominal())
-    radiation = lf.Radiation(0.0, infrared_top=0.0, infrared_bottom=100.0)
-    state = lf.EnvironmentState(1.0, 220.0, 9.6, lf.AIR, radiation)
+    radiation = lf.environment.Radiation(0.0, infrared_top=0.0, infrared_bottom=100.0)
+    state = lf.environment.EnvironmentState(1.0, 220.0, 9.6, lf.gas.AIR, radiation)
     balance = lf.equilibrium(flyer(curve, 0.2), state, lf.Lu2023())
     assert 100.0 < balance.temperature < 220.0

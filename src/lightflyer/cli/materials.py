@@ -18,8 +18,9 @@ def materials_command(
     json_output
         Print one JSON object instead of a table.
     """
+    from lightflyer.film.catalogue import material, material_names
     from lightflyer.film.library import ALIASES
-    from lightflyer.film.materials import MICROMETRE, material, material_names
+    from lightflyer.film.materials import MICROMETRE
 
     found = [material(name) for name in material_names()]
     described: list[dict[str, Any]] = [

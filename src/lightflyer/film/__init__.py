@@ -1,1 +1,5 @@
-"""What it is made of."""
+"""What a film is made of: materials, layers, spectra, and what follows from them."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

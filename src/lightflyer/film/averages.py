@@ -5,10 +5,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.film.emittance import EmittanceCurve, node_temperatures
+from lightflyer.film.curve import EmittanceCurve, node_temperatures
 from lightflyer.film.spectra import Spectrum, am0, blackbody_fraction, planck
 from lightflyer.film.stack import GRAZING, Film, Side
-from lightflyer.film.transfer import transfer
+from lightflyer.film.transfer_matrix import transfer
 from lightflyer.foundation.checks import require_positive, require_range
 from lightflyer.foundation.precision import entry_point, is_traced
 from lightflyer.foundation.types import Numeric

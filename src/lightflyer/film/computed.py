@@ -12,7 +12,7 @@ from lightflyer.film.averages import (
     thermal_coverage,
     thermal_range,
 )
-from lightflyer.film.emittance import EmittanceCurve, evaluate, node_temperatures
+from lightflyer.film.curve import EmittanceCurve, node_temperatures
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.spectra import Spectrum
 from lightflyer.film.stack import GRAZING, Film, Side
@@ -116,7 +116,7 @@ class ComputedFilm:
         value = getattr(self.properties, f"emittance_{side}")
         if not isinstance(value, EmittanceCurve):
             return float(value)
-        values = evaluate(value, np.array(REPORT_TEMPERATURES))
+        values = value(np.array(REPORT_TEMPERATURES))
         return dict(zip(map("{:g}".format, REPORT_TEMPERATURES), map(float, values), strict=True))
 
     def _origin(self, name: str) -> dict[str, Any]:
@@ -147,7 +147,7 @@ def _absorptances(
 
 def _radiating(curve: EmittanceCurve, side: Side) -> EmittanceCurve:
     """The curve, if it is positive everywhere."""
-    least = float(np.min(evaluate(curve, node_temperatures())))
+    least = float(np.min(curve(node_temperatures())))
     if least < _LEAST_EMITTANCE:
         raise ParameterError(
             f"the {side} face radiates nothing (emittance {least:.1g}): its layers absorb no heat "

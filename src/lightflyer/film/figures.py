@@ -50,7 +50,7 @@ def _shade_light(ax: Axes, light: Spectrum, colour: str) -> None:
     _shade(ax, light.wavelength[inside], light.irradiance[inside], light.name, colour)
 
 
-def spectra(summary: FilmSummary, ax: Axes) -> Axes:
+def draw_spectra(summary: FilmSummary, ax: Axes) -> Axes:
     """Draw reflectance, transmittance and absorptance with the light and heat radiation.
 
     Parameters
@@ -79,7 +79,7 @@ def spectra(summary: FilmSummary, ax: Axes) -> Axes:
     return ax
 
 
-def layer_absorptance(summary: FilmSummary, ax: Axes) -> Axes:
+def draw_layers(summary: FilmSummary, ax: Axes) -> Axes:
     """Draw the absorptance of each layer, stacked.
 
     Parameters
@@ -116,6 +116,6 @@ def film_figures(summary: FilmSummary) -> dict[str, Figure]:
     dict of str to matplotlib.figure.Figure
     """
     first, second = new_figure(width=7.0), new_figure(width=7.0)
-    spectra(summary, first.axes[0])
-    layer_absorptance(summary, second.axes[0])
+    draw_spectra(summary, first.axes[0])
+    draw_layers(summary, second.axes[0])
     return {"film-spectra": first, "film-layers": second}

@@ -7,9 +7,10 @@ from typing import Annotated, Any, ClassVar, Literal
 import pydantic
 from pydantic import Field, ValidationInfo
 
+from lightflyer.film.catalogue import material
 from lightflyer.film.computed import ComputedFilm
 from lightflyer.film.library import PAGES, canonical_name
-from lightflyer.film.materials import Extrapolation, Material, material, material_from_csv
+from lightflyer.film.materials import Extrapolation, Material, material_from_csv
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.section import FilmSection
 from lightflyer.film.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv

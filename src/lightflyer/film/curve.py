@@ -39,7 +39,7 @@ class EmittanceCurve(eqx.Module):
     Examples
     --------
     >>> grey = EmittanceCurve.through(np.full(NODES, 0.08))
-    >>> print(f"{evaluate(grey, 300.0):.3f}")
+    >>> print(f"{grey(300.0):.3f}")
     0.080
     """
 
@@ -62,11 +62,13 @@ class EmittanceCurve(eqx.Module):
         """
         return cls(coefficients=_to_coefficients() @ emittance)
 
+    @entry_point
     def __call__(self, temperature: Numeric) -> Array:
         """Emittance at a temperature [K], any shape."""
         value, _ = self._horner(self._scaled(temperature), self._scaled(temperature))
         return value
 
+    @entry_point
     def growth(self, temperature: Numeric, excess: Numeric) -> Array:
         r"""Change of :math:`\varepsilon T^4` over a temperature difference.
 
@@ -138,12 +140,6 @@ def node_temperatures() -> np.ndarray:
     """Temperatures at which a curve is given [K], shape (NODES,)."""
     middle = np.sqrt(LOWEST_TEMPERATURE * HIGHEST_TEMPERATURE)
     return middle * (HIGHEST_TEMPERATURE / LOWEST_TEMPERATURE) ** (0.5 * _nodes())
-
-
-@entry_point
-def evaluate(curve: EmittanceCurve, temperature: Numeric) -> Array:
-    """Emittance by a curve at temperatures [K], any shape."""
-    return curve(temperature)
 
 
 def emittance_at(emittance: Numeric, temperature: Numeric) -> Numeric:

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
-from lightflyer.config.reader import read_flyer_file
 from lightflyer.foundation.errors import ConfigurationError, OutputError
 from lightflyer.foundation.extras import extra
 from lightflyer.foundation.text import read_text
@@ -79,6 +78,8 @@ def update_flyer_file(
     MissingExtraError
         If tomlkit is not installed.
     """
+    from lightflyer.config.reader import read_flyer_file  # slow to import
+
     path = Path(path)
     read_flyer_file(path)  # names existing mistakes with their lines
     tomlkit = extra("tomlkit", "updating a flyer file", "lab")
@@ -165,6 +166,8 @@ def _put(table: Any, key: str, text: str, origin: str) -> None:
 
 def _replace(path: Path, text: str) -> None:
     """Replace the file if the text is a valid flyer file."""
+    from lightflyer.config.reader import read_flyer_file
+
     # beside the file, so that relative names of other files in it stay valid
     try:
         handle, name = tempfile.mkstemp(prefix=".lightflyer-", suffix=".toml", dir=path.parent)

@@ -1,18 +1,15 @@
 """Model curves for measured levitation points, and a calibration to them."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 
 from lightflyer.calibration.calibration import Calibration, calibrate
 from lightflyer.calibration.points import SAMPLE_PROPERTIES, Points
+from lightflyer.calibration.targets import target_of
+from lightflyer.flight.design import as_design
 from lightflyer.flight.levitation import levitate
 from lightflyer.flight.setup import Setup
-from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.flyer.disk import Disk
-from lightflyer.force.lu2023 import Lu2023
-from lightflyer.foundation.errors import ParameterError
 from lightflyer.lab.levitation import LevitationCurve
 from lightflyer.lab.levitation_data import LiftOffs
 
@@ -38,32 +35,26 @@ def model_curve(points: LiftOffs, setup: Setup) -> tuple[np.ndarray, np.ndarray]
     Raises
     ------
     ParameterError
-        If properties of the sample are known and the flyer is not a disk.
+        If the flyer has no number for a property of the sample.
     """
     low, high = points.pressure.min() / _BEYOND, points.pressure.max() * _BEYOND
     pressure = np.geomspace(low, high, _PRESSURES)
-    flyer = _with_properties(setup.flyer, points.properties)
-    found = levitate(flyer, setup.environment.state(pressure), setup.model, throw=False)
+    sample = _of_sample(setup, points)
+    found = levitate(sample.flyer, sample.environment.state(pressure), sample.model, throw=False)
     return pressure, np.where(found.levitates, found.irradiance, np.nan)
 
 
-def _with_properties(flyer: AbstractFlyer, known: Mapping[str, float]) -> AbstractFlyer:
-    """The flyer with the known properties of a sample."""
-    if not known:
-        return flyer
-    if not isinstance(flyer, Disk):
-        raise ParameterError(
-            f"columns such as {next(iter(known))} describe disks; the flyer is a {flyer.describe()}"
-        )
-    values = {**known}
-    diameter = values.pop("diameter", None)
-    radius = flyer.radius if diameter is None else 0.5 * diameter
-    if "emittance" in values:
-        values["emittance_top"] = values["emittance_bottom"] = values.pop("emittance")
-    return replace(flyer, film=replace(flyer.film, **values), radius=radius)
+def _of_sample(setup: Setup, points: LiftOffs) -> Setup:
+    """The setup with the known properties of a sample."""
+    design = as_design(setup)
+    values: dict[str, float] = {}
+    for name, value in points.properties.items():
+        target = target_of(design, name, describes_flyer=True)
+        values |= dict.fromkeys(target.fields, target.factor * value)
+    return design.build(values)
 
 
-def calibrate_curves(curves: Sequence[LevitationCurve], setup: Setup) -> tuple[Calibration, Setup]:
+def calibrate_curves(curves: Sequence[LevitationCurve], setup: Setup) -> Calibration:
     """Fit the force coefficients to the points of all samples.
 
     Parameters
@@ -74,17 +65,15 @@ def calibrate_curves(curves: Sequence[LevitationCurve], setup: Setup) -> tuple[C
 
     Returns
     -------
-    calibration : Calibration
-    setup : Setup
-        With the fitted coefficients.
+    Calibration
+        Its ``setup`` has the fitted coefficients.
 
     Raises
     ------
     ParameterError
-        If the model is not :class:`~lightflyer.force.lu2023.Lu2023`.
+        If the model has no coefficients to fit; see
+        :func:`~lightflyer.calibration.calibration.calibrate`.
     """
-    if not isinstance(setup.model, Lu2023):
-        raise ParameterError("calibration needs the force model lu2023")
     lots = [curve.points for curve in curves]
     sizes = [len(one.pressure) for one in lots]
     numbers = {
@@ -95,7 +84,4 @@ def calibrate_curves(curves: Sequence[LevitationCurve], setup: Setup) -> tuple[C
         if all(name in one.properties for one in lots):
             numbers[name] = np.repeat([one.properties[name] for one in lots], sizes)
     names = [one.name for one, size in zip(lots, sizes, strict=True) for _ in range(size)]
-    fit = calibrate(Points(lots[0].place, names, numbers), setup)
-    found = dict(zip(fit.names, fit.values, strict=True))
-    model = Lu2023(float(found["c_fm"]), float(found["c_cont"]), setup.model.reading)
-    return fit, replace(setup, model=model)
+    return calibrate(Points(lots[0].place, names, numbers), setup)

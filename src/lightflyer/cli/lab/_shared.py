@@ -211,11 +211,12 @@ def updating(
     -------
     callable
     """
-    from lightflyer.config.update import update_flyer_file
 
     def update() -> list[str]:
         if flyer is None:
             return []
+        from lightflyer.config.update import update_flyer_file
+
         origin = ", ".join([f"lab {name}", *(file.name for file in files)])
         return update_flyer_file(flyer, values, origin)
 

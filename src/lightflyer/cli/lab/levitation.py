@@ -150,7 +150,8 @@ def _models(
         raise ConfigurationError(f"{flyer}: levitation points need a chamber as the environment")
     setups, fit = {"model": setup}, None
     if calibrate:
-        fit, setups["calibrated model"] = calibrate_curves(curves, setup)
+        fit = calibrate_curves(curves, setup)
+        setups["calibrated model"] = fit.setup
     return {
         name: {curve.points.name: model_curve(curve.points, one) for curve in curves}
         for name, one in setups.items()

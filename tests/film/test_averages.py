@@ -166,7 +166,7 @@ def test_a_level_curve_is_a_constant():
 
 def test_cooling_below_the_gas_has_a_root_too():
     curve = emittance_curve(nominal())
-    radiation = lf.environment.Radiation(0.0, infrared_top=0.0, infrared_bottom=100.0)
+    radiation = lf.environment.Radiation(0.0, infrared_above=0.0, infrared_below=100.0)
     state = lf.environment.EnvironmentState(1.0, 220.0, 9.6, lf.gas.AIR, radiation)
     balance = lf.equilibrium(flyer(curve, 0.2), state, lf.Lu2023())
     assert 100.0 < balance.temperature < 220.0

@@ -5,7 +5,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import lightflyer as lf
-from lightflyer.config.sections import alternative_tags, known_keys
+from lightflyer.config.flyer_file import section_at
+from lightflyer.foundation.section import alternative_tags
 
 MINIMAL = {
     "flyer": {"diameter": "2 cm"},
@@ -32,9 +33,9 @@ def test_the_same_in_python_and_the_defaults():
     setup = lf.FlyerFile(**MINIMAL).build()
     assert isinstance(setup.environment, lf.Earth)
     assert isinstance(setup.environment.atmosphere, lf.environment.US1976)
-    assert setup.environment.radiation.incidence == 0.0
+    assert setup.environment.radiation.zenith_angle == 0.0
     assert isinstance(setup.model, lf.Lu2023)
-    assert setup.coordinate_range == (None, None)
+    assert setup.search_range == (None, None)
 
 
 def test_paper_atmosphere_implies_gas_gravity_and_rounding_unless_given(flyer_file):
@@ -83,7 +84,7 @@ def test_nrlmsis(flyer_file):
 def test_searched_altitudes(flyer_file):
     text = 'incidence = "0 deg"\naltitude_min = "60 km"\naltitude_max = "80 km"'
     setup = lf.read_flyer_file(flyer_file('incidence = "0 deg"', text)).build()
-    assert setup.coordinate_range == (60e3, 80e3)
+    assert setup.search_range == (60e3, 80e3)
 
 
 @pytest.mark.parametrize("model", ["free-molecular", "free-molecular-linear"])
@@ -110,9 +111,9 @@ MISTAKES = [
         '"lu2023"\nirradiance',
         '"lu2024"\nirradiance',
         15,
-        'atmosphere = "lu2024" is unknown; there are: us1976',
+        'atmosphere = "lu2024" is unknown; choose from us1976',
     ),
-    ('kind = "earth"', 'kind = "moon"', 14, 'kind = "moon" is unknown; there are: earth, chamber'),
+    ('kind = "earth"', 'kind = "moon"', 14, 'kind = "moon" is unknown; choose from'),
     (
         'model = "lu2023"',
         'model = "lu2024"',
@@ -182,8 +183,11 @@ def test_a_byte_order_mark_does_no_harm(flyer_file):
 
 def test_every_alternative_lists_its_keys():
     assert "earth us1976" in alternative_tags()
-    assert "f107" in known_keys("environment", {"kind": "earth", "atmosphere": "nrlmsis"})
-    assert "c_fm" in known_keys("force", {})
+    nrlmsis = {"environment": {"kind": "earth", "atmosphere": "nrlmsis"}}
+    assert "f107" in section_at("environment", nrlmsis).model_fields
+    assert "c_fm" in section_at("force", {}).model_fields
+    assert "thickness" in section_at("film.layers.0", {"film": {"layers": []}}).model_fields
+    assert section_at("weather", {}) is None
 
 
 _VALUES = st.one_of(

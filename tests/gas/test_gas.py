@@ -38,24 +38,26 @@ def test_both_airs_agree_about_air(gas):
 
 
 def test_mean_free_path_at_sea_level_and_its_scaling():
-    sea_level = lf.gas.mean_free_path(101325.0, 288.15)
+    sea_level = lf.gas.mean_free_path(101325.0, 288.15, lf.gas.AIR)
     assert sea_level == pytest.approx(6.366e-8, rel=1e-4)
-    assert lf.gas.mean_free_path(101325.0 / 7, 288.15) == pytest.approx(7 * sea_level, rel=1e-12)
+    assert lf.gas.mean_free_path(101325.0 / 7, 288.15, lf.gas.AIR) == pytest.approx(
+        7 * sea_level, rel=1e-12
+    )
 
 
 def test_arrays_equal_scalars():
     pressures = np.geomspace(1e-3, 1e5, 5)[:, None]
-    together = lf.gas.knudsen_number(pressures, TEMPERATURES, 0.01)
+    together = lf.gas.knudsen_number(pressures, TEMPERATURES, 0.01, lf.gas.AIR)
     assert together.shape == (5, 16)
-    one = lf.gas.knudsen_number(float(pressures[3, 0]), float(TEMPERATURES[4]), 0.01)
+    one = lf.gas.knudsen_number(float(pressures[3, 0]), float(TEMPERATURES[4]), 0.01, lf.gas.AIR)
     assert together[3, 4] == pytest.approx(one, rel=1e-14)
 
 
 @pytest.mark.parametrize("bad", [0.0, -1.0, np.nan, np.inf])
 def test_impossible_states_raise(bad):
     with pytest.raises(lf.ParameterError, match=r"pressure = .* is not positive"):
-        lf.gas.mean_free_path(bad, 300.0)
+        lf.gas.mean_free_path(bad, 300.0, lf.gas.AIR)
     with pytest.raises(lf.ParameterError, match="temperature"):
-        lf.gas.mean_free_path(1.0, np.array([300.0, bad]))
+        lf.gas.mean_free_path(1.0, np.array([300.0, bad]), lf.gas.AIR)
     with pytest.raises(ValueError, match="radius"):
-        lf.gas.knudsen_number(1.0, 300.0, bad)
+        lf.gas.knudsen_number(1.0, 300.0, bad, lf.gas.AIR)

@@ -29,7 +29,7 @@ POINTS = np.array(
 def build(x):
     radius, areal_density, absorptance, emittance, top, bottom, pressure, temperature, light = x
     film = lf.FilmProperties(areal_density, absorptance, emittance, emittance, top, bottom)
-    radiation = lf.environment.Radiation(light, 0.3, infrared_bottom=200.0, albedo=0.2)
+    radiation = lf.environment.Radiation(light, 0.3, infrared_below=200.0, albedo=0.2)
     state = lf.environment.EnvironmentState(pressure, temperature, 9.6, lf.gas.AIR, radiation)
     return lf.Disk(film, radius, payload=1e-9), state
 

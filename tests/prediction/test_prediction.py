@@ -1,3 +1,5 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -7,16 +9,19 @@ from lightflyer.prediction.prediction import POINTS
 
 @pytest.fixture
 def setup(disk):
-    return lf.Setup(disk, lf.lu2023_earth(), lf.Lu2023(), (None, None))
+    return lf.Setup(disk, lf.lu2023_earth(), lf.Lu2023())
 
 
 def test_tables_are_what_the_functions_give(setup):
     prediction = lf.predict(setup, at=[68e3, 72e3])
-    flyer, earth, model, _ = setup
-    assert prediction.altitude.size == POINTS
+    flyer, earth, model = setup.flyer, setup.environment, setup.model
+    assert prediction.coordinates.size == POINTS
     for altitude, table in (
-        (prediction.altitude[100:200:20], {k: v[100:200:20] for k, v in prediction.table.items()}),
-        (np.array([68e3, 72e3]), prediction.at_table),
+        (
+            prediction.coordinates[100:200:20],
+            {k: v[100:200:20] for k, v in prediction.table.items()},
+        ),
+        (np.array([68e3, 72e3]), prediction.at),
     ):
         state = earth.state(altitude)
         levitation = lf.levitate(flyer, state, model)
@@ -29,10 +34,10 @@ def test_tables_are_what_the_functions_give(setup):
 
 def test_optima_are_stationary(setup):
     prediction = lf.predict(setup)
-    flyer, earth, model, _ = setup
+    flyer, earth, model = setup.flyer, setup.environment, setup.model
     for point, function, sign in (
-        (prediction.best[0], lf.payload, 1.0),
-        (prediction.easiest[0], lambda *args: lf.levitate(*args).irradiance, -1.0),
+        (prediction.best.coordinate, lf.payload, 1.0),
+        (prediction.easiest.coordinate, lambda *args: lf.levitate(*args).irradiance, -1.0),
     ):
         near = earth.state(point + np.array([-20.0, 0.0, 20.0]))
         below, at, above = sign * function(flyer, near, model)
@@ -40,10 +45,10 @@ def test_optima_are_stationary(setup):
 
 
 def test_no_more_than_the_searched_range(setup):
-    prediction = lf.predict(setup._replace(coordinate_range=(70e3, 74e3)))
+    prediction = lf.predict(dataclasses.replace(setup, search_range=(70e3, 74e3)))
     assert prediction.bands == [(70e3, 74e3)]
-    assert prediction.altitude[[0, -1]].tolist() == [70e3, 74e3]
-    assert prediction.at_altitude.tolist() == [70e3]
+    assert prediction.coordinates[[0, -1]].tolist() == [70e3, 74e3]
+    assert prediction.asked.tolist() == [70e3]
 
 
 def test_any_number_of_points_may_be_asked_for(setup):
@@ -56,12 +61,13 @@ def test_any_number_of_points_may_be_asked_for(setup):
 
 def test_chamber_map_and_table_agree(disk):
     chamber = lf.Chamber(radiation=lf.environment.Radiation(1000.0))
-    prediction = lf.predict(lf.Setup(disk, chamber, lf.Lu2023(), (None, None)))
-    row = int(np.argmin(np.abs(prediction.map_irradiance - 1000.0)))
-    irradiance = prediction.map_irradiance[row]
-    state = lf.Chamber(radiation=lf.environment.Radiation(irradiance)).state(prediction.map_pressure)
+    prediction = lf.predict(disk, chamber, lf.Lu2023())
+    found = prediction.map
+    row = int(np.argmin(np.abs(found.irradiance - 1000.0)))
+    irradiance = found.irradiance[row]
+    state = lf.Chamber(radiation=lf.environment.Radiation(irradiance)).state(found.coordinate)
     expected = lf.equilibrium(disk, state, lf.Lu2023()).temperature
-    np.testing.assert_allclose(prediction.map_temperature[:, row], expected, rtol=1e-10)
+    np.testing.assert_allclose(found.temperature[:, row], expected, rtol=1e-10)
 
 
 def test_dataset_without_a_file(setup):

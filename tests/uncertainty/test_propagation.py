@@ -1,8 +1,14 @@
+import dataclasses
+from typing import Literal
+
 import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.config.sections import FilmSection, quantity_of
+from lightflyer.environment.earth import Lu2023Section
+from lightflyer.film.section import MeasuredFilmSection
+from lightflyer.force.lu2023 import Lu2023ForceSection
+from lightflyer.foundation.quantity import Fraction
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 from lightflyer.uncertainty.monte_carlo import edges, optimum
 
@@ -25,7 +31,8 @@ def configure(environment=EARTH, diameter="2 cm", **film):
 
 
 def propagate(configuration, samples=0, at=(), seed=0):
-    return lf.propagate(configuration, lf.predict(configuration.build(), at), samples, seed)
+    prediction = lf.predict(configuration, at=at)
+    return lf.propagate(configuration, prediction=prediction, samples=samples, seed=seed)
 
 
 def test_nothing_without_uncertainties():
@@ -69,8 +76,7 @@ def test_first_order_is_that_of_repeated_predictions():
     uncertain = propagate(configure(emittance=f"0.08 ± {spread}"))
     step = 1e-3  # optima are flat: their place needs a step that moves it well
     low, high = (
-        lf.predict(configure(emittance=0.08 + sign * step).build(), []).summary()
-        for sign in (-1, 1)
+        lf.predict(configure(emittance=0.08 + sign * step), at=[]).summary() for sign in (-1, 1)
     )
 
     def slope(read):
@@ -121,7 +127,7 @@ def test_best_at_an_end_of_the_range_stays_there():
 
 
 def test_the_seed_decides(small, both):
-    inputs = uncertain_inputs(small)
+    inputs = uncertain_inputs(small.design())
     assert np.array_equal(draw(inputs, 5, 1), draw(inputs, 5, 1))
     assert not np.array_equal(draw(inputs, 5, 1), draw(inputs, 5, 2))
     drawn = draw(inputs, 20_000, 3)
@@ -129,7 +135,7 @@ def test_the_seed_decides(small, both):
 
 
 def test_impossible_draws_are_redrawn():
-    inputs = uncertain_inputs(configure(absorptance="0.95 ± 0.1"))
+    inputs = uncertain_inputs(configure(absorptance="0.95 ± 0.1").design())
     drawn = draw(inputs, 1000, 0)
     assert drawn.shape == (1000, 1)
     assert 0.0 < drawn.min() < drawn.max() < 1.0
@@ -139,16 +145,57 @@ def test_inputs_know_units_faces_and_ranges():
     uncertain = configure(
         {**EARTH, "incidence": "30 ± 1 deg"}, diameter="2 ± 0.01 cm", emittance="0.08 ± 0.01"
     )
-    inputs = uncertain_inputs(uncertain)
+    inputs = uncertain_inputs(uncertain.design())
     assert inputs.names == ["flyer.diameter", "film.emittance", "environment.incidence"]
-    flyer, environment, _ = inputs.slopes[0]
-    assert flyer.radius == pytest.approx(0.5)
-    flyer, environment, _ = inputs.slopes[1]
-    assert flyer.film.emittance_top == pytest.approx(1.0)
-    assert flyer.film.emittance_bottom == pytest.approx(1.0)
-    _, environment, _ = inputs.slopes[2]
-    assert environment.radiation.incidence == pytest.approx(np.pi / 180.0)
-    assert quantity_of(FilmSection, "absorptance_bottom").highest == 1.0
+    setup, tangents = inputs.setup_and_tangents()
+    assert setup.flyer.radius == pytest.approx(0.01)
+    assert tangents[0].flyer.radius == pytest.approx(0.5)
+    assert tangents[1].flyer.film.emittance_top == pytest.approx(1.0)
+    assert tangents[1].flyer.film.emittance_bottom == pytest.approx(1.0)
+    assert tangents[2].environment.radiation.zenith_angle == pytest.approx(np.pi / 180.0)
+    assert np.array_equal(inputs.ranges[1], [0.0, 1.0])
+
+
+class Wrinkled(lf.flyer.DiskSection):
+    """A user's own section, whose build is not linear: wrinkles take area from the disk."""
+
+    shape: Literal["wrinkled"]
+    wrinkle: Fraction = lf.Measured(0.0)
+
+    def build(self, film, incidence):
+        disk = super().build(film, incidence)
+        return dataclasses.replace(disk, radius=disk.radius * (1.0 - self.wrinkle.value**2))
+
+
+def test_a_build_that_is_not_linear_is_followed():
+    flyer = {"shape": "wrinkled", "diameter": "2 cm", "wrinkle": "0.3 ± 0.1"}
+    sections = {
+        "flyer": Wrinkled(**flyer),
+        "film": MeasuredFilmSection(**FILM),
+        "environment": Lu2023Section(**EARTH),
+        "force": Lu2023ForceSection(),
+    }
+    file = lf.FlyerFile.model_construct(**sections)
+    inputs = uncertain_inputs(file.design())
+    _, (tangent,) = inputs.setup_and_tangents()
+    assert tangent.flyer.radius == pytest.approx(-2.0 * 0.3 * 0.01)  # d/dw of r(1 − w²)
+    samples = np.array([[0.1], [0.5]])
+    radii = np.ravel(inputs.setup_of(samples).flyer.radius)
+    np.testing.assert_allclose(radii, 0.01 * (1.0 - samples[:, 0] ** 2), rtol=1e-14)
+
+
+def test_objects_with_uncertainties_give_what_the_file_gives():
+    told = configure(tac_bottom="0.9 ± 0.02", tac_top="0.8 ± 0.02", tac_correlation=0.5)
+    names = ("flyer.film.tac_top", "flyer.film.tac_bottom")
+    setup = told.build()
+    design = lf.flight.ObjectDesign(setup, dict.fromkeys(names, 0.02), {names: 0.5})
+    ours = lf.propagate(design, samples=50)
+    theirs = lf.propagate(told, samples=50)
+    assert ours.tac_correlation == theirs.tac_correlation == 0.5
+    for name, value in theirs.first_order.items():
+        assert ours.first_order[name] == pytest.approx(value, rel=1e-9), name
+    with pytest.raises(lf.ConfigurationError, match="did you mean"):
+        lf.flight.ObjectDesign(setup, {"flyer.film.tac_botom": 0.02})
 
 
 def test_edges_and_optimum_of_known_curves():

@@ -84,6 +84,12 @@ class _ElementwiseSolver(optx.AbstractRootFinder[Unknowns, Unknowns, None, Any])
         del fn, args, options, tags, result
         return y, aux, {"ending": state.ending}
 
+    def _is_root(self, newton: "_Newton") -> Array:
+        return _largest(newton.value) <= self.atol
+
+    def _may_move(self, newton: "_Newton", point: Unknowns) -> Array:
+        return ~self._is_root(newton) | _is_short(newton.step, point, _TOUCH)
+
 
 class _Newton(eqx.Module):
     """Residual and Jacobian at a point, and Newton's step from there."""
@@ -119,7 +125,8 @@ class _PlainState(eqx.Module):
 class PlainNewton(_ElementwiseSolver):
     """Newton's method that only keeps above a lower bound: fast, but it may diverge.
 
-    An element that meets a value that is not finite ends there, at the last finite point.
+    An element whose next point would not be finite ends: as stalled, unless this happens at the
+    very first point, where no method could do better.
     """
 
     def init(
@@ -134,7 +141,8 @@ class PlainNewton(_ElementwiseSolver):
     ) -> _PlainState:
         """Begin with every element searching."""
         del fn, args, options, f_struct, aux_struct, tags
-        return _PlainState(_full(y, Ending.STEP_LIMIT), jnp.zeros((), int))
+        ending = jnp.full(y[0].shape, Ending.STEP_LIMIT, jnp.int8)
+        return _PlainState(ending, jnp.zeros((), int))
 
     def step(
         self, fn: Any, y: Unknowns, args: Any, options: Any, state: _PlainState, tags: Any
@@ -146,17 +154,17 @@ class PlainNewton(_ElementwiseSolver):
             old + jnp.maximum(change, _LARGEST_LOSS * (bound - old))
             for old, change, bound in zip(y, newton.step, self.lower, strict=True)
         )
-        searching = _searching(state.ending)
-        done = _largest(newton.value) <= self.atol
-        finite = _all_finite(target)
+        searching, finite = _searching(state.ending), _all_finite(target)
         near = jnp.where(state.steps < _PATIENCE, _NEAR, _NEAR_AT_LAST)
         verdict = _choose(
-            (done | _is_short(newton.step, y, near), Ending.CONVERGED),
-            (~finite, Ending.NOT_FINITE),
-            otherwise=Ending.STEP_LIMIT,
+            (self._is_root(newton) | _is_short(newton.step, y, near), Ending.CONVERGED),
+            (finite, Ending.STEP_LIMIT),
+            (state.steps > 0, Ending.STALLED),
+            (_all_finite(newton.value), Ending.SINGULAR),
+            otherwise=Ending.NOT_FINITE,
         )
         ending = jnp.where(searching, verdict, state.ending)
-        moving = searching & finite & (~done | _is_short(newton.step, y, _TOUCH))
+        moving = searching & finite & self._may_move(newton, y)
         point = _select(moving, target, y)
         return point, _PlainState(ending, state.steps + 1), None
 
@@ -173,7 +181,8 @@ class DampedNewton(_ElementwiseSolver):
 
     Each equation is measured by the sum of what its terms would change if every unknown changed
     by itself and by its step, so that neither the equations' scale nor that of the unknowns
-    matters. The option ``settled``, a bool array, names the elements that stay as they are.
+    matters. The option ``ending`` holds an ending for every element; only those at
+    :attr:`Ending.STEP_LIMIT` are searched for.
     """
 
     def init(
@@ -186,41 +195,25 @@ class DampedNewton(_ElementwiseSolver):
         aux_struct: Any,
         tags: Any,
     ) -> _DampedState:
-        """Begin with every element searching that is not settled."""
+        """Begin with the elements that have not ended."""
         del fn, args, f_struct, aux_struct, tags
-        ending = _choose((options["settled"], Ending.CONVERGED), otherwise=Ending.STEP_LIMIT)
         scale = tuple(jnp.ones_like(entry) for entry in y)
-        return _DampedState(y, scale, jnp.full_like(y[0], jnp.inf), ending)
+        return _DampedState(y, scale, jnp.full_like(y[0], jnp.inf), options["ending"])
 
     def step(
         self, fn: Any, y: Unknowns, args: Any, options: Any, state: _DampedState, tags: Any
     ) -> tuple[Unknowns, _DampedState, None]:
-        """Go on from every point that is better than the last, and half back from the others."""
+        """Go on from a point that is better than the one before, go back from another."""
         del options, tags
         newton = _newton(fn, y, args)
-        target = self._in_bounds(y, newton.step)
-        searching = _searching(state.ending)
-        level = _level(newton.value, state.scale)
-        better = level < state.level
-        done = _largest(newton.value) <= self.atol
-        retreat = tuple(a + _SHRINKAGE * (b - a) for a, b in zip(state.base, y, strict=True))
-        reached = done | _is_short(newton.step, y, _NEAR_AT_LAST)
-        onward = _choose(
-            (reached, Ending.CONVERGED),
-            (~_all_finite(target), Ending.SINGULAR),
-            (_is_still(target, y), Ending.STALLED),
-            otherwise=Ending.STEP_LIMIT,
-        )
-        backward = _choose(
-            (jnp.isinf(state.level), Ending.NOT_FINITE),
-            (_is_still(retreat, state.base), Ending.STALLED),
-            otherwise=Ending.STEP_LIMIT,
-        )
+        better = _level(newton.value, state.scale) < state.level
+        onward, advance = self._onward(newton, y)
+        backward, retreat = self._backward(state, y)
         verdict = jnp.where(better, onward, backward)
         base = _select(better, y, state.base)
-        ahead = _select(better & ~done, target, _select(better, y, retreat))
         failed = verdict > Ending.STEP_LIMIT
-        point = _select(searching, _select(failed, base, ahead), y)
+        ahead = _select(failed, base, _select(better, advance, retreat))
+        searching = _searching(state.ending)
         scale = _select(better, _scale(newton, y), state.scale)
         new = _DampedState(
             base=base,
@@ -228,7 +221,34 @@ class DampedNewton(_ElementwiseSolver):
             level=jnp.where(better, _level(newton.value, scale), state.level),
             ending=jnp.where(searching, verdict, state.ending),
         )
-        return point, new, None
+        return _select(searching, ahead, y), new, None
+
+    def _onward(self, newton: _Newton, point: Unknowns) -> tuple[Array, Unknowns]:
+        """What a better point amounts to, and where to go from it."""
+        target = self._in_bounds(point, newton.step)
+        moving = _all_finite(target) & self._may_move(newton, point)
+        verdict = _choose(
+            (
+                self._is_root(newton) | _is_short(newton.step, point, _NEAR_AT_LAST),
+                Ending.CONVERGED,
+            ),
+            (~_all_finite(target), Ending.SINGULAR),
+            (_is_still(target, point), Ending.STALLED),
+            otherwise=Ending.STEP_LIMIT,
+        )
+        return verdict, _select(moving, target, point)
+
+    def _backward(self, state: _DampedState, point: Unknowns) -> tuple[Array, Unknowns]:
+        """What a worse point amounts to, and how far to go back."""
+        retreat = tuple(
+            old + _SHRINKAGE * (new - old) for old, new in zip(state.base, point, strict=True)
+        )
+        verdict = _choose(
+            (jnp.isinf(state.level), Ending.NOT_FINITE),
+            (_is_still(retreat, state.base), Ending.STALLED),
+            otherwise=Ending.STEP_LIMIT,
+        )
+        return verdict, retreat
 
     def _in_bounds(self, point: Unknowns, step: Unknowns) -> Unknowns:
         """Where a step leads if all of it is shortened so as to keep above the bounds."""
@@ -241,10 +261,6 @@ class DampedNewton(_ElementwiseSolver):
 
 def _searching(ending: Array) -> Array:
     return ending == Ending.STEP_LIMIT
-
-
-def _full(point: Unknowns, ending: Ending) -> Array:
-    return jnp.full(point[0].shape, ending, jnp.int8)
 
 
 def _choose(*cases: tuple[Array, Ending], otherwise: Ending) -> Array:

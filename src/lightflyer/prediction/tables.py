@@ -8,13 +8,14 @@ import numpy as np
 import lightflyer
 from lightflyer.flight.outputs import outputs_of
 from lightflyer.foundation.units import dataset_unit
-from lightflyer.prediction.prediction import Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from lightflyer.prediction.prediction import Prediction
 
-def to_dataset(prediction: Prediction, configuration: str = "") -> "xr.Dataset":
+
+def to_dataset(prediction: "Prediction", configuration: str = "") -> "xr.Dataset":
     """A prediction's tables as an xarray dataset.
 
     Parameters
@@ -57,7 +58,7 @@ def to_dataset(prediction: Prediction, configuration: str = "") -> "xr.Dataset":
     return dataset
 
 
-def _add_map(dataset: "xr.Dataset", prediction: Prediction) -> None:
+def _add_map(dataset: "xr.Dataset", prediction: "Prediction") -> None:
     found, where = prediction.map, prediction.coordinate
     assert found is not None  # the caller has looked
     axes = {
@@ -73,7 +74,7 @@ def _add_map(dataset: "xr.Dataset", prediction: Prediction) -> None:
     )
 
 
-def write_csv(prediction: Prediction, path: Path) -> None:
+def write_csv(prediction: "Prediction", path: Path) -> None:
     """Write a prediction's table as comma-separated values with units in the header.
 
     Parameters

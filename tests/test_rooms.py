@@ -1,0 +1,60 @@
+"""The structure of the package: who imports whom, and what public names are."""
+
+import importlib
+import inspect
+import pkgutil
+from pathlib import Path
+
+import pytest
+from importlinter.cli import lint_imports
+
+import lightflyer as lf
+
+ROOT = Path(lf.__file__).parents[2]
+ROOMS = ["environment", "film", "flight", "flyer", "force", "gas", "prediction", "uncertainty",
+         "calibration", "sweeps", "search", "lab", "kinetic"]  # fmt: skip
+
+
+def test_data_flows_one_way(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    assert lint_imports(config_filename="pyproject.toml", no_cache=True) == 0
+
+
+@pytest.mark.parametrize("room", ["", *ROOMS])
+def test_public_names_are_there_and_never_module_and_function_at_once(room):
+    package = importlib.import_module(f"lightflyer.{room}".rstrip("."))
+    modules = {module.name for module in pkgutil.iter_modules(package.__path__)}
+    assert package.__all__
+    for name in package.__all__:
+        found = getattr(package, name)
+        assert inspect.ismodule(found) == (name in modules), name
+
+
+def test_only_figures_draw():
+    drawing = {"foundation/drawing.py"}
+    for path in (ROOT / "src").rglob("*.py"):
+        if "matplotlib" in path.read_text(encoding="utf-8") and path.name != "figures.py":
+            lines = [
+                line.strip()
+                for line in path.read_text(encoding="utf-8").splitlines()
+                if line.startswith(("import matplotlib", "from matplotlib"))
+            ]
+            place = path.relative_to(ROOT / "src" / "lightflyer").as_posix()
+            assert not lines or place in drawing or "figures" in place, place
+
+
+def test_every_kind_of_flyer_has_a_template_to_start_from(tmp_path):
+    from lightflyer.cli.init import templates
+    from lightflyer.flyer import FlyerSection
+
+    shapes = set()
+    for kind, text in templates().items():
+        path = tmp_path / f"{kind}.toml"
+        path.write_text(text, encoding="utf-8")
+        shapes.add(lf.read_flyer_file(path).flyer.tag())
+    ours = {
+        tag
+        for tag, section in FlyerSection.alternatives.items()
+        if section.__module__.startswith("lightflyer.")
+    }
+    assert shapes == ours

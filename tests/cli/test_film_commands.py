@@ -104,7 +104,7 @@ def test_materials_lists_range_density_and_source(run):
         ('thickness = "20 nm"', 'thicknes = "20 nm"', 'did you mean "thickness"?'),
         ("layers", "layer", "needs a section [film] with layers"),
         ("[film]\n", '[film]\nextrapolation = "guess"\n', "extrapolation"),
-        ("[film]\n", '[film]\nspectrum = "sun"\n', 'spectrum "sun" is unknown; there are: AM0'),
+        ("[film]\n", '[film]\nspectrum = "sun"\n', 'spectrum "sun" is unknown; choose from AM0'),
         ("[film]\n", '[film]\nspectrum = "none.csv"\n', "cannot be read"),
         ('"Ge"', '"none.csv"', "cannot be read"),
         ('"mylar"', '"SWCNT"', "needs areal_density, or the layer of SWCNT its density"),

@@ -48,7 +48,7 @@ def test_extrapolation_is_a_choice():
     np.testing.assert_array_equal(hold, (n, k))
     lossless = material("PET", extrapolation="lossless").index(ends)
     np.testing.assert_array_equal(lossless, (n, np.zeros(2)))
-    with pytest.raises(lf.ParameterError, match="there are: error, hold, lossless"):
+    with pytest.raises(lf.ParameterError, match="choose from error, hold, lossless"):
         material("PET", extrapolation="guess")
 
 

@@ -33,12 +33,12 @@ app.command(
 app.command(
     "lightflyer.cli.film:film_command",
     name="film",
-    help="Compute what a film of layers absorbs, radiates and weighs.",
+    help="Compute absorptance, emittance and areal density of a film from its layers.",
 )
 app.command(
     "lightflyer.cli.materials:materials_command",
     name="materials",
-    help="List the materials that layers may be made of.",
+    help="List the materials for layers.",
 )
 app.command(
     "lightflyer.cli.calibrate:calibrate_command",

@@ -1,4 +1,4 @@
-"""``lightflyer film``: what the layers of a film absorb, radiate and weigh."""
+"""``lightflyer film``: absorptance, emittance and areal density of a film from its layers."""
 
 import gc
 import json
@@ -28,18 +28,19 @@ def film_command(
     at: str | None = None,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> None:
-    """Compute what a film of layers absorbs, radiates and weighs.
+    """Compute absorptance, emittance and areal density of a film from its layers.
 
     Parameters
     ----------
     film_file
-        TOML file with a section [film] that has layers; a flyer file will do.
+        TOML file whose section [film] has layers, such as a flyer file.
     out
-        Folder to write figures (PNG, SVG) and the summary (JSON) into.
+        Folder for figures (PNG, SVG) and the summary (JSON).
     temperatures
-        At which to give the emittance.
+        Temperatures of the film at which to give its emittance.
     at
-        Wavelengths such as "550 nm,10 um" to give reflectance, transmittance and absorptance at.
+        Wavelengths, such as "550 nm,10 um", at which to give reflectance, transmittance and
+        absorptance.
     json_output
         Print one JSON object instead of tables.
     """
@@ -77,12 +78,12 @@ def _quantities(option: str, text: str, unit: str) -> Any:
     except ConfigurationError as error:
         raise ConfigurationError(f"{option}: {error}") from None
     if not values:
-        raise ConfigurationError(f'{option} "{text}" names no quantity')
+        raise ConfigurationError(f'{option} "{text}" has no quantity in it')
     return np.array(values)
 
 
 def _points(film: Any, at: str | None) -> list[dict[str, float]]:
-    """Optics at the wavelengths of ``--at``, at normal incidence from the top."""
+    """Optics at the wavelengths of ``--at``, for normal incidence on the top."""
     if at is None:
         return []
     wavelengths = _quantities("--at", at, "m")
@@ -100,7 +101,7 @@ def _points(film: Any, at: str | None) -> list[dict[str, float]]:
 
 
 def _origins(section: "LayeredFilmSection") -> dict[str, Any]:
-    """The measured values of the file, which a prediction uses instead of the computed ones."""
+    """Measured values of the file, which replace the computed ones in predictions."""
     return {
         name: {"origin": "measured", "value": value.value, "uncertainty": value.uncertainty}
         for name, value in section.measured().items()
@@ -144,8 +145,8 @@ def _show(
     console.print(_emittances(summary))
     shortest, longest = summary.wavelength[[0, -1]] / MICROMETRE
     console.print(
-        "emittances are means over what the data cover; bounds: if the film absorbed nothing or "
-        f"all outside them\nspectrum from {shortest:.4g} µm to {longest:.4g} µm"
+        "emittance: mean over the wavelengths with data; bounds: nothing or everything absorbed at "
+        f"the others\nspectrum from {shortest:.4g} µm to {longest:.4g} µm"
     )
     for text in summary.extrapolated:
         console.print(f"extrapolated: {text}")

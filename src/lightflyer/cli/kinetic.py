@@ -36,37 +36,39 @@ def kinetic_command(
 ) -> None:
     """Solve the kinetic equation around a hot thin disk.
 
-    Without --temperature-ratio the linear problem is solved: a small temperature difference.
+    Without --temperature-ratio, solve the linear problem of small temperature differences.
 
     Parameters
     ----------
     kn
-        Knudsen number, mean free path in the gas far away over the disk's diameter: 0.03 to 100.
+        Knudsen number, the mean free path of the gas far away over the disk's diameter: 0.03 to
+        100.
     tac_top
         Accommodation coefficient of the upper face, above 0 and up to 1.
     tac_bottom
-        The same of the lower face.
+        Accommodation coefficient of the lower face, above 0 and up to 1.
     top_temperature
         Temperature perturbation of the upper face in the linear problem; 1 if not given.
     bottom_temperature
-        The same of the lower face.
+        Temperature perturbation of the lower face in the linear problem; 1 if not given.
     temperature_ratio
-        Temperature of both faces over the gas's far away, 1 to 2.5: the non-linear problem.
+        Temperature of both faces over that of the gas far away, 1 to 2.5, for the non-linear
+        problem.
     gas
-        Without or with rotation of its molecules; nitrogen and air are diatomic.
+        Molecules without or with rotation; nitrogen and air are diatomic.
     boundary
         Half-width and half-height of a cold cylindrical reservoir around the disk, in radii:
         1.5 to 338 Kn.
     out
-        Folder to write a figure of temperature and streamlines and the result (JSON) into.
+        Folder for a figure of temperature and streamlines and the result (JSON).
     json_output
         Print one JSON object instead of a table.
     """
     gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
     if temperature_ratio is not None and (top_temperature, bottom_temperature) != (None, None):
         raise ParameterError(
-            "--top-temperature and --bottom-temperature are of the linear problem: leave them out "
-            "or leave out --temperature-ratio"
+            "--top-temperature and --bottom-temperature belong to the linear problem and cannot be "
+            "combined with --temperature-ratio"
         )
     from lightflyer.foundation.files import output_directory
     from lightflyer.kinetic import solve
@@ -103,7 +105,7 @@ def kinetic_command(
     count = described["iterations"]
     console.print(
         f"{count} iteration{'' if count == 1 else 's'}, {described['seconds']:.1f} s; the error is "
-        "of the mesh, not of the model",
+        "numerical and excludes that of the model",
         soft_wrap=True,
     )
     if out is None:
@@ -115,7 +117,7 @@ def kinetic_command(
 
 @contextmanager
 def _named_as_options() -> Iterator[None]:
-    """Have errors name a parameter as the command line does."""
+    """Name parameters in errors as the command line does."""
     try:
         yield
     except ParameterError as error:

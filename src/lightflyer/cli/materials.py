@@ -1,4 +1,4 @@
-"""``lightflyer materials``: what the package knows of what films are made of."""
+"""``lightflyer materials``: the library of materials for layers."""
 
 import json
 from typing import Annotated, Any
@@ -11,7 +11,7 @@ from rich.table import Table
 def materials_command(
     *, json_output: Annotated[bool, Parameter(name="--json", negative=())] = False
 ) -> None:
-    """List the materials that layers may be made of, with range, density and source.
+    """List the materials for layers, with wavelength range, density and source.
 
     Parameters
     ----------

@@ -14,10 +14,10 @@ from lightflyer.foundation.precision import entry_point, is_traced
 from lightflyer.foundation.types import Numeric
 
 DIRECTIONS = 16
-"""Angles of a hemispherical average, Gauss-Legendre in the cosine."""
+"""Directions in a hemispherical average, Gauss-Legendre in the cosine."""
 
 POINTS_PER_E_FOLD = 4000
-"""Wavelengths of a thermal average per factor e: converged to 1e-5 with the sharp bands of PET."""
+"""Wavelengths per factor e in a thermal average: converged to 1e-5 with the sharp bands of PET."""
 
 _CHUNK = 2048  # wavelengths computed at a time where nothing is differentiated
 _WIDEST = (0.1e-6, 3e-3)  # [m]; outside lies less than 1e-5 of what any body from 100 K radiates
@@ -45,12 +45,12 @@ class Average(eqx.Module):
 
     @property
     def lower(self) -> Numeric:
-        """Value if nothing of the part left out were absorbed [1]."""
+        """Value if the film absorbed nothing outside its data [1]."""
         return self.value * self.covered
 
     @property
     def upper(self) -> Numeric:
-        """Value if all of the part left out were absorbed [1]."""
+        """Value if the film absorbed everything outside its data [1]."""
         return self.lower + (1.0 - self.covered)
 
 
@@ -68,13 +68,13 @@ def absorptance(
     ----------
     film : Film
     spectrum : Spectrum, optional
-        Of the light; by default sunlight above the atmosphere.
+        Spectrum of the light; by default sunlight above the atmosphere.
     incidence : float
         Angle between the light and the film's normal [rad].
     side : {"top", "bottom"}
         Where the light comes from.
     diffuse : bool
-        Light comes from the whole half-space with equal radiance instead.
+        Whether the light comes from the whole half-space with equal radiance.
 
     Returns
     -------
@@ -131,9 +131,9 @@ def emittance(
     side : {"top", "bottom"}
         The face.
     normal : bool
-        Emittance along the normal instead of the hemispherical one.
+        Whether to give the emittance along the normal, not the hemispherical one.
     points_per_e_fold : int
-        Wavelengths of the integration per factor e.
+        Wavelengths per factor e in the integration.
 
     Returns
     -------
@@ -147,7 +147,7 @@ def emittance(
 
     Notes
     -----
-    Optical data are those of room temperature. Differentiable in the thicknesses.
+    Optical data are for room temperature. Differentiable in the thicknesses.
 
     References
     ----------
@@ -215,7 +215,7 @@ def emittance_curve(
     film : Film
     side : {"top", "bottom"}
     points_per_e_fold : int
-        Wavelengths of the integration per factor e; a tenth of the default is right to 1e-3.
+        Wavelengths per factor e in the integration; a tenth of the default gives 1e-3.
 
     Returns
     -------
@@ -224,8 +224,8 @@ def emittance_curve(
 
     Notes
     -----
-    Differentiable in the thicknesses. Where the materials' data cover little of the spectrum,
-    which happens when cold, it is the mean over what they cover: see :func:`emittance`.
+    Differentiable in the thicknesses. At low temperature the data may cover little of the
+    spectrum: the curve is then the mean over that part, as in :func:`emittance`.
     """
     values = emittance(
         film, node_temperatures(), side=side, points_per_e_fold=points_per_e_fold
@@ -253,7 +253,7 @@ def _thermal_weights(
 
 
 def _extrapolating(film: Film, wavelength: np.ndarray) -> np.ndarray:
-    """Where any material is outside its data."""
+    """Whether any material is outside its data, at each wavelength."""
     covers = [layer.material.covers(wavelength) for layer in film.layers]
     return ~np.all(covers, axis=0) if covers else np.zeros(wavelength.shape, bool)
 

@@ -29,7 +29,7 @@ def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ER
     Raises
     ------
     ParameterError
-        If there is no such material, with the nearest names, or no such policy.
+        If the material or the policy is unknown; the message has the nearest names.
 
     Examples
     --------

@@ -38,7 +38,7 @@ class ComputedFilm:
     measured : dict of str to Measured
         The properties that were measured, by name; all others are computed.
     averages : dict of str to Average
-        What is behind the computed absorptances, by name.
+        The averages behind the computed absorptances, by name.
     """
 
     film: Film
@@ -61,11 +61,11 @@ class ComputedFilm:
         ----------
         film : Film
         measured : dict of str to Measured
-            Must hold ``tac_top`` and ``tac_bottom``, which nothing computes.
+            Must hold ``tac_top`` and ``tac_bottom``, which are never computed.
         spectrum : Spectrum, optional
-            Of the light; by default sunlight above the atmosphere.
+            Spectrum of the light; by default sunlight above the atmosphere.
         incidence : float
-            Of the light [rad].
+            Angle between the light and the film's normal [rad].
 
         Returns
         -------
@@ -74,7 +74,7 @@ class ComputedFilm:
         Raises
         ------
         ParameterError
-            If a density is unknown, or a face would not radiate at all.
+            If a density is unknown, or a face emits no thermal radiation.
         """
         averages = {
             name: average
@@ -133,9 +133,9 @@ class ComputedFilm:
 def _absorptances(
     film: Film, spectrum: Spectrum | None, incidence: float, measured: dict[str, Measured]
 ) -> dict[str, Average]:
-    """Of the top face for the beam, and of the bottom face for what the ground reflects.
+    """Absorptance of the top face for the beam, and of the bottom face for diffuse light.
 
-    A measured absorptance of the top alone stands for both faces, as without layers.
+    A measured absorptance of the top applies to both faces, as in a film without layers.
     """
     if "absorptance" in measured:
         return {}
@@ -150,7 +150,7 @@ def _radiating(curve: EmittanceCurve, side: Side) -> EmittanceCurve:
     least = float(np.min(curve(node_temperatures())))
     if least < _LEAST_EMITTANCE:
         raise ParameterError(
-            f"the {side} face radiates nothing (emittance {least:.1g}): its layers absorb no heat "
-            "radiation by their data; give the measured emittance"
+            f"emittance of the {side} face is {least:.1g}: by their data its layers absorb no "
+            f"infrared; give a measured emittance_{side}"
         )
     return curve

@@ -16,8 +16,8 @@ LOWEST_TEMPERATURE, HIGHEST_TEMPERATURE = 100.0, 1500.0
 """Temperatures between which curves are made [K]."""
 
 NODES = 20
-"""Temperatures at which a curve meets the computed emittance. Twenty bring all curves of the
-library's materials within 1e-5 of it between the nodes."""
+"""Temperatures at which a curve equals the computed emittance. With 20, the curves of all materials
+of the library stay within 1e-5 of it between the nodes."""
 
 _BETWEEN_NODES = 0.1  # margin for what a curve does between its nodes
 
@@ -25,8 +25,8 @@ _BETWEEN_NODES = 0.1  # margin for what a curve does between its nodes
 class EmittanceCurve(eqx.Module):
     r"""Total emittance of a face, a polynomial of the logarithm of temperature.
 
-    One polynomial, not pieces: it has derivatives of every order, costs a handful of products,
-    and its difference between two temperatures can be formed without cancellation.
+    A single polynomial has derivatives of every order, needs few operations, and its difference
+    between two temperatures can be formed without cancellation.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class EmittanceCurve(eqx.Module):
         In powers of :math:`x`, highest first; :math:`x` goes from -1 to 1 with the logarithm
         of temperature [1].
     lowest, highest : array
-        Temperatures of the ends [K]. Beyond them the emittance stays what it is there.
+        Temperatures of the ends [K]. Beyond them the emittance is held.
 
     Examples
     --------
@@ -84,7 +84,7 @@ class EmittanceCurve(eqx.Module):
         Returns
         -------
         array, broadcast shape
-            [1], to full precision however small the excess.
+            [1], accurate however small the excess is.
         """
         fourth = excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
         x, y = self._scaled(temperature * (1.0 + excess)), self._scaled(temperature)
@@ -161,7 +161,7 @@ def emittance_at(emittance: Numeric, temperature: Numeric) -> Numeric:
 
 
 def emittance_bounds(emittance: Numeric) -> tuple[Numeric, Numeric]:
-    """Emittances that a face stays between at any temperature, whether constant or a curve.
+    """Bounds of the emittance of a face over all temperatures, whether constant or a curve.
 
     Parameters
     ----------

@@ -22,6 +22,7 @@ from lightflyer.foundation.drawing import (
 
 _TICKS_UM = (0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 _SHOWN_TEMPERATURE = 300.0
+_SHADED_HEIGHT = 0.45  # of a spectrum drawn behind the curves, over the height of the axes
 _LAYER_COLOURS = (BLUE, ORANGE, GREEN, VERMILION, SKY, PURPLE, YELLOW, GREY)
 
 
@@ -37,10 +38,14 @@ def _wavelength_axis(ax: Axes) -> None:
 
 
 def _shade(ax: Axes, wavelength: np.ndarray, shape: np.ndarray, label: str, colour: str) -> None:
-    """A spectrum per logarithm of wavelength, which shows equal power as equal area."""
+    """Shade a spectrum per logarithm of wavelength, so that equal areas are equal powers."""
     per_log = wavelength * shape
     ax.fill_between(
-        wavelength / MICROMETRE, 0.45 * per_log / per_log.max(), color=colour, alpha=0.18, lw=0
+        wavelength / MICROMETRE,
+        _SHADED_HEIGHT * per_log / per_log.max(),
+        color=colour,
+        alpha=0.18,
+        lw=0,
     )
     ax.plot([], [], color=colour, alpha=0.35, lw=6, label=label)
 

@@ -105,7 +105,9 @@ class LayeredFilmSection(FilmSection):
             return name
         if not name.lower().endswith(".csv"):
             known = ", ".join(_LAMPS)
-            raise ConfigurationError(f'spectrum "{name}" is unknown; there are: {known}, or a CSV')
+            raise ConfigurationError(
+                f'spectrum "{name}" is unknown; choose from {known}, or a CSV file'
+            )
         path = _file(name, info)
         spectrum_from_csv(path)
         return path
@@ -144,8 +146,8 @@ class LayeredFilmSection(FilmSection):
         for name, layer in (("tac_top", self.layers[0]), ("tac_bottom", self.layers[-1])):
             if getattr(self, name) is None and layer.surface_tac is None:
                 raise ConfigurationError(
-                    f"[film] needs {name}: no accommodation coefficient of {layer.material} is "
-                    "known to have been measured"
+                    f"[film] needs {name}: no measured accommodation coefficient of "
+                    f"{layer.material} is known"
                 )
         for layer in self.layers:
             if self.areal_density is None and not layer.has_density:

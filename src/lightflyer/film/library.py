@@ -14,7 +14,7 @@ from lightflyer.foundation.units import Measured
 
 @dataclasses.dataclass(frozen=True)
 class Page:
-    """A page of the database, or the part of it that is used.
+    """A page of the database, or the part of it in use.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Page:
 
 @dataclasses.dataclass(frozen=True)
 class Entry:
-    """What the package knows of a material.
+    """Pages, density and measured TAC of a material.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ TAC_UNCERTAINTY = 0.05
 """The largest of the uncertainties stated with the measured TACs, 0.03 to 0.05 [1]."""
 
 _CRC = "CRC Handbook of Chemistry and Physics, 95th ed. [CRC2014]"
-_GE_BULK = f"crystal, {_CRC}; evaporated films are up to some 10 % lighter"
+_GE_BULK = f"crystal, {_CRC}; evaporated films are up to about 10 % lighter"
 
 PAGES: dict[str, Entry] = {
     "Ge": Entry(
@@ -131,7 +131,7 @@ PAGES: dict[str, Entry] = {
         "amorphous carbon, arc-evaporated film",
         (Page("main", "C", "Arakawa"),),
         None,
-        "1.8 to 2.1 g/cm³ with deposition: give the sample's",
+        "1.8 to 2.1 g/cm³, depending on the deposition: give the sample's",
     ),
     "ta-C": Entry(
         "tetrahedral amorphous carbon film",
@@ -144,11 +144,11 @@ PAGES: dict[str, Entry] = {
         "single-walled carbon nanotube film, aerosol CVD (porous)",
         (Page("main", "C", "Ermolaev"),),
         None,
-        "porous, differs from film to film: give the sample's",
+        "porous, different in every film: give the sample's",
         Measured(1.08, TAC_UNCERTAINTY),
     ),
 }
-"""Materials by the name they have in a flyer file."""
+"""Materials by their name in a flyer file."""
 
 ALIASES = {
     "germanium": "Ge",
@@ -169,7 +169,7 @@ ALIASES = {
 
 
 def canonical_name(name: str) -> str:
-    """The package's name of a material, upper and lower case aside.
+    """Name of a material in the library, from any of its names in any case.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def canonical_name(name: str) -> str:
     Raises
     ------
     ParameterError
-        If there is none, with the nearest names.
+        If the name is unknown; the message has the nearest names.
     """
     known = {alias.lower(): target for alias, target in ALIASES.items()}
     known |= {target.lower(): target for target in PAGES}
@@ -190,5 +190,5 @@ def canonical_name(name: str) -> str:
         return known[name.lower()]
     near = difflib.get_close_matches(name.lower(), known, n=3, cutoff=0.5)
     names = list(dict.fromkeys(known[match] for match in near))
-    hint = f"did you mean {' or '.join(names)}?" if names else f"there are {', '.join(PAGES)}"
-    raise ParameterError(f'material "{name}" is unknown; {hint} (a CSV file of n and k works too)')
+    hint = f"did you mean {' or '.join(names)}?" if names else f"the library has {', '.join(PAGES)}"
+    raise ParameterError(f'material "{name}" is unknown; {hint} (or give a CSV file of n and k)')

@@ -2,7 +2,7 @@
 
 A :class:`Material` interpolates measured n and k between the wavelengths of its source and
 knows where they end. Outside that range it raises, unless the user has chosen one of the named
-:class:`Extrapolation` policies; every result then lists the materials it was used for.
+:class:`Extrapolation` policies; every result then lists the materials that were extrapolated.
 """
 
 import dataclasses
@@ -24,17 +24,17 @@ _RANGE_TOLERANCE = 1e-9  # relative: rounding of a unit conversion is not an ext
 
 
 class Extrapolation(enum.StrEnum):
-    """What a material does outside the wavelengths that its source covers.
+    """Policy of a material outside the wavelengths of its data.
 
-    Comparing results of HOLD and LOSSLESS shows how much an answer rests on the extrapolation.
+    Comparing results of HOLD and LOSSLESS shows how much they depend on the extrapolation.
     """
 
     ERROR = "error"
-    """Raise; averages are taken over what is covered, and the rest is stated and bounded."""
+    """Raise. Averages are taken over the covered part, with bounds for the rest."""
     HOLD = "hold"
-    """Keep n and k of the nearest wavelength covered."""
+    """Keep n and k of the nearest wavelength with data."""
     LOSSLESS = "lossless"
-    """Keep n of the nearest wavelength covered, and absorb nothing."""
+    """Keep n of the nearest wavelength with data and set k to zero."""
 
 
 class Segment(NamedTuple):
@@ -64,16 +64,14 @@ class Material:
     ----------
     name : str
     segments : tuple of Segment
-        In order of wavelength. Across a gap between two of them n and k go straight from the
-        one's end to the other's beginning.
+        In order of wavelength. Across a gap between two of them n and k are linear.
     density : float or None
         Mass density [kg/m³]; None where it depends on the sample and must be given.
     density_source : str
     description : str
         What was measured.
     tac : Measured or None
-        Thermal accommodation coefficient of its surface in air [1]; None where nobody has
-        measured it.
+        Thermal accommodation coefficient of its surface in air [1]; None if never measured.
     tac_source : str
     extrapolation : Extrapolation
         Policy outside the range.
@@ -108,7 +106,7 @@ class Material:
         return "; ".join(segment.source for segment in self.segments)
 
     def with_extrapolation(self, policy: Extrapolation | str) -> "Material":
-        """The same material with another policy outside its range.
+        """The same material with another policy outside its data.
 
         Parameters
         ----------
@@ -121,18 +119,18 @@ class Material:
         Raises
         ------
         ParameterError
-            If there is no such policy.
+            If the policy is unknown.
         """
         try:
             return dataclasses.replace(self, extrapolation=Extrapolation(policy))
         except ValueError:
             names = ", ".join(Extrapolation)
             raise ParameterError(
-                f'extrapolation "{policy}" is unknown; there are: {names}'
+                f'extrapolation "{policy}" is unknown; choose from {names}'
             ) from None
 
     def with_density(self, density: float) -> "Material":
-        """The same material with a density of one's own [kg/m³]."""
+        """The same material with another density [kg/m³]."""
         return dataclasses.replace(self, density=density, density_source=GIVEN)
 
     def covers(self, wavelength: np.ndarray | float) -> np.ndarray:
@@ -186,7 +184,7 @@ class Material:
         shortest, longest = (end / MICROMETRE for end in self.wavelength_range)
         raise ParameterError(
             f"{self.name} has no data at {wavelength / MICROMETRE:.5g} µm, only from "
-            f"{shortest:.5g} µm to {longest:.5g} µm; to go beyond choose an extrapolation: "
+            f"{shortest:.5g} µm to {longest:.5g} µm; to go beyond, set extrapolation to "
             f'"{Extrapolation.HOLD}" or "{Extrapolation.LOSSLESS}"'
         )
 
@@ -217,7 +215,7 @@ def tabulated_material(
     tac: Measured | None = None,
     source: str = "given in Python",
 ) -> Material:
-    """A material of one's own from a table.
+    """Material from a table of n and k.
 
     Parameters
     ----------
@@ -231,7 +229,7 @@ def tabulated_material(
     tac : Measured, optional
         Thermal accommodation coefficient of its surface [1].
     source : str
-        Where the numbers come from.
+        Origin of the numbers.
 
     Returns
     -------
@@ -267,7 +265,7 @@ def tabulated_material(
 def material_from_csv(
     path: str | Path, *, density: float | None = None, tac: Measured | None = None
 ) -> Material:
-    """A material of one's own from a file of wavelength, n and k.
+    """Material from a CSV file of wavelength, n and k.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-r"""Spectra that films are judged by: sunlight, lamps, and heat radiation."""
+"""Spectra of light and heat radiation: sunlight, lamps, black bodies."""
 
 import dataclasses
 from functools import cache
@@ -20,8 +20,8 @@ LED_BLUE = (450e-9, 20e-9)
 LED_PHOSPHOR = (560e-9, 120e-9)
 """Peak and width at half maximum of the modelled lamp's phosphor [m]."""
 LED_PHOSPHOR_PEAK = 0.55
-"""Peak of the phosphor over that of the chip [1]; with it the lamp's correlated colour
-temperature is 6550 K."""
+"""Peak of the phosphor over that of the chip [1]; it makes the lamp's correlated colour temperature
+6550 K."""
 
 _LED_WAVELENGTHS = np.arange(380, 781) * 1e-9
 _SERIES_TERMS = 80
@@ -30,7 +30,7 @@ _SMALL_ARGUMENT = 0.5
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Spectral irradiance of light, straight between the wavelengths of a table.
+    """Spectral irradiance of light, linear between the wavelengths of a table.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Spectrum:
     wavelength : array, shape (m,)
         Increasing [m].
     irradiance : array, shape (m,)
-        Per wavelength; [W/m³] where it is absolute. Only the shape counts for averages.
+        Per wavelength; [W/m³] where it is absolute. Averages depend on its shape only.
     source : str
 
     Raises
@@ -79,7 +79,7 @@ class Spectrum:
         wavelength : array, shape (m,)
             [m].
         weight : array, shape (m,)
-            They add up to the share of the spectrum's power between the two [1].
+            Their sum is the share of the spectrum's power between the two [1].
 
         Raises
         ------
@@ -126,7 +126,7 @@ def am0() -> Spectrum:
 
 @cache
 def cold_white_led() -> Spectrum:
-    r"""A cold-white lamp: blue light-emitting diode with a yellow phosphor. A model.
+    r"""Model of a cold-white lamp: a blue light-emitting diode with a yellow phosphor.
 
     The chip has the line shape :math:`(g+2g^5)/3`, :math:`g=e^{-((\lambda-\lambda_0)/w)^2}`,
     the phosphor is Gaussian; their peaks and widths are :data:`LED_BLUE` and
@@ -139,7 +139,7 @@ def cold_white_led() -> Spectrum:
 
     Notes
     -----
-    No measured lamp: give its spectrum as a file where the answer rests on it.
+    This is no measured lamp: give the lamp's own spectrum as a file where results depend on it.
 
     References
     ----------
@@ -166,7 +166,7 @@ _OHNO_HALF_WIDTH = _ohno_half_width()
 
 
 def spectrum_from_csv(path: str | Path) -> Spectrum:
-    """A lamp's measured spectrum.
+    """Spectrum of a lamp from a CSV file.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def spectrum_from_csv(path: str | Path) -> Spectrum:
 
 
 def planck(wavelength: np.ndarray, temperature: float) -> np.ndarray:
-    r"""Spectral exitance of a black body per wavelength, over its total.
+    r"""Spectral exitance of a black body per wavelength, over its total exitance.
 
     .. math:: \frac{\pi B_\lambda(T)}{\sigma T^4}
         = \frac{15}{\pi^4}\,\frac{x^4}{\lambda\,(e^x-1)},\qquad x=\frac{hc}{\lambda kT}
@@ -218,7 +218,7 @@ def planck(wavelength: np.ndarray, temperature: float) -> np.ndarray:
 
 
 def blackbody_fraction(wavelength: float, temperature: float) -> float:
-    r"""Share of a black body's radiation below a wavelength.
+    r"""Share of a black body's radiation at wavelengths shorter than a given one.
 
     Parameters
     ----------

@@ -106,7 +106,7 @@ class Film(eqx.Module):
         return shortest, longest
 
     def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
-        """The materials whose data end within a range of wavelengths, with their policy.
+        """Materials whose data end within a range of wavelengths, with their policy.
 
         Parameters
         ----------
@@ -141,7 +141,7 @@ class Film(eqx.Module):
         Raises
         ------
         ParameterError
-            If a wavelength is outside a material's range and its policy is to raise.
+            If a wavelength is outside a material's data and its policy is ERROR.
         """
         wavelength = np.asarray(wavelength, float)
         pairs = [layer.material.index(wavelength) for layer in self.layers]
@@ -171,16 +171,16 @@ class Film(eqx.Module):
         Returns
         -------
         StackOptics
-            First axis s and p polarisation; its layers are in the order the light meets them.
+            The first axis is the polarisation, s then p; the lit layer comes first.
 
         Raises
         ------
         ParameterError
-            If an angle is not in [0, 90°), or a wavelength is outside a material's range.
+            If an angle is not in [0, 90°), or a wavelength is outside a material's data.
 
         Notes
         -----
-        Coherent: right for films up to some ten wavelengths thick with parallel faces.
+        Coherent: valid for films with parallel faces, up to about ten wavelengths thick.
         Differentiable in the thicknesses and the angle.
         """
         require_range("incidence", incidence, 0.0, GRAZING)

@@ -1,6 +1,7 @@
-"""Everything the film command tells of a film, in one object."""
+"""Optics and mass of a film in one object, as the command ``film`` reports them."""
 
 import dataclasses
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from lightflyer.film.transfer_matrix import StackOptics
 from lightflyer.foundation.errors import ParameterError
 
 SPECTRUM_RANGE = (0.25e-6, 25e-6)
-"""Wavelengths of a film's reported spectrum [m]."""
+"""Ends of a film's reported spectrum [m]."""
 SPECTRUM_POINTS = 1000
 
 _GRAMS = 1e3
@@ -27,7 +28,7 @@ class FilmSummary:
     ----------
     film : Film
     light : Spectrum
-        What the film is lit with; sunlight or a lamp.
+        Light on the film: sunlight or a lamp.
     solar : dict of str to Average
         Absorptance of sunlight at normal incidence, of each face, ``"top"`` and ``"bottom"``.
     lamp : dict of str to Average
@@ -56,13 +57,13 @@ class FilmSummary:
 
     @classmethod
     def of(cls, film: Film, light: Spectrum, temperatures: np.ndarray) -> "FilmSummary":
-        """Compute it.
+        """Summary of a film.
 
         Parameters
         ----------
         film : Film
         light : Spectrum
-            What the film is lit with; sunlight or a lamp.
+            Light on the film: sunlight or a lamp.
         temperatures : array, shape (m,)
             [K].
 
@@ -73,13 +74,14 @@ class FilmSummary:
         Raises
         ------
         ParameterError
-            If the materials' data do not meet, or not the spectrum reported.
+            If the materials' data do not overlap, or lie outside the reported spectrum.
         """
         sides: tuple[Side, Side] = ("top", "bottom")
         shortest, longest = film.covered_range
         shortest, longest = max(shortest, SPECTRUM_RANGE[0]), min(longest, SPECTRUM_RANGE[1])
         if shortest >= longest:
-            raise ParameterError("the materials have no data between 0.25 µm and 25 µm")
+            ends = " and ".join(f"{end / MICROMETRE:g} µm" for end in SPECTRUM_RANGE)
+            raise ParameterError(f"the materials have no data between {ends}")
         wavelength = np.geomspace(shortest, longest, SPECTRUM_POINTS)
         solar: dict[str, Average] = {side: absorptance(film, side=side) for side in sides}
         lit: dict[str, Average] = {side: absorptance(film, light, side=side) for side in sides}
@@ -99,14 +101,14 @@ class FilmSummary:
 
     @property
     def extrapolated(self) -> list[str]:
-        """The materials that were extrapolated anywhere in the summary."""
+        """Materials that were extrapolated anywhere in the summary."""
         averages = [*self.solar.values(), *self.lamp.values(), *self.thermal.values()]
         found = [text for average in averages for text in average.extrapolated]
         found += self.film.extrapolated(self.wavelength[0], self.wavelength[-1])
         return list(dict.fromkeys(found))
 
     def selectivity(self) -> np.ndarray:
-        """Absorptance of the top for the light over the mean emittance of the faces [1]."""
+        """Absorptance of the top for the light, over the mean emittance of both faces [1]."""
         mean = 0.5 * (self.thermal["top"].value + self.thermal["bottom"].value)
         return self.lamp["top"].value / mean
 
@@ -141,21 +143,21 @@ class FilmSummary:
         }
 
     def _bounds(self, over_temperature: Any) -> dict[str, Any]:
-        """Share of each average's spectrum that has data, and what the rest could change."""
+        """Share of each average's spectrum that has data, and bounds for the rest."""
         solar = {
-            f"solar_absorptance_{side}": {
-                "covered": float(average.covered),
-                "lower": float(average.lower),
-                "upper": float(average.upper),
-            }
+            f"solar_absorptance_{side}": _covered(average, float)
             for side, average in self.solar.items()
         }
         thermal = {
-            f"emittance_{side}": {
-                "covered": over_temperature(average.covered),
-                "lower": over_temperature(average.lower),
-                "upper": over_temperature(average.upper),
-            }
+            f"emittance_{side}": _covered(average, over_temperature)
             for side, average in self.thermal.items()
         }
         return {**solar, **thermal}
+
+
+def _covered(average: Average, described: Callable[[Any], Any]) -> dict[str, Any]:
+    return {
+        "covered": described(average.covered),
+        "lower": described(average.lower),
+        "upper": described(average.upper),
+    }

@@ -24,7 +24,7 @@ from lightflyer.foundation.types import Numeric
 
 
 class StackOptics(eqx.Module):
-    """What becomes of light that falls on a stack.
+    """Shares of the light on a stack that are reflected, transmitted and absorbed.
 
     The first axis of each field is the polarisation: s, then p.
 
@@ -79,8 +79,7 @@ def stack_optics(
     Notes
     -----
     Differentiable in every argument, except where a layer's index equals the sine of the
-    incidence (grazing inside the layer). Concrete values are not checked here; :class:`Film`
-    does.
+    incidence (grazing inside the layer). Values are not checked here; :class:`Film` checks them.
 
     References
     ----------

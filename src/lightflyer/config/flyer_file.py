@@ -282,7 +282,15 @@ class FileDesign(AbstractDesign):
 
     def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:
         """See :meth:`AbstractDesign.build`."""
-        return build(self._replaced(values or {}), prepared)
+        values = values or {}
+        if prepared is None and self.file.film is not None and not self.costly(list(values)):
+            prepared = self._own_film  # measured numbers may be traced, layers stay as they are
+        return build(self._replaced(values), prepared)
+
+    @cached_property
+    def _own_film(self) -> Any:
+        with jax.ensure_compile_time_eval():  # it stays, so it must not belong to a trace
+            return self.prepare({})
 
     def _replaced(self, values: Mapping[str, Numeric]) -> dict[str, Any]:
         parts: dict[str, Section] = self.file.parts()

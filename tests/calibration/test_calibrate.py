@@ -11,23 +11,32 @@ from scipy.optimize import minimize_scalar
 
 import lightflyer as lf
 from lightflyer.calibration import Points
-from lightflyer.foundation.quantity import Coefficient, Length
+from lightflyer.calibration.targets import target_of
+from lightflyer.foundation.quantity import Coefficient, Conductivity, Length, Mass
 
 TRUTH = np.array([0.4, 3.0])
 PRESSURE = np.tile(np.geomspace(1.5, 25.0, 7), 2)
 DIAMETER = np.repeat([0.02, 0.03], 7)
 SAMPLES = ["synthetic 2 cm"] * 7 + ["synthetic 3 cm"] * 7
 CHAMBER = lf.Chamber()
-FIELDS = {"c_fm": 0.5, "c_cont": 2.0, "tac_top": 0.8, "tac_bottom": 0.9, "absorptance": 0.75}
+MADE_WITH = {
+    "c_fm": 0.4,
+    "c_cont": 3.0,
+    "emittance": 0.08,
+    "absorptance": 0.75,
+    "tac_top": 0.8,
+    "tac_bottom": 0.9,
+}
 
 
-def log_light(c_fm=0.4, c_cont=3.0, pressure=PRESSURE, diameter=DIAMETER, **film):
+def log_light(pressure=PRESSURE, diameter=DIAMETER, **numbers):
     """Log-irradiance to levitate of samples; synthetic, like all data here."""
-    numbers = {"emittance": 0.08, "absorptance": 0.75, "tac_top": 0.8, "tac_bottom": 0.9} | film
+    numbers = MADE_WITH | numbers
     emittance = numbers.pop("emittance")
+    model = lf.Lu2023(numbers.pop("c_fm"), numbers.pop("c_cont"))
     film = lf.FilmProperties(1e-3, emittance_top=emittance, emittance_bottom=emittance, **numbers)
-    state, model = CHAMBER.state(pressure), lf.Lu2023(c_fm, c_cont)
-    return np.log(lf.levitate(lf.Disk(film, 0.5 * diameter), state, model).irradiance)
+    disk = lf.Disk(film, 0.5 * diameter)
+    return np.log(lf.levitate(disk, CHAMBER.state(pressure), model).irradiance)
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +47,7 @@ def setup():
 
 @pytest.fixture(scope="module")
 def exact():
-    return np.exp(log_light(*TRUTH))
+    return np.exp(log_light())
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +71,7 @@ def test_recovers_what_exact_points_were_made_with(setup, exact):
 
 def test_fits_film_properties_of_one_sample(setup, exact):
     one = np.array(SAMPLES) == "synthetic 2 cm"
-    hotter = np.where(one, np.exp(log_light(*TRUTH, emittance=0.12)), exact)
+    hotter = np.where(one, np.exp(log_light(emittance=0.12)), exact)
     fit = lf.calibrate(points(hotter), setup, free=["c_fm", "c_cont", "emittance[synthetic 2 cm]"])
     assert fit.values == pytest.approx([*TRUTH, 0.12], rel=1e-6)
     # what belongs to one sample alone is not the setup's
@@ -87,7 +96,8 @@ def test_takes_whatever_makes_a_design(what, setup, noisy):
         fit = lf.calibrate(points(noisy), *design, free=["c_fm", "emittance"])
     # the file's coefficients are the paper's
     c_cont = 3.0 if what in ("file", "path") else 2.0
-    residuals = np.log(noisy) - log_light(fit.values[0], c_cont, emittance=fit.values[1])
+    c_fm, emittance = fit.values
+    residuals = np.log(noisy) - log_light(c_fm=c_fm, c_cont=c_cont, emittance=emittance)
     assert fit.residuals == pytest.approx(residuals, abs=1e-9)
 
 
@@ -112,9 +122,9 @@ def derivatives(free, values):
     ],
 )
 def test_covariance_is_that_of_finite_differences(setup, noisy, free):
-    fit = lf.calibrate(points(noisy), setup, free=free)
+    fit = lf.calibrate(points(noisy), setup.flyer, CHAMBER, lf.Lu2023(*TRUTH), free=free)
     fitted = dict(zip(free, fit.values, strict=True))
-    jacobian = derivatives(free, FIELDS | {"emittance": 0.08} | fitted)
+    jacobian = derivatives(free, MADE_WITH | fitted)
     # least squares: the residuals are orthogonal to all derivatives
     assert np.abs(jacobian.T @ fit.residuals).max() < 1e-5
     variance = np.sum(fit.residuals**2) / (len(SAMPLES) - len(free))
@@ -140,7 +150,8 @@ def test_stated_uncertainties_set_covariance_and_intervals(setup, noisy):
 def test_uncertain_pressure_counts_by_the_slope_of_the_curve(setup, exact):
     data = points(exact, pressure_uncertainty=0.05 * PRESSURE, irradiance_uncertainty=0.01 * exact)
     fit = lf.calibrate(data, setup)
-    above, below = (log_light(*fit.values, pressure=PRESSURE * np.exp(d)) for d in (1e-4, -1e-4))
+    fitted = dict(zip(fit.names, fit.values, strict=True))
+    above, below = (log_light(PRESSURE * np.exp(d), **fitted) for d in (1e-4, -1e-4))
     slope = (above - below) / 2e-4
     assert fit.uncertainty == pytest.approx(np.hypot(0.01, 0.05 * slope), rel=1e-5)
     assert fit.uncertainty.max() > 3.0 * fit.uncertainty.min()
@@ -148,11 +159,12 @@ def test_uncertain_pressure_counts_by_the_slope_of_the_curve(setup, exact):
 
 @pytest.mark.parametrize("stated", [False, True], ids=["estimated scatter", "stated uncertainty"])
 def test_intervals_end_where_the_profile_reaches_its_threshold(setup, noisy, stated):
-    fit = lf.calibrate(points(noisy, **({"irradiance_uncertainty": 0.05 * noisy} * stated)), setup)
+    uncertainty = {"irradiance_uncertainty": 0.05 * noisy} if stated else {}
+    fit = lf.calibrate(points(noisy, **uncertainty), setup)
     spread = 0.05 if stated else np.sqrt(np.sum(fit.residuals**2) / 12)
 
     def cost(c_fm, c_cont):
-        return np.sum(((np.log(noisy) - log_light(c_fm, c_cont)) / spread) ** 2)
+        return np.sum(((np.log(noisy) - log_light(c_fm=c_fm, c_cont=c_cont)) / spread) ** 2)
 
     threshold = stats.chi2.ppf(0.95, 1) if stated else stats.f.ppf(0.95, 1, 12)
     for end in fit.intervals[0]:
@@ -183,8 +195,8 @@ class Slow(lf.AbstractForceModel):
     """A model of a user's own: free molecules, weakened by one coefficient."""
 
     flyers: ClassVar = (lf.Disk,)
-    weakness: Coefficient = 0.5
-    reach: Length = 1e-2
+    weakness: Coefficient
+    reach: Length
 
     def heat_loss(self, flyer, state, unknowns):
         return lf.FreeMolecular().heat_loss(flyer, state, unknowns)
@@ -199,14 +211,151 @@ def test_a_users_own_model():
     flyer, pressure = lf.Disk(film, 0.01), np.geomspace(0.2, 2.0, 9)
     light = lf.levitate(flyer, CHAMBER.state(pressure), Slow(0.8, 0.02)).irradiance
     data = Points("own", ["disk"] * 9, {"pressure": pressure, "irradiance": light})
-    fit = lf.calibrate(data, flyer, CHAMBER, Slow(), free=["weakness", "reach"])
+    fit = lf.calibrate(data, flyer, CHAMBER, Slow(0.7, 0.03), free=["weakness", "reach"])
     assert fit.values == pytest.approx([0.8, 0.02], rel=1e-6)
     assert fit.setup.model.weakness == pytest.approx(0.8, rel=1e-6)
 
 
-def test_a_flyer_of_two_temperatures_by_full_names():
-    films = {
-        name: lf.FilmProperties(5e-4, absorptance, 0.1, 0.1, 0.9, 0.9, transmittance=passing)
-        for name, absorptance, passing in (("top", 0.1, 0.8), ("bottom", 0.7, 0.1))
-    }
-    ...
+class Plates(lf.AbstractFlyer):
+    """A flyer of a user's own: two plates, of which the lower absorbs the light."""
+
+    nodes: ClassVar = ("top", "bottom")
+    radius: Length
+    conductance: Conductivity
+    payload: Mass = 0.0
+    attitude: lf.environment.Attitude | None = None
+
+    @property
+    def area(self):
+        return jnp.pi * self.radius**2
+
+    @property
+    def own_mass(self):
+        return 1e-3 * self.area
+
+    def beam_areas(self, state):
+        return 0.1 * self.area, 0.6 * self.area
+
+    def heat_gains(self, state):
+        return 0.0 * state.temperature, 0.0 * state.temperature
+
+    def heat_losses(self, state, unknowns):
+        top, bottom = unknowns
+        exchanged = self.conductance * self.area * state.temperature * (bottom - top)
+        return -exchanged, exchanged
+
+    def describe(self):
+        return "two plates"
+
+
+class Push(lf.AbstractForceModel):
+    flyers: ClassVar = (Plates,)
+
+    def heat_loss(self, flyer, state, unknowns):
+        return tuple(30.0 * flyer.area * state.pressure * excess for excess in unknowns)
+
+    def force(self, flyer, state, unknowns):
+        top, bottom = unknowns
+        return 0.25 * flyer.area * state.pressure * (bottom - top)
+
+
+def test_a_flyer_of_two_temperatures():
+    diameter, pressure = np.repeat([0.02, 0.03], 4), np.tile(np.geomspace(0.5, 5.0, 4), 2)
+    # both balances are linear: what light makes of the difference of the temperatures
+    split = (0.6 - 0.1) / (30.0 * pressure + 2 * 0.3 * 295.0)
+    light = 1e-3 * 9.80665 / (0.25 * pressure * split)
+    numbers = {"pressure": pressure, "irradiance": light, "diameter": diameter}
+    data = Points("own", ["plates"] * 8, numbers)
+    fit = lf.calibrate(data, Plates(0.01, 0.2), CHAMBER, Push(), free=["flyer.conductance"])
+    assert fit.values == pytest.approx([0.3], rel=1e-6)
+
+
+def test_payload_counts(setup):
+    heavier = lf.Setup(lf.Disk(setup.flyer.film, 0.01, payload=1e-7), CHAMBER, setup.model)
+    disk = lf.Disk(setup.flyer.film, 0.5 * DIAMETER, payload=1e-7)
+    light = lf.levitate(disk, CHAMBER.state(PRESSURE), lf.Lu2023(*TRUTH)).irradiance
+    assert lf.calibrate(points(light), heavier).values == pytest.approx(TRUTH, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "fields", "factor", "value"),
+    [
+        ("c_fm", ["force.c_fm"], 1.0, 0.5),
+        ("film.tac_top", ["flyer.film.tac_top"], 1.0, 0.8),
+        ("diameter", ["flyer.radius"], 0.5, 0.02),
+        ("flyer.diameter", ["flyer.radius"], 0.5, 0.02),
+        ("emittance", ["flyer.film.emittance_top", "flyer.film.emittance_bottom"], 1.0, 0.07),
+    ],
+)
+def test_names_of_numbers(name, fields, factor, value):
+    """An object has a radius and two emittances; points have a diameter and one emittance."""
+    film = lf.FilmProperties(1e-3, 0.75, 0.06, 0.08, tac_top=0.8, tac_bottom=0.9)
+    design = lf.flight.ObjectDesign(lf.Setup(lf.Disk(film, 0.01), CHAMBER, lf.Lu2023(0.5, 2.0)))
+    target = target_of(design, name)
+    assert list(target.fields) == fields
+    assert (target.factor, target.value) == (factor, pytest.approx(value))
+
+
+def test_one_emittance_where_the_file_gives_two(flyer_file):
+    path = flyer_file("emittance = 0.08", "emittance_top = 0.06\nemittance_bottom = 0.08")
+    target = target_of(lf.read_flyer_file(path).design(), "emittance")
+    assert target.fields == ("film.emittance",)
+    assert target.value == pytest.approx(0.07)
+
+
+@pytest.mark.parametrize(
+    ("free", "says"),
+    [
+        (["c_fn"], 'c_fn is not a number of the design; did you mean "c_fm"?'),
+        (["pressure"], "pressure is the coordinate of the points"),
+        ([], "no parameters to fit"),
+        (["c_fm", "c_fm"], "fitted twice"),
+        (["c_fm", "force.c_fm[synthetic 2 cm]"], "fitted twice"),
+        (["emittance", "film.emittance_top"], "both"),
+        (["payload"], "payload is 0 in the design"),
+        (["gravity", "temperature", "emittance[gold]"], 'synthetic.csv has no sample "gold"'),
+        (["c_fm", "c_cont", "tac_top", "tac_bottom"], "cannot tell"),
+    ],
+)
+def test_clear_errors(setup, exact, free, says):
+    with pytest.raises(lf.ParameterError) as raised:
+        lf.calibrate(points(exact), setup, free=free)
+    assert says in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_name_that_two_numbers_have(exact, setup):
+    walls = lf.Setup(setup.flyer, lf.Chamber(radius=0.2), setup.model)
+    with pytest.raises(lf.ParameterError, match=r'"radius" is ambiguous: flyer.radius, '):
+        lf.calibrate(points(exact), walls, free=["radius"])
+    # a column describes the flyer
+    assert lf.calibrate(points(exact), walls).values == pytest.approx(TRUTH, rel=1e-6)
+
+
+def test_a_column_that_is_no_number_of_the_flyer(setup, exact):
+    with pytest.raises(lf.ParameterError, match="conductance is not a number of the design"):
+        lf.calibrate(points(exact, conductance=np.ones(14)), setup)
+
+
+def test_only_where_the_coordinate_is_the_pressure(setup, exact):
+    with pytest.raises(lf.ParameterError, match="coordinate of this environment is altitude"):
+        lf.calibrate(points(exact), setup.flyer, lf.Earth(), setup.model)
+
+
+def test_fewer_points_than_parameters(setup, exact):
+    few = Points("few.csv", SAMPLES[:2], {"pressure": PRESSURE[:2], "irradiance": exact[:2]})
+    with pytest.raises(lf.ParameterError, match=r"few.csv: 2 points cannot determine 2 parameters"):
+        lf.calibrate(few, setup)
+
+
+def test_points_out_of_reach(setup, exact):
+    thin = points(exact, pressure=np.where(np.arange(14) == 3, 0.05, PRESSURE))
+    says = r"no irradiance levitates synthetic 2 cm at 0.05 Pa \(1 of 14 points\)"
+    with pytest.raises(lf.ParameterError, match=says):
+        lf.calibrate(thin, setup)
+
+
+def test_an_uncertainty_that_is_missing_for_one_point(setup, exact):
+    some = np.where(np.arange(14) == 3, 0.0, 0.01 * exact)
+    with pytest.raises(lf.ParameterError, match="point 4 has no uncertainty"):
+        lf.calibrate(points(exact, irradiance_uncertainty=some), setup)

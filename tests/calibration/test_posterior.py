@@ -1,4 +1,3 @@
-import importlib
 import json
 import subprocess
 import sys
@@ -11,10 +10,8 @@ import numpyro.infer.util
 import pytest
 
 import lightflyer as lf
-from lightflyer.calibration.bayes import CHAINS, SCATTER, Posterior, _model, _require_converged
-
-# the package's name "calibrate" is the function
-module = importlib.import_module("lightflyer.calibration.calibration")
+from lightflyer.calibration import Points, posterior
+from lightflyer.calibration.bayes import CHAINS, SCATTER, Posterior, probabilistic_model
 
 PRESSURE = np.tile(np.geomspace(1.5, 25.0, 7), 2)
 DIAMETER = np.repeat([0.02, 0.03], 7)
@@ -23,30 +20,42 @@ DRAWS = 2000  # scatter mixes slowest: about one draw in ten is independent
 
 
 @pytest.fixture(scope="module")
-def setup():
+def file():
     """The paper's disk, which the command takes where no flyer file is named."""
     template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"
     with resources.as_file(template) as path:
-        return lf.read_flyer_file(path).build()
+        return lf.read_flyer_file(path)
 
 
-def fit_of(setup, *, stated):
-    """Calibration of synthetic points, with their uncertainty stated or left to be estimated."""
-    state = setup.environment.state(PRESSURE)
+def log_light(file, c_fm, c_cont):
+    """Log-irradiance to levitate of the samples."""
+    setup = file.build()
     disk = lf.Disk(setup.flyer.film, 0.5 * DIAMETER)
-    light = lf.levitate(disk, state, lf.Lu2023(0.4, 3.0)).irradiance
+    state = setup.environment.state(PRESSURE)
+    return np.log(lf.levitate(disk, state, lf.Lu2023(c_fm, c_cont)).irradiance)
+
+
+def fit_of(file, *, stated):
+    """Calibration of synthetic points, with their uncertainty stated or left to be estimated."""
+    light = np.exp(log_light(file, 0.4, 3.0))
     light = light * np.exp(SCATTER_MADE * np.random.default_rng(7).standard_normal(light.size))
     numbers = {"pressure": PRESSURE, "irradiance": light, "diameter": DIAMETER}
     if stated:
         numbers["irradiance_uncertainty"] = SCATTER_MADE * light
-    return lf.calibrate(lf.Points("synthetic.csv", ["synthetic"] * light.size, numbers), setup)
+    return lf.calibrate(Points("synthetic.csv", ["synthetic"] * light.size, numbers), file)
 
 
 @pytest.fixture(scope="module")
-def estimated(setup):
+def estimated(file):
     """Fit and posterior where the scatter is estimated."""
-    fit = fit_of(setup, stated=False)
-    return fit, lf.posterior(fit, setup, samples=DRAWS, seed=1)
+    fit = fit_of(file, stated=False)
+    return fit, posterior(fit, samples=DRAWS, seed=1)
+
+
+@pytest.fixture(scope="module")
+def stated(file):
+    """Fit where uncertainties are stated."""
+    return fit_of(file, stated=True)
 
 
 def quantile_error(draws):
@@ -85,20 +94,17 @@ def test_scatter_holds_the_estimate(estimated):
     assert 0.5 * (high - low) == pytest.approx(0.5 * fit.scatter, rel=0.3)
 
 
-def test_likelihood_of_stated_uncertainties_is_that_of_the_fit(setup):
+def test_likelihood_of_stated_uncertainties_is_that_of_the_fit(file, stated):
     """Away from the fit the log-density falls by half of what the cost grows."""
-    fit = fit_of(setup, stated=True)
-    problem, _, _, bounds = module._set_up(fit.points, setup, fit.names)
-    log_density = numpyro.infer.util.log_density
-    moved = np.log(fit.values) + np.array([0.02, -0.05])
+    moved = np.log(stated.values) + np.array([0.02, -0.05])
     with lf.float64():
-        model = _model(numpyro, fit, problem, (bounds[0], np.log([1e6, 1e6])))
+        model = probabilistic_model(stated)
         here, away = (
-            float(log_density(model, (), {}, {"parameters": jnp.asarray(x)})[0])
-            for x in (np.log(fit.values), moved)
+            float(numpyro.infer.util.log_density(model, (), {}, {"parameters": jnp.asarray(x)})[0])
+            for x in (np.log(stated.values), moved)
         )
-    residuals = np.log(fit.points.irradiance) - module._log_irradiance(moved, problem)[0]
-    growth = np.sum((residuals / SCATTER_MADE) ** 2) - np.sum((fit.residuals / SCATTER_MADE) ** 2)
+    residuals = np.log(stated.points.irradiance) - log_light(file, *np.exp(moved))
+    growth = np.sum(residuals**2 - stated.residuals**2) / SCATTER_MADE**2
     assert here - away == pytest.approx(0.5 * growth, rel=1e-6)
 
 
@@ -135,21 +141,21 @@ def test_summary_and_draws(estimated):
     assert np.all(drawn.r_hat < 1.05)
 
 
-def test_missing_numpyro_names_the_extra(monkeypatch, setup):
+def test_missing_numpyro_names_the_extra(monkeypatch, stated):
     for name in [name for name in sys.modules if name.partition(".")[0] == "numpyro"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "numpyro", None)
     with pytest.raises(lf.MissingExtraError, match=r"lightflyer\[posterior\]"):
-        lf.posterior(fit_of(setup, stated=True), setup)
+        posterior(stated)
 
 
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [({"samples": 9}, "samples"), ({"warmup": 9}, "warmup"), ({"seed": -1}, "seed")],
 )
-def test_clear_errors(setup, arguments, says):
+def test_clear_errors(stated, arguments, says):
     with pytest.raises(lf.ParameterError, match=says):
-        lf.posterior(fit_of(setup, stated=True), setup, **arguments)
+        posterior(stated, **arguments)
 
 
 @pytest.mark.parametrize(
@@ -160,4 +166,4 @@ def test_not_converged(r_hat, divergences, says):
     draws = np.ones((2, 100, 1))
     drawn = Posterior(["c_fm"], draws, np.array([r_hat]), np.array([9.0]), divergences)
     with pytest.raises(lf.ConvergenceError, match=says):
-        _require_converged(drawn)
+        drawn.require_converged()

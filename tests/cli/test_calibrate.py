@@ -1,6 +1,4 @@
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -8,15 +6,9 @@ import pytest
 import lightflyer as lf
 
 
-def run(folder, *arguments):
-    return subprocess.run(
-        [sys.executable, "-m", "lightflyer", *arguments],
-        capture_output=True, text=True, check=False, cwd=folder,
-    )  # fmt: skip
-
-
-@pytest.fixture
-def folder(tmp_path):
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """A folder with synthetic points of the paper's disk; commands run in it."""
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     pressure = np.geomspace(1.5, 20.0, 6)
     disk, state = lf.Disk(film, 0.01), lf.Chamber().state(pressure)
@@ -24,34 +16,58 @@ def folder(tmp_path):
     rows = [f"synthetic, {p:.8g}, {i / 1e3:.8g}" for p, i in zip(pressure, light, strict=True)]
     text = "\n".join(["sample, pressure [Pa], irradiance [kW/m^2]", *rows]) + "\n"
     (tmp_path / "points.csv").write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
-def test_fits_and_writes(folder):
-    done = run(folder, "calibrate", "points.csv", "--out", "fit")
-    assert done.returncode == 0, done.stderr
+def test_fits_and_writes(folder, run):
+    code, shown, errors = run("calibrate", "points.csv", "--out", "fit")
+    assert code == 0, errors
+    assert "c_cont" in shown
     fit = json.loads((folder / "fit" / "calibration.json").read_text(encoding="utf-8"))
     assert fit["parameters"]["c_fm"]["value"] == pytest.approx(0.45, rel=1e-4)
     assert fit["parameters"]["c_cont"]["value"] == pytest.approx(2.5, rel=1e-4)
     assert np.shape(fit["covariance"]) == (2, 2)
+    assert fit["samples"] == ["synthetic"]
     names = {path.name for path in (folder / "fit").iterdir()}
     assert names == {"calibration.json", "residuals.csv", "residuals.png", "residuals.svg"}
     assert len((folder / "fit" / "residuals.csv").read_text(encoding="utf-8").splitlines()) == 7
+
+
+def test_flyer_file_and_names_in_full(folder, run):
+    code, _, errors = run("init", "--kind", "chamber", "flyer.toml")
+    assert code == 0, errors
+    code, printed, errors = run(
+        "calibrate", "points.csv", "--flyer", "flyer.toml", "--free", "force.c_fm, c_cont", "--json"
+    )
+    assert code == 0, errors
+    parameters = json.loads(printed)["parameters"]
+    assert parameters["force.c_fm"]["value"] == pytest.approx(0.45, rel=1e-4)
 
 
 @pytest.mark.parametrize(
     ("text", "arguments", "says"),
     [
         ("sample,pressure [Pa]\na,1\n", [], "points.csv:1: the column irradiance is missing"),
-        ("sample,pressure [Pa],irradiance [W/m^2]\na,2,900\n", [], "1 points cannot fix"),
-        (None, ["--free", "c_fm,density"], '"density" cannot be fitted'),
+        ("sample,pressure [Pa],irradiance [W/m^2]\na,2,900\n", [], "1 points cannot determine"),
+        (None, ["--free", "c_fm,density"], "density is not a number of the design"),
+        (None, ["--free", " , "], "no parameters to fit"),
     ],
 )
-def test_bad_input(folder, text, arguments, says):
+def test_bad_input(folder, run, text, arguments, says):
     if text:
         (folder / "points.csv").write_text(text, encoding="utf-8")
-    done = run(folder, "calibrate", "points.csv", "--out", "fit", *arguments)
-    assert done.returncode == 2
-    assert says in done.stderr
-    assert done.stderr.count("\n") == 1
+    code, _, errors = run("calibrate", "points.csv", "--out", "fit", *arguments)
+    assert code == 2
+    assert says in errors
+    assert errors.count("\n") == 1
     assert not (folder / "fit").exists()
+
+
+def test_points_over_altitude_are_refused(run):
+    code, _, errors = run("init", "--kind", "earth", "earth.toml")
+    assert code == 0, errors
+    code, _, errors = run("calibrate", "points.csv", "--flyer", "earth.toml")
+    assert code == 2
+    assert "the coordinate of this environment is altitude" in errors
+    assert errors.count("\n") == 1

@@ -84,6 +84,21 @@ class Posterior:
         """Draws of one parameter, one chain after another, shape (chains · draws,)."""
         return self.draws[..., self.names.index(name)].ravel()
 
+    def require_converged(self) -> None:
+        """Raise :class:`ConvergenceError` if chains disagree or too many draws diverged."""
+        worst = int(np.argmax(self.r_hat))
+        # written so that a NaN fails too
+        if not np.all(self.r_hat <= HIGHEST_R_HAT):
+            raise ConvergenceError(
+                f"posterior: chains disagree about {self.names[worst]} "
+                f"(R-hat {self.r_hat[worst]:.3f}); draw more samples, or fit fewer parameters"
+            )
+        count = self.draws.shape[0] * self.draws.shape[1]
+        if self.divergences > HIGHEST_DIVERGENT * count:
+            raise ConvergenceError(
+                f"posterior: {self.divergences} of {count} draws diverged; fit fewer parameters"
+            )
+
     def summary(self) -> dict[str, Any]:
         """The posterior as a JSON object, without its draws."""
         columns = (
@@ -182,7 +197,7 @@ def posterior(
             effective_draws=np.asarray(numpyro.diagnostics.effective_sample_size(draws)),
             divergences=divergences,
         )
-    _require_converged(result)
+    result.require_converged()
     return result
 
 
@@ -250,18 +265,3 @@ def probabilistic_model(calibration: Calibration) -> Callable[[], None]:
         numpyro.sample("measured", distributions.Normal(predicted, spread), obs=measured)
 
     return model
-
-
-def _require_converged(result: Posterior) -> None:
-    worst = int(np.argmax(result.r_hat))
-    # written so that a NaN fails too
-    if not np.all(result.r_hat <= HIGHEST_R_HAT):
-        raise ConvergenceError(
-            f"posterior: chains disagree about {result.names[worst]} "
-            f"(R-hat {result.r_hat[worst]:.3f}); draw more samples, or fit fewer parameters"
-        )
-    count = result.draws.shape[0] * result.draws.shape[1]
-    if result.divergences > HIGHEST_DIVERGENT * count:
-        raise ConvergenceError(
-            f"posterior: {result.divergences} of {count} draws diverged; fit fewer parameters"
-        )

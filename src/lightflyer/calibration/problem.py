@@ -262,13 +262,10 @@ def _parameter(
 ) -> Parameter:
     name, _, sample = text.partition("[")
     name, sample = name.strip(), sample.removesuffix("]").strip()
-    try:
-        target = target_of(design, name)
-    except ParameterError as error:
-        raise ParameterError(f'"{name}" cannot be fitted: {error}') from None
+    target = target_of(design, name)
     costly = design.costly(list(target.fields))
     if costly:
-        raise ParameterError(f'"{name}" changes the optics of layers: too costly to fit')
+        raise ParameterError(f"{name} changes the optics of layers: too costly to fit")
     chosen = points.of(sample) if sample else np.ones(len(points), bool)
     if not chosen.any():
         samples = ", ".join(dict.fromkeys(points.samples))
@@ -277,9 +274,9 @@ def _parameter(
         )
     values = _row(target, points, stated)[chosen]
     if not np.all(values > 0.0):
-        known = "has no value" if target.value is None else f"is {np.min(values):g}"
+        own = "not given" if target.value is None else f"{np.min(values):g}"
         raise ParameterError(
-            f'"{name}" {known} at the start; a parameter starts from a positive value'
+            f"{name} is {own} in the design; a fit needs a positive value to start from"
         )
     return Parameter(text, target, chosen, float(np.exp(np.mean(np.log(values)))))
 

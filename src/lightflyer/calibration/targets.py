@@ -6,6 +6,7 @@ numbers that are called otherwise in some designs: :data:`ALIASES`, and a name w
 once for the top and once for the bottom, such as ``"emittance"``.
 """
 
+import difflib
 import math
 from collections.abc import Iterable
 from dataclasses import replace
@@ -116,9 +117,13 @@ def _mean(design: AbstractDesign, fields: tuple[str, ...]) -> float | None:
 
 def _why_unknown(design: AbstractDesign, name: str) -> str:
     if name == design.coordinate_name:
-        return f"{name} is the coordinate of the points"
+        return f"{name} is the coordinate of the points, not a number of the design"
+    ends = {field.rpartition(".")[2] for field in design.quantities}
+    near = difflib.get_close_matches(name, sorted(ends), n=1)
+    if near:
+        return f'{name} is not a number of the design; did you mean "{near[0]}"?'
     try:
         design.field(name)
     except ConfigurationError as error:
         return str(error)
-    return f"{name} does not describe the flyer"
+    return f"{name} is not a number of the flyer"

@@ -94,7 +94,7 @@ class FilmSection(Alternative, abc.ABC):
         Parameters
         ----------
         incidence : float
-            Of the light [rad].
+            Angle between the light and the film's normal [rad].
         computed : FilmProperties, optional
             What :meth:`build` gave for other numbers, where their change leaves the optics alone.
 

@@ -1,7 +1,7 @@
-"""How kernels are compiled: once, and again after any file of this package has changed.
+"""Compilation of kernels: once, and again after any file of this package has changed.
 
-numba keeps what it compiled until the file of the compiled function changes, although functions
-of other files are compiled into it.
+numba keeps a compiled function until its own file changes, although functions of other files are
+compiled into it.
 """
 
 from pathlib import Path
@@ -13,13 +13,13 @@ _FOLDER = Path(__file__).parent
 
 
 def forget_stale_kernels(folder: Path = _FOLDER) -> None:
-    """Remove what was compiled before a source file of a folder was last changed."""
+    """Remove kernels compiled before the latest change of a source file in a folder."""
     changed = max((file.stat().st_mtime for file in folder.glob("*.py")), default=0.0)
     for index in (folder / "__pycache__").glob("*.nbi"):
         try:
             if index.stat().st_mtime < changed:
                 index.unlink(missing_ok=True)
-        except OSError:  # of another user, or just removed by another process
+        except OSError:  # another user's, or just removed by another process
             continue
 
 

@@ -1,4 +1,4 @@
-"""One solve of the disk problem, with the error that a second, coarser mesh shows."""
+"""Cases of the disk problem, and their solution on one mesh."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from lightflyer.kinetic.nonlinear import HotDisk, NonlinearProblem
 from lightflyer.kinetic.operators import Quadrature, assemble
 
 SMALLEST_ERROR = {"force_ratio": 1e-4, "heat_ratio": 5e-5}
-"""Error stated where two meshes happen to agree better."""
+"""Least error that is stated, where two meshes happen to agree better."""
 
 
 @dataclass(frozen=True)
@@ -32,24 +32,24 @@ class Resolution:
         )
 
 
-# in force at Kn 1, 0.1 and 0.03 these are exact to 1e-5, 1e-5, 6e-4; 2e-5, 2e-4, 2e-3; and
-# 1e-4, 4e-3, 2e-4: compared with six nodes, twice as many panels and 8, 8, 6 in the quadratures
+# relative errors in force at Kn 1, 0.1 and 0.03: 1e-5, 1e-5, 6e-4; 2e-5, 2e-4, 2e-3; and 1e-4,
+# 4e-3, 2e-4, by comparison with six nodes, twice the panels and 8, 8, 6 in the quadratures
 FINE = Resolution(5, 1.0, Quadrature(6, 6, 5))
 MEDIUM = Resolution(5, 0.7, Quadrature(4, 4, 4))
 COARSE = Resolution(4, 0.7, Quadrature(3, 3, 3))
 
 _THIN = 0.3
-"""Knudsen number from which the medium mesh is good to 2·10⁻⁴, and the fine one not needed."""
+"""Knudsen number above which the medium mesh is accurate to 2·10⁻⁴: the fine one is not needed."""
 
 
 def meshes(knudsen: float, *, linear: bool) -> tuple[Resolution, Resolution]:
-    """The mesh that gives a result and the coarser one that gives its error."""
+    """The mesh of a result, and the coarser one for its error."""
     return (FINE, MEDIUM) if linear and knudsen < _THIN else (MEDIUM, COARSE)
 
 
 @dataclass(frozen=True)
 class Case:
-    """What is solved, in pairs top, bottom.
+    """A disk in a gas; pairs are top, bottom.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Case:
 
     @property
     def perturbation(self) -> tuple[float, float]:
-        """Temperature of the faces over the gas's, less 1, in the linear problem."""
+        """Relative temperature difference of each face to the gas, T_h/T_c − 1."""
         top, bottom = self.temperature
         return (top, bottom) if self.linear else (top - 1.0, bottom - 1.0)
 
@@ -93,7 +93,7 @@ class Outcome:
     heat : tuple of float
         Out of each face [p √(2RT_c) A].
     fields : array, shape (2, n, 6 or 9)
-        Of the upper and the mirrored lower half.
+        At the nodes of the upper and the mirrored lower half.
     iterations : int
     mesh : Mesh
     """
@@ -113,18 +113,19 @@ def solve_case(
     start: np.ndarray | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Outcome:
-    """Solve on one mesh.
+    """Solve a case on one mesh.
 
     Parameters
     ----------
     case : Case
     resolution : Resolution
     tolerance : float
-        Of the fields, in the non-linear problem.
+        Tolerance of the fields in the non-linear problem.
     start : array, optional
-        Fields of a neighbouring non-linear case on the same mesh; else the linear problem's.
+        Fields of a neighbouring non-linear case on the same mesh to start from, by default those
+        of the linear problem.
     progress : callable, optional
-        Told the residual of each non-linear iteration.
+        Called with the residual of each non-linear iteration.
 
     Returns
     -------
@@ -133,7 +134,7 @@ def solve_case(
     Raises
     ------
     ConvergenceError
-        With the last residual.
+        If the iteration does not converge; the message has the last residual.
     """
     mesh = resolution.mesh(case.rarefaction, case.boundary)
     operators = assemble(mesh, case.rarefaction, resolution.quadrature)

@@ -1,9 +1,9 @@
 """Quadrature over the directions from which molecules reach a point.
 
-Directions point backwards along the ray, from the point to where the molecule came from, and are
-given by their height m = |ω_z| and azimuth φ about the axis through the point, φ = 0 away from
-the disk's axis. The distribution function jumps at the cone of rays that hit the disk: panels end
-exactly on it, and grow from it, so that the disk seen from afar is resolved as well.
+Directions point backwards along the ray, from the point to the origin of the molecule. Each has a
+height m = |ω_z| and an azimuth φ about the vertical through the point; φ = 0 points away from the
+disk's axis. The distribution function jumps at the cone of rays that hit the disk. Panels end
+exactly on this cone and grow with the distance from it, which resolves a distant disk as well.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ _QUARTER_TURN = 0.5 * np.pi
 
 @kernel
 def graded_edges(low, high, at_low, at_high, edges):
-    """Edges of panels between two ends that grow from the widths wanted at each end."""
+    """Fill the edges of panels between two ends, whose widths grow from given ones at each end."""
     left, right = low, high
     lefts, rights = 0, 0
     buffer = np.empty(_MOST_EDGES)
@@ -99,7 +99,7 @@ def _ring_edges(end, at_end, edges):
 
 @kernel
 def _push_cone(directions, count, point, near, far, gauss_height, gauss_azimuth):
-    """Heights at which part of the ring hits the disk: the ring is split where it does."""
+    """Rings of directions that hit the disk in part, split where they do."""
     radius, height = point
     low, high = height / np.hypot(height, far), height / np.hypot(height, near)
     if high <= low:
@@ -137,10 +137,10 @@ def node_directions(radius, height, layer, gauss_height, gauss_azimuth, directio
     Parameters
     ----------
     radius, height : float
-        Of the point [disk radii]. At height 0 it is on the face, which sees upward directions
-        only, or beside the disk.
+        Position of the point [disk radii]. At height 0 it is on the face, which sees upward
+        directions only, or beside the disk.
     layer : float
-        Smallest height of direction that needs a panel of its own near the horizon.
+        Height of the panel next to the horizon.
     gauss_height, gauss_azimuth : array, shape (2, n)
         Nodes and weights on [0, 1].
     directions : array, shape (most, 4)

@@ -20,7 +20,7 @@ def draw_flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
     solution : Solution
     ax : matplotlib.axes.Axes
     extent : float
-        How far from the disk's centre [disk radii].
+        Half-width and half-height of the plot [disk radii].
 
     Returns
     -------
@@ -54,7 +54,7 @@ def draw_flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
 
 
 def flow_figure(solution: Solution) -> Figure:
-    """A figure of its own with :func:`draw_flow`, inside the reservoir where there is one.
+    """A new figure with :func:`draw_flow`, up to the reservoir where there is one.
 
     Parameters
     ----------

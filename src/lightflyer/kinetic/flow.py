@@ -1,4 +1,4 @@
-"""Fields of a solution at any points."""
+"""Fields of a solution at arbitrary points."""
 
 from typing import Any
 

@@ -7,20 +7,23 @@ import numpy as np
 
 @dataclass(frozen=True)
 class FreeMolecularDisk:
-    r"""The limit of a disk much smaller than the mean free path.
+    r"""Force and heat of a disk much smaller than the mean free path.
 
     .. math::
         \frac{F}{pA} = \frac12\left[\alpha_b\left(\sqrt{T_b/T_c}-1\right)
             - \alpha_t\left(\sqrt{T_t/T_c}-1\right)\right], \qquad
         \frac{Q}{p\sqrt{2RT_c}A} = \frac{\alpha}{\sqrt\pi}\left(\frac{T}{T_c}-1\right)
 
-    for molecules that leave a face either fully accommodated or mirrored; with rotation the heat
-    is 3/2 of that. The linear force has half the temperature's perturbation for the root's.
+    for molecules that leave a face either fully accommodated or specularly reflected. With
+    rotation the heat is 3/2 of that. The linear force has half the perturbation of the temperature
+    in place of that of its root.
 
     Attributes
     ----------
-    tac, temperature : tuple of float
-        Of the top and bottom face; temperatures as perturbations if ``linear``, else T_h/T_c.
+    tac : tuple of float
+        Accommodation coefficients of the top and bottom face [1].
+    temperature : tuple of float
+        Their temperatures, as perturbations if ``linear``, else T_h/T_c.
     linear : bool
     rotation : bool
     """

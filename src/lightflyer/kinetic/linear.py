@@ -1,4 +1,4 @@
-"""Solution of the linear problem: two faces of any TAC and temperature, coupled by parity."""
+"""Linear problem: two faces of any TAC and temperature, split into even and odd fields."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -18,7 +18,7 @@ _MOST_ITERATIONS = 200
 
 @dataclass(frozen=True)
 class Walls:
-    """What the two faces are, in pairs top, bottom; temperatures and velocity are perturbations."""
+    """The two faces, in pairs top, bottom; temperatures and velocity are perturbations."""
 
     tac: tuple[float, float]
     temperature: tuple[float, float]
@@ -26,14 +26,14 @@ class Walls:
 
 
 class LinearSystem:
-    """The linear problem of a mesh and gas, factorised at a mean TAC.
+    """Linear problem on a mesh for a gas, factorised at a mean TAC.
 
     Parameters
     ----------
     operators : Operators
     gas : GasModel
     mean_tac : float
-        The preconditioner's; exact where both faces have it.
+        TAC at which the factors, which precondition, are exact.
     """
 
     def __init__(self, operators: Operators, gas: GasModel, mean_tac: float) -> None:
@@ -85,7 +85,7 @@ class LinearSystem:
         return part
 
     def _exchange(self) -> np.ndarray:
-        """Diffuse minus specular reflection, both of what arrives: the factor of the TAC."""
+        """Diffuse minus specular reflection of the arriving molecules: the factor of the TAC."""
         operators = self.operators
         sigma = 2.0 * _SQRT_PI / np.sqrt(operators.face_theta) * operators.fluxes[..., 0]
         rows = -operators.reflected.reshape(self.n, self.n, 6, 6)
@@ -97,7 +97,7 @@ class LinearSystem:
         return matrix.reshape(self.size, self.size)
 
     def _emission(self, temperature: float, velocity: float, tac: float) -> np.ndarray:
-        """What a face emits by its own temperature and velocity, shape (n · fields,)."""
+        """Emission of a face by its own temperature and velocity, shape (n · fields,)."""
         operators = self.operators
         emitted = np.zeros((self.n, self.fields))
         emitted[:, :6] = tac * temperature * operators.temperature
@@ -121,7 +121,7 @@ class LinearSystem:
         -------
         fields : array, shape (2, n, fields)
         iterations : int
-            Of GMRES, preconditioned by the factors.
+            Iterations of GMRES, preconditioned by the factors.
 
         Raises
         ------
@@ -164,7 +164,7 @@ class LinearSystem:
         return np.stack([e + o, e - o]), iterations
 
     def corrected(self, fields: np.ndarray) -> np.ndarray:
-        """The correction that makes uniform fields exact, of given fields, shape (n, fields)."""
+        """Correction of given fields by which uniform ones are exact, shape (n, fields)."""
         translation, rotation = self._sources()
         corrections = self.operators.corrections
         moments = np.einsum("nsm,sf,nf->nm", corrections, translation, fields, optimize=True)
@@ -176,9 +176,9 @@ class LinearSystem:
         return moments
 
     def arriving(self, fields: np.ndarray) -> np.ndarray:
-        """Fluxes that arrive at a face's nodes, shape (e, 3 or 4).
+        """Fluxes that arrive at the nodes of a face, shape (e, 3 or 4).
 
-        Number, momentum, energy and, with rotation, rotational energy.
+        They are number, momentum, energy and, with rotation, rotational energy.
         """
         translation, rotation = self._sources()
         fluxes = self.operators.fluxes
@@ -213,7 +213,7 @@ def _gmres(apply: Any, right: np.ndarray) -> tuple[np.ndarray, int]:
 
 @dataclass(frozen=True)
 class FaceResult:
-    """What leaves and reaches a face, by its nodes [p₀ and p₀√(2RT₀) per unit perturbation]."""
+    """Normal pressure on a face [p₀] and heat flux out of it [p₀√(2RT₀)], at its nodes."""
 
     pressure: np.ndarray
     heat: np.ndarray
@@ -227,7 +227,7 @@ def face_result(system: LinearSystem, walls: Walls, fields: np.ndarray, face: in
     system : LinearSystem
     walls : Walls
     fields : array, shape (n, fields)
-        Of the face's half, mirrored for the bottom.
+        In the half on the face's side, mirrored for the bottom.
     face : int
         0 top, 1 bottom.
 

@@ -1,10 +1,10 @@
 """Matrices of the linearised kinetic equation in integral form.
 
 A row gives one moment of the distribution at one node as a weighted sum of the fields at all
-nodes: the sum over directions, and along each ray, of what molecules carry from their last
-collision. The equation is linearised about a gas at rest of uniform pressure, whose temperature
-θ is 1 in the linear problem itself and that of an approximate solution where the matrices
-precondition the non-linear one.
+nodes: an integral over directions, and along each ray, of what molecules carry from their last
+collision. The equation is linearised about a gas at rest of uniform pressure. Its temperature θ is
+1 in the linear problem, and that of an approximate solution where the matrices precondition the
+non-linear problem.
 
 Fields and moments are, in this order, the perturbations of p, u_r, u_z, T, q_r, q_z, with the
 radial ones divided by √(1−η²).
@@ -35,21 +35,21 @@ from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
 FIELDS = 6
 FLUXES = 3
-"""Through a face, by molecules that arrive: number, normal momentum, energy."""
+"""Fluxes of arriving molecules at a face: number, normal momentum, energy."""
 
 EMISSIONS = 3
-"""Shapes of what a wall emits: σ: 1; temperature: c²−2; its velocity along z: c·e_z."""
+"""Emissions of a wall, by their factor: σ with 1, temperature with c²−2, velocity with c·e_z."""
 
 NORMALISATION = 2.0 * np.pi**-1.5  # of the Maxwellian; directions cover half of the sphere
 MOST_DIRECTIONS = 40000
 
-# what the moments make of the uniform source shapes, by exact integration over the Maxwellian
+# moments of the uniform source shapes, by exact integration over the Maxwellian
 _EXACT = np.array([1.0, 0.5, 0.5, 1.0, 1.25, 1.25])
 
 
 @kernel
 def _shape(j, first, kind, inverse):
-    """Speed integral of the source of one field, per unit; ``first`` indexes J, 1/θ is given."""
+    """Speed integral of the source of one unit field; ``first`` indexes J, ``inverse`` is 1/θ."""
     if kind == 0:
         return j[first] * inverse
     if kind == 1:
@@ -71,7 +71,7 @@ def _emitted(j, first, kind):
 
 @kernel
 def _moments(power_0, power_1, power_2, power_3, row, theta, weight, out):
-    """Six fields at a node of temperature θ from integrals with 0 to 3 more powers of the speed."""
+    """Fill the six fields at a node of temperature θ, from integrals with 0 to 3 more powers."""
     pressure = weight * (2.0 / 3.0) * power_2
     speed, flux = weight * theta * power_1, weight * (power_3 - 2.5 * theta * power_1)
     out[0] = pressure
@@ -84,7 +84,7 @@ def _moments(power_0, power_1, power_2, power_3, row, theta, weight, out):
 
 @kernel
 def _fluxes(power_1, power_2, power_3, normal, weight, out):
-    """Number, momentum and energy that arrive at a face, from 1 to 3 more powers of the speed."""
+    """Fill the fluxes that arrive at a face, from integrals with 1 to 3 more powers."""
     out[0] = weight * normal * power_1
     out[1] = weight * normal * normal * power_2
     out[2] = weight * normal * power_3
@@ -92,7 +92,7 @@ def _fluxes(power_1, power_2, power_3, normal, weight, out):
 
 @kernel
 def _source_weights(j, first, on_face, row, source, theta, source_theta, weight, out):
-    """Weights of the fields at one ray point in each moment (or flux) of the row."""
+    """Fill the weights of the fields at one ray point in each moment or flux of the row."""
     inverse = 1.0 / source_theta
     for kind in range(4):
         power_1 = _shape(j, first + 1, kind, inverse)
@@ -113,9 +113,9 @@ def _source_weights(j, first, on_face, row, source, theta, source_theta, weight,
 def _conserve(uniform, radial_scale, cell, correction):
     """Correct the node's own weights so that uniform fields are reproduced exactly.
 
-    Far away the equation is one of diffusion, whose terms are smaller than those it is made of
-    by the square of the optical depth: the quadrature's error there would absorb what is
-    conserved.
+    Far away the equation describes diffusion. Its terms are differences of integrals, and smaller
+    than these by the square of the optical depth. Without the correction, the quadrature's error
+    would act there as a sink of conserved quantities.
     """
     for field in range(FIELDS):
         factor = radial_scale if field == 1 or field == 4 else 1.0
@@ -129,7 +129,7 @@ def _conserve(uniform, radial_scale, cell, correction):
 
 @kernel
 def _locate(point, direction, start, width, state, setup, mesh, scratch):
-    """Find where the points of one piece of a ray lie and how often molecules collide there."""
+    """Fill position, temperature and collision frequency at the points of one piece of a ray."""
     rarefaction, exponent, excess, _, linear = state
     gauss_ray = setup[3]
     xi_basis, eta_basis, panels, radial, temperatures, frequencies, _, _, here = scratch
@@ -241,7 +241,7 @@ def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
         seen = (on_face, row, straight, theta, weight)
         depth = _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, walls)
         if corrected and depth < LARGEST_DEPTH:
-            # what uniform fields would bring from beyond the end of the ray
+            # contribution of uniform fields beyond the end of the ray
             maxwellian_integrals(depth, 1.0, table, scale, j)
             _source_weights(j, 1, False, row, straight, 1.0, 1.0, weight, weights)
             uniform += weights
@@ -251,7 +251,7 @@ def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
 
 @kernel
 def _wall(j, seen, eta, mesh, eta_basis, walls):
-    """Add what a face emits towards a node: σ by its nodes on the face, the rest uniform."""
+    """Add the emission of a face towards a node: σ by its nodes on the face, the rest uniform."""
     _, row, straight, theta, weight = seen
     order, first = eta_basis.size, eta_basis_at(eta, mesh, eta_basis)
     out = np.empty(FIELDS)
@@ -286,7 +286,7 @@ def assemble_nodes(points, state, setup, mesh, own, other, reflected, walls, cor
     walls : array, shape (n, e + 2, 6)
         Zeros, filled: σ at the nodes of the face, then its temperature and its velocity.
     corrections : array, shape (n, 6, 6)
-        Filled where θ is 1: what was added to a node's own weights, field × moment.
+        Filled where θ is 1: additions to each node's own weights, field × moment.
     """
     for i in prange(points.shape[0]):
         rows = (own[i], other[i], reflected[i])

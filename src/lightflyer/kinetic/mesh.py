@@ -2,12 +2,12 @@ r"""Mesh around the disk in oblate spheroidal coordinates.
 
 .. math:: r = \sqrt{(1+\xi^2)(1-\eta^2)}, \qquad z = \pm\xi\eta
 
-(lengths in disk radii) with the disk at ξ = 0, its edge at ξ = η = 0 and the axis at η = 1. Only
+Lengths are in disk radii. The disk is at ξ = 0, its edge at ξ = η = 0 and the axis at η = 1. Only
 the upper half, z ≥ 0, is meshed; the lower half has the same nodes, mirrored. Panels in ξ and η
 carry tensor products of nodes. Neighbouring panels share the nodes on their common edge, and both
-halves have nodes in the plane of the disk outside it: where panels are wide in mean free paths,
-the equation at these nodes is what makes the fields go on smoothly from one panel to the next. No
-node lies on the face, where a field depends on the direction of approach, or at infinity.
+halves have nodes in the plane of the disk outside it. Where panels are many mean free paths wide,
+the equation at these nodes makes the fields smooth across the edge. No node lies at infinity or on
+the face, where a field depends on the direction of approach.
 """
 
 from dataclasses import dataclass
@@ -19,12 +19,12 @@ import numpy as np
 from lightflyer.kinetic._kernels import kernel
 
 LINEAR, INVERSE, DECAYING, CYLINDER = 0, 1, 2, 3
-"""What a panel interpolates in: ξ; 1/ξ; 1/ξ with fields that vanish at infinity; 1/ξ from a
-spheroid to the cylinder r ≤ D, |z| ≤ D."""
+"""Variable of interpolation in a panel: ξ; 1/ξ; 1/ξ with fields that vanish at infinity; 1/ξ from
+a spheroid to the cylinder r ≤ D, |z| ≤ D."""
 
 
 BEYOND = 10.0
-"""Of the half-width of a cylinder: where ξ of the shares of the way to it begin."""
+"""Offset that marks panel ends as shares of the way to a cylinder, in half-widths of it."""
 
 
 _RESERVOIR_LAYER = 10.0  # optical depth of the last panel before a reservoir
@@ -38,7 +38,7 @@ def gauss(order: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def panel_nodes(order: int, *, lower: bool, upper: bool) -> np.ndarray:
-    """Nodes on [0, 1] of Gauss, Radau or Lobatto: with neither, one or both ends among them."""
+    """Nodes on [0, 1] of Gauss, Radau or Lobatto: without ends, with one or with both."""
     basis = np.polynomial.legendre.Legendre.basis
     if lower and upper:
         inner = basis(order - 1).deriv().roots()
@@ -59,8 +59,8 @@ class Mesh:
     Attributes
     ----------
     xi_edges : array, shape (panels in ξ + 1,)
-        Starts at 0. The last is infinity in open space. The panels next to a cylinder share the
-        way to it: their ends are :data:`BEYOND` times D, which no ray reaches, plus the share.
+        Starts at 0; the last is infinite in open space. Panels next to a cylinder divide the way
+        to it: their ends are :data:`BEYOND` times D, which no ray reaches, plus the share.
     xi_kinds : array of int, shape (panels in ξ,)
     eta_edges : array, shape (panels in η + 1,)
         From 0 to 1.
@@ -78,7 +78,7 @@ class Mesh:
 
     @cached_property
     def xi_nodes(self) -> np.ndarray:
-        """Nodes of each panel in ξ on [0, 1], shape (panels in ξ, order): neither end is a node."""
+        """Nodes of each panel in ξ on [0, 1], shape (panels in ξ, order); none at the two ends."""
         last = self.xi_kinds.size - 1
         return np.array(
             [panel_nodes(self.order, lower=i > 0, upper=i < last) for i in range(last + 1)]
@@ -86,7 +86,7 @@ class Mesh:
 
     @cached_property
     def eta_nodes(self) -> np.ndarray:
-        """Those of each panel in η, shape (panels in η, order): η = 0 is a node, the axis not."""
+        """Nodes of each panel in η on [0, 1], shape (panels in η, order); one at η = 0."""
         last = self.eta_edges.size - 2
         return np.array(
             [panel_nodes(self.order, lower=True, upper=j < last) for j in range(last + 1)]
@@ -102,7 +102,7 @@ class Mesh:
         return np.diff(self.eta_edges)[:, None]
 
     def _joined(self, by_panel: np.ndarray) -> np.ndarray:
-        """Values at all nodes from those of each panel: a shared node is taken once."""
+        """Values at all nodes from those of each panel, shared nodes once."""
         return np.concatenate([by_panel[0], by_panel[1:, 1:].ravel()])
 
     @cached_property
@@ -111,7 +111,7 @@ class Mesh:
         weights = np.zeros(self.eta.size)
         constant = np.eye(self.order)[0]
         for panel, (nodes, width) in enumerate(zip(self.eta_nodes, self._eta_widths, strict=True)):
-            # exact for polynomials through the nodes: Legendre's but the constant integrate to 0
+            # exact for polynomials through the nodes: of Legendre's only the constant contributes
             values = np.polynomial.legendre.legvander(2.0 * nodes - 1.0, self.order - 1)
             first = panel * (self.order - 1)
             weights[first : first + self.order] += width * np.linalg.solve(values.T, constant)
@@ -124,7 +124,7 @@ class Mesh:
 
     @cached_property
     def xi(self) -> np.ndarray:
-        """Node ξ, shape (x, e): it depends on η next to a cylinder only."""
+        """Nodes in ξ, shape (x, e); they depend on η next to a cylinder only."""
         rows = []
         for panel, kind in enumerate(self.xi_kinds):
             low, high = self.xi_edges[panel : panel + 2]
@@ -158,7 +158,7 @@ class Mesh:
 
     @cached_property
     def radial_scale(self) -> np.ndarray:
-        """√(1−η²) at the nodes: radial components are kept divided by it, which is smooth."""
+        """√(1−η²) at the nodes; radial components divided by it are smooth, and kept so."""
         return np.broadcast_to(self.face_radius, self.xi.shape).ravel()
 
     @property
@@ -190,9 +190,10 @@ def _geometric(first: float, growth: float, end: float) -> list[float]:
 
 
 def _shares_to_cylinder(depth: float, refinement: float) -> np.ndarray:
-    """Ends of the panels next to a cylinder, ever thinner, so that the last sees the reservoir.
+    """Ends of the panels next to a cylinder, as shares of the way to it.
 
-    ``depth`` is the optical depth of all of them.
+    They get thinner towards the reservoir, so that the last panel sees it; ``depth`` is their
+    total optical depth.
     """
     width, left = min(1.0, _RESERVOIR_LAYER / (depth * refinement)), [0.0]
     while left[-1] + width < 0.6:
@@ -208,7 +209,7 @@ def build_mesh(
     order: int = 4,
     refinement: float = 1.0,
 ) -> Mesh:
-    """Mesh fitted to a rarefaction: panels as thin as the Knudsen layer needs.
+    """Mesh for a rarefaction, with panels as thin as the Knudsen layer needs.
 
     Parameters
     ----------
@@ -219,7 +220,7 @@ def build_mesh(
     order : int
         Nodes per panel and direction.
     refinement : float
-        Above 1 for more panels: widths are divided by it.
+        Divides the widths of the panels.
 
     Returns
     -------

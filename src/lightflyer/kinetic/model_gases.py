@@ -21,9 +21,10 @@ class GasModel:
     translational_rate : float
         Relaxation rate of the translational heat flux [p/μ].
     rotational_rate : float
-        Of the rotational heat flux [p/μ]; 0 where there is no rotation.
+        Relaxation rate of the rotational heat flux [p/μ]; 0 without rotation.
     exchange_rate : float
-        Of the difference of translational and rotational energy, 1/Z [p/μ]; 0 without rotation.
+        Rate at which translational and rotational energy equilibrate, 1/Z [p/μ]; 0 without
+        rotation.
     viscosity_exponent : float
         ω of μ ∝ T^ω.
     """
@@ -43,9 +44,9 @@ class GasModel:
 MONATOMIC = GasModel("monatomic", 2.0 / 3.0, 0.0, 0.0, 0.66)
 """Prandtl number 2/3 and helium's viscosity exponent [Bird1994]_."""
 
-# with them κ/(μR) is 4.87; measured at 300 K: 4.89 [LemmonJacobsen2004]_
+# they give κ/(μR) = 4.87; measured at 300 K: 4.89 [LemmonJacobsen2004]_
 _EUCKEN_TRANSLATION, _EUCKEN_ROTATION = 2.37, 1.31
-_COLLISION_NUMBER = 3.5  # 4.5 of the collisions, 4 p/(π μ) a second, that are usually counted
+_COLLISION_NUMBER = 3.5  # 4.5 in units of the usual collision rate, 4 p/(π μ)
 
 DIATOMIC = GasModel(
     "diatomic",
@@ -61,12 +62,12 @@ _MODELS = {model.name: model for model in (MONATOMIC, DIATOMIC)}
 
 
 def gas_model(name: str) -> GasModel:
-    """The model gas of a name.
+    """Model gas by name.
 
     Raises
     ------
     ParameterError
-        If there is none.
+        If the name is unknown.
     """
     try:
         return _MODELS[name]

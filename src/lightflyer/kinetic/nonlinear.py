@@ -1,8 +1,8 @@
-"""Solution of the non-linear problem: both faces hot, by preconditioned Anderson acceleration.
+"""Non-linear problem: two hot faces, solved by preconditioned Anderson acceleration.
 
-What preconditions the iteration contains all that is stiff, so that it converges in about as many
-steps at any Knudsen number: the linear problem's factors in thin gas, those of the equation
-linearised about the temperatures of the hot gas in dense gas.
+The preconditioner contains all that is stiff, so that the number of steps hardly depends on the
+Knudsen number. In thin gas it is the linear problem's factors, in dense gas those of the equation
+linearised about the temperatures of the hot gas.
 """
 
 from collections.abc import Callable
@@ -26,8 +26,8 @@ from lightflyer.kinetic.operators import (
 _SQRT_PI = np.sqrt(np.pi)
 _MOST_ITERATIONS = 60
 _MEMORY = 12
-_RENEWED = 0.03  # residual below which the preconditioner is made once more
-_THIN_GAS = 1.0  # δ below which the linear problem's own factors precondition as well
+_RENEWED = 0.03  # residual below which the preconditioner is renewed, once
+_THIN_GAS = 1.0  # δ up to which the linear problem's factors precondition as well
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class HotDisk:
 
 
 class NonlinearProblem:
-    """The non-linear equation on the mesh of a linear system.
+    """Non-linear problem on the mesh of a linear system.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class NonlinearProblem:
     rarefaction : float
         δ of the gas far away.
     quadrature : Quadrature
-        That the system was assembled with.
+        Quadrature with which the system was assembled.
     """
 
     def __init__(self, system: LinearSystem, rarefaction: float, quadrature: Quadrature) -> None:
@@ -84,7 +84,7 @@ class NonlinearProblem:
         return fluxes
 
     def evaluate(self, fields: np.ndarray, disk: HotDisk) -> np.ndarray:
-        """Fields that given fields, shape (2, n, fields), bring about."""
+        """Fields that follow from given fields, shape (2, n, fields)."""
         result = np.empty_like(fields)
         for face in (0, 1):
             sigma = _emitted_density(self.arriving(fields, face, disk), disk.temperature[face])
@@ -123,9 +123,9 @@ class NonlinearProblem:
         disk : HotDisk
         start : array, shape (2, n, fields)
         tolerance : float
-            Largest change of a field by the preconditioned residual.
+            Largest preconditioned residual of a field.
         progress : callable, optional
-            Told the residual of each iteration.
+            Called with the residual of each iteration.
 
         Returns
         -------
@@ -135,7 +135,7 @@ class NonlinearProblem:
         Raises
         ------
         ConvergenceError
-            With the last residual.
+            If the iteration diverges or does not converge; the message has the last residual.
         """
         is_dense, renewed = self.rarefaction > _THIN_GAS, False
         if is_dense:
@@ -155,7 +155,7 @@ class NonlinearProblem:
             if not np.isfinite(residual):
                 raise ConvergenceError("the non-linear kinetic equation diverged")
             if is_dense and not renewed and residual < _RENEWED:
-                # the temperatures are known well enough now to precondition about them
+                # the temperatures are now accurate enough to precondition about
                 renewed = True
                 self.precondition_about(fields, disk)
                 step, steps, states = self._precondition(missing), [], []
@@ -190,7 +190,7 @@ class NonlinearProblem:
 
 
 def _damped(old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """As far towards new fields as pressure and temperature lose no more than half of theirs."""
+    """Fields on the way to new ones, where pressure and temperature at most halve."""
     share = 1.0
     for field in (0, 3):
         value, change = 1.0 + old[..., field], new[..., field] - old[..., field]
@@ -199,12 +199,12 @@ def _damped(old: np.ndarray, new: np.ndarray) -> np.ndarray:
 
 
 def _emitted_density(arriving: np.ndarray, temperature: float) -> np.ndarray:
-    """σ of a face at which as many molecules leave as arrive, shape (e,)."""
+    """σ of a face that emits as many molecules as arrive, shape (e,)."""
     return (1.0 + 2.0 * _SQRT_PI * arriving[:, 0]) / np.sqrt(temperature)
 
 
 def _anderson(states: list[np.ndarray], steps: list[np.ndarray]) -> np.ndarray:
-    """Next state by Anderson's mixing of the last states and their steps."""
+    """Next state by Anderson mixing of the last states and their steps."""
     if len(steps) == 1:
         return states[-1] + steps[-1]
     differences = np.stack([steps[-1] - step for step in steps[:-1]], axis=1)

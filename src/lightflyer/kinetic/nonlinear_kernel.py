@@ -1,13 +1,13 @@
 """One evaluation of the non-linear kinetic equation in integral form.
 
-From the fields at all nodes: trace every ray again, collect optical depth at the local collision
-frequency and what the local model distribution emits, and return the moments that arrive. What is
-summed is the deviation from the gas at rest far away, so that an undisturbed gas is exact.
+Given fields at all nodes, every ray is traced anew: optical depth grows with the local collision
+frequency, the local model distribution emits, and the moments that arrive are returned. Sums are
+over the deviation from the gas at rest far away, so that an undisturbed gas is exact.
 
 Fields, in this order: nT − 1, u_r, u_z, τ = T − 1, q_r, q_z, and for rotation τ_r, q_r, q_z;
-radial ones are divided by √(1−η²). Pressure is interpolated, not density: it hardly varies, and
-density and temperature interpolated apart would make pressures, and so forces, between nodes.
-Speeds are in √(2RT_c), temperatures in T_c, densities in n_c.
+radial ones are divided by √(1−η²). Pressure is interpolated, not density: separate interpolation
+of density and temperature would make spurious pressures, and so forces, between nodes. Speeds are
+in √(2RT_c), temperatures in T_c, densities in n_c.
 """
 
 import numpy as np
@@ -33,16 +33,16 @@ from lightflyer.kinetic.rays import (
 )
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
-_POWERS = 4  # of the speed, 2 to 5, in what a ray brings; two more for rotational energy
-LOWEST = 0.1  # temperature that an iterate may take between nodes; solutions stay above 1
+_POWERS = 4  # of the speed, 2 to 5, in the integrals along a ray; two more for rotational energy
+LOWEST = 0.1  # temperature of an iterate between nodes; those of solutions stay above 1
 
 
 @kernel
 def _local_source(state, gas, radial, vertical, coefficients):
-    """Polynomials in the speed of the model distribution along a direction.
+    """Model distribution along a direction, a Maxwellian times a polynomial in the speed.
 
-    Returns the temperature of its Maxwellian; fills the coefficients of c⁰ to c³ of the number
-    and of the rotational energy.
+    Fills the coefficients of c⁰ to c³ for number and for rotational energy; returns the
+    temperature of the Maxwellian.
     """
     heat, rotational_heat, exchange, _, rotates = gas
     temperature = max(LOWEST, 1.0 + state[3])
@@ -70,7 +70,7 @@ def _local_source(state, gas, radial, vertical, coefficients):
 
 @kernel
 def _add_piece(brought, weight, hot, cold, coefficients, rotates):
-    """Add what one ray point brings, with four powers of the speed (two of rotation)."""
+    """Add the contribution of one ray point, with four powers of the speed (two for rotation)."""
     a, b = coefficients[0], coefficients[1]
     for k in range(_POWERS):
         brought[k] += weight * (
@@ -85,9 +85,9 @@ def _add_piece(brought, weight, hot, cold, coefficients, rotates):
 
 @kernel
 def _ray(point, direction, rarefaction, setup, mesh, gas, half, cuts, brought):
-    """Fill what one ray brings: its deviation times the speed to the powers 2 to 5."""
-    # the arrays are local, and the loop over points is in this function, because compilers cannot
-    # rule out that arrays passed to a function overlap: apart it takes half as long again
+    """Fill the contribution of one ray: its deviation times the speed to the powers 2 to 5."""
+    # arrays and the loop over points are local: a compiler cannot rule out that arrays passed to a
+    # function of its own overlap, and that takes half as long again
     rule, eta_size, order = setup[3], nodes_in_eta(mesh), mesh[3].shape[2]
     points = rule.shape[1]
     xi_basis, eta_basis, state = np.empty(order), np.empty(order), np.zeros(10)
@@ -139,7 +139,7 @@ def _ray(point, direction, rarefaction, setup, mesh, gas, half, cuts, brought):
 
 @kernel
 def _add_wall(brought, eta, half, depth, setup, mesh, eta_basis, hot, cold):
-    """Add what a face emits diffusely at a point, less what the gas at rest would."""
+    """Add the diffuse emission of a face at a point, less that of the gas at rest."""
     _, _, sigma, tac, temperature = half
     table, scale = setup[5:]
     density = interpolate_on_face(sigma, eta, mesh, eta_basis)
@@ -219,7 +219,7 @@ def _central(raw, radial_scale, rotates, fields):
 
 @parallel_kernel
 def evaluate_nodes(points, rarefaction, setup, mesh, gas, half, fields):
-    """Fields at the nodes of one half that the given fields bring about.
+    """Fields at the nodes of one half that follow from given fields.
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def evaluate_nodes(points, rarefaction, setup, mesh, gas, half, fields):
     setup, mesh : tuple
         Quadratures and tables; panels.
     gas : tuple
-        Factors of the two heat fluxes, rate of exchange, −ω, whether molecules rotate.
+        Factors of the two heat fluxes, exchange rate, −ω, whether molecules rotate.
     half : tuple
         Own fields, the other half's (mirrored), σ on the face, its TAC and temperature.
     fields : array, shape (n, 6 or 9)

@@ -1,4 +1,4 @@
-"""The assembled linear problem of a mesh: matrices that hold for any TAC and any wall."""
+"""Assembly of the linear problem on a mesh: matrices for any TAC and any wall."""
 
 from dataclasses import dataclass
 
@@ -8,12 +8,12 @@ from lightflyer.kinetic import linear_kernel
 from lightflyer.kinetic.mesh import Mesh, gauss
 from lightflyer.kinetic.speed_integrals import spline_table
 
-_LAYER = 0.1  # height of direction below which rays in a thin gas layer need panels of their own
+_LAYER = 0.1  # height of the panel of directions next to the horizon
 
 
 @dataclass(frozen=True)
 class Quadrature:
-    """Numbers of Gauss nodes per panel: in height and azimuth of directions, and along rays."""
+    """Gauss nodes per panel: in height and azimuth of directions, and along rays."""
 
     height: int = 4
     azimuth: int = 4
@@ -21,7 +21,7 @@ class Quadrature:
 
 
 def kernel_arguments(mesh: Mesh, rarefaction: float, quadrature: Quadrature) -> tuple:
-    """Quadratures and tables, and panels, as the compiled kernels take them."""
+    """Arguments of the compiled kernels: quadratures with tables, and panels."""
     table, scale = spline_table()
     setup = (
         min(_LAYER, _LAYER / rarefaction),
@@ -50,7 +50,7 @@ def _lagrange_bases(nodes: np.ndarray) -> np.ndarray:
 
 
 def _partial_integrals(order: int) -> np.ndarray:
-    """Weights of ∫ from 0 to each Gauss node of the interpolant at the nodes, shape (m, m)."""
+    """Weights of the integral from 0 to each Gauss node, from values at the nodes, shape (m, m)."""
     nodes = gauss(order)[0]
     powers = np.arange(order)
     vandermonde = nodes[:, None] ** powers
@@ -60,7 +60,7 @@ def _partial_integrals(order: int) -> np.ndarray:
 
 @dataclass(frozen=True)
 class BaseState:
-    """The gas at rest about which the equation is linearised, by default that far away.
+    """Gas at rest about which the equation is linearised, by default that far away.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class BaseState:
     face : float
         θ of the faces.
     frequency_exponent : float
-        Of the collision frequency in θ, at uniform pressure.
+        Exponent of the collision frequency in θ at uniform pressure.
     """
 
     excess: np.ndarray | None = None
@@ -87,18 +87,17 @@ class Operators:
     own, other, reflected : array, shape (n, n, 6, 6)
         Node of the row, of the column, field, moment.
     sigma : array, shape (n, e, 6)
-        What σ at the face's nodes brings to each moment.
+        Contribution of σ at the nodes of the face to each moment.
     temperature, velocity : array, shape (n, 6)
-        What a uniform temperature or velocity of the face brings.
+        Contribution of a uniform temperature or velocity of the face.
     fluxes : array, shape (e, n, 6, 3)
         Node of the face, node, field, arriving flux of number, normal momentum, energy.
     corrections : array, shape (n, 6, 6)
-        What was added to each node's own weights, field and moment, so that uniform fields are
-        exact.
+        Additions to each node's own weights that make uniform fields exact, field and moment.
     theta : array, shape (n,)
         Temperature about which the equation is linearised.
     face_theta : float
-        That of the faces.
+        The same for the faces.
     """
 
     mesh: Mesh
@@ -120,7 +119,7 @@ def node_points(mesh: Mesh) -> np.ndarray:
 
 
 def face_points(mesh: Mesh) -> np.ndarray:
-    """The same on a face, shape (e, 3); the scale is not used there."""
+    """Radius, height and 1 of the nodes on a face, shape (e, 3); the scale is not used there."""
     zero = np.zeros_like(mesh.eta)
     return np.stack([mesh.face_radius, zero, zero + 1.0], axis=1)
 
@@ -128,7 +127,7 @@ def face_points(mesh: Mesh) -> np.ndarray:
 def assemble(
     mesh: Mesh, rarefaction: float, quadrature: Quadrature, base: BaseState | None = None
 ) -> Operators:
-    """Trace all rays of a mesh and return the linear operators.
+    """Assemble the linear operators by tracing all rays of a mesh.
 
     Parameters
     ----------
@@ -137,7 +136,7 @@ def assemble(
         δ of the gas far away.
     quadrature : Quadrature
     base : BaseState, optional
-        Where given, nothing is corrected: ``corrections`` are zero.
+        If given, uniform fields are not corrected: ``corrections`` are zero.
 
     Returns
     -------

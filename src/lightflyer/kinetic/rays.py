@@ -1,9 +1,8 @@
-"""Geometry of a straight ray through the mesh: where it crosses panels, and what it sees there.
+"""Straight rays through the mesh: where they cross panels, and speed integrals along them.
 
-Below the disk's plane everything is mirrored: a ray that has crossed z = 0 moves on through the
-mirror image of the lower half, with the height of its direction reversed. That is at once what a
-ray that missed the disk sees and, read with the fields of its own half, what a ray sees that the
-disk has reflected.
+Below the disk's plane everything is mirrored. A ray that has crossed z = 0 goes on through the
+mirror image of the lower half, with the height of its direction reversed. With the fields of the
+other half it is a ray that missed the disk, with those of its own half one that the disk reflected.
 """
 
 import numpy as np
@@ -11,21 +10,22 @@ import numpy as np
 from lightflyer.kinetic._kernels import kernel
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
-# optical depths at which a ray is cut, so that each piece is smooth enough for Gauss's rule
+# optical depths at which a ray is cut: each piece is smooth enough for Gauss quadrature
 DEPTH_CUTS = np.array([0.1, 0.5, 1.5, 3.3, 6.0, 10.0, 16.0, 25.0, 40.0, 60.0])
 MOST_CUTS = 160
 REACH = 1.6
-"""Longest ray over the length of the largest optical depth far away: hot gas is thinner."""
+"""Longest ray, over the length of the largest optical depth in the gas far away; hot gas is
+thinner."""
 
 SHORTEST = 1e-13
-"""Pieces of a ray shorter than this [disk radii] are where it crosses two edges at once."""
+"""Length below which a piece of a ray is skipped [disk radii]: it crosses two edges at once."""
 
 _SHORTENED = 0.999999  # keeps the largest depth inside the table
 
 
 @kernel
 def spheroidal(radius_squared, height):
-    """ξ and η of a point, without cancellation."""
+    """ξ and η of a point, free of cancellation."""
     half = 0.5 * (radius_squared + height * height - 1.0)
     root = np.sqrt(half * half + height * height)
     if half > 0.0:
@@ -83,20 +83,20 @@ def exit_length(radius, height, direction, boundary):
 
 @kernel
 def cut_ray(radius, height, direction, length, optical_scale, xi_edges, eta_edges, cuts):
-    """Cut a ray at every panel edge it crosses, at z = 0 and at given optical depths.
+    """Cut a ray at z = 0, at the edges of panels and at given optical depths.
 
     Parameters
     ----------
     radius, height : float
-        Where the ray starts [disk radii].
+        Start of the ray [disk radii].
     direction : array, shape (3,)
         Unit vector.
     length : float
-        Where it ends [disk radii], finite.
+        Length of the ray [disk radii], finite.
     optical_scale : float
         Length of optical depth 1 [disk radii].
     xi_edges, eta_edges : array
-        Of the mesh.
+        Edges of the panels of the mesh.
     cuts : array, shape (MOST_CUTS,)
         Filled with distances from 0 to ``length``, ascending.
 
@@ -105,7 +105,7 @@ def cut_ray(radius, height, direction, length, optical_scale, xi_edges, eta_edge
     count : int
         Number of distances.
     hit : float
-        Distance at which it crosses z = 0, infinite if it does not.
+        Distance at which the ray crosses z = 0, infinite if it does not.
     """
     wx, wz = direction[0], direction[2]
     a_r = wx * wx + direction[1] * direction[1]
@@ -201,28 +201,28 @@ def maxwellian_integrals(depth, temperature, table, scale, values):
 def piece_integrals(depth, width, temperatures, frequencies, setup, buffer, values):
     """Fill the speed integrals at the points of one piece of a ray.
 
-    What the quadrature lacks is added to them, so that the piece of a uniform gas emits exactly
-    what its optical depth says: see the paragraph on conservation in the documentation.
+    They are corrected for the error of the quadrature, so that a piece of uniform gas emits exactly
+    what follows from its optical depth: see Conservation in the documentation.
 
     Parameters
     ----------
     depth : float
         Optical depth at which the piece starts.
     width : float
-        Its length [disk radii].
+        Length of the piece [disk radii].
     temperatures, frequencies : array, shape (m,)
-        Of the Maxwellian, and of collisions, at its points.
+        Temperature of the Maxwellian and collision frequency at its points.
     setup : tuple
         Quadrature along rays, its partial integrals, and the table.
     buffer : array, shape (4, NUMBER)
         Scratch.
     values : array, shape (m, NUMBER)
-        Filled; to the last power nothing is added.
+        Filled; the last power is not corrected.
 
     Returns
     -------
     float
-        Optical depth at its end.
+        Optical depth at the end of the piece.
     """
     gauss_ray, inside, table, scale = setup
     points = gauss_ray.shape[1]

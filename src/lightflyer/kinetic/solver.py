@@ -1,4 +1,4 @@
-"""The public way to solve the disk problem: check, solve on two meshes, give ratios and errors."""
+"""The disk problem: force and heat relative to their free-molecular values, with errors."""
 
 import time
 from collections.abc import Callable
@@ -16,16 +16,16 @@ if TYPE_CHECKING:
     from lightflyer.kinetic.cases import Case, Outcome
 
 KNUDSEN_RANGE = (0.03, 100.0)
-"""Knudsen numbers λ(T_c)/(2r) that the meshes are made for."""
+"""Knudsen numbers λ(T_c)/(2r) for which the meshes are made."""
 
 HIGHEST_TEMPERATURE_RATIO = 2.5
 """T_h/T_c up to which the non-linear solver is tested."""
 
 SMALLEST_BOUNDARY = 1.5
-"""Nearest reservoir [disk radii]."""
+"""Half-width of the smallest reservoir [disk radii]."""
 
 FURTHEST_DEPTH = 150.0
-"""Largest distance of a reservoir in lengths 2λ/√π that the meshes resolve."""
+"""Half-width of the largest reservoir that the meshes resolve, in lengths 2λ/√π."""
 
 
 @dataclass(frozen=True)
@@ -39,15 +39,15 @@ class Solution:
     force_ratio : float or None
         F/F_fm; None where the free-molecular force is zero.
     heat_ratio_top, heat_ratio_bottom : float or None
-        Of each face against its own free-molecular value; None for a face as cold as the gas.
+        Q/Q_fm of each face; None for a face at the temperature of the gas.
     heat_ratio : float or None
-        Of both faces together.
+        Q/Q_fm of both faces together.
     error_estimate : dict of str to float
-        Error of ``force_ratio`` and ``heat_ratio``: how much a coarser mesh changes them. It does
-        not contain the model equation's own error.
+        Numerical error of ``force_ratio`` and ``heat_ratio``: their change with a coarser mesh. It
+        excludes the error of the model equation.
     iterations : int
     seconds : float
-        Of both meshes.
+        Time of the solution on both meshes.
     force : float
         Upwards [p·A], per unit perturbation in the linear problem.
     heat : tuple of float
@@ -69,7 +69,7 @@ class Solution:
 
     @property
     def is_linear(self) -> bool:
-        """Whether it is one of the linear problem."""
+        """Whether the problem is linear."""
         return self._case.linear
 
     @property
@@ -79,7 +79,7 @@ class Solution:
 
     @property
     def inputs(self) -> dict[str, Any]:
-        """What was solved, under the names of :func:`solve`'s parameters."""
+        """Arguments of :func:`solve`, by name."""
         case = self._case
         top, bottom = case.temperature
         heated = (
@@ -98,7 +98,7 @@ class Solution:
 
     @property
     def title(self) -> str:
-        """What was solved, in words."""
+        """The problem in words."""
         case = self._case
         top, bottom = (f"{value:g}" for value in case.temperature)
         both = top if top == bottom else f"{top} and {bottom}"
@@ -111,7 +111,7 @@ class Solution:
         )
 
     def to_json(self) -> dict[str, Any]:
-        """The numbers under the names that the command line prints."""
+        """The solution as a JSON object."""
         return {
             "kn": self.knudsen,
             "force_ratio": self.force_ratio,
@@ -134,10 +134,10 @@ class Solution:
         Returns
         -------
         dict of str to array, shape (...)
-            ``pressure`` and ``temperature``: deviations from those far away, relative to them;
+            ``pressure`` and ``temperature``: relative deviations from those far away;
             ``velocity_radial``, ``velocity_axial`` [√(2RT_c)]; ``heat_flux_radial``,
-            ``heat_flux_axial`` [p √(2RT_c)]; of a diatomic gas ``rotational_temperature`` too. In
-            the linear problem all are per unit perturbation.
+            ``heat_flux_axial`` [p √(2RT_c)]; for a diatomic gas also ``rotational_temperature``.
+            In the linear problem all are per unit perturbation.
         """
         from lightflyer.kinetic.flow import sample
 
@@ -159,8 +159,8 @@ def solve(
     r"""Solve the kinetic equation around a thin disk with Maxwell walls.
 
     Without ``temperature_ratio`` the linearised Shakhov equation is solved (of Rykov's type for a
-    diatomic gas), with it the full one with a viscosity :math:`\mu \propto T^\omega`. Ratios are
-    to the exact free-molecular values for Maxwell walls, linear or not.
+    diatomic gas), with it the non-linear one with a viscosity :math:`\mu \propto T^\omega`. Results
+    are relative to the exact free-molecular values for Maxwell walls, linear or non-linear.
 
     Parameters
     ----------
@@ -175,9 +175,9 @@ def solve(
     gas : {"monatomic", "diatomic"}
     boundary : float, optional
         Half-width and half-height of a cylindrical reservoir at T_c [disk radii], at least 1.5
-        and up to 338 Kn; without it open space.
+        and up to 338 Kn; by default open space.
     progress : callable, optional
-        Told the residual of each non-linear iteration.
+        Called with the residual of each non-linear iteration.
 
     Returns
     -------
@@ -188,7 +188,7 @@ def solve(
     ParameterError
         If a parameter is out of range.
     ConvergenceError
-        If the iteration does not converge, with its last residual.
+        If the iteration does not converge; the message has the last residual.
     MissingExtraError
         If numba is not installed.
 
@@ -260,7 +260,7 @@ def _case(
         temperature = float(top), float(bottom)
         require_range("temperature_ratio", temperature, 1.0, HIGHEST_TEMPERATURE_RATIO)
     if all(value == (0.0 if linear else 1.0) for value in temperature):
-        raise ParameterError("both faces are as cold as the gas: there is no force and no heat")
+        raise ParameterError("both faces are at the gas temperature: force and heat are zero")
     extra("numba", "the kinetic solver", "kinetic")
     from lightflyer.kinetic.cases import Case
 
@@ -275,7 +275,7 @@ def _case(
 
 
 def furthest_boundary(knudsen: float) -> float:
-    """Furthest reservoir that is resolved at a Knudsen number [disk radii]."""
+    """Half-width of the largest reservoir that is resolved at a Knudsen number [disk radii]."""
     return FURTHEST_DEPTH * 4.0 * knudsen / float(np.sqrt(np.pi))
 
 
@@ -283,8 +283,8 @@ def _require_resolved(knudsen: float, boundary: float) -> None:
     furthest = furthest_boundary(knudsen)
     if boundary > furthest:
         raise ParameterError(
-            f"boundary = {boundary:g} is further than {furthest:.3g}, which is resolved at "
-            f"knudsen = {knudsen:g}; leave it out: what a reservoir adds falls as 1/boundary"
+            f"boundary = {boundary:g} exceeds {furthest:.3g}, the largest resolved at knudsen = "
+            f"{knudsen:g}; omit it: the effect of a reservoir falls as 1/boundary"
         )
 
 

@@ -2,8 +2,9 @@ r"""Speed integrals of the kinetic equation along a ray.
 
 .. math:: J_p(z) = \int_0^\infty c^p \exp(-c^2 - z/c)\,dc
 
-(Abramowitz functions), for p from 1 to 8, as cubic splines in :math:`\sqrt z`, in which the
-logarithmic terms at zero have three continuous derivatives and the decay at large z is gentle.
+They are the Abramowitz functions for p from 1 to 8, tabulated as cubic splines in :math:`\sqrt z`.
+In this variable the logarithmic terms at zero have three continuous derivatives, and the decay at
+large z is slow.
 """
 
 from functools import lru_cache
@@ -16,21 +17,21 @@ HIGHEST_POWER = 8
 NUMBER = HIGHEST_POWER - LOWEST_POWER + 1
 
 LARGEST_DEPTH = 60.0
-"""Optical depth beyond which nothing is seen: J₁(60) is 2e-12 of J₁(0)."""
+"""Optical depth beyond which rays end: J₁(60) is 2e-12 of J₁(0)."""
 
 _INTERVALS = 2400
 _LOGARITHM_OF_SPEED = np.linspace(-14.0, 2.2, 900)
 
 
 def speed_integral(power: int, depth: np.ndarray) -> np.ndarray:
-    r"""One speed integral by the trapezoidal rule in ln c, which converges exponentially.
+    r"""Speed integral by the trapezoidal rule in ln c, which converges exponentially.
 
     Parameters
     ----------
     power : int
-        p, at least 0.
+        Power p of the speed, at least 0.
     depth : array, shape (...)
-        Optical depth z [1], not negative.
+        Optical depth z [1], at least 0.
 
     Returns
     -------
@@ -49,7 +50,7 @@ def spline_table() -> tuple[np.ndarray, float]:
     Returns
     -------
     coefficients : array, shape (intervals, 4, NUMBER)
-        Highest power of the distance from an interval's lower end first.
+        Highest power of the distance from the lower end of an interval first.
     intervals_per_unit : float
         Intervals per unit of √z.
     """

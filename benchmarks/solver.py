@@ -20,7 +20,8 @@ import numpy_model
 from scipy.optimize import brentq, elementwise
 
 import lightflyer as lf
-from lightflyer.flight.balance import total_loss
+from lightflyer.environment import EnvironmentState, Radiation
+from lightflyer.flight.balance import node_losses
 
 SCALAR_SAMPLE = 2000
 EMITTANCE_FLOOR, TAC = 0.01, 0.85
@@ -45,9 +46,9 @@ def designs(count):
 
 def build(values):
     film = lf.FilmProperties(1e-3, 0.75, values["emittance"], values["emittance"], 0.8, 0.9)
-    radiation = lf.Radiation(values["irradiance"], stefan_boltzmann=numpy_model.STEFAN_BOLTZMANN)
-    state = lf.EnvironmentState(
-        values["pressure"], values["cold"], numpy_model.GRAVITY, lf.LU2023_AIR, radiation
+    radiation = Radiation(values["irradiance"], stefan_boltzmann=numpy_model.STEFAN_BOLTZMANN)
+    state = EnvironmentState(
+        values["pressure"], values["cold"], numpy_model.GRAVITY, lf.gas.LU2023_AIR, radiation
     )
     return lf.Disk(film, values["radius"]), state
 
@@ -92,8 +93,8 @@ def scipy_scalar(values, count):
 
 def lift_of_six(radius, pressure, cold, irradiance, emittance, tac_bottom):
     film = lf.FilmProperties(1e-3, 0.75, emittance, emittance, 0.8, tac_bottom)
-    state = lf.EnvironmentState(
-        pressure, cold, numpy_model.GRAVITY, lf.LU2023_AIR, lf.Radiation(irradiance)
+    state = EnvironmentState(
+        pressure, cold, numpy_model.GRAVITY, lf.gas.LU2023_AIR, Radiation(irradiance)
     )
     return lf.lift(lf.Disk(film, radius), state, lf.Lu2023(), throw=False)
 
@@ -155,7 +156,8 @@ def compare(count, repeats):
     with lf.float64():
         six = gradient_inputs(values)
         lift, gradient = lift_and_gradient()
-        one_residual = jax.jit(lambda excess: total_loss(disk, state, lf.Lu2023(), excess))
+        model = lf.Lu2023()
+        one_residual = jax.jit(lambda excess: node_losses(disk, state, model, (excess,)))
         excess = jnp.asarray(package_temperatures(values) / values["cold"] - 1.0)
         times, results = medians(
             {

@@ -110,7 +110,7 @@ def test_json_names_and_values(run, flyer_file):
 
 def test_band_edges_agree_with_the_differentiable_function(run, flyer_file):
     setup = lightflyer.read_flyer_file(flyer_file()).build()
-    band = lightflyer.altitude_band(setup.flyer, setup.environment, setup.model)
+    band = lightflyer.levitation_band(setup.flyer, setup.environment, setup.model)
     edges = json.loads(run("predict", flyer_file(), "--json")[1])["altitude_band_km"]
     assert edges == pytest.approx([band.lower / 1e3, band.upper / 1e3], abs=1e-6)
 

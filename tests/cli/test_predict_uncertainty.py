@@ -1,6 +1,4 @@
 import json
-import subprocess
-import sys
 
 import pytest
 import xarray as xr
@@ -22,26 +20,21 @@ altitude_max = "90 km"
 """
 
 
-def run(folder, *arguments):
-    return subprocess.run(
-        [sys.executable, "-m", "lightflyer", *arguments],
-        capture_output=True, text=True, check=False, cwd=folder,
-    )  # fmt: skip
-
-
 @pytest.fixture
 def folder(tmp_path):
     (tmp_path / "flyer.toml").write_text(FILE, encoding="utf-8")
     return tmp_path
 
 
-def test_bands_for_a_file_with_uncertainties(folder):
-    done = run(folder, "predict", "flyer.toml", "--out", "out", "--samples", "60")
-    assert done.returncode == 0, done.stderr
-    bands = done.stdout[done.stdout.index("95 % band of") :].splitlines()
+def test_bands_for_a_file_with_uncertainties(run, folder):
+    flyer, out = folder / "flyer.toml", folder / "out"
+    code, text, errors = run("predict", flyer, "--out", out, "--samples", "60")
+    assert code == 0, errors
+    told = text[: text.index("wrote ")]
+    bands = told[told.index("95 % band of") :].splitlines()
     assert any(line.split()[:1] == ["payload_mg"] and "%" in line for line in bands)
     assert max(len(line) for line in bands) <= 80
-    assert "correlated by 0.5" in done.stdout
+    assert "correlated by 0.5" in told.replace("\n", " ")
     summary = json.loads((folder / "out" / "prediction.json").read_text(encoding="utf-8"))
     assert {"altitude_band_km", "minimum_irradiance", "best", "at", "uncertainty"} <= set(summary)
     payload = summary["uncertainty"]["results"]["best.payload_mg"]
@@ -53,9 +46,9 @@ def test_bands_for_a_file_with_uncertainties(folder):
         assert float((dataset["payload_low"] < dataset["payload_high"]).all())
 
 
-def test_first_order_alone(folder):
-    done = run(folder, "predict", "flyer.toml", "--json", "--samples", "0")
-    results = json.loads(done.stdout)["uncertainty"]["results"]
+def test_first_order_alone(run, folder):
+    _, text, _ = run("predict", folder / "flyer.toml", "--json", "--samples", "0")
+    results = json.loads(text)["uncertainty"]["results"]
     assert "monte_carlo" not in results["best.payload_mg"]
 
 
@@ -66,11 +59,11 @@ def test_first_order_alone(folder):
         ("= 0.5", "= 1.5", [], "film.tac_correlation = 1.5: must be between -1 and 1"),
     ],
 )
-def test_bad_input(folder, old, new, arguments, says):
+def test_bad_input(run, folder, old, new, arguments, says):
     text = FILE.replace(old, new) if old else FILE
     (folder / "flyer.toml").write_text(text, encoding="utf-8")
-    done = run(folder, "predict", "flyer.toml", "--out", "out", *arguments)
-    assert done.returncode == 2
-    assert says in done.stderr
-    assert done.stderr.count("\n") == 1
+    code, _, errors = run("predict", folder / "flyer.toml", "--out", folder / "out", *arguments)
+    assert code == 2
+    assert says in errors
+    assert errors.count("\n") == 1
     assert not (folder / "out").exists()

@@ -84,7 +84,8 @@ class Evaluator:
         failed = table.pop("converged") < 0.5
         ending = np.where(failed, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
         require_converged("prediction", ending, table.pop("residual"))
-        return table
+        # in the order in which they are listed: JAX sorts them by name
+        return {name: table[name] for name in predicted_names(self.setup.flyer)}
 
     def column(self, coordinates: np.ndarray, name: str) -> np.ndarray:
         """One output at coordinates of shape (n, 1), as the search wants it."""

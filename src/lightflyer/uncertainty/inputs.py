@@ -10,7 +10,7 @@ import numpy as np
 
 from lightflyer.flight.design import AbstractDesign
 from lightflyer.foundation.errors import ParameterError, ParameterWarning
-from lightflyer.foundation.precision import float64
+from lightflyer.foundation.precision import float64, quick_entry_point
 
 _STEP = 1e-3  # relative, over which costly parts of a design are compared
 _MOST_DRAWS = 1000
@@ -91,20 +91,22 @@ class Inputs:
             Every number an array.
         tangents : list of Setup, length k
         """
-        with float64():
-            values = jnp.asarray(self.values)
-            structure = jax.tree.structure(self.build(values))
+        structure = jax.tree.structure(self.build(self.values))
 
-            def leaves(inputs: Any) -> list[Any]:
-                return [jnp.asarray(leaf, float) for leaf in jax.tree.leaves(self.build(inputs))]
+        def leaves(inputs: Any) -> list[Any]:
+            return [jnp.asarray(leaf, float) for leaf in jax.tree.leaves(self.build(inputs))]
 
+        @quick_entry_point
+        def both(values: Any, directions: Any) -> Any:
             base, push = jax.linearize(leaves, values)
-            tangents = [push(direction) for direction in jnp.eye(len(values))]
-            setup, *moved = (
-                jax.tree.unflatten(structure, [np.asarray(leaf) for leaf in part])
-                for part in (base, *tangents)
-            )
-        return setup, moved
+            return base, jax.vmap(push)(directions)
+
+        base, tangents = both(self.values, np.eye(len(self.values)))
+        moved = [
+            jax.tree.unflatten(structure, [leaf[row] for leaf in tangents])
+            for row in range(len(self.values))
+        ]
+        return jax.tree.unflatten(structure, base), moved
 
     def setup_of(self, samples: np.ndarray) -> Any:
         """Setup whose uncertain numbers are arrays over samples.

@@ -46,7 +46,7 @@ def ground_view_factor(angle: Numeric, straight_down: Numeric) -> Array:
 
     References
     ----------
-    [Howell2010]_ configuration factor B-43 (differential planar element to sphere).
+    [Howell2010]_, differential planar element to a sphere, for any tilt.
     """
     cosine, sine = jnp.cos(angle), jnp.sin(angle)
     away = 1.0 - straight_down  # cos²γ

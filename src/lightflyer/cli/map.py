@@ -53,7 +53,7 @@ def map_command(
         raise ConfigurationError(f"--x and --y are both {fields[0]}")
     console = Console(highlight=False)
     if not dataset.attrs.get("complete", True):
-        console.print("the sweep is not finished: what is missing stays blank", soft_wrap=True)
+        console.print("the sweep is not finished; missing designs are left blank", soft_wrap=True)
     sliced, chosen = choose_slice(dataset, output, fields, _asked(at))
     written = _write(out, dataset, sliced, [*fields, output], pareto=pareto)
     for name, (amount, unit) in chosen.items():
@@ -67,7 +67,7 @@ def _asked(at: str | None) -> dict[str, str]:
     for part in (at or "").split(","):
         name, equals, text = (piece.strip() for piece in part.partition("="))
         if part.strip() and not (name and equals and text):
-            raise ConfigurationError(f'--at "{part.strip()}" is not such as "altitude = 70 km"')
+            raise ConfigurationError(f'--at "{part.strip()}": write such as "altitude = 70 km"')
         if name:
             asked[name] = text
     return asked
@@ -92,7 +92,7 @@ def _write(
         if fronts is None:
             raise ConfigurationError(
                 f"--pareto: the sweep has no altitude, levitation_irradiance or temperature to "
-                f"weigh {output} against"
+                f"compare {output} with"
             )
         figures[f"{output}-pareto"] = fronts
     written = []

@@ -10,7 +10,8 @@ from rich.markup import escape
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from lightflyer.search.optimiser import Front, Optimum
+    from lightflyer.search.front import Front
+    from lightflyer.search.optimiser import Optimum
     from lightflyer.search.problem import Problem
 
 _SHOWN_ELASTICITIES = 8
@@ -24,7 +25,7 @@ def optimise_command(
     out: Path | None = None,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> None:
-    """Find the design that does most, within bounds and constraints.
+    """Find the best design within bounds and constraints.
 
     Parameters
     ----------
@@ -35,8 +36,7 @@ def optimise_command(
     json_output
         Print one JSON object instead of tables.
     """
-    from lightflyer.search.optimiser import optimise, pareto
-    from lightflyer.search.problem import read_problem
+    from lightflyer.search import optimise, pareto, read_problem
 
     problem = read_problem(study_file)
     console, written = Console(highlight=False), []
@@ -70,24 +70,22 @@ def _write(out: Path | None, summary: dict[str, Any], front: "Front | None") -> 
         stage("optimum.json").write_text(text + "\n", encoding="utf-8")
         if front is not None:
             from lightflyer.foundation import drawing as plot
-            from lightflyer.sweeps import figures as sweep_figures
+            from lightflyer.search.figures import front_figure
 
             files = ["front.png", "front.svg"]
-            plot.save(sweep_figures.front_figure(front), [stage(file) for file in files])
+            plot.save(front_figure(front), [stage(file) for file in files])
             names += files
     return [out / name for name in names]
 
 
 def _show_optimum(console: Console, problem: "Problem", optimum: "Optimum") -> None:
-    from lightflyer.flight.outputs import unit_of_output
-
     objective = problem.objectives[0]
     what = objective.name
     if problem.samples:
         of = "mean" if problem.quantile is None else f"{100.0 * problem.quantile:g} % quantile"
         count = len(next(iter(problem.samples.values())))
         what = f"{of} of {what} over {count} samples of {', '.join(problem.samples)}"
-    unit = unit_of_output(objective.name)
+    unit = problem.unit_of(objective.name)
     console.print(f"{objective.word} {what}: {optimum.value:.6g} {unit}".rstrip(), soft_wrap=True)
     table = Table(box=None, padding=(0, 1))
     for heading in ("field", "best", "unit", "from", "to", ""):
@@ -113,12 +111,11 @@ def _show_optimum(console: Console, problem: "Problem", optimum: "Optimum") -> N
 def _show_constraint(
     console: Console, optimum: "Optimum", name: str, limit: float, sign: float
 ) -> None:
-    from lightflyer.flight.outputs import unit_of_output
-
-    unit = unit_of_output(name)
+    problem = optimum.problem
+    unit = problem.unit_of(name)
     word = "at least" if sign > 0.0 else "at most"
     gain = optimum.active_constraints.get(name)
-    objective = unit_of_output(optimum.problem.objectives[0].name)
+    objective = problem.unit_of(problem.objectives[0].name)
     told = "not active"
     if gain is not None:
         told = f"active: 1 % looser is worth {gain * abs(limit) / 100.0:.3g} {objective}".rstrip()
@@ -139,13 +136,11 @@ def _show_elasticities(console: Console, optimum: "Optimum") -> None:
 
 
 def _show_front(console: Console, front: "Front") -> None:
-    from lightflyer.flight.outputs import unit_of_output
-
     problem = front.problem
     table = Table(box=None, padding=(0, 1))
     columns = []
     for part in problem.objectives:
-        unit = unit_of_output(part.name)
+        unit = problem.unit_of(part.name)
         table.add_column(escape(f"{part.name}\n[{unit or '1'}] ({part.word})"), justify="right")
         columns.append(front.objectives[part.name])
     for bounds in problem.bounds:

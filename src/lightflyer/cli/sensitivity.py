@@ -1,4 +1,4 @@
-"""``lightflyer sensitivity``: which uncertain property costs most."""
+"""``lightflyer sensitivity``: which uncertain property matters most."""
 
 import json
 import math
@@ -21,22 +21,22 @@ def sensitivity_command(
     out: Path | None = None,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> None:
-    """Say which property's uncertainty costs most, and so what to measure next.
+    """Rank uncertain properties by their effect, and say what to measure next.
 
     Parameters
     ----------
     study_file
         TOML file with flyer = "flyer.toml" and the sections [sensitivity] and [sensitivity.at];
-        what is uncertain is taken from the ± of the flyer file or from [sensitivity.inputs].
+        uncertainties are those of [sensitivity.inputs], by default those of the flyer file.
     out
         Folder to write the result (JSON) and a tornado figure (PNG, SVG) for each output into.
     json_output
         Print one JSON object instead of tables.
     """
-    from lightflyer.search.sobol import read_inquiry, sensitivity_indices
+    from lightflyer.search import read_sensitivity_study, sensitivity
 
-    inquiry = read_inquiry(study_file)
-    results = sensitivity_indices(inquiry)
+    study = read_sensitivity_study(study_file)
+    results = sensitivity(study)
     summary = {found.output: found.summary() for found in results}
     written = [] if out is None else _write(out, summary, results)
     if json_output:
@@ -45,13 +45,15 @@ def sensitivity_command(
     console = Console(highlight=False)
     for found in results:
         _show(console, found)
-    pairs = [group for group in inquiry.groups if len(group) > 1]
-    for pair in pairs:
-        console.print(
-            f"{' and '.join(pair)} vary together (tac_correlation = {inquiry.tac_correlation:g}) "
-            "and have one share; beside it stand the output's quantiles",
-            soft_wrap=True,
-        )
+    for group in study.groups:
+        if len(group) > 1:
+            values = (v for pair, v in study.correlations.items() if set(pair) <= set(group))
+            console.print(
+                f"{' and '.join(group)} vary together (correlation "
+                f"{', '.join(f'{value:g}' for value in values)}) and have one share; the last two "
+                "columns are quantiles of the output",
+                soft_wrap=True,
+            )
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
 
@@ -59,7 +61,7 @@ def sensitivity_command(
 def _write(out: Path, summary: dict[str, Any], results: "list[Indices]") -> list[Path]:
     from lightflyer.foundation import drawing as plot
     from lightflyer.foundation.files import output_directory
-    from lightflyer.sweeps import figures as sweep_figures
+    from lightflyer.search.figures import tornado_figure
 
     names = ["sensitivity.json"]
     with output_directory(out) as stage:
@@ -67,23 +69,20 @@ def _write(out: Path, summary: dict[str, Any], results: "list[Indices]") -> list
         stage("sensitivity.json").write_text(text + "\n", encoding="utf-8")
         for found in results:
             files = [f"{found.output}-tornado.{suffix}" for suffix in ("png", "svg")]
-            plot.save(sweep_figures.tornado_figure(found), [stage(file) for file in files])
+            plot.save(tornado_figure(found), [stage(file) for file in files])
             names += files
     return [out / name for name in names]
 
 
 def _show(console: Console, found: "Indices") -> None:
-    from lightflyer.flight.outputs import unit_of_output
-
-    name = unit_of_output(found.output)
-    unit = f" {name}" if name else ""
+    unit = f" {found.unit}" if found.unit else ""
     console.print(
         f"{found.output} {found.nominal:.4g}{unit}; over all inputs {found.mean:.4g} ± "
         f"{found.spread:.2g}{unit}",
         soft_wrap=True,
     )
     table = Table(box=None, padding=(0, 1, 0, 0))  # so that it fits into 80 columns
-    ends = (escape(f"at its\n{end} %\n[{name or '1'}]") for end in ("2.5", "97.5"))
+    ends = (escape(f"at its\n{end} %\n[{found.unit or '1'}]") for end in ("2.5", "97.5"))
     shares = ("share of\nvariance\n[%]", "with inter-\nactions\n[%]")
     headings = ("input", *shares, "elasticity", *ends)
     for heading in headings:
@@ -100,12 +99,12 @@ def _show(console: Console, found: "Indices") -> None:
         )
     console.print(table)
     if not found.ranked:
-        advice = "too few points to say what to measure next: shares are known to "
-        advice += f"± {100.0 * found.first_interval.max():.0f} % at worst; raise points"
+        advice = "too few points to say what to measure next: shares are uncertain by up to "
+        advice += f"± {100.0 * found.first_interval.max():.0f} %; raise points"
     elif found.next is None:
-        advice = "all of it is the model's own error, which no measurement makes smaller"
+        advice = "all of it is the model's own error, which measurements cannot reduce"
     else:
-        advice = f"measure {found.next} next: half that uncertainty would leave ± "
+        advice = f"measure {found.next} next: halving its uncertainty would leave ± "
         advice += f"{found.spread_after_halving:.2g}{unit}"
     console.print(advice, soft_wrap=True)
 

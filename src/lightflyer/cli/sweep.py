@@ -1,4 +1,4 @@
-"""``lightflyer sweep``: the outputs of many designs, into a folder that keeps them."""
+"""``lightflyer sweep``: compute the outputs of many designs into a folder."""
 
 import json
 import sys
@@ -44,7 +44,7 @@ def sweep_command(
     yes: Annotated[bool, Parameter(negative=())] = False,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> None:
-    """Compute every design of a study into a folder; the same command continues it.
+    """Compute every design of a study into a folder; the same command continues an interrupted one.
 
     Parameters
     ----------
@@ -58,20 +58,20 @@ def sweep_command(
     workers
         Threads on this machine; by default one for each processor and two more.
     chunk
-        Designs computed and stored as one, at most; by default 262144.
+        Most designs that are computed and stored together; by default 262144.
     yes
-        Start a study that is very large.
+        Start a very large study.
     json_output
         Print one JSON object instead of tables.
     """
     from lightflyer.sweeps.chunks import CHUNK
     from lightflyer.sweeps.run import open_sweep, sweep_into
-    from lightflyer.sweeps.study import sweep_study
+    from lightflyer.sweeps.study import read_study
 
     for name, value in (("--workers", workers), ("--chunk", chunk)):
         if value is not None and value < 1:
             raise ParameterError(f"{name} must be at least 1")
-    study = sweep_study(study_file)
+    study = read_study(study_file)
     if not yes:
         _require_reasonable(study, out)
     with _Progress() as progress:
@@ -81,7 +81,7 @@ def sweep_command(
             scheduler=scheduler,
             workers=workers,
             chunk=CHUNK if chunk is None else chunk,
-            listener=progress,
+            progress=progress,
         )
     dataset = open_sweep(out)
     if json_output:
@@ -100,7 +100,7 @@ def _require_reasonable(study: "Study", out: Path) -> None:
     size, free = (_amount(count, "B") for count in (found.size, found.free))
     raise ConfigurationError(
         f"the study has {_words(found.designs)} designs: about {_duration(found.seconds)} on this "
-        f"machine and {size} on the disk, which has {free} free; --yes starts it"
+        f"machine and {size} on the disk, which has {free} free; start it with --yes"
     )
 
 
@@ -136,7 +136,7 @@ class _RateColumn(ProgressColumn):
 
 
 class _Progress:
-    """Shows how a sweep gets on, if somebody is looking."""
+    """Progress bars on standard error, where that is a terminal."""
 
     def __init__(self) -> None:
         console = Console(stderr=True)
@@ -160,18 +160,18 @@ class _Progress:
     def __exit__(self, *_: object) -> None:
         self._bar.stop()
 
-    def film(self, done: int, total: int) -> None:
-        """See :class:`lightflyer.sweeps.run.Listener`."""
+    def prepared(self, done: int, total: int) -> None:
+        """See :class:`lightflyer.sweeps.run.Progress`."""
         if self._films is None:
             self._films = self._bar.add_task("films", total=total)
         self._bar.update(self._films, completed=done)
 
     def begin(self, found: int, total: int) -> None:
-        """See :class:`lightflyer.sweeps.run.Listener`."""
+        """See :class:`lightflyer.sweeps.run.Progress`."""
         self._designs = self._bar.add_task("designs", total=total, completed=found)
 
     def advance(self, designs: int) -> None:
-        """See :class:`lightflyer.sweeps.run.Listener`."""
+        """See :class:`lightflyer.sweeps.run.Progress`."""
         self._bar.advance(self._designs, designs)
 
 
@@ -191,16 +191,17 @@ def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.
     table = Table(box=None, padding=(0, 1))
     for heading in ("field", "values", "from", "to", "unit"):
         table.add_column(heading, justify="left" if heading in ("field", "unit") else "right")
+    fields = study.fields
     for dimension in study.dimensions:
         for name, values in dimension.values.items():
             ends = (f"{values.min():.6g}", f"{values.max():.6g}")
-            table.add_row(name, str(len(values)), *ends, study.fields[name].quantity.unit)
+            table.add_row(name, str(len(values)), *ends, fields[name].quantity.unit)
     for name, value in study.fixed.items():
-        table.add_row(name, "1", f"{value:.6g}", "", study.fields[name].quantity.unit)
+        table.add_row(name, "1", f"{value:.6g}", "", fields[name].quantity.unit)
     console.print(table)
     console.print(_told(report), soft_wrap=True)
     if report.not_converged:
-        console.print(f"{report.not_converged} designs have not converged: NaN stands for them")
+        console.print(f"{report.not_converged} designs have not converged and are NaN")
     best = _best(dataset)
     if best:
         console.print(best, soft_wrap=True)
@@ -208,20 +209,20 @@ def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.
 
 def _told(report: "SweepReport") -> str:
     if not report.computed:
-        return f"{report.designs:,} designs: all were there, and whole"
+        return f"{report.designs:,} designs: all were already computed, and are intact"
     parts = [f"{report.designs:,} designs"]
     if report.found:
-        parts.append(f"{report.found:,} were there")
+        parts.append(f"{report.found:,} were already computed")
     if report.damaged:
-        were = "chunk was" if report.damaged == 1 else "chunks were"
-        parts.append(f"{report.damaged} damaged {were} computed again")
+        chunks = "chunk" if report.damaged == 1 else "chunks"
+        parts.append(f"{report.damaged} damaged {chunks} computed again")
     rate = _words(report.computed / max(report.seconds, 1e-9))
     parts.append(f"{report.computed:,} computed in {report.seconds:.1f} s ({rate} a second)")
     return ", ".join(parts)
 
 
 def _best(dataset: "xr.Dataset") -> str:
-    """The design that does most, in words."""
+    """The best design, in words."""
     from lightflyer.sweeps.explore import best_design
 
     names = [name for name in _BEST if name in dataset]

@@ -1,1 +1,5 @@
-"""The best design, and what its uncertainty comes from."""
+"""The best design, and which uncertain number matters most."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

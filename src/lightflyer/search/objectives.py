@@ -1,4 +1,4 @@
-"""What a problem asks of a place in its box, with derivatives, compiled."""
+"""Objectives and constraints as compiled functions with derivatives."""
 
 from collections.abc import Callable, Mapping
 from functools import cached_property
@@ -9,18 +9,18 @@ import jax.numpy as jnp
 import numpy as np
 from jax.scipy.special import ndtr
 
-from lightflyer.flight.fields import fields
 from lightflyer.flight.outputs import evaluate
 from lightflyer.foundation.precision import float64
-from lightflyer.search.problem import PROBABILITY, Problem, number
+from lightflyer.search.problem import PROBABILITY, Problem
 
 _SILVERMAN = 1.06  # width of a kernel over the spread, times n^(1/5)
 
 
-class Landscape:
-    """Objectives and constraints as compiled functions of the place in the box.
+class ObjectiveFunction:
+    """Objectives and constraints of a problem over the unit cube of its free numbers.
 
-    A place has one coordinate from 0 to 1 for each free field.
+    A point has one fraction from 0 to 1 for each free number; see
+    :class:`~lightflyer.search.problem.Bounds`. Each function is compiled when it is first used.
 
     Parameters
     ----------
@@ -30,14 +30,14 @@ class Landscape:
     def __init__(self, problem: Problem):
         self.problem = problem
 
-    def values(self, place: Any, moved: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Outputs at a place, what is uncertain reduced to one number; to be traced.
+    def outputs(self, point: Any, changed: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """Outputs at a point, with uncertain ones reduced to one number; to be traced.
 
         Parameters
         ----------
-        place : array, shape (k,)
-        moved : dict of str to array, shape ()
-            Numbers of the flyer file with other values; of an uncertain one, its mean.
+        point : array, shape (k,)
+        changed : dict of str to array, shape ()
+            Numbers of the design with other values; for an uncertain one, its mean.
 
         Returns
         -------
@@ -45,21 +45,24 @@ class Landscape:
         """
         problem = self.problem
         free = {
-            bounds.field.name: bounds.value(place[index])
+            bounds.field.name: bounds.value(point[index])
             for index, bounds in enumerate(problem.bounds)
         }
-        given = problem.fixed | free | dict(moved or {})
+        given = problem.fixed | free | dict(changed or {})
+        coordinate = problem.design.coordinate_name
 
-        def outputs(samples: Mapping[str, Any]) -> dict[str, Any]:
-            return evaluate(problem.configuration, problem.outputs, given | dict(samples))[0]
+        def of_sample(sample: Mapping[str, Any]) -> dict[str, Any]:
+            values = given | dict(sample)
+            setup = problem.design.build(values)
+            return evaluate(setup, problem.outputs, values.get(coordinate))[0]
 
         if not problem.samples:
-            return outputs({})
+            return of_sample({})
         samples = {
             name: values + (given[name] - np.mean(values) if name in given else 0.0)
             for name, values in problem.samples.items()
         }
-        table = jax.vmap(outputs)(samples)
+        table = jax.vmap(of_sample)(samples)
         reduced = {name: self._reduce(column) for name, column in table.items()}
         if "lift_over_weight" in table:
             reduced[PROBABILITY] = _smooth_share(table["lift_over_weight"] - 1.0)
@@ -69,69 +72,82 @@ class Landscape:
         quantile = self.problem.quantile
         return jnp.mean(column) if quantile is None else jnp.quantile(column, quantile)
 
-    def gains(self, place: Any, moved: Mapping[str, Any] | None = None) -> Any:
-        """Objectives, larger is better, then constraints, positive where they are kept.
+    def scores(self, point: Any, changed: Mapping[str, Any] | None = None) -> Any:
+        """Objectives, larger is better, then constraints, positive where satisfied; to be traced.
 
         Parameters
         ----------
-        place : array, shape (k,)
-        moved : dict of str to array, shape ()
+        point : array, shape (k,)
+        changed : dict of str to array, shape ()
+            See :meth:`outputs`.
 
         Returns
         -------
         array, shape (objectives + constraints,)
+            Constraints are in units of their limits.
         """
-        values = self.values(place, moved)
+        values = self.outputs(point, changed)
         problem = self.problem
-        gains = [part.sign * values[part.name] for part in problem.objectives]
-        kept = [
+        objectives = [part.sign * values[part.name] for part in problem.objectives]
+        constraints = [
             part.sign * (values[part.name] - part.limit) / part.scale
             for part in problem.constraints
         ]
-        return jnp.stack([*gains, *kept])
+        return jnp.stack([*objectives, *constraints])
 
     @cached_property
-    def many(self) -> Callable[[np.ndarray], np.ndarray]:
-        """:meth:`gains` at many places, shape (n, k); compiled."""
-        return _compiled(jax.vmap(self.gains))
+    def scores_of_many(self) -> Callable[[np.ndarray], np.ndarray]:
+        """:meth:`scores` at points of shape (n, k); compiled."""
+        return _compiled(jax.vmap(self.scores))
 
     @cached_property
-    def named(self) -> Callable[[np.ndarray], dict[str, np.ndarray]]:
-        """:meth:`values` at a place; compiled."""
-        return _compiled(self.values)
+    def outputs_at(self) -> Callable[[np.ndarray], dict[str, np.ndarray]]:
+        """:meth:`outputs` at a point; compiled."""
+        return _compiled(self.outputs)
 
     @cached_property
-    def with_slopes(self) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
-        """:meth:`gains` at a place and their derivatives, shape (m, k); compiled."""
+    def scores_and_jacobian(self) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
+        """:meth:`scores` at a point and their derivatives, shape (m, k); compiled."""
 
-        def both(place: Any) -> Any:
-            # forwards: there are few free fields
-            gains, push = jax.linearize(self.gains, place)
-            return gains, jax.vmap(push, out_axes=1)(jnp.eye(len(self.problem.bounds)))
+        def both(point: Any) -> Any:
+            # forwards: there are few free numbers
+            scores, push = jax.linearize(self.scores, point)
+            return scores, jax.vmap(push, out_axes=1)(jnp.eye(len(self.problem.bounds)))
 
         return _compiled(both)
 
     @cached_property
-    def slope_in_numbers(self) -> Callable[[np.ndarray, np.ndarray], dict[str, np.ndarray]]:
+    def parameter_gradient(self) -> Callable[[np.ndarray, np.ndarray], dict[str, np.ndarray]]:
         """Derivatives of the Lagrangian in relative changes of the numbers that are not free.
 
-        Of a place and the constraints' multipliers; compiled.
+        Takes a point and the constraints' multipliers; compiled.
         """
-        free = {bounds.field.name for bounds in self.problem.bounds}
-        means = {name: float(np.mean(column)) for name, column in self.problem.samples.items()}
-        numbers = {
-            name: stated
-            for name, stated in (given_numbers(self.problem) | self.problem.fixed | means).items()
-            if name not in free and name not in ("altitude", "pressure")
+        numbers = self._parameters()
+
+        def lagrangian(growth: Mapping[str, Any], point: Any, multipliers: Any) -> Any:
+            changed = {name: growth[name] * value for name, value in numbers.items()}
+            scores = self.scores(point, changed)
+            return scores[0] + jnp.dot(multipliers, scores[1:])
+
+        gradient = _compiled(jax.grad(lagrangian))
+        return lambda point, multipliers: gradient(dict.fromkeys(numbers, 1.0), point, multipliers)
+
+    def _parameters(self) -> dict[str, float]:
+        """Numbers of the design that are neither free nor zero nor costly, by dotted name."""
+        problem, design = self.problem, self.problem.design
+        means = {name: float(np.mean(column)) for name, column in problem.samples.items()}
+        costly = design.costly(list(design.quantities))
+        stated = {
+            name: value
+            for name in design.quantities
+            if name not in costly and (value := design.number(name))
         }
-
-        def lagrangian(growth: Mapping[str, Any], place: Any, multipliers: Any) -> Any:
-            moved = {name: growth[name] * value for name, value in numbers.items()}
-            gains = self.gains(place, moved)
-            return gains[0] + jnp.dot(multipliers, gains[1:])
-
-        slopes = _compiled(jax.grad(lagrangian))
-        return lambda place, multipliers: slopes(dict.fromkeys(numbers, 1.0), place, multipliers)
+        free = {bounds.field.name for bounds in problem.bounds}
+        return {
+            name: value
+            for name, value in (stated | problem.fixed | means).items()
+            if name not in free and name != design.coordinate_name
+        }
 
 
 def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -150,28 +166,3 @@ def _smooth_share(margins: Any) -> Any:
     spread = jax.lax.stop_gradient(jnp.std(margins))
     width = _SILVERMAN * spread * margins.size**-0.2
     return jnp.mean(ndtr(margins / jnp.maximum(width, np.finfo(float).tiny)))
-
-
-def given_numbers(problem: Problem) -> dict[str, float]:
-    """Numbers of the flyer file that are not zero and that designs can be built from when traced.
-
-    Parameters
-    ----------
-    problem : Problem
-
-    Returns
-    -------
-    dict of str to float
-        By dotted name.
-    """
-    found = {}
-    for name in fields(problem.configuration):
-        if name in ("altitude", "pressure") or name.startswith("film.layers."):
-            continue
-        try:
-            value = number(problem.configuration, name)
-        except AttributeError:
-            continue  # an optional field that is not given
-        if value:
-            found[name] = value
-    return found

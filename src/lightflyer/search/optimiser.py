@@ -1,15 +1,16 @@
 r"""The best design: gradients from many starts, within bounds and constraints.
 
-A first look over the whole box chooses starts that are good and apart. From each, sequential
-quadratic programming (SLSQP) follows exact gradients. At the optimum the Lagrangian
+A Sobol sample of the unit cube of free numbers gives starts that are good and apart. From each,
+sequential quadratic programming (SLSQP) follows exact gradients. At the optimum the Lagrangian
 
-.. math:: L = f - \sum_i \lambda_i\,c_i
+.. math:: L = f + \sum_i \lambda_i\,c_i
 
-tells what would change it: the multiplier of an active constraint is the gain per unit of its
-limit, and the derivative of :math:`L` in a number that is not free is the optimum's own
-(the envelope theorem), though the best design moves.
+gives its sensitivities: the multiplier of an active constraint is the gain per unit of its limit,
+and the derivative of :math:`L` in a number that is not free is that of the optimum (envelope
+theorem), although the best design moves with it.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,12 +18,15 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
-from lightflyer.foundation.errors import LightflyerError, MissingExtraError
-from lightflyer.search.objectives import Landscape
-from lightflyer.search.problem import Problem
+from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.foundation.batches import in_batches
+from lightflyer.foundation.errors import ConfigurationError, LightflyerError
+from lightflyer.search.objectives import ObjectiveFunction
+from lightflyer.search.problem import Problem, as_problem
 
 SCREENED = 512
-"""Designs of a look: at first over the whole box, then around the starts."""
+"""Designs evaluated at once: first over the whole cube, then around the starts."""
 
 AGREEMENT = 1e-6
 """Relative difference up to which the results of two starts are the same."""
@@ -30,38 +34,39 @@ AGREEMENT = 1e-6
 FEASIBLE = 1e-6
 """Largest violation of a constraint, over the size of its limit."""
 
-_APART = 0.1  # of the box's side, between starts
-_LOOKS = (0.1, 0.03, 0.01)  # half sides of the boxes around the starts
-_AT_BOUND = 1e-6  # of the box's side
-_STOP = 1e-10  # of the objective's scale: SLSQP's tolerance
+_APART = 0.1  # least distance of two starts, in sides of the cube
+_HALF_SIDES = (0.1, 0.03, 0.01)  # of the cubes that are sampled around the starts
+_AT_BOUND = 1e-6  # distance from a bound, in sides of the cube
+_STOP = 1e-10  # tolerance of SLSQP, in scales of the objective
 _STEPS = 200
-_INFEASIBLE = 1e6  # what a design that has no value counts, in scales of the objective
+_INFEASIBLE = 1e6  # loss of a design that has no value, in scales of the objective
 
 
 @dataclass(frozen=True)
 class Optimum:
-    """The best design and what is known of it.
+    """The best design, and how it depends on limits and numbers.
 
     Attributes
     ----------
     problem : Problem
     value : float
-        Of the objective, in SI units.
+        Objective, in SI units.
     design : dict of str to float
-        Of the free fields, in SI units (angles in degrees).
+        Free numbers by name, in the units of the design: SI, angles in degrees where a flyer file
+        gives them so.
     outputs : dict of str to float
-        Of all constraints and objectives.
+        Objectives and constraints by name, in SI units.
     active_bounds : dict of str to str
-        ``"low"`` or ``"high"`` of each free field that lies at its bound.
+        ``"low"`` or ``"high"`` for each free number that lies at its bound.
     active_constraints : dict of str to float
         Gain of the objective per unit of each active limit, by the output's name.
     elasticities : dict of str to float
-        Relative change of the objective over that of each number of the flyer file that is not
-        free, the best design moving along.
+        Relative change of the objective over that of each number that is not free, while the best
+        design moves along.
     starts, agreeing : int
-        How many searches there were, and how many found this optimum.
+        Number of searches, and of those that found this optimum.
     evaluations : int
-        Of the objective with its gradient.
+        Number of evaluations of the objective with its gradient.
     """
 
     problem: Problem
@@ -91,108 +96,47 @@ class Optimum:
         }
 
 
-@dataclass(frozen=True)
-class Front:
-    """Designs that none beats in all objectives at once.
-
-    Attributes
-    ----------
-    problem : Problem
-    objectives : dict of str to array, shape (n,)
-        In SI units, ordered by the first.
-    designs : dict of str to array, shape (n,)
-        Of the free fields, in SI units (angles in degrees).
-    evaluations : int
-    """
-
-    problem: Problem
-    objectives: dict[str, np.ndarray]
-    designs: dict[str, np.ndarray]
-    evaluations: int
-
-    def summary(self) -> dict[str, Any]:
-        """All of it as a JSON object, in SI units."""
-        return {
-            "objectives": {part.name: part.word for part in self.problem.objectives},
-            "values": {name: column.tolist() for name, column in self.objectives.items()},
-            "designs": {name: column.tolist() for name, column in self.designs.items()},
-            "evaluations": self.evaluations,
-        }
-
-
-def pareto(problem: Problem, *, population: int = 100, generations: int = 150) -> Front:
-    """The Pareto front of a problem with several objectives, by NSGA-II.
+def optimise(
+    what: Any,
+    environment: AbstractEnvironment | None = None,
+    model: AbstractForceModel | None = None,
+    *,
+    maximise: str | None = None,
+    minimise: str | None = None,
+    over: Mapping[str, Any] | None = None,
+    constraints: Mapping[str, Any] | None = None,
+    uncertainty: Mapping[str, Any] | None = None,
+    points: int | None = None,
+    method: str | None = None,
+    starts: int | None = None,
+    seed: int | None = None,
+) -> Optimum:
+    """The best design within bounds and constraints.
 
     Parameters
     ----------
-    problem : Problem
-    population, generations : int
-        Of the genetic algorithm.
-
-    Returns
-    -------
-    Front
-
-    Raises
-    ------
-    LightflyerError
-        If no design keeps the constraints.
-    MissingExtraError
-        If pymoo is not installed.
-
-    References
-    ----------
-    [Deb2002]_ for the algorithm, [Blank2020]_ for its implementation.
-    """
-    try:
-        from pymoo.algorithms.moo.nsga2 import NSGA2
-        from pymoo.core.problem import Problem as PymooProblem
-        from pymoo.optimize import minimize as search
-    except ImportError:
-        raise MissingExtraError(
-            "several objectives need pymoo: pip install 'lightflyer[optimise]'"
-        ) from None
-    look, count = Landscape(problem).many, len(problem.objectives)
-
-    class Vectorised(PymooProblem):
-        def __init__(self) -> None:
-            sides, limits = len(problem.bounds), len(problem.constraints)
-            super().__init__(n_var=sides, n_obj=count, n_ieq_constr=limits, xl=0.0, xu=1.0)
-
-        def _evaluate(self, places: np.ndarray, out: dict[str, Any], *_: Any, **__: Any) -> None:
-            gains = look(places)
-            # what has no value is as bad as can be, and forbidden
-            losses = np.where(np.isfinite(gains), -gains, np.finfo(float).max ** 0.5)
-            out["F"], out["G"] = losses[:, :count], losses[:, count:]
-
-    found = search(
-        Vectorised(), NSGA2(pop_size=population), ("n_gen", generations), seed=problem.seed
-    )
-    if found.X is None:
-        raise LightflyerError("no design keeps the constraints; widen the bounds or the limits")
-    order = np.argsort(-problem.objectives[0].sign * found.F[:, 0])
-    places, losses = np.atleast_2d(found.X)[order], np.atleast_2d(found.F)[order]
-    return Front(
-        problem=problem,
-        objectives={
-            part.name: -part.sign * losses[:, row] for row, part in enumerate(problem.objectives)
-        },
-        designs={
-            bounds.field.name: np.asarray(bounds.value(places[:, row]))
-            for row, bounds in enumerate(problem.bounds)
-        },
-        evaluations=population * generations,
-    )
-
-
-def optimise(problem: Problem, landscape: Landscape | None = None) -> Optimum:
-    """The best design of a problem with one objective.
-
-    Parameters
-    ----------
-    problem : Problem
-    landscape : Landscape, optional
-        Of the problem, if it is there already: it is compiled once.
+    what : AbstractFlyer, Setup, FlyerFile, path, AbstractDesign or Problem
+        What is varied; or all of the problem, from
+        :func:`~lightflyer.search.problem.read_problem`.
+    environment, model : optional
+        Where ``what`` is a flyer.
+    maximise, minimise : str, optional
+        The objective: the name of an output, or ``"probability_of_flying"``.
+    over : dict of str to object
+        By the name of a number: bounds ``{"from": "1 cm", "to": "5 cm"}``, perhaps with
+        ``"scale": "log"``, one value, or a distribution.
+    constraints : dict of str to dict, optional
+        By the name of an output, such as ``{"temperature": {"at_most": "330 K"}}``.
+    uncertainty : dict, optional
+        ``{"of": "mean"}`` or ``{"of": "quantile", "quantile": 0.05}``: what stands for an output
+        where numbers are uncertain, by distributions in ``over`` or by those of the design.
+    points, method : optional
+        Number of samples of uncertain numbers, by default 1024, and how they are drawn; see
+        :func:`~lightflyer.sweeps.run.sweep`.
+    starts : int, optional
+        Number of searches, by default 8.
+    seed : int, optional
+        Default 0.
 
     Returns
     -------
@@ -200,77 +144,133 @@ def optimise(problem: Problem, landscape: Landscape | None = None) -> Optimum:
 
     Raises
     ------
+    ConfigurationError
+        If a number or an output does not exist or a value is not possible.
     LightflyerError
-        If no design has a value, or none keeps the constraints.
+        If no design has a value, or none satisfies the constraints.
 
     References
     ----------
     [Kraft1988]_ for SLSQP, by way of SciPy.
+
+    Examples
+    --------
+    >>> import lightflyer as lf
+    >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    >>> best = lf.optimise(
+    ...     lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023(),
+    ...     maximise="payload", over={"altitude": {"from": "60 km", "to": "90 km"}},
+    ... )
+    >>> print(f"{best.value * 1e6:.4f} mg at {best.design['altitude'] / 1e3:.3f} km")
+    0.1855 mg at 72.116 km
     """
-    landscape = landscape or Landscape(problem)
-    sides = len(problem.bounds)
-    places = qmc.Sobol(sides, rng=problem.seed).random(SCREENED)
-    gains = landscape.many(places)
-    known = np.isfinite(gains).all(axis=1)
-    if not known.any():
-        raise LightflyerError(
-            f"none of {SCREENED} designs in the box has a {problem.objectives[0].name}: widen it"
-        )
-    spread = np.ptp(np.percentile(gains[known, 0], [25.0, 100.0]))
-    scale = float(spread) or float(np.abs(gains[known, 0]).max()) or 1.0
-    starts = _starts(places[known], gains[known], scale, problem.starts)
-    for half in _LOOKS:
-        starts = _look_around(landscape, starts, half * (2.0 * places - 1.0), scale)
-    searches = [_search(landscape, start, scale) for start in starts]
-    kept = [found for found in searches if found.violation <= FEASIBLE]
-    if not kept:
+    problem = as_problem(
+        what,
+        environment,
+        model,
+        maximise=maximise,
+        minimise=minimise,
+        over=over,
+        constraints=constraints,
+        uncertainty=uncertainty,
+        starts=starts,
+        points=points,
+        method=method,
+        seed=seed,
+    )
+    return find_optimum(ObjectiveFunction(problem))
+
+
+def find_optimum(function: ObjectiveFunction) -> Optimum:
+    """The best design of a problem with one objective.
+
+    Parameters
+    ----------
+    function : ObjectiveFunction
+
+    Returns
+    -------
+    Optimum
+
+    Raises
+    ------
+    ConfigurationError
+        If there are several objectives.
+    LightflyerError
+        If no design has a value, or none satisfies the constraints.
+    """
+    problem = function.problem
+    if len(problem.objectives) > 1:
+        raise ConfigurationError("several objectives have no single optimum; compute their pareto")
+    starts, scale = _screen(function)
+    searches = [_search(function, start, scale) for start in starts]
+    satisfying = [found for found in searches if found.violation <= FEASIBLE]
+    if not satisfying:
         least = min(searches, key=lambda found: found.violation)
         raise LightflyerError(
-            "no design keeps the constraints: the best misses one by "
+            "no design satisfies the constraints; the best violates one by "
             f"{100.0 * least.violation:.3g} % of its limit; widen the bounds or the limits"
         )
-    best = max(kept, key=lambda found: found.gain)
-    near = AGREEMENT * max(abs(best.gain), scale)
+    best = max(satisfying, key=lambda found: found.score)
+    near = AGREEMENT * max(abs(best.score), scale)
     return _describe(
-        landscape,
+        function,
         best,
         starts=len(searches),
-        agreeing=sum(abs(found.gain - best.gain) <= near for found in kept),
+        agreeing=sum(abs(found.score - best.score) <= near for found in satisfying),
         evaluations=sum(found.evaluations for found in searches),
     )
 
 
-def _starts(places: np.ndarray, gains: np.ndarray, scale: float, most: int) -> np.ndarray:
-    """Good places that are apart from each other."""
+def _screen(function: ObjectiveFunction) -> tuple[np.ndarray, float]:
+    """Good starts that are apart, and the scale of the objective."""
+    problem = function.problem
+    points = qmc.Sobol(len(problem.bounds), rng=problem.seed).random(SCREENED)
+    scores = function.scores_of_many(points)
+    known = np.isfinite(scores).all(axis=1)
+    if not known.any():
+        raise LightflyerError(
+            f"none of {SCREENED} designs within the bounds has a {problem.objectives[0].name}; "
+            "widen them"
+        )
+    spread = np.ptp(np.percentile(scores[known, 0], [25.0, 100.0]))
+    scale = float(spread) or float(np.abs(scores[known, 0]).max()) or 1.0
+    starts = _apart(points[known], scores[known], scale, problem.starts)
+    for half in _HALF_SIDES:
+        starts = _best_nearby(function, starts, half * (2.0 * points - 1.0), scale)
+    return starts, scale
+
+
+def _apart(points: np.ndarray, scores: np.ndarray, scale: float, most: int) -> np.ndarray:
+    """The best points that are apart from each other."""
     chosen: list[np.ndarray] = []
-    for place in places[np.argsort(-_merit(gains, scale))]:
-        if all(np.abs(place - other).max() >= _APART for other in chosen):
-            chosen.append(place)
+    for point in points[np.argsort(-_merit(scores, scale))]:
+        if all(np.abs(point - other).max() >= _APART for other in chosen):
+            chosen.append(point)
         if len(chosen) == most:
             break
     return np.array(chosen)
 
 
-def _merit(gains: np.ndarray, scale: float) -> np.ndarray:
-    """What places are worth: those that keep the constraints before all others."""
-    violation = np.maximum(-gains[:, 1:], 0.0).sum(axis=1)
-    merit = gains[:, 0] / scale - _INFEASIBLE * violation
+def _merit(scores: np.ndarray, scale: float) -> np.ndarray:
+    """Objective less a penalty, by which points that satisfy the constraints come first."""
+    violation = np.maximum(-scores[:, 1:], 0.0).sum(axis=1)
+    merit = scores[:, 0] / scale - _INFEASIBLE * violation
     return np.where(np.isfinite(merit), merit, -np.inf)
 
 
-def _look_around(
-    landscape: Landscape, starts: np.ndarray, steps: np.ndarray, scale: float
+def _best_nearby(
+    function: ObjectiveFunction, starts: np.ndarray, steps: np.ndarray, scale: float
 ) -> np.ndarray:
-    """The best place near each start; a look at hundreds costs what two gradients do."""
+    """The best point near each start; hundreds of points cost as much as two gradients."""
     each = len(steps) // len(starts)
     if each <= 1:
         return starts
     near = np.clip(starts[:, None] + steps[:each], 0.0, 1.0)
     near[:, 0] = starts
     flat = near.reshape(-1, starts.shape[1])
-    # as many as at first: the function is compiled for that number
-    filled = np.concatenate([flat, np.repeat(flat[-1:], len(steps) - len(flat), axis=0)])
-    merit = _merit(landscape.many(filled), scale)[: len(flat)].reshape(len(starts), each)
+    scores = in_batches(function.scores_of_many, (flat,), len(steps))
+    merit = _merit(scores, scale).reshape(len(starts), each)
     return near[np.arange(len(starts)), np.argmax(merit, axis=1)]
 
 
@@ -278,35 +278,35 @@ def _look_around(
 class _Found:
     """Where a search ended."""
 
-    place: np.ndarray
-    gain: float
+    point: np.ndarray
+    score: float
     violation: float
     evaluations: int
 
 
-def _search(landscape: Landscape, start: np.ndarray, scale: float) -> _Found:
+def _search(function: ObjectiveFunction, start: np.ndarray, scale: float) -> _Found:
     """Climb from one start."""
     seen: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
-    def look(place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        key = place.tobytes()
+    def look(point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        key = point.tobytes()
         if key not in seen:
-            gains, slopes = landscape.with_slopes(place)
-            known = np.isfinite(gains)[:, None] & np.isfinite(slopes)
-            gains = np.where(np.isfinite(gains), gains, -_INFEASIBLE * scale)
-            seen[key] = gains, np.where(known, slopes, 0.0)
+            scores, slopes = function.scores_and_jacobian(point)
+            known = np.isfinite(scores)[:, None] & np.isfinite(slopes)
+            scores = np.where(np.isfinite(scores), scores, -_INFEASIBLE * scale)
+            seen[key] = scores, np.where(known, slopes, 0.0)
         return seen[key]
 
     constraints = [
         {
             "type": "ineq",
-            "fun": lambda place, row=row: look(place)[0][row],
-            "jac": lambda place, row=row: look(place)[1][row],
+            "fun": lambda point, row=row: look(point)[0][row],
+            "jac": lambda point, row=row: look(point)[1][row],
         }
-        for row in range(1, 1 + len(landscape.problem.constraints))
+        for row in range(1, 1 + len(function.problem.constraints))
     ]
     found = minimize(
-        lambda place: (-look(place)[0][0] / scale, -look(place)[1][0] / scale),
+        lambda point: (-look(point)[0][0] / scale, -look(point)[1][0] / scale),
         start,
         jac=True,
         method="SLSQP",
@@ -314,55 +314,53 @@ def _search(landscape: Landscape, start: np.ndarray, scale: float) -> _Found:
         constraints=constraints,
         options={"ftol": _STOP, "maxiter": _STEPS},
     )
-    place = np.clip(found.x, 0.0, 1.0)
-    gains, _ = look(place)
-    violation = float(np.maximum(-gains[1:], 0.0).max(initial=0.0))
-    if not np.isfinite(gains).all() or gains[0] <= -_INFEASIBLE * scale:
+    point = np.clip(found.x, 0.0, 1.0)
+    scores, _ = look(point)
+    violation = float(np.maximum(-scores[1:], 0.0).max(initial=0.0))
+    if not np.isfinite(scores).all() or scores[0] <= -_INFEASIBLE * scale:
         violation = np.inf
-    return _Found(place, float(gains[0]), violation, len(seen))
+    return _Found(point, float(scores[0]), violation, len(seen))
 
 
 def _describe(
-    landscape: Landscape, best: _Found, *, starts: int, agreeing: int, evaluations: int
+    function: ObjectiveFunction, best: _Found, *, starts: int, agreeing: int, evaluations: int
 ) -> Optimum:
-    problem = landscape.problem
+    problem = function.problem
     names = [bounds.field.name for bounds in problem.bounds]
-    values = {name: float(value) for name, value in landscape.named(best.place).items()}
-    design = {
-        name: float(bounds.value(way))
-        for name, bounds, way in zip(names, problem.bounds, best.place, strict=True)
-    }
     at_bound = {
-        name: "low" if way <= _AT_BOUND else "high"
-        for name, way in zip(names, best.place, strict=True)
-        if not _AT_BOUND < way < 1.0 - _AT_BOUND
+        name: "low" if fraction <= _AT_BOUND else "high"
+        for name, fraction in zip(names, best.point, strict=True)
+        if not _AT_BOUND < fraction < 1.0 - _AT_BOUND
     }
-    multipliers = _multipliers(landscape, best.place)
+    multipliers = _multipliers(function, best.point)
     objective = problem.objectives[0]
     return Optimum(
         problem=problem,
-        value=objective.sign * best.gain,
-        design=design,
-        outputs=values,
+        value=objective.sign * best.score,
+        design={
+            bounds.field.name: float(bounds.value(fraction))
+            for bounds, fraction in zip(problem.bounds, best.point, strict=True)
+        },
+        outputs={name: float(value) for name, value in function.outputs_at(best.point).items()},
         active_bounds=at_bound,
         active_constraints={
             part.name: objective.sign * float(multiplier) / part.scale
             for part, multiplier in zip(problem.constraints, multipliers, strict=True)
             if multiplier > 0.0
         },
-        elasticities=_elasticities(landscape, best, multipliers),
+        elasticities=_elasticities(function, best, multipliers),
         starts=starts,
         agreeing=agreeing,
         evaluations=evaluations,
     )
 
 
-def _multipliers(landscape: Landscape, place: np.ndarray) -> np.ndarray:
-    """Gain per scaled unit by which each constraint were loosened, shape (constraints,)."""
-    gains, slopes = landscape.with_slopes(place)
-    inside = (place > _AT_BOUND) & (place < 1.0 - _AT_BOUND)
-    active = np.flatnonzero(gains[1:] <= FEASIBLE)
-    multipliers = np.zeros(len(landscape.problem.constraints))
+def _multipliers(function: ObjectiveFunction, point: np.ndarray) -> np.ndarray:
+    """Gain per scaled unit by which each constraint is loosened, shape (constraints,)."""
+    scores, slopes = function.scores_and_jacobian(point)
+    inside = (point > _AT_BOUND) & (point < 1.0 - _AT_BOUND)
+    active = np.flatnonzero(scores[1:] <= FEASIBLE)
+    multipliers = np.zeros(len(function.problem.constraints))
     if active.size and inside.any():
         normals = slopes[1 + active][:, inside].T
         found, *_ = np.linalg.lstsq(normals, -slopes[0][inside], rcond=None)
@@ -370,7 +368,9 @@ def _multipliers(landscape: Landscape, place: np.ndarray) -> np.ndarray:
     return multipliers
 
 
-def _elasticities(landscape: Landscape, best: _Found, multipliers: np.ndarray) -> dict[str, float]:
-    """Elasticity of the optimum in every number of the flyer file that is not free."""
-    slopes = landscape.slope_in_numbers(best.place, multipliers)
-    return {name: float(slope) / best.gain for name, slope in slopes.items() if float(slope)}
+def _elasticities(
+    function: ObjectiveFunction, best: _Found, multipliers: np.ndarray
+) -> dict[str, float]:
+    """Elasticity of the optimum in every number that is not free."""
+    slopes = function.parameter_gradient(best.point, multipliers)
+    return {name: float(slope) / best.score for name, slope in slopes.items() if float(slope)}

@@ -1,4 +1,4 @@
-"""What an optimisation asks: objectives, free fields, constraints, and what is uncertain."""
+"""Optimisation problems: objectives, free numbers, constraints, and what is uncertain."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -8,14 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.config.sections import FlyerFile
-from lightflyer.flight.fields import Field, dataset_unit, field, shape_film
-from lightflyer.flight.outputs import OUTPUTS, check_outputs
-from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.flight.design import AbstractDesign, Field, as_design
+from lightflyer.flight.outputs import check_outputs, outputs_of
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.quantity import Quantity
-from lightflyer.sweeps.axes import Axis, Distribution, draw, read_ends, read_entry
-from lightflyer.sweeps.sections import OptimiseSection, SamplingSection
-from lightflyer.sweeps.study import Source, located, read_study
+from lightflyer.sweeps.axes import Axis, read_ends, read_entry
+from lightflyer.sweeps.distributions import Distribution, draw_samples, stated_distributions
+from lightflyer.sweeps.sections import OptimiseSection, SamplingSection, from_arguments
+from lightflyer.sweeps.study import Source, errors_at, read_study_file, require_compatible
 
 PROBABILITY = "probability_of_flying"
 """Share of the samples in which a design carries its weight: an objective or a constraint."""
@@ -27,7 +29,7 @@ _LIMITS = ("at_least", "at_most")
 
 @dataclass(frozen=True)
 class Bounds:
-    """A field that is free between two ends.
+    """A number that is free between two ends.
 
     Attributes
     ----------
@@ -35,7 +37,7 @@ class Bounds:
     low, high : float
         In the unit of the field.
     logarithmic : bool
-        Whether the search goes by the logarithm.
+        Whether the search proceeds in the logarithm.
     """
 
     field: Field
@@ -43,13 +45,23 @@ class Bounds:
     high: float
     logarithmic: bool
 
-    def value(self, way: Any) -> Any:
-        """Value at a way from the low end (0) to the high one (1); may be traced."""
-        if self.logarithmic:
-            return self.low * (self.high / self.low) ** way
-        return self.low + way * (self.high - self.low)
+    def value(self, fraction: Any) -> Any:
+        """Value at a fraction of the way from the low end (0) to the high end (1).
 
-    def way(self, value: float) -> float:
+        Parameters
+        ----------
+        fraction : array, shape (...)
+            May be traced.
+
+        Returns
+        -------
+        array, shape (...)
+        """
+        if self.logarithmic:
+            return self.low * (self.high / self.low) ** fraction
+        return self.low + fraction * (self.high - self.low)
+
+    def fraction(self, value: float) -> float:
         """Inverse of :meth:`value`."""
         if self.logarithmic:
             return math.log(value / self.low) / math.log(self.high / self.low)
@@ -58,7 +70,14 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Objective:
-    """An output that is wanted large or small."""
+    """An output to be maximised or minimised.
+
+    Attributes
+    ----------
+    name : str
+    sign : float
+        1 for an output to be maximised, -1 for one to be minimised.
+    """
 
     name: str
     sign: float
@@ -71,14 +90,14 @@ class Objective:
 
 @dataclass(frozen=True)
 class Constraint:
-    """An output that must not be above, or below, a limit.
+    """A limit of an output.
 
     Attributes
     ----------
     name : str
         Of the output.
     limit : float
-        In SI units.
+        In the unit of the output.
     sign : float
         1 for "at least", -1 for "at most".
     """
@@ -95,33 +114,33 @@ class Constraint:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """An optimisation.
+    """An optimisation problem.
 
     Attributes
     ----------
-    configuration : FlyerFile
+    design : AbstractDesign
     objectives : tuple of Objective
     bounds : tuple of Bounds
-        The free fields.
+        The free numbers.
     fixed : dict of str to float
-        Fields that have one value, by dotted name.
+        Numbers that have one value, by dotted name.
     constraints : tuple of Constraint
     samples : dict of str to array, shape (m,)
-        Values of the uncertain fields; empty where nothing is uncertain.
+        Values of the uncertain numbers; empty where nothing is uncertain.
     quantile : float or None
-        Which quantile of the samples stands for an output; None for the mean.
-    fields : dict of str to Field
-    starts, seed : int
+        Quantile of the samples that stands for an output; None for the mean.
+    starts : int
+        Number of searches.
+    seed : int
     """
 
-    configuration: FlyerFile
+    design: AbstractDesign
     objectives: tuple[Objective, ...]
     bounds: tuple[Bounds, ...]
     fixed: dict[str, float]
     constraints: tuple[Constraint, ...]
     samples: dict[str, np.ndarray]
     quantile: float | None
-    fields: dict[str, Field]
     starts: int
     seed: int
 
@@ -136,6 +155,14 @@ class Problem:
         """Names of the objectives and constraints."""
         objectives = [part.name for part in self.objectives]
         return tuple(dict.fromkeys([*objectives, *(part.name for part in self.constraints)]))
+
+    def unit_of(self, name: str) -> str:
+        """Unit of an objective or constraint, empty for a pure number."""
+        return _unit_of(self.design, name)
+
+
+def _unit_of(design: AbstractDesign, name: str) -> str:
+    return "" if name == PROBABILITY else outputs_of(design.setup.flyer)[name].unit
 
 
 def read_problem(path: str | Path) -> Problem:
@@ -154,17 +181,60 @@ def read_problem(path: str | Path) -> Problem:
     ConfigurationError
         One line for each mistake: file, line, key and what is allowed.
     """
-    study, configuration, source = read_study(path)
+    study, design, source = read_study_file(path)
     if study.optimise is None:
         raise ConfigurationError(
             f'{path}: needs a section [optimise] with maximise = "relative_payload" and '
-            "[optimise.over] with the free fields"
+            "[optimise.over] with the free numbers"
         )
-    return make_problem(configuration, study.optimise, study.sampling, source)
+    return make_problem(design, study.optimise, study.sampling, source)
+
+
+def as_problem(
+    what: Any,
+    environment: AbstractEnvironment | None,
+    model: AbstractForceModel | None,
+    *,
+    points: int | None = None,
+    method: str | None = None,
+    seed: int | None = None,
+    **asked: Any,
+) -> Problem:
+    """The problem that the arguments of a search state.
+
+    Parameters
+    ----------
+    what : Problem, or anything of which a design can be made
+    environment, model : optional
+        Where ``what`` is a flyer.
+    points, method, seed : optional
+        How distributions are drawn.
+    **asked : object
+        Keys of the section ``[optimise]``; None for one that is left out.
+
+    Returns
+    -------
+    Problem
+
+    Raises
+    ------
+    ConfigurationError
+        Naming the key and what is wrong with it.
+    ParameterError
+        If a problem is given and more is asked.
+    """
+    if isinstance(what, Problem):
+        further = (environment, model, points, method, seed, *asked.values())
+        if any(argument is not None for argument in further):
+            raise ParameterError("a Problem already states all that the search needs to know")
+        return what
+    section = from_arguments(OptimiseSection, seed=seed, **asked)
+    sampling = from_arguments(SamplingSection, points=points, method=method, seed=seed)
+    return make_problem(as_design(what, environment, model), section, sampling)
 
 
 def make_problem(
-    configuration: FlyerFile,
+    design: AbstractDesign,
     section: OptimiseSection,
     sampling: SamplingSection | None = None,
     source: Source | None = None,
@@ -173,7 +243,7 @@ def make_problem(
 
     Parameters
     ----------
-    configuration : FlyerFile
+    design : AbstractDesign
     section : OptimiseSection
     sampling : SamplingSection, optional
     source : Source, optional
@@ -188,177 +258,129 @@ def make_problem(
     ConfigurationError
         Naming the key and what is wrong with it.
     """
-    bounds, fixed, distributions, fields = _read_over(configuration, section, source)
-    _refuse_layers(configuration, list(section.over), source)
-    objectives = tuple(
-        Objective(name, sign)
-        for names, sign in ((section.maximise, 1.0), (section.minimise, -1.0))
-        for name in names
-    )
-    if not objectives:
-        raise located(source, ["optimise"], ": needs maximise or minimise, an output's name")
     given = list(section.over)
-    for objective in objectives:
-        if objective.name != PROBABILITY:
-            key = ["optimise", objective.word]
-            _check_output(configuration, objective.name, given, key, source)
+    bounds, fixed, distributions = _read_over(design, section.over, source)
+    objectives = _objectives(design, section, source)
     uncertain = section.uncertainty
-    if uncertain is not None and not distributions:
-        distributions = stated_distributions(configuration, given)
-        _refuse_layers(configuration, [part.field.name for part in distributions], source)
-        fields |= {part.field.name: part.field for part in distributions}
-    if uncertain is not None and not distributions:
-        raise located(
-            source,
-            ["optimise", "uncertainty"],
-            ': nothing is uncertain; write "0.80 ± 0.01" in the flyer file or in [optimise.over]',
-        )
-    constraints = tuple(
-        _constraint(configuration, name, limit, given, source)
-        for name, limits in section.constraints.items()
-        for limit in _limits(name, limits, source)
-    )
+    if uncertain is not None:
+        distributions = distributions or stated_distributions(design, given)
+    with errors_at(source, "optimise", "uncertainty"):
+        if uncertain is not None and not distributions:
+            raise ConfigurationError(
+                "no number is uncertain; state an uncertainty in the flyer file or give a "
+                'distribution, such as "0.80 ± 0.01", in over'
+            )
+    _refuse_costly(design, [*given, *(part.field.name for part in distributions)], source)
+    constraints = _constraints(design, section, source)
+    names = {part.name for part in objectives} | {part.name for part in constraints}
+    with errors_at(source, "optimise"):
+        if PROBABILITY in names and not distributions:
+            raise ConfigurationError(f"{PROBABILITY} needs uncertainty")
     sampling = sampling or SamplingSection()
-    how = (sampling.method, sampling.seed, configuration.film.tac_correlation.value)
-    problem = Problem(
-        configuration=configuration,
+    how = (sampling.points, sampling.method, sampling.seed, design.correlations)
+    return Problem(
+        design=design,
         objectives=objectives,
         bounds=bounds,
         fixed=fixed,
         constraints=constraints,
-        samples=draw(distributions, sampling.points, *how) if distributions else {},
+        samples=draw_samples(distributions, *how) if distributions else {},
         quantile=uncertain.quantile if uncertain and uncertain.of == "quantile" else None,
-        fields=fields,
         starts=section.starts,
         seed=section.seed,
     )
-    if PROBABILITY in problem.asked and not problem.samples:
-        raise located(source, ["optimise"], f": {PROBABILITY} needs [optimise.uncertainty]")
-    return problem
 
 
 def _read_over(
-    configuration: FlyerFile, section: OptimiseSection, source: Source | None
-) -> tuple[tuple[Bounds, ...], dict[str, float], list[Distribution], dict[str, Field]]:
+    design: AbstractDesign, over: Mapping[str, Any], source: Source | None
+) -> tuple[tuple[Bounds, ...], dict[str, float], list[Distribution]]:
     bounds: list[Bounds] = []
     fixed: dict[str, float] = {}
     distributions: list[Distribution] = []
-    fields: dict[str, Field] = {}
-    for name, entry in section.over.items():
-        try:
-            fields[name] = field(configuration, name)
-        except ConfigurationError as error:
-            message = str(error).removeprefix(name)
-            raise located(source, ["optimise", "over", name], message) from None
-        try:
-            found = _read_free(entry, fields[name])
-        except ConfigurationError as error:
-            raise located(source, ["optimise", "over", name], f": {error}") from None
+    for name, entry in over.items():
+        with errors_at(source, "optimise", "over", name):
+            found = _read_free(entry, design.field(name))
         if isinstance(found, Bounds):
             bounds.append(found)
         elif isinstance(found, Distribution):
             distributions.append(found)
         else:
             fixed[name] = float(found.values[0])
-    if not bounds:
-        raise located(
-            source,
-            ["optimise"],
-            ': needs [optimise.over] with a line such as "flyer.diameter" = '
-            '{ from = "0.5 cm", to = "5 cm" }',
-        )
-    return tuple(bounds), fixed, distributions, fields
-
-
-def _refuse_layers(configuration: FlyerFile, names: list[str], source: Source | None) -> None:
-    """Raise where the optics of a film of layers would have to be computed at every step."""
-    for name in shape_film(configuration, names):
-        raise located(
-            source,
-            ["optimise", "over", name],
-            " changes the optics of the layers, which no step of the search can afford; give it "
-            "one value in the flyer file, or sweep it",
-        )
+    require_compatible(design, list(over), source, "optimise", "over")
+    with errors_at(source, "optimise"):
+        if not bounds:
+            raise ConfigurationError(
+                'needs over with at least one free number, such as "flyer.diameter" = '
+                '{ from = "0.5 cm", to = "5 cm" }'
+            )
+    return tuple(bounds), fixed, distributions
 
 
 def _read_free(entry: Any, known: Field) -> Bounds | Axis | Distribution:
     if isinstance(entry, Mapping) and "distribution" not in entry:
-        low, high, logarithmic = read_ends(entry, known, _BOUNDS)
-        return Bounds(known, low, high, logarithmic)
+        return Bounds(known, *read_ends(entry, known, _BOUNDS))
     found = read_entry(entry, known)
     if isinstance(found, Axis) and not found.single:
-        raise ConfigurationError('is a list; a free field is { from = "...", to = "..." }')
+        raise ConfigurationError(
+            'is a list; a free number has bounds, { from = "...", to = "..." }'
+        )
     return found
 
 
-def stated_distributions(configuration: FlyerFile, given: Sequence[str]) -> list[Distribution]:
-    """The flyer file's own uncertainties, as normal distributions.
-
-    Parameters
-    ----------
-    configuration : FlyerFile
-    given : sequence of str
-        Fields that have values already, by dotted name.
-
-    Returns
-    -------
-    list of Distribution
-        Of all other fields that have a ± and can be varied.
-    """
-    found = []
-    for name, spread in configuration.uncertainties().items():
-        if name not in given and spread > 0.0:
-            try:
-                known = field(configuration, name)
-            except ConfigurationError:
-                continue  # it cannot be varied, and nothing depends on it
-            found.append(Distribution(known, "normal", number(configuration, name), spread))
-    return found
+def _refuse_costly(design: AbstractDesign, names: list[str], source: Source | None) -> None:
+    """Raise where the optics of a film of layers would have to be computed at every step."""
+    for name in design.costly(names):
+        with errors_at(source, "optimise", "over", name):
+            raise ConfigurationError(
+                "changes the optics of the layers and is too costly to optimise over; fix it or "
+                "sweep it"
+            )
 
 
-def number(configuration: FlyerFile, name: str) -> float:
-    """A number of a flyer file by its dotted name."""
-    part: Any = configuration
-    for key in name.split("."):
-        part = part[int(key)] if key.isdigit() else getattr(part, key)
-    return float(part.value)
+def _objectives(
+    design: AbstractDesign, section: OptimiseSection, source: Source | None
+) -> tuple[Objective, ...]:
+    objectives = tuple(
+        Objective(name, sign)
+        for names, sign in ((section.maximise, 1.0), (section.minimise, -1.0))
+        for name in names
+    )
+    with errors_at(source, "optimise"):
+        if not objectives:
+            raise ConfigurationError("needs maximise or minimise, the name of an output")
+    for objective in objectives:
+        with errors_at(source, "optimise", objective.word):
+            _check_output(design, objective.name, list(section.over))
+    return objectives
 
 
-def _check_output(
-    configuration: FlyerFile,
-    name: str,
-    given: Sequence[str],
-    keys: list[str],
-    source: Source | None,
-) -> None:
-    try:
-        check_outputs([name], configuration, given)
-    except ConfigurationError as error:
-        raise located(source, keys, f": {error}") from None
-
-
-def _limits(name: str, limits: Any, source: Source | None) -> list[tuple[str, Any]]:
-    known = isinstance(limits, Mapping) and limits and all(key in _LIMITS for key in limits)
-    if not known:
-        message = ' is not such as { at_most = "400 K" } or { at_least = ... }'
-        raise located(source, ["optimise", "constraints", name], message)
-    return list(limits.items())
-
-
-def _constraint(
-    configuration: FlyerFile,
-    name: str,
-    limit: tuple[str, Any],
-    given: Sequence[str],
-    source: Source | None,
-) -> Constraint:
-    keys = ["optimise", "constraints", name]
+def _check_output(design: AbstractDesign, name: str, given: Sequence[str]) -> None:
     if name != PROBABILITY:
-        _check_output(configuration, name, given, keys, source)
-    unit = "" if name == PROBABILITY else dataset_unit(OUTPUTS[name].units)
-    word, text = limit
+        check_outputs([name], design.setup, given)
+
+
+def _constraints(
+    design: AbstractDesign, section: OptimiseSection, source: Source | None
+) -> tuple[Constraint, ...]:
+    found = []
+    for name, limits in section.constraints.items():
+        with errors_at(source, "optimise", "constraints", name):
+            if not (isinstance(limits, Mapping) and limits and set(limits) <= set(_LIMITS)):
+                raise ConfigurationError(
+                    'is not a limit; write { at_most = "400 K" } or { at_least = ... }'
+                )
+            _check_output(design, name, list(section.over))
+            for word, text in limits.items():
+                found.append(Constraint(name, _limit(design, name, word, text), _sign(word)))
+    return tuple(found)
+
+
+def _limit(design: AbstractDesign, name: str, word: str, text: Any) -> float:
     try:
-        value = Quantity(unit).read(text).value
+        return float(Quantity(_unit_of(design, name)).read(text).value)
     except ConfigurationError as error:
-        raise located(source, keys, f": {word}: {error}") from None
-    return Constraint(name, value, 1.0 if word == "at_least" else -1.0)
+        raise ConfigurationError(f"{word}: {error}") from None
+
+
+def _sign(word: str) -> float:
+    return 1.0 if word == "at_least" else -1.0

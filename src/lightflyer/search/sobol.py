@@ -1,59 +1,73 @@
-r"""Which uncertain input costs most: Sobol indices, elasticities, one input at a time.
+r"""Which uncertain input matters most: Sobol indices, elasticities, one input at a time.
 
 The variance of an output :math:`q` over its independent inputs splits into the share of each
 alone, :math:`S_i = \mathrm{Var}[\mathrm E(q\,|\,x_i)]/\mathrm{Var}[q]`, and in total with all its
 interactions, :math:`T_i = 1 - \mathrm{Var}[\mathrm E(q\,|\,x_{\sim i})]/\mathrm{Var}[q]`
-([Sobol2001]_, [Saltelli2010]_). What has the largest share is worth measuring better: halving its
-standard uncertainty takes away three quarters of its own share.
+([Sobol2001]_, [Saltelli2010]_). The input with the largest share is worth measuring better: halving
+its standard uncertainty removes three quarters of its own share.
 
-Indices need independent inputs. Two whose errors are correlated vary together and count as one,
-which is independent of all others: :math:`x_i` is then a pair.
+Indices need independent inputs. Those whose errors are correlated vary together and count as one
+input, which is independent of all others: :math:`x_i` is then a group.
 """
 
 import contextlib
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.config.sections import FlyerFile
-from lightflyer.flight.fields import field
-from lightflyer.flight.outputs import check_outputs
-from lightflyer.foundation.errors import ConfigurationError, MissingExtraError
-from lightflyer.search.problem import stated_distributions
-from lightflyer.sweeps.axes import SAMPLE, Axis, Distribution, read_entry
+from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.flight.design import AbstractDesign, as_design
+from lightflyer.flight.outputs import check_outputs, outputs_of
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.extras import extra
+from lightflyer.foundation.quantity import StandardErrors, quantity_of
+from lightflyer.foundation.units import dataset_unit
+from lightflyer.sweeps.axes import Axis, read_entry
+from lightflyer.sweeps.distributions import SAMPLE, Distribution, stated_distributions
 from lightflyer.sweeps.evaluation import Evaluator
-from lightflyer.sweeps.sections import SensitivitySection
-from lightflyer.sweeps.study import Dimension, Source, Study, located, read_study
+from lightflyer.sweeps.sections import SensitivitySection, from_arguments
+from lightflyer.sweeps.study import (
+    Dimension,
+    Source,
+    Study,
+    errors_at,
+    read_study_file,
+    require_compatible,
+)
 from lightflyer.uncertainty.correlation import correlate, correlated_groups
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _ENDS = (0.025, 0.975)
 _STEP = 1e-4  # of an input's 95 % range, for elasticities
-_ERRORS_OF_MODELS = ("force.force_error", "force.heat_error")  # which nobody can measure
+_OWN_ERROR = quantity_of(StandardErrors)  # of a model, which cannot be measured
 _LARGEST_INTERVAL = 0.2  # of a share, beyond which shares are not ranked
 _LEFT_BY_HALVING = 0.25  # of a variance, when a standard deviation is halved
 
 
 @dataclass(frozen=True)
-class Inquiry:
-    """What a sensitivity asks.
+class SensitivityStudy:
+    """Which outputs, where, and which inputs are uncertain.
 
     Attributes
     ----------
-    configuration : FlyerFile
+    design : AbstractDesign
     outputs : tuple of str
     fixed : dict of str to float
-        Fields that have one value, by dotted name.
+        Numbers that have one value, by dotted name.
     inputs : tuple of Distribution
     points : int
-        Base samples; there are (inputs + 2) times as many designs.
+        Number of base samples; there are (inputs + 2) times as many designs.
     seed : int
     """
 
-    configuration: FlyerFile
+    design: AbstractDesign
     outputs: tuple[str, ...]
     fixed: dict[str, float]
     inputs: tuple[Distribution, ...]
@@ -62,45 +76,53 @@ class Inquiry:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the inputs, dotted."""
+        """Dotted names of the inputs."""
         return tuple(part.field.name for part in self.inputs)
-
-    @property
-    def tac_correlation(self) -> float:
-        """Of the errors of the faces' accommodation coefficients."""
-        return self.configuration.film.tac_correlation.value
 
     @property
     def groups(self) -> tuple[tuple[str, ...], ...]:
         """Names of the inputs, those with correlated errors together."""
-        return correlated_groups(self.names, self.tac_correlation)
+        return correlated_groups(self.names, self.design.correlations)
+
+    @property
+    def correlations(self) -> dict[tuple[str, str], float]:
+        """Correlations of the errors of two inputs, where they are not zero."""
+        return {
+            pair: value
+            for pair, value in self.design.correlations.items()
+            if value and set(pair) <= set(self.names)
+        }
 
 
 @dataclass(frozen=True)
 class Indices:
-    """What the uncertainty of each input does to an output.
+    """Effect of the uncertainty of each input on an output.
 
     Attributes
     ----------
-    output : str
+    output, unit : str
     groups : tuple of tuple of str
-        Names of the inputs, dotted; those with correlated errors together, g in all.
+        Dotted names of the inputs, those with correlated errors together, g groups in all.
+    measurable : tuple of bool, length g
+        Whether measurements can reduce the uncertainty: not where it is a model's own error.
     nominal, mean, spread : float
-        The output at the inputs' medians, its mean and its standard deviation, in SI units.
+        Output at the inputs' medians, its mean and its standard deviation.
     first, total : array, shape (g,)
         Sobol indices.
     first_interval, total_interval : array, shape (g,)
         Half widths of their 95 % intervals.
     low, high : array, shape (g,)
-        Output with one input at its 2.5 % and its 97.5 % quantile, the others at their medians.
-        Where two vary together, the output's own quantiles.
+        Output with one input at its 2.5 % and its 97.5 % quantile, the others at their medians;
+        quantiles of the output where several inputs vary together.
     elasticity : dict of str to float
         Relative change of the output over that of an input, by the input's name; not a number for
         an input whose median is zero.
     """
 
     output: str
+    unit: str
     groups: tuple[tuple[str, ...], ...]
+    measurable: tuple[bool, ...]
     nominal: float
     mean: float
     spread: float
@@ -114,7 +136,7 @@ class Indices:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the groups."""
+        """Names of the groups."""
         return tuple(" and ".join(group) for group in self.groups)
 
     @property
@@ -124,18 +146,14 @@ class Indices:
 
     @property
     def next(self) -> str | None:
-        """The input whose better measurement would help most; None if none can be measured."""
+        """Input whose better measurement would help most; None if none can be measured."""
         row = self._row_of_next
         return None if row is None else self.names[row]
 
     @property
     def _row_of_next(self) -> int | None:
-        measurable = [
-            row
-            for row, group in enumerate(self.groups)
-            if not any(name in _ERRORS_OF_MODELS for name in group)
-        ]
-        return max(measurable, key=lambda row: float(self.first[row]), default=None)
+        rows = np.flatnonzero(self.measurable).tolist()
+        return max(rows, key=lambda row: float(self.first[row]), default=None)
 
     @property
     def spread_after_halving(self) -> float:
@@ -143,6 +161,21 @@ class Indices:
         row = self._row_of_next
         share = 0.0 if row is None else float(np.clip(self.first[row], 0.0, 1.0))
         return self.spread * float(np.sqrt(1.0 - (1.0 - _LEFT_BY_HALVING) * share))
+
+    @property
+    def dataset(self) -> "xr.Dataset":
+        """Shares and ranges over the dimension ``input``."""
+        import xarray as xr
+
+        share = {"units": "1", "long_name": "share of the variance (Sobol index)"}
+        value = {"units": dataset_unit(self.unit), "long_name": self.output.replace("_", " ")}
+        shares = ("first", "first_interval", "total", "total_interval")
+        attributes = dict.fromkeys(shares, share) | dict.fromkeys(("low", "high"), value)
+        return xr.Dataset(
+            {name: ("input", getattr(self, name), words) for name, words in attributes.items()},
+            {"input": ("input", list(self.names))},
+            {"title": f"lightflyer sensitivity of {self.output}"},
+        )
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""
@@ -172,7 +205,7 @@ def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def read_inquiry(path: str | Path) -> Inquiry:
+def read_sensitivity_study(path: str | Path) -> SensitivityStudy:
     """Read the ``[sensitivity]`` of a study file.
 
     Parameters
@@ -181,37 +214,37 @@ def read_inquiry(path: str | Path) -> Inquiry:
 
     Returns
     -------
-    Inquiry
+    SensitivityStudy
 
     Raises
     ------
     ConfigurationError
         One line for each mistake: file, line, key and what is allowed.
     """
-    study, configuration, source = read_study(path)
+    study, design, source = read_study_file(path)
     if study.sensitivity is None:
         raise ConfigurationError(
-            f'{path}: needs a section [sensitivity] with outputs = "payload", and its place: '
+            f'{path}: needs a section [sensitivity] with outputs = "payload", and '
             '[sensitivity.at] with altitude = "70 km"'
         )
-    return make_inquiry(configuration, study.sensitivity, source)
+    return make_sensitivity_study(design, study.sensitivity, source)
 
 
-def make_inquiry(
-    configuration: FlyerFile, section: SensitivitySection, source: Source | None = None
-) -> Inquiry:
-    """Look up what a sensitivity names and check it.
+def make_sensitivity_study(
+    design: AbstractDesign, section: SensitivitySection, source: Source | None = None
+) -> SensitivityStudy:
+    """Look up what a sensitivity study names and check it.
 
     Parameters
     ----------
-    configuration : FlyerFile
+    design : AbstractDesign
     section : SensitivitySection
     source : Source, optional
         Names file and line in errors.
 
     Returns
     -------
-    Inquiry
+    SensitivityStudy
 
     Raises
     ------
@@ -220,132 +253,170 @@ def make_inquiry(
     """
     fixed: dict[str, float] = {}
     for name, entry in section.at.items():
-        found = _read(configuration, name, entry, ["sensitivity", "at", name], source)
-        if not (isinstance(found, Axis) and found.single):
-            message = ' is not one value, such as "70 km"'
-            raise located(source, ["sensitivity", "at", name], message)
+        with errors_at(source, "sensitivity", "at", name):
+            found = read_entry(entry, design.field(name))
+            if not (isinstance(found, Axis) and found.single):
+                raise ConfigurationError('is not one value, such as "70 km"')
         fixed[name] = float(found.values[0])
-    inputs: Sequence[Distribution] = []
+    inputs: list[Distribution] = []
     for name, entry in section.inputs.items():
-        found = _read(configuration, name, entry, ["sensitivity", "inputs", name], source)
-        if isinstance(found, Axis):
-            message = ' is not uncertain; write "0.80 ± 0.01" or { distribution = ... }'
-            raise located(source, ["sensitivity", "inputs", name], message)
-        inputs = [*inputs, found]
-    inputs = inputs or stated_distributions(configuration, list(fixed))
-    if not inputs:
-        message = ": nothing is uncertain; write ± in the flyer file or [sensitivity.inputs]"
-        raise located(source, ["sensitivity"], message)
-    try:
-        check_outputs(section.outputs, configuration, list(fixed))
-    except ConfigurationError as error:
-        raise located(source, ["sensitivity", "outputs"], f": {error}") from None
-    return Inquiry(
-        configuration, section.outputs, fixed, tuple(inputs), section.points, section.seed
+        with errors_at(source, "sensitivity", "inputs", name):
+            found = read_entry(entry, design.field(name))
+            if isinstance(found, Axis):
+                raise ConfigurationError(
+                    'is not uncertain; write "0.80 ± 0.01" or { distribution = ... }'
+                )
+        inputs.append(found)
+    require_compatible(design, [*fixed, *section.inputs], source, "sensitivity", "inputs")
+    inputs = inputs or stated_distributions(design, fixed)
+    with errors_at(source, "sensitivity"):
+        if not inputs:
+            raise ConfigurationError(
+                "no number is uncertain; state uncertainties in the flyer file or in inputs"
+            )
+    with errors_at(source, "sensitivity", "outputs"):
+        check_outputs(section.outputs, design.setup, list(fixed))
+    return SensitivityStudy(
+        design, section.outputs, fixed, tuple(inputs), section.points, section.seed
     )
 
 
-def _read(
-    configuration: FlyerFile, name: str, entry: Any, keys: list[str], source: Source | None
-) -> Axis | Distribution:
-    try:
-        known = field(configuration, name)
-    except ConfigurationError as error:
-        raise located(source, keys, str(error).removeprefix(name)) from None
-    try:
-        return read_entry(entry, known)
-    except ConfigurationError as error:
-        raise located(source, keys, f": {error}") from None
-
-
-def sensitivity_indices(inquiry: Inquiry) -> list[Indices]:
-    """Sobol indices and elasticities of each output.
+def sensitivity(
+    what: Any,
+    environment: AbstractEnvironment | None = None,
+    model: AbstractForceModel | None = None,
+    *,
+    outputs: str | Sequence[str] | None = None,
+    at: Mapping[str, Any] | None = None,
+    inputs: Mapping[str, Any] | None = None,
+    points: int | None = None,
+    seed: int | None = None,
+) -> list[Indices]:
+    """Sobol indices and elasticities of outputs in uncertain inputs.
 
     Parameters
     ----------
-    inquiry : Inquiry
+    what : AbstractFlyer, Setup, FlyerFile, path, AbstractDesign or SensitivityStudy
+        What is uncertain; or all of the study, from :func:`read_sensitivity_study`.
+    environment, model : optional
+        Where ``what`` is a flyer.
+    outputs : str or sequence of str, optional
+        Names of outputs, by default ``"payload"``.
+    at : dict of str to object, optional
+        Values of numbers, such as ``{"altitude": "72 km"}``.
+    inputs : dict of str to object, optional
+        Distributions of the uncertain numbers by name, such as ``"0.80 ± 0.01"``; by default the
+        uncertainties of the design.
+    points : int, optional
+        Number of base samples, by default 1024; there are (inputs + 2) times as many designs.
+    seed : int, optional
+        Default 0.
 
     Returns
     -------
     list of Indices
+        One for each output.
 
     Raises
     ------
     ConfigurationError
-        If an output has no value for some of the samples.
+        If a number or an output does not exist, or an output has no value for some samples.
     MissingExtraError
         If SALib is not installed.
 
     Notes
     -----
-    Inputs are independent, but for the two accommodation coefficients where the flyer file gives
-    their errors a correlation: these two vary together and share one index.
+    Inputs are independent, but for those whose errors the design states to be correlated: these
+    vary together and share one index.
 
     References
     ----------
     [Sobol2001]_, [Saltelli2010]_; computed by SALib, [Iwanaga2022]_.
+
+    Examples
+    --------
+    >>> import lightflyer as lf
+    >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    >>> (found,) = lf.sensitivity(
+    ...     lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023(),
+    ...     outputs="own_mass", inputs={"flyer.radius": "1.0 ± 0.1 cm"}, points=64,
+    ... )
+    >>> print(f"{found.elasticity['flyer.radius']:.4f}")
+    2.0000
     """
-    try:
-        from SALib.analyze import sobol as analysis
-        from SALib.sample import sobol as sampling
-    except ImportError:
-        raise MissingExtraError(
-            "Sobol indices need SALib: pip install 'lightflyer[optimise]'"
-        ) from None
-    space = _space(inquiry)
-    power = 2 ** int(np.ceil(np.log2(inquiry.points)))
-    shares = sampling.sample(space, power, calc_second_order=False, seed=inquiry.seed)
-    sizes, designs = _designs(inquiry, shares, power)
-    table = _evaluate(inquiry, designs)
-    results = []
-    for output in inquiry.outputs:
-        values, middle, *alone, down, up = np.split(table[output], np.cumsum(sizes)[:-1])
-        if np.isnan(values).any():
-            raise ConfigurationError(
-                f"{output}: {100.0 * np.mean(np.isnan(values)):.2g} % of the samples have none; "
-                "choose an output that every design has, such as lift_over_weight"
-            )
-        with contextlib.redirect_stdout(io.StringIO()):
-            # SALib takes a seed of 0 for none
-            found = analysis.analyze(
-                space,
-                values,
-                calc_second_order=False,
-                seed=1 + inquiry.seed,
-                print_to_console=False,
-            )
-        nominal, count = float(middle[0]), len(inquiry.groups)
-        ends = [
-            part if len(group) == 1 else np.quantile(part, _ENDS)
-            for group, part in zip(inquiry.groups, alone, strict=True)
-        ]
-        low, high = np.transpose(ends)
-        results.append(
-            Indices(
-                output=output,
-                groups=inquiry.groups,
-                nominal=nominal,
-                mean=float(values.mean()),
-                spread=float(values.std()),
-                first=np.asarray(found["S1"])[:count],
-                total=np.asarray(found["ST"])[:count],
-                first_interval=np.asarray(found["S1_conf"])[:count],
-                total_interval=np.asarray(found["ST_conf"])[:count],
-                low=low,
-                high=high,
-                elasticity=_elasticities(inquiry, nominal, up - down),
-            )
+    if isinstance(what, SensitivityStudy):
+        if any(
+            part is not None for part in (environment, model, outputs, at, inputs, points, seed)
+        ):
+            raise ParameterError("a SensitivityStudy already states all that is asked")
+        return _indices(what)
+    section = from_arguments(
+        SensitivitySection, outputs=outputs, at=at, inputs=inputs, points=points, seed=seed
+    )
+    return _indices(make_sensitivity_study(as_design(what, environment, model), section))
+
+
+def _indices(study: SensitivityStudy) -> list[Indices]:
+    sampling = extra("SALib.sample.sobol", "a sensitivity study", "optimise")
+    space = _space(study)
+    power = 2 ** int(np.ceil(np.log2(study.points)))
+    shares = sampling.sample(space, power, calc_second_order=False, seed=study.seed)
+    sizes, designs = _designs(study, shares, power)
+    table = _evaluate(study, designs)
+    ends = np.cumsum(sizes)[:-1]
+    return [_of_output(study, space, name, np.split(table[name], ends)) for name in study.outputs]
+
+
+def _of_output(
+    study: SensitivityStudy, space: dict[str, Any], output: str, blocks: list[np.ndarray]
+) -> Indices:
+    """Indices of an output from its values in each block of designs."""
+    from SALib.analyze import sobol as analysis
+
+    values, middle, *alone, down, up = blocks
+    if np.isnan(values).any():
+        raise ConfigurationError(
+            f"{output}: {100.0 * np.mean(np.isnan(values)):.2g} % of the samples have none; "
+            "choose an output that every design has, such as lift_over_weight"
         )
-    return results
+    with contextlib.redirect_stdout(io.StringIO()):
+        # SALib takes a seed of 0 for none
+        found = analysis.analyze(
+            space, values, calc_second_order=False, seed=1 + study.seed, print_to_console=False
+        )
+    nominal, count = float(middle[0]), len(study.groups)
+    low, high = np.transpose(
+        [
+            part if len(group) == 1 else np.quantile(part, _ENDS)
+            for group, part in zip(study.groups, alone, strict=True)
+        ]
+    )
+    return Indices(
+        output=output,
+        unit=outputs_of(study.design.setup.flyer)[output].unit,
+        groups=study.groups,
+        measurable=tuple(
+            all(study.design.field(name).quantity != _OWN_ERROR for name in group)
+            for group in study.groups
+        ),
+        nominal=nominal,
+        mean=float(values.mean()),
+        spread=float(values.std()),
+        first=np.asarray(found["S1"])[:count],
+        total=np.asarray(found["ST"])[:count],
+        first_interval=np.asarray(found["S1_conf"])[:count],
+        total_interval=np.asarray(found["ST_conf"])[:count],
+        low=low,
+        high=high,
+        elasticity=_elasticities(study, nominal, up - down),
+    )
 
 
-def _space(inquiry: Inquiry) -> dict[str, Any]:
+def _space(study: SensitivityStudy) -> dict[str, Any]:
     """The unit cube of the inputs' shares, as SALib describes it."""
-    names = [*inquiry.names]
-    groups = [
-        str(row) for name in names for row, group in enumerate(inquiry.groups) if name in group
-    ]
-    if len(inquiry.groups) == 1:
+    names = [*study.names]
+    groups = [str(row) for name in names for row, group in enumerate(study.groups) if name in group]
+    if len(study.groups) == 1:
         # SALib takes one group for none, so there is another, which nothing depends on
         names, groups = [*names, "nothing"], [*groups, "nothing"]
     bounds = [[0.0, 1.0]] * len(names)
@@ -353,25 +424,25 @@ def _space(inquiry: Inquiry) -> dict[str, Any]:
 
 
 def _designs(
-    inquiry: Inquiry, shares: np.ndarray, base: int
+    study: SensitivityStudy, shares: np.ndarray, base: int
 ) -> tuple[list[int], dict[str, np.ndarray]]:
     """Sizes of the blocks of designs, and the inputs of all of them.
 
     The blocks: the samples; all inputs at their medians; each group alone, at the ends of an
     input's range or over samples of a pair; each input a small step down; each a step up.
     """
-    names, count = inquiry.names, len(inquiry.inputs)
+    names, count = study.names, len(study.inputs)
     sampled = shares[:, :count]
     blocks = [sampled, np.full((1, count), 0.5)]
-    for group in inquiry.groups:
+    for group in study.groups:
         columns = [names.index(name) for name in group]
         alone = sampled[:: len(shares) // base] if len(group) > 1 else np.array(_ENDS)[:, None]
         block = np.full((len(alone), count), 0.5)
         block[:, columns] = alone[:, columns] if len(group) > 1 else alone
         blocks.append(block)
-    drawn = correlate(np.concatenate(blocks), names, inquiry.tac_correlation)
+    drawn = correlate(np.concatenate(blocks), names, study.design.correlations)
     designs = {}
-    for column, part in enumerate(inquiry.inputs):
+    for column, part in enumerate(study.inputs):
         median, step = _median_and_step(part)
         near = np.full(2 * count, median)
         near[column] -= step
@@ -385,21 +456,15 @@ def _median_and_step(part: Distribution) -> tuple[float, float]:
     return float(median), _STEP * float(high - low)
 
 
-def _elasticities(inquiry: Inquiry, nominal: float, change: np.ndarray) -> dict[str, float]:
+def _elasticities(study: SensitivityStudy, nominal: float, change: np.ndarray) -> dict[str, float]:
     """Relative change of an output over that of each input, from a small step both ways."""
-    medians, steps = np.array([_median_and_step(part) for part in inquiry.inputs]).T
+    medians, steps = np.array([_median_and_step(part) for part in study.inputs]).T
     slopes = change / (2.0 * steps)
     relative = np.where(medians == 0.0, np.nan, slopes * medians / nominal)
-    return dict(zip(inquiry.names, relative.tolist(), strict=True))
+    return dict(zip(study.names, relative.tolist(), strict=True))
 
 
-def _evaluate(inquiry: Inquiry, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    study = Study(
-        inquiry.configuration,
-        (Dimension(SAMPLE, values),),
-        inquiry.fixed,
-        inquiry.outputs,
-        {part.field.name: part.field for part in inquiry.inputs},
-    )
-    outputs, _ = Evaluator(study)(0, study.size)
+def _evaluate(study: SensitivityStudy, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    designs = Study(study.design, (Dimension(SAMPLE, values),), study.fixed, study.outputs)
+    outputs, _ = Evaluator(designs)(0, designs.size)
     return outputs

@@ -1,1 +1,5 @@
-"""Many designs at once."""
+"""Many designs at once: studies, how they are computed and stored, and what is read from them."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,33 +1,24 @@
-"""The values that a study gives to a field: one, a list, a range, or a distribution."""
+"""The values that a study gives to a number: one, a list, a range, or a distribution."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from lightflyer.flight.fields import Field
-from lightflyer.foundation.checks import require_range
+from lightflyer.flight.design import Field
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.quantity import Quantity
 from lightflyer.foundation.units import Measured
-from lightflyer.uncertainty.correlation import correlate
+from lightflyer.sweeps.distributions import (
+    MOST_SAMPLES,
+    Distribution,
+    LogUniform,
+    Normal,
+    Uniform,
+)
 
-SAMPLE = "sample"
-"""Dimension along which all distributions are drawn together."""
-
-METHODS = ("sobol", "latin-hypercube", "random")
-"""Ways of drawing samples."""
-
-MOST_SAMPLES = 10_000_000
-"""Numbers along one dimension of a study: they are kept whole, unlike its results."""
-
-_DISTRIBUTIONS = {
-    "normal": ("mean", "standard_deviation"),
-    "uniform": ("from", "to"),
-    "log-uniform": ("from", "to"),
-}
 _RANGE = ("from", "to", "points", "scale")
 _SCALES = ("linear", "log")
 _EXAMPLE = '{ from = "1 cm", to = "5 cm", points = 9 }'
@@ -35,7 +26,7 @@ _EXAMPLE = '{ from = "1 cm", to = "5 cm", points = 9 }'
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """Values of one field, a dimension of their own; one value alone is no dimension.
+    """Values of one number, a dimension of their own; a single value is no dimension.
 
     Attributes
     ----------
@@ -51,54 +42,8 @@ class Axis:
     single: bool = False
 
 
-@dataclass(frozen=True)
-class Distribution:
-    """Values of one field by chance.
-
-    Attributes
-    ----------
-    field : Field
-    kind : str
-        ``"normal"``, cut off where a value is impossible, ``"uniform"`` or ``"log-uniform"``.
-    first, second : float
-        Mean and standard deviation, or the ends, in the unit of the field.
-    """
-
-    field: Field
-    kind: str
-    first: float
-    second: float
-
-    def quantile(self, share: np.ndarray) -> np.ndarray:
-        """Values below which the given shares of all values lie.
-
-        Parameters
-        ----------
-        share : array, shape (...)
-            Between 0 and 1.
-
-        Returns
-        -------
-        array, shape (...)
-        """
-        if self.kind == "uniform":
-            return self.first + share * (self.second - self.first)
-        if self.kind == "log-uniform":
-            return self.first * (self.second / self.first) ** share
-        from scipy.stats import truncnorm
-
-        possible = self.field.quantity
-        low, high = (
-            (end - self.first) / self.second for end in (possible.lowest, possible.highest)
-        )
-        values = truncnorm.ppf(share, low, high, loc=self.first, scale=self.second)
-        # the ends of an open range are limits, not values
-        inside = np.nextafter(possible.lowest, np.inf) if possible.open_below else possible.lowest
-        return np.clip(values, inside, possible.highest)
-
-
 def read_entry(entry: Any, field: Field) -> Axis | Distribution:
-    """What a study says of a field.
+    """What a study says about a number.
 
     Parameters
     ----------
@@ -116,23 +61,24 @@ def read_entry(entry: Any, field: Field) -> Axis | Distribution:
     ConfigurationError
         Saying what is wrong and what is allowed.
     """
-    quantity = field.quantity
-    if isinstance(entry, np.ndarray):
+    if isinstance(entry, np.ndarray) and entry.ndim:
         return _array_axis(entry, field)
     if isinstance(entry, list | tuple) and not isinstance(entry, Measured):
         return _list_axis(entry, field)
     if isinstance(entry, Mapping):
-        if "distribution" in entry:
-            return _distribution(entry, field)
-        return _range(entry, field)
-    measured = quantity.read(entry)
+        return (_distribution if "distribution" in entry else _range)(entry, field)
+    if isinstance(entry, np.ndarray | np.number):
+        # as from other arrays: in the unit of the field
+        require(field, np.asarray(entry))
+        return Axis(field, np.array([entry], float), single=True)
+    measured = field.quantity.read(entry)
     if measured.uncertainty:
-        return Distribution(field, "normal", measured.value, measured.uncertainty)
+        return Normal(field, measured.value, measured.uncertainty)
     return Axis(field, np.array([measured.value]), single=True)
 
 
 def require(field: Field, values: np.ndarray) -> None:
-    """Raise unless all values of a field are possible.
+    """Raise unless all values of a number are possible.
 
     Parameters
     ----------
@@ -145,12 +91,10 @@ def require(field: Field, values: np.ndarray) -> None:
     ConfigurationError
         Naming the first that is not, and what is allowed.
     """
-    allowed = field.quantity
-    ends = (allowed.lowest, allowed.highest)
     try:
-        require_range(field.name, values, *ends, open_below=allowed.open_below)
+        field.quantity.check(field.name, values)
     except ParameterError as error:
-        raise ConfigurationError(f"{error} {allowed.unit}".rstrip()) from None
+        raise ConfigurationError(f"{error} {field.quantity.unit}".rstrip()) from None
 
 
 def _array_axis(values: np.ndarray, field: Field) -> Axis:
@@ -212,9 +156,9 @@ def read_ends(
     low, high = _ends(entry, field.quantity)
     scale = entry.get("scale", "linear")
     if scale not in _SCALES:
-        raise ConfigurationError(f'scale = "{scale}" is unknown; there are: {", ".join(_SCALES)}')
+        raise ConfigurationError(f'scale = "{scale}" is unknown; choose from {", ".join(_SCALES)}')
     if scale == "log":
-        _require_positive_ends(low, high)
+        _require_positive(low)
     return low, high, scale == "log"
 
 
@@ -227,29 +171,46 @@ def _ends(entry: Mapping[str, Any], quantity: Quantity) -> tuple[float, float]:
     return low, high
 
 
-def _require_positive_ends(low: float, high: float) -> None:
-    if low <= 0.0 or high <= 0.0:
-        raise ConfigurationError("reaches zero, which no logarithmic scale does")
+def _require_positive(low: float) -> None:
+    if low <= 0.0:
+        raise ConfigurationError("reaches zero, where a logarithmic scale ends")
+
+
+def _normal(entry: Mapping[str, Any], field: Field) -> Normal:
+    mean = field.quantity.read(entry["mean"]).value
+    # a spread is a difference: any size, and without the offset of a temperature scale
+    spread = Quantity(field.quantity.unit).read(entry["standard_deviation"]).value
+    if not (spread > 0.0 and math.isfinite(spread)):
+        raise ConfigurationError("standard_deviation must be positive")
+    return Normal(field, mean, spread)
+
+
+def _uniform(entry: Mapping[str, Any], field: Field) -> Uniform:
+    return Uniform(field, *_ends(entry, field.quantity))
+
+
+def _log_uniform(entry: Mapping[str, Any], field: Field) -> LogUniform:
+    low, high = _ends(entry, field.quantity)
+    _require_positive(low)
+    return LogUniform(field, low, high)
+
+
+_Reader = Callable[[Mapping[str, Any], Field], Distribution]
+_DISTRIBUTIONS: dict[str, tuple[_Reader, tuple[str, str]]] = {
+    "normal": (_normal, ("mean", "standard_deviation")),
+    "uniform": (_uniform, ("from", "to")),
+    "log-uniform": (_log_uniform, ("from", "to")),
+}
 
 
 def _distribution(entry: Mapping[str, Any], field: Field) -> Distribution:
     kind = entry["distribution"]
     if kind not in _DISTRIBUTIONS:
         known = ", ".join(_DISTRIBUTIONS)
-        raise ConfigurationError(f'distribution = "{kind}" is unknown; there are: {known}')
-    needed = _DISTRIBUTIONS[kind]
+        raise ConfigurationError(f'distribution = "{kind}" is unknown; choose from {known}')
+    read, needed = _DISTRIBUTIONS[kind]
     _require_keys(entry, ("distribution", *needed), needed, f"a {kind} distribution")
-    if kind != "normal":
-        low, high = _ends(entry, field.quantity)
-        if kind == "log-uniform":
-            _require_positive_ends(low, high)
-        return Distribution(field, kind, low, high)
-    mean = field.quantity.read(entry["mean"]).value
-    # a spread is a difference: any size, and without the offset of a temperature scale
-    spread = Quantity(field.quantity.unit).read(entry["standard_deviation"]).value
-    if not (spread > 0.0 and math.isfinite(spread)):
-        raise ConfigurationError("standard_deviation must be positive")
-    return Distribution(field, kind, mean, spread)
+    return read(entry, field)
 
 
 def _require_keys(
@@ -262,57 +223,5 @@ def _require_keys(
         )
     missing = [key for key in needed if key not in entry]
     if missing:
-        raise ConfigurationError(f"needs {', '.join(missing)}: a range is such as {_EXAMPLE}")
-
-
-def draw(
-    distributions: Sequence[Distribution],
-    points: int,
-    method: str,
-    seed: int,
-    tac_correlation: float = 0.0,
-) -> dict[str, np.ndarray]:
-    """Samples of all distributions together.
-
-    Parameters
-    ----------
-    distributions : sequence of Distribution
-    points : int
-        Samples; for ``"sobol"`` a power of two keeps its balance.
-    method : str
-        Of :data:`METHODS`.
-    seed : int
-    tac_correlation : float
-        Of the errors of the faces' accommodation coefficients.
-
-    Returns
-    -------
-    dict of str to array, shape (points,)
-        Values by dotted name.
-
-    Raises
-    ------
-    ConfigurationError
-        If there are too many to be held.
-    """
-    count = len(distributions)
-    if points * count > MOST_SAMPLES:
-        raise ConfigurationError(
-            f"points = {points} of {count} fields are too many to be held: at most "
-            f"{MOST_SAMPLES // count}; a range costs nothing"
-        )
-    from scipy.stats import qmc
-
-    if method == "sobol":
-        power = math.ceil(math.log2(points)) if points > 1 else 0
-        shares = qmc.Sobol(count, rng=seed).random_base2(power)[:points]
-    elif method == "latin-hypercube":
-        shares = qmc.LatinHypercube(count, rng=seed).random(points)
-    else:
-        shares = np.random.default_rng(seed).random((points, count))
-    names = [distribution.field.name for distribution in distributions]
-    shares = correlate(shares, names, tac_correlation)
-    return {
-        distribution.field.name: distribution.quantile(shares[:, number])
-        for number, distribution in enumerate(distributions)
-    }
+        hint = f", such as {_EXAMPLE}" if "distribution" not in entry else ""
+        raise ConfigurationError(f"needs {', '.join(missing)}{hint}")

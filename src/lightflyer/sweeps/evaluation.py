@@ -1,4 +1,4 @@
-"""Many designs at once: a compiled function of the varied numbers, applied piece by piece."""
+"""Many designs at once: a compiled function of the varied numbers, applied in batches."""
 
 import itertools
 import threading
@@ -9,22 +9,21 @@ from typing import Any
 import jax
 import numpy as np
 
-from lightflyer.config.sections import FlyerFile
-from lightflyer.film.properties import FilmProperties
-from lightflyer.flight.fields import film_of, shape_film
-from lightflyer.flight.outputs import OUTPUTS, evaluate
+from lightflyer.flight.design import AbstractDesign
+from lightflyer.flight.outputs import evaluate
+from lightflyer.foundation.batches import in_batches
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.precision import float64, jit_with_options
 from lightflyer.sweeps.study import Study
 
-PIECE = 16_384
+BATCH = 16_384
 """Designs evaluated at once: they fit the processor's cache, and one thread."""
 
-PIECE_OVER_ALTITUDE = 128
-"""The same where each design is searched over altitude, at some hundred altitudes at a time."""
+BATCH_OVER_BAND = 128
+"""Designs evaluated at once where each is searched over some hundred altitudes."""
 
-MOST_FILMS = 5_000
-"""Different films of layers in one study: each takes a fraction of a second to compute."""
+MOST_PREPARED = 5_000
+"""Most variants of a film of layers in one study: each takes a fraction of a second."""
 
 _COMPILATION: dict[str, Any] = {
     "xla_backend_optimization_level": 3,
@@ -43,21 +42,21 @@ class Evaluator:
 
     Designs are numbered in row-major order of the study's dimensions. The result of a design
     does not depend on which others are computed with it. Can be pickled; it is compiled where it
-    runs, once for all studies of a flyer file with the same outputs.
+    runs, once for all studies of equal designs with the same outputs.
 
     Parameters
     ----------
     study : Study
-    on_film : callable, optional
-        Called with the number of films done and their total, where films of layers have to be
-        computed.
+    on_prepared : callable, optional
+        Called with the number of films of layers that are computed and their total, where there
+        are any.
     """
 
-    def __init__(self, study: Study, on_film: Callable[[int, int], None] | None = None):
+    def __init__(self, study: Study, on_prepared: Callable[[int, int], None] | None = None):
         self.study = study
-        searched = any(OUTPUTS[name].over_altitude for name in study.variables)
-        self.piece = PIECE_OVER_ALTITUDE if searched else PIECE
-        self._films, self._film_strides = _films(study, on_film)
+        searched = any(output.over_band for output in study.known_outputs.values())
+        self.batch = BATCH_OVER_BAND if searched else BATCH
+        self._prepared, self._strides = _prepare(study, on_prepared)
 
     def __call__(self, start: int, stop: int) -> tuple[Table, int]:
         """Outputs of the designs from ``start`` up to ``stop``.
@@ -73,27 +72,18 @@ class Evaluator:
         failures : int
             Number of designs that have not converged.
         """
-        results = {name: np.empty(stop - start) for name in self.study.variables}
-        failures = 0
-        for first in range(start, stop, self.piece):
-            last = min(first + self.piece, stop)
-            outputs, converged = self._piece(np.arange(first, first + self.piece))
-            part, inside = slice(first - start, last - start), slice(0, last - first)
-            failed = ~converged[inside]
-            failures += int(np.count_nonzero(failed))
-            for name, column in outputs.items():
-                values = column[inside]
-                results[name][part] = np.where(np.isfinite(values) & ~failed, values, np.nan)
-        return results, failures
-
-    def _piece(self, designs: np.ndarray) -> tuple[Table, np.ndarray]:
-        """Outputs of exactly one piece of designs; what lies beyond the last repeats it."""
         study = self.study
-        kernel = _kernel(study.configuration, study.variables, tuple(study.fixed.items()))
-        return kernel(*self.inputs(np.minimum(designs, study.size - 1)))
+        kernel = _kernel(study.design, study.outputs, tuple(study.fixed.items()))
+        outputs, converged = in_batches(
+            lambda designs: kernel(*self.inputs(designs)), (np.arange(start, stop),), self.batch
+        )
+        failed = ~converged
+        for values in outputs.values():
+            values[failed | ~np.isfinite(values)] = np.nan
+        return outputs, int(np.count_nonzero(failed))
 
-    def inputs(self, designs: np.ndarray) -> tuple[Table, FilmProperties | None]:
-        """Varied numbers, and films, of some designs.
+    def inputs(self, designs: np.ndarray) -> tuple[Table, Any]:
+        """Varied numbers of some designs, and what is prepared for them.
 
         Parameters
         ----------
@@ -103,8 +93,8 @@ class Evaluator:
         -------
         values : dict of str to array, shape (n,)
             By dotted name.
-        films : FilmProperties or None
-            Arrays of leading shape (n,), where films have layers that are varied.
+        prepared : pytree of array, shape (n, ...), or None
+            See :meth:`~lightflyer.flight.design.AbstractDesign.prepare`.
         """
         places = np.unravel_index(designs, self.study.shape) if self.study.shape else ()
         values = {
@@ -116,41 +106,42 @@ class Evaluator:
             # a study of one design still needs something to map over
             name, value = next(iter(self.study.fixed.items()))
             values = {name: np.full(designs.shape, value)}
-        if self._films is None:
+        if self._prepared is None:
             return values, None
         number = np.zeros(designs.shape, int)
-        for place, stride in zip(places, self._film_strides, strict=True):
+        for place, stride in zip(places, self._strides, strict=True):
             number += stride * place
-        return values, jax.tree.map(lambda leaf: leaf[number], self._films)
+        return values, jax.tree.map(lambda leaf: leaf[number], self._prepared)
 
 
 class _Kernel:
-    """Outputs of many designs of one flyer file; compiled once for all threads of a process."""
+    """Outputs of many designs, compiled once for all threads of a process."""
 
-    def __init__(
-        self, configuration: FlyerFile, variables: tuple[str, ...], fixed: dict[str, float]
-    ):
-        self._compiled = jit_with_options(
-            jax.vmap(lambda values, film: evaluate(configuration, variables, fixed | values, film)),
-            _COMPILATION,
-        )
+    def __init__(self, design: AbstractDesign, names: tuple[str, ...], fixed: dict[str, float]):
+        coordinate = design.coordinate_name
+
+        def one(values: Any, prepared: Any) -> Any:
+            given = fixed | values
+            return evaluate(design.build(given, prepared), names, given.get(coordinate))
+
+        self._compiled = jit_with_options(jax.vmap(one), _COMPILATION)
         self._ready: set[Any] = set()
         self._lock = threading.Lock()
 
-    def __call__(self, values: Table, films: FilmProperties | None) -> tuple[Table, np.ndarray]:
+    def __call__(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
         shapes = {name: column.shape for name, column in values.items()}
-        kind = tuple(shapes.items()), films is None
+        kind = tuple(shapes.items()), prepared is None
         if kind not in self._ready:
             with self._lock:  # or every thread would compile
                 if kind not in self._ready:
-                    found = self._run(values, films)
+                    found = self._run(values, prepared)
                     self._ready.add(kind)
                     return found
-        return self._run(values, films)
+        return self._run(values, prepared)
 
-    def _run(self, values: Table, films: FilmProperties | None) -> tuple[Table, np.ndarray]:
+    def _run(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
         with float64():
-            outputs, converged = self._compiled(values, films)
+            outputs, converged = self._compiled(values, prepared)
             return {name: np.asarray(column) for name, column in outputs.items()}, np.asarray(
                 converged
             )
@@ -158,19 +149,16 @@ class _Kernel:
 
 @lru_cache(maxsize=16)
 def _kernel(
-    configuration: FlyerFile, variables: tuple[str, ...], fixed: tuple[tuple[str, float], ...]
+    design: AbstractDesign, names: tuple[str, ...], fixed: tuple[tuple[str, float], ...]
 ) -> _Kernel:
-    return _Kernel(configuration, variables, dict(fixed))
+    return _Kernel(design, names, dict(fixed))
 
 
-def _films(
-    study: Study, on_film: Callable[[int, int], None] | None
-) -> tuple[FilmProperties | None, list[int]]:
-    """All different films of a study, stacked, and the strides of their numbers."""
-    changing = [
-        shape_film(study.configuration, list(dimension.values)) for dimension in study.dimensions
-    ]
-    fixed = {name: study.fixed[name] for name in shape_film(study.configuration, list(study.fixed))}
+def _prepare(study: Study, on_prepared: Callable[[int, int], None] | None) -> tuple[Any, list[int]]:
+    """All different films of layers of a study, stacked, and the strides of their numbers."""
+    design = study.design
+    changing = [design.costly(list(dimension.values)) for dimension in study.dimensions]
+    fixed = {name: study.fixed[name] for name in design.costly(list(study.fixed))}
     if not any(changing) and not fixed:
         return None, []
     lengths = [
@@ -178,22 +166,22 @@ def _films(
         for dimension, names in zip(study.dimensions, changing, strict=True)
     ]
     total = int(np.prod(lengths))
-    if total > MOST_FILMS:
+    if total > MOST_PREPARED:
         raise ConfigurationError(
-            f"the study has {total} different films of layers, and each takes a fraction of a "
-            f"second to compute: at most {MOST_FILMS}"
+            f"the study has {total} different films of layers, each of which takes a fraction of "
+            f"a second to compute; at most {MOST_PREPARED}"
         )
-    films = []
+    found = []
     for places in itertools.product(*map(range, lengths)):
         values = fixed | {
             name: float(dimension.values[name][place])
             for dimension, names, place in zip(study.dimensions, changing, places, strict=True)
             for name in names
         }
-        films.append(film_of(study.configuration, values))
-        if on_film:
-            on_film(len(films), total)
-    stacked = jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *films)
+        found.append(design.prepare(values))
+        if on_prepared:
+            on_prepared(len(found), total)
+    stacked = jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *found)
     strides = [
         int(np.prod(lengths[number + 1 :])) if length > 1 else 0
         for number, length in enumerate(lengths)

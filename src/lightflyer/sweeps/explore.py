@@ -1,4 +1,4 @@
-"""Looking at the results of a sweep: slices, the best designs, Pareto fronts."""
+"""Reading the results of a sweep: slices, the best designs, Pareto fronts."""
 
 import difflib
 from collections.abc import Iterator, Mapping
@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.flight.fields import dataset_unit
+from lightflyer.flight.outputs import OUTPUTS
 from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.units import parse
-from lightflyer.sweeps.axes import SAMPLE
+from lightflyer.foundation.units import file_unit, parse
+from lightflyer.sweeps.distributions import SAMPLE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,22 +18,24 @@ if TYPE_CHECKING:
 COVERAGE = (0.025, 0.975)
 """Quantiles of the samples between which bands are drawn."""
 
-LESS_IS_BETTER = ("levitation_irradiance", "temperature", "lowest_altitude", "areal_density")
-"""Outputs whose best design has the least."""
-
 _AT_ONCE = 2**22  # numbers read at a time
 _ROUNDING = 1e-9  # relative, of a value in other units
 
 
+def less_is_better(name: str) -> bool:
+    """Whether the best design has the least of an output, by its name."""
+    return name in OUTPUTS and OUTPUTS[name].less_is_better
+
+
 def find_name(dataset: "xr.Dataset", name: str, *, among: str) -> str:
-    """Full name of a field or an output from the name or its last part.
+    """Full name of a field or an output.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         Of a sweep.
     name : str
-        Such as ``"diameter"`` for ``"flyer.diameter"``.
+        In full or its last part, such as ``"diameter"`` for ``"flyer.diameter"``.
     among : str
         ``"fields"`` that have a dimension, or ``"outputs"``.
 
@@ -53,7 +55,7 @@ def find_name(dataset: "xr.Dataset", name: str, *, among: str) -> str:
     if len(ends) == 1:
         return ends[0]
     if ends:
-        raise ConfigurationError(f'"{name}" may be any of {", ".join(ends)}; write it in full')
+        raise ConfigurationError(f'"{name}" is ambiguous; write one of {", ".join(ends)}')
     near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
     hint = f'did you mean "{near[0]}"?' if near else f"it has {', '.join(known)}"
     raise ConfigurationError(f'the sweep has no "{name}" among its {among}; {hint}')
@@ -80,7 +82,7 @@ def parts(array: "xr.DataArray") -> Iterator[tuple[slice, np.ndarray]]:
 
 @dataclass(frozen=True)
 class BestDesign:
-    """The design that does most.
+    """The design with the best value of an output.
 
     Attributes
     ----------
@@ -106,7 +108,7 @@ class BestDesign:
 
 
 def best_design(dataset: "xr.Dataset", name: str) -> BestDesign | None:
-    """Where an output is largest, or least where less is better.
+    """Design at which an output is largest, or smallest where less is better.
 
     Parameters
     ----------
@@ -121,7 +123,7 @@ def best_design(dataset: "xr.Dataset", name: str) -> BestDesign | None:
         None where the output has no value anywhere.
     """
     array = dataset[name]
-    sign = -1.0 if name in LESS_IS_BETTER else 1.0
+    sign = -1.0 if less_is_better(name) else 1.0
     best = -np.inf
     place: tuple[int, ...] = ()
     for rows, values in parts(array) if array.ndim else [(slice(0, 1), np.asarray(array))]:
@@ -153,7 +155,7 @@ def unit_of(array: "xr.DataArray") -> str:
 def choose_slice(
     dataset: "xr.Dataset", value: str, kept: list[str], asked: Mapping[str, str]
 ) -> tuple["xr.Dataset", dict[str, tuple[float, str]]]:
-    """Fix all dimensions but some: where it was asked for, else at the best design.
+    """Fix all dimensions but some, at asked values or else at the best design.
 
     Parameters
     ----------
@@ -181,8 +183,8 @@ def choose_slice(
     for short, text in asked.items():
         name = find_name(dataset, short, among="fields")
         if name in kept:
-            raise ConfigurationError(f"{name} is an axis of the map; it cannot be fixed as well")
-        unit = dataset_unit(unit_of(dataset[name]))
+            raise ConfigurationError(f"--at {short}: {name} is an axis of the map")
+        unit = file_unit(unit_of(dataset[name]))
         try:
             wanted = parse(_bare(text) if not unit else text, unit).value
         except ConfigurationError as error:
@@ -191,7 +193,7 @@ def choose_slice(
         low, high = float(there.min()), float(there.max())
         if not low - _ROUNDING * abs(low) <= wanted <= high + _ROUNDING * abs(high):
             raise ConfigurationError(
-                f"--at {short}: {text} is outside of the sweep's {low:.6g} to {high:.6g} "
+                f"--at {short}: {text} is outside the sweep's {low:.6g} to {high:.6g} "
                 f"{unit_of(dataset[name])}".rstrip()
             )
         number = int(np.argmin(np.abs(there - wanted)))
@@ -215,7 +217,7 @@ def _bare(text: str) -> float | str:
 
 
 def margin(dataset: "xr.Dataset") -> "xr.DataArray | None":
-    """By how much the designs of a sweep fly, as far as its outputs tell.
+    """Whether the designs of a sweep fly, as far as its outputs tell.
 
     Parameters
     ----------
@@ -224,7 +226,7 @@ def margin(dataset: "xr.Dataset") -> "xr.DataArray | None":
     Returns
     -------
     xarray.DataArray or None
-        Zero or positive where a design flies, of no particular unit; None where no output tells.
+        Zero or positive where a design flies, on an arbitrary scale; None where no output tells.
     """
     if "lift_over_weight" in dataset:
         return dataset["lift_over_weight"] - 1.0
@@ -242,14 +244,14 @@ def margin(dataset: "xr.Dataset") -> "xr.DataArray | None":
 def pareto_front(
     dataset: "xr.Dataset", gain: str, cost: str, *, sign: float = 1.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Designs that no other beats in two things at once.
+    """Designs that no other beats in both of two quantities.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         Of a sweep.
     gain : str
-        Output of which more is better, or less where it is among :data:`LESS_IS_BETTER`.
+        Output of which more is better, or less, see :func:`less_is_better`.
     cost : str
         Output or coordinate of which less is better.
     sign : float
@@ -261,7 +263,7 @@ def pareto_front(
         Along the front, ordered by cost; empty where no design that flies has both.
     """
     array, other, able = dataset[gain], dataset[cost], margin(dataset)
-    worth = -1.0 if gain in LESS_IS_BETTER else 1.0
+    worth = -1.0 if less_is_better(gain) else 1.0
     gains, costs = np.empty(0), np.empty(0)
     if other.dims != array.dims:
         other = other.broadcast_like(array).transpose(*array.dims)
@@ -272,7 +274,7 @@ def pareto_front(
             known &= np.asarray(able[rows]) >= 0.0
         gains = np.concatenate([gains, worth * values[known]])
         costs = np.concatenate([costs, sign * there[known]])
-        # cheapest first, and among equals the best; what does not better all cheaper is beaten
+        # cheapest first, and among equals the best; a design no better than a cheaper one is beaten
         order = np.lexsort((-gains, costs))
         gains, costs = gains[order], costs[order]
         if gains.size:

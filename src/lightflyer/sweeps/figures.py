@@ -1,4 +1,4 @@
-"""Figures of sweeps, optimisations and sensitivities."""
+"""Figures of sweeps."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from lightflyer.flight.outputs import OUTPUTS
 from lightflyer.foundation.drawing import (
     BLUE,
     GREEN,
@@ -18,10 +17,9 @@ from lightflyer.foundation.drawing import (
     new_figure,
     plain_decades,
 )
-from lightflyer.search.optimiser import Front
-from lightflyer.search.sobol import Indices
-from lightflyer.sweeps.axes import SAMPLE
-from lightflyer.sweeps.explore import LESS_IS_BETTER, margin, over_samples, pareto_front, unit_of
+from lightflyer.sweeps.distributions import SAMPLE
+from lightflyer.sweeps.explore import less_is_better, margin, over_samples, pareto_front
+from lightflyer.sweeps.shown import scale_and_label
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,43 +29,10 @@ _LOGARITHMIC = 3.0  # largest over smallest from which evenly spaced logarithms 
 _PROBABILITIES = (0.1, 0.5, 0.9)
 _HALF = 0.5
 _OPACITY = 0.25
-_TICKS = 6
-# What hatched designs do, without and with samples.
+# legend of hatched designs, without and with samples
 _NOT_FLYING = ("cannot fly", "flies in less than half of the samples")
-# Factors and units in which people think, by the last part of a name and by the unit.
-_BY_NAME = {"diameter": (1e2, "cm"), "thickness": (1e9, "nm"), "areal_density": (1e3, "g/m²")}
-_BY_UNIT = {
-    "m": (1e-3, "km"),
-    "kg": (1e6, "mg"),
-    "N": (1e6, "µN"),
-    "W m-2": (1.0, "W/m²"),
-    "kg m-2": (1e3, "g/m²"),
-    "degree": (1.0, "°"),
-}
-# What a payload may cost, and whether more of it is better too.
+# what an output may be weighed against; -1 where more of that is better too
 _COSTS = {"altitude": -1.0, "levitation_irradiance": 1.0, "temperature": 1.0}
-
-
-def scale_and_label(array: "xr.DataArray") -> tuple[float, str]:
-    """Factor and axis label with unit for a coordinate or an output.
-
-    Parameters
-    ----------
-    array : xarray.DataArray
-
-    Returns
-    -------
-    factor : float
-    label : str
-    """
-    name = str(array.name)
-    return _factor_and_label(name, unit_of(array), str(array.attrs.get("long_name", name)))
-
-
-def _factor_and_label(name: str, unit: str, words: str) -> tuple[float, str]:
-    last = name.rpartition(".")[2]
-    factor, shown = _BY_NAME.get(last) or _BY_UNIT.get(unit, (1.0, unit))
-    return factor, f"{words} [{shown}]" if shown else words
 
 
 def _is_logarithmic(values: np.ndarray) -> bool:
@@ -94,7 +59,7 @@ def _axis(ax: Axes, side: str, array: "xr.DataArray") -> np.ndarray:
 
 
 def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axes:
-    """Contours of an output over two fields, its best design per column, and where none flies.
+    """Contours of an output over two fields, its best design per column, and where no design flies.
 
     Parameters
     ----------
@@ -153,11 +118,11 @@ def _best_per_column(
     ax: Axes, horizontal: np.ndarray, vertical: np.ndarray, values: np.ndarray, name: str
 ) -> list[Any]:
     """A line through the best design of each column."""
-    less_is_better = name in LESS_IS_BETTER
-    score = np.where(np.isfinite(values), -values if less_is_better else values, -np.inf)
+    least = less_is_better(name)
+    score = np.where(np.isfinite(values), -values if least else values, -np.inf)
     known = np.isfinite(score).any(axis=0)
     best = np.where(known, vertical[np.argmax(score, axis=0)], np.nan)
-    words = "least" if less_is_better else "most"
+    words = "least" if least else "most"
     across = ax.get_xlabel().partition(" [")[0]
     return ax.plot(horizontal, best, color=VERMILION, lw=1.6, label=f"{words} at each {across}")
 
@@ -242,7 +207,7 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
 
 
 def pareto_figure(dataset: "xr.Dataset", gain: str) -> Figure | None:
-    """Fronts of an output against altitude, irradiance and temperature, as far as they are known.
+    """Pareto fronts of an output against altitude, irradiance and temperature.
 
     Parameters
     ----------
@@ -254,7 +219,7 @@ def pareto_figure(dataset: "xr.Dataset", gain: str) -> Figure | None:
     Returns
     -------
     matplotlib.figure.Figure or None
-        None where nothing is known that it could be weighed against.
+        None where the sweep has none of these.
     """
     costs = {
         name: sign
@@ -272,86 +237,9 @@ def pareto_figure(dataset: "xr.Dataset", gain: str) -> Figure | None:
             scale_and_label, (dataset[gain], dataset[cost])
         )
         better = "more" if sign < 0.0 else "less"
-        worth = "less" if gain in LESS_IS_BETTER else "more"
+        worth = "less" if less_is_better(gain) else "more"
         ax.plot(across * against, up * gains, ".-", color=colour, ms=4)
         ax.set_xlabel(f"{label_across}\n({better} is better)")
         ax.set_ylabel(f"{label_up}\n({worth} is better)")
         ax.grid(alpha=_OPACITY)
-    return figure
-
-
-def front_figure(front: Front) -> Figure:
-    """The objectives of a Pareto front, each against the first.
-
-    Parameters
-    ----------
-    front : Front
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
-    first, *others = front.problem.objectives
-    figure = new_figure(columns=len(others))
-    for ax, other in zip(figure.axes, others, strict=True):
-        for part, side in ((first, "x"), (other, "y")):
-            better = "more" if part.sign > 0.0 else "less"
-            _, label = _scaled(part.name)
-            getattr(ax, f"set_{side}label")(f"{label}\n({better} is better)")
-        across, up = (
-            _scaled(part.name)[0] * front.objectives[part.name] for part in (first, other)
-        )
-        ax.plot(across, up, "o", color=BLUE, ms=4)
-        ax.grid(alpha=_OPACITY)
-    return figure
-
-
-def _scaled(output: str) -> tuple[float, str]:
-    """Factor and label of an output."""
-    known = OUTPUTS.get(output)
-    if known is None:
-        return 1.0, output.replace("_", " ")
-    return _factor_and_label(output, "" if known.units == "1" else known.units, known.long_name)
-
-
-def tornado_figure(found: Indices) -> Figure:
-    """What the uncertainty of each input does to an output, the largest on top.
-
-    The bar of two inputs that vary together reaches over the same quantiles of the output.
-
-    Parameters
-    ----------
-    found : Indices
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
-    figure = new_figure(columns=2, width=5.0, height=1.4 + 0.45 * len(found.names))
-    bars, shares = figure.axes
-    order = np.argsort(found.total)
-    factor, label = _scaled(found.output)
-    places = np.arange(order.size)
-    for ends, colour, words in (
-        (found.low, ORANGE, "input at its 2.5 % quantile"),
-        (found.high, BLUE, "input at its 97.5 % quantile"),
-    ):
-        width = factor * (ends[order] - found.nominal)
-        bars.barh(places, width, left=factor * found.nominal, color=colour, label=words)
-    bars.axvline(factor * found.nominal, color=GREY, lw=1.0)
-    bars.set_yticks(places, [" and\n".join(found.groups[number]) for number in order])
-    bars.set_xlabel(label)
-    bars.locator_params(axis="x", nbins=_TICKS)
-    half = 0.4
-    for index, spread, colour, words, offset in (
-        (found.total, found.total_interval, GREEN, "total", half / 2.0),
-        (found.first, found.first_interval, VERMILION, "alone", -half / 2.0),
-    ):
-        shares.barh(
-            places + offset, index[order], half, xerr=spread[order], color=colour, label=words
-        )
-    shares.set_yticks(places, [])
-    shares.set_xlabel("share of the variance (Sobol index)")
-    for ax in (bars, shares):
-        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
     return figure

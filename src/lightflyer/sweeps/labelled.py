@@ -5,30 +5,29 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.config.sections import FlyerFile
-from lightflyer.flight.fields import Field, field
-from lightflyer.flight.outputs import OUTPUTS, check_outputs
+from lightflyer.flight.design import AbstractDesign, Field
+from lightflyer.flight.outputs import check_outputs, outputs_of
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.sweeps.axes import Axis, read_entry, require
 from lightflyer.sweeps.evaluation import Evaluator, Table
-from lightflyer.sweeps.study import Dimension, Study
+from lightflyer.sweeps.study import Dimension, Study, require_compatible
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
 def sweep_labelled(
-    configuration: FlyerFile, over: Mapping[str, Any], variables: Sequence[str]
+    design: AbstractDesign, over: Mapping[str, Any], outputs: tuple[str, ...]
 ) -> "xr.Dataset":
     """Outputs over arrays that broadcast by the names of their dimensions.
 
     Parameters
     ----------
-    configuration : FlyerFile
+    design : AbstractDesign
     over : dict of str to object
-        :class:`xarray.DataArray` in the units of the fields (SI, angles in degrees), backed by
-        NumPy or Dask; or a value, list or range, which gets a dimension of its own.
-    variables : sequence of str
+        :class:`xarray.DataArray` in the units of the fields, backed by NumPy or Dask; or a value,
+        list or range, which gets a dimension of its own.
+    outputs : tuple of str
 
     Returns
     -------
@@ -42,21 +41,22 @@ def sweep_labelled(
     """
     import xarray as xr
 
-    known = {name: field(configuration, name) for name in over}
+    known = {name: design.field(name) for name in over}
     arrays = {name: _array(entry, known[name]) for name, entry in over.items()}
-    # looks up the outputs and what they need, as for any study
-    check_outputs(variables, configuration, list(over))
+    check_outputs(outputs, design.setup, list(over))
+    require_compatible(design, list(over), None, "over")
     found = xr.apply_ufunc(
-        lambda *columns: _evaluate(configuration, known, columns, tuple(variables)),
+        lambda *columns: _evaluate(design, list(over), columns, outputs),
         *arrays.values(),
-        output_core_dims=[[] for _ in variables],
+        output_core_dims=[[] for _ in outputs],
         dask="parallelized",
-        output_dtypes=[float] * len(variables),
+        output_dtypes=[float] * len(outputs),
     )
     columns = found if isinstance(found, tuple) else (found,)
-    dataset = xr.Dataset(dict(zip(variables, columns, strict=True)))
+    dataset = xr.Dataset(dict(zip(outputs, columns, strict=True)))
+    known_outputs = outputs_of(design.setup.flyer)
     for name, column in dataset.items():
-        column.attrs = OUTPUTS[str(name)].attributes
+        column.attrs = known_outputs[str(name)].attributes
     dataset = dataset.assign_coords(arrays)
     for name, array in arrays.items():
         dataset[name].attrs = array.attrs | known[name].attributes
@@ -70,25 +70,25 @@ def _array(entry: Any, known: Field) -> "xr.DataArray":
         return entry
     axis = read_entry(entry, known)
     if not isinstance(axis, Axis):
-        raise ConfigurationError(f"{known.name}: a distribution does not mix with DataArrays")
+        raise ConfigurationError(f"{known.name}: a distribution cannot be combined with DataArrays")
     if axis.single:
         return xr.DataArray(float(axis.values[0]))
     return xr.DataArray(axis.values, dims=[known.name], coords={known.name: axis.values})
 
 
 def _evaluate(
-    configuration: FlyerFile,
-    known: Mapping[str, Field],
+    design: AbstractDesign,
+    names: list[str],
     columns: Sequence[np.ndarray],
-    variables: tuple[str, ...],
+    outputs: tuple[str, ...],
 ) -> tuple[np.ndarray, ...]:
     """Outputs of a block of designs, one for each element of the broadcast columns."""
     columns = np.broadcast_arrays(*columns)
-    values: Table = {name: np.ravel(column) for name, column in zip(known, columns, strict=True)}
+    values: Table = {name: np.ravel(column) for name, column in zip(names, columns, strict=True)}
     for name, column in values.items():
-        require(known[name], column)
-    study = Study(configuration, (Dimension("design", values),), {}, variables, dict(known))
+        require(design.field(name), column)
+    study = Study(design, (Dimension("design", values),), {}, outputs)
     if not columns[0].size:
-        return tuple(np.empty(columns[0].shape) for _ in variables)
+        return tuple(np.empty(columns[0].shape) for _ in outputs)
     results, _ = Evaluator(study)(0, study.size)
-    return tuple(results[name].reshape(columns[0].shape) for name in variables)
+    return tuple(results[name].reshape(columns[0].shape) for name in outputs)

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from lightflyer.config.reader import read_flyer_file
-from lightflyer.config.sections import FlyerFile
-from lightflyer.flight.outputs import OUTPUTS
+from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.flight.design import as_design
+from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ConfigurationError, LightflyerError
 from lightflyer.sweeps.chunks import CHUNK, Chunks
 from lightflyer.sweeps.evaluation import Evaluator
 from lightflyer.sweeps.scheduler import Task, connected, processors, run_here, run_on_dask
-from lightflyer.sweeps.sections import SamplingSection
+from lightflyer.sweeps.sections import SamplingSection, from_arguments
 from lightflyer.sweeps.store import empty_dataset, open_store
 from lightflyer.sweeps.study import Study, make_study
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 LARGEST = 10**9
-"""Designs above which a sweep has to be confirmed."""
+"""Number of designs above which a sweep must be confirmed."""
 
 _BYTES = 8  # of a number
 
@@ -35,15 +35,15 @@ class SweepReport:
     Attributes
     ----------
     designs : int
-        Of the whole study.
+        Designs of the study.
     found : int
-        Designs that were there already.
+        Designs that were already computed.
     damaged : int
-        Chunks that were there and had to be computed again.
+        Chunks that were computed before and had to be again.
     computed : int
         Designs computed now.
     not_converged : int
-        Designs of the whole study whose results are NaN because a root-find failed.
+        Designs of the study whose results are NaN because a root-find failed.
     seconds : float
         From the first chunk to the last.
     """
@@ -56,23 +56,23 @@ class SweepReport:
     seconds: float
 
 
-class Listener(Protocol):
-    """Hears how a sweep gets on."""
+class Progress(Protocol):
+    """Told how far a sweep is."""
 
-    def film(self, done: int, total: int) -> None:
-        """So many of all films of layers are computed."""
+    def prepared(self, done: int, total: int) -> None:
+        """Number of films of layers that are computed, and of all."""
 
     def begin(self, found: int, total: int) -> None:
-        """So many of all designs were there already."""
+        """Number of designs that were already computed, and of all."""
 
     def advance(self, designs: int) -> None:
-        """So many more designs were committed."""
+        """Number of further designs that are committed."""
 
 
-class _Deaf:
-    """Listens to nothing."""
+class _NoProgress:
+    """Shows nothing."""
 
-    def film(self, done: int, total: int) -> None: ...
+    def prepared(self, done: int, total: int) -> None: ...
     def begin(self, found: int, total: int) -> None: ...
     def advance(self, designs: int) -> None: ...
 
@@ -84,10 +84,10 @@ def sweep_into(
     scheduler: str | None = None,
     workers: int | None = None,
     chunk: int = CHUNK,
-    listener: Listener | None = None,
+    progress: Progress | None = None,
     evaluator: Callable[[int, int], Any] | None = None,
 ) -> SweepReport:
-    """Compute a study into a folder, or what is missing of it there.
+    """Compute a study into a folder, or the part of it that is missing there.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def sweep_into(
         Threads of this process.
     chunk : int
         Designs in a chunk of a new folder, at most.
-    listener : Listener, optional
+    progress : Progress, optional
     evaluator : callable, optional
         In place of the study's own :class:`~lightflyer.sweeps.evaluation.Evaluator`.
 
@@ -111,21 +111,21 @@ def sweep_into(
     Raises
     ------
     OutputError
-        If the folder holds something else or another study, is being written, or cannot be.
+        If the folder holds something else or another study, or cannot be written.
     ConfigurationError
-        If a scheduler does not answer.
+        If the scheduler does not answer.
     """
-    folder, heard = Path(folder), listener or _Deaf()
+    folder, progress = Path(folder), progress or _NoProgress()
     with ExitStack() as stack:
         # first, so that nothing is made for a scheduler that does not answer
         client = stack.enter_context(connected(scheduler)) if scheduler else None
         store = stack.enter_context(open_store(folder, study, chunk))
         missing, chunks = store.missing, store.chunks
         left = sum(_length(chunks, number) for number in missing)
-        heard.begin(study.size - left, study.size)
+        progress.begin(study.size - left, study.size)
         start, computed = time.perf_counter(), 0
         if missing:
-            evaluate = evaluator or Evaluator(study, heard.film)
+            evaluate = evaluator or Evaluator(study, progress.prepared)
             task = Task(evaluate, folder.resolve(), chunks, store.token)
             results = (
                 run_on_dask(task, missing, client, scheduler)
@@ -135,7 +135,7 @@ def sweep_into(
             for number, record, failures in results:
                 store.commit(number, record, failures)
                 computed += _length(chunks, number)
-                heard.advance(_length(chunks, number))
+                progress.advance(_length(chunks, number))
         if store.missing:
             raise LightflyerError(
                 f"{folder}: {len(store.missing)} chunks were not computed; the same command "
@@ -158,10 +158,12 @@ def _length(chunks: Chunks, number: int) -> int:
 
 
 def sweep(
-    flyer: FlyerFile | str | Path,
-    over: Mapping[str, Any],
-    variables: Sequence[str] = ("relative_payload",),
+    what: Any,
+    environment: AbstractEnvironment | None = None,
+    model: AbstractForceModel | None = None,
     *,
+    over: Mapping[str, Any],
+    outputs: str | Sequence[str] = ("relative_payload",),
     method: str = "sobol",
     points: int = 1024,
     seed: int = 0,
@@ -172,60 +174,69 @@ def sweep(
 
     Parameters
     ----------
-    flyer : FlyerFile or path
+    what : AbstractFlyer, Setup, FlyerFile, path or AbstractDesign
+        What is varied.
+    environment, model : optional
+        Where ``what`` is a flyer.
     over : dict of str to object
-        What the fields are, by dotted name (``"flyer.diameter"``, ``"altitude"``): texts with
-        units, lists of them, ranges ``{"from": "1 cm", "to": "5 cm", "points": 9}``,
-        distributions ``{"distribution": "normal", "mean": ..., "standard_deviation": ...}``,
-        one-dimensional arrays in SI units (angles in degrees), or :class:`xarray.DataArray` of
-        any dimensions in SI units. Where one of these is backed by Dask, so is the result.
-    variables : sequence of str
+        Values of each number by its name: as in the flyer file (``"flyer.diameter"``), for objects
+        as their attributes (``"flyer.radius"``, ``"force.c_fm"``); and ``"altitude"``, or whatever
+        the environment's coordinate is. Values are texts with units, lists of them, ranges
+        ``{"from": "1 cm", "to": "5 cm", "points": 9}``, distributions
+        ``{"distribution": "normal", "mean": ..., "standard_deviation": ...}``, one-dimensional
+        arrays in SI units (angles of a flyer file in degrees), or :class:`xarray.DataArray` of any
+        dimensions in these units. Where one of these is backed by Dask, so is the result.
+    outputs : str or sequence of str
         Names of the outputs.
     method, points, seed
         How distributions are drawn: ``"sobol"``, ``"latin-hypercube"`` or ``"random"``.
     out : str or path, optional
-        Folder to compute into; the result then reads from there. Called again it continues.
+        Folder to compute into; the result then reads from there. The same call continues an
+        interrupted sweep.
     scheduler : str, optional
         Address of a Dask scheduler that computes into ``out``.
 
     Returns
     -------
     xarray.Dataset
-        With the fields as coordinates, units on everything, and NaN where there is no such
+        With the varied numbers as coordinates, units on everything, and NaN where there is no such
         number: no irradiance that levitates the flyer, no band.
 
     Raises
     ------
     ConfigurationError
-        If a field or an output does not exist or a value is not possible.
+        If a number or an output does not exist or a value is not possible.
+    ParameterError
+        If the model is not for the flyer or the gas.
     OutputError
         If the folder cannot be used.
 
     Examples
     --------
     >>> import lightflyer as lf
-    >>> film = {"areal_density": "1 g/m^2", "absorptance": 0.75, "emittance": 0.08,
-    ...         "tac_top": 0.8, "tac_bottom": 0.9}
-    >>> flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film,
-    ...                      environment={"atmosphere": "lu2023"})
-    >>> table = lf.sweep(flyer, {"altitude": ["68 km", "72 km"]}, ["lift_over_weight"])
+    >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    >>> table = lf.sweep(
+    ...     lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023(),
+    ...     over={"altitude": ["68 km", "72 km"]}, outputs="lift_over_weight",
+    ... )
     >>> [round(float(value), 3) for value in table.lift_over_weight]
     [0.995, 1.59]
     """
-    configuration = flyer if isinstance(flyer, FlyerFile) else read_flyer_file(flyer)
+    design = as_design(what, environment, model)
+    names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     if any(hasattr(entry, "dims") for entry in over.values()):
         if out is not None or scheduler is not None:
             raise ConfigurationError("out and scheduler take ranges and lists, not DataArrays")
         from lightflyer.sweeps.labelled import sweep_labelled
 
-        return sweep_labelled(configuration, over, variables)
-    sampling = SamplingSection.model_validate({"method": method, "points": points, "seed": seed})
-    study = make_study(configuration, over, variables, sampling)
+        return sweep_labelled(design, over, names)
+    sampling = from_arguments(SamplingSection, method=method, points=points, seed=seed)
+    study = make_study(design, over, names, sampling)
     if out is not None:
         sweep_into(study, out, scheduler=scheduler)
         return open_sweep(out)
     if scheduler is not None:
-        raise ConfigurationError("a scheduler computes into a folder: give out as well")
+        raise ConfigurationError("a scheduler computes into a folder; give out as well")
     return in_memory(study)
 
 
@@ -243,8 +254,8 @@ def in_memory(study: Study) -> "xr.Dataset":
     results, failures = Evaluator(study)(0, study.size)
     dataset = empty_dataset(study)
     dims = [dimension.name for dimension in study.dimensions]
-    for name, values in results.items():
-        dataset[name] = (dims, values.reshape(study.shape), OUTPUTS[name].attributes)
+    for name, output in study.known_outputs.items():
+        dataset[name] = (dims, results[name].reshape(study.shape), output.attributes)
     dataset.attrs |= {"complete": True, "not_converged": failures}
     return dataset
 
@@ -263,7 +274,7 @@ def open_sweep(folder: str | Path) -> "xr.Dataset":
     Raises
     ------
     ConfigurationError
-        If there is no such result.
+        If there is none.
     """
     import xarray as xr
 
@@ -272,7 +283,7 @@ def open_sweep(folder: str | Path) -> "xr.Dataset":
     require_extra()
     folder = Path(folder)
     if not (folder / "zarr.json").is_file():
-        raise ConfigurationError(f"{folder}: is not the result of a sweep")
+        raise ConfigurationError(f"{folder}: is not a sweep")
     try:
         return xr.open_zarr(folder, chunks=None)
     except (ValueError, KeyError, OSError) as error:
@@ -281,16 +292,16 @@ def open_sweep(folder: str | Path) -> "xr.Dataset":
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a study would take.
+    """Time and space that a study needs.
 
     Attributes
     ----------
     designs, size : int
-        Designs, and bytes on the disk.
+        Number of designs, and space on the disk [bytes].
     seconds : float
-        On this machine.
+        Time on this machine [s].
     free : int
-        Bytes free on the disk.
+        Free space on the disk [bytes].
     """
 
     designs: int
@@ -300,13 +311,13 @@ class Estimate:
 
 
 def estimate(study: Study, folder: str | Path) -> Estimate:
-    """How large and how long a study would be, from a few of its designs.
+    """Time and space that a study needs, from a few of its designs.
 
     Parameters
     ----------
     study : Study
     folder : str or path
-        Where it would be written.
+        Where it is to be written.
 
     Returns
     -------
@@ -316,14 +327,14 @@ def estimate(study: Study, folder: str | Path) -> Estimate:
     while not existing.exists():
         existing = existing.parent
     evaluate = Evaluator(study)
-    few = min(study.size, evaluate.piece)
+    few = min(study.size, evaluate.batch)
     evaluate(0, few)  # compiles
     start = time.perf_counter()
     evaluate(0, few)
     rate = few / (time.perf_counter() - start)
     return Estimate(
         designs=study.size,
-        size=study.size * len(study.variables) * _BYTES,
+        size=study.size * len(study.outputs) * _BYTES,
         seconds=study.size / (rate * processors()),
         free=shutil.disk_usage(existing).free,
     )

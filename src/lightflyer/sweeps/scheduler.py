@@ -15,15 +15,17 @@ from typing import Any, NamedTuple
 
 import jax
 
-from lightflyer.foundation.errors import ConfigurationError, LightflyerError, MissingExtraError
+from lightflyer.foundation.errors import ConfigurationError, LightflyerError
+from lightflyer.foundation.extras import extra
+from lightflyer.foundation.pickling import dumps
 from lightflyer.sweeps.chunks import Chunks
 from lightflyer.sweeps.store import Record, stored_study, versions, write_chunk
 
 ANSWER_WITHIN = 10.0
-"""Time a scheduler has to answer [s]."""
+"""Time within which a scheduler must answer [s]."""
 
 VERSIONS_WITHIN = 60.0
-"""Time its workers have to import this package and to say which it is [s]."""
+"""Time within which its workers must import this package and report its version [s]."""
 
 _AHEAD = 3  # chunks handed out per thread of a worker: one computed, one written, one waiting
 _RETRIES = 3
@@ -33,7 +35,7 @@ _XLA_THREADS = "PJRT_NPROC"  # in the environment; read when JAX starts
 
 
 class Task(NamedTuple):
-    """What is to be computed and where it goes.
+    """What to compute, and where to write it.
 
     Attributes
     ----------
@@ -82,7 +84,7 @@ def compute_chunk(task: Task, chunk: int) -> Done:
 
 
 def run_here(task: Task, missing: Sequence[int], workers: int | None = None) -> Iterator[Done]:
-    """Compute chunks in threads of this process, in whichever order they are done.
+    """Compute chunks in threads of this process, yielding them as they are done.
 
     Parameters
     ----------
@@ -114,7 +116,7 @@ def run_here(task: Task, missing: Sequence[int], workers: int | None = None) -> 
 
 @cache
 def _settle_in() -> None:
-    """Make a worker's process fit for computing, before its first chunk."""
+    """Prepare a worker's process for computing, before its first chunk."""
     import distributed
 
     _keep_freed_memory()
@@ -149,7 +151,7 @@ def _start_jax(threads: int) -> None:
 
 
 def _compute_remotely(task: Task, chunk: int) -> tuple[Done, Any]:
-    """On a worker: write the chunk if the folder is in sight, else send its outputs back."""
+    """On a worker: write the chunk if the folder is visible, else send its outputs back."""
     import distributed
 
     _settle_in()
@@ -162,7 +164,7 @@ def _compute_remotely(task: Task, chunk: int) -> tuple[Done, Any]:
 
 
 def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -> Iterator[Done]:
-    """Compute chunks on an existing Dask cluster, in whichever order they are done.
+    """Compute chunks on an existing Dask cluster, yielding them as they are done.
 
     Workers that see the store's folder write into it; the results of others come back and are
     written here. The chunks of a worker that is lost go to another.
@@ -185,13 +187,12 @@ def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -
     LightflyerError
         If the cluster is lost.
     """
-    import cloudpickle
     import distributed
 
     threads = max(sum(client.nthreads().values()), 1)
     try:
         # made by a task and not scattered: it can be made again when its worker is lost
-        shared = client.submit(pickle.loads, cloudpickle.dumps(task), pure=False)
+        shared = client.submit(pickle.loads, dumps(task), pure=False)
         waiting = iter(missing)
 
         def submit(chunk: int) -> Any:
@@ -209,7 +210,7 @@ def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -
         if isinstance(error, OSError) and error.errno is not None:
             raise  # of the disk
         raise LightflyerError(
-            f"the cluster at {address} was lost ({type(error).__name__}); what is whole is kept, "
+            f"the cluster at {address} was lost ({type(error).__name__}); complete chunks are kept "
             "and the same command continues"
         ) from None
 
@@ -250,13 +251,7 @@ def connected(address: str) -> Iterator[Any]:
     MissingExtraError
         If Dask is not installed.
     """
-    try:
-        import distributed
-    except ImportError:
-        raise MissingExtraError(
-            "--scheduler needs distributed: pip install 'lightflyer[sweep]'"
-        ) from None
-
+    distributed = extra("distributed", "--scheduler", "sweep")
     try:
         _await_answer(address)
         client = distributed.Client(address, timeout=ANSWER_WITHIN, set_as_default=False)
@@ -289,16 +284,16 @@ def _check_workers(client: Any, address: str) -> None:
         if isinstance(there, OSError):
             continue  # lost since it was asked; whoever takes its place does its work
         if isinstance(there, Exception):
-            raise ConfigurationError(f"--scheduler {address}: the worker at {worker} says: {there}")
+            raise ConfigurationError(f"--scheduler {address}: worker {worker} failed: {there}")
         if there != here:
             raise ConfigurationError(
-                f"--scheduler {address}: the worker at {worker} has {there}, here is {here}; "
+                f"--scheduler {address}: worker {worker} has {there}, this process has {here}; "
                 "results would differ"
             )
 
 
 def _versions_of_workers(client: Any, address: str) -> dict[str, Any]:
-    """What each worker says of its packages, or the error that it has instead."""
+    """Versions that each worker reports, or its error."""
     answer: Future[dict[str, Any]] = Future()
 
     def ask() -> None:
@@ -313,6 +308,6 @@ def _versions_of_workers(client: Any, address: str) -> dict[str, Any]:
         return answer.result(VERSIONS_WITHIN)
     except TimeoutError:
         raise ConfigurationError(
-            f"--scheduler {address}: a worker has not said its versions within "
-            f"{VERSIONS_WITHIN:g} s; end those that hang, or start others"
+            f"--scheduler {address}: a worker has not reported its versions within "
+            f"{VERSIONS_WITHIN:g} s; stop workers that hang or start others"
         ) from None

@@ -1,14 +1,17 @@
-"""The sections of a study file, before their names are looked up in the flyer file."""
+"""The sections of a study file, before their names are looked up in the design."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import pydantic
 
-from lightflyer.config.reader import FileKind
-from lightflyer.foundation.quantity import Section
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.section import Section
+from lightflyer.foundation.toml_file import FileKind
+from lightflyer.sweeps.distributions import METHODS
 
 _Count = Annotated[int, pydantic.Field(strict=True, ge=1)]
 _Seed = Annotated[int, pydantic.Field(strict=True, ge=0)]
+_Method = Literal[tuple(METHODS)]  # type: ignore[valid-type]
 
 
 def _listed(value: Any) -> tuple[str, ...]:
@@ -32,7 +35,7 @@ class OutputsSection(Section):
 class SamplingSection(Section):
     """``[sampling]``: how the distributions of a study are drawn."""
 
-    method: Literal["sobol", "latin-hypercube", "random"] = "sobol"
+    method: _Method = "sobol"  # type: ignore[valid-type]
     points: _Count = 1024
     seed: _Seed = 0
 
@@ -45,7 +48,7 @@ class UncertaintySection(Section):
 
 
 class OptimiseSection(Section):
-    """``[optimise]``: what is wanted, over which fields, and within which limits."""
+    """``[optimise]``: the objectives, the free numbers, and the limits."""
 
     maximise: _Names = ()
     minimise: _Names = ()
@@ -57,7 +60,7 @@ class OptimiseSection(Section):
 
 
 class SensitivitySection(Section):
-    """``[sensitivity]``: which output, where, and what is uncertain about it."""
+    """``[sensitivity]``: which outputs, where, and which inputs are uncertain."""
 
     outputs: _Names = ("payload",)
     at: _Entries
@@ -77,7 +80,7 @@ class StudyFile(Section):
     sensitivity: SensitivitySection | None = None
 
 
-_SECTIONS: dict[str, type[pydantic.BaseModel]] = {
+_SECTIONS: dict[str, type[Section]] = {
     "": StudyFile,
     "outputs": OutputsSection,
     "sampling": SamplingSection,
@@ -92,3 +95,40 @@ STUDY_FILE = FileKind(
     'it needs flyer = "flyer.toml" and a section [sweep]',
 )
 """How messages speak of a study file."""
+
+_Kind = TypeVar("_Kind", bound=Section)
+
+
+def from_arguments(kind: type[_Kind], **given: Any) -> _Kind:
+    """A section from the arguments of a function.
+
+    Parameters
+    ----------
+    kind : type
+        Of the section.
+    **given : object
+        Its keys; None for one that is left out.
+
+    Returns
+    -------
+    Section
+
+    Raises
+    ------
+    ConfigurationError
+        One line for each mistake.
+    """
+    try:
+        return kind.model_validate({k: value for k, value in given.items() if value is not None})
+    except pydantic.ValidationError as error:
+        lines = [_explain(mistake, kind) for mistake in error.errors()]
+        raise ConfigurationError("\n".join(lines)) from None
+
+
+def _explain(mistake: Any, kind: type[Section]) -> str:
+    name = ".".join(map(str, mistake["loc"]))
+    if mistake["type"] == "extra_forbidden":
+        known = _SECTIONS["optimise.uncertainty"] if "." in name else kind
+        return f"{name} is unknown; choose from {', '.join(known.model_fields)}"
+    message = mistake["msg"].removeprefix("Value error, ")
+    return f"{name} = {mistake['input']!r}: {message[0].lower()}{message[1:]}"

@@ -1,11 +1,11 @@
 """A sweep's results on disk: a Zarr group that survives being killed at any moment.
 
 A chunk's outputs are one file each, written under a temporary name, flushed to the disk and
-renamed. When all of them are there, a line with their checksums goes into a journal beside them,
-and only then does the chunk count as done. Whoever continues trusts nothing: every file that the
-journal names is read and compared with its checksum, and what does not agree is computed again.
-The files are what the Zarr format wants of an array without compression but with a CRC-32C, so any
-reader of Zarr opens the group, and finds a damaged chunk too.
+renamed. Once all of them exist, a line with their checksums goes into a journal beside them, and
+only then does the chunk count as done. A process that continues trusts nothing: it reads every file
+that the journal names, compares it with its checksum, and computes damaged chunks again. The files
+are what the Zarr format prescribes for an array without compression but with a CRC-32C, so any
+reader of Zarr opens the group, and detects a damaged chunk too.
 """
 
 import importlib.metadata
@@ -23,8 +23,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import lightflyer
-from lightflyer.flight.outputs import OUTPUTS
-from lightflyer.foundation.errors import MissingExtraError, OutputError
+from lightflyer.foundation.errors import OutputError
+from lightflyer.foundation.extras import extra
 from lightflyer.sweeps.chunks import Chunks
 from lightflyer.sweeps.study import Study
 
@@ -43,14 +43,8 @@ Record = dict[str, int]
 
 def require_extra() -> None:
     """Raise :class:`MissingExtraError` unless Zarr and its companions are installed."""
-    try:
-        import filelock  # noqa: F401
-        import google_crc32c  # noqa: F401
-        import zarr  # noqa: F401
-    except ImportError as error:
-        raise MissingExtraError(
-            f"sweeps into a folder need {error.name}: pip install 'lightflyer[sweep]'"
-        ) from None
+    for module in ("filelock", "google_crc32c", "zarr"):
+        extra(module, "a sweep into a folder", "sweep")
 
 
 def versions() -> dict[str, str]:
@@ -83,10 +77,10 @@ def write_chunk(folder: Path, chunks: Chunks, chunk: int, outputs: Mapping[str, 
     for name, values in outputs.items():
         block = np.reshape(values, extent)
         if extent != chunks.block:
-            # chunks are stored whole, those at the edge too
-            whole = np.full(chunks.block, np.nan)
-            whole[inside] = block
-            block = whole
+            # Zarr stores complete chunks, also at the edge of the grid
+            padded = np.full(chunks.block, np.nan)
+            padded[inside] = block
+            block = padded
         content = np.ascontiguousarray(block, "<f8").tobytes()
         record[name] = google_crc32c.value(content)
         checksum = record[name].to_bytes(_CHECKSUM_BYTES, "little")
@@ -122,16 +116,16 @@ class Store:
     folder : Path
     chunks : Chunks
     token : str
-        Tells this store from any other.
+        Identifies this store.
     done : dict of int to dict
-        Journal entries of the chunks that are whole, by their numbers.
+        Journal entries of the intact chunks, by their numbers.
     damaged : list of int
-        Chunks that were committed but are not whole.
+        Chunks that were committed but are no longer intact.
     """
 
     def __init__(self, folder: Path, study: Study, chunks: Chunks):
         self.folder, self.chunks = folder, chunks
-        self._names = study.variables
+        self._names = study.outputs
         self.token = str(stored_study(folder)["token"])
         self._journal_path = folder / _RECORDS / _JOURNAL
         self.done, self.damaged = self._check()
@@ -148,7 +142,7 @@ class Store:
         return sum(entry["failures"] for entry in self.done.values())
 
     def commit(self, chunk: int, record: Record, failures: int) -> None:
-        """Count a chunk as done: all its files are there.
+        """Count a chunk as done, now that all its files are written.
 
         Parameters
         ----------
@@ -165,7 +159,7 @@ class Store:
         self.done[chunk] = entry
 
     def finish(self) -> None:
-        """Say in the group's attributes that it is whole."""
+        """Record in the group's attributes that it is complete."""
         attributes = {"complete": not self.missing, "not_converged": self.failures}
         path = self.folder / "zarr.json"
         metadata = json.loads(path.read_text(encoding="utf-8"))
@@ -178,19 +172,19 @@ class Store:
         self._journal.close()
 
     def _check(self) -> tuple[dict[int, Any], list[int]]:
-        """Entries of whole chunks, and numbers of the others; the journal is mended."""
+        """Entries of intact chunks, and numbers of the others; repairs the journal."""
         content = self._journal_path.read_bytes() if self._journal_path.exists() else b""
         entries = {entry["chunk"]: entry for entry in _entries(content)}
         for name in self._names:
             for leftover in (self.folder / name).rglob(f"*{_PARTIAL}"):
                 leftover.unlink(missing_ok=True)
-        whole = {chunk: entry for chunk, entry in entries.items() if self._is_whole(entry)}
-        mended = b"".join(map(_journal_line, whole.values()))
-        if mended != content:
-            _write_atomically(self._journal_path, mended)
-        return whole, sorted(set(entries) - set(whole))
+        intact = {chunk: entry for chunk, entry in entries.items() if self._is_intact(entry)}
+        repaired = b"".join(map(_journal_line, intact.values()))
+        if repaired != content:
+            _write_atomically(self._journal_path, repaired)
+        return intact, sorted(set(entries) - set(intact))
 
-    def _is_whole(self, entry: dict[str, Any]) -> bool:
+    def _is_intact(self, entry: dict[str, Any]) -> bool:
         import google_crc32c
 
         for name in self._names:
@@ -225,7 +219,7 @@ def _entries(content: bytes) -> Iterator[dict[str, Any]]:
 
 
 def stored_study(folder: Path) -> dict[str, Any]:
-    """What a store says of itself: its token, the shape of its chunks, its study.
+    """Token, shape of the chunks and description of the study of a store.
 
     Parameters
     ----------
@@ -269,7 +263,7 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
     Raises
     ------
     OutputError
-        If the folder holds something else or another study, is being written, or cannot be.
+        If the folder holds something else or another study, or cannot be written.
     MissingExtraError
         If Zarr is not installed.
     """
@@ -291,8 +285,8 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
                 raise _lost(folder, records / _STUDY) from None
             _require_same(folder, stored["description"], description)
             chunks = Chunks(study.shape, tuple(stored["block"]))
-            if not _group_is_whole(folder, study, chunks):
-                _mend_group(folder, study, chunks)
+            if not _group_is_intact(folder, study, chunks):
+                _repair_group(folder, study, chunks)
             store = Store(folder, study, chunks)
             try:
                 yield store
@@ -300,31 +294,29 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
                 store.close()
     except filelock.Timeout:
         raise OutputError(
-            f"{folder}: another process is writing to it; wait for it, or choose another folder"
+            f"{folder}: another process is writing to it; wait for it or choose another folder"
         ) from None
     except OSError as error:
         if isinstance(error, OutputError):
             raise
         raise OutputError(
-            f"{folder}: cannot be written: {error.strerror or error}; what is whole is kept, and "
+            f"{folder}: cannot be written: {error.strerror or error}; complete chunks are kept and "
             "the same command continues"
         ) from None
 
 
 def _require_free(folder: Path) -> None:
-    """Raise unless the folder is a store, perhaps one whose making was cut off, or free."""
+    """Raise unless the folder is a store, perhaps an interrupted one, or empty."""
     if not folder.exists() or (folder / _RECORDS).is_dir():
         return
     if not folder.is_dir() or any(folder.iterdir()):
-        raise OutputError(
-            f"{folder}: is there already and is not the result of a sweep; choose another folder"
-        )
+        raise OutputError(f"{folder}: already exists and is not a sweep; choose another folder")
 
 
 def _require_same(folder: Path, stored: dict[str, str], asked: dict[str, str]) -> None:
     """Raise with the differences unless two descriptions are the same."""
     lines = [
-        f"  {name}: there {stored.get(name, 'not given')}; now {asked.get(name, 'not given')}"
+        f"  {name}: {stored.get(name, 'not given')} there, {asked.get(name, 'not given')} now"
         for name in dict.fromkeys([*stored, *asked])
         if stored.get(name) != asked.get(name)
     ]
@@ -333,12 +325,12 @@ def _require_same(folder: Path, stored: dict[str, str], asked: dict[str, str]) -
     if lines:
         more = len(lines) - _MOST_DIFFERENCES
         shown = lines[:_MOST_DIFFERENCES] + ([f"  and {more} more"] if more > 0 else [])
-        first = f"{folder}: holds another study; choose another folder, or remove it"
+        first = f"{folder}: holds another study; choose another folder or remove it"
         raise OutputError("\n".join([first, *shown]))
 
 
 def _lost(folder: Path, path: Path) -> OutputError:
-    """The error that says that a store's own record cannot be read."""
+    """Error about a store's own record that cannot be read."""
     return OutputError(
         f"{folder}: {path.relative_to(folder)} is damaged or missing; restore it, choose another "
         "folder, or remove this one"
@@ -348,18 +340,18 @@ def _lost(folder: Path, path: Path) -> OutputError:
 def _names_in_group(study: Study) -> set[str]:
     """Names of the arrays that a new store holds."""
     coordinates = (name for dimension in study.dimensions for name in dimension.values)
-    return {*study.variables, *study.fixed, *coordinates}
+    return {*study.outputs, *study.fixed, *coordinates}
 
 
 def _create(folder: Path, study: Study, description: dict[str, str], chunks: Chunks) -> None:
-    """Fill a store's folder; it is a store once its study is written, which comes last."""
+    """Fill a store's folder; writing the study, which comes last, makes it a store."""
     journal, mine = folder / _RECORDS / _JOURNAL, _names_in_group(study)
     if journal.is_file() and journal.stat().st_size:
         raise _lost(folder, folder / _RECORDS / _STUDY)
     leftovers = [path for path in folder.iterdir() if path.name != _RECORDS]
     if not all(path.name in mine or path.name.startswith("zarr.") for path in leftovers):
         raise OutputError(
-            f"{folder}: is no whole result of a sweep and holds other files; choose another folder"
+            f"{folder}: is an unfinished sweep among other files; choose another folder"
         )
     for leftover in leftovers:
         shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink()
@@ -384,8 +376,8 @@ def _write_group(folder: Path, study: Study, chunks: Chunks) -> None:
         # in the format's newest version it is an addition; readers that do not know it skip it
         warnings.filterwarnings("ignore", message="Consolidated metadata")
         empty_dataset(study).to_zarr(folder, mode="a", consolidated=False, zarr_format=3)
-        group = zarr.open_group(folder, mode="r+")
-        for name in study.variables:
+        group, known = zarr.open_group(folder, mode="r+"), study.known_outputs
+        for name in study.outputs:
             group.create_array(
                 name,
                 shape=chunks.shape,
@@ -394,13 +386,13 @@ def _write_group(folder: Path, study: Study, chunks: Chunks) -> None:
                 fill_value=np.nan,
                 compressors=[Crc32cCodec()],
                 dimension_names=[dimension.name for dimension in study.dimensions],
-                attributes={**OUTPUTS[name].attributes},
+                attributes={**known[name].attributes},
             )
         zarr.consolidate_metadata(folder)
 
 
-def _group_is_whole(folder: Path, study: Study, chunks: Chunks) -> bool:
-    """Whether a reader finds the coordinates, and the outputs' descriptions."""
+def _group_is_intact(folder: Path, study: Study, chunks: Chunks) -> bool:
+    """Whether a reader finds the coordinates and the metadata of the outputs."""
     import zarr
 
     try:
@@ -410,14 +402,14 @@ def _group_is_whole(folder: Path, study: Study, chunks: Chunks) -> bool:
             np.array_equal(group[name][...], values) for name, values in coordinates.items()
         ) and all(
             (group[name].shape, group[name].chunks) == (chunks.shape, chunks.block)
-            for name in study.variables
+            for name in study.outputs
         )
     except (OSError, ValueError, LookupError, TypeError, RuntimeError):  # as decoders raise them
         return False
 
 
-def _mend_group(folder: Path, study: Study, chunks: Chunks) -> None:
-    """Write coordinates, attributes and the outputs' descriptions anew; chunks stay as they are."""
+def _repair_group(folder: Path, study: Study, chunks: Chunks) -> None:
+    """Rewrite coordinates, attributes and metadata of the outputs; chunks stay as they are."""
     with tempfile.TemporaryDirectory(dir=folder / _RECORDS) as name:
         fresh = Path(name)
         _write_group(fresh, study, chunks)
@@ -439,17 +431,18 @@ def empty_dataset(study: Study) -> "xr.Dataset":
     """
     import xarray as xr
 
+    fields = study.fields
     coordinates: dict[str, Any] = {
-        name: (dimension.name, values, study.fields[name].attributes)
+        name: (dimension.name, values, fields[name].attributes)
         for dimension in study.dimensions
         for name, values in dimension.values.items()
     }
     for name, value in study.fixed.items():
-        coordinates[name] = ((), value, study.fields[name].attributes)
+        coordinates[name] = ((), value, fields[name].attributes)
     attributes = {
         "title": "lightflyer sweep",
         "study": study.text,
-        "configuration": study.flyer_text,
+        "configuration": study.design.text,
         "versions": json.dumps(versions()),
         "lightflyer_version": lightflyer.__version__,
         "complete": False,

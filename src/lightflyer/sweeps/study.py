@@ -1,24 +1,21 @@
-"""Study files: which designs, and what is asked of them."""
+"""Studies: which designs, and what is asked of them."""
 
-import hashlib
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import jax
 import numpy as np
 
-from lightflyer.config.reader import place_of, read_file, read_flyer_file
-from lightflyer.config.sections import FlyerFile
-from lightflyer.flight.fields import Field, field
-from lightflyer.flight.outputs import check_outputs
+from lightflyer.flight.design import AbstractDesign, Field, as_design, digest
+from lightflyer.flight.outputs import Output, check_outputs, outputs_of
 from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.sweeps.axes import SAMPLE, Axis, Distribution, draw, read_entry
+from lightflyer.foundation.toml_file import place_of, read_file
+from lightflyer.sweeps.axes import Axis, read_entry
+from lightflyer.sweeps.distributions import SAMPLE, Distribution, draw_samples
 from lightflyer.sweeps.sections import STUDY_FILE, SamplingSection, StudyFile
 
-_LISTED = 6  # values of a field that are told one by one
+_LISTED = 6  # values of a number that are shown one by one
 
 
 @dataclass(frozen=True)
@@ -29,12 +26,10 @@ class Source:
     ----------
     path : Path
     text : str
-    flyer_text : str
     """
 
     path: Path
     text: str
-    flyer_text: str
 
     def place(self, keys: Sequence[str]) -> str:
         """File, line and name of a key, for the beginning of a message.
@@ -53,7 +48,32 @@ class Source:
         return f"{place_of(parts, self.text, self.path)}: {shown}"
 
 
-def read_study(path: str | Path) -> tuple[StudyFile, FlyerFile, Source]:
+@contextmanager
+def errors_at(source: Source | None, *keys: str) -> Iterator[None]:
+    """Let errors inside begin with the key that they are about, and its place.
+
+    Parameters
+    ----------
+    source : Source or None
+        None for a study that was not read from a file.
+    *keys : str
+        Sections, outermost first, and the key.
+
+    Raises
+    ------
+    ConfigurationError
+        In place of one that the message is taken from; it may begin with the key already.
+    """
+    try:
+        yield
+    except ConfigurationError as error:
+        text = str(error)
+        named = text.startswith((f"{keys[-1]} ", f"{keys[-1]}:"))
+        rest = text.removeprefix(keys[-1]) if named else f": {text}"
+        raise ConfigurationError((source.place(keys) if source else keys[-1]) + rest) from None
+
+
+def read_study_file(path: str | Path) -> tuple[StudyFile, AbstractDesign, Source]:
     """Read a study file and the flyer file that it names.
 
     Parameters
@@ -64,7 +84,7 @@ def read_study(path: str | Path) -> tuple[StudyFile, FlyerFile, Source]:
     Returns
     -------
     study : StudyFile
-    configuration : FlyerFile
+    design : AbstractDesign
     source : Source
 
     Raises
@@ -77,11 +97,10 @@ def read_study(path: str | Path) -> tuple[StudyFile, FlyerFile, Source]:
     flyer = path.parent / study.flyer
     if not flyer.is_file():
         raise ConfigurationError(
-            f'{place_of(["flyer"], text, path)}: flyer = "{study.flyer}" is no file beside the '
-            "study"
+            f'{place_of(["flyer"], text, path)}: flyer = "{study.flyer}" does not exist; name a '
+            "flyer file relative to the study file"
         )
-    configuration = read_flyer_file(flyer)
-    return study, configuration, Source(path, text, flyer.read_text(encoding="utf-8-sig"))
+    return study, as_design(flyer), Source(path, text)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +110,7 @@ class Dimension:
     Attributes
     ----------
     name : str
-        Dotted name of its field, or :data:`~lightflyer.sweeps.axes.SAMPLE`.
+        Dotted name of its field, or :data:`~lightflyer.sweeps.distributions.SAMPLE`.
     values : dict of str to array, shape (n,)
         Values of each field along it, by dotted name.
     """
@@ -111,25 +130,21 @@ class Study:
 
     Attributes
     ----------
-    configuration : FlyerFile
+    design : AbstractDesign
     dimensions : tuple of Dimension
     fixed : dict of str to float
-        Fields that have one value, by dotted name.
-    variables : tuple of str
+        Numbers that have one value, by dotted name.
+    outputs : tuple of str
         Names of the outputs.
-    fields : dict of str to Field
-        All that have values, by dotted name.
-    text, flyer_text : str
-        Of the files, for the record.
+    text : str
+        Of the study file, for the record.
     """
 
-    configuration: FlyerFile
+    design: AbstractDesign
     dimensions: tuple[Dimension, ...]
     fixed: dict[str, float]
-    variables: tuple[str, ...]
-    fields: dict[str, Field]
+    outputs: tuple[str, ...]
     text: str = ""
-    flyer_text: str = ""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -144,6 +159,18 @@ class Study:
             size *= length  # exact, however many: NumPy's product would overflow
         return size
 
+    @property
+    def fields(self) -> dict[str, Field]:
+        """All numbers that have values, by dotted name, in the order of the dimensions."""
+        varied = [name for dimension in self.dimensions for name in dimension.values]
+        return {name: self.design.field(name) for name in (*varied, *self.fixed)}
+
+    @property
+    def known_outputs(self) -> dict[str, Output]:
+        """The study's outputs by name."""
+        known = outputs_of(self.design.setup.flyer)
+        return {name: known[name] for name in self.outputs}
+
     def description(self) -> dict[str, str]:
         """What decides the results, in words that can be compared and shown.
 
@@ -151,43 +178,26 @@ class Study:
         -------
         dict of str to str
         """
-        described = {"variables": ", ".join(self.variables)}
+        described, fields = {"variables": ", ".join(self.outputs)}, self.fields
         for dimension in self.dimensions:
             for name, values in dimension.values.items():
-                described[name] = _describe(values, self.fields[name])
+                described[name] = _describe(values, fields[name])
         for name, value in self.fixed.items():
-            described[name] = f"{value:.9g} {self.fields[name].quantity.unit}".rstrip()
-        dumped = self.configuration.model_dump(mode="json")
-        for section, content in dumped.items():
-            for key, entry in content.items():
-                if key != "layers" and entry is not None:
-                    described[f"flyer file: {section}.{key}"] = json.dumps(entry)
-            for number, layer in enumerate(content.get("layers") or ()):
-                described[f"flyer file: {section}.layers.{number}"] = json.dumps(layer)
-        # what the sections read from elsewhere: materials, spectra, atmospheres
-        setup = jax.tree.leaves(tuple(self.configuration.build())[:3])
-        described["numbers of the flyer file and of its data"] = _digest(*setup)
-        return described
-
-
-def _digest(*arrays: Any) -> str:
-    total = hashlib.sha256()
-    for array in arrays:
-        total.update(np.ascontiguousarray(array, float).tobytes())
-    return f"sha256 {total.hexdigest()[:12]}"
+            described[name] = f"{value:.9g} {fields[name].quantity.unit}".rstrip()
+        return described | self.design.description()
 
 
 def _describe(values: np.ndarray, field: Field) -> str:
     few = len(values) <= _LISTED
     shown = ", ".join(f"{value:.6g}" for value in (values if few else values[[0, -1]]))
     ends = f"{shown if few else shown.replace(', ', ' to ')} {field.quantity.unit}".rstrip()
-    return f"{len(values)} values, {ends} ({_digest(values)})"
+    return f"{len(values)} values, {ends} ({digest(values)})"
 
 
 def make_study(
-    configuration: FlyerFile,
-    entries: Mapping[str, Any],
-    variables: Sequence[str],
+    design: AbstractDesign,
+    entries: Mapping[str, object],
+    outputs: Sequence[str],
     sampling: SamplingSection | None = None,
     source: Source | None = None,
 ) -> Study:
@@ -195,11 +205,10 @@ def make_study(
 
     Parameters
     ----------
-    configuration : FlyerFile
+    design : AbstractDesign
     entries : dict of str to object
-        Values of each field by dotted name: see :func:`lightflyer.sweeps.axes.read_entry`.
-    variables : sequence of str
-        Names of outputs.
+        Values of each number by dotted name: see :func:`lightflyer.sweeps.axes.read_entry`.
+    outputs : sequence of str
     sampling : SamplingSection, optional
     source : Source, optional
         Names file and line in errors.
@@ -213,40 +222,54 @@ def make_study(
     ConfigurationError
         Naming the field and what is wrong with it.
     """
-    sampling = sampling or SamplingSection()
+    if not entries:
+        raise ConfigurationError("over names no number to vary")
     found: list[Axis | Distribution] = []
     for name, entry in entries.items():
-        try:
-            known = field(configuration, name)
-        except ConfigurationError as error:
-            message = str(error).removeprefix(name)
-            raise located(source, ["sweep", name], message) from None
-        try:
-            found.append(read_entry(entry, known))
-        except ConfigurationError as error:
-            raise located(source, ["sweep", name], f": {error}") from None
-    _refuse_two_emittances(list(entries), source)
-    try:
-        check_outputs(variables, configuration, list(entries))
-    except ConfigurationError as error:
-        raise located(source, ["outputs", "variables"], f": {error}") from None
+        with errors_at(source, "sweep", name):
+            found.append(read_entry(entry, design.field(name)))
+    require_compatible(design, list(entries), source, "sweep")
+    with errors_at(source, "outputs", *(("variables",) if source else ())):
+        check_outputs(outputs, design.setup, list(entries))
     return Study(
-        configuration=configuration,
-        dimensions=_dimensions(configuration, found, sampling, source),
+        design=design,
+        dimensions=_dimensions(design, found, sampling or SamplingSection(), source),
         fixed={
             axis.field.name: float(axis.values[0])
             for axis in found
             if isinstance(axis, Axis) and axis.single
         },
-        variables=tuple(dict.fromkeys(variables)),
-        fields={part.field.name: part.field for part in found},
+        outputs=tuple(dict.fromkeys(outputs)),
         text=source.text if source else "",
-        flyer_text=source.flyer_text if source else "",
     )
 
 
+def require_compatible(
+    design: AbstractDesign, names: list[str], source: Source | None, *sections: str
+) -> None:
+    """Raise where two numbers cannot be given at once.
+
+    Parameters
+    ----------
+    design : AbstractDesign
+    names : list of str
+    source : Source or None
+    *sections : str
+        Where the numbers are given.
+
+    Raises
+    ------
+    ConfigurationError
+    """
+    conflict = design.conflict(names)
+    if conflict is not None:
+        first, second = conflict
+        with errors_at(source, *sections, first):
+            raise ConfigurationError(f"{first} cannot vary together with {second}, which sets it")
+
+
 def _dimensions(
-    configuration: FlyerFile,
+    design: AbstractDesign,
     found: Sequence[Axis | Distribution],
     sampling: SamplingSection,
     source: Source | None,
@@ -258,42 +281,15 @@ def _dimensions(
     ]
     distributions = [part for part in found if isinstance(part, Distribution)]
     if distributions:
-        how = (sampling.method, sampling.seed, configuration.film.tac_correlation.value)
-        try:
-            drawn = draw(distributions, sampling.points, *how)
-        except ConfigurationError as error:
-            raise located(source, ["sampling"], f": {error}") from None
+        with errors_at(source, "sampling"):
+            drawn = draw_samples(
+                distributions, sampling.points, sampling.method, sampling.seed, design.correlations
+            )
         dimensions.append(Dimension(SAMPLE, drawn))
     return tuple(dimensions)
 
 
-def _refuse_two_emittances(names: Sequence[str], source: Source | None) -> None:
-    if "film.emittance" in names:
-        for face in ("film.emittance_top", "film.emittance_bottom"):
-            if face in names:
-                message = " stands beside film.emittance, which is that of both faces"
-                raise located(source, ["sweep", face], message)
-
-
-def located(source: Source | None, keys: Sequence[str], message: str) -> ConfigurationError:
-    """An error, with the place of its key where the study was read from a file.
-
-    Parameters
-    ----------
-    source : Source or None
-    keys : sequence of str
-        Sections, outermost first, and the key.
-    message : str
-        That continues the key's name, its separator first.
-
-    Returns
-    -------
-    ConfigurationError
-    """
-    return ConfigurationError((source.place(keys) if source else keys[-1]) + message)
-
-
-def sweep_study(path: str | Path) -> Study:
+def read_study(path: str | Path) -> Study:
     """Read the ``[sweep]`` of a study file.
 
     Parameters
@@ -309,7 +305,7 @@ def sweep_study(path: str | Path) -> Study:
     ConfigurationError
         One line for each mistake: file, line, key and what is allowed.
     """
-    study, configuration, source = read_study(path)
+    study, design, source = read_study_file(path)
     if not study.sweep:
         raise ConfigurationError(
             f"{path}: needs a section [sweep] with a line such as "
@@ -319,4 +315,4 @@ def sweep_study(path: str | Path) -> Study:
         raise ConfigurationError(
             f'{path}: needs a section [outputs] with variables = ["relative_payload", ...]'
         )
-    return make_study(configuration, study.sweep, study.outputs.variables, study.sampling, source)
+    return make_study(design, study.sweep, study.outputs.variables, study.sampling, source)

@@ -1,0 +1,10 @@
+from .front import Front as Front
+from .front import pareto as pareto
+from .optimiser import Optimum as Optimum
+from .optimiser import optimise as optimise
+from .problem import Problem as Problem
+from .problem import read_problem as read_problem
+from .sobol import Indices as Indices
+from .sobol import SensitivityStudy as SensitivityStudy
+from .sobol import read_sensitivity_study as read_sensitivity_study
+from .sobol import sensitivity as sensitivity

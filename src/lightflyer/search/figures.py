@@ -1,0 +1,87 @@
+"""Figures of Pareto fronts and sensitivities."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from lightflyer.foundation.drawing import BLUE, GREEN, GREY, ORANGE, VERMILION, new_figure
+from lightflyer.search.front import Front
+from lightflyer.search.sobol import Indices
+from lightflyer.sweeps.shown import output_scale_and_label
+
+_OPACITY = 0.25
+_TICKS = 6
+_BAR = 0.4  # height, in rows
+
+
+def front_figure(front: Front) -> Figure:
+    """The objectives of a Pareto front, each against the first.
+
+    Parameters
+    ----------
+    front : Front
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    first, *others = front.problem.objectives
+    figure = new_figure(columns=len(others))
+    for ax, other in zip(figure.axes, others, strict=True):
+        values = []
+        for part, side in ((first, "x"), (other, "y")):
+            better = "more" if part.sign > 0.0 else "less"
+            factor, label = output_scale_and_label(part.name)
+            getattr(ax, f"set_{side}label")(f"{label}\n({better} is better)")
+            values.append(factor * front.objectives[part.name])
+        ax.plot(*values, "o", color=BLUE, ms=4)
+        ax.grid(alpha=_OPACITY)
+    return figure
+
+
+def tornado_figure(found: Indices) -> Figure:
+    """Effect of the uncertainty of each input on an output, the largest on top.
+
+    Parameters
+    ----------
+    found : Indices
+        The bar of inputs that vary together reaches over the same quantiles of the output.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = new_figure(columns=2, width=5.0, height=1.4 + 0.45 * len(found.names))
+    ranges, shares = figure.axes
+    order = np.argsort(found.total)
+    _draw_ranges(found, order, ranges)
+    _draw_shares(found, order, shares)
+    for ax in figure.axes:
+        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
+    return figure
+
+
+def _draw_ranges(found: Indices, order: np.ndarray, ax: Axes) -> None:
+    factor, label = output_scale_and_label(found.output)
+    rows = np.arange(order.size)
+    for ends, colour, words in (
+        (found.low, ORANGE, "input at its 2.5 % quantile"),
+        (found.high, BLUE, "input at its 97.5 % quantile"),
+    ):
+        width = factor * (ends[order] - found.nominal)
+        ax.barh(rows, width, left=factor * found.nominal, color=colour, label=words)
+    ax.axvline(factor * found.nominal, color=GREY, lw=1.0)
+    ax.set_yticks(rows, [" and\n".join(found.groups[number]) for number in order])
+    ax.set_xlabel(label)
+    ax.locator_params(axis="x", nbins=_TICKS)
+
+
+def _draw_shares(found: Indices, order: np.ndarray, ax: Axes) -> None:
+    rows = np.arange(order.size)
+    for index, spread, colour, words, offset in (
+        (found.total, found.total_interval, GREEN, "total", _BAR / 2.0),
+        (found.first, found.first_interval, VERMILION, "alone", -_BAR / 2.0),
+    ):
+        ax.barh(rows + offset, index[order], _BAR, xerr=spread[order], color=colour, label=words)
+    ax.set_yticks(rows, [])
+    ax.set_xlabel("share of the variance (Sobol index)")

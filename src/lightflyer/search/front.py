@@ -1,0 +1,169 @@
+"""Several objectives at once: the Pareto front, by a genetic algorithm."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.flight.outputs import outputs_of
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.foundation.errors import LightflyerError
+from lightflyer.foundation.extras import extra
+from lightflyer.search.objectives import ObjectiveFunction
+from lightflyer.search.problem import PROBABILITY, Problem, as_problem
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+POPULATION, GENERATIONS = 100, 150
+"""Size of the genetic algorithm by default."""
+
+_NO_VALUE = np.finfo(float).max ** 0.5  # loss of a design that has no value
+
+
+@dataclass(frozen=True)
+class Front:
+    """Designs that no other beats in all objectives at once.
+
+    Attributes
+    ----------
+    problem : Problem
+    objectives : dict of str to array, shape (n,)
+        In SI units, ordered by the first.
+    designs : dict of str to array, shape (n,)
+        Free numbers by name, in the units of the design.
+    evaluations : int
+        Number of designs evaluated.
+    """
+
+    problem: Problem
+    objectives: dict[str, np.ndarray]
+    designs: dict[str, np.ndarray]
+    evaluations: int
+
+    @property
+    def dataset(self) -> "xr.Dataset":
+        """Objectives over the dimension ``design``, with the free numbers as coordinates."""
+        import xarray as xr
+
+        known = outputs_of(self.problem.design.setup.flyer)
+        probability = {"units": "1", "long_name": PROBABILITY.replace("_", " ")}
+        variables = {
+            name: ("design", values, probability if name == PROBABILITY else known[name].attributes)
+            for name, values in self.objectives.items()
+        }
+        coordinates = {
+            name: ("design", values, self.problem.design.field(name).attributes)
+            for name, values in self.designs.items()
+        }
+        return xr.Dataset(variables, coordinates, {"title": "lightflyer Pareto front"})
+
+    def summary(self) -> dict[str, Any]:
+        """All of it as a JSON object, in SI units."""
+        return {
+            "objectives": {part.name: part.word for part in self.problem.objectives},
+            "values": {name: column.tolist() for name, column in self.objectives.items()},
+            "designs": {name: column.tolist() for name, column in self.designs.items()},
+            "evaluations": self.evaluations,
+        }
+
+
+def pareto(
+    what: Any,
+    environment: AbstractEnvironment | None = None,
+    model: AbstractForceModel | None = None,
+    *,
+    maximise: str | Sequence[str] | None = None,
+    minimise: str | Sequence[str] | None = None,
+    over: Mapping[str, Any] | None = None,
+    constraints: Mapping[str, Any] | None = None,
+    uncertainty: Mapping[str, Any] | None = None,
+    points: int | None = None,
+    method: str | None = None,
+    seed: int | None = None,
+    population: int = POPULATION,
+    generations: int = GENERATIONS,
+) -> Front:
+    """The Pareto front of several objectives, by NSGA-II.
+
+    Parameters
+    ----------
+    what, environment, model, over, constraints, uncertainty, points, method, seed
+        As for :func:`~lightflyer.search.optimiser.optimise`.
+    maximise, minimise : str or sequence of str, optional
+        The objectives: names of outputs, or ``"probability_of_flying"``.
+    population, generations : int
+        Size of the genetic algorithm.
+
+    Returns
+    -------
+    Front
+
+    Raises
+    ------
+    ConfigurationError
+        If a number or an output does not exist or a value is not possible.
+    LightflyerError
+        If no design satisfies the constraints.
+    MissingExtraError
+        If pymoo is not installed.
+
+    References
+    ----------
+    [Deb2002]_ for the algorithm, [Blank2020]_ for its implementation.
+    """
+    problem = as_problem(
+        what,
+        environment,
+        model,
+        maximise=maximise,
+        minimise=minimise,
+        over=over,
+        constraints=constraints,
+        uncertainty=uncertainty,
+        points=points,
+        method=method,
+        seed=seed,
+    )
+    places, losses = _search(problem, population, generations)
+    order = np.argsort(-problem.objectives[0].sign * losses[:, 0])
+    places, losses = places[order], losses[order]
+    return Front(
+        problem=problem,
+        objectives={
+            part.name: -part.sign * losses[:, row] for row, part in enumerate(problem.objectives)
+        },
+        designs={
+            bounds.field.name: np.asarray(bounds.value(places[:, row]))
+            for row, bounds in enumerate(problem.bounds)
+        },
+        evaluations=population * generations,
+    )
+
+
+def _search(problem: Problem, population: int, generations: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points of the front in the unit cube, and their losses."""
+    core = extra("pymoo.core.problem", "a Pareto front", "optimise")
+    from pymoo.algorithms.moo.nsga2 import NSGA2
+    from pymoo.optimize import minimize
+
+    function, count = ObjectiveFunction(problem), len(problem.objectives)
+
+    class Vectorised(core.Problem):  # type: ignore[name-defined]
+        def __init__(self) -> None:
+            sides, limits = len(problem.bounds), len(problem.constraints)
+            super().__init__(n_var=sides, n_obj=count, n_ieq_constr=limits, xl=0.0, xu=1.0)
+
+        def _evaluate(self, points: np.ndarray, out: dict[str, Any], *_: Any, **__: Any) -> None:
+            scores = function.scores_of_many(points)
+            losses = np.where(np.isfinite(scores), -scores, _NO_VALUE)
+            out["F"], out["G"] = losses[:, :count], losses[:, count:]
+
+    found = minimize(
+        Vectorised(), NSGA2(pop_size=population), ("n_gen", generations), seed=problem.seed
+    )
+    if found.X is None:
+        raise LightflyerError("no design satisfies the constraints; widen the bounds or the limits")
+    return np.atleast_2d(found.X), np.atleast_2d(found.F)

@@ -354,7 +354,7 @@ def section_at(name: str, content: Any) -> type[Section] | None:
     type or None
         None where there is no such section.
     """
-    bases = {
+    bases: dict[str, type[Alternative]] = {
         "flyer": FlyerSection,
         "film": FilmSection,
         "environment": EnvironmentSection,
@@ -382,7 +382,9 @@ def _inner_section(kind: type[Section], key: str, given: Any) -> type[Section] |
     inside = given.get(key) if isinstance(given, Mapping) else None
     tagged = [part for part in found if issubclass(part, Alternative)]
     if tagged:
-        base = next(part for part in tagged[0].__mro__ if Alternative in part.__bases__)
+        base: type[Alternative] = next(
+            part for part in tagged[0].__mro__ if Alternative in part.__bases__
+        )
         return base.alternatives.get(base.tag_of(inside))
     return found[0] if found else None
 

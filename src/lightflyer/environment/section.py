@@ -37,7 +37,7 @@ class EnvironmentSection(Alternative, abc.ABC):
     search_keys: ClassVar[tuple[str, str]]
     stefan_boltzmann: ClassVar[float] = constants.STEFAN_BOLTZMANN
 
-    gas: GasName | None = None
+    gas: GasName | None = None  # type: ignore[valid-type]
     gravity: Acceleration | None = None
     irradiance: Irradiance = Measured(constants.SOLAR_CONSTANT)
     incidence: Incidence = Measured(0.0)

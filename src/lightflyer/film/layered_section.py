@@ -161,7 +161,7 @@ class LayeredFilmSection(FilmSection):
         """See :meth:`FilmSection.build`."""
         if computed is None:
             return self.computed(incidence).properties
-        given = {name: value.value for name, value in self.measured().items()}
+        given: dict[str, Any] = {name: value.value for name, value in self.measured().items()}
         if "absorptance" in given:
             given.setdefault("absorptance_bottom", None)  # the top's then stands for both
         parts = {name: getattr(computed, name) for name in FilmProperties.__dataclass_fields__}

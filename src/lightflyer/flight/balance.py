@@ -222,10 +222,10 @@ def uniform_excess(
         [1]; not differentiable.
     status : RootStatus
     """
-    still = (0.0,) * len(flyer.flows)
 
     def loss(excess: Array) -> Array:
-        return total(node_losses(flyer, state, model, (excess,) * len(flyer.nodes) + still))
+        flows = (0.0 * excess,) * len(flyer.flows)
+        return total(node_losses(flyer, state, model, (excess,) * len(flyer.nodes) + flows))
 
     dark = power == 0.0
     # without light there is nothing to solve; a stand-in keeps the search finite
@@ -302,7 +302,7 @@ def _solve_system(
 
     excess, _ = uniform_excess(flyer, state, model, total(powers))
     # no temperature falls to absolute zero; flows have no such bound
-    lower = None if flyer.flows else -1.0
+    lower = (-1.0,) * len(flyer.nodes) + (-math.inf,) * len(flyer.flows)
     return solve_system(residual, flyer.first_guess(state, excess), lower=lower)
 
 

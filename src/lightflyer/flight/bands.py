@@ -150,7 +150,8 @@ def levitation_bands(
     )
     with float64():
         ends = jnp.asarray([low, high], jnp.float64)
-        grid = jnp.linspace(*(jnp.log(ends) if coordinate.logarithmic else ends), count)
+        first, last = jnp.log(ends) if coordinate.logarithmic else ends
+        grid = jnp.linspace(first, last, count)
     searched = _Searched(flyer, environment, model, coordinate.logarithmic)
     bands = _levitation_bands(searched, grid)
     if throw:

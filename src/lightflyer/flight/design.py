@@ -301,7 +301,7 @@ def _code(part: Any) -> dict[str, str]:
 
 def _numbers_in(part: Any) -> Iterator[tuple[str, Quantity, float]]:
     """Dotted name, quantity and value of each scalar number inside a module."""
-    known = quantities_of(type(part))
+    known = quantities_of(part.__class__)
     for field in dataclass_fields(part):
         if field.metadata.get("static", False):
             continue

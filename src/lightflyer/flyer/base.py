@@ -1,7 +1,7 @@
 """What every flyer must give to the heat balance and the force models."""
 
 import abc
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import equinox as eqx
 from jax import Array
@@ -40,8 +40,17 @@ class AbstractFlyer(Checked):
     nodes: eqx.AbstractClassVar[tuple[str, ...]]
     flows: ClassVar[tuple[str, ...]] = ()
 
-    payload: eqx.AbstractVar[Mass]
-    attitude: eqx.AbstractVar[Attitude | None]
+    if TYPE_CHECKING:
+        # a checker takes annotations for the first arguments of every subclass
+
+        @property
+        def payload(self) -> Numeric: ...  # noqa: D102
+        @property
+        def attitude(self) -> Attitude | None: ...  # noqa: D102
+
+    else:
+        payload: eqx.AbstractVar[Mass]
+        attitude: eqx.AbstractVar[Attitude | None]
 
     @property
     @abc.abstractmethod

@@ -330,8 +330,8 @@ def _read_slowly(
         values.append(row)
         for name, word in said.items():
             texts[name].append(word)
-    count = len(layout.number_columns)
-    return numbers, np.array(values, float).reshape(len(numbers), count), texts, rejected
+    shape = len(numbers), len(layout.number_columns)
+    return numbers, np.array(values, float).reshape(shape), texts, rejected
 
 
 def _read_row(

@@ -142,13 +142,13 @@ def temperature(prediction: Prediction, ax: Axes) -> Axes:
     nodes = node_outputs(prediction.setup.flyer)
     _shade_bands(prediction, ax)
     hottest_label = "hottest part" if nodes else "flyer"
-    style = {"color": VERMILION, "label": f"{hottest_label}, available light"}
-    ax.plot(places, table["temperature"], **style)
+    label = f"{hottest_label}, available light"
+    ax.plot(places, table["temperature"], color=VERMILION, label=label)
     for colour, name in zip(_NODE_COLOURS, nodes, strict=False):
         words = name.removeprefix("temperature_").replace("_", " ")
         ax.plot(places, table[name], color=colour, ls="--", label=f"{words}, available light")
-    levitating = {"color": BLUE, "ls": "-.", "label": f"{hottest_label}, just levitating"}
-    ax.plot(places, table["levitation_temperature"], **levitating)
+    label = f"{hottest_label}, just levitating"
+    ax.plot(places, table["levitation_temperature"], color=BLUE, ls="-.", label=label)
     ax.plot(places, table["gas_temperature"], color=GREY, ls=":", label="gas")
     low, high = _shown_range(prediction)
     shown = (places >= low) & (places <= high)
@@ -186,9 +186,14 @@ def payload(prediction: Prediction, ax: Axes) -> Axes:
     low = min(0.0, best) - 0.35 * max(abs(best), 0.3 * own_mass)
     ax.set_ylim(low, best + 0.25 * (best - low))
     ax.set_ylabel(f"largest payload [{unit}]")
-    right = ax.secondary_yaxis(
-        "right", functions=(lambda mass: mass / own_mass, lambda ratio: ratio * own_mass)
-    )
+
+    def relative(mass: Any) -> Any:
+        return mass / own_mass
+
+    def absolute(ratio: Any) -> Any:
+        return ratio * own_mass
+
+    right = ax.secondary_yaxis("right", functions=(relative, absolute))
     right.set_ylabel("relative payload [own mass]")
     _coordinate_axis(prediction, ax)
     if prediction.bands:

@@ -286,8 +286,8 @@ def _even_grid(prediction: Prediction) -> np.ndarray:
     if prediction.coordinate.logarithmic:
         low, high = 0, last
     ends = coordinates[[max(low, 0), min(high, last)]]
-    ends = np.log(ends) if prediction.coordinate.logarithmic else ends
-    return np.linspace(*ends, BAND_POINTS)
+    start, stop = np.log(ends) if prediction.coordinate.logarithmic else ends
+    return np.linspace(start, stop, BAND_POINTS)
 
 
 def _spread(target: _Target, slopes: Derivatives) -> float:

@@ -75,3 +75,14 @@ def test_any_text_is_read_or_refused_in_one_way(text):
     except lf.ConfigurationError:
         return
     assert math.isfinite(measured.value)
+
+
+@pytest.mark.parametrize("text", ["1.8 W/(m*K)", "1.8 W/(m K)", "1.8 W/m/K", "1.8 W m^-1 K^-1"])
+def test_a_denominator_may_stand_in_brackets(text):
+    assert parse(text, "W/(m*K)").value == pytest.approx(1.8)
+
+
+@pytest.mark.parametrize("text", ["1 W/(m*K", "1 W/m*K)", "1 W/()", "1 (W)/(m*K)", "1 J0"])
+def test_brackets_that_do_not_match_are_refused(text):
+    with pytest.raises(lf.ConfigurationError, match="is not a unit"):
+        parse(text, "W/(m*K)")

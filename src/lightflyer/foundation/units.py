@@ -34,9 +34,10 @@ _FAR = 1e6  # a value beside which offsets of temperature scales are small
 
 _SEPARATOR = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
 _NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
-_FACTOR = r"[A-Za-zµμ°%]+(?:(?:\*\*|\^)?-?\d|[²³])?"
-_EXPONENT = re.compile(r"(?<=[A-Za-zµμ°])(-?\d)")  # of "m2" and "m-2", which Pint does not read
-_UNIT = re.compile(rf"^{_FACTOR}(?:\s*[*/·]\s*{_FACTOR}|\s+{_FACTOR})*$")
+_FACTOR = r"[A-Za-zµμ°%]+(?:(?:\*\*|\^)?-?[1-9]|[²³])?"
+_EXPONENT = re.compile(r"(?<=[A-Za-zµμ°])(-?[1-9])")  # of "m2" and "m-2", which Pint does not read
+_BELOW = rf"\(\s*{_FACTOR}(?:\s*[*·]\s*{_FACTOR}|\s+{_FACTOR})*\s*\)"  # as in "W/(m*K)"
+_UNIT = re.compile(rf"^{_FACTOR}(?:\s*[*/·]\s*{_FACTOR}|\s+{_FACTOR}|\s*/\s*{_BELOW})*$")
 
 
 @cache
@@ -170,6 +171,8 @@ def parse(text: str | float, unit: str) -> Measured:
     --------
     >>> parse("2 cm", "m").value
     0.02
+    >>> parse("1.8 W/(m*K)", "W/(m*K)").value
+    1.8
     >>> parse("0.90 ± 0.03", "")
     Measured(value=0.9, uncertainty=0.03)
     """

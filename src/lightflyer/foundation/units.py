@@ -34,7 +34,7 @@ _FAR = 1e6  # a value beside which offsets of temperature scales are small
 
 _SEPARATOR = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
 _NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
-_FACTOR = r"[A-Za-zµμ°%]+(?:(?:\*\*|\^)?-?[1-9]|[²³])?"
+_FACTOR = r"(?:[A-Za-zµμ°]+(?:(?:\*\*|\^)?-?[1-9]|[²³])?|%)"
 _EXPONENT = re.compile(r"(?<=[A-Za-zµμ°])(-?[1-9])")  # of "m2" and "m-2", which Pint does not read
 _BELOW = rf"\(\s*{_FACTOR}(?:\s*[*·]\s*{_FACTOR}|\s+{_FACTOR})*\s*\)"  # as in "W/(m*K)"
 _UNIT = re.compile(rf"^{_FACTOR}(?:\s*[*/·]\s*{_FACTOR}|\s+{_FACTOR}|\s*/\s*{_BELOW})*$")

@@ -168,14 +168,14 @@ class FilmProperties(Checked):
         Parameters
         ----------
         temperature : array, shape (...)
-            Of the surroundings [K].
+            Temperature of the surroundings [K].
         power : array, shape (...)
             Absorbed power over the emission of one black face at that temperature [1].
 
         Returns
         -------
         array, broadcast shape
-            [1]; exact where the emittances are constant, else at or beyond it.
+            [1]; exact where the emittances are constant, else an upper bound of its magnitude.
         """
         faces = (self.emittance_top, self.emittance_bottom)
         if self._is_grey:
@@ -213,7 +213,7 @@ def excess_of_growth(growth: Numeric) -> Array:
     Returns
     -------
     array, shape (...)
-        :math:`\theta` [1], -1 where the emission would be negative; small ones to all digits.
+        :math:`\theta` [1], small ones to all digits; below -1 where emission would be negative.
     """
     root = jnp.sqrt(jnp.sqrt(jnp.maximum(1.0 + growth, 0.0)))
     return growth / ((root + 1.0) * (root**2 + 1.0))

@@ -1,0 +1,259 @@
+"""The sandwich of two perforated membranes, the lower one warmer in sunlight."""
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import pydantic
+from jax import Array
+
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.environment.radiation import Attitude
+from lightflyer.film.properties import FilmProperties, excess_of_growth
+from lightflyer.film.section import FilmSection, MeasuredFilmSection
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.sheets import DARK, Exitance, Sheet, net_gains, perforated
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.precision import is_traced
+from lightflyer.foundation.quantity import (
+    Conductivity,
+    Density,
+    Fraction,
+    Length,
+    Mass,
+    OpenFraction,
+)
+from lightflyer.foundation.types import Numeric
+
+_CENTIMETRE = 1e-2
+
+
+class Sandwich(AbstractFlyer):
+    """Two parallel membranes with holes, held apart by supports.
+
+    Light passes the upper membrane, through its holes or its film, and warms the lower one. Gas
+    creeps through the holes towards the warmer side and pushes the sandwich up.
+
+    Attributes
+    ----------
+    top, bottom : FilmProperties
+        Films of the upper and the lower membrane where they are solid; their transmittances
+        count. Each has a top and a bottom face.
+    radius : array
+        Of the membranes [m].
+    gap : array
+        Distance between the membranes [m].
+    open_fraction : array
+        Share of each membrane's area that is holes [1].
+    hole_radius : array
+        Radius of the holes [m]. No result depends on it, but it says where models hold.
+    support_fraction : array
+        Share of the area that the supports' cross section takes [1].
+    support_conductivity : array
+        Thermal conductivity of the supports [W/(m K)].
+    payload : array
+        Mass carried beside the sandwich's own [kg].
+    attitude : Attitude or None
+        How the sandwich lies; None stands for level.
+    support_density : array or None
+        Density of the supports [kg/m³]; None neglects their mass.
+
+    Raises
+    ------
+    ParameterError
+        If a concrete number is impossible, or does not fit the others.
+
+    Examples
+    --------
+    >>> film = FilmProperties(4e-4, 0.05, 0.05, 0.05, 0.8, 0.8, transmittance=0.9)
+    >>> sandwich = Sandwich(film, film, 0.01, 1e-4, 0.5, 1e-5, 3e-4, 1.8)
+    >>> print(f"{sandwich.describe()}, {sandwich.own_mass * 1e6:.4f} mg")
+    sandwich of 2 cm, 0.1257 mg
+    """
+
+    nodes: ClassVar[tuple[str, ...]] = ("top", "bottom")
+
+    top: FilmProperties
+    bottom: FilmProperties
+    radius: Length
+    gap: Length
+    open_fraction: OpenFraction
+    hole_radius: Length
+    support_fraction: Fraction
+    support_conductivity: Conductivity
+    payload: Mass = 0.0
+    attitude: Attitude | None = None
+    support_density: Density | None = None
+
+    def __check_init__(self) -> None:
+        sizes = (self.radius, self.hole_radius, self.open_fraction, self.support_fraction)
+        if not is_traced(sizes) and all(_is_number(size) for size in sizes):
+            problem = _contradiction(*sizes)
+            if problem:
+                raise ParameterError(problem)
+
+    @property
+    def area(self) -> Numeric:
+        """Area of the outline, holes included [m²]."""
+        return jnp.pi * self.radius**2
+
+    @property
+    def solid_fraction(self) -> Numeric:
+        """Share of each membrane's area that is film [1]."""
+        return 1.0 - self.open_fraction
+
+    @property
+    def own_mass(self) -> Numeric:
+        """Mass of both membranes, and of the supports where their density is given [kg]."""
+        films = self.solid_fraction * (self.top.areal_density + self.bottom.areal_density)
+        if self.support_density is not None:
+            films = films + self.support_density * self.support_fraction * self.gap
+        return self.area * films
+
+    def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
+        """See :meth:`AbstractFlyer.beam_areas`."""
+        light = state.radiation.on_faces(self.attitude)
+        return self._absorbed(self._sheets_in_light(), light.beam_top, light.beam_bottom)
+
+    def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
+        """See :meth:`AbstractFlyer.heat_gains`."""
+        light = state.radiation.on_faces(self.attitude)
+        diffuse = self._absorbed(self._sheets_in_light(), light.diffuse_top, light.diffuse_bottom)
+        infrared = self._absorbed(
+            self._sheets_in_infrared(state),
+            *state.radiation.infrared_excess(state.temperature, self.attitude),
+        )
+        return tuple(visible + heat for visible, heat in zip(diffuse, infrared, strict=True))
+
+    def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
+        r"""See :meth:`AbstractFlyer.heat_losses`.
+
+        Emission beyond that at the gas temperature, with what the other membrane sends back, and
+        conduction :math:`A f_l k_l (T_b - T_t)/h` through the supports. Radiation between the
+        membranes is absorbed with the emittance at the gas temperature.
+        """
+        top_excess, bottom_excess = unknowns
+        black = state.radiation.stefan_boltzmann * state.temperature**4
+        top, bottom = net_gains(
+            *self._sheets_in_infrared(state),
+            0.0,
+            0.0,
+            self._emission(self.top, state, top_excess),
+            self._emission(self.bottom, state, bottom_excess),
+        )
+        difference = state.temperature * (bottom_excess - top_excess)
+        upward = self.support_fraction * self.support_conductivity / self.gap * difference
+        return self.area * (-black * top - upward), self.area * (-black * bottom + upward)
+
+    def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
+        """See :meth:`AbstractFlyer.highest_excess`: the excess in vacuum by the outer faces."""
+        outer = eqx.tree_at(
+            lambda film: film.emittance_bottom, self.top, self.bottom.emittance_bottom
+        )
+        black = state.radiation.stefan_boltzmann * state.temperature**4
+        emitted = power / (self.area * self.solid_fraction * black)
+        return jnp.abs(excess_of_growth(outer.emission_bound(state.temperature, emitted)))
+
+    def describe(self) -> str:
+        """See :meth:`AbstractFlyer.describe`."""
+        return f"sandwich of {2.0 * float(np.asarray(self.radius)) / _CENTIMETRE:g} cm"
+
+    def _sheets_in_light(self) -> tuple[Sheet, Sheet]:
+        top, bottom = (
+            perforated(
+                film.absorptance, film.absorptance_below, film.transmittance, self.open_fraction
+            )
+            for film in (self.top, self.bottom)
+        )
+        return top, bottom
+
+    def _sheets_in_infrared(self, state: EnvironmentState) -> tuple[Sheet, Sheet]:
+        top, bottom = (
+            perforated(
+                *film.emittances_at(state.temperature),
+                film.infrared_transmittance,
+                self.open_fraction,
+            )
+            for film in (self.top, self.bottom)
+        )
+        return top, bottom
+
+    def _absorbed(
+        self, sheets: tuple[Sheet, Sheet], above: Numeric, below: Numeric
+    ) -> tuple[Array, ...]:
+        """What the membranes absorb of irradiances from above and below, over their area."""
+        top, bottom = net_gains(*sheets, above, below, DARK, DARK)
+        return self.area * top, self.area * bottom
+
+    def _emission(self, film: FilmProperties, state: EnvironmentState, excess: Array) -> Exitance:
+        """Growth of a membrane's emission, over that of a black face at the gas temperature."""
+        top, bottom = film.emission_growths(state.temperature, excess)
+        return Exitance(self.solid_fraction * top, self.solid_fraction * bottom)
+
+
+def _is_number(value: Any) -> bool:
+    """Whether a value is concrete: JAX rebuilds modules around placeholders."""
+    return bool(np.issubdtype(np.asarray(value).dtype, np.number))
+
+
+def _contradiction(
+    radius: Numeric, hole_radius: Numeric, open_fraction: Numeric, support_fraction: Numeric
+) -> str | None:
+    """How sizes contradict each other, or None."""
+    if np.any(np.asarray(hole_radius) >= radius):
+        return "hole_radius must be smaller than the radius of the sandwich"
+    if np.any(np.asarray(open_fraction) + support_fraction > 1.0):
+        return "open_fraction and support_fraction exceed 1 together; supports stand on film"
+    return None
+
+
+class SandwichSection(FlyerSection):
+    """``[flyer]``: a sandwich, with its films in ``[flyer.top]`` and ``[flyer.bottom]``."""
+
+    flyer_type: ClassVar[type[AbstractFlyer]] = Sandwich
+    needs_film: ClassVar[bool] = False
+    default_model: ClassVar[str] = "schafer2025"
+    not_varied: ClassVar[Mapping[str, str]] = FilmSection.not_varied  # of the films within
+
+    shape: Literal["sandwich"]
+    diameter: Length
+    gap: Length
+    open_fraction: OpenFraction
+    hole_radius: Length
+    support_fraction: Fraction
+    support_conductivity: Conductivity
+    support_density: Density | None = None
+    top: MeasuredFilmSection
+    bottom: MeasuredFilmSection
+
+    @pydantic.model_validator(mode="after")
+    def _sizes_fit(self) -> "SandwichSection":
+        problem = _contradiction(
+            0.5 * self.diameter.value,
+            self.hole_radius.value,
+            self.open_fraction.value,
+            self.support_fraction.value,
+        )
+        if problem:
+            raise ConfigurationError(problem)
+        return self
+
+    def build(self, film: FilmProperties | None, incidence: float) -> Sandwich:  # noqa: ARG002
+        """The sandwich, of its own films."""
+        density = self.support_density
+        return Sandwich(
+            top=self.top.build(incidence),
+            bottom=self.bottom.build(incidence),
+            radius=0.5 * self.diameter.value,
+            gap=self.gap.value,
+            open_fraction=self.open_fraction.value,
+            hole_radius=self.hole_radius.value,
+            support_fraction=self.support_fraction.value,
+            support_conductivity=self.support_conductivity.value,
+            payload=self.payload.value,
+            attitude=self.attitude(),
+            support_density=None if density is None else density.value,
+        )

@@ -1,0 +1,137 @@
+r"""Light and heat radiation between two parallel sheets with holes, as functions of plain numbers.
+
+Radiation between the sheets goes to and fro. What is absorbed in the end follows from two balances,
+of the radiosity upward and downward:
+
+.. math::
+    U = \tau_b E_\mathrm{below} + M_b + \rho_b D, \qquad
+    D = \tau_t E_\mathrm{above} + M_t + \rho_t U
+
+with the effective properties of sheets with holes and the exitances :math:`M` of the two inner
+faces. All functions take arrays that broadcast, and are differentiable.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from lightflyer.foundation.types import Numeric
+
+
+class Sheet(NamedTuple):
+    """Effective properties of a sheet with its holes, over its whole area.
+
+    Attributes
+    ----------
+    absorptance_top, absorptance_bottom : array, shape (...)
+        Absorbed share of the radiation on each face [1]. For heat radiation these are the
+        emittances too.
+    transmittance : array, shape (...)
+        Share that passes, through holes and film [1].
+    """
+
+    absorptance_top: Numeric
+    absorptance_bottom: Numeric
+    transmittance: Numeric
+
+    @property
+    def reflectance_top(self) -> Numeric:
+        """Reflected share of the radiation on the top face [1]."""
+        return 1.0 - self.absorptance_top - self.transmittance
+
+    @property
+    def reflectance_bottom(self) -> Numeric:
+        """Reflected share of the radiation on the bottom face [1]."""
+        return 1.0 - self.absorptance_bottom - self.transmittance
+
+
+class Exitance(NamedTuple):
+    """What a sheet emits, over its whole area.
+
+    Attributes
+    ----------
+    top, bottom : array, shape (...)
+        Power per area of each face [W/m²].
+    """
+
+    top: Numeric
+    bottom: Numeric
+
+
+DARK = Exitance(0.0, 0.0)
+"""No emission, as of light."""
+
+
+def perforated(
+    absorptance_top: Numeric,
+    absorptance_bottom: Numeric,
+    transmittance: Numeric,
+    open_fraction: Numeric,
+) -> Sheet:
+    r"""Effective properties of a film with holes.
+
+    .. math:: a' = (1-\beta)\,a, \qquad \tau' = \beta + (1-\beta)\,\tau
+
+    Parameters
+    ----------
+    absorptance_top, absorptance_bottom : array, shape (...)
+        Of the film's faces [1].
+    transmittance : array, shape (...)
+        Of the film, the same from both sides [1].
+    open_fraction : array, shape (...)
+        Share of the area that is holes, :math:`\beta` [1].
+
+    Returns
+    -------
+    Sheet
+    """
+    solid = 1.0 - open_fraction
+    return Sheet(
+        solid * absorptance_top, solid * absorptance_bottom, open_fraction + solid * transmittance
+    )
+
+
+def net_gains(
+    top: Sheet,
+    bottom: Sheet,
+    above: Numeric,
+    below: Numeric,
+    emitted_top: Exitance = DARK,
+    emitted_bottom: Exitance = DARK,
+) -> tuple[Array, Array]:
+    """Net power that each of two parallel sheets gains by radiation, per area.
+
+    Parameters
+    ----------
+    top, bottom : Sheet
+        The upper and the lower sheet.
+    above, below : array, shape (...)
+        Irradiance from outside on the upper sheet's top face and the lower one's bottom [W/m²].
+    emitted_top, emitted_bottom : Exitance
+        What the upper and the lower sheet emit.
+
+    Returns
+    -------
+    top, bottom : array, broadcast shape
+        Absorbed minus emitted [W/m²].
+
+    Notes
+    -----
+    The sheets are wide and near, so that nothing leaves between them sideways. Radiation meets the
+    holes of one sheet wherever it passed those of the other: holes that lie above each other let
+    more of a vertical beam through.
+    """
+    upward = bottom.transmittance * below + emitted_bottom.top
+    downward = top.transmittance * above + emitted_top.bottom
+    trapped = top.reflectance_bottom * bottom.reflectance_top
+    # between perfect mirrors no radiation enters and none is emitted
+    escape = jnp.where(trapped == 1.0, 1.0, 1.0 - trapped)
+    up = (upward + bottom.reflectance_top * downward) / escape
+    down = (downward + top.reflectance_bottom * upward) / escape
+    gain_top = top.absorptance_top * above + top.absorptance_bottom * up
+    gain_bottom = bottom.absorptance_bottom * below + bottom.absorptance_top * down
+    return (
+        gain_top - emitted_top.top - emitted_top.bottom,
+        gain_bottom - emitted_bottom.top - emitted_bottom.bottom,
+    )

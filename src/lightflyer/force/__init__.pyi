@@ -6,6 +6,7 @@ from .lu2023 import PRINTED as PRINTED
 from .lu2023 import REPORTED as REPORTED
 from .lu2023 import Lu2023 as Lu2023
 from .lu2023 import Reading as Reading
+from .schafer2025 import Schafer2025 as Schafer2025
 from .section import ForceSection as ForceSection
 from .simple_form import SimpleForm as SimpleForm
 from .simple_form import fit_simple_form as fit_simple_form

@@ -5,15 +5,15 @@ import numpy as np
 import lightflyer as lf
 
 film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-chamber = lf.Chamber()
+disk, chamber = lf.Disk(film, radius=0.01), lf.Chamber()
 pressure = np.geomspace(1.5, 25.0, 12)
 truth = lf.Lu2023(c_fm=0.4, c_cont=3.0)
-light = lf.levitate(lf.Disk(film, radius=0.01), chamber.state(pressure), truth).irradiance
+light = lf.levitate(disk, chamber.state(pressure), truth).irradiance
 light = light * np.exp(0.03 * np.random.default_rng(0).standard_normal(pressure.size))
 
-points = lf.Points("synthetic", ["disk"] * 12, {"pressure": pressure, "irradiance": light})
-start = lf.Setup(lf.Disk(film, radius=0.01), chamber, lf.Lu2023(1.0, 1.0), (None, None))
-fit = lf.calibrate(points, start)
+numbers = {"pressure": pressure, "irradiance": light}
+points = lf.calibration.Points("synthetic", ["disk"] * 12, numbers)
+fit = lf.calibrate(points, disk, chamber, lf.Lu2023(c_fm=1.0, c_cont=1.0))
 for name, value, (low, high) in zip(fit.names, fit.values, fit.intervals, strict=True):
     print(f"{name} = {value:.3f}, 95 % from {low:.3f} to {high:.3f}")
 assert abs(fit.values[0] - 0.4) < 0.02

@@ -6,9 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import lightflyer as lf
+from lightflyer.calibration import read_points
 from lightflyer.paper.claims import Claim, Quantity, Verdict, claims
 from lightflyer.paper.conditions import COLUMNS
 from lightflyer.paper.curves import FIGURES
+from lightflyer.paper.reproduce import STEPS, reproduce
 from lightflyer.paper.results import planck_peak
 from lightflyer.paper.tables import difference_uncertainty, table_1, table_s2, to_csv
 
@@ -79,6 +82,16 @@ def test_bands_and_payloads_of_the_reported_reading(report):
     assert shown(mean["payload_3cm"], "0.21") == "0.21"
 
 
+@pytest.mark.parametrize(("incidence", "name"), [(0.0, "band"), (45.0, "band_45")])
+def test_bands_are_those_of_the_flyer_in_the_papers_atmosphere(report, disk, incidence, name):
+    """The report looks closer and closer; the band's edges are roots of their own equation."""
+    earth = lf.lu2023_earth(incidence=np.radians(incidence))
+    band = lf.levitation_band(disk, earth, lf.Lu2023(), (50e3, 95e3))
+    values = report["values"]["reported"]
+    assert 1e3 * values[f"{name}_low"] == pytest.approx(band.lower, rel=1e-9)
+    assert 1e3 * values[f"{name}_high"] == pytest.approx(band.upper, rel=1e-9)
+
+
 def test_every_claim_has_a_verdict_that_follows_from_its_numbers(report):
     assert [claim["number"] for claim in report["claims"]] == list(range(1, 20))
     for claim in report["claims"]:
@@ -131,9 +144,6 @@ def test_no_measured_figure_without_the_users_points(folder):
 
 
 def test_twice_gives_the_same_data(folder, tmp_path):
-    from lightflyer.calibration.points import read_points
-    from lightflyer.paper.reproduce import STEPS, reproduce
-
     points = tmp_path / "points.csv"
     points.write_text(
         "sample,pressure [mTorr],irradiance [W/m^2],diameter [cm],figure\n"

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.force import PRINTED, REPORTED
 
 TOLERANCE = 1e-5
 HEIGHTS = np.array([68e3, 72e3, 78e3])
@@ -35,8 +36,8 @@ def test_atmosphere(state):
 @pytest.mark.parametrize(
     ("reading", "hot", "irradiance"),
     [
-        (lf.PRINTED, PRINTED_HOT, PRINTED_IRRADIANCE),
-        (lf.REPORTED, REPORTED_HOT, REPORTED_IRRADIANCE),
+        (PRINTED, PRINTED_HOT, PRINTED_IRRADIANCE),
+        (REPORTED, REPORTED_HOT, REPORTED_IRRADIANCE),
     ],
     ids=["printed", "reported"],
 )
@@ -57,14 +58,14 @@ def test_temperature_and_lift_in_sunlight(disk, state):
 @pytest.mark.parametrize(
     ("reading", "incidence", "edges"),
     [
-        (lf.PRINTED, 0.0, (65.457, 82.861)),
-        (lf.REPORTED, 0.0, (68.022, 78.047)),
-        (lf.REPORTED, np.pi / 4, (70.28, 76.45)),
+        (PRINTED, 0.0, (65.457, 82.861)),
+        (REPORTED, 0.0, (68.022, 78.047)),
+        (REPORTED, np.pi / 4, (70.28, 76.45)),
     ],
 )
 def test_altitude_bands(disk, reading, incidence, edges):
     earth = lf.lu2023_earth(1360.0, incidence)
-    band = lf.altitude_band(disk, earth, lf.Lu2023(reading=reading))
+    band = lf.levitation_band(disk, earth, lf.Lu2023(reading=reading))
     assert band.lower / 1e3 == pytest.approx(edges[0], abs=0.01)
     assert band.upper / 1e3 == pytest.approx(edges[1], abs=0.01)
 
@@ -75,8 +76,7 @@ def test_altitude_bands(disk, reading, incidence, edges):
 )
 def test_best_payloads(film, diameter, payload_mg, relative, altitude_km):
     disk = lf.Disk(film, 0.5 * diameter)
-    setup = lf.Setup(disk, lf.lu2023_earth(1360.0), lf.Lu2023(), (None, None))
-    best = lf.predict(setup).summary()["best"]
+    best = lf.predict(disk, lf.lu2023_earth(1360.0), lf.Lu2023()).summary()["best"]
     assert best["payload_mg"] == pytest.approx(payload_mg, rel=5e-3)
     assert best["relative_payload"] == pytest.approx(relative, rel=2e-3)
     if altitude_km is not None:

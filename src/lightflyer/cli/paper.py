@@ -8,15 +8,15 @@ from rich.table import Table
 
 
 def paper_command(*, out: Path = Path("paper"), data: Path | None = None) -> None:
-    """Recompute the paper: every claim, figure and table that its text lets one compute.
+    """Recompute the paper: every claim, figure and table for which its text gives enough.
 
     Parameters
     ----------
     out
-        Folder to write the report (HTML, Markdown, JSON), the figures and their data into.
+        Folder for the report (HTML, Markdown, JSON), the figures and their data.
     data
-        Your own measured points, a CSV with columns such as "sample, pressure [mTorr],
-        irradiance [W/m^2], diameter [cm], figure"; drawn in figures 2, 5, S2 and S3.
+        Your own measured points, drawn in figures 2, 5, S2 and S3: a CSV with columns such as
+        "sample, pressure [mTorr], irradiance [W/m^2], diameter [cm], figure".
     """
     from lightflyer.calibration.points import read_points
 

@@ -1,6 +1,6 @@
-"""The paper's claims and what the recomputed numbers say about each.
+"""The paper's claims, and whether the recomputed numbers agree with them.
 
-A verdict is computed: from the paper's value, ours and the tolerance in ``data/lu2023.toml``.
+A verdict follows from the paper's value, ours and the tolerance in ``data/lu2023.toml``.
 """
 
 from dataclasses import dataclass
@@ -10,13 +10,13 @@ from typing import Any
 from lightflyer.paper.conditions import facts
 
 DECIDING = "reported"
-"""Column whose verdict is the claim's."""
+"""Column that decides the verdict on a claim."""
 
 _ROUNDING = 1e-9  # of floating-point numbers, not of the paper's
 
 
 class Verdict(StrEnum):
-    """What comparing a claim with our numbers gives."""
+    """Result of comparing a claim with our numbers."""
 
     REPRODUCED = "reproduced"
     DIFFERS = "differs"
@@ -33,9 +33,9 @@ class Quantity:
     lowest, highest : float
         The paper's value, or the range it gives.
     tolerance : float
-        Largest difference that still counts as reproduced.
+        Largest difference of a reproduced value.
     tolerance_note : str
-        Why it is not one unit of the last printed digit.
+        Reason for a tolerance other than one unit of the last printed digit.
     """
 
     key: str
@@ -72,9 +72,9 @@ class Claim:
     text : str
     quantities : tuple of Quantity
     missing : str
-        What recomputing it would need and the text does not give; empty if nothing.
+        What a recomputation needs and the text does not give; empty if nothing is missing.
     note : str
-        What explains a difference.
+        Explanation of a difference.
     """
 
     number: int
@@ -101,7 +101,7 @@ class Claim:
         return Verdict.REPRODUCED if agree else Verdict.DIFFERS
 
     def reproducing(self, columns: dict[str, dict[str, float]]) -> list[str]:
-        """The columns by which the claim is reproduced."""
+        """Columns that reproduce the claim."""
         return [
             name for name, values in columns.items() if self.verdict(values) is Verdict.REPRODUCED
         ]
@@ -109,7 +109,7 @@ class Claim:
     def overall(self, columns: dict[str, dict[str, float]]) -> Verdict:
         """Verdict by the column that gives the paper's own predictions.
 
-        Not the best of all columns: no reading may be picked claim by claim.
+        One column decides about all claims, so that no reading is picked claim by claim.
 
         Parameters
         ----------
@@ -123,15 +123,15 @@ class Claim:
         return self.verdict(columns[DECIDING])
 
     def reason(self, columns: dict[str, dict[str, float]]) -> str:
-        """What is missing, or what is outside the tolerance by which column and why."""
+        """What is missing; or which numbers of which columns are outside the tolerance, and why."""
         if self.missing:
             return f"missing: {self.missing}"
         off = {
             name: [q.name for q in self.quantities if not q.agrees(values[q.key])]
             for name, values in columns.items()
         }
-        outside = "; ".join(f"{name}: {', '.join(names)}" for name, names in off.items() if names)
-        return f"outside the tolerance by {outside}. {self.note}" if outside else ""
+        outside = "; ".join(f"{name} ({', '.join(names)})" for name, names in off.items() if names)
+        return f"outside the tolerance: {outside}. {self.note}" if outside else ""
 
 
 def claims() -> list[Claim]:

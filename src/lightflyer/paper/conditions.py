@@ -1,31 +1,32 @@
-"""Under which conditions the paper is recomputed, and the model at any number of points.
+"""Conditions under which the paper is recomputed, and the model at any number of points.
 
-Everything the paper states is in ``data/lu2023.toml``; everything it does not state and a
-figure needs nevertheless is there too, marked as assumed.
+``data/lu2023.toml`` holds what the paper states, and what a figure needs beside it, marked as
+assumed.
 """
 
 import math
 import tomllib
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
-from lightflyer.environment.base import EnvironmentState
+from lightflyer.environment.chamber import Chamber
 from lightflyer.environment.radiation import Radiation
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flight.balance import equilibrium, require_converged
-from lightflyer.flight.levitation import levitate, weight
+from lightflyer.flight.balance import require_converged
+from lightflyer.flight.outputs import tabulate
+from lightflyer.flight.setup import Setup
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.lu2023 import PRINTED, REPORTED, Lu2023, Reading
 from lightflyer.foundation import constants
+from lightflyer.foundation.batches import in_batches
 from lightflyer.foundation.precision import quick_entry_point
-from lightflyer.gas.gas import LU2023_AIR
+from lightflyer.foundation.rootfind import Ending
+from lightflyer.gas.air import LU2023_AIR
 
 REPORTED_MEAN = Reading(
     heat_weight=REPORTED.heat_weight,
@@ -36,16 +37,14 @@ REPORTED_MEAN = Reading(
 """The reported reading with the mean temperature in Eq. (20), which its larger disks point to."""
 
 POINTS = 1024
-"""Points that one call of the compiled model takes."""
+"""Number of points that the model is compiled for."""
 
 _KILOGRAMS_PER_GRAM = 1e-3
-_LOOKS = 4  # each narrows a maximum some hundred times
-_LOOK_POINTS = POINTS // 4
 
 
 @cache
 def facts() -> dict[str, Any]:
-    """What the paper states, as in ``data/lu2023.toml``.
+    """Contents of ``data/lu2023.toml``: what the paper states.
 
     Returns
     -------
@@ -56,14 +55,14 @@ def facts() -> dict[str, Any]:
 
 
 def film(coating: str, areal_density_g_m2: float | None = None) -> FilmProperties:
-    """The model's film with a coating.
+    """Film of the paper's model with a coating.
 
     Parameters
     ----------
     coating : str
         ``"ge"`` or ``"cnt"``.
     areal_density_g_m2 : float, optional
-        Instead of the stated one [g/m²].
+        In place of the stated one [g/m²].
 
     Returns
     -------
@@ -84,7 +83,7 @@ def film(coating: str, areal_density_g_m2: float | None = None) -> FilmPropertie
 
 @dataclass(frozen=True)
 class Column:
-    """One way to compute the paper's numbers: a column of the report.
+    """A column of the report: one way to compute the paper's numbers.
 
     Attributes
     ----------
@@ -120,26 +119,12 @@ COLUMNS = (
         REPORTED_MEAN,
     ),
 )
-"""The report's columns. A further model is a further entry."""
+"""Columns of the report. A further model is a further entry."""
 
 Table = dict[str, np.ndarray]
+"""Outputs of :mod:`lightflyer.flight.outputs` by name, in SI units."""
 
-
-@quick_entry_point
-def _behaviour(flyer: Disk, state: EnvironmentState, model: Lu2023) -> dict[str, Any]:
-    balance = equilibrium(flyer, state, model, throw=False)
-    levitation = levitate(flyer, state, model, throw=False)
-    lift = model.force(flyer, state, balance.excess)
-    payload = lift / state.gravity - flyer.own_mass
-    return {
-        "temperature": balance.temperature,
-        "lift_over_weight": lift / weight(flyer, state),
-        "payload": payload,
-        "relative_payload": payload / flyer.own_mass,
-        "levitation_irradiance": levitation.irradiance,
-        "levitation_temperature": levitation.temperature,
-        "converged": jnp.where(balance.converged & levitation.converged, 1.0, 0.0),
-    }
+_tabulate = quick_entry_point(tabulate)
 
 
 def behaviour(
@@ -152,7 +137,7 @@ def behaviour(
     irradiance: Any = constants.SOLAR_CONSTANT,
     incidence: Any = 0.0,
 ) -> Table:
-    """What a disk does at many points, with the paper's gas, gravity and rounded constant.
+    """Outputs of a disk at many points, with the paper's gas, gravity and rounded constant.
 
     Parameters
     ----------
@@ -164,44 +149,44 @@ def behaviour(
     Returns
     -------
     dict of str to array, broadcast shape
-        Temperature [K], payload [kg], lift over weight, relative payload [1], and irradiance
-        [W/m²] and temperature [K] to levitate; infinite and NaN where nothing lifts the disk.
+        The outputs of a prediction; an irradiance is infinite and a temperature NaN where no
+        light levitates the disk.
 
     Raises
     ------
     ConvergenceError
         If a root-find failed.
     """
+
+    def batch(
+        diameter: np.ndarray,
+        pressure: np.ndarray,
+        gas_temperature: np.ndarray,
+        irradiance: np.ndarray,
+        incidence: np.ndarray,
+    ) -> Table:
+        # a chamber with a gas temperature of its own at every point: one compiled function serves
+        # the atmosphere too
+        chamber = Chamber(
+            temperature=gas_temperature,
+            gas=LU2023_AIR,
+            gravity=constants.GRAVITY_LU2023,
+            radiation=Radiation(
+                irradiance,
+                zenith_angle=incidence,
+                stefan_boltzmann=constants.STEFAN_BOLTZMANN_LU2023,
+            ),
+        )
+        disk = Disk(film=properties, radius=0.5 * diameter)
+        return _tabulate(Setup(disk, chamber, model), pressure, irradiance)
+
     given = (diameter, pressure, gas_temperature, irradiance, incidence)
     arrays = np.broadcast_arrays(*(np.asarray(value, float) for value in given))
-    shape, size = arrays[0].shape, arrays[0].size
-    missing = -size % POINTS
-    rows = [np.pad(array.ravel(), (0, missing), mode="edge") for array in arrays]
-    parts = [
-        _chunk(model, properties, *(row[start : start + POINTS] for row in rows))
-        for start in range(0, size, POINTS)
-    ]
-    table = {
-        name: np.concatenate([part[name] for part in parts])[:size].reshape(shape)
-        for name in parts[0]
-    }
-    require_converged("the paper's model", table.pop("converged") > 0.5, np.nan)
-    return table
-
-
-def _chunk(
-    model: Lu2023,
-    properties: FilmProperties,
-    diameter: np.ndarray,
-    pressure: np.ndarray,
-    gas_temperature: np.ndarray,
-    irradiance: np.ndarray,
-    incidence: np.ndarray,
-) -> Table:
-    radiation = Radiation(irradiance, incidence, stefan_boltzmann=constants.STEFAN_BOLTZMANN_LU2023)
-    gravity = np.full(POINTS, constants.GRAVITY_LU2023)
-    state = EnvironmentState(pressure, gas_temperature, gravity, LU2023_AIR, radiation)
-    return _behaviour(Disk(properties, 0.5 * diameter, np.zeros(POINTS)), state, model)
+    table = in_batches(batch, [array.ravel() for array in arrays], POINTS)
+    converged = table.pop("converged") > 0.5
+    ending = np.where(converged, int(Ending.CONVERGED), int(Ending.TOLERANCE_MISSED))
+    require_converged("the paper's model", ending, table.pop("residual"))
+    return {name: values.reshape(arrays[0].shape) for name, values in table.items()}
 
 
 def atmosphere(altitude: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -222,7 +207,7 @@ def atmosphere(altitude: Any) -> tuple[np.ndarray, np.ndarray]:
 def over_altitude(
     column: Column, altitude: Any, diameter: Any, irradiance: Any, incidence_deg: float = 0.0
 ) -> Table:
-    """The germanium-coated disk in the paper's atmosphere.
+    """Outputs of the germanium-coated disk in the paper's atmosphere.
 
     Parameters
     ----------
@@ -230,7 +215,7 @@ def over_altitude(
     altitude, diameter, irradiance : array, shape (...)
         [m], [m], [W/m²]; they broadcast.
     incidence_deg : float
-        Angle between light and normal [deg].
+        Angle between the light and the disk's normal [deg].
 
     Returns
     -------
@@ -256,7 +241,7 @@ def in_chamber(
     diameter: Any,
     irradiance: Any = constants.SOLAR_CONSTANT,
 ) -> Table:
-    """A coated disk in the chamber, under the assumed conditions.
+    """Outputs of a coated disk in the chamber, under the assumed conditions.
 
     Parameters
     ----------
@@ -279,34 +264,3 @@ def in_chamber(
         gas_temperature=facts()["chamber"]["temperature_k"],
         irradiance=irradiance,
     )
-
-
-def maximum(
-    function: Callable[[np.ndarray], np.ndarray], low: float, high: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Largest values of functions of one coordinate, by looking closer and closer.
-
-    Parameters
-    ----------
-    function : callable
-        Takes coordinates of shape (n, m), returns values of that shape, one function a column.
-        NaN counts as lowest.
-    low, high : float
-        Range of the coordinate.
-
-    Returns
-    -------
-    coordinate, value : array, shape (m,)
-    """
-    ends = np.array([[low], [high]])
-    fractions = np.linspace(0.0, 1.0, _LOOK_POINTS)[:, None]
-    for _ in range(_LOOKS):
-        points = ends[0] + fractions * (ends[1] - ends[0])
-        values = function(points)
-        points = np.broadcast_to(points, values.shape)
-        best = np.argmax(np.where(np.isnan(values), -np.inf, values), axis=0)
-        column = np.arange(values.shape[1])
-        before, after = np.maximum(best - 1, 0), np.minimum(best + 1, _LOOK_POINTS - 1)
-        found = points[best, column], values[best, column]
-        ends = np.stack([points[before, column], points[after, column]])
-    return found

@@ -1,18 +1,19 @@
-"""The numbers behind the paper's figures, as tables that are written beside them."""
+"""Numbers behind the paper's figures, as tables that are written beside them."""
 
 from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from lightflyer.flight.outputs import OUTPUTS
 from lightflyer.foundation import constants
-from lightflyer.paper.conditions import COLUMNS, facts, film, in_chamber, over_altitude
+from lightflyer.paper.conditions import COLUMNS, Table, facts, film, in_chamber, over_altitude
 from lightflyer.paper.results import best_payload, film_mass, planck_per_wavenumber
 
 Curves = dict[str, np.ndarray]
-"""Columns by name with unit; all of one figure, or one panel, have one length."""
+"""Columns by name with unit; all of a figure have one length."""
 
 TORR = constants.SEA_LEVEL_PRESSURE / 760.0
-"""[Pa]; the unit's definition."""
+"""Definition of the unit [Pa]."""
 
 COATINGS = ("ge", "cnt")
 PANEL_SIZES_CM = (2, 3, 4)
@@ -33,13 +34,21 @@ MAP_IRRADIANCES = np.linspace(0.0, 4000.0, 41)
 _CENTIMETRE = 1e-2
 _MILLI = 1e-3
 _KILO = 1e3
-_MILLIGRAM = 1e-6
 _OBLIQUE = 45.0  # degrees, Fig. 6(a)
+_SIZE_PANELS = (
+    ("irradiance", "levitation_irradiance"),
+    ("temperature", "temperature"),
+    ("payload", "payload"),
+    ("relative payload", "relative_payload"),
+)
 _ALTITUDES_KM = np.linspace(55.0, 90.0, 351)
 
 
-def _finite(values: np.ndarray) -> np.ndarray:
-    return np.where(np.isfinite(values), values, np.nan)
+def _curve(words: str, output: str, table: Table) -> Curves:
+    """A column of an output, in the unit it is shown in; NaN where there is no value."""
+    factor, unit = OUTPUTS[output].shown
+    values = factor * table[output]
+    return {f"{words} [{unit or 1}]": np.where(np.isfinite(values), values, np.nan)}
 
 
 def figure_3c() -> Curves:
@@ -64,8 +73,8 @@ def figure_5a() -> Curves:
             PANEL_SIZES_CM[0] * _CENTIMETRE,
             curves["irradiance [W/m^2]"],
         )
-        curves[f"temperature {coating} [K]"] = table["temperature"]
-        curves[f"lift over weight {coating} [1]"] = table["lift_over_weight"]
+        curves |= _curve(f"temperature {coating}", "temperature", table)
+        curves |= _curve(f"lift over weight {coating}", "lift_over_weight", table)
     return curves
 
 
@@ -79,8 +88,8 @@ def figure_5bcd() -> Curves:
                 table = in_chamber(
                     column, film(coating), curves["pressure [Pa]"], size * _CENTIMETRE
                 )
-                name = f"irradiance {size} cm {coating} {column.key} [W/m^2]"
-                curves[name] = _finite(table["levitation_irradiance"])
+                words = f"irradiance {size} cm {coating} {column.key}"
+                curves |= _curve(words, "levitation_irradiance", table)
     return curves
 
 
@@ -93,9 +102,8 @@ def figure_6() -> Curves:
             table = over_altitude(
                 column, _ALTITUDES_KM * _KILO, size, constants.SOLAR_CONSTANT, incidence
             )
-            irradiance = _finite(table["levitation_irradiance"])
-            curves[f"irradiance{name} {column.key} [W/m^2]"] = irradiance
-        curves[f"temperature {column.key} [K]"] = table["levitation_temperature"]
+            curves |= _curve(f"irradiance{name} {column.key}", "levitation_irradiance", table)
+        curves |= _curve(f"temperature {column.key}", "levitation_temperature", table)
     return curves
 
 
@@ -105,11 +113,8 @@ def figure_s7() -> Curves:
     for size in ALTITUDE_SIZES_CM:
         light = constants.SOLAR_CONSTANT
         table = over_altitude(COLUMNS[1], _ALTITUDES_KM * _KILO, size * _CENTIMETRE, light)
-        irradiance = _finite(table["levitation_irradiance"])
-        curves[f"irradiance {size:g} cm [W/m^2]"] = irradiance
-        curves[f"temperature {size:g} cm [K]"] = table["temperature"]
-        curves[f"payload {size:g} cm [mg]"] = table["payload"] / _MILLIGRAM
-        curves[f"relative payload {size:g} cm [1]"] = table["relative_payload"]
+        for words, output in _SIZE_PANELS:
+            curves |= _curve(f"{words} {size:g} cm", output, table)
     return curves
 
 
@@ -132,11 +137,11 @@ FIGURES: dict[str, tuple[str, Callable[[], Curves]]] = {
     "figure-s7": ("Fig. S7(a–d)", figure_s7),
     "figure-s8": ("Fig. S8(a, b)", figure_s8),
 }
-"""What the figures are called and where their numbers come from, by file name."""
+"""Title of each figure and the function that computes its numbers, by file name."""
 
 
 def captions() -> dict[str, str]:
-    """What each figure shows and under which conditions, by file name.
+    """Caption of each figure, with its conditions, by file name.
 
     Returns
     -------
@@ -144,27 +149,27 @@ def captions() -> dict[str, str]:
     """
     chamber = facts()["chamber"]["note"]
     versions = (
-        "Figs. 6 and S8 of the paper may come from slightly different versions of its model: with "
-        "the mean temperature for that of the disk in (20) the 3-cm payload of its text comes out."
+        "Figs. 6 and S8 of the paper may come from slightly different versions of its model: the "
+        "3-cm payload in its text follows if (20) takes the mean temperature, not the disk's."
     )
     return {
         "figure-3c": "Blackbody radiance per wavenumber at 400 K and 500 K; shaded, the window of "
-        "900 ± 400 cm⁻¹. The measured spectra of the left axis are not available and not drawn.",
+        "900 ± 400 cm⁻¹. The measured spectra of the left axis are not available.",
         "figure-5a": f"Temperature of 2-cm disks over pressure and irradiance, reported reading; "
         f"above the white line they levitate. {chamber}",
         "figure-5bcd": f"Irradiance to levitate against pressure. {chamber}",
         "figure-6": f"2-cm disk in the paper's atmosphere: (a) irradiance to levitate, at normal "
         f"incidence and 45°; (b) its temperature when it just levitates. {versions}",
         "figure-s7": "Disks of several sizes over altitude at 1360 W/m², reported reading. The "
-        "text that we have does not say what the paper's four panels show: this arrangement is "
-        "ours.",
+        "text available to us does not say what the paper's four panels show; the choice of "
+        "panels is ours.",
         "figure-s8": f"Largest payload and relative payload at 1360 W/m² over the disk's diameter, "
-        f"each at the altitude best for it. {versions}",
+        f"each at its best altitude. {versions}",
     }
 
 
 def rows(curves: Curves) -> Iterator[str]:
-    """The lines of a CSV file with the curves; an empty cell where there is no value.
+    """Lines of a CSV file with the curves; a cell without a value is empty.
 
     Parameters
     ----------

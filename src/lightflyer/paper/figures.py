@@ -1,6 +1,6 @@
 """The paper's figures, drawn from :mod:`lightflyer.paper.curves`.
 
-Points are drawn only where the user gives them; without any, no figure shows measured data.
+Measured points are drawn only where the user gives them.
 """
 
 from typing import Any
@@ -147,7 +147,7 @@ def _in_panel(points: Points | None, size_cm: float) -> Any:
 
 
 def _draw_points(ax: Axes, points: Points | None, chosen: Any) -> None:
-    """Draw the user's own points; the only ones that are ever drawn."""
+    """Draw the user's own points."""
     if points is None or chosen is None:
         return
     spread = points.numbers.get("irradiance_uncertainty")
@@ -253,7 +253,7 @@ def paper_figure(name: str, curves: Curves, points: Points | None = None) -> Fig
     curves : dict of str to array
         Its numbers.
     points : Points, optional
-        The user's own, drawn in Fig. 5(b-d) where their diameter is the panel's.
+        The user's own, drawn in the panel of Fig. 5(b-d) for their diameter.
 
     Returns
     -------
@@ -277,7 +277,7 @@ def measured_figures(points: Points) -> dict[str, Figure]:
     Parameters
     ----------
     points : Points
-        Its column ``figure`` says where each belongs; without one all belong to Fig. 2.
+        Its column ``figure`` gives the figure of each point; by default Fig. 2.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The report: every number of the paper beside ours, as JSON, Markdown and one HTML page."""
+"""The report: the paper's numbers beside ours, as JSON, Markdown and one HTML page."""
 
 import base64
 import html
@@ -112,23 +112,23 @@ def _blocks(results: Results) -> list[_Block]:
     for claim in claims():
         verdict = str(claim.overall(results.columns))
         counts[verdict] = counts.get(verdict, 0) + 1
-    tally = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
-    by_column = ", ".join(
-        f"{column.title} {sum(column.key in c.reproducing(results.columns) for c in claims())}"
+    tally = ", ".join(f"{verdict}: {count}" for verdict, count in counts.items())
+    by_column = "; ".join(
+        f"{column.title}: {sum(column.key in c.reproducing(results.columns) for c in claims())}"
         for column in COLUMNS
     )
     blocks = [
         _Block("h1", "The paper, reproduced"),
-        _Block("p", f"Every number of {SOURCE}, beside what lightflyer computes."),
-        _Block("p", f"Of {len(claims())} claims: {tally}. Reproduced by column: {by_column}."),
+        _Block("p", f"The numbers of {SOURCE}, beside those that lightflyer computes."),
+        _Block("p", f"Verdicts on {len(claims())} claims: {tally}."),
+        _Block("p", f"Claims that each column reproduces: {by_column}."),
         _Block(
             "p",
-            "A verdict is computed: a claim is reproduced by a column where each of its numbers "
-            "is within the tolerance shown, which is one unit of the last digit that the paper "
-            "prints unless it says otherwise. The verdict is that of the column “reported”, so "
-            "that no reading is picked claim by claim; “by” names every column that reproduces "
-            "it. "
-            "Numbers in brackets stand beside claims that cannot be recomputed and decide nothing.",
+            "A column reproduces a claim if each number of the claim is within the tolerance "
+            "shown. The tolerance is one unit of the last digit that the paper prints, unless "
+            "stated otherwise. The column “reported” alone decides the verdict, so that no reading "
+            "is picked claim by claim; “by” names every column that reproduces the claim. Numbers "
+            "in brackets belong to claims that cannot be recomputed; they decide nothing.",
         ),
         *(_Block("p", f"Column “{column.title}”: {column.description}.") for column in COLUMNS),
         _Block("h2", "Claims"),
@@ -152,8 +152,8 @@ def _blocks(results: Results) -> list[_Block]:
 
 _CHECK_TEXT = (
     "The 2-cm disk (TAC 0.8 and 0.9, emittance 0.08, absorptance 0.75, 1.0 g/m², coefficients 0.4 "
-    "and 3) in the paper's atmosphere, in more digits than the paper gives, to check other "
-    "programs against."
+    "and 3) in the paper's atmosphere, with more digits than the paper gives, for checking other "
+    "programs."
 )
 
 
@@ -213,14 +213,14 @@ def _table_blocks() -> list[_Block]:
     return [
         _Block("h2", "Tables"),
         _Block("h3", "Table 1: optical properties"),
-        _Block("p", "Transmittance and reflectance are not in the text that we have."),
+        _Block("p", "The text available to us does not give transmittance and reflectance."),
         _plain_table(table_1()),
         _Block("h3", "Table S2: thermal accommodation coefficients"),
         _Block(
             "p",
-            "The text gives ± 0.03–0.05 for all of them. Differences carry their uncertainty "
-            "twice: for independent errors, and for fully correlated ones as of a common "
-            "systematic error.",
+            "The text gives ± 0.03–0.05 for all of them. The uncertainty of a difference is given "
+            "twice: for independent errors, and for fully correlated errors, such as a common "
+            "systematic one.",
         ),
         _plain_table(table_s2()),
     ]
@@ -278,7 +278,7 @@ img { max-width: 100%; }
 
 
 def as_html(results: Results, images: dict[str, Path]) -> str:
-    """The report as one page that needs no other file.
+    """The report as one self-contained page.
 
     Parameters
     ----------

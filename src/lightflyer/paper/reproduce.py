@@ -1,4 +1,4 @@
-"""Compute everything of the paper and write it."""
+"""Recompute the paper and write the report."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -14,16 +14,16 @@ from lightflyer.paper.results import check_values, column_values, common_values
 from lightflyer.paper.tables import table_1, table_s2, to_csv
 
 STEPS = 2 * len(COLUMNS) + 2 * len(FIGURES) + 1
-"""How often :func:`reproduce` reports progress."""
+"""Number of times that :func:`reproduce` reports progress."""
 
 
 def compute(progress: Callable[[str], None] = lambda _: None) -> report.Results:
-    """The numbers of the report.
+    """Compute the numbers of the report.
 
     Parameters
     ----------
     progress : callable
-        Called with a text after each of two steps a column.
+        Called with a text after each step; there are two for each column.
 
     Returns
     -------
@@ -41,7 +41,7 @@ def compute(progress: Callable[[str], None] = lambda _: None) -> report.Results:
 def reproduce(
     out: Path, points: Points | None = None, progress: Callable[[str], None] = lambda _: None
 ) -> report.Results:
-    """Write report, figures and data into a folder, all of it or nothing.
+    """Write report, figures and data into a folder: everything, or nothing on failure.
 
     Parameters
     ----------
@@ -75,7 +75,8 @@ def reproduce(
         for name, figure in figures.items():
             images[name] = stage(f"figures/{name}.png")
             save(figure, [images[name], stage(f"figures/{name}.svg")])
-            progress(f"drawing {name}") if name in FIGURES else None
+            if name in FIGURES:
+                progress(f"drawing {name}")
         stage("data/table-1.csv").write_text(to_csv(table_1()), encoding="utf-8")
         stage("data/table-s2.csv").write_text(to_csv(table_s2()), encoding="utf-8")
         stage("report.json").write_text(report.dump(results), encoding="utf-8")

@@ -1,6 +1,6 @@
-"""The numbers behind the paper's claims, by each reading.
+"""Numbers behind the paper's claims, by each reading.
 
-Names are the keys of the quantities in ``data/lu2023.toml``, values are in their units.
+They have the keys and the units of the quantities in ``data/lu2023.toml``.
 """
 
 from typing import Any
@@ -10,25 +10,38 @@ from scipy.constants import c, h, k
 from scipy.optimize import brentq, minimize_scalar
 
 from lightflyer.film.properties import FilmProperties
+from lightflyer.flight.looks import Function, crossing, peak
+from lightflyer.flight.outputs import OUTPUTS, json_name
 from lightflyer.foundation import constants
+from lightflyer.foundation.types import Numeric
 from lightflyer.paper.conditions import (
+    POINTS,
     Column,
     atmosphere,
     facts,
     film,
     in_chamber,
-    maximum,
     over_altitude,
 )
 
 SEARCHED_ALTITUDES = (50e3, 95e3)
-"""Altitudes in which bands and best payloads are searched [m]."""
+"""Range in which bands and best payloads are searched [m]."""
 
 SEARCHED_PRESSURES = (1e-1, 1e2)
-"""Pressures in which the chamber's optimum is searched [Pa]."""
+"""Range in which the chamber's optimum is searched [Pa]."""
 
 CHECKED_ALTITUDES = (68e3, 72e3, 78e3)
 """Altitudes of the check table [m]."""
+
+CHECKED_OUTPUTS = (
+    "gas_temperature",
+    "pressure",
+    "levitation_temperature",
+    "levitation_irradiance",
+    "temperature",
+    "lift_over_weight",
+)
+"""Outputs in the check table."""
 
 _CENTIMETRE = 1e-2
 _KILOMETRE = 1e3
@@ -38,7 +51,8 @@ _NANOMETRE = 1e-9
 _DISK = 2.0 * _CENTIMETRE
 _GRAMS = 1e3
 _LAYERS = (("alumina", 50.0), ("germanium", 20.0), ("mylar", 500.0), ("germanium", 20.0))
-_EDGE_TOLERANCE = 1e-6  # metres of altitude
+_LOOKS = 4  # each narrows a search some hundred times
+_LOOK_POINTS = POINTS // 4
 
 
 def band(column: Column, incidence_deg: float = 0.0) -> tuple[float, float]:
@@ -48,7 +62,7 @@ def band(column: Column, incidence_deg: float = 0.0) -> tuple[float, float]:
     ----------
     column : Column
     incidence_deg : float
-        [deg].
+        Angle between the light and the disk's normal [deg].
 
     Returns
     -------
@@ -60,15 +74,17 @@ def band(column: Column, incidence_deg: float = 0.0) -> tuple[float, float]:
         light = constants.SOLAR_CONSTANT
         return over_altitude(column, altitude, _DISK, light, incidence_deg)["lift_over_weight"] - 1
 
-    peak, height = maximum(margin, *SEARCHED_ALTITUDES)
+    low, high = SEARCHED_ALTITUDES
+    best, height = _maximum(margin, low, high)
     if height[0] < 0.0:
         return np.nan, np.nan
-    low, high = SEARCHED_ALTITUDES
-    lower, upper = (
-        float(brentq(lambda x: float(margin(x)), end, peak[0], xtol=_EDGE_TOLERANCE))
-        for end in (low, high)
-    )
-    return lower, upper
+    outside, inside = np.array([low, high]), np.repeat(best, 2)
+    lower, upper = crossing(margin, outside, inside, points=POINTS // 2, looks=_LOOKS)
+    return float(lower), float(upper)
+
+
+def _maximum(function: Function, low: Numeric, high: Numeric) -> tuple[np.ndarray, np.ndarray]:
+    return peak(function, low, high, points=_LOOK_POINTS, looks=_LOOKS)
 
 
 def best_payload(column: Column, diameter: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -91,7 +107,7 @@ def best_payload(column: Column, diameter: Any) -> tuple[np.ndarray, np.ndarray]
         table = over_altitude(column, altitude, diameters, constants.SOLAR_CONSTANT)
         return table["relative_payload"]
 
-    return maximum(relative, *SEARCHED_ALTITUDES)
+    return _maximum(relative, *SEARCHED_ALTITUDES)
 
 
 def film_mass(diameter: Any) -> Any:
@@ -119,7 +135,7 @@ def optimum(column: Column, properties: FilmProperties, diameter: float) -> dict
         return in_chamber(column, properties, np.exp(log_pressure), diameter)
 
     low, high = np.log(SEARCHED_PRESSURES)
-    point, value = maximum(lambda x: -table(x)["levitation_irradiance"], low, high)
+    point, value = _maximum(lambda x: -table(x)["levitation_irradiance"], low, high)
     there = table(point)
     return {
         "pressure": float(np.exp(point[0])),
@@ -167,7 +183,7 @@ def _altitude_values(column: Column) -> dict[str, float]:
         if name == "band":
             pressures, _ = atmosphere(np.array(edges))
             values["band_pressure_low"], values["band_pressure_high"] = map(float, pressures)
-    _, coldest = maximum(
+    _, coldest = _maximum(
         lambda x: -over_altitude(column, x, _DISK, light)["levitation_temperature"],
         *SEARCHED_ALTITUDES,
     )
@@ -226,7 +242,7 @@ def _chamber_values(column: Column) -> dict[str, float]:
 
 
 def common_values() -> dict[str, float]:
-    """The numbers that do not depend on the reading.
+    """Numbers that do not depend on the reading.
 
     Returns
     -------
@@ -249,7 +265,7 @@ def common_values() -> dict[str, float]:
 
 
 def column_values(column: Column) -> dict[str, float]:
-    """The numbers of one column, without the common ones.
+    """Numbers of one column, without the common ones.
 
     Parameters
     ----------
@@ -263,7 +279,7 @@ def column_values(column: Column) -> dict[str, float]:
 
 
 def check_values(column: Column) -> list[dict[str, float]]:
-    """The 2-cm disk at three altitudes, in more digits than the paper gives.
+    """Outputs of the 2-cm disk at three altitudes, in more digits than the paper gives.
 
     Parameters
     ----------
@@ -272,18 +288,12 @@ def check_values(column: Column) -> list[dict[str, float]]:
     Returns
     -------
     list of dict of str to float
-        One an altitude, names ending in the unit.
+        One per altitude; names as in the JSON of other commands.
     """
     altitude = np.array(CHECKED_ALTITUDES)
     table = over_altitude(column, altitude, _DISK, constants.SOLAR_CONSTANT)
-    pressure, temperature = atmosphere(altitude)
-    columns = {
-        "altitude_km": altitude / _KILOMETRE,
-        "gas_temperature_k": temperature,
-        "pressure_pa": pressure,
-        "levitation_temperature_k": table["levitation_temperature"],
-        "levitation_irradiance_w_m2": table["levitation_irradiance"],
-        "temperature_k": table["temperature"],
-        "lift_over_weight": table["lift_over_weight"],
-    }
+    columns = {json_name("altitude", "km"): altitude / _KILOMETRE}
+    for name in CHECKED_OUTPUTS:
+        key, factor = OUTPUTS[name].json
+        columns[key] = factor * table[name]
     return [{name: float(v[i]) for name, v in columns.items()} for i in range(altitude.size)]

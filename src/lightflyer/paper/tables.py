@@ -1,6 +1,6 @@
 """Tables 1 and S2 with derived columns, from what the paper's text states.
 
-Nothing is filled in that the text does not give: such a cell is None, in CSV ``not available``.
+A cell that the text does not give is None, in CSV ``not available``.
 """
 
 import math
@@ -54,8 +54,8 @@ def table_1() -> list[Row]:
     Returns
     -------
     list of dict
-        One a sample; transmittance and reflectance are not in the text, so neither is what
-        would follow from them.
+        One for each sample. Transmittance and reflectance are not in the text, so what would
+        follow from them is None too.
     """
     return [_optical_row(stated) for stated in facts()["optical"]]
 
@@ -85,8 +85,8 @@ def table_s2() -> list[Row]:
     Returns
     -------
     list of dict
-        One a pair of top (alumina or mylar) and bottom (Ge or CNT). The uncertainty of a
-        difference is given for the lowest and highest stated uncertainty of a TAC, with
+        One for each pair of top (alumina or mylar) and bottom (Ge or CNT). The uncertainty of a
+        difference is given for the lowest and the highest stated uncertainty of a TAC, with
         independent errors and with fully correlated ones, which cancel where they are equal.
     """
     tac = {stated["sample"]: stated["tac"] for stated in facts()["accommodation"]}

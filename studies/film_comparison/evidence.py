@@ -5,60 +5,60 @@ from pathlib import Path
 
 import numpy as np
 
-import lightflyer as lf
+from lightflyer import film
 
 HERE = Path(__file__).parent
-VISIBLE = lf.Spectrum("400 nm to 700 nm, flat", np.array([400e-9, 700e-9]), np.ones(2))
-GE, PET, ALUMINA = lf.material("Ge"), lf.material("PET"), lf.material("Al2O3")
+VISIBLE = film.Spectrum("400 nm to 700 nm, flat", np.array([400e-9, 700e-9]), np.ones(2))
+GE, PET, ALUMINA = film.material("Ge"), film.material("PET"), film.material("Al2O3")
 
 
 def paper_film(germanium=GE, below=20e-9, above=20e-9, alumina=50e-9, oxide=0.0):
-    """Alumina, germanium, mylar, germanium, and a stand-in for native oxide below."""
-    layers = [lf.Layer(germanium, above), lf.Layer(PET, 500e-9), lf.Layer(germanium, below)]
+    """Alumina, germanium, mylar, germanium, and silica below in place of the native oxide."""
+    layers = [film.Layer(germanium, above), film.Layer(PET, 500e-9), film.Layer(germanium, below)]
     if alumina:
-        layers.insert(0, lf.Layer(ALUMINA, alumina))
+        layers.insert(0, film.Layer(ALUMINA, alumina))
     if oxide:
-        layers.append(lf.Layer(lf.material("SiO2"), oxide))
-    return lf.Film(tuple(layers))
+        layers.append(film.Layer(film.material("SiO2"), oxide))
+    return film.Film(tuple(layers))
 
 
 def bruggeman(material, share):
-    """A porous material: n and k of a mixture with vacuum, by [Bruggeman1935]_."""
+    """Porous material: n and k of a mixture with vacuum by Bruggeman (1935)."""
     wavelength = np.geomspace(0.4e-6, 15e-6, 800)
     n, k = material.index(wavelength)
     solid = (n + 1j * k) ** 2
     half = 0.25 * ((3 * share - 1) * solid + (2 - 3 * share))
     root = np.sqrt(half**2 + 0.5 * solid)
     mixed = np.sqrt(half + np.where((half + root).imag >= 0, root, -root))
-    return lf.tabulated_material("porous Ge", wavelength, mixed.real, np.abs(mixed.imag))
+    return film.tabulated_material("porous Ge", wavelength, mixed.real, np.abs(mixed.imag))
 
 
-def optical(film):
+def optical(stack):
     """Absorptance from the top for three lights, and from the bottom for the lamp."""
-    lights = {"AM0": None, "LED": lf.cold_white_led(), "visible": VISIBLE}
-    found = {name: lf.absorptance(film, light).value for name, light in lights.items()}
-    found["LED, bottom"] = lf.absorptance(film, lf.cold_white_led(), side="bottom").value
+    lights = {"AM0": None, "LED": film.cold_white_led(), "visible": VISIBLE}
+    found = {name: film.absorptance(stack, light).value for name, light in lights.items()}
+    found["LED, bottom"] = film.absorptance(stack, film.cold_white_led(), side="bottom").value
     return {name: round(float(value), 3) for name, value in found.items()}
 
 
-def thermal(film, temperature=441.0):
-    """Hemispherical emittance of both faces, and the share of the spectrum with data."""
-    faces = [lf.emittance(film, temperature, side=side) for side in ("top", "bottom")]
+def thermal(stack, temperature=441.0):
+    """Hemispherical emittance of both faces, and the share of the spectrum that the data cover."""
+    faces = [film.emittance(stack, temperature, side=side) for side in ("top", "bottom")]
     values = [round(float(face.value), 4) for face in faces]
     return {"top": values[0], "bottom": values[1], "covered": round(float(faces[0].covered), 3)}
 
 
-def ftir_bound(film):
+def ftir_bound(stack):
     """Mean of 1 - T over 900 ± 400 cm⁻¹, as far as the data reach."""
     wavenumber = np.linspace(667.0, 1300.0, 400)
-    optics = film.optics(0.01 / wavenumber).unpolarised()
+    optics = stack.optics(0.01 / wavenumber).unpolarised()
     return round(float(np.mean(1.0 - optics.transmittance)), 3)
 
 
 def main():
-    """Compute and write all of it."""
+    """Compute and write all results."""
     nominal = paper_film()
-    mylar = lf.Film((lf.Layer(PET, 500e-9),))
+    mylar = film.Film((film.Layer(PET, 500e-9),))
     porous = bruggeman(GE, 0.5)
     results = {
         "emittance at 441 K": {"nominal": thermal(nominal), "mylar": thermal(mylar)},
@@ -67,8 +67,8 @@ def main():
             "nominal": optical(nominal),
             "mylar": optical(mylar),
             "no alumina": optical(paper_film(alumina=0.0)),
-            "index of a 20-nm film": optical(paper_film(lf.material("Ge-20nm"))),
-            "index of the crystal": optical(paper_film(lf.material("Ge-crystal"))),
+            "index of a 20-nm film": optical(paper_film(film.material("Ge-20nm"))),
+            "index of the crystal": optical(paper_film(film.material("Ge-crystal"))),
             "germanium 25 nm": optical(paper_film(below=25e-9, above=25e-9)),
             "germanium 15 nm": optical(paper_film(below=15e-9, above=15e-9)),
             "4 nm of Ge below oxidised": optical(paper_film(below=16e-9, oxide=5e-9)),

@@ -11,7 +11,10 @@ from pathlib import Path
 import numpy as np
 
 import lightflyer as lf
+from lightflyer.environment import EnvironmentState, Radiation
+from lightflyer.force import PRINTED, REPORTED, fit_simple_form
 from lightflyer.foundation import drawing as plot
+from lightflyer.gas import AIR, mean_free_path
 from lightflyer.kinetic import solve
 
 HERE = Path(__file__).parent
@@ -49,31 +52,28 @@ MODELS = {
 
 
 def surroundings(knudsen):
-    """The gas of the mesosphere at the pressures that give a disk of RADIUS these numbers."""
-    pressure = lf.mean_free_path(1.0, COLD) / (2.0 * RADIUS * knudsen)
-    return lf.EnvironmentState(pressure, COLD, 9.6, lf.AIR, lf.Radiation())
+    """Gas of the mesosphere at the pressures that give a disk of RADIUS these Knudsen numbers."""
+    pressure = mean_free_path(1.0, COLD, AIR) / (2.0 * RADIUS * knudsen)
+    return EnvironmentState(pressure, COLD, 9.6, AIR, Radiation())
 
 
 def ratios(model, knudsen, excess):
-    """Force and heat loss over those of free molecules at Maxwell walls."""
+    """Force and heat loss over their free-molecular values at Maxwell walls."""
     disk, state = lf.Disk(FILM, RADIUS), surroundings(knudsen)
     free_force = 0.5 * state.pressure * disk.area * FILM.tac_difference * (np.sqrt(1 + excess) - 1)
-    free_heat = lf.FreeMolecular().heat_loss(disk, state, excess)
-    return (
-        np.asarray(model.force(disk, state, excess) / free_force),
-        np.asarray(model.heat_loss(disk, state, excess) / free_heat),
-    )
+    (free_heat,) = lf.FreeMolecular().heat_loss(disk, state, (excess,))
+    (heat,) = model.heat_loss(disk, state, (excess,))
+    force = model.force(disk, state, (excess,))
+    return np.asarray(force / free_force), np.asarray(heat / free_heat)
 
 
 def simple_forms():
-    """Coefficients of the paper's form that imitate the kinetic force, by temperature ratio."""
+    """Coefficients of the paper's form fitted to the kinetic force, by temperature ratio."""
     state = surroundings(np.geomspace(*FITTED, 60))
     found = {}
-    for name, reading in (("reported", lf.REPORTED), ("printed", lf.PRINTED)):
+    for name, reading in (("reported", REPORTED), ("printed", PRINTED)):
         for ratio in RATIOS[1:]:
-            form = lf.fit_simple_form(
-                lf.Kinetic(), lf.Disk(FILM, RADIUS), state, ratio - 1.0, reading
-            )
+            form = fit_simple_form(lf.Kinetic(), lf.Disk(FILM, RADIUS), state, ratio - 1.0, reading)
             found[f"{name}, T_h/T_c {ratio:g}"] = {
                 "c_fm": form.model.c_fm,
                 "c_cont": form.model.c_cont,
@@ -135,7 +135,7 @@ def flight(model, incidence=0.0):
     disk = lf.Disk(FILM, RADIUS)
     state = environment.state(ALTITUDES)
     levitation = lf.levitate(disk, state, model, throw=False)
-    bands = lf.altitude_bands(disk, environment, model)
+    bands = lf.levitation_bands(disk, environment, model)
     return levitation, bands
 
 
@@ -152,7 +152,7 @@ def best_payloads(model):
 
 
 def draw_flight():
-    """What each model says of the paper's Figs. 6 and S8; the numbers behind it."""
+    """Draw the paper's Figs. 6 and S8 by each model; return their numbers."""
     figure = plot.new_figure(columns=2, rows=2, width=5.6, height=8.4)
     irradiance_axes, temperature_axes, payload_axes, altitude_axes = figure.axes
     numbers = {}
@@ -188,7 +188,7 @@ def draw_flight():
 
 
 def summary(model, irradiance, payload, altitude):
-    """What the figures say, in numbers."""
+    """Numbers that the figures show."""
     lifts = SIZES[payload > 0.0]
     lowest = int(np.nanargmin(irradiance))
     three = int(np.argmin(np.abs(SIZES - 0.03)))

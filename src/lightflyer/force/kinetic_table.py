@@ -16,7 +16,6 @@ gas is dense), so they can be continued beyond the table.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
 from typing import Any
 
 import jax.numpy as jnp
@@ -24,6 +23,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.table import shipped_table
 from lightflyer.foundation.types import Numeric
 
 GASES = ("monatomic", "diatomic")
@@ -130,11 +130,9 @@ def wall_table(gas: str = "diatomic") -> WallTable:
 def _columns(name: str, gas: str) -> dict[str, np.ndarray]:
     if gas not in GASES:
         raise ParameterError(f"gas = {gas!r} is not one of {', '.join(GASES)}")
-    text = files("lightflyer.data").joinpath(name).read_text("utf-8")
-    lines = [line for line in text.splitlines() if line and not line.startswith("#")]
-    header, *rows = (line.split(",") for line in lines)
-    kept = np.array([row[1:] for row in rows if row[0] == gas], float)
-    return dict(zip(header[1:], kept.T, strict=True))
+    table = shipped_table(name)
+    kept = np.array(table.texts["gas"]) == gas
+    return {column: values[kept] for column, values in table.numbers.items()}
 
 
 @dataclass(frozen=True)

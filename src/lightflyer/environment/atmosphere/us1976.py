@@ -1,7 +1,6 @@
 """The US Standard Atmosphere 1976, sea level to 1000 km."""
 
 from functools import cache
-from importlib import resources
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -13,6 +12,7 @@ from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.foundation import constants
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.spline import Spline
+from lightflyer.foundation.table import shipped_table
 from lightflyer.foundation.types import Numeric
 from lightflyer.gas.air import AIR
 
@@ -91,11 +91,8 @@ class _UpperTable(NamedTuple):
 
 @cache
 def _upper_table() -> _UpperTable:
-    source = resources.files("lightflyer") / "data" / "us1976_upper.csv"
-    with source.open() as lines:
-        rows = (line for line in lines if not line.startswith(("#", "altitude")))
-        altitude_km, pressure, density = np.loadtxt(rows, delimiter=",", unpack=True)
-    altitude = altitude_km * 1e3
+    rows = shipped_table("us1976_upper.csv").numbers
+    altitude, pressure, density = rows["altitude_km"] * 1e3, rows["pressure"], rows["density"]
     gas_constant = constants.GAS_CONSTANT_US1976 / constants.MOLAR_MASS_AIR
     temperature = np.asarray(_upper_temperature(altitude, np))
     ratio = density * gas_constant * temperature / pressure

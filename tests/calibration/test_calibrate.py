@@ -296,6 +296,27 @@ def test_names_of_numbers(name, fields, factor, value):
     assert (target.factor, target.value) == (factor, pytest.approx(value))
 
 
+def test_a_layered_film_starts_from_what_its_layers_give(flyer_file, setup, exact):
+    layers = '[{material = "Ge", thickness = "20 nm"}, {material = "PET", thickness = "500 nm"}]'
+    path = flyer_file(
+        'areal_density = "1.0 g/m^2"\nabsorptance = 0.75            # for the incoming light\n',
+        f'layers = {layers}\nextrapolation = "hold"\n',
+    )
+    text = path.read_text(encoding="utf-8").replace('"earth"\natmosphere = "lu2023"', '"chamber"')
+    text = text.replace('incidence = "0 deg"', 'temperature = "295 K"')
+    path.write_text(text, encoding="utf-8")
+    design = lf.read_flyer_file(path).design()
+    film = design.setup.flyer.film
+    assert target_of(design, "absorptance").value == film.absorptance
+    assert film.areal_density == pytest.approx(20e-9 * 5323.0 + 500e-9 * 1390.0, rel=0.02)
+    with pytest.raises(lf.ParameterError, match="too costly to fit"):
+        lf.calibrate(points(exact), design, free=["film.layers.0.thickness"])
+    other = lf.Setup(lf.Disk(film, 0.01), CHAMBER, lf.Lu2023())
+    free = ["c_fm", "absorptance"]
+    by_file, by_objects = (lf.calibrate(points(exact), what, free=free) for what in (design, other))
+    assert by_file.values == pytest.approx(by_objects.values, rel=1e-6)
+
+
 def test_one_emittance_where_the_file_gives_two(flyer_file):
     path = flyer_file("emittance = 0.08", "emittance_top = 0.06\nemittance_bottom = 0.08")
     target = target_of(lf.read_flyer_file(path).design(), "emittance")

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
-from lightflyer.flight.design import AbstractDesign
+from lightflyer.flight.design import AbstractDesign, ObjectDesign
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.quantity import Quantity
 
@@ -75,6 +75,8 @@ def target_of(design: AbstractDesign, name: str, *, describes_flyer: bool = Fals
         value = design.number(field)
         if value is None:
             value = _mean(design, _faces(known, name))
+        if value is None:
+            value = _computed(design, field)
         return Target((field,), 1.0, design.quantities[field], value)
     part, dot, last = name.rpartition(".")
     if last in ALIASES:
@@ -113,6 +115,15 @@ def _mean(design: AbstractDesign, fields: tuple[str, ...]) -> float | None:
     values = [design.number(field) for field in fields]
     given = [value for value in values if value is not None]
     return math.fsum(given) / len(given) if given and len(given) == len(values) else None
+
+
+def _computed(design: AbstractDesign, field: str) -> float | None:
+    """Value in the setup of a number that a file leaves out, such as a property of layers."""
+    built, last = ObjectDesign(design.setup), field.rpartition(".")[2]
+    found = [name for name in built.quantities if name.rpartition(".")[2] == last]
+    if len(found) != 1 or built.quantities[found[0]].unit != design.quantities[field].unit:
+        return None
+    return built.number(found[0])
 
 
 def _why_unknown(design: AbstractDesign, name: str) -> str:

@@ -117,7 +117,7 @@ def _asked(at: str | None, where: "Coordinate") -> list[float] | None:
 
 
 def _film_origins(file: "FlyerFile") -> dict[str, Any]:
-    """Where the properties of a film of layers come from."""
+    """Line on the origin of the properties of a film of layers."""
     from lightflyer.film.layered_section import LayeredFilmSection
 
     if not isinstance(file.film, LayeredFilmSection):
@@ -236,7 +236,7 @@ def _film_value(value: float | dict[str, float]) -> str:
 
 
 def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
-    """Where it levitates, with how much light, and what it carries."""
+    """Lines on where it levitates, with how much light, and what it carries."""
     where, light = prediction.coordinate, prediction.available
     key, factor = prediction.coordinate_key
     unit, digits = where.shown_unit, ".3g" if where.logarithmic else ".2f"
@@ -294,7 +294,7 @@ _NODE = ("of the {}\n[K]", ".1f")  # a temperature of one part of the flyer
 
 
 def _points_table(prediction: "Prediction") -> Table | str:
-    """What happens at each coordinate asked for."""
+    """Table of the results at each coordinate asked for."""
     from lightflyer.flight.outputs import outputs_of
 
     if not prediction.asked.size:

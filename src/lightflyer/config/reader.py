@@ -16,7 +16,7 @@ def _keys_of(section: str, document: Any) -> list[str]:
 
 
 FLYER_FILE = FileKind("a flyer file", _keys_of, "'lightflyer init' writes an example")
-"""How messages speak of a flyer file."""
+"""Names that messages about a flyer file use."""
 
 
 def read_flyer_file(path: str | Path) -> FlyerFile:

@@ -1,4 +1,4 @@
-"""Where it flies: gas state, gravity, light and heat radiation, wind."""
+"""Surroundings of a flyer: gas state, gravity, light and heat radiation, wind."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""What a flyer's surroundings are, and what every environment must give."""
+"""Base classes of environments: state of the surroundings, place, coordinate."""
 
 import abc
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ class Wind(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where on a planet, and when; what the coordinate of an environment does not say.
+    """Place on a planet and time: what the coordinate of an environment leaves open.
 
     Attributes
     ----------
@@ -127,14 +127,14 @@ class AbstractEnvironment(Checked):
     """
 
     dimmable_light: ClassVar[bool] = False
-    """Whether somebody can turn the light up and down: a lamp, not the sun."""
+    """True if the light can be turned up and down, as a lamp can and the sun cannot."""
 
     radiation: eqx.AbstractVar[Radiation]
 
     @property
     @abc.abstractmethod
     def coordinate(self) -> Coordinate:
-        """What the coordinate is and where it ends."""
+        """Name, unit and range of the coordinate."""
 
     @abc.abstractmethod
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:

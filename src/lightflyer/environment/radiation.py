@@ -12,7 +12,7 @@ from lightflyer.foundation.types import Numeric
 
 
 class Attitude(Checked):
-    """How a flyer lies: the direction of the normal of its top face.
+    """Attitude of a flyer: the direction of the normal of its top face.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-r"""How much of what a plane face sees is the planet.
+r"""View factor from a plane face to the planet below it.
 
 With the half-angle :math:`\gamma` of the planet's disk as seen from the flyer,
 :math:`\sin\gamma = R/(R+h)`, a face that looks straight down sees the share

@@ -90,7 +90,7 @@ class Equilibrium(eqx.Module):
 
     @property
     def converged(self) -> Numeric:
-        """Whether the search ended at a root and every node's imbalance is within tolerance."""
+        """True where the search ended at a root and every node's imbalance is within tolerance."""
         return self.ending == Ending.CONVERGED
 
     def temperature_of(self, node: str) -> Numeric:
@@ -245,7 +245,7 @@ def uniform_excess(
 
 
 def _stand_in(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
-    """What the flyer's outline would radiate at the gas temperature if it were black [W]."""
+    """Power that the flyer's outline, if black, would radiate at the gas temperature [W]."""
     return flyer.area * state.radiation.stefan_boltzmann * state.temperature**4
 
 

@@ -1,4 +1,4 @@
-"""Where a flyer flies: bands of altitude or pressure, many flyers at once and differentiable.
+"""Bands of altitude or pressure in which flyers levitate, many at once and differentiable.
 
 Whatever is searched over a coordinate is searched here. Each look evaluates a function at evenly
 spaced points between the neighbours of the last look's best; four looks narrow a kilometre to a
@@ -29,7 +29,7 @@ from lightflyer.foundation.rootfind import (
 from lightflyer.foundation.types import Numeric
 
 MOST_BANDS = 4
-"""How many separate bands are told apart."""
+"""Greatest number of separate bands of one flyer."""
 
 _EDGE_TOLERANCE = 1e-10  # of lift over weight; about a micrometre of altitude
 _STAGES = 4  # each narrows the search for the peak some fifty times, to millimetres
@@ -60,7 +60,7 @@ class Band(eqx.Module):
 
     @property
     def converged(self) -> Numeric:
-        """Whether both edges met their tolerance."""
+        """True where both edges met their tolerance."""
         return self.ending == Ending.CONVERGED
 
 
@@ -160,7 +160,7 @@ def levitation_bands(
 
 
 class _Searched(eqx.Module):
-    """What is searched, and along which coordinate."""
+    """Function to search, and the coordinate to search along."""
 
     flyer: AbstractFlyer
     environment: AbstractEnvironment
@@ -257,7 +257,7 @@ def _with_point(grid: Array, values: Array, point: Array, value: Array) -> tuple
 
 
 def _first_largest(table: Array) -> Array:
-    """Index of the largest entry of each column, in 32 bits whatever JAX's switch says.
+    """Index of the largest entry of each column, in 32 bits in either of JAX's precisions.
 
     Inside a caller's own single-precision ``jit`` JAX cannot lower an argmax of double precision.
     """
@@ -268,7 +268,7 @@ def _first_largest(table: Array) -> Array:
 
 
 def _band(places: Array, flies: Array, number: int) -> tuple[Array, Array, Array, Array]:
-    """Where the band of the given number begins and ends in the table.
+    """Find where the band of the given number begins and ends in the table.
 
     Returns, for lower and upper edge stacked, the places just outside and just inside, and
     whether the band exists and is open at that end.

@@ -61,7 +61,7 @@ class Case:
 
     @cached_property
     def levitation(self) -> Levitation:
-        """What it takes to levitate."""
+        """Light, temperature and load at which the flyer just levitates."""
         found = levitate(self.flyer, self.state, self.setup.model, throw=False)
         self._note(found)
         return found

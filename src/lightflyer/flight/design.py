@@ -61,7 +61,7 @@ class AbstractDesign(abc.ABC):
     """A setup that can be built anew with other numbers."""
 
     text: str = ""
-    """What the design was read from, for the record."""
+    """Name of the file or object that the design was read from, for the record."""
 
     @abc.abstractmethod
     def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:
@@ -113,7 +113,7 @@ class AbstractDesign(abc.ABC):
         del values
 
     def is_layer(self, name: str) -> bool:
-        """Whether a number describes a layer of a film; its ± is kept with the data only."""
+        """True if a number describes a layer of a film; its ± is kept with the data only."""
         del name
         return False
 
@@ -350,7 +350,7 @@ def as_design(
     environment: AbstractEnvironment | None = None,
     model: AbstractForceModel | None = None,
 ) -> AbstractDesign:
-    """A design from whatever a user has in hand.
+    """Make a design from a file, a dictionary or objects.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ LOAD_TOLERANCE = 1e-10
 
 
 class Levitation(eqx.Module):
-    """What it takes to levitate. Fields have the broadcast shape of the inputs.
+    """Light and temperature at which a flyer just levitates. Fields have the broadcast shape of the inputs.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Levitation(eqx.Module):
 
     @property
     def converged(self) -> Numeric:
-        """Whether the root-find met its tolerance, or found that there is no root."""
+        """True where the root-find met its tolerance, or found that there is no root."""
         return self.ending == Ending.CONVERGED
 
 
@@ -332,7 +332,7 @@ def _levitate(
 def _reach(
     function: Callable[[Array], Array], top: Array, strongest: Array, load: Array
 ) -> tuple[Array, Array, RootStatus]:
-    """Where an increasing force reaches the load.
+    """Find where an increasing force reaches the load.
 
     Parameters
     ----------

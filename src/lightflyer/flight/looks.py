@@ -48,7 +48,7 @@ def peak(
 def crossing(
     function: Function, outside: Numeric, inside: Numeric, *, points: int, looks: int
 ) -> np.ndarray:
-    """Where each function becomes positive on the way from outside to inside.
+    """Find where each function becomes positive on the way from outside to inside.
 
     Parameters
     ----------

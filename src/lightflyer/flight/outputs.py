@@ -1,4 +1,4 @@
-"""What a design gives: every result's name, unit and definition, once.
+"""Outputs of a design: the name, unit and definition of every result, once.
 
 Predictions, sweeps, optimisations, sensitivities, figures, JSON and the paper's report all take
 theirs from this list.

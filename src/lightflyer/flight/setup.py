@@ -8,7 +8,7 @@ from lightflyer.force.base import AbstractForceModel
 
 
 class Setup(eqx.Module):
-    """What flies, where, and how the gas pushes it.
+    """A flyer, its environment and a force model.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What every flyer must give to the heat balance and the force models."""
+"""Base class of flyers: what the heat balance and the force models need of them."""
 
 import abc
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -12,7 +12,7 @@ from lightflyer.foundation.quantity import Checked, Mass
 from lightflyer.foundation.types import Numeric
 
 HIGHEST_TEMPERATURE = 3000.0
-"""Where the search for a temperature ends [K]: no film survives it, and the gas correlations end
+"""Highest temperature of the search [K]: no film survives it, and the gas correlations end
 below it."""
 
 
@@ -111,7 +111,7 @@ class AbstractFlyer(Checked):
 
     @abc.abstractmethod
     def describe(self) -> str:
-        """What the flyer is, in a few words, such as ``"disk of 2 cm"``."""
+        """Description in a few words, such as ``"disk of 2 cm"``."""
 
     @property
     def mass(self) -> Numeric:

@@ -98,7 +98,7 @@ class Disk(AbstractFlyer):
         return f"disk of {2.0 * float(np.asarray(self.radius)) / _CENTIMETRE:g} cm"
 
     def _black_power(self, state: EnvironmentState) -> Array:
-        """What one black face would radiate at the gas temperature [W]."""
+        """Power that one black face would radiate at the gas temperature [W]."""
         return self.area * state.radiation.stefan_boltzmann * state.temperature**4
 
 

@@ -1,4 +1,4 @@
-"""How the gas heats, cools and pushes a flyer: one model a file."""
+"""Force models: how the gas heats, cools and pushes a flyer. One model a file."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""What a force model must give.
+"""Base class of force models.
 
 A force model answers two questions about a flyer that is not as warm as the gas: how much heat does
 the gas take from each part of it, and how strongly does the gas push it? A new model is one small
@@ -96,7 +96,7 @@ class AbstractForceModel(Checked):
         return ()
 
     def caveats(self, flyer: Any, state: EnvironmentState) -> tuple[str, ...]:
-        """What about a flyer or its surroundings is outside the model's range, in words.
+        """Warnings, in words, where a flyer or its surroundings are outside the model's range.
 
         Parameters
         ----------

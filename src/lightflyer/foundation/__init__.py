@@ -1,1 +1,1 @@
-"""What every room stands on: precision, root-finding, units, ranges, files, figures, errors."""
+"""Shared tools: precision, root-finding, units, ranges, files, figures, errors."""

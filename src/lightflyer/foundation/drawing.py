@@ -1,4 +1,4 @@
-"""What all figures share. Only this module and those named ``figures`` import matplotlib.
+"""Style and saving of all figures. Only this module and those named ``figures`` import matplotlib.
 
 Colours are Okabe and Ito's, which people with any colour vision can tell apart, and lines differ
 in style too.

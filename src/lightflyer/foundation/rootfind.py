@@ -91,7 +91,7 @@ def describe_endings(endings: ArrayLike) -> str:
 
 
 class RootStatus(eqx.Module):
-    """How a root-find ended, element by element.
+    """Result of a root-find, element by element.
 
     Attributes
     ----------
@@ -106,7 +106,7 @@ class RootStatus(eqx.Module):
 
     @property
     def converged(self) -> Array:
-        """Whether the search found a root: bool array."""
+        """True where the search found a root: bool array."""
         return self.ending == Ending.CONVERGED
 
 
@@ -275,7 +275,7 @@ def implicit_root(
     solve: Callable[[], tuple[Array, RootStatus]],
     shape: tuple[int, ...],
 ) -> tuple[Array, RootStatus]:
-    """Attach the derivative of a root to whatever found it.
+    """Attach the derivative of a root to its value, however it was found.
 
     Parameters
     ----------

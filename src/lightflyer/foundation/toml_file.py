@@ -20,7 +20,7 @@ _File = TypeVar("_File", bound=Section)
 
 
 class FileKind(NamedTuple):
-    """What messages about a kind of file need to know.
+    """Names that messages about a kind of file use.
 
     Attributes
     ----------

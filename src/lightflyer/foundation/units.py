@@ -69,7 +69,7 @@ def _converter(unit: str, target: str, text: str) -> Callable[[float], float]:
 
 
 def scale_and_offset(unit: str, target: str) -> tuple[float, float]:
-    """What turns many values of one unit into another: times the first, plus the second.
+    """Factor and offset that convert values of one unit into another.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a gas must give, and the lengths and speeds made of it.
+"""Base class of gases, and the lengths and speeds derived from them.
 
 A gas is three correlations in temperature, two numbers and what its molecules are. A gas of your
 own is one file with one subclass of :class:`AbstractGas`.

@@ -1,4 +1,4 @@
-"""What one flyer will do."""
+"""Prediction of one flyer: bands, tables, figures."""
 
 import lazy_loader
 

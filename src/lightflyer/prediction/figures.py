@@ -22,7 +22,7 @@ from lightflyer.foundation.units import scale_and_offset
 from lightflyer.prediction.prediction import Prediction
 
 IRRADIANCE_SPAN = 30.0
-"""How far above the least irradiance the axes reach."""
+"""Upper limit of the axes over the least irradiance."""
 
 _AROUND = 0.1  # of the searched range, drawn on each side of the best where nothing levitates
 _HEADROOM = 0.4  # above the hottest temperature, for the legend

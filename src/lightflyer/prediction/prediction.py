@@ -1,4 +1,4 @@
-"""What one flyer will do: where it levitates, what it carries, how hot it gets.
+"""Prediction of one flyer: where it levitates, what it carries, how hot it gets.
 
 The outputs are evaluated on tables of a fixed length, so that JAX compiles one function once. Band
 edges and optima are found by looking closer with the same function.
@@ -129,7 +129,7 @@ class TemperatureMap:
 
 @dataclass(frozen=True)
 class Prediction:
-    """What a flyer does in its environment.
+    """Bands, tables and peaks of a flyer in its environment.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ class Prediction:
 
     @property
     def coordinate(self) -> Coordinate:
-        """What the coordinate is."""
+        """The environment's coordinate."""
         return self.setup.environment.coordinate
 
     @property
@@ -271,7 +271,7 @@ class Prediction:
 
 
 def _number(value: float) -> float | None:
-    """For JSON, which has neither infinity nor NaN."""
+    """Number for JSON, which has neither infinity nor NaN; None stands for both."""
     return float(value) if np.isfinite(value) else None
 
 

@@ -1,4 +1,4 @@
-"""How far a prediction may be off."""
+"""Uncertainty of a prediction."""
 
 import lazy_loader
 

@@ -100,7 +100,7 @@ def _crossing(coordinate: np.ndarray, margin: np.ndarray, index: np.ndarray) -> 
 def optimum(
     coordinate: np.ndarray, objective: np.ndarray, table: Table
 ) -> tuple[np.ndarray, Table]:
-    """Where an objective is largest, and the table there, by parabolas through three points.
+    """Find where an objective is largest, and the table there, by parabolas through three points.
 
     Parameters
     ----------

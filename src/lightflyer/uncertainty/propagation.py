@@ -66,7 +66,7 @@ class _Target:
 
 @dataclass(frozen=True)
 class PredictionUncertainty:
-    """How far each result of a prediction may be off.
+    """Uncertainty of each result of a prediction.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class PredictionUncertainty:
     high: Table = field(default_factory=dict)
 
     def summary(self) -> dict[str, Any]:
-        """All of it as a JSON object; bands are 95 %."""
+        """Everything as a JSON object; bands are 95 %."""
         return {
             "inputs": dict(zip(self.inputs.names, self.inputs.spreads.tolist(), strict=True)),
             "tac_correlation": self.tac_correlation,

@@ -1,4 +1,4 @@
-"""What every atmosphere must give."""
+"""Base class of atmospheres."""
 
 import abc
 from typing import Any

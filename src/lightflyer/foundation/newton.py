@@ -223,15 +223,28 @@ class DampedNewton(_ElementwiseSolver):
         )
         return _select(searching, ahead, y), new, None
 
+    def postprocess(
+        self,
+        fn: Any,
+        y: Unknowns,
+        aux: None,
+        args: Any,
+        options: Any,
+        state: _DampedState,
+        tags: Any,
+        result: optx.RESULTS,
+    ) -> tuple[Unknowns, None, dict[str, Any]]:
+        """Report the best point of the elements that have not ended."""
+        best = _select(_searching(state.ending), state.base, y)
+        return super().postprocess(fn, best, aux, args, options, state, tags, result)
+
     def _onward(self, newton: _Newton, point: Unknowns) -> tuple[Array, Unknowns]:
         """What a better point amounts to, and where to go from it."""
         target = self._in_bounds(point, newton.step)
         moving = _all_finite(target) & self._may_move(newton, point)
+        arrived = self._is_root(newton) | _is_short(newton.step, point, _NEAR_AT_LAST)
         verdict = _choose(
-            (
-                self._is_root(newton) | _is_short(newton.step, point, _NEAR_AT_LAST),
-                Ending.CONVERGED,
-            ),
+            (arrived, Ending.CONVERGED),
             (~_all_finite(target), Ending.SINGULAR),
             (_is_still(target, point), Ending.STALLED),
             otherwise=Ending.STEP_LIMIT,
@@ -243,12 +256,8 @@ class DampedNewton(_ElementwiseSolver):
         retreat = tuple(
             old + _SHRINKAGE * (new - old) for old, new in zip(state.base, point, strict=True)
         )
-        verdict = _choose(
-            (jnp.isinf(state.level), Ending.NOT_FINITE),
-            (_is_still(retreat, state.base), Ending.STALLED),
-            otherwise=Ending.STEP_LIMIT,
-        )
-        return verdict, retreat
+        nowhere = _is_still(retreat, state.base)
+        return _choose((nowhere, Ending.STALLED), otherwise=Ending.STEP_LIMIT), retreat
 
     def _in_bounds(self, point: Unknowns, step: Unknowns) -> Unknowns:
         """Where a step leads if all of it is shortened so as to keep above the bounds."""

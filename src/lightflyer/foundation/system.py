@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TypeAlias
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jax import Array
@@ -26,7 +27,7 @@ from lightflyer.foundation.rootfind import (
 Unknowns: TypeAlias = tuple[Array, ...]
 
 _PLAIN_STEPS = 30
-"""Newton steps before the careful search: enough to come down a fourth power from 50 times it."""
+"""Newton steps before the careful search: enough from a thousand times the root of radiation."""
 
 
 def solve_system(
@@ -136,18 +137,19 @@ def _search(
 
     from lightflyer.foundation.newton import DampedNewton, PlainNewton
 
-    find = partial(optx.root_find, lambda point, _: equations(point), throw=False)
-    plain = find(
+    function = eqx.filter_closure_convert(lambda point, _: equations(point), start, None)
+    find = partial(optx.root_find, function, throw=False)
+    plain: optx.Solution = find(
         PlainNewton(atol=tolerance, lower=bounds),
         start,
         max_steps=min(_PLAIN_STEPS, maximum_steps),
     )
-    settled = plain.stats["ending"] == Ending.CONVERGED
-    again = tuple(jnp.where(settled, a, b) for a, b in zip(plain.value, start, strict=True))
-    damped = find(
+    ending = plain.stats["ending"]
+    failed = (ending == Ending.STEP_LIMIT) | (ending == Ending.STALLED)
+    damped: optx.Solution = find(
         DampedNewton(atol=tolerance, lower=bounds),
-        again,
-        options={"settled": settled},
+        tuple(jnp.where(failed, a, b) for a, b in zip(start, plain.value, strict=True)),
+        options={"ending": jnp.where(failed, jnp.int8(Ending.STEP_LIMIT), ending)},
         max_steps=maximum_steps,
     )
     steps = plain.stats["num_steps"] + damped.stats["num_steps"]

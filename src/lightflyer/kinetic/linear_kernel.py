@@ -269,34 +269,33 @@ def _wall(j, seen, eta, mesh, eta_basis, walls):
 
 
 @parallel_kernel
-def assemble_nodes(points, state, setup, mesh, own, other, reflected, walls, corrections):
-    """Rows of all nodes.
+def assemble(points, on_face, state, setup, mesh, own, other, reflected, walls, corrections):
+    """Fill the rows of all nodes of a half, or of all nodes on a face.
+
+    One kernel does both, as compiling takes many seconds.
 
     Parameters
     ----------
-    points : array, shape (n, 3)
+    points : array, shape (m, 3)
         Radius, height and √(1−η²) of the nodes.
+    on_face : bool
+        Whether the rows are fluxes that arrive at a face, not moments.
     state : tuple
         δ [1], exponent of the collision frequency in θ, θ − 1 at the nodes, θ of the face, and
         whether all of them are 1.
     setup, mesh : tuple
         Quadratures and tables; panels.
-    own, other, reflected : array, shape (n, n, 36)
-        Zeros, filled: node of the row, node of the column, 6 × field + moment.
-    walls : array, shape (n, e + 2, 6)
-        Zeros, filled: σ at the nodes of the face, then its temperature and its velocity.
-    corrections : array, shape (n, 6, 6)
-        Filled where θ is 1: additions to each node's own weights, field × moment.
+    own, other, reflected : array, shape (m, n, 36 or 18)
+        Zeros, filled: node of the row, node of the column, 6 × field + moment or 3 × field + flux.
+        On a face all three are the same array.
+    walls : array, shape (m, e + 2, 6)
+        Zeros, filled: σ at the nodes of the face, then its temperature and its velocity. Not used
+        on a face, which sees no wall.
+    corrections : array, shape (m, 6, 6)
+        Filled where θ is 1: additions to each node's own weights, field × moment. Not used on a
+        face.
     """
     for i in prange(points.shape[0]):
         rows = (own[i], other[i], reflected[i])
-        _row(i, points[i], False, state, setup, mesh, rows, walls[i], corrections[i])
-
-
-@parallel_kernel
-def assemble_face(points, state, setup, mesh, rows):
-    """Fluxes that arrive at the nodes of a face, shape (e, n, 18): 3 × field + flux."""
-    for i in prange(points.shape[0]):
-        nothing = np.empty((0, FIELDS))
-        same = (rows[i], rows[i], rows[i])
-        _row(i, points[i], True, state, setup, mesh, same, nothing, nothing)
+        # numba counts in unsigned integers here, for which it would compile everything once more
+        _row(np.int64(i), points[i], on_face, state, setup, mesh, rows, walls[i], corrections[i])

@@ -80,7 +80,7 @@ class NonlinearProblem:
         """Fluxes that arrive at a face, less those of the gas at rest, shape (e, 4)."""
         fluxes = np.empty((self.faces.shape[0], 4))
         half = self._half(fields, face, np.ones(self.faces.shape[0]), disk)
-        nonlinear_kernel.evaluate_face(self.faces, *self.arguments, self.gas, half, fluxes)
+        nonlinear_kernel.evaluate(self.faces, True, *self.arguments, self.gas, half, fluxes)
         return fluxes
 
     def evaluate(self, fields: np.ndarray, disk: HotDisk) -> np.ndarray:
@@ -89,8 +89,8 @@ class NonlinearProblem:
         for face in (0, 1):
             sigma = _emitted_density(self.arriving(fields, face, disk), disk.temperature[face])
             half = self._half(fields, face, sigma, disk)
-            nonlinear_kernel.evaluate_nodes(
-                self.nodes, *self.arguments, self.gas, half, result[face]
+            nonlinear_kernel.evaluate(
+                self.nodes, False, *self.arguments, self.gas, half, result[face]
             )
             result[face] += self.system.corrected(fields[face])
         return result

@@ -218,13 +218,15 @@ def _central(raw, radial_scale, rotates, fields):
 
 
 @parallel_kernel
-def evaluate_nodes(points, rarefaction, setup, mesh, gas, half, fields):
-    """Fields at the nodes of one half that follow from given fields.
+def evaluate(points, on_face, rarefaction, setup, mesh, gas, half, out):
+    """Fill the fields at the nodes of one half, or the fluxes on a face, that follow from fields.
 
     Parameters
     ----------
-    points : array, shape (n, 3)
-        Radius, height and √(1−η²).
+    points : array, shape (m, 3)
+        Radius, height and √(1−η²) of the nodes.
+    on_face : bool
+        Whether to give the fluxes that arrive at a face, not fields.
     rarefaction : float
         δ of the gas far away.
     setup, mesh : tuple
@@ -233,20 +235,14 @@ def evaluate_nodes(points, rarefaction, setup, mesh, gas, half, fields):
         Factors of the two heat fluxes, exchange rate, −ω, whether molecules rotate.
     half : tuple
         Own fields, the other half's (mirrored), σ on the face, its TAC and temperature.
-    fields : array, shape (n, 6 or 9)
-        Filled.
+    out : array, shape (m, 6 or 9) or, on a face, (m, 4)
+        Filled with fields, or with number, normal momentum, energy and rotational energy less
+        those of the gas at rest.
     """
     for i in prange(points.shape[0]):
-        raw = np.empty(12)
-        _collect(points[i], False, rarefaction, setup, mesh, gas, half, raw)
-        _central(raw, points[i, 2], gas[4], fields[i])
-
-
-@parallel_kernel
-def evaluate_face(points, rarefaction, setup, mesh, gas, half, fluxes):
-    """Fluxes that arrive at a face, less those of the gas at rest.
-
-    ``fluxes``, shape (e, 4), is filled with number, normal momentum, energy, rotational energy.
-    """
-    for i in prange(points.shape[0]):
-        _collect(points[i], True, rarefaction, setup, mesh, gas, half, fluxes[i])
+        if on_face:
+            _collect(points[i], on_face, rarefaction, setup, mesh, gas, half, out[i])
+        else:
+            raw = np.empty(12)
+            _collect(points[i], on_face, rarefaction, setup, mesh, gas, half, raw)
+            _central(raw, points[i, 2], gas[4], out[i])

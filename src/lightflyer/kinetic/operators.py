@@ -151,11 +151,14 @@ def assemble(
     own, other, reflected = (np.zeros((n, n, 36)) for _ in range(3))
     walls = np.zeros((n, e + linear_kernel.EMISSIONS - 1, linear_kernel.FIELDS))
     corrections = np.zeros((n, linear_kernel.FIELDS, linear_kernel.FIELDS))
-    linear_kernel.assemble_nodes(
-        node_points(mesh), state, setup, panels, own, other, reflected, walls, corrections
+    linear_kernel.assemble(
+        node_points(mesh), False, state, setup, panels, own, other, reflected, walls, corrections
     )
     fluxes = np.zeros((e, n, linear_kernel.FIELDS * linear_kernel.FLUXES))
-    linear_kernel.assemble_face(face_points(mesh), state, setup, panels, fluxes)
+    nothing = np.zeros((e, 0, linear_kernel.FIELDS))
+    linear_kernel.assemble(
+        face_points(mesh), True, state, setup, panels, fluxes, fluxes, fluxes, nothing, nothing
+    )
     return Operators(
         mesh=mesh,
         own=own.reshape(n, n, 6, 6),

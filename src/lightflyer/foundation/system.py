@@ -2,7 +2,7 @@
 
 Every array element holds a system of its own: n equations for n unknowns, n small. Neither the
 search nor the derivatives ever form a matrix that couples elements. For one unknown use
-:mod:`lightflyer.foundation.rootfind`, which brackets the root and is three times as fast.
+:mod:`lightflyer.foundation.rootfind`, which brackets the root and is more than twice as fast.
 """
 
 import math

@@ -20,15 +20,15 @@ BOUNDS = np.array([[2e-9, 100e-9], [100e-9, 2000e-9]])  # germanium, mylar [m]
 STARTS = np.array([[5e-9, 200e-9], [30e-9, 500e-9]])
 RESOLUTION = 100  # wavelengths per factor e; the optimum is confirmed with the default
 
-GE, PET, ALUMINA = (lf.material(name) for name in ("Ge", "PET", "Al2O3"))
+GE, PET, ALUMINA = (lf.film.material(name) for name in ("Ge", "PET", "Al2O3"))
 SIDES = {
-    "below": lambda ge, pet: (lf.Layer(PET, pet), lf.Layer(GE, ge)),
-    "above": lambda ge, pet: (lf.Layer(ALUMINA, SKIN), lf.Layer(GE, ge), lf.Layer(PET, pet)),
+    "below": lambda ge, pet: (lf.film.Layer(PET, pet), lf.film.Layer(GE, ge)),
+    "above": lambda ge, pet: (lf.film.Layer(ALUMINA, SKIN), lf.film.Layer(GE, ge), lf.film.Layer(PET, pet)),
     "both": lambda ge, pet: (
-        lf.Layer(ALUMINA, SKIN),
-        lf.Layer(GE, ge),
-        lf.Layer(PET, pet),
-        lf.Layer(GE, ge),
+        lf.film.Layer(ALUMINA, SKIN),
+        lf.film.Layer(GE, ge),
+        lf.film.Layer(PET, pet),
+        lf.film.Layer(GE, ge),
     ),
 }
 
@@ -36,13 +36,13 @@ SIDES = {
 def relative_payload(thicknesses, side, resolution=RESOLUTION):
     """Payload over the film's own mass, at thicknesses of germanium and mylar [m]."""
     layers = SIDES[side](*thicknesses)
-    film = lf.Film(layers)
+    film = lf.film.Film(layers)
     top, bottom = (
-        lf.emittance_curve(film, face, points_per_e_fold=resolution) for face in ("top", "bottom")
+        lf.film.emittance_curve(film, face, points_per_e_fold=resolution) for face in ("top", "bottom")
     )
     properties = lf.FilmProperties(
         film.areal_density,
-        lf.absorptance(film).value,
+        lf.film.absorptance(film).value,
         top,
         bottom,
         tac_top=layers[0].material.tac.value,

@@ -1,8 +1,8 @@
-"""Forks processes that run one sweep into a folder, and kills each at a random moment.
+"""Forks processes that run a sweep into a folder, and kills each at a random moment.
 
 Run by test_sweep_is_never_lost.py in a process of its own, which has not started JAX: processes
-forked from it begin within milliseconds. What the designs give is a stand-in for the model; all
-else is the package's own. With the address of a Dask scheduler it is one client of it instead.
+forked from it begin within milliseconds. A stand-in takes the place of the
+model; all else is the package's own. With the address of a Dask scheduler it is a client instead.
 """
 
 import json
@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.config.sections import FlyerFile
+from lightflyer.config.flyer_file import FlyerFile
 from lightflyer.sweeps.run import sweep_into
 from lightflyer.sweeps.study import make_study
 
@@ -33,16 +33,16 @@ FILM = {
 
 
 def study():
-    configuration = FlyerFile(flyer={"diameter": "2 cm"}, film=FILM)
+    design = FlyerFile(flyer={"diameter": "2 cm"}, film=FILM).design()
     entries = {
         "flyer.diameter": np.linspace(0.005, 0.05, 600),
         "altitude": np.linspace(60e3, 90e3, 50),
     }
-    return make_study(configuration, entries, ["lift", "payload"])
+    return make_study(design, entries, ["lift", "payload"])
 
 
 class StandIn:
-    """Numbers that only the design decides; tells in a file how often it was asked."""
+    """Numbers that depend on the design only; logs each evaluation in a file."""
 
     def __init__(self, log=None):
         self.log = log

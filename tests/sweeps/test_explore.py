@@ -1,4 +1,4 @@
-"""What is read out of a sweep's results."""
+"""Reading the results of a sweep."""
 
 import numpy as np
 import pytest
@@ -83,7 +83,7 @@ def test_a_slice_is_where_it_is_asked_for_or_at_the_best(dataset):
     assert sliced.payload.dims == ("altitude",)
     with pytest.raises(lf.ConfigurationError, match="is an axis of the map"):
         explore.choose_slice(dataset, "payload", ["altitude"], {"altitude": "70 km"})
-    with pytest.raises(lf.ConfigurationError, match="6 cm is outside of the sweep"):
+    with pytest.raises(lf.ConfigurationError, match="6 cm is outside the sweep"):
         explore.choose_slice(dataset, "payload", ["altitude"], {"diameter": "6 cm"})
     with pytest.raises(lf.ConfigurationError, match="of the wrong kind"):
         explore.choose_slice(dataset, "payload", ["altitude"], {"diameter": "2 kg"})
@@ -94,7 +94,7 @@ def test_names_may_be_short_where_they_are_plain(dataset):
     with pytest.raises(lf.ConfigurationError, match='did you mean "payload"'):
         explore.find_name(dataset, "paylod", among="outputs")
     double = dataset.rename({"film.emittance": "film.diameter"})
-    with pytest.raises(lf.ConfigurationError, match="may be any of"):
+    with pytest.raises(lf.ConfigurationError, match="is ambiguous"):
         explore.find_name(double, "diameter", among="fields")
 
 

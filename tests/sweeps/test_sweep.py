@@ -12,13 +12,6 @@ from lightflyer.sweeps.evaluation import Evaluator
 from lightflyer.sweeps.run import open_sweep
 from lightflyer.sweeps.study import make_study
 
-FILM = {
-    "areal_density": "1 g/m^2",
-    "absorptance": 0.75,
-    "emittance": 0.08,
-    "tac_top": 0.8,
-    "tac_bottom": 0.9,
-}
 POINT_OUTPUTS = [
     "pressure",
     "gas_temperature",
@@ -36,11 +29,6 @@ POINT_OUTPUTS = [
 
 
 @pytest.fixture(scope="module")
-def flyer():
-    return lf.FlyerFile(flyer={"diameter": "2 cm"}, film=FILM, environment={"atmosphere": "lu2023"})
-
-
-@pytest.fixture(scope="module")
 def over():
     return {
         "flyer.diameter": np.geomspace(0.005, 0.05, 5),
@@ -52,10 +40,10 @@ def over():
 
 @pytest.fixture(scope="module")
 def table(flyer, over):
-    return lf.sweep(flyer, over, POINT_OUTPUTS)
+    return lf.sweep(flyer, over=over, outputs=POINT_OUTPUTS)
 
 
-def test_each_design_is_what_its_flyer_file_predicts(flyer, table):
+def test_each_design_is_what_its_flyer_file_predicts(film_section, table):
     """Against predict, from a flyer file with the design's numbers written into it."""
     for diameter, emittance, incidence in itertools.product([0, 3], [0, 1], [0, 1]):
         part = table.isel(
@@ -64,13 +52,13 @@ def test_each_design_is_what_its_flyer_file_predicts(flyer, table):
         )  # fmt: skip
         written = lf.FlyerFile(
             flyer={"diameter": f"{float(part['flyer.diameter']):.17g} m"},
-            film=FILM | {"emittance": float(part["film.emittance"])},
+            film=film_section | {"emittance": float(part["film.emittance"])},
             environment={
                 "atmosphere": "lu2023",
                 "incidence": f"{float(part['environment.incidence']):.17g} deg",
             },
         )
-        found = lf.predict(written.build(), at=part.altitude.values).at_table
+        found = lf.predict(written, at=part.altitude.values).at
         # differences of nearly equal numbers are as exact as these
         larger = {"payload": part.own_mass.values.max(), "relative_payload": 1.0}
         for name, values in found.items():
@@ -81,15 +69,15 @@ def test_each_design_is_what_its_flyer_file_predicts(flyer, table):
 
 def test_bits_do_not_depend_on_how_designs_are_divided(flyer, over):
     """An odd number at once leaves a rest for the processor's scalar instructions."""
-    evaluate = Evaluator(make_study(flyer, over, POINT_OUTPUTS))
+    evaluate = Evaluator(make_study(flyer.design(), over, POINT_OUTPUTS))
     whole, _ = evaluate(0, evaluate.study.size)
-    evaluate.piece = 61
+    evaluate.batch = 61
     parts = [evaluate(start, min(start + 100, evaluate.study.size))[0] for start in (0, 100)]
     for name, values in whole.items():
         np.testing.assert_array_equal(np.concatenate([part[name] for part in parts]), values)
 
 
-def test_a_dataset_has_its_fields_units_and_versions(flyer, table):
+def test_a_dataset_has_its_fields_units_and_versions(table):
     assert list(table.dims) == [
         "flyer.diameter",
         "film.emittance",
@@ -101,12 +89,14 @@ def test_a_dataset_has_its_fields_units_and_versions(flyer, table):
         assert table[name].attrs["long_name"], name
     assert table["flyer.diameter"].attrs["units"] == "m"
     assert table["environment.incidence"].attrs["units"] == "degree"
+    assert np.isnan(table.levitation_irradiance).any()  # where no irradiance levitates it
+    assert table.attrs["not_converged"] == 0
     assert table.attrs["lightflyer_version"] == lf.__version__
     assert "jaxlib" in table.attrs["versions"]
 
 
 def test_in_a_folder_it_is_the_same(flyer, over, table, tmp_path):
-    stored = lf.sweep(flyer, over, POINT_OUTPUTS, out=tmp_path / "results.zarr")
+    stored = lf.sweep(flyer, over=over, outputs=POINT_OUTPUTS, out=tmp_path / "results.zarr")
     xr.testing.assert_identical(stored.drop_attrs(deep=False), table.drop_attrs(deep=False))
     assert stored.attrs["complete"]
     assert stored.attrs["not_converged"] == 0
@@ -117,13 +107,13 @@ def test_in_a_folder_it_is_the_same(flyer, over, table, tmp_path):
 def test_samples_share_a_dimension_and_one_value_is_none(flyer):
     found = lf.sweep(
         flyer,
-        {
+        over={
             "film.tac_top": "0.80 ± 0.01",
             "film.tac_bottom": {"distribution": "uniform", "from": 0.88, "to": 0.92},
             "flyer.diameter": "2 cm",
             "altitude": ["70 km", "72 km"],
         },
-        ["lift"],
+        outputs="lift",
         points=8,
     )
     assert found.lift.dims == ("altitude", "sample")
@@ -137,19 +127,11 @@ def test_samples_share_a_dimension_and_one_value_is_none(flyer):
     assert float(design.lift) == pytest.approx(float(expected), rel=1e-9)
 
 
-def test_a_flyer_that_never_levitates_is_nan(flyer):
-    found = lf.sweep(flyer, {"film.tac_bottom": [0.7], "altitude": ["70 km"]},
-                     ["levitation_irradiance", "lift"])  # fmt: skip
-    assert np.isnan(found.levitation_irradiance).all()
-    assert (found.lift < 0.0).all()
-    assert found.attrs["not_converged"] == 0
-
-
 def test_bands_over_diameter(flyer):
     found = lf.sweep(
         flyer,
-        {"flyer.diameter": ["2 cm", "8 cm"]},
-        ["lowest_altitude", "highest_altitude", "band_width", "own_mass"],
+        over={"flyer.diameter": ["2 cm", "8 cm"]},
+        outputs=["lowest_altitude", "highest_altitude", "band_width", "own_mass"],
     )
     first, second = found.isel({"flyer.diameter": 0}), found.isel({"flyer.diameter": 1})
     assert float(first.lowest_altitude) == pytest.approx(68.022e3, abs=1.0)  # as `predict` finds
@@ -159,21 +141,21 @@ def test_bands_over_diameter(flyer):
     assert float(second.band_width) == 0.0
 
 
-def test_a_chamber_goes_by_pressure():
+def test_a_chamber_goes_by_pressure(film_section):
     flyer = lf.FlyerFile(
         flyer={"diameter": "2 cm"},
-        film=FILM,
+        film=film_section,
         environment={"kind": "chamber", "temperature": "295 K"},
     )
-    found = lf.sweep(flyer, {"pressure": ["3 Pa", "10 Pa"]}, ["levitation_irradiance"])
+    found = lf.sweep(flyer, over={"pressure": ["3 Pa", "10 Pa"]}, outputs="levitation_irradiance")
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
     state = lf.Chamber().state(np.array([3.0, 10.0]))
     expected = lf.levitate(lf.Disk(film, 0.01), state, lf.Lu2023()).irradiance
     np.testing.assert_allclose(found.levitation_irradiance, expected, rtol=1e-9)
-    with pytest.raises(lf.ConfigurationError, match="is not a number of the flyer file"):
-        lf.sweep(flyer, {"altitude": ["70 km"]}, ["lift"])
+    with pytest.raises(lf.ConfigurationError, match="is not a number of the design"):
+        lf.sweep(flyer, over={"altitude": ["70 km"]}, outputs=["lift"])
     with pytest.raises(lf.ConfigurationError, match="needs an atmosphere"):
-        lf.sweep(flyer, {"flyer.diameter": ["2 cm"]}, ["band_width"])
+        lf.sweep(flyer, over={"flyer.diameter": ["2 cm"]}, outputs=["band_width"])
 
 
 def test_layers_are_computed_for_each_thickness():
@@ -187,18 +169,22 @@ def test_layers_are_computed_for_each_thickness():
     flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film)
     names = ["film.layers.3.thickness", "film.tac_top", "altitude"]
     over = dict(zip(names, (["10 nm", "30 nm"], [0.7, 0.8], ["70 km"]), strict=True))
-    found = lf.sweep(flyer, over, ["payload", "absorptance", "areal_density"])
+    found = lf.sweep(flyer, over=over, outputs=["payload", "absorptance", "areal_density"])
     layers[3] = {"material": "Ge", "thickness": "30 nm"}
     written = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film | {"layers": layers})
-    disk, environment, model, _ = written.build()
+    setup = written.build()
+    disk = setup.flyer
     part = found.isel({names[0]: 1, names[1]: 1, names[2]: 0})
     assert float(part.absorptance) == pytest.approx(float(disk.film.absorptance), rel=1e-12)
     assert float(part.areal_density) == pytest.approx(float(disk.film.areal_density), rel=1e-12)
-    expected = lf.payload(disk, environment.state(70e3), model)
+    expected = lf.payload(disk, setup.environment.state(70e3), setup.model)
     assert float(part.payload) == pytest.approx(float(expected), rel=1e-9)
     thinner = found.isel({names[0]: 0, names[1]: 1, names[2]: 0})
     assert float(thinner.areal_density) < float(part.areal_density)
     assert not np.isclose(float(found.payload[1, 0, 0]), float(found.payload[1, 1, 0]))
+    # a measured number varies over layers that stay as they are
+    varied = lf.sweep(written, over={"film.tac_top": [0.7, 0.8]}, outputs=["absorptance"])
+    np.testing.assert_allclose(varied.absorptance, float(disk.film.absorptance), rtol=1e-12)
 
 
 def test_labelled_arrays_keep_their_dimensions_and_stay_with_dask(flyer):
@@ -209,10 +195,12 @@ def test_labelled_arrays_keep_their_dimensions_and_stay_with_dask(flyer):
         "environment.irradiance": irradiance,
         "altitude": ["70 km", "74 km"],
     }
-    plain = lf.sweep(flyer, over, ["lift", "temperature"])
+    plain = lf.sweep(flyer, over=over, outputs=["lift", "temperature"])
     assert plain.lift.dims == ("design", "altitude")
     lazy = lf.sweep(
-        flyer, over | {"flyer.diameter": diameter.chunk(design=4)}, ["lift", "temperature"]
+        flyer,
+        over=over | {"flyer.diameter": diameter.chunk(design=4)},
+        outputs=["lift", "temperature"],
     )
     assert lazy.lift.chunks == ((4, 2), (2,))
     np.testing.assert_array_equal(lazy.lift.compute(), plain.lift)
@@ -222,11 +210,31 @@ def test_labelled_arrays_keep_their_dimensions_and_stay_with_dask(flyer):
     np.testing.assert_allclose(plain.lift.isel(altitude=1), expected, rtol=1e-9)
     assert plain["flyer.diameter"].attrs["units"] == "m"
     with pytest.raises(lf.ConfigurationError, match=r"flyer.diameter = -1 is not positive"):
-        lf.sweep(flyer, over | {"flyer.diameter": 0.0 * diameter - 1.0}, ["lift"])
+        lf.sweep(flyer, over=over | {"flyer.diameter": 0.0 * diameter - 1.0}, outputs="lift")
+
+
+def test_objects_give_what_their_flyer_file_gives(table):
+    film = lf.FilmProperties(1e-3, 0.75, 0.12, 0.12, tac_top=0.8, tac_bottom=0.9)
+    found = lf.sweep(
+        lf.Disk(film, radius=0.01),
+        lf.lu2023_earth(),
+        lf.Lu2023(),
+        over={
+            "flyer.radius": 0.5 * table["flyer.diameter"].values,
+            "environment.radiation.zenith_angle": ["0 deg", "45 deg"],
+            "altitude": {"from": "62 km", "to": "88 km", "points": 7},
+        },
+        outputs=POINT_OUTPUTS,
+    )
+    assert found["flyer.radius"].attrs == {"units": "m", "long_name": "flyer radius"}
+    for name in POINT_OUTPUTS:
+        expected = table[name].sel({"film.emittance": 0.12})
+        assert found[name].attrs == expected.attrs
+        np.testing.assert_allclose(found[name], expected, rtol=1e-12, atol=1e-18, err_msg=name)
 
 
 def test_a_folder_without_results_is_refused(tmp_path):
-    with pytest.raises(lf.ConfigurationError, match="not the result of a sweep"):
+    with pytest.raises(lf.ConfigurationError, match="is not a sweep"):
         open_sweep(tmp_path)
 
 

@@ -1,7 +1,8 @@
-"""Sweeps that are killed, damaged, interrupted or run by a cluster give what others give."""
+"""Sweeps that are killed, damaged, interrupted or run by a cluster have the same results."""
 
 import errno
 import gc
+import inspect
 import json
 import os
 import signal
@@ -11,6 +12,7 @@ import threading
 import time
 import warnings
 from pathlib import Path
+from typing import ClassVar
 
 import cloudpickle
 import distributed
@@ -21,6 +23,8 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
+from lightflyer.flight.design import as_design
+from lightflyer.foundation.quantity import Coefficient, Length, Mass
 from lightflyer.sweeps import scheduler, store
 from lightflyer.sweeps.run import sweep_into
 from lightflyer.sweeps.study import make_study
@@ -30,25 +34,19 @@ SCRIPT = Path(__file__).with_name("killed_sweeps.py")
 VARIABLES = ["temperature", "lift", "relative_payload", "levitation_irradiance"]
 
 
-@pytest.fixture
-def configuration():
-    film = {"areal_density": "1 g/m^2", "absorptance": 0.75, "emittance": 0.08}
-    film |= {"tac_top": 0.8, "tac_bottom": 0.9}
-    environment = {"atmosphere": "lu2023"}
-    return lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, environment=environment)
+ENTRIES = {
+    "flyer.diameter": np.geomspace(0.005, 0.05, 40),
+    "altitude": np.linspace(60e3, 90e3, 25),
+}
 
 
 @pytest.fixture
-def study(configuration):
-    entries = {
-        "flyer.diameter": np.geomspace(0.005, 0.05, 40),
-        "altitude": np.linspace(60e3, 90e3, 25),
-    }
-    return make_study(configuration, entries, VARIABLES)
+def study(design):
+    return make_study(design, ENTRIES, VARIABLES)
 
 
 class StandIn:
-    """In place of the model: numbers that only the design decides."""
+    """In place of the model: numbers that depend on the design only."""
 
     def __init__(self, fail_at=None, with_error=None):
         self.asked = []
@@ -159,7 +157,7 @@ def test_a_store_whose_making_was_cut_off_is_made_again(study, tmp_path, monkeyp
     assert not (tmp_path / "other.zarr").exists()
 
 
-def test_what_a_store_says_of_itself_is_never_taken_for_granted(study, tmp_path):
+def test_a_stores_own_records_are_never_taken_for_granted(study, tmp_path):
     folder = tmp_path / "results.zarr"
     sweep_into(study, folder, chunk=100, evaluator=StandIn())
     (folder / ".lightflyer" / "journal").unlink()
@@ -195,7 +193,7 @@ def test_descriptions_and_coordinates_that_are_lost_are_written_anew(study, tmp_
 def test_files_beside_a_store_that_was_cut_off_are_left_alone(study, tmp_path):
     (tmp_path / ".lightflyer").mkdir()
     (tmp_path / "thesis.tex").write_text("all of it")
-    with pytest.raises(lf.OutputError, match="holds other files"):
+    with pytest.raises(lf.OutputError, match="among other files"):
         sweep_into(study, tmp_path, evaluator=StandIn())
     assert (tmp_path / "thesis.tex").read_text() == "all of it"
 
@@ -220,27 +218,81 @@ def test_only_one_process_writes(study, tmp_path):
 
 
 def test_another_study_in_the_folder_is_refused_with_the_difference(
-    configuration, study, tmp_path, monkeypatch
+    flyer, study, tmp_path, monkeypatch
 ):
     folder = tmp_path / "results.zarr"
     sweep_into(study, folder, evaluator=StandIn())
-    entries = {
-        "flyer.diameter": np.geomspace(0.005, 0.05, 41),
-        "altitude": np.linspace(6e4, 9e4, 25),
-    }
-    with pytest.raises(lf.OutputError, match=r"another study[^$]*flyer.diameter: there 40 values"):
-        sweep_into(make_study(configuration, entries, VARIABLES), folder)
-    film = configuration.film.model_copy(update={"tac_top": lf.Measured(0.81)})
-    changed = make_study(
-        configuration.model_copy(update={"film": film}),
-        {name: next(iter(d.values.values())) for d in study.dimensions for name in d.values},
-        VARIABLES,
-    )
-    with pytest.raises(lf.OutputError, match=r"film.tac_top: there \[0.8, null\]; now \[0.81"):
-        sweep_into(changed, folder)
+    entries = ENTRIES | {"flyer.diameter": np.geomspace(0.005, 0.05, 41)}
+    with pytest.raises(
+        lf.OutputError, match=r"another study[^$]*flyer.diameter: 40 values.* there"
+    ):
+        sweep_into(make_study(study.design, entries, VARIABLES), folder)
+    film = flyer.film.model_copy(update={"tac_top": lf.Measured(0.81)})
+    changed = flyer.model_copy(update={"film": film}).design()
+    with pytest.raises(lf.OutputError, match=r"film.tac_top: \[0.8, null\] there, \[0.81.* now"):
+        sweep_into(make_study(changed, ENTRIES, VARIABLES), folder)
     monkeypatch.setattr(lf, "__version__", "99.0")
-    with pytest.raises(lf.OutputError, match=r"lightflyer: there 0.1.0; now 99.0"):
+    with pytest.raises(lf.OutputError, match=r"lightflyer: 0.1.0 there, 99.0 now"):
         sweep_into(study, folder)
+
+
+class Plate(lf.AbstractFlyer):
+    """A script's own flyer."""
+
+    nodes: ClassVar[tuple[str, ...]] = ("plate",)
+
+    side: Length
+    payload: Mass = 0.0
+    attitude: None = None
+
+    @property
+    def area(self):
+        return self.side**2
+
+    @property
+    def own_mass(self):
+        return 1e-3 * self.area
+
+    def beam_areas(self, state):
+        return (0.8 * self.area,)
+
+    def heat_gains(self, state):
+        return (0.0 * self.area,)
+
+    def heat_losses(self, state, unknowns):
+        return (1e-5 * self.area * state.temperature**3 * unknowns[0],)
+
+    def describe(self):
+        return "plate"
+
+
+class Push(lf.AbstractForceModel):
+    """A script's own force model."""
+
+    flyers: ClassVar[tuple[type[lf.AbstractFlyer], ...]] = (Plate,)
+    strength: Coefficient = 0.1
+
+    def heat_loss(self, flyer, state, unknowns):
+        return (100.0 * flyer.area * state.pressure * unknowns[0],)
+
+    def force(self, flyer, state, unknowns):
+        return self.strength * flyer.area * state.pressure * unknowns[0]
+
+
+@pytest.fixture
+def own_study():
+    setup = lf.Setup(Plate(0.01), lf.lu2023_earth(), Push())
+    entries = {"flyer.side": np.linspace(0.01, 0.02, 30), "altitude": np.linspace(60e3, 70e3, 20)}
+    return make_study(as_design(setup), entries, ["lift", "temperature"])
+
+
+def test_other_code_of_ones_own_class_is_another_study(own_study, tmp_path, monkeypatch):
+    folder = tmp_path / "results.zarr"
+    sweep_into(own_study, folder, evaluator=StandIn())
+    source = inspect.getsource
+    monkeypatch.setattr(inspect, "getsource", lambda kind: source(kind).replace("100.0", "101.0"))
+    with pytest.raises(lf.OutputError, match=r"code of .*Push: sha256"):
+        sweep_into(own_study, folder)
 
 
 @pytest.fixture(scope="module")
@@ -323,12 +375,21 @@ def test_a_cluster_gives_the_same_bits(cluster, study, tmp_path):
     assert scheduler.processors() == 1 or parallel_operations() > 0
 
 
+def test_a_cluster_computes_flyers_of_a_scripts_own_classes(cluster, own_study, tmp_path):
+    here, there = tmp_path / "here.zarr", tmp_path / "there.zarr"
+    sweep_into(own_study, here, chunk=100)
+    cloudpickle.register_pickle_by_value(sys.modules[__name__])
+    report = sweep_into(own_study, there, chunk=100, scheduler=cluster.scheduler_address)
+    assert report.computed == 600
+    assert contents(here, ["lift"]) == contents(there, ["lift"])
+
+
 def test_a_worker_that_hangs_is_not_waited_for(cluster, study, tmp_path, monkeypatch):
     monkeypatch.setattr(scheduler, "VERSIONS_WITHIN", 1.0)
     pid = cluster.workers[0].pid
     os.kill(pid, signal.SIGSTOP)
     try:
-        with pytest.raises(lf.ConfigurationError, match="has not said its versions within 1 s"):
+        with pytest.raises(lf.ConfigurationError, match="has not reported its versions within 1 s"):
             sweep_into(study, tmp_path / "x.zarr", scheduler=cluster.scheduler_address)
     finally:
         os.kill(pid, signal.SIGCONT)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.config.sections import KineticSection
-from lightflyer.search.problem import make_problem
-from lightflyer.search.sobol import make_inquiry, sensitivity_indices
-from lightflyer.sweeps.sections import OptimiseSection, SensitivitySection
+from lightflyer.force.kinetic import KineticSection
+from lightflyer.search.problem import as_problem
+from lightflyer.search.sobol import make_sensitivity_study
+from lightflyer.sweeps.sections import SensitivitySection
 
 FILM = {
     "areal_density": "1 g/m^2",
@@ -19,21 +19,17 @@ FILM = {
 
 
 @pytest.fixture(scope="module")
-def flyer():
+def uncertain():
     return lf.FlyerFile(flyer={"diameter": "2 cm"}, film=FILM, environment={"atmosphere": "lu2023"})
 
 
-def inquire(flyer, **section):
-    return make_inquiry(flyer, SensitivitySection.model_validate(section))
-
-
-def test_indices_of_a_product_have_a_closed_form(flyer):
+def test_indices_of_a_product_have_a_closed_form(uncertain):
     """The mass of a disk is proportional to d²ρ, whose moments are known."""
     inputs = {
         "flyer.diameter": {"distribution": "uniform", "from": "1 cm", "to": "3 cm"},
         "film.areal_density": {"distribution": "uniform", "from": "0.5 g/m^2", "to": "1.5 g/m^2"},
     }
-    (found,) = sensitivity_indices(inquire(flyer, outputs="own_mass", inputs=inputs, points=4096))
+    (found,) = lf.sensitivity(uncertain, outputs="own_mass", inputs=inputs, points=4096)
     # moments of x² over [1, 3] and of y over [0.5, 1.5]
     first = np.array([(3.0**5 - 1.0) / 10.0 - ((3.0**3 - 1.0) / 6.0) ** 2, 1.0 / 12.0])
     mean = np.array([(3.0**3 - 1.0) / 6.0, 1.0])
@@ -50,8 +46,8 @@ def test_indices_of_a_product_have_a_closed_form(flyer):
     np.testing.assert_allclose(found.high[1] / found.nominal, 1.475, rtol=1e-9)
 
 
-def test_a_models_own_error_has_a_share_but_is_not_to_be_measured(flyer):
-    configuration = flyer.model_copy(update={"force": KineticSection(model="kinetic")})
+def test_a_models_own_error_has_a_share_but_is_not_to_be_measured(uncertain):
+    kinetic = uncertain.model_copy(update={"force": KineticSection(model="kinetic")})
     inputs = {
         "force.force_error": {"distribution": "normal", "mean": 0, "standard_deviation": 1},
         "film.areal_density": {
@@ -59,21 +55,22 @@ def test_a_models_own_error_has_a_share_but_is_not_to_be_measured(flyer):
         },
     }  # fmt: skip
     section = {"outputs": "payload", "at": {"altitude": "78 km"}, "inputs": inputs}
-    (found,) = sensitivity_indices(inquire(configuration, points=256, **section))
+    (found,) = lf.sensitivity(kinetic, points=256, **section)
     assert found.first[0] > found.first[1]
     assert found.ranked
     assert found.next == "film.areal_density"
     assert np.isnan(found.elasticity["force.force_error"])
-    (few,) = sensitivity_indices(inquire(configuration, points=2, **section))
+    (few,) = lf.sensitivity(kinetic, points=2, **section)
     assert not few.ranked
 
 
-def test_the_files_own_uncertainties_and_their_first_order_spread(flyer):
+def test_the_files_own_uncertainties_and_their_first_order_spread(uncertain):
     """Small spreads: variance is the sum of squared slopes times variances (predict's method)."""
-    inquiry = inquire(flyer, outputs=["payload", "temperature"], at={"altitude": "72 km"})
-    payload, temperature = sensitivity_indices(inquiry)
+    payload, temperature = lf.sensitivity(
+        uncertain, outputs=["payload", "temperature"], at={"altitude": "72 km"}
+    )
     assert payload.names == ("film.tac_top", "film.tac_bottom")
-    uncertainty = lf.propagate(flyer, lf.predict(flyer.build(), at=[72e3]), samples=0)
+    uncertainty = lf.propagate(uncertain, prediction=lf.predict(uncertain, at=[72e3]), samples=0)
     expected = uncertainty.first_order["at[0].temperature_k"]
     assert temperature.spread == pytest.approx(expected, rel=0.02)
     lift = uncertainty.first_order["at[0].lift_n"] / 9.8
@@ -90,10 +87,10 @@ def test_errors_that_are_correlated_count_as_one_input(correlation):
     flyer = lf.FlyerFile(
         flyer={"diameter": "2 cm"}, film=film, environment={"atmosphere": "lu2023"}
     )
-    (found,) = sensitivity_indices(inquire(flyer, outputs="lift", at={"altitude": "72 km"}))
+    (found,) = lf.sensitivity(flyer, outputs="lift", at={"altitude": "72 km"})
     pair = ("film.tac_top", "film.tac_bottom")
     assert set(found.groups) == {("film.absorptance",), pair}
-    uncertainty = lf.propagate(flyer, lf.predict(flyer.build(), at=[72e3]), samples=0)
+    uncertainty = lf.propagate(flyer, prediction=lf.predict(flyer, at=[72e3]), samples=0)
     assert found.spread == pytest.approx(uncertainty.first_order["at[0].lift_n"], rel=0.03)
     values = {"film.absorptance": 0.75, "film.tac_top": 0.8, "film.tac_bottom": 0.9}
     move = {
@@ -109,40 +106,32 @@ def test_errors_that_are_correlated_count_as_one_input(correlation):
     assert reach == pytest.approx(1.96 * np.sqrt(together), rel=0.05)
 
 
-def test_all_inputs_correlated_are_one_that_does_everything(flyer):
-    film = flyer.film.model_copy(update={"tac_correlation": lf.Measured(0.5)})
-    correlated = flyer.model_copy(update={"film": film})
-    (found,) = sensitivity_indices(inquire(correlated, outputs="lift", at={"altitude": "72 km"}))
+def test_all_inputs_correlated_are_one_that_does_everything(uncertain):
+    film = uncertain.film.model_copy(update={"tac_correlation": lf.Measured(0.5)})
+    correlated = uncertain.model_copy(update={"film": film})
+    (found,) = lf.sensitivity(correlated, outputs="lift", at={"altitude": "72 km"}, points=256)
     assert found.names == ("film.tac_top and film.tac_bottom",)
     np.testing.assert_allclose([*found.first, *found.total], 1.0, atol=0.01)
 
 
-def test_samples_of_sweeps_and_optima_have_the_files_correlation(flyer):
-    film = flyer.film.model_copy(update={"tac_correlation": lf.Measured(-0.7)})
-    correlated = flyer.model_copy(update={"film": film})
+def test_samples_of_sweeps_and_optima_have_the_files_correlation(uncertain):
+    film = uncertain.film.model_copy(update={"tac_correlation": lf.Measured(-0.7)})
+    correlated = uncertain.model_copy(update={"film": film})
     over = {"film.tac_top": "0.8 ± 0.01", "film.tac_bottom": "0.9 ± 0.02", "altitude": "70 km"}
     for method in ("sobol", "latin-hypercube", "random"):
-        drawn = lf.sweep(correlated, over, ["own_mass"], method=method, points=4096)
+        drawn = lf.sweep(correlated, over=over, outputs="own_mass", method=method, points=4096)
         top, bottom = drawn["film.tac_top"].values, drawn["film.tac_bottom"].values
         assert np.corrcoef(top, bottom)[0, 1] == pytest.approx(-0.7, abs=0.02)
         assert bottom.std() == pytest.approx(0.02, rel=0.03)
-    section = OptimiseSection.model_validate(
-        {
-            "maximise": "payload",
-            "over": {"altitude": {"from": "60 km", "to": "80 km"}},
-            "uncertainty": {},
-        }
-    )
-    samples = make_problem(correlated, section).samples
+    asked = {"maximise": "payload", "over": {"altitude": {"from": "60 km", "to": "80 km"}}}
+    samples = as_problem(correlated, None, None, uncertainty={}, **asked).samples
     assert np.corrcoef(*samples.values())[0, 1] == pytest.approx(-0.7, abs=0.02)
 
 
-def test_outputs_that_some_samples_lack_are_refused(flyer):
-    inputs = {"film.tac_top": "0.88 ± 0.02"}
-    inquiry = inquire(flyer, outputs="levitation_irradiance", at={"altitude": "72 km"},
-                      inputs=inputs, points=64)  # fmt: skip
+def test_outputs_that_some_samples_lack_are_refused(uncertain):
+    asked = {"outputs": "levitation_irradiance", "at": {"altitude": "72 km"}, "points": 64}
     with pytest.raises(lf.ConfigurationError, match="% of the samples have none"):
-        sensitivity_indices(inquiry)
+        lf.sensitivity(uncertain, inputs={"film.tac_top": "0.88 ± 0.02"}, **asked)
 
 
 @pytest.mark.parametrize(
@@ -155,14 +144,18 @@ def test_outputs_that_some_samples_lack_are_refused(flyer):
         ({"at": {"altitude": "70 km"}, "inputs": {"film.tac_top": 0.8}}, "is not uncertain"),
     ],
 )
-def test_mistakes_are_said(flyer, section, message):
+def test_mistakes_are_said(uncertain, section, message):
     with pytest.raises(lf.ConfigurationError, match=message):
-        inquire(flyer, **section)
+        lf.sensitivity(uncertain, **section)
 
 
-def test_without_uncertainties_it_says_what_to_write():
-    flyer = lf.FlyerFile(
-        flyer={"diameter": "2 cm"}, film=FILM | {"tac_top": 0.8, "tac_bottom": 0.9}
-    )
-    with pytest.raises(lf.ConfigurationError, match="nothing is uncertain"):
-        inquire(flyer, at={"altitude": "70 km"})
+def test_without_uncertainties_it_says_what_to_write(flyer):
+    with pytest.raises(lf.ConfigurationError, match="no number is uncertain"):
+        lf.sensitivity(flyer, at={"altitude": "70 km"})
+
+
+def test_a_study_says_all_that_is_asked(flyer):
+    section = SensitivitySection(at={"altitude": "70 km"}, inputs={"film.tac_top": "0.8 ± 0.01"})
+    study = make_sensitivity_study(flyer.design(), section)
+    with pytest.raises(lf.ParameterError, match="already states"):
+        lf.sensitivity(study, points=12)

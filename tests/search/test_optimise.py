@@ -1,0 +1,275 @@
+"""Optima beside fine grids and SciPy's optimisers, and their sensitivities."""
+
+import numpy as np
+import numpy_model
+import pytest
+from scipy.optimize import brentq, differential_evolution, minimize, minimize_scalar
+
+import lightflyer as lf
+from lightflyer.search.objectives import ObjectiveFunction
+from lightflyer.search.problem import as_problem
+
+DIAMETER = {"from": "0.5 cm", "to": "5 cm", "scale": "log"}
+ALTITUDE = {"from": "60 km", "to": "90 km"}
+
+
+FILM = {
+    "areal_density": "1 g/m^2",
+    "absorptance": 0.75,
+    "emittance": 0.08,
+    "tac_top": 0.8,
+    "tac_bottom": 0.9,
+}
+LAYERED = {
+    "layers": [
+        {"material": "PET", "thickness": "500 nm"},
+        {"material": "Ge", "thickness": "20 nm"},
+    ]
+}
+
+
+def problem(flyer, points=64, **asked):
+    return as_problem(flyer, None, None, points=points, **asked)
+
+
+@pytest.fixture(scope="module")
+def payload(flyer):
+    return lf.optimise(flyer, maximise="payload", over={"flyer.diameter": DIAMETER,
+                                                        "altitude": ALTITUDE})  # fmt: skip
+
+
+COOL = {
+    "maximise": "payload",
+    "over": {
+        "flyer.diameter": DIAMETER,
+        "altitude": ALTITUDE,
+        "film.areal_density": {"from": "0.5 g/m^2", "to": "2 g/m^2"},
+    },
+    "constraints": {
+        "temperature": {"at_most": "330 K"},
+        "areal_density": {"at_least": "0.8 g/m^2"},
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def cool(flyer):
+    """The heaviest payload that a disk below 330 K carries."""
+    return lf.optimise(flyer, **COOL)
+
+
+def disk_of(diameter, altitude, areal_density=1e-3, tac_bottom=0.9):
+    """Payload and temperature of a disk by the equations in plain NumPy."""
+    air = lf.environment.Lu2023Atmosphere()
+    pressure, cold = float(air.pressure(altitude)), float(air.temperature(altitude))
+    radius = 0.5 * diameter
+    area = np.pi * radius**2
+
+    def imbalance(hot):
+        lost = numpy_model.lost_power(hot, cold, pressure, radius, 0.5 * (0.8 + tac_bottom), 0.08)
+        return lost / (0.75 * 1360.0 * area) - 1.0
+
+    hot = brentq(imbalance, cold + 1e-6, 3000.0, xtol=1e-10, rtol=1e-14)
+    lift = numpy_model.force(hot, cold, pressure, radius, 0.8, tac_bottom)
+    return lift / numpy_model.GRAVITY - area * areal_density, hot
+
+
+def heaviest_below(temperature, tac_bottom=0.9):
+    """Largest payload of a disk of 0.8 g/m² at a temperature, its diameter and its altitude."""
+
+    def diameter_at(altitude):
+        return brentq(
+            lambda d: disk_of(d, altitude, 0.8e-3, tac_bottom)[1] - temperature, 5e-3, 5e-2,
+            xtol=1e-12, rtol=1e-14,
+        )  # fmt: skip
+
+    found = minimize_scalar(
+        lambda altitude: -disk_of(diameter_at(altitude), altitude, 0.8e-3, tac_bottom)[0] * 1e7,
+        bounds=(67e3, 70e3), method="bounded", options={"xatol": 1e-4},
+    )  # fmt: skip
+    return -found.fun * 1e-7, diameter_at(found.x), found.x
+
+
+def test_the_heaviest_payload_is_scipys(payload):
+    found = minimize(
+        lambda x: -1e7 * disk_of(np.exp(x[0]), 1e3 * x[1])[0], [np.log(0.03), 73.0],
+        method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-14},
+    )  # fmt: skip
+    assert payload.value == pytest.approx(-1e-7 * found.fun, rel=1e-9)
+    assert payload.design["flyer.diameter"] == pytest.approx(np.exp(found.x[0]), rel=1e-4)
+    assert payload.design["altitude"] == pytest.approx(1e3 * found.x[1], rel=1e-5)
+    assert payload.agreeing == payload.starts
+    assert not payload.active_bounds
+
+
+def test_the_coolest_is_scipys_on_both_limits(cool):
+    value, diameter, altitude = heaviest_below(330.0)
+    assert cool.value == pytest.approx(value, rel=1e-6)
+    assert cool.design["flyer.diameter"] == pytest.approx(diameter, rel=1e-4)
+    assert cool.design["altitude"] == pytest.approx(altitude, rel=1e-5)
+    assert cool.outputs["temperature"] == pytest.approx(330.0, abs=1e-3)
+    assert cool.design["film.areal_density"] == pytest.approx(0.8e-3, rel=1e-6)
+    assert set(cool.active_constraints) == {"temperature", "areal_density"}
+
+
+def test_multipliers_and_elasticities_are_slopes_of_scipys_optimum(cool):
+    above, below = (heaviest_below(330.0 + shift)[0] for shift in (0.1, -0.1))
+    assert cool.active_constraints["temperature"] == pytest.approx((above - below) / 0.2, rel=1e-4)
+    above, below = (heaviest_below(330.0, 0.9 * share)[0] for share in (1.0001, 0.9999))
+    slope = (above - below) / (2e-4 * cool.value)
+    assert cool.elasticities["film.tac_bottom"] == pytest.approx(slope, rel=1e-4)
+
+
+def test_scipys_differential_evolution_finds_nothing_better(cool):
+    function = ObjectiveFunction(cool.problem)
+
+    def loss(points):
+        scores = function.scores_of_many(points.T)
+        return -1e7 * scores[:, 0] + 1e4 * np.maximum(-scores[:, 1:], 0.0).sum(axis=1)
+
+    found = differential_evolution(
+        loss, [(0.0, 1.0)] * 3, rng=3, vectorized=True, updating="deferred", polish=False,
+        maxiter=300, tol=1e-12,
+    )  # fmt: skip
+    assert -1e-7 * found.fun == pytest.approx(cool.value, rel=1e-5)
+    assert -1e-7 * found.fun <= cool.value * (1.0 + 1e-6)
+
+
+def grid(outputs, diameter, altitude):
+    """A fine grid by the package's plain functions."""
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
+    diameter, altitude = np.meshgrid(diameter, altitude, indexing="ij")
+    state = lf.lu2023_earth().state(altitude)
+    return [
+        getattr(lf, name)(lf.Disk(film, 0.5 * diameter), state, lf.Lu2023()) for name in outputs
+    ]
+
+
+def test_the_least_irradiance_is_at_a_bound(flyer):
+    found = lf.optimise(
+        flyer,
+        minimise="levitation_irradiance",
+        over={"flyer.diameter": DIAMETER, "altitude": ALTITUDE},
+    )
+    (levitation,) = grid(["levitate"], np.array([0.005]), np.linspace(60e3, 80e3, 20001))
+    assert found.value == pytest.approx(levitation.irradiance.min(), rel=1e-6)
+    assert found.active_bounds == {"flyer.diameter": "low"}
+    assert found.agreeing > 1
+
+
+def test_a_front_is_that_of_a_fine_grid(flyer, payload):
+    front = lf.pareto(
+        flyer,
+        maximise="payload",
+        minimise="levitation_irradiance",
+        over={"flyer.diameter": DIAMETER, "altitude": ALTITUDE},
+        population=50,
+        generations=40,
+    )
+    carried, light = front.objectives["payload"], front.objectives["levitation_irradiance"]
+    better = (carried[:, None] >= carried) & (light[:, None] <= light)
+    np.fill_diagonal(better, val=False)
+    assert not better.any()
+    assert carried.max() == pytest.approx(payload.value, rel=0.01)
+    masses, levitation = grid(
+        ["payload", "levitate"], np.geomspace(0.005, 0.05, 100), np.linspace(60e3, 90e3, 200)
+    )
+    for limit in (800.0, 1000.0):
+        most = masses[levitation.irradiance <= limit].max()
+        assert np.interp(limit, np.sort(light), np.sort(carried)) == pytest.approx(most, rel=0.02)
+
+
+def test_a_quantile_and_the_mean_are_those_of_the_samples(flyer):
+    over = {
+        "flyer.diameter": DIAMETER,
+        "altitude": ALTITUDE,
+        "film.tac_top": "0.80 ± 0.01",
+        "film.tac_bottom": "0.90 ± 0.01",
+    }
+    likely = {"probability_of_flying": {"at_least": 0.5}}
+    diameter, altitude = 0.02, 73.5e3
+    for asked in ({"of": "mean"}, {"of": "quantile", "quantile": 0.1}):
+        asked_problem = problem(
+            flyer, maximise="payload", over=over, uncertainty=asked, constraints=likely
+        )
+        bounds, samples = asked_problem.bounds, asked_problem.samples
+        point = np.array([bounds[0].fraction(diameter), bounds[1].fraction(altitude)])
+        found = ObjectiveFunction(asked_problem).outputs_at(point)
+        film = lf.FilmProperties(
+            1e-3, 0.75, 0.08, 0.08, samples["film.tac_top"], samples["film.tac_bottom"]
+        )
+        state = lf.lu2023_earth().state(altitude)
+        each = lf.payload(lf.Disk(film, 0.5 * diameter), state, lf.Lu2023())
+        expected = np.mean(each) if asked["of"] == "mean" else np.quantile(each, 0.1)
+        assert float(found["payload"]) == pytest.approx(float(expected), rel=1e-9)
+        # a kernel estimate of the share, so that it has a derivative
+        share = float(np.mean(each > 0.0))
+        assert float(found["probability_of_flying"]) == pytest.approx(share, abs=0.05)
+
+
+def test_the_flyer_files_own_uncertainties_are_used(flyer):
+    film = FILM | {"tac_top": "0.80 ± 0.01", "emittance": "0.08 ± 0.01"}
+    uncertain = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film)
+    asked = {"maximise": "payload", "over": {"altitude": ALTITUDE}, "uncertainty": {"of": "mean"}}
+    assert set(problem(uncertain, **asked).samples) == {"film.tac_top", "film.emittance"}
+    with pytest.raises(lf.ConfigurationError, match="no number is uncertain"):
+        problem(flyer, **asked)
+
+
+def test_limits_that_cannot_be_kept_are_reported(flyer):
+    with pytest.raises(lf.LightflyerError, match="no design satisfies the constraints"):
+        lf.optimise(
+            flyer,
+            maximise="payload",
+            over={"altitude": ALTITUDE},
+            constraints={"temperature": {"at_most": "200 K"}},
+        )
+
+
+MISTAKES = [
+    ({"over": {"altitude": ALTITUDE}}, "needs maximise or minimise"),
+    ({"maximise": "payload"}, "needs over with at least one free number"),
+    ({"maximise": "paylod", "over": {"altitude": ALTITUDE}}, 'did you mean "payload"'),
+    ({"maximise": "payload", "over": {"flyer.diameter": DIAMETER}}, '"payload" needs altitude'),
+    (
+        {"maximise": "payload", "over": {"altitude": ALTITUDE | {"points": 3}}},
+        "points is not part of a range",
+    ),
+    ({"maximise": "payload", "over": {"altitude": ["60 km", "70 km"]}}, "is a list"),
+    (
+        {"maximise": "payload", "over": {"altitude": ALTITUDE}, "constraints": {"lift": 3}},
+        "is not a limit",
+    ),
+    (
+        {
+            "maximise": "payload",
+            "over": {"altitude": ALTITUDE},
+            "constraints": {"temperature": {"at_most": "4 kg"}},
+        },
+        'temperature: at_most: "4 kg": unit "kg" is of the wrong kind',
+    ),
+    (
+        {"maximise": "probability_of_flying", "over": {"altitude": ALTITUDE}},
+        "probability_of_flying needs",
+    ),
+]
+
+
+@pytest.mark.parametrize(("section", "message"), MISTAKES)
+def test_mistakes_are_said(flyer, section, message):
+    with pytest.raises(lf.ConfigurationError, match=message):
+        problem(flyer, **section)
+
+
+def test_what_else_cannot_be_asked(flyer, payload):
+    layered = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=LAYERED)
+    thickness = {"film.layers.1.thickness": {"from": "5 nm", "to": "50 nm"}, "altitude": "70 km"}
+    with pytest.raises(lf.ConfigurationError, match="too costly to optimise over"):
+        problem(layered, maximise="payload", over=thickness)
+    with pytest.raises(lf.ParameterError, match="already states"):
+        lf.optimise(payload.problem, maximise="payload")
+    both = {"maximise": "payload", "minimise": "temperature", "over": {"altitude": ALTITUDE}}
+    with pytest.raises(lf.ConfigurationError, match="several objectives"):
+        lf.optimise(flyer, **both)
+    with pytest.raises(lf.ConfigurationError, match=r"starts = 0: .* greater than or equal to 1"):
+        lf.optimise(flyer, **both, starts=0)

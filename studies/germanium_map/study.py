@@ -54,7 +54,7 @@ def draw(table, best, payload, path):
 
 def main():
     """Sweep, find the best, draw, write the numbers."""
-    table = lf.sweep(HERE / "flyer.toml", OVER, ["relative_payload", "absorptance"])
+    table = lf.sweep(HERE / "flyer.toml", over=OVER, outputs=["relative_payload", "absorptance"])
     best, payload = best_thickness(table)
     sun = int(np.argmin(np.abs(table["environment.irradiance"].values - 1360.0)))
     results = {"designs": int(table.relative_payload.size)}

@@ -23,7 +23,11 @@ RESOLUTION = 100  # wavelengths per factor e; the optimum is confirmed with the 
 GE, PET, ALUMINA = (lf.film.material(name) for name in ("Ge", "PET", "Al2O3"))
 SIDES = {
     "below": lambda ge, pet: (lf.film.Layer(PET, pet), lf.film.Layer(GE, ge)),
-    "above": lambda ge, pet: (lf.film.Layer(ALUMINA, SKIN), lf.film.Layer(GE, ge), lf.film.Layer(PET, pet)),
+    "above": lambda ge, pet: (
+        lf.film.Layer(ALUMINA, SKIN),
+        lf.film.Layer(GE, ge),
+        lf.film.Layer(PET, pet),
+    ),
     "both": lambda ge, pet: (
         lf.film.Layer(ALUMINA, SKIN),
         lf.film.Layer(GE, ge),
@@ -38,7 +42,8 @@ def relative_payload(thicknesses, side, resolution=RESOLUTION):
     layers = SIDES[side](*thicknesses)
     film = lf.film.Film(layers)
     top, bottom = (
-        lf.film.emittance_curve(film, face, points_per_e_fold=resolution) for face in ("top", "bottom")
+        lf.film.emittance_curve(film, face, points_per_e_fold=resolution)
+        for face in ("top", "bottom")
     )
     properties = lf.FilmProperties(
         film.areal_density,

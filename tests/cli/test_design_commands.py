@@ -84,7 +84,7 @@ def test_a_sweep_its_repetition_and_its_maps(run, study, tmp_path):
     for wrong, message in (
         (("--y", "altitud"), 'did you mean "altitude"'),
         (("--y", "diameter"), "--x and --y are both flyer.diameter"),
-        (("--at", "altitude 71 km"), "is not such as"),
+        (("--at", "altitude 71 km"), 'write such as "altitude = 70 km"'),
     ):
         code, text, errors = run(*ask, *wrong)
         assert code == 2
@@ -146,7 +146,7 @@ def test_a_huge_study_says_how_large_and_how_long(run, study, tmp_path):
     _, _, errors = run("sweep", path, "--out", tmp_path / "results.zarr")
     assert "the study has 2 trillion designs: about" in errors
     assert "64 TB on the disk" in errors
-    assert "--yes starts it" in errors
+    assert "start it with --yes" in errors
     assert not (tmp_path / "results.zarr").exists()
 
 
@@ -154,11 +154,11 @@ def test_a_folder_with_something_else_is_left_alone(run, study, tmp_path):
     path = study()
     code, _, errors = run("sweep", path, "--out", tmp_path)
     assert code == 2
-    assert "is not the result of a sweep" in errors
+    assert "already exists and is not a sweep" in errors
     assert sorted(file.name for file in tmp_path.iterdir()) == ["flyer.toml", "study.toml"]
     code, _, errors = run("map", tmp_path, "--x", "altitude", "--value", "lift")
     assert code == 2
-    assert "is not the result of a sweep" in errors
+    assert "is not a sweep" in errors
 
 
 def test_a_scheduler_that_does_not_answer(run, study, tmp_path, monkeypatch):

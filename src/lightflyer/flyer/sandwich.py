@@ -89,6 +89,7 @@ class Sandwich(AbstractFlyer):
     support_density: Density | None = None
 
     def __check_init__(self) -> None:
+        super().__check_init__()  # first each number by itself
         sizes = (self.radius, self.hole_radius, self.open_fraction, self.support_fraction)
         if not is_traced(sizes) and all(_is_number(size) for size in sizes):
             problem = _contradiction(*sizes)

@@ -51,7 +51,7 @@ def rarefaction(
     return pressure * radius / (gas.viscosity(temperature) * speed)
 
 
-def disk_force(
+def perforated_disk_force(
     area: Numeric,
     open_fraction: Numeric,
     rarefaction: Numeric,
@@ -92,7 +92,7 @@ def disk_force(
     return 0.5 * pressure * area * (1.0 - open_fraction) * ratio * difference
 
 
-def disk_heat_conductances(
+def perforated_disk_conductances(
     area: Numeric,
     open_fraction: Numeric,
     rarefaction: Numeric,
@@ -174,7 +174,7 @@ class Schafer2025(AbstractForceModel):
     ) -> tuple[Array, ...]:
         """See :meth:`AbstractForceModel.heat_loss`."""
         top, bottom = unknowns
-        outside = disk_heat_conductances(
+        outside = perforated_disk_conductances(
             flyer.area,
             flyer.open_fraction,
             _rarefaction(flyer, state),
@@ -201,7 +201,7 @@ class Schafer2025(AbstractForceModel):
     @entry_point
     def force(self, flyer: Sandwich, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         """See :meth:`AbstractForceModel.force`."""
-        return disk_force(
+        return perforated_disk_force(
             flyer.area, flyer.open_fraction, _rarefaction(flyer, state), state.pressure, *unknowns
         )
 

@@ -9,7 +9,7 @@ import numpy as np
 import lightflyer as lf
 from lightflyer.foundation import drawing as plot
 from lightflyer.sweeps.run import sweep_into
-from lightflyer.sweeps.study import sweep_study
+from lightflyer.sweeps.study import read_study
 
 HERE = Path(__file__).parent
 MILLIGRAM, CENTIMETRE, KILOMETRE, GRAM = 1e-6, 1e-2, 1e3, 1e-3
@@ -74,7 +74,7 @@ def _nominal(name):
 
 def main(folder):
     """Sweep into a folder, which continues what is there; draw; write the numbers."""
-    study = sweep_study(HERE / "study.toml")
+    study = read_study(HERE / "study.toml")
     report = sweep_into(study, folder)
     dataset = lf.open_sweep(folder).load()
     payload, altitude = best_over_altitude(dataset, "payload")

@@ -24,14 +24,13 @@ import numpy as np
 from scipy.optimize import differential_evolution
 
 import lightflyer as lf
-from lightflyer.search.objectives import Landscape
-from lightflyer.search.optimiser import optimise
-from lightflyer.search.problem import make_problem
+from lightflyer.search.objectives import ObjectiveFunction
+from lightflyer.search.optimiser import find_optimum
+from lightflyer.search.problem import as_problem
 from lightflyer.sweeps.chunks import Chunks
-from lightflyer.sweeps.evaluation import PIECE, Evaluator
+from lightflyer.sweeps.evaluation import BATCH, Evaluator
 from lightflyer.sweeps.run import sweep_into
 from lightflyer.sweeps.scheduler import processors
-from lightflyer.sweeps.sections import OptimiseSection, SamplingSection
 from lightflyer.sweeps.study import make_study
 
 VARIABLES = ["temperature", "lift", "relative_payload", "levitation_irradiance"]
@@ -43,7 +42,7 @@ FILM = {
     "tac_top": 0.8,
     "tac_bottom": 0.9,
 }
-FLYER = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=FILM)
+DESIGN = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=FILM).design()
 PENALTY = 1e3  # of a violated constraint, in scales of the objective
 
 
@@ -53,7 +52,7 @@ def study(designs):
         "film.emittance": np.linspace(0.04, 0.2, 10),
         "altitude": np.linspace(60e3, 90e3, 100),
     }
-    return make_study(FLYER, entries, VARIABLES)
+    return make_study(DESIGN, entries, VARIABLES)
 
 
 def timed(function):
@@ -78,7 +77,7 @@ def throughput(folder, designs, repeats):
     """The kernel in memory beside the same sweep to Zarr, both on all processors."""
     asked = study(designs)
     evaluate = Evaluator(asked)
-    evaluate(0, PIECE)  # compiles
+    evaluate(0, BATCH)  # compiles
     chunks = Chunks.of(asked.shape)
 
     def in_memory():
@@ -103,9 +102,9 @@ def throughput(folder, designs, repeats):
 
 
 class Clock:
-    """Hears when chunks are done."""
+    """Notes when chunks are done."""
 
-    def film(self, done, total):
+    def prepared(self, done, total):
         pass
 
     def begin(self, found, total):
@@ -145,7 +144,7 @@ def cluster(folder, designs, repeats):
     def sweep(address):
         shutil.rmtree(folder / "cluster.zarr", ignore_errors=True)
         clock = Clock()
-        sweep_into(asked, folder / "cluster.zarr", scheduler=address, listener=clock)
+        sweep_into(asked, folder / "cluster.zarr", scheduler=address, progress=clock)
         return clock.per_chunk
 
     clusters = start_clusters(folder)
@@ -194,9 +193,9 @@ def thread(folder, designs):
     shutil.rmtree(folder, ignore_errors=True)
     asked, clock = study(designs), Clock()
     evaluate = Evaluator(asked)
-    evaluate(0, PIECE)  # compiles
+    evaluate(0, BATCH)  # compiles
     before = time.process_time()
-    sweep_into(asked, folder, evaluator=evaluate, listener=clock, workers=1)
+    sweep_into(asked, folder, evaluator=evaluate, progress=clock, workers=1)
     print(json.dumps([clock.per_chunk, time.process_time() - before]))
 
 
@@ -253,10 +252,10 @@ PROBLEMS = {
 def plain_loss(problem, scale):
     """The objective as one writes it with the package's functions, for SciPy."""
 
-    def loss(place):
+    def loss(point):
         free = {
-            bounds.field.name: bounds.value(way)
-            for bounds, way in zip(problem.bounds, place, strict=True)
+            bounds.field.name: bounds.value(fraction)
+            for bounds, fraction in zip(problem.bounds, point, strict=True)
         }
         values = problem.fixed | free
         emittance = values.get("film.emittance", 0.08)
@@ -278,14 +277,14 @@ def plain_loss(problem, scale):
     return loss
 
 
-def compiled_loss(landscape, scale):
+def compiled_loss(function, scale):
     """The same from this package's compiled function."""
 
-    def loss(place):
-        gains = landscape.many(place[None])[0]
-        if not np.isfinite(gains).all():
+    def loss(point):
+        scores = function.scores_of_many(point[None])[0]
+        if not np.isfinite(scores).all():
             return 1e3
-        return -gains[0] / scale + PENALTY * np.maximum(-gains[1:], 0.0).sum()
+        return -scores[0] / scale + PENALTY * np.maximum(-scores[1:], 0.0).sum()
 
     return loss
 
@@ -294,8 +293,8 @@ def global_search(loss, sides, target):
     """SciPy's differential evolution until it has the value; its time and evaluations."""
     seen = []
 
-    def counted(place):
-        seen.append(loss(place))
+    def counted(point):
+        seen.append(loss(point))
         return seen[-1]
 
     start = time.perf_counter()
@@ -317,18 +316,18 @@ def optimiser(repeats):
     print("\noptimum by gradients beside SciPy's differential evolution to within 1e-6 of it")
     print(f"{'':42}{'ours [ms]':>10}{'plain [ms]':>12}{'ratio':>8}{'compiled':>10}{'ratio':>8}")
     for label, section in PROBLEMS.items():
-        problem = make_problem(FLYER, OptimiseSection.model_validate(section), SamplingSection())
-        landscape = Landscape(problem)
-        best = optimise(problem, landscape)  # compiles
+        problem = as_problem(DESIGN, None, None, **section)
+        function = ObjectiveFunction(problem)
+        best = find_optimum(function)  # compiles
         scale = abs(best.value)
         target = -problem.objectives[0].sign * best.value / scale + 1e-6
         sides = len(problem.bounds)
-        plain, compiled = plain_loss(problem, scale), compiled_loss(landscape, scale)
+        plain, compiled = plain_loss(problem, scale), compiled_loss(function, scale)
         middle = np.full(sides, 0.5)
         plain(middle), compiled(middle)
         times = {"ours": [], "compiled": []}
         for _ in range(repeats):
-            times["ours"].append(timed(lambda p=problem, s=landscape: optimise(p, s))[0])
+            times["ours"].append(timed(lambda function=function: find_optimum(function))[0])
             times["compiled"].append(global_search(compiled, sides, target)[0])
         slow, _, reached = global_search(plain, sides, target)
         ours, fast = (statistics.median(times[name]) for name in ("ours", "compiled"))

@@ -27,7 +27,7 @@ from lightflyer.foundation.checks import require_positive
 from lightflyer.foundation.errors import ConvergenceError, ParameterError
 
 CONFIDENCE = 0.95
-"""Probability that an interval claims."""
+"""Probability of an interval."""
 
 _RANK_TOLERANCE = 1e-8  # of the Jacobian's singular values
 _INVOLVED = 0.03  # share of a direction that names a parameter in a message
@@ -135,16 +135,16 @@ def calibrate(
     Parameters
     ----------
     points : Points
-        From :func:`read_points`. Columns such as ``diameter`` or ``emittance`` say what a sample
-        is where it differs from the flyer of the design.
+        From :func:`read_points`. Columns such as ``diameter`` or ``emittance`` give the properties
+        in which samples differ from the flyer of the design.
     what : AbstractDesign, Setup, FlyerFile, path of a flyer file, or AbstractFlyer
-        What is not fitted, and where the fit starts; in an environment whose coordinate is the
-        pressure.
+        Gives everything that is not fitted, and the starting values. The coordinate of its
+        environment must be the pressure.
     environment, model : optional
         Where ``what`` is a flyer.
     free : sequence of str
-        Numbers of the design in full, such as ``"force.c_fm"``, or by the end of their names
-        where only one ends so, such as ``"c_fm"`` or ``"emittance"`` (of both faces). A name alone
+        Parameters: names of numbers in full, such as ``"force.c_fm"``, or their last parts, such
+        as ``"c_fm"`` or ``"emittance"`` (of both faces), if only one number ends so. A name alone
         is one value for all samples; ``"emittance[Ge 2 cm]"`` is that of one sample.
 
     Returns
@@ -154,16 +154,16 @@ def calibrate(
     Raises
     ------
     ParameterError
-        If a name is unknown or stands twice, there are fewer points than parameters, the points
-        cannot tell the parameters apart, or the model cannot levitate a point at the start.
+        If a name is unknown or given twice, there are fewer points than parameters, the points
+        cannot tell the parameters apart, or no irradiance levitates a point at the start.
     ConvergenceError
         If the fit fails.
 
     Notes
     -----
-    Derivatives are exact, through the root-find. The uncertainty of pressure counts by the slope
-    of the fitted curve (effective variance). Intervals are those of the profile likelihood; with
-    an estimated scatter their threshold is that of Fisher's distribution.
+    Derivatives are exact, through the root-find. The uncertainty of pressure enters through the
+    slope of the fitted curve (effective variance). Intervals are those of the profile likelihood;
+    if the scatter is estimated, their threshold is that of Fisher's distribution.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Figure of a calibration: points and fit, and what is left."""
+"""Figure of a calibration: points, fit and residuals."""
 
 from typing import Any
 
@@ -36,7 +36,7 @@ def fitted_points(fit: Calibration, ax: Axes) -> Axes:
         pressure = points.pressure[here]
         ax.plot(pressure, points.irradiance[here], ls="", mfc="none", label=sample, **style)
         ax.plot(pressure, fit.fitted[here], color=style["color"], lw=1)
-    ax.plot([], [], color=GREY, lw=1, label="fit, between the points straight")
+    ax.plot([], [], color=GREY, lw=1, label="fit, joined by straight lines")
     ax.set(xscale="log", yscale="log")
     plain_decades(ax.xaxis)
     plain_decades(ax.yaxis)

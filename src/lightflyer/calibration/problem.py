@@ -1,7 +1,7 @@
-"""A calibration's question: which numbers of a design are fitted to which points.
+"""Setting up a calibration: which numbers of a design are fitted to which points.
 
-The design is a constant of the compiled function, and the numbers it is asked at are arguments, so
-every fit of one design runs the same code.
+In the compiled function the design is a constant and the numbers are arguments, so all fits of one
+design share it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,13 +21,13 @@ from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.precision import quick_entry_point
 
 DEFAULT_FREE = ("c_fm", "c_cont")
-"""What is fitted where nothing else is asked for."""
+"""Parameters that are fitted by default."""
 
 SMALLEST, LARGEST = 1e-6, 1e6
-"""Range of a parameter where its own does not end; over its start where it has a unit."""
+"""Range of a parameter without an end of its own; times its start if it has a unit."""
 
 UNREACHABLE = 50.0
-"""Log-irradiance that stands for "no irradiance levitates it"."""
+"""Log-irradiance where no irradiance levitates the flyer."""
 
 _INSIDE = 1e-6  # distance of the start from the upper bound, of the log-parameter
 
@@ -43,14 +43,14 @@ class LevitationModel(eqx.Module):
     ----------
     design : AbstractDesign
     prepared : object
-        What :meth:`~lightflyer.flight.design.AbstractDesign.build` needs of it.
+        From :meth:`~lightflyer.flight.design.AbstractDesign.prepare`.
     targets : tuple of (tuple of str, float)
         For each row of ``stated``, the numbers of the design that have its values, and the factor
         from the values to the numbers.
     stated : array, shape (rows, n)
-        Values at each point where nothing is fitted.
+        Values at each point before the fit.
     index : array, shape (rows, n)
-        Number of the parameter that is the value at each point, -1 where none is.
+        Number of the parameter that replaces the value at each point, -1 for none.
     """
 
     design: AbstractDesign = eqx.field(static=True)
@@ -108,13 +108,13 @@ class Parameter(NamedTuple):
     Attributes
     ----------
     name : str
-        As asked for, such as ``"c_fm"`` or ``"emittance[Ge 2 cm]"``.
+        Such as ``"c_fm"`` or ``"emittance[Ge 2 cm]"``.
     target : Target
         Numbers of the design that it stands for.
     chosen : bool array, shape (n,)
-        Points that it is about.
+        Points at which it applies.
     start : float
-        Where the fit starts.
+        Value at which the fit starts.
     """
 
     name: str
@@ -131,7 +131,7 @@ class Parameter(NamedTuple):
 
     @property
     def log_prior_range(self) -> tuple[float, float]:
-        """Range of the logarithm, with an end where the number has no largest value."""
+        """Range of the logarithm's prior, which is finite."""
         lower, upper = self.log_bounds
         return lower, min(upper, float(np.log(LARGEST * self._scale)))
 
@@ -142,7 +142,7 @@ class Parameter(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What is fitted to what.
+    """Points, model and parameters of a calibration.
 
     Attributes
     ----------
@@ -173,7 +173,7 @@ class Problem:
         return np.clip(start, lower, upper - _INSIDE)
 
     def linearised(self, log_parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Model at the points, and how it changes.
+        """Log-irradiance of the model at the points, and its derivatives.
 
         Parameters
         ----------
@@ -209,13 +209,13 @@ def problem_of(points: Points, design: AbstractDesign, free: Sequence[str]) -> P
     Raises
     ------
     ParameterError
-        If a name is unknown or stands twice, there are fewer points than parameters, or the
+        If a name is unknown or given twice, there are fewer points than parameters, or the
         coordinate of the environment is not the pressure.
     """
     if design.coordinate_name != "pressure":
         raise ParameterError(
-            "calibration compares with points at known pressures; the coordinate of this "
-            f"environment is {design.coordinate_name}"
+            "calibration needs an environment over pressure, such as a chamber; the coordinate of "
+            f"this environment is {design.coordinate_name}"
         )
     _require_enough(points, len(free))
     columns = {name: target_of(design, name, describes_flyer=True) for name in points.properties}

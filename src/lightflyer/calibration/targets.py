@@ -1,9 +1,8 @@
-"""Names that points and users give, as numbers of a design.
+"""Numbers of a design that a column of points, or a parameter to fit, stands for.
 
-A name is that of a number in full (``"force.c_fm"``, ``"flyer.film.tac_top"``) or its end, from a
-dot on (``"film.tac_top"``, ``"tac_top"``), where only one number ends so. Two names stand for
-numbers that are called otherwise in some designs: :data:`ALIASES`, and a name whose number exists
-once for the top and once for the bottom, such as ``"emittance"``.
+A name is that of a number in full (``"force.c_fm"``, ``"flyer.film.tac_top"``), or its last parts
+(``"film.tac_top"``, ``"tac_top"``) if only one number ends so. A name that no number has may be an
+alias (:data:`ALIASES`), or stand for a number of both faces, such as ``"emittance"``.
 """
 
 import difflib
@@ -17,10 +16,10 @@ from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.quantity import Quantity
 
 ALIASES = {"diameter": ("radius", 0.5)}
-"""Names that points have for numbers of other names, with the factor between them."""
+"""Other names of numbers: the number's own name, and the factor to its value."""
 
 FACES = ("top", "bottom")
-"""Faces that share a number given without a face."""
+"""Faces, which end the names of their numbers."""
 
 _FLYER_PARTS = ("flyer", "film")  # first parts of the names of numbers that describe a flyer
 
@@ -31,13 +30,13 @@ class Target(NamedTuple):
     Attributes
     ----------
     fields : tuple of str
-        Full names of the numbers, which all get the same value.
+        Full names of the numbers, which all have the same value.
     factor : float
-        What turns a value of the name into theirs.
+        Ratio of that value to the value under the name.
     quantity : Quantity
-        Unit and range of a value of the name.
+        Unit and range under the name.
     value : float or None
-        The design's own, None where it has none.
+        Value in the design under the name, None where there is none.
     """
 
     fields: tuple[str, ...]
@@ -54,7 +53,7 @@ def target_of(design: AbstractDesign, name: str, *, describes_flyer: bool = Fals
     design : AbstractDesign
     name : str
     describes_flyer : bool
-        Whether only numbers of the flyer are meant, as in columns of points.
+        Whether the name is that of a number of the flyer, as in columns of points.
 
     Returns
     -------

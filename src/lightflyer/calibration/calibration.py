@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import stats
+from scipy.special import chdtri, fdtri
 
 from lightflyer.calibration.least_squares import LeastSquares
 from lightflyer.calibration.points import Points
@@ -213,8 +213,8 @@ def calibrate(
 def _threshold(variance: float, freedom: int, *, estimated: bool) -> float:
     """Increase of the cost at the ends of an interval."""
     if estimated:
-        return float(variance * stats.f.ppf(CONFIDENCE, 1, freedom))
-    return float(stats.chi2.ppf(CONFIDENCE, 1))
+        return float(variance * fdtri(1, freedom, CONFIDENCE))
+    return float(chdtri(1, 1.0 - CONFIDENCE))
 
 
 def _require_reachable(problem: Problem) -> None:

@@ -6,7 +6,8 @@ import sys
 
 import pytest
 
-from lightflyer.kinetic import solver
+from lightflyer.kinetic import cases, solver
+from lightflyer.kinetic.operators import Quadrature
 
 CASE = ("kinetic", "--kn", "2", "--tac-top", "0.8", "--tac-bottom", "0.9")
 
@@ -44,7 +45,9 @@ def test_one_json_and_a_figure(run, tmp_path):
     assert (out / "flow.svg").read_text().startswith("<?xml")
 
 
-def test_table_of_a_hot_disk(run):
+def test_table_of_a_hot_disk(run, monkeypatch):
+    meshes = [cases.Resolution(order, 0.7, Quadrature(3, 3, 3)) for order in (3, 2)]
+    monkeypatch.setattr(cases, "meshes", lambda knudsen, *, linear: meshes)
     code, text, _ = run(*CASE, "--temperature-ratio", "2", "--gas", "diatomic")
     assert code == 0
     assert "Kn 2, TAC 0.8 top, 0.9 bottom, diatomic, T_h/T_c 2, open" in text

@@ -1,10 +1,14 @@
 """The kinetic solver against limits, symmetries, other codes and published values."""
 
+import csv
+from importlib.resources import files
+
 import numpy as np
 import pytest
+from scipy.special import i0, k0
 
 from lightflyer.foundation.errors import ConvergenceError, ParameterError
-from lightflyer.kinetic import nonlinear, solve
+from lightflyer.kinetic import cases, nonlinear, solve
 from lightflyer.kinetic.cases import COARSE, MEDIUM, Case, Resolution, solve_case
 from lightflyer.kinetic.linear import LinearSystem, Walls, face_result
 from lightflyer.kinetic.model_gases import DIATOMIC, MONATOMIC
@@ -23,6 +27,35 @@ def ratios(problem, resolution=SKETCH):
     return outcome.force / limit.force, sum(outcome.heat) / sum(limit.heat)
 
 
+def row_of_the_table(kn, ratio):
+    """Force and mean heat ratio of a monatomic gas at mean TAC 0.8, on the table's finer meshes."""
+    with files("lightflyer.data").joinpath("kinetic.csv").open() as file:
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        (row,) = (
+            row
+            for row in rows
+            if row["gas"] == "monatomic"
+            and (float(row["knudsen"]), float(row["temperature_ratio"])) == (kn, ratio)
+            and row["tac"] == "0.8"
+        )
+    return float(row["force_ratio"]), float(row["heat_ratio"])
+
+
+def row_solved(kn, ratio, resolution):
+    """The same, solved here: the table is of small differences of the faces' TAC."""
+    linear = ratio == 1.0
+    problem = case(kn, (0.85, 0.75), (1.0, 1.0) if linear else (ratio, ratio), linear)
+    outcome, limit = solve_case(problem, resolution), problem.free_molecular()
+    return outcome.force / limit.force, np.mean(np.divide(outcome.heat, limit.heat))
+
+
+@pytest.fixture
+def sketched(monkeypatch):
+    """Meshes of ``solve`` for tests that are not about its numbers."""
+    sketchier = Resolution(2, 0.7, Quadrature(3, 3, 3))
+    monkeypatch.setattr(cases, "meshes", lambda knudsen, *, linear: (SKETCH, sketchier))
+
+
 @pytest.mark.parametrize(
     ("kn", "force", "heat"), [(10.0, 0.984, 0.994), (1.0, 0.790, 0.933), (0.3, 0.437, 0.792)]
 )
@@ -34,7 +67,7 @@ def test_another_solver_of_the_same_equation(kn, force, heat):
 
 def test_another_solver_near_the_continuum():
     """It gives 0.124 to 0.128 and 0.530 to 0.535, not converged to better than 2 to 3 %."""
-    force, heat = ratios(case(0.1 / HARD_SPHERE, (0.8, 0.9)), MEDIUM)
+    force, heat = ratios(case(0.1 / HARD_SPHERE, (0.8, 0.9)), COARSE)
     assert force == pytest.approx(0.126, rel=0.04)
     assert heat == pytest.approx(0.535, rel=0.03)
 
@@ -88,31 +121,28 @@ def test_equal_faces_feel_no_force_and_exchanged_ones_the_opposite():
 
 
 def test_refinement_converges():
-    """Each refinement of panels and rules changes the result by much less than the last."""
+    """Each node more per panel changes the result by an order of magnitude less."""
     levels = [
         ratios(case(0.1, (0.8, 0.9)), Resolution(order, 0.7, Quadrature(3, 4, 3)))
-        for order in (2, 3, 4, 5)
+        for order in (2, 3, 4)
     ]
-    changes = np.abs(np.diff(levels, axis=0))
-    assert np.all(changes[2] < 0.2 * changes[0])
-    assert changes[2, 1] < 2e-4
+    first, second = np.abs(np.diff(levels, axis=0))
+    assert np.all(second < 0.1 * first)
+    # the finest mesh of docs/kinetic.md
+    assert levels[-1] == pytest.approx((0.13337, 0.54944), rel=1.5e-3)
 
 
 def test_gas_far_away_is_resolved_by_wide_panels():
-    """At Kn 0.04 the widest panels are hundreds of mean free paths wide, and nodes in them far
-    from their edges."""
-    rule = Quadrature(3, 3, 3)
-    few, many = (
-        ratios(case(0.04, (0.7, 0.8)), Resolution(5, panels, rule)) for panels in (0.7, 1.2)
-    )
-    assert few == pytest.approx(many, rel=1e-3)
+    """At Kn 0.05 the widest panels are hundreds of mean free paths wide, and nodes in them far
+    from their edges; the table's panels are others."""
+    assert row_solved(0.05, 1.0, MEDIUM) == pytest.approx(row_of_the_table(0.05, 1.0), rel=1e-3)
 
 
-def test_hot_gas_far_away_is_resolved_as_well():
-    problem = case(0.05, (0.7, 0.8), (1.6, 1.6), linear=False)
-    few, many = (ratios(problem, resolution) for resolution in (SKETCH, COARSE))
-    assert few[0] == pytest.approx(many[0], rel=0.05)
-    assert few[1] == pytest.approx(many[1], rel=5e-3)
+def test_gas_around_a_very_hot_disk_is_resolved_as_well():
+    force, heat = row_solved(0.08, 2.5, SKETCH)
+    expected = row_of_the_table(0.08, 2.5)
+    assert force == pytest.approx(expected[0], rel=0.025)
+    assert heat == pytest.approx(expected[1], rel=2e-3)
 
 
 def test_open_space_is_the_limit_of_a_far_reservoir():
@@ -120,15 +150,28 @@ def test_open_space_is_the_limit_of_a_far_reservoir():
     opened, far, near = (
         np.array(ratios(case(0.4, (0.8, 0.9), boundary=d), COARSE)) for d in (np.inf, 60.0, 20.0)
     )
-    np.testing.assert_allclose(near, opened + 3.0 * (far - opened), rtol=0.012)
+    np.testing.assert_allclose((near - opened) / (far - opened), 3.0, rtol=0.1)
     assert near[0] > 1.03 * opened[0]
 
 
 def test_a_reservoir_many_mean_free_paths_away_is_seen():
-    """Heat conducted through a shell: 2/π of the disk's own capacity over the distance."""
-    opened, far = (ratios(case(0.05, (0.8, 0.9), boundary=d), COARSE) for d in (np.inf, 10.0))
-    assert far[1] / opened[1] - 1.0 == pytest.approx(0.05, abs=0.02)
-    assert 1.1 < far[0] / opened[0] < 1.6
+    """Heat is conducted to the reservoir, and meets no resistance beyond it.
+
+    About its centre, Green's function of a cylinder of half-width and half-height D is 1/ρ − γ/D.
+    """
+    kn, distance = 0.05, 10.0
+    problem = case(kn, (0.8, 0.9))
+    opened = solve_case(problem, COARSE)
+    far = solve_case(case(kn, (0.8, 0.9), boundary=distance), COARSE)
+    waves = 0.5 * np.pi * np.arange(1, 20, 2)
+    gamma = np.log(2.0) + 2.0 * np.sum(k0(waves) / i0(waves))
+    conductivity = 15.0 / (8.0 * problem.rarefaction)  # [r p √(2RT)/T], Prandtl number 2/3
+    resistance = gamma / (4.0 * np.pi * conductivity * distance)
+    expected = 1.0 / (1.0 - np.pi * sum(opened.heat) * resistance)
+    excess = sum(far.heat) / sum(opened.heat) - 1.0
+    assert excess == pytest.approx(expected - 1.0, rel=0.03)
+    # kinetic_boundary.csv, at a mean TAC of 0.85 as well but on finer meshes
+    assert far.force / opened.force == pytest.approx(1.22497, rel=0.01)
 
 
 @pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
@@ -141,14 +184,14 @@ def test_nonlinear_goes_to_linear(gas):
 
 @pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
 def test_nonlinear_free_molecular_limit_of_maxwell_walls(gas):
-    hot = case(60.0, (0.5, 1.0), (2.5, 2.0), linear=False, gas=gas)
+    hot = case(100.0, (0.5, 1.0), (2.5, 2.0), linear=False, gas=gas)
     outcome = solve_case(hot, SKETCH)
     # a face returns the share α of its molecules with √T times the momentum, T times the energy
     force = 0.5 * (1.0 * (np.sqrt(2.0) - 1.0) - 0.5 * (np.sqrt(2.5) - 1.0))
     carried = {"monatomic": 2.0, "diatomic": 3.0}[gas.name] / 2.0
     heat = carried * (0.5 * 1.5 + 1.0) / np.sqrt(np.pi)
-    assert outcome.force == pytest.approx(force, rel=0.01)
-    assert sum(outcome.heat) == pytest.approx(heat, rel=0.005)
+    assert outcome.force == pytest.approx(force, rel=4e-3)
+    assert sum(outcome.heat) == pytest.approx(heat, rel=1e-3)
     limit = hot.free_molecular()
     assert (limit.force, sum(limit.heat)) == pytest.approx((force, heat), rel=1e-12)
 
@@ -179,13 +222,6 @@ def test_nitrogen_as_direct_simulation_finds_it():
     assert heat == pytest.approx(0.9389, rel=0.008)
 
 
-def test_heat_of_a_very_hot_disk_in_dense_gas():
-    """Heat hardly knows of T_h/T_c: a hotter gas conducts better and is thinner."""
-    problem = case(0.085, (0.8, 0.9), (2.5, 2.5), linear=False)
-    linear = ratios(case(0.085, (0.8, 0.9)))
-    assert ratios(problem)[1] == pytest.approx(linear[1], rel=0.05)
-
-
 def test_solution_carries_error_and_flow():
     solution = solve(1.0, 0.8, 0.9)
     assert solution.error_estimate["force_ratio"] < 1e-3
@@ -199,7 +235,7 @@ def test_solution_carries_error_and_flow():
     assert "rotational_temperature" not in flow
 
 
-def test_one_cold_face_has_no_heat_ratio():
+def test_one_cold_face_has_no_heat_ratio(sketched):
     solution = solve(1.0, 0.8, 0.9, top_temperature=0.0)
     assert solution.heat_ratio_top is None
     assert solution.heat_ratio_bottom is not None
@@ -227,7 +263,7 @@ def test_bad_input_is_named(change, names):
         solve(**({"knudsen": 1.0, "tac_top": 0.8, "tac_bottom": 0.9} | change))
 
 
-def test_no_convergence_is_an_error_with_its_residual(monkeypatch):
+def test_no_convergence_is_an_error_with_its_residual(sketched, monkeypatch):
     monkeypatch.setattr(nonlinear, "_MOST_ITERATIONS", 2)
     with pytest.raises(ConvergenceError, match="last residual"):
         solve(1.0, 0.8, 0.9, temperature_ratio=2.0)

@@ -33,7 +33,7 @@ def test_tables_are_made_of_all_points(study, tmp_path, monkeypatch):
 
 def test_a_solved_point_is_that_of_the_study(study):
     """The code as it is gives a line of points.jsonl again."""
-    point = study.Point("monatomic", 10.0, 1.0, 0.8)
+    point = study.Point("monatomic", 10.0, 1.0, study.BOUNDARY_TAC, boundary=4.0)  # one mesh only
     (solved,) = study.measure([point]).values()
     kept = study.read_kept()[point]
     assert solved["force_ratio"] == pytest.approx(kept["force_ratio"], rel=1e-6)

@@ -1,5 +1,6 @@
 """Limits and identities of the transfer matrix; `tmm` is compared with in tests/validation."""
 
+import jax
 import numpy as np
 import pytest
 
@@ -61,8 +62,6 @@ def test_an_opaque_metal_reflects_as_its_surface():
 
 
 def test_thick_and_opaque_layers_stay_finite_with_their_gradients():
-    import jax
-
     def absorbed(thickness):
         optics = stack_optics([1.3, 3.0, 1.3], [7.0, 0.5, 20.0], thickness, 5e-7, 1.5)
         return optics.layer_absorptance[1].sum() + optics.reflectance.sum()

@@ -84,7 +84,7 @@ def test_a_sweep_its_repetition_and_its_maps(run, study, tmp_path):
     for wrong, message in (
         (("--y", "altitud"), 'did you mean "altitude"'),
         (("--y", "diameter"), "--x and --y are both flyer.diameter"),
-        (("--at", "altitude 71 km"), 'write such as "altitude = 70 km"'),
+        (("--at", "altitude 71 km"), 'as in "altitude = 70 km"'),
     ):
         code, text, errors = run(*ask, *wrong)
         assert code == 2

@@ -71,7 +71,7 @@ MISTAKES = [
     ('"90 km"', '"130 km"', 6, "must be between 0 and 120000"),
     ("0.12]", "1.2]", 5, "must be between 0 (excluded) and 1"),
     ("[0.06, 0.08, 0.12]", "[]", 5, "is an empty list"),
-    ("[0.06, 0.08, 0.12]", "[0.06, 0.06]", 5, "holds a value twice"),
+    ("[0.06, 0.08, 0.12]", "[0.06, 0.06]", 5, "has a repeated value"),
     ("[0.06, 0.08, 0.12]", '{ distribution = "gamma" }', 5, 'distribution = "gamma" is unknown'),
     ("[0.06, 0.08, 0.12]", '{ distribution = "normal", mean = 0.1 }', 5, "standard_deviation"),
     ("[0.06, 0.08, 0.12]", "true", 5, "is not a number"),

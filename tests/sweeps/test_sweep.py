@@ -1,12 +1,14 @@
 """The outputs of sweeps beside what the package computes for one design at a time."""
 
 import itertools
+import pickle
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import lightflyer as lf
+from lightflyer.flight.design import as_design
 from lightflyer.sweeps.chunks import Chunks
 from lightflyer.sweeps.evaluation import Evaluator
 from lightflyer.sweeps.run import open_sweep
@@ -231,6 +233,31 @@ def test_objects_give_what_their_flyer_file_gives(table):
         expected = table[name].sel({"film.emittance": 0.12})
         assert found[name].attrs == expected.attrs
         np.testing.assert_allclose(found[name], expected, rtol=1e-12, atol=1e-18, err_msg=name)
+
+
+def test_designs_of_equal_objects_are_equal(film):
+    setup = lf.Setup(lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023())
+    same = lf.Setup(lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023())
+    other = lf.Setup(lf.Disk(film, radius=0.02), lf.lu2023_earth(), lf.Lu2023())
+    assert as_design(setup) == as_design(same)  # so that it is compiled once
+    assert hash(as_design(setup)) == hash(as_design(same))
+    assert as_design(setup) != as_design(other)
+    assert pickle.loads(pickle.dumps(as_design(setup))) == as_design(setup)
+
+
+def test_arguments_that_cannot_be_used(flyer):
+    for arguments, message in (
+        ({"over": {}}, "over names no number"),
+        ({"over": {"altitude": 70e3}}, r"altitude: 70000.0 has no unit"),
+        ({"over": {"altitude": ["70 km"]}, "points": 0}, r"points = 0: .* equal to 1"),
+        ({"over": {"altitude": ["70 km"]}, "method": "sobl"}, "method = 'sobl': input should be"),
+        ({"over": {"altitude": ["70 km"]}, "scheduler": "tcp://x"}, "give out as well"),
+        ({"over": {"altitude": ["70 km"]}, "outputs": "paylod"}, 'did you mean "payload"'),
+    ):
+        with pytest.raises(lf.ConfigurationError, match=message):
+            lf.sweep(flyer, **arguments)
+    with pytest.raises(lf.ParameterError, match="needs an environment and a force model"):
+        lf.sweep(flyer.build().flyer, over={"altitude": ["70 km"]})
 
 
 def test_a_folder_without_results_is_refused(tmp_path):

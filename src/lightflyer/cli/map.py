@@ -67,7 +67,9 @@ def _asked(at: str | None) -> dict[str, str]:
     for part in (at or "").split(","):
         name, equals, text = (piece.strip() for piece in part.partition("="))
         if part.strip() and not (name and equals and text):
-            raise ConfigurationError(f'--at "{part.strip()}": write such as "altitude = 70 km"')
+            raise ConfigurationError(
+                f'--at "{part.strip()}": write name = value, as in "altitude = 70 km"'
+            )
         if name:
             asked[name] = text
     return asked

@@ -116,11 +116,11 @@ def _show_constraint(
     word = "at least" if sign > 0.0 else "at most"
     gain = optimum.active_constraints.get(name)
     objective = problem.unit_of(problem.objectives[0].name)
-    told = "not active"
+    effect = "not active"
     if gain is not None:
-        told = f"active: 1 % looser is worth {gain * abs(limit) / 100.0:.3g} {objective}".rstrip()
+        effect = f"active: 1 % looser is worth {gain * abs(limit) / 100.0:.3g} {objective}".rstrip()
     at, limit_shown = (f"{value:.6g} {unit}".rstrip() for value in (optimum.outputs[name], limit))
-    console.print(f"{name} {at} ({word} {limit_shown}; {told})", soft_wrap=True)
+    console.print(f"{name} {at} ({word} {limit_shown}; {effect})", soft_wrap=True)
 
 
 def _show_elasticities(console: Console, optimum: "Optimum") -> None:

@@ -199,7 +199,7 @@ def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.
     for name, value in study.fixed.items():
         table.add_row(name, "1", f"{value:.6g}", "", fields[name].quantity.unit)
     console.print(table)
-    console.print(_told(report), soft_wrap=True)
+    console.print(_report_line(report), soft_wrap=True)
     if report.not_converged:
         console.print(f"{report.not_converged} designs have not converged and are NaN")
     best = _best(dataset)
@@ -207,7 +207,7 @@ def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.
         console.print(best, soft_wrap=True)
 
 
-def _told(report: "SweepReport") -> str:
+def _report_line(report: "SweepReport") -> str:
     if not report.computed:
         return f"{report.designs:,} designs: all were already computed, and are intact"
     parts = [f"{report.designs:,} designs"]

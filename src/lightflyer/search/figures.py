@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from lightflyer.foundation.drawing import BLUE, GREEN, GREY, ORANGE, VERMILION, new_figure
 from lightflyer.search.front import Front
 from lightflyer.search.sobol import Indices
-from lightflyer.sweeps.shown import output_scale_and_label
+from lightflyer.sweeps.shown import scale_and_label
 
 _OPACITY = 0.25
 _TICKS = 6
@@ -26,14 +26,14 @@ def front_figure(front: Front) -> Figure:
     matplotlib.figure.Figure
     """
     first, *others = front.problem.objectives
-    figure = new_figure(columns=len(others))
+    figure, table = new_figure(columns=len(others)), front.dataset
     for ax, other in zip(figure.axes, others, strict=True):
         values = []
         for part, side in ((first, "x"), (other, "y")):
             better = "more" if part.sign > 0.0 else "less"
-            factor, label = output_scale_and_label(part.name)
+            factor, label = scale_and_label(table[part.name])
             getattr(ax, f"set_{side}label")(f"{label}\n({better} is better)")
-            values.append(factor * front.objectives[part.name])
+            values.append(factor * table[part.name].values)
         ax.plot(*values, "o", color=BLUE, ms=4)
         ax.grid(alpha=_OPACITY)
     return figure
@@ -62,7 +62,7 @@ def tornado_figure(found: Indices) -> Figure:
 
 
 def _draw_ranges(found: Indices, order: np.ndarray, ax: Axes) -> None:
-    factor, label = output_scale_and_label(found.output)
+    factor, label = scale_and_label(found.dataset.low.rename(found.output))
     rows = np.arange(order.size)
     for ends, colour, words in (
         (found.low, ORANGE, "input at its 2.5 % quantile"),

@@ -201,7 +201,9 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
     """
     problem = function.problem
     if len(problem.objectives) > 1:
-        raise ConfigurationError("several objectives have no single optimum; compute their pareto")
+        raise ConfigurationError(
+            "several objectives have no single optimum; call pareto for their front"
+        )
     starts, scale = _screen(function)
     searches = [_search(function, start, scale) for start in starts]
     satisfying = [found for found in searches if found.violation <= FEASIBLE]

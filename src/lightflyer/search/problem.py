@@ -95,7 +95,7 @@ class Constraint:
     Attributes
     ----------
     name : str
-        Of the output.
+        Name of the output.
     limit : float
         In the unit of the output.
     sign : float
@@ -126,7 +126,7 @@ class Problem:
         Numbers that have one value, by dotted name.
     constraints : tuple of Constraint
     samples : dict of str to array, shape (m,)
-        Values of the uncertain numbers; empty where nothing is uncertain.
+        Values of the uncertain numbers; empty where there are none.
     quantile : float or None
         Quantile of the samples that stands for an output; None for the mean.
     starts : int

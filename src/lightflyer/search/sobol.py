@@ -26,7 +26,7 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.extras import extra
 from lightflyer.foundation.quantity import StandardErrors, quantity_of
-from lightflyer.foundation.units import dataset_unit
+from lightflyer.foundation.units import file_unit
 from lightflyer.sweeps.axes import Axis, read_entry
 from lightflyer.sweeps.distributions import SAMPLE, Distribution, stated_distributions
 from lightflyer.sweeps.evaluation import Evaluator
@@ -100,7 +100,9 @@ class Indices:
 
     Attributes
     ----------
-    output, unit : str
+    output : str
+    attributes : dict of str to str
+        Unit and long name of the output, as in datasets.
     groups : tuple of tuple of str
         Dotted names of the inputs, those with correlated errors together, g groups in all.
     measurable : tuple of bool, length g
@@ -120,7 +122,7 @@ class Indices:
     """
 
     output: str
-    unit: str
+    attributes: dict[str, str]
     groups: tuple[tuple[str, ...], ...]
     measurable: tuple[bool, ...]
     nominal: float
@@ -133,6 +135,11 @@ class Indices:
     low: np.ndarray
     high: np.ndarray
     elasticity: dict[str, float]
+
+    @property
+    def unit(self) -> str:
+        """Unit of the output as in a flyer file, empty for a pure number."""
+        return file_unit(self.attributes["units"])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -168,9 +175,8 @@ class Indices:
         import xarray as xr
 
         share = {"units": "1", "long_name": "share of the variance (Sobol index)"}
-        value = {"units": dataset_unit(self.unit), "long_name": self.output.replace("_", " ")}
         shares = ("first", "first_interval", "total", "total_interval")
-        attributes = dict.fromkeys(shares, share) | dict.fromkeys(("low", "high"), value)
+        attributes = dict.fromkeys(shares, share) | dict.fromkeys(("low", "high"), self.attributes)
         return xr.Dataset(
             {name: ("input", getattr(self, name), words) for name, words in attributes.items()},
             {"input": ("input", list(self.names))},
@@ -393,7 +399,7 @@ def _of_output(
     )
     return Indices(
         output=output,
-        unit=outputs_of(study.design.setup.flyer)[output].unit,
+        attributes=outputs_of(study.design.setup.flyer)[output].attributes,
         groups=study.groups,
         measurable=tuple(
             all(study.design.field(name).quantity != _OWN_ERROR for name in group)

@@ -112,7 +112,7 @@ def _axis(field: Field, values: np.ndarray) -> Axis:
     if not values.size:
         raise ConfigurationError("is an empty list; give at least one value")
     if np.unique(values).size < values.size:
-        raise ConfigurationError("holds a value twice")
+        raise ConfigurationError("has a repeated value")
     return Axis(field, values)
 
 

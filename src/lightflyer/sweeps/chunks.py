@@ -1,4 +1,4 @@
-"""How the designs of a study are divided into chunks that are computed and stored as one."""
+"""Division of the designs of a study into chunks that are computed and stored together."""
 
 import math
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ class Chunks:
     Attributes
     ----------
     shape : tuple of int
-        Of the grid.
+        Shape of the grid.
     block : tuple of int
         Shape of a chunk; the last along a dimension may reach beyond the grid.
     """

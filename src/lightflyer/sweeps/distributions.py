@@ -124,7 +124,7 @@ def stated_distributions(design: AbstractDesign, given: Container[str] = ()) -> 
     Returns
     -------
     list of Distribution
-        Of all other numbers that have an uncertainty and can be varied.
+        One for each other number that has an uncertainty and can be varied.
     """
     found: list[Distribution] = []
     for name, spread in design.uncertainties.items():
@@ -170,7 +170,7 @@ def draw_samples(
     points : int
         Number of samples; for ``"sobol"`` a power of two keeps its balance.
     method : str
-        Of :data:`METHODS`.
+        One of :data:`METHODS`.
     seed : int
     correlations : dict of (str, str) to float, optional
         Correlation of the errors of two numbers.

@@ -33,7 +33,7 @@ def find_name(dataset: "xr.Dataset", name: str, *, among: str) -> str:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a sweep.
+        A sweep.
     name : str
         In full or its last part, such as ``"diameter"`` for ``"flyer.diameter"``.
     among : str
@@ -67,7 +67,7 @@ def parts(array: "xr.DataArray") -> Iterator[tuple[slice, np.ndarray]]:
     Parameters
     ----------
     array : xarray.DataArray
-        Of at least one dimension.
+        With at least one dimension.
 
     Yields
     ------
@@ -87,7 +87,7 @@ class BestDesign:
     Attributes
     ----------
     value : float
-        Of the output.
+        Value of the output.
     units : str
     where : dict of str to (float, str)
         Value and units of each coordinate.
@@ -113,9 +113,9 @@ def best_design(dataset: "xr.Dataset", name: str) -> BestDesign | None:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a sweep.
+        A sweep.
     name : str
-        Of the output.
+        Name of the output.
 
     Returns
     -------
@@ -160,7 +160,7 @@ def choose_slice(
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a sweep.
+        A sweep.
     value : str
         Output whose best design is meant.
     kept : list of str
@@ -249,7 +249,7 @@ def pareto_front(
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a sweep.
+        A sweep.
     gain : str
         Output of which more is better, or less, see :func:`less_is_better`.
     cost : str

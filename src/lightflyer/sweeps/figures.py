@@ -64,8 +64,8 @@ def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axe
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a sweep, with the dimensions ``x`` and ``y`` and perhaps samples, whose median is
-        drawn then.
+        A sweep with the dimensions ``x`` and ``y`` and perhaps samples, of which the
+        median is drawn.
     x, y : str
         Fields.
     value : str
@@ -164,7 +164,7 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a sweep, with the dimension ``x`` and perhaps samples.
+        A sweep with the dimension ``x`` and perhaps samples.
     x : str
         Field.
     value : str
@@ -212,7 +212,7 @@ def pareto_figure(dataset: "xr.Dataset", gain: str) -> Figure | None:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a sweep.
+        A sweep.
     gain : str
         Output.
 

@@ -10,7 +10,7 @@ from lightflyer.flight.outputs import check_outputs, outputs_of
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.sweeps.axes import Axis, read_entry, require
 from lightflyer.sweeps.evaluation import Evaluator, Table
-from lightflyer.sweeps.study import Dimension, Study, require_compatible
+from lightflyer.sweeps.study import Dimension, Study, errors_at, require_compatible
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,9 +68,10 @@ def _array(entry: Any, known: Field) -> "xr.DataArray":
 
     if isinstance(entry, xr.DataArray):
         return entry
-    axis = read_entry(entry, known)
-    if not isinstance(axis, Axis):
-        raise ConfigurationError(f"{known.name}: a distribution cannot be combined with DataArrays")
+    with errors_at(None, known.name):
+        axis = read_entry(entry, known)
+        if not isinstance(axis, Axis):
+            raise ConfigurationError("a distribution cannot be combined with DataArrays")
     if axis.single:
         return xr.DataArray(float(axis.values[0]))
     return xr.DataArray(axis.values, dims=[known.name], coords={known.name: axis.values})

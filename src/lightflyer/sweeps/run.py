@@ -57,7 +57,7 @@ class SweepReport:
 
 
 class Progress(Protocol):
-    """Told how far a sweep is."""
+    """Receives the progress of a sweep."""
 
     def prepared(self, done: int, total: int) -> None:
         """Number of films of layers that are computed, and of all."""
@@ -117,7 +117,7 @@ def sweep_into(
     """
     folder, progress = Path(folder), progress or _NoProgress()
     with ExitStack() as stack:
-        # first, so that nothing is made for a scheduler that does not answer
+        # first, so that no folder is made for a scheduler that does not answer
         client = stack.enter_context(connected(scheduler)) if scheduler else None
         store = stack.enter_context(open_store(folder, study, chunk))
         missing, chunks = store.missing, store.chunks

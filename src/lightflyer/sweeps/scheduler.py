@@ -1,4 +1,4 @@
-"""Who computes the chunks of a sweep: threads of this process, or a Dask cluster."""
+"""Computing the chunks of a sweep: in threads of this process, or on a Dask cluster."""
 
 import asyncio
 import ctypes
@@ -42,10 +42,10 @@ class Task(NamedTuple):
     evaluator : callable
         Outputs, and number of failures, of the designs from a number up to another.
     folder : Path
-        Of the store.
+        Folder of the store.
     chunks : Chunks
     token : str
-        Of the store.
+        Token of the store.
     """
 
     evaluator: Any
@@ -176,7 +176,7 @@ def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -
     client : distributed.Client
         From :func:`connected`.
     address : str
-        Of its scheduler.
+        Address of its scheduler.
 
     Yields
     ------
@@ -238,7 +238,7 @@ def connected(address: str) -> Iterator[Any]:
     Parameters
     ----------
     address : str
-        Of the scheduler, such as ``"tcp://127.0.0.1:8786"``.
+        Address of the scheduler, such as ``"tcp://127.0.0.1:8786"``.
 
     Yields
     ------
@@ -282,7 +282,7 @@ def _check_workers(client: Any, address: str) -> None:
     here = versions()
     for worker, there in _versions_of_workers(client, address).items():
         if isinstance(there, OSError):
-            continue  # lost since it was asked; whoever takes its place does its work
+            continue  # lost since it was asked; another takes its place
         if isinstance(there, Exception):
             raise ConfigurationError(f"--scheduler {address}: worker {worker} failed: {there}")
         if there != here:

@@ -105,7 +105,7 @@ def from_arguments(kind: type[_Kind], **given: Any) -> _Kind:
     Parameters
     ----------
     kind : type
-        Of the section.
+        Class of the section.
     **given : object
         Its keys; None for one that is left out.
 

@@ -33,48 +33,28 @@ def scale_and_label(array: "xr.DataArray") -> tuple[float, str]:
     Parameters
     ----------
     array : xarray.DataArray
-        Of a sweep.
+        With ``units`` and ``long_name``.
 
     Returns
     -------
     factor : float
     label : str
     """
-    name = str(array.name)
+    name, unit = str(array.name), unit_of(array)
     if name in OUTPUTS:
-        return output_scale_and_label(name)
-    factor, unit = _shown(unit_of(array), np.asarray(array.values, float))
-    return factor, _label(str(array.attrs.get("long_name", name)), unit)
-
-
-def output_scale_and_label(name: str) -> tuple[float, str]:
-    """Factor and axis label with unit for an output.
-
-    Parameters
-    ----------
-    name : str
-
-    Returns
-    -------
-    factor : float
-    label : str
-    """
-    if name not in OUTPUTS:
-        return 1.0, name.replace("_", " ")
-    factor, unit = OUTPUTS[name].shown
-    return factor, _label(OUTPUTS[name].long_name, unit.replace("^2", "²"))
-
-
-def _label(words: str, unit: str) -> str:
-    return f"{words} [{unit}]" if unit else words
+        factor, unit = OUTPUTS[name].shown
+        unit = unit.replace("^2", "²")
+    elif unit in _SCALES:
+        factor, unit = _shown(unit, np.asarray(array.values, float))
+    else:
+        factor = 1.0
+    words = str(array.attrs.get("long_name", name))
+    return factor, f"{words} [{unit}]" if unit else words
 
 
 def _shown(unit: str, values: np.ndarray) -> tuple[float, str]:
     """Factor and unit that suit the largest of some values."""
     finite = np.abs(values[np.isfinite(values)])
     largest = float(finite.max(initial=0.0))
-    found = 1.0, unit
-    for least, factor, shown in _SCALES.get(unit, ()):
-        if largest >= least:
-            found = factor, shown
-    return found
+    suitable = [(factor, shown) for least, factor, shown in _SCALES[unit] if largest >= least]
+    return suitable[-1]

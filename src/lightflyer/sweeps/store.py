@@ -58,11 +58,11 @@ def write_chunk(folder: Path, chunks: Chunks, chunk: int, outputs: Mapping[str, 
     Parameters
     ----------
     folder : Path
-        Of the store.
+        Folder of the store.
     chunks : Chunks
     chunk : int
     outputs : dict of str to array
-        Of the chunk's designs.
+        Values of the chunk's designs.
 
     Returns
     -------

@@ -79,7 +79,7 @@ def read_study_file(path: str | Path) -> tuple[StudyFile, AbstractDesign, Source
     Parameters
     ----------
     path : str or path
-        Of a TOML file.
+        A TOML file.
 
     Returns
     -------
@@ -137,7 +137,7 @@ class Study:
     outputs : tuple of str
         Names of the outputs.
     text : str
-        Of the study file, for the record.
+        Text of the study file, for the record.
     """
 
     design: AbstractDesign
@@ -295,6 +295,7 @@ def read_study(path: str | Path) -> Study:
     Parameters
     ----------
     path : str or path
+        A TOML file.
 
     Returns
     -------

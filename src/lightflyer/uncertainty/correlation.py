@@ -24,7 +24,7 @@ def correlation_matrix(names: Sequence[str], correlations: Correlations) -> np.n
     Returns
     -------
     array, shape (k, k)
-        One on the diagonal, zero where nothing is stated.
+        One on the diagonal, zero where no correlation is stated.
     """
     matrix = np.eye(len(names))
     row = {name: number for number, name in enumerate(names)}

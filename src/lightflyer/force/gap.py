@@ -23,7 +23,7 @@ def accommodation_between(first: Numeric, second: Numeric) -> Array:
 
     References
     ----------
-    [VincentiKruger1965]_ ch. X; the same as for radiation between grey walls.
+    [Springer1971]_; the same as for radiation between grey walls.
     """
     return first * second / (first + second - first * second)
 
@@ -73,7 +73,7 @@ def gap_conductance(
 
     References
     ----------
-    [Sherman1963]_
+    [Springer1971]_
     """
     free = free_molecular_conductance(area, tac, pressure, mean_speed, heat_capacity_ratio)
     return in_series(free, area * conductivity * temperature / gap)

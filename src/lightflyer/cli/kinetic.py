@@ -95,10 +95,14 @@ def kinetic_command(
         if stage is not None:
             status.update("drawing the flow")
             _write(stage, solution)
-    described = solution.to_json()
     if json_output:
-        print(json.dumps(described, allow_nan=False))  # noqa: T201
-        return
+        print(json.dumps(solution.to_json(), allow_nan=False))  # noqa: T201
+    else:
+        _show(solution, out)
+
+
+def _show(solution: "Solution", out: Path | None) -> None:
+    described = solution.to_json()
     console = Console(highlight=False)
     console.print(solution.title, soft_wrap=True)
     console.print(_table(described))

@@ -18,10 +18,12 @@ flyer would have if all its nodes were equally warm; Newton's method for systems
 """
 
 import math
-from functools import reduce
+from collections.abc import Callable
+from functools import partial, reduce
 from typing import Any
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -29,6 +31,7 @@ from jax import Array
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.foundation.ahead import ahead
 from lightflyer.foundation.errors import ConvergenceError
 from lightflyer.foundation.precision import elementwise_entry_point, is_traced
 from lightflyer.foundation.rootfind import (
@@ -204,7 +207,10 @@ def total(parts: tuple[Numeric, ...]) -> Any:
 
 
 def uniform_excess(
-    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel, power: Array
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    losses: Callable[[tuple[Array, ...]], tuple[Array, ...]],
+    power: Array,
 ) -> tuple[Array, RootStatus]:
     """Excess at which the flyer loses a power if all its nodes are equally warm.
 
@@ -212,7 +218,8 @@ def uniform_excess(
     ----------
     flyer : AbstractFlyer
     state : EnvironmentState
-    model : AbstractForceModel
+    losses : callable
+        Power that each node loses [W], as a function of the unknowns.
     power : array, shape (...)
         [W].
 
@@ -225,7 +232,7 @@ def uniform_excess(
 
     def loss(excess: Array) -> Array:
         flows = (0.0 * excess,) * len(flyer.flows)
-        return total(node_losses(flyer, state, model, (excess,) * len(flyer.nodes) + flows))
+        return total(losses((excess,) * len(flyer.nodes) + flows))
 
     dark = power == 0.0
     # without light there is nothing to solve; a stand-in keeps the search finite
@@ -249,46 +256,60 @@ def _stand_in(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
     return flyer.area * state.radiation.stefan_boltzmann * state.temperature**4
 
 
-def solve_unknowns(
+def balance_solver(
     flyer: AbstractFlyer,
     state: EnvironmentState,
     model: AbstractForceModel,
-    powers: tuple[Array, ...],
-) -> tuple[tuple[Array, ...], RootStatus]:
-    """Unknowns at which each node loses what it absorbs.
+    shape: tuple[int, ...],
+) -> Callable[[tuple[Array, ...]], tuple[tuple[Array, ...], RootStatus]]:
+    """Make the function that finds the unknowns at which each node loses what it absorbs.
 
     Parameters
     ----------
     flyer : AbstractFlyer
     state : EnvironmentState
     model : AbstractForceModel
-    powers : tuple of array, shape (...)
-        Net power that each node absorbs [W].
+    shape : tuple of int
+        Broadcast shape of these and the powers.
 
     Returns
     -------
-    unknowns : tuple of array, broadcast shape
-        Differentiable in everything.
-    status : RootStatus
+    callable
+        Takes the net power that each node absorbs [W], a tuple of arrays. Returns the unknowns, of
+        the given shape and differentiable in everything, and a :class:`RootStatus`.
     """
     if len(flyer.nodes) == 1 and not flyer.flows:
-        (power,) = powers
+        return partial(_solve_one, flyer, state, partial(node_losses, flyer, state, model), shape)
 
-        def imbalance(excess: Array) -> Array:
-            return node_losses(flyer, state, model, (excess,))[0] - power
+    def balance(*unknowns: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+        losses = node_losses(flyer, state, model, unknowns)
+        return losses, tuple(model.flow_balance(flyer, state, unknowns))
 
-        shape = jnp.shape(imbalance(jnp.zeros(())))
-        excess, status = implicit_root(
-            imbalance, lambda: uniform_excess(flyer, state, model, power), shape
-        )
-        return (excess,), status
-    return _solve_system(flyer, state, model, powers)
+    unknown = jax.ShapeDtypeStruct(shape, float)
+    count = len(flyer.nodes) + len(flyer.flows)
+    return partial(_solve_several, flyer, state, ahead(balance, *(unknown,) * count))
 
 
-def _solve_system(
+def _solve_one(
     flyer: AbstractFlyer,
     state: EnvironmentState,
-    model: AbstractForceModel,
+    losses: Callable[[tuple[Array, ...]], tuple[Array, ...]],
+    shape: tuple[int, ...],
+    powers: tuple[Array, ...],
+) -> tuple[tuple[Array, ...], RootStatus]:
+    (power,) = powers
+    excess, status = implicit_root(
+        lambda excess: losses((excess,))[0] - power,
+        lambda: uniform_excess(flyer, state, losses, power),
+        shape,
+    )
+    return (excess,), status
+
+
+def _solve_several(
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    balance: Callable[..., tuple[tuple[Array, ...], tuple[Array, ...]]],
     powers: tuple[Array, ...],
 ) -> tuple[tuple[Array, ...], RootStatus]:
     from lightflyer.foundation.system import solve_system  # half a second that a disk can spare
@@ -296,11 +317,11 @@ def _solve_system(
     scale = energy_scale(powers)
 
     def residual(unknowns: tuple[Array, ...]) -> tuple[Array, ...]:
-        losses = node_losses(flyer, state, model, unknowns)
+        losses, flows = balance(*unknowns)
         heat = tuple((loss - power) / scale for loss, power in zip(losses, powers, strict=True))
-        return heat + tuple(model.flow_balance(flyer, state, unknowns))
+        return heat + flows
 
-    excess, _ = uniform_excess(flyer, state, model, total(powers))
+    excess, _ = uniform_excess(flyer, state, lambda unknowns: balance(*unknowns)[0], total(powers))
     # no temperature falls to absolute zero; flows have no such bound
     lower = (-1.0,) * len(flyer.nodes) + (-math.inf,) * len(flyer.flows)
     return solve_system(residual, flyer.first_guess(state, excess), lower=lower)
@@ -337,7 +358,9 @@ def _equilibrium(
     flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
 ) -> Equilibrium:
     powers = light_and_gains(flyer, state, state.radiation.irradiance)
-    unknowns, status = solve_unknowns(flyer, state, model, powers)
+    nothing = (jnp.zeros(()),) * (len(flyer.nodes) + len(flyer.flows))
+    shape = jax.eval_shape(lambda: total(powers) + total(node_losses(flyer, state, model, nothing)))
+    unknowns, status = balance_solver(flyer, state, model, shape.shape)(powers)
     gas = model.heat_loss(flyer, state, unknowns)
     own = flyer.heat_losses(state, unknowns)
     imbalances = tuple(

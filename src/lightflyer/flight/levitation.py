@@ -11,13 +11,13 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flight.balance import (
     SMALLEST_SHARE,
     Equilibrium,
+    balance_solver,
     ending_within,
     equilibrium,
     light_and_gains,
     node_losses,
     require_converged,
     require_suitable,
-    solve_unknowns,
     total,
 )
 from lightflyer.flyer.base import HIGHEST_TEMPERATURE, AbstractFlyer
@@ -36,7 +36,9 @@ LOAD_TOLERANCE = 1e-10
 
 
 class Levitation(eqx.Module):
-    """Light and temperature at which a flyer just levitates. Fields have the broadcast shape of the inputs.
+    """Light and temperature at which a flyer just levitates.
+
+    Fields have the broadcast shape of the inputs.
 
     Attributes
     ----------
@@ -355,7 +357,8 @@ def _reach(
     within = strongest >= load
     # Where no argument suffices, a load within reach stands in, to be discarded by the caller: so
     # neither the search nor its derivative meets a NaN.
-    stand_in = jnp.where(strongest == 0.0, 1.0, 0.5 * jnp.abs(strongest))
+    reached_at_top = jnp.where(strongest == 0.0, 1.0, jnp.abs(strongest))
+    stand_in = jnp.where(strongest == 0.0, 1.0, 0.5 * reached_at_top)
     target = jnp.where(within, load, stand_in)
 
     def reached(argument: Array) -> Array:
@@ -368,7 +371,7 @@ def _reach(
             target=target,
             lower=top * SMALLEST_SHARE,
             upper=top,
-            guess=top * target / reached(top),
+            guess=top * target / reached_at_top,
         )
 
     argument, status = implicit_root(
@@ -409,7 +412,7 @@ def _by_irradiance(
     """
 
     def unknowns_in(irradiance: Array) -> tuple[Array, ...]:
-        return solve_unknowns(flyer, state, model, light_and_gains(flyer, state, irradiance))[0]
+        return solve(light_and_gains(flyer, state, irradiance))[0]
 
     def force(irradiance: Array) -> Array:
         return upward_force(flyer, state, model, unknowns_in(irradiance))
@@ -422,20 +425,21 @@ def _by_irradiance(
     loss = total(node_losses(flyer, state, model, everywhere))
     brightest = (loss - total(flyer.heat_gains(state))) / jnp.where(can_collect, collecting, 1.0)
     brightest = jnp.broadcast_to(brightest, jnp.shape(brightest + load))
+    solve = balance_solver(flyer, state, model, jnp.shape(brightest))
     strongest = force(brightest)
     irradiance, levitates, status = _reach(force, brightest, strongest, load)
     unknowns = unknowns_in(irradiance)
     temperature = state.temperature * (
         1.0 + jax.tree.reduce(jnp.maximum, unknowns[: len(flyer.nodes)])
     )
-    lifted_in_the_dark = force(jnp.zeros_like(irradiance)) >= load
+    flies_in_the_dark = force(jnp.zeros_like(irradiance)) >= load
     levitates &= can_collect & (temperature <= HIGHEST_TEMPERATURE)
     residual = upward_force(flyer, state, model, unknowns) / load - 1.0
     return _answer(
         levitates,
-        jnp.where(lifted_in_the_dark, 0.0, irradiance),
+        jnp.where(flies_in_the_dark, 0.0, irradiance),
         temperature,
-        jnp.where(lifted_in_the_dark, 0.0, residual),
+        jnp.where(flies_in_the_dark, 0.0, residual),
         status,
         strongest,
     )

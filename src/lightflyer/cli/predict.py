@@ -291,6 +291,7 @@ _COLUMNS = {
     "lift_over_weight": ("lift /\nweight", ".3f"),
 }
 _NODE = ("of the {}\n[K]", ".1f")  # a temperature of one part of the flyer
+_ROOMY = 8  # columns that fit a terminal of 80 characters with two spaces between them
 
 
 def _points_table(prediction: "Prediction") -> Table | str:
@@ -301,21 +302,21 @@ def _points_table(prediction: "Prediction") -> Table | str:
         return ""
     where, (_, factor) = prediction.coordinate, prediction.coordinate_key
     known, names = outputs_of(prediction.setup.flyer), prediction.point_names
-    table = Table(box=None, padding=(0, 1))
-    table.add_column(escape(f"{where.name}\n[{where.shown_unit}]"), justify="right")
-    formats = []
+    columns = {
+        f"{where.name}\n[{where.shown_unit}]": [f"{x * factor:.6g}" for x in prediction.asked]
+    }
     for name in names:
         node = name.removeprefix("temperature_").replace("_", " ")
         heading, form = _COLUMNS.get(name, (_NODE[0].format(node), _NODE[1]))
-        table.add_column(heading, justify="right")
-        formats.append(form)
-    for index in range(prediction.asked.size):
-        place = prediction.place(index)
-        cells = (
-            _cell(place.values[name] * known[name].shown[0], form)
-            for name, form in zip(names, formats, strict=True)
-        )
-        table.add_row(f"{place.coordinate * factor:.6g}", *cells)
+        values = (prediction.place(index).values[name] for index in range(prediction.asked.size))
+        columns[heading] = [_cell(value * known[name].shown[0], form) for value in values]
+    table = Table(box=None, padding=(0, 1), collapse_padding=len(columns) > _ROOMY, pad_edge=False)
+    for heading, cells in columns.items():
+        # headings may wrap between words, numbers never
+        words = max(map(len, [*heading.split(), *cells]))
+        table.add_column(escape(heading), justify="right", min_width=words)
+    for row in zip(*columns.values(), strict=True):
+        table.add_row(*row)
     return table
 
 

@@ -87,7 +87,7 @@ def _pressure_axis(prediction: Prediction, ax: Axes, low: float, high: float) ->
     decades = np.arange(np.floor(log_pressure.min()), np.ceil(log_pressure.max()) + 1)
     ticks = np.add.outer(decades, np.log10([1.0, 3.0])).ravel()
     inside = (ticks > to_log_pressure(high)) & (ticks < to_log_pressure(low))
-    top.set_xticks(ticks[inside], [f"{10**tick:.2g}" for tick in ticks[inside]])
+    top.set_xticks(ticks[inside], [f"{float(f'{10**tick:.1g}'):g}" for tick in ticks[inside]])
     top.set_xlabel("pressure [Pa]")
 
 

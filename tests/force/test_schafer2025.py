@@ -9,6 +9,7 @@ from scipy.optimize import fsolve
 
 import lightflyer as lf
 from lightflyer.flight.levitation import upward_force
+from lightflyer.force.gap import accommodation_between, gap_conductance
 from lightflyer.force.schafer2025 import rarefaction
 from lightflyer.force.schafer2025_table import internal_factors, perforated_disk_fit
 
@@ -204,10 +205,10 @@ def test_gas_in_the_gap():
         path = lf.gas.mean_free_path(pressure, temperature, air)
         expected = area * temperature * conductivity / (gap + 2.0 * jump * path)
         with lf.float64():
-            found = lf.force.gap_conductance(
+            found = gap_conductance(
                 area,
                 gap,
-                lf.force.accommodation_between(tac, tac),
+                accommodation_between(tac, tac),
                 pressure=pressure,
                 temperature=temperature,
                 mean_speed=air.mean_speed(temperature),

@@ -66,6 +66,10 @@ class Sandwich(AbstractFlyer):
     ParameterError
         If a concrete number is impossible, or does not fit the others.
 
+    References
+    ----------
+    [Schafer2022]_, [Schafer2025]_
+
     Examples
     --------
     >>> film = FilmProperties(4e-4, 0.05, 0.05, 0.05, 0.8, 0.8, transmittance=0.9)

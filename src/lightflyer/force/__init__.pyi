@@ -1,16 +1,12 @@
 from .base import AbstractForceModel as AbstractForceModel
 from .free_molecular import FreeMolecular as FreeMolecular
 from .free_molecular import LinearFreeMolecular as LinearFreeMolecular
-from .gap import accommodation_between as accommodation_between
-from .gap import gap_conductance as gap_conductance
 from .kinetic import Kinetic as Kinetic
 from .lu2023 import PRINTED as PRINTED
 from .lu2023 import REPORTED as REPORTED
 from .lu2023 import Lu2023 as Lu2023
 from .lu2023 import Reading as Reading
 from .schafer2025 import Schafer2025 as Schafer2025
-from .schafer2025 import perforated_disk_conductances as perforated_disk_conductances
-from .schafer2025 import perforated_disk_force as perforated_disk_force
 from .section import ForceSection as ForceSection
 from .simple_form import SimpleForm as SimpleForm
 from .simple_form import fit_simple_form as fit_simple_form

@@ -321,10 +321,15 @@ def _solve_several(
         heat = tuple((loss - power) / scale for loss, power in zip(losses, powers, strict=True))
         return heat + flows
 
-    excess, _ = uniform_excess(flyer, state, lambda unknowns: balance(*unknowns)[0], total(powers))
+    def guess() -> tuple[Array, ...]:
+        excess, _ = uniform_excess(
+            flyer, state, lambda unknowns: balance(*unknowns)[0], total(powers)
+        )
+        return flyer.first_guess(state, excess)
+
     # no temperature falls to absolute zero; flows have no such bound
     lower = (-1.0,) * len(flyer.nodes) + (-math.inf,) * len(flyer.flows)
-    return solve_system(residual, flyer.first_guess(state, excess), lower=lower)
+    return solve_system(residual, guess, lower=lower)
 
 
 def energy_scale(powers: tuple[Array, ...]) -> Array:

@@ -32,7 +32,7 @@ _PLAIN_STEPS = 30
 
 def solve_system(
     residual: Callable[[Unknowns], Unknowns],
-    guess: tuple[ArrayLike, ...],
+    guess: tuple[ArrayLike, ...] | Callable[[], tuple[ArrayLike, ...]],
     *,
     lower: float | tuple[float, ...] = -math.inf,
     tolerance: float = RELATIVE_TOLERANCE,
@@ -48,9 +48,10 @@ def solve_system(
     residual : callable
         Takes and returns a tuple of n arrays, elementwise, each equation scaled to order one. It
         closes over the parameters that the root is differentiated in.
-    guess : tuple of n arrays, broadcast shape (...)
-        First point. Newton converges safely from above where the equations are convex and
-        increasing, as heat balances with radiation are.
+    guess : tuple of n arrays, broadcast shape (...), or callable
+        First point, or a function that returns it and need not be differentiated. Newton
+        converges safely from above where the equations are convex and increasing, as heat balances
+        with radiation are.
     lower : float or tuple of n float
         Bound that no unknown reaches: a step takes at most 90 % of the distance to it. Minus one
         for a relative temperature excess.
@@ -84,41 +85,42 @@ def solve_system(
     >>> print(f"{x:.6f} {y:.6f}", Ending(int(status.ending)).describe())
     3.000000 2.000000 converged
     """
-    bounds = lower if isinstance(lower, tuple) else (lower,) * len(guess)
-    start = _first_point(residual, guess, bounds)
-    shape = start[0].shape
+    first: Callable[[], tuple[ArrayLike, ...]] = guess if callable(guess) else lambda: guess
+    zeros = _zeros(residual, first)
+    bounds = lower if isinstance(lower, tuple) else (lower,) * len(zeros)
+    if len(bounds) != len(zeros):
+        raise ValueError(f"{len(zeros)} unknowns need as many bounds, not {len(bounds)}")
 
     def equations(point: Unknowns) -> Unknowns:
-        return tuple(jnp.broadcast_to(entry, shape) for entry in residual(point))
+        return tuple(jnp.broadcast_to(entry, zeros[0].shape) for entry in residual(point))
 
     # custom_root differentiates auxiliary outputs too, so they have to be floats on the way
     def found(_equations: object, _start: Unknowns) -> tuple[Unknowns, RootStatus]:
+        start = tuple(
+            jnp.broadcast_to(_usable(jnp.asarray(entry, float), bound), zeros[0].shape)
+            for entry, bound in zip(first(), bounds, strict=True)
+        )
         root, status = _search(equations, start, bounds, tolerance, maximum_steps)
         return root, jax.tree.map(lambda leaf: leaf.astype(root[0].dtype), status)
 
-    zeros = tuple(jnp.zeros_like(entry) for entry in start)
     root, status = jax.lax.custom_root(equations, zeros, found, _invert, has_aux=True)
     return root, RootStatus(status.ending.astype(jnp.int8), status.steps.astype(int))
 
 
-def _first_point(
-    residual: Callable[[Unknowns], Unknowns],
-    guess: tuple[ArrayLike, ...],
-    bounds: tuple[float, ...],
+def _zeros(
+    residual: Callable[[Unknowns], Unknowns], first: Callable[[], tuple[ArrayLike, ...]]
 ) -> Unknowns:
-    """Guess in the result's shape, made usable: the search needs finite points in bounds."""
-    point = tuple(jnp.asarray(entry, float) for entry in guess)
-    equations = jax.eval_shape(residual, point)
-    if not len(equations) == len(point) == len(bounds):
-        raise ValueError(
-            f"{len(point)} unknowns need as many equations and bounds, "
-            f"not {len(equations)} and {len(bounds)}"
-        )
+    """Zeros in the shape of the unknowns."""
+
+    def both() -> tuple[Unknowns, Unknowns]:
+        point = tuple(jnp.asarray(entry, float) for entry in first())
+        return point, residual(point)
+
+    point, equations = jax.eval_shape(both)
+    if len(equations) != len(point):
+        raise ValueError(f"{len(point)} unknowns need as many equations, not {len(equations)}")
     shape = jnp.broadcast_shapes(*(entry.shape for entry in (*point, *equations)))
-    return tuple(
-        jnp.broadcast_to(_usable(entry, bound), shape)
-        for entry, bound in zip(point, bounds, strict=True)
-    )
+    return tuple(jnp.zeros(shape, float) for _ in point)
 
 
 def _usable(guess: Array, bound: float) -> Array:

@@ -35,6 +35,7 @@ class ComputedFilm:
     ----------
     film : Film
     properties : FilmProperties
+        Transmittances are not computed: zero unless measured.
     measured : dict of str to Measured
         The properties that were measured, by name; all others are computed.
     averages : dict of str to Average

@@ -7,8 +7,8 @@ import numpy as np
 from jax import Array
 
 from lightflyer.film.curve import EmittanceCurve, emittance_at, emittance_bounds
+from lightflyer.foundation.checks import is_concrete
 from lightflyer.foundation.errors import ParameterError, ParameterWarning
-from lightflyer.foundation.precision import is_traced
 from lightflyer.foundation.quantity import (
     AccommodationCoefficient,
     ArealDensity,
@@ -82,7 +82,7 @@ class FilmProperties(Checked):
         through = getattr(self, passing)
         for name in absorbing:
             share = getattr(self, name)
-            if _is_number(through) and _is_number(share) and np.any(through + share > _WHOLE):
+            if is_concrete(through, share) and np.any(through + share > _WHOLE):
                 raise ParameterError(
                     f"{passing} = {np.max(through):g} and {name} = {np.max(share):g} exceed 1 "
                     "together"
@@ -219,10 +219,5 @@ def excess_of_growth(growth: Numeric) -> Array:
     return growth / ((root + 1.0) * (root**2 + 1.0))
 
 
-def _is_number(value: Numeric) -> bool:
-    """Whether a value is concrete: JAX rebuilds modules around placeholders."""
-    return not is_traced(value) and bool(np.issubdtype(np.asarray(value).dtype, np.number))
-
-
 def _exceeds_one(tac: Numeric) -> bool:
-    return _is_number(tac) and bool(np.any(np.asarray(tac) > 1.0))
+    return is_concrete(tac) and bool(np.any(np.asarray(tac) > 1.0))

@@ -16,8 +16,8 @@ from lightflyer.film.section import FilmSection, MeasuredFilmSection
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.sheets import DARK, Exitance, Sheet, net_gains, perforated
+from lightflyer.foundation.checks import is_concrete
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.precision import is_traced
 from lightflyer.foundation.quantity import (
     Conductivity,
     Density,
@@ -95,10 +95,9 @@ class Sandwich(AbstractFlyer):
     def __check_init__(self) -> None:
         super().__check_init__()  # first each number by itself
         sizes = (self.radius, self.hole_radius, self.open_fraction, self.support_fraction)
-        if not is_traced(sizes) and all(_is_number(size) for size in sizes):
-            problem = _contradiction(*sizes)
-            if problem:
-                raise ParameterError(problem)
+        problem = _contradiction(*sizes) if is_concrete(*sizes) else None
+        if problem:
+            raise ParameterError(problem)
 
     @property
     def area(self) -> Numeric:
@@ -197,11 +196,6 @@ class Sandwich(AbstractFlyer):
         """Growth of a membrane's emission, over that of a black face at the gas temperature."""
         top, bottom = film.emission_growths(state.temperature, excess)
         return Exitance(self.solid_fraction * top, self.solid_fraction * bottom)
-
-
-def _is_number(value: Any) -> bool:
-    """Whether a value is concrete: JAX rebuilds modules around placeholders."""
-    return bool(np.issubdtype(np.asarray(value).dtype, np.number))
 
 
 def _contradiction(

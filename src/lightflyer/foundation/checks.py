@@ -8,6 +8,23 @@ from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.precision import is_traced
 
 
+def is_concrete(*values: Any) -> bool:
+    """Whether all values are numbers that can be looked at.
+
+    Parameters
+    ----------
+    *values : array
+
+    Returns
+    -------
+    bool
+        False for traced values, and for the placeholders around which JAX rebuilds modules.
+    """
+    return not is_traced(values) and all(
+        bool(np.issubdtype(np.asarray(value).dtype, np.number)) for value in values
+    )
+
+
 def require_range(
     name: str,
     value: Any,
@@ -34,11 +51,9 @@ def require_range(
     ParameterError
         Naming the parameter, the first bad value and what is allowed.
     """
-    if value is None or is_traced(value):
+    if value is None or not is_concrete(value):
         return
     array = np.asarray(value)
-    if not np.issubdtype(array.dtype, np.number):
-        return  # JAX rebuilds modules around placeholders; those are not values
     above = array > lowest if open_below else array >= lowest
     inside = above & (array <= highest) & np.isfinite(array)
     if not np.all(inside):

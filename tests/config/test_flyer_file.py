@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 import lightflyer as lf
 from lightflyer.config.flyer_file import section_at
+from lightflyer.flight.design import as_design
 from lightflyer.foundation.section import alternative_tags
 
 MINIMAL = {
@@ -59,6 +60,14 @@ def test_faces_may_differ(flyer_file):
     path = flyer_file("emittance = 0.08", "emittance_top = 0.05\nemittance_bottom = 0.4")
     film = lf.read_flyer_file(path).build().flyer.film
     assert (film.emittance_top, film.emittance_bottom) == (0.05, 0.4)
+
+
+def test_one_face_varies_where_the_file_gives_both_at_once(flyer_file):
+    design = as_design(flyer_file())
+    film = design.build({"film.emittance_top": 0.3}).flyer.film
+    assert (film.emittance_top, film.emittance_bottom) == (0.3, 0.08)
+    film = design.build({"film.emittance": 0.2}).flyer.film
+    assert (film.emittance_top, film.emittance_bottom) == (0.2, 0.2)
 
 
 def test_chamber(flyer_file):
@@ -124,6 +133,7 @@ MISTAKES = [
     ('"0 deg"', '"91 deg"', 17, "must be between 0 and 90 deg"),
     ('"0 deg"', '["0 deg"]', 17, "is not a number"),
     ("[film]", "[flim]", 6, 'did you mean "film"?'),
+    ("emittance = 0.08", "emittance = 0.08\ntransmittance = 0.3", 6, "transmittance = 0.3 and abs"),
     ("emittance = 0.08", "emittance_top = 0.08", 6, "both emittance_top and emittance_bottom"),
     ("emittance = 0.08", "emittance = 0.08\nemittance_top = 0.08", 6, "not both"),
     ('atmosphere = "lu2023"', 'atmosphere = "nrlmsis"', 13, "[environment] needs date"),

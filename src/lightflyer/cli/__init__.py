@@ -82,8 +82,16 @@ app.command(
 )
 
 
-def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
-    print(f"lightflyer: warning: {message}", file=sys.stderr)  # noqa: T201
+class _Warnings:
+    """Prints each warning once, however often the same flyer is built."""
+
+    def __init__(self) -> None:
+        self._shown: set[str] = set()
+
+    def __call__(self, message: Warning | str, *_: Any, **__: Any) -> None:
+        if str(message) not in self._shown:
+            self._shown.add(str(message))
+            print(f"lightflyer: warning: {message}", file=sys.stderr)  # noqa: T201
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -96,7 +104,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     with warnings.catch_warnings():
         warnings.simplefilter("always", ParameterWarning)
-        warnings.showwarning = _warn
+        warnings.showwarning = _Warnings()
         try:
             app(sys.argv[1:] if arguments is None else arguments, exit_on_error=False)
         except cyclopts.CycloptsError:

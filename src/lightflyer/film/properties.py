@@ -1,6 +1,8 @@
 """The optical, surface and mass properties of a film, however they were obtained."""
 
 import warnings
+from collections.abc import Mapping
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -19,6 +21,34 @@ from lightflyer.foundation.quantity import (
 from lightflyer.foundation.types import Numeric
 
 _WHOLE = 1.0 + 1e-9  # all radiation, and rounding
+_CONSERVED = {
+    "transmittance": ("absorptance", "absorptance_bottom"),
+    "infrared_transmittance": ("emittance_top", "emittance_bottom"),
+}
+
+
+def require_conservation(properties: Mapping[str, Any]) -> None:
+    """Raise where more radiation is absorbed and transmitted than arrives.
+
+    Parameters
+    ----------
+    properties : mapping of str to object
+        Properties of a film by name; those missing, and those without a value yet, are not looked
+        at.
+
+    Raises
+    ------
+    ParameterError
+    """
+    for passing, absorbing in _CONSERVED.items():
+        through: Any = properties.get(passing)
+        for name in absorbing:
+            share: Any = properties.get(name)
+            if is_concrete(through, share) and np.any(through + share > _WHOLE):
+                raise ParameterError(
+                    f"{passing} = {np.max(through):g} and {name} = {np.max(share):g} exceed 1 "
+                    "together"
+                )
 
 
 class FilmProperties(Checked):
@@ -74,19 +104,7 @@ class FilmProperties(Checked):
                     ParameterWarning,
                     stacklevel=2,
                 )
-        self._require_conservation("transmittance", ("absorptance", "absorptance_bottom"))
-        self._require_conservation("infrared_transmittance", ("emittance_top", "emittance_bottom"))
-
-    def _require_conservation(self, passing: str, absorbing: tuple[str, ...]) -> None:
-        """Raise where more radiation is absorbed and transmitted than arrives."""
-        through = getattr(self, passing)
-        for name in absorbing:
-            share = getattr(self, name)
-            if is_concrete(through, share) and np.any(through + share > _WHOLE):
-                raise ParameterError(
-                    f"{passing} = {np.max(through):g} and {name} = {np.max(share):g} exceed 1 "
-                    "together"
-                )
+        require_conservation(vars(self))
 
     @property
     def tac_mean(self) -> Numeric:

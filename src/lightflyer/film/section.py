@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 
 import pydantic
 
-from lightflyer.film.properties import FilmProperties
-from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.film.properties import FilmProperties, require_conservation
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.quantity import (
     AccommodationCoefficient,
     ArealDensity,
@@ -63,7 +63,12 @@ class FilmSection(Alternative, abc.ABC):
 
     def replaced(self, values: Mapping[str, Any]) -> "FilmSection":
         """See :meth:`Section.replaced`; one emittance stands for both faces."""
-        cleared = {"emittance_top": None, "emittance_bottom": None} if "emittance" in values else {}
+        cleared: dict[str, Measured | None] = {}
+        if "emittance" in values:
+            cleared = {"emittance_top": None, "emittance_bottom": None}
+        elif self.emittance is not None and {"emittance_top", "emittance_bottom"} & values.keys():
+            both = self.emittance
+            cleared = {"emittance": None, "emittance_top": both, "emittance_bottom": both}
         section = self.model_copy(update=cleared) if cleared else self
         return super(FilmSection, section).replaced(values)  # type: ignore[return-value]
 
@@ -133,6 +138,10 @@ class MeasuredFilmSection(FilmSection):
     def _both_emittances(self) -> "MeasuredFilmSection":
         if self.emittance is None and None in (self.emittance_top, self.emittance_bottom):
             raise ConfigurationError("give emittance, or both emittance_top and emittance_bottom")
+        try:
+            require_conservation({name: value.value for name, value in self.stated().items()})
+        except ParameterError as error:
+            raise ConfigurationError(str(error)) from error
         return self
 
     def build(

@@ -135,7 +135,7 @@ def _explain(mistake: Any, document: dict[str, Any], text: str, path: Path, kind
 
 def _unknown_key(dotted: str, document: dict[str, Any], kind: FileKind) -> str:
     section, _, key = dotted.rpartition(".")
-    known = kind.keys_of(section, document)
+    known = [name for name in kind.keys_of(section, document) if name != key]  # in another kind
     near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
     where = f"[{section}]" if section else kind.name
     hint = f'did you mean "{near[0]}"?' if near else f"{where} takes {', '.join(known)}"

@@ -1,5 +1,7 @@
 import string
+from typing import ClassVar, Literal
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -7,6 +9,7 @@ from hypothesis import strategies as st
 import lightflyer as lf
 from lightflyer.config.flyer_file import section_at
 from lightflyer.flight.design import as_design
+from lightflyer.foundation.quantity import Length
 from lightflyer.foundation.section import alternative_tags
 
 MINIMAL = {
@@ -60,6 +63,32 @@ def test_faces_may_differ(flyer_file):
     path = flyer_file("emittance = 0.08", "emittance_top = 0.05\nemittance_bottom = 0.4")
     film = lf.read_flyer_file(path).build().flyer.film
     assert (film.emittance_top, film.emittance_bottom) == (0.05, 0.4)
+
+
+def test_a_section_defined_after_files_were_read(flyer_file):
+    shape = 'shape = "disk"\ndiameter = "2 cm"'
+    lf.read_flyer_file(flyer_file())
+
+    class SquareSection(lf.flyer.FlyerSection):
+        flyer_type: ClassVar[type] = lf.Disk
+        shape: Literal["square"]
+        side: Length
+
+        def build(self, film, incidence):
+            return lf.Disk(film, self.side.value / np.sqrt(np.pi))
+
+    try:
+        path = flyer_file(shape, 'shape = "square"\nside = "2 cm"')
+        file = lf.read_flyer_file(path)
+        assert isinstance(file, lf.FlyerFile)
+        assert file.build().flyer.area == pytest.approx(4e-4)
+        assert as_design(path).build({"flyer.side": 0.04}).flyer.area == pytest.approx(16e-4)
+        with pytest.raises(lf.ConfigurationError, match="choose from disk, sandwich, square"):
+            lf.read_flyer_file(flyer_file(shape, 'shape = "round"'))
+    finally:
+        del lf.flyer.FlyerSection.alternatives["square"]  # no part of the package
+    with pytest.raises(lf.ConfigurationError, match=r"choose from disk, sandwich$"):
+        lf.read_flyer_file(flyer_file(shape, 'shape = "square"'))
 
 
 def test_one_face_varies_where_the_file_gives_both_at_once(flyer_file):

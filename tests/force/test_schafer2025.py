@@ -365,6 +365,60 @@ def test_levitation_and_its_derivatives():
     )
 
 
+def random_film(draw, size):
+    absorptance, above, below = draw.uniform(0.02, 0.5, (3, size))
+    passed = draw.uniform(0.0, 1.0, (2, size)) * (1.0 - np.array([absorptance, above + below]))
+    return lf.FilmProperties(
+        10.0 ** draw.uniform(-4.0, -2.7, size),
+        absorptance,
+        above,
+        below,
+        *draw.uniform(0.6, 1.0, (2, size)),
+        transmittance=passed[0],
+        infrared_transmittance=passed[1].clip(0.0),
+    )
+
+
+def test_levitation_never_contradicts_lift():
+    """Some of these sandwiches are pushed less in bright light than in dim light."""
+    draw, size = np.random.default_rng(1), 6000
+    flyers = lf.Sandwich(
+        random_film(draw, size),
+        random_film(draw, size),
+        *10.0 ** draw.uniform([[-3.0], [-5.0]], [[-1.0], [-2.5]], (2, size)),
+        open_fraction=draw.uniform(0.1, 0.95, size),
+        hole_radius=1e-5,
+        support_fraction=10.0 ** draw.uniform(-6.0, -1.5, size),
+        support_conductivity=draw.uniform(0.1, 20.0, size),
+    )
+    state = lf.Earth().state(draw.uniform(20e3, 100e3, size))
+    found = lf.levitate(flyers, state, MODEL, throw=False)
+    flies = lf.lift(flyers, state, MODEL) >= lf.weight(flyers, state)
+    assert 100 < flies.sum() < size
+    assert np.all(found.levitates[flies])
+    assert np.all(found.irradiance[flies] <= 1360.0 * (1.0 + 1e-9))
+    assert not np.any(found.irradiance[~flies] < 1360.0 * (1.0 - 1e-9))
+    for share in (0.5, 0.1, 1e-2):  # no dimmer light would do
+        dimmer = np.where(found.levitates, share * found.irradiance, 0.0)
+        dim = eqx.tree_at(lambda state: state.radiation.irradiance, state, dimmer)
+        assert np.all(lf.lift(flyers, dim, MODEL) < lf.weight(flyers, state))
+
+
+def test_levitation_in_the_dark():
+    """Warmed from below, it needs no light."""
+    state = state_at(3.0, irradiance=0.0, infrared_below=5000.0, infrared_above=0.0)
+    flyer = eqx.tree_at(
+        lambda flyer: (flyer.bottom.emittance_bottom, flyer.top.emittance_bottom),
+        make(open_fraction=0.3),
+        (0.8, 0.02),
+    )
+    assert lf.lift(flyer, state, MODEL) > lf.weight(flyer, state)
+    found = lf.levitate(flyer, state, MODEL)
+    assert found.levitates
+    assert found.irradiance == 0.0
+    assert found.temperature == pytest.approx(lf.equilibrium(flyer, state, MODEL).temperature)
+
+
 def test_bands_over_earth():
     flyer = make()
     band = lf.levitation_band(flyer, lf.Earth(), MODEL)

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from functools import cached_property, reduce
+from functools import cache, cached_property, reduce
 from typing import Annotated, Any
 
 import jax
@@ -18,7 +18,7 @@ from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.quantity import RADIANS_PER_DEGREE, Quantity
-from lightflyer.foundation.section import Alternative, Section
+from lightflyer.foundation.section import Alternative, Section, alternative_tags
 from lightflyer.foundation.types import Numeric
 
 discover()
@@ -137,6 +137,34 @@ class FlyerFile(Section):
             for name, _, value in section.numbers()
             if value is not None and value.uncertainty is not None
         }
+
+
+def flyer_file_type() -> type[FlyerFile]:
+    """A flyer file with all alternatives of its sections that are defined by now.
+
+    Returns
+    -------
+    type
+        :class:`FlyerFile`, or a subclass of it where a user has defined more.
+    """
+    return _flyer_file_of(frozenset(alternative_tags()))
+
+
+@cache
+def _flyer_file_of(tags: frozenset[str]) -> type[FlyerFile]:
+    if tags == _SHIPPED:
+        return FlyerFile
+    return pydantic.create_model(
+        "FlyerFile",
+        __base__=FlyerFile,
+        flyer=(_union(FlyerSection), ...),
+        film=(_union(FilmSection) | None, None),
+        environment=(_union(EnvironmentSection), ...),
+        force=(_union(ForceSection), ...),
+    )
+
+
+_SHIPPED = frozenset(alternative_tags())
 
 
 def models_for(kind: type[FlyerSection]) -> list[str]:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from lightflyer.config.flyer_file import FlyerFile, section_at
+from lightflyer.config.flyer_file import FlyerFile, flyer_file_type, section_at
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.section import Section
@@ -36,7 +36,7 @@ def read_flyer_file(path: str | Path) -> FlyerFile:
     ConfigurationError
         One line for each mistake: file, line, key, value and what is allowed.
     """
-    return read_file(FlyerFile, Path(path), FLYER_FILE)[0]
+    return read_file(flyer_file_type(), Path(path), FLYER_FILE)[0]
 
 
 def read_film_file(path: str | Path) -> LayeredFilmSection:

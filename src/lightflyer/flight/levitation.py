@@ -1,10 +1,13 @@
 """Levitation: lift, payload, and the irradiance it takes."""
 
 from collections.abc import Callable
+from functools import partial
+from typing import Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
@@ -30,6 +33,9 @@ from lightflyer.foundation.rootfind import (
     implicit_root,
 )
 from lightflyer.foundation.types import Numeric
+
+_LIGHTS = np.concatenate([[0.0], np.geomspace(1e-5, 1.0, 16)])
+"""Lights in which a flyer of several unknowns is looked at, over the brightest."""
 
 LOAD_TOLERANCE = 1e-10
 """Largest difference of force and weight of a converged levitation, over the weight."""
@@ -408,15 +414,9 @@ def _by_irradiance(
     """Several unknowns: the irradiance at which they carry the load, searched together.
 
     The brightest light looked at absorbs what the flyer would lose if all of it were at the
-    highest temperature: at any stronger one some node is hotter.
+    highest temperature: at any stronger one some node is hotter. The force need not grow all the
+    way, so it is looked at in many lights first.
     """
-
-    def unknowns_in(irradiance: Array) -> tuple[Array, ...]:
-        return solve(light_and_gains(flyer, state, irradiance))[0]
-
-    def force(irradiance: Array) -> Array:
-        return upward_force(flyer, state, model, unknowns_in(irradiance))
-
     load = weight(flyer, state)
     collecting = total(flyer.beam_areas(state))
     can_collect = collecting > 0.0
@@ -424,25 +424,63 @@ def _by_irradiance(
     everywhere = (hottest,) * len(flyer.nodes) + (0.0 * hottest,) * len(flyer.flows)
     loss = total(node_losses(flyer, state, model, everywhere))
     brightest = (loss - total(flyer.heat_gains(state))) / jnp.where(can_collect, collecting, 1.0)
-    brightest = jnp.broadcast_to(brightest, jnp.shape(brightest + load))
-    solve = balance_solver(flyer, state, model, jnp.shape(brightest))
-    strongest = force(brightest)
-    irradiance, levitates, status = _reach(force, brightest, strongest, load)
-    unknowns = unknowns_in(irradiance)
+    shape = jnp.shape(brightest + load)
+
+    def unknowns_in(irradiance: Array, solve: Callable[..., Any]) -> tuple[Array, ...]:
+        return solve(light_and_gains(flyer, state, irradiance))[0]
+
+    def force(irradiance: Array, solve: Callable[..., Any]) -> Array:
+        return upward_force(flyer, state, model, unknowns_in(irradiance, solve))
+
+    one = balance_solver(flyer, state, model, shape)
+    many = balance_solver(flyer, state, model, (_LIGHTS.size, *shape))
+    lights = _LIGHTS.reshape(-1, *(1,) * len(shape)) * brightest
+    forces = jnp.broadcast_to(force(lights, many), lights.shape)
+    in_the_dark = forces[0] >= load
+    top = _peak(lights[1:], forces[1:])
+    strongest = force(top, one)
+    for light, reached in zip(lights[:0:-1], forces[:0:-1], strict=True):
+        top = jnp.where(reached >= load, light, top)
+        strongest = jnp.where(reached >= load, reached, strongest)
+
+    irradiance, within, status = _reach(partial(force, solve=one), top, strongest, load)
+    irradiance = jnp.where(in_the_dark, 0.0, irradiance)
+    unknowns = unknowns_in(irradiance, one)
     temperature = state.temperature * (
         1.0 + jax.tree.reduce(jnp.maximum, unknowns[: len(flyer.nodes)])
     )
-    flies_in_the_dark = force(jnp.zeros_like(irradiance)) >= load
-    levitates &= can_collect & (temperature <= HIGHEST_TEMPERATURE)
     residual = upward_force(flyer, state, model, unknowns) / load - 1.0
     return _answer(
-        levitates,
-        jnp.where(flies_in_the_dark, 0.0, irradiance),
+        in_the_dark | (within & can_collect & (temperature <= HIGHEST_TEMPERATURE)),
+        irradiance,
         temperature,
-        jnp.where(flies_in_the_dark, 0.0, residual),
-        status,
+        jnp.where(in_the_dark, 0.0, residual),
+        RootStatus(jnp.where(in_the_dark, int(Ending.CONVERGED), status.ending), status.steps),
         strongest,
     )
+
+
+def _peak(lights: Array, forces: Array) -> Array:
+    """Light of the strongest force, by a parabola through three of equally spaced logarithms.
+
+    Parameters
+    ----------
+    lights, forces : array, shape (n, ...)
+
+    Returns
+    -------
+    array, shape (...)
+    """
+    before, here, after = forces[:-2], forces[1:-1], forces[2:]
+    bend = before - 2.0 * here + after
+    offset = 0.5 * (before - after) / jnp.where(bend == 0.0, 1.0, bend)
+    vertices = lights[1:-1] * (lights[1] / lights[0]) ** jnp.clip(offset, -1.0, 1.0)
+    light, strongest = lights[-1], forces[-1]
+    for vertex, force, bent in zip(vertices, here, bend < 0.0, strict=True):
+        higher = bent & (force > strongest)
+        light = jnp.where(higher, vertex, light)
+        strongest = jnp.where(higher, force, strongest)
+    return light
 
 
 def _answer(

@@ -150,7 +150,8 @@ def _missing_key(_mistake: Any, dotted: str) -> str:
 def _alternatives_of(mistake: Any) -> type[Alternative]:
     """Base of the section whose alternative is unknown."""
     expected = set(re.findall("'([^']*)'", mistake["ctx"]["expected_tags"]))
-    return next(base for base in Alternative.__subclasses__() if set(base.alternatives) == expected)
+    # others may have been defined since
+    return next(base for base in Alternative.__subclasses__() if expected <= set(base.alternatives))
 
 
 def _choosing_key(mistake: Any) -> list[str]:

@@ -65,6 +65,16 @@ def test_predict_a_sandwich(run, flyer_file, tmp_path):
     }
 
 
+def test_warnings_are_of_where_it_flies(run, flyer_file):
+    text = flyer_file.read_text(encoding="utf-8")
+    for old, new in (('"1360 W/m^2"', '"400 W/m^2"'), ('"125 um"', '"100 um"')):
+        assert old in text
+        text = text.replace(old, new)
+    flyer_file.write_text(text, encoding="utf-8")
+    assert "warning" not in run("predict", flyer_file, "--at", "75 km")[1]
+    assert "warning: above 169 Pa the rarefaction" in run("predict", flyer_file, "--at", "44 km")[1]
+
+
 def test_many_sandwiches(run, flyer_file, tmp_path):
     study, out = tmp_path / "study.toml", tmp_path / "results.zarr"
     study.write_text(STUDY, encoding="utf-8")

@@ -153,7 +153,7 @@ class Prediction:
     map : TemperatureMap or None
         Where the light can be dimmed.
     caveats : tuple of str
-        What is outside the force model's range, in words.
+        What is outside the force model's range where the flyer flies or is reported, in words.
     """
 
     setup: Setup
@@ -341,7 +341,9 @@ def predict_design(design: AbstractDesign, at: Sequence[float] | None = None) ->
     easiest = None
     if np.isfinite(table["levitation_irradiance"]).any():
         easiest = _optimum(evaluate, coordinates, "levitation_irradiance", -1.0)
-    state = setup.environment.state(coordinates)
+    flying = [coordinates[(coordinates >= low) & (coordinates <= high)] for low, high in bands]
+    places = [place.coordinate for place in (best, easiest) if place is not None]
+    reported = np.unique(np.concatenate([*flying, edges.ravel(), asked, places]))
     return Prediction(
         setup=setup,
         coordinates=coordinates,
@@ -353,7 +355,7 @@ def predict_design(design: AbstractDesign, at: Sequence[float] | None = None) ->
         easiest=easiest,
         best=best,
         map=_map(evaluate, coordinates, easiest) if setup.environment.dimmable_light else None,
-        caveats=setup.model.caveats(setup.flyer, state),
+        caveats=setup.model.caveats(setup.flyer, setup.environment.state(reported)),
     )
 
 

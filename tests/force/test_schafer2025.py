@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import fsolve
 
 import lightflyer as lf
-from lightflyer.flight.levitation import upward_force
+from lightflyer.flight.loads import upward_force
 from lightflyer.force.gap import accommodation_between, gap_conductance
 from lightflyer.force.schafer2025 import rarefaction
 from lightflyer.force.schafer2025_table import internal_factors, perforated_disk_fit

@@ -8,11 +8,11 @@ from .design import AbstractDesign as AbstractDesign
 from .design import Field as Field
 from .design import ObjectDesign as ObjectDesign
 from .levitation import Levitation as Levitation
-from .levitation import force_vector as force_vector
 from .levitation import levitate as levitate
-from .levitation import lift as lift
-from .levitation import payload as payload
-from .levitation import weight as weight
+from .loads import force_vector as force_vector
+from .loads import lift as lift
+from .loads import payload as payload
+from .loads import weight as weight
 from .outputs import OUTPUTS as OUTPUTS
 from .outputs import Output as Output
 from .outputs import outputs_of as outputs_of

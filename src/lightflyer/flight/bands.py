@@ -16,7 +16,7 @@ from jax import Array
 
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flight.balance import require_converged, require_suitable
-from lightflyer.flight.levitation import lift, weight
+from lightflyer.flight.loads import lift, weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.precision import entry_point, float64

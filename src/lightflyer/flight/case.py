@@ -9,13 +9,8 @@ import jax.numpy as jnp
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flight.balance import Equilibrium, equilibrium
 from lightflyer.flight.bands import Band, levitation_band
-from lightflyer.flight.levitation import (
-    Levitation,
-    largest_payload,
-    levitate,
-    upward_force,
-    weight,
-)
+from lightflyer.flight.levitation import Levitation, levitate
+from lightflyer.flight.loads import largest_payload, upward_force, weight
 from lightflyer.flight.setup import Setup
 from lightflyer.foundation.types import Numeric
 

@@ -1,4 +1,4 @@
-"""Levitation: lift, payload, and the irradiance it takes."""
+"""Levitation: the irradiance that it takes."""
 
 from collections.abc import Callable
 from functools import partial
@@ -13,19 +13,18 @@ from jax import Array
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flight.balance import (
     SMALLEST_SHARE,
-    Equilibrium,
     balance_solver,
     ending_within,
-    equilibrium,
     light_and_gains,
     node_losses,
     require_converged,
     require_suitable,
     total,
 )
+from lightflyer.flight.loads import upward_force, weight
 from lightflyer.flyer.base import HIGHEST_TEMPERATURE, AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.precision import elementwise_entry_point, entry_point
+from lightflyer.foundation.precision import elementwise_entry_point
 from lightflyer.foundation.rootfind import (
     Ending,
     RootStatus,
@@ -72,209 +71,6 @@ class Levitation(eqx.Module):
     def converged(self) -> Numeric:
         """True where the root-find met its tolerance, or found that there is no root."""
         return self.ending == Ending.CONVERGED
-
-
-@entry_point
-def weight(flyer: AbstractFlyer, state: EnvironmentState) -> Numeric:
-    """Weight of a flyer with its payload [N].
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-
-    Returns
-    -------
-    array, broadcast shape
-    """
-    return flyer.mass * state.gravity
-
-
-def upward_force(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
-    model: AbstractForceModel,
-    unknowns: tuple[Array, ...],
-) -> Array:
-    """Vertical part of the gas's force, and the buoyancy of what the flyer displaces [N].
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    model : AbstractForceModel
-    unknowns : tuple of array, shape (...)
-
-    Returns
-    -------
-    array, broadcast shape
-    """
-    force = model.force(flyer, state, unknowns)
-    if flyer.attitude is not None:
-        force = force * jnp.cos(flyer.attitude.tilt)
-    volume = flyer.displaced_volume
-    if isinstance(volume, float) and volume == 0.0:
-        return force
-    return force + state.gas.density(state.pressure, state.temperature) * volume * state.gravity
-
-
-def largest_payload(flyer: AbstractFlyer, state: EnvironmentState, lift: Numeric) -> Numeric:
-    """Mass that a lift carries beside the flyer's own [kg].
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    lift : array, shape (...)
-        [N].
-
-    Returns
-    -------
-    array, broadcast shape
-        Negative by what is missing where the flyer cannot lift itself.
-    """
-    return lift / state.gravity - flyer.own_mass
-
-
-def lift(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
-    model: AbstractForceModel,
-    *,
-    throw: bool = True,
-) -> Array:
-    """Vertical force on a flyer in the given light, before its weight.
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    model : AbstractForceModel
-    throw : bool
-        Raise where the heat balance has not converged (not under JAX's transformations).
-
-    Returns
-    -------
-    array, broadcast shape
-        Force, upward positive [N].
-
-    Raises
-    ------
-    ConvergenceError
-        If the heat balance has not converged and ``throw`` is true.
-    ParameterError
-        If the model is not for the flyer or the gas.
-
-    Notes
-    -----
-    Differentiable in every number of flyer, state and model.
-
-    Examples
-    --------
-    >>> import lightflyer as lf
-    >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    >>> disk, state = lf.Disk(film, radius=0.01), lf.lu2023_earth().state(72e3)
-    >>> print(f"{lf.lift(disk, state, lf.Lu2023()) / lf.weight(disk, state):.6f}")
-    1.589948
-    """
-    force, _, balance = _lift_and_payload(flyer, state, model)
-    if throw:
-        require_converged("heat balance", balance.ending, balance.residual)
-    return force
-
-
-@elementwise_entry_point
-def _lift_and_payload(
-    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
-) -> tuple[Array, Numeric, Equilibrium]:
-    balance = equilibrium(flyer, state, model, throw=False)
-    force = upward_force(flyer, state, model, balance.unknowns)
-    return force, largest_payload(flyer, state, force), balance
-
-
-def force_vector(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
-    model: AbstractForceModel,
-    *,
-    throw: bool = True,
-) -> tuple[Array, Array, Array]:
-    """Force of the gas on a flyer in the given light, in three directions.
-
-    Parameters
-    ----------
-    flyer, state, model, throw
-        As for :func:`lift`.
-
-    Returns
-    -------
-    x, y, z : array, broadcast shape
-        Components [N]: ``x`` towards azimuth 0, ``y`` towards azimuth 90°, ``z`` up. Buoyancy is
-        not part of them.
-
-    Raises
-    ------
-    ConvergenceError
-        If the heat balance has not converged and ``throw`` is true.
-    """
-    *components, balance = _force_vector(flyer, state, model)
-    if throw:
-        require_converged("heat balance", balance.ending, balance.residual)
-    x, y, z = components
-    return x, y, z
-
-
-@elementwise_entry_point
-def _force_vector(
-    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
-) -> tuple[Array, Array, Array, Equilibrium]:
-    balance = equilibrium(flyer, state, model, throw=False)
-    force = model.force(flyer, state, balance.unknowns)
-    if flyer.attitude is None:
-        return 0.0 * force, 0.0 * force, force, balance
-    sideways = force * jnp.sin(flyer.attitude.tilt)
-    x, y = jnp.cos(flyer.attitude.azimuth), jnp.sin(flyer.attitude.azimuth)
-    return sideways * x, sideways * y, force * jnp.cos(flyer.attitude.tilt), balance
-
-
-def payload(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
-    model: AbstractForceModel,
-    *,
-    throw: bool = True,
-) -> Array:
-    """Largest mass that a flyer carries beside its own in the given light.
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-        Its own ``payload`` field has no effect.
-    state : EnvironmentState
-    model : AbstractForceModel
-    throw : bool
-        Raise where the heat balance has not converged (not under JAX's transformations).
-
-    Returns
-    -------
-    array, broadcast shape
-        Mass [kg]; negative by what is missing where the flyer cannot lift itself.
-
-    Raises
-    ------
-    ConvergenceError
-        If the heat balance has not converged and ``throw`` is true.
-    ParameterError
-        If the model is not for the flyer or the gas.
-
-    Notes
-    -----
-    Differentiable in every number of flyer, state and model.
-    """
-    _, mass, balance = _lift_and_payload(flyer, state, model)
-    if throw:
-        require_converged("heat balance", balance.ending, balance.residual)
-    return mass
 
 
 def levitate(

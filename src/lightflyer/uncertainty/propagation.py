@@ -150,7 +150,7 @@ def propagate(
     environment, model : optional
         Where ``what`` is a flyer.
     prediction : Prediction, optional
-        Of the same design, if it is there already.
+        Prediction of the same design, where there is one already.
     samples : int
         Of Monte Carlo; 0 for first order alone.
     seed : int

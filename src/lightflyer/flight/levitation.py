@@ -1,8 +1,6 @@
 """Levitation: the irradiance that it takes."""
 
 from collections.abc import Callable
-from functools import partial
-from typing import Any
 
 import equinox as eqx
 import jax
@@ -222,26 +220,19 @@ def _by_irradiance(
     brightest = (loss - total(flyer.heat_gains(state))) / jnp.where(can_collect, collecting, 1.0)
     shape = jnp.shape(brightest + load)
 
-    def unknowns_in(irradiance: Array, solve: Callable[..., Any]) -> tuple[Array, ...]:
+    still = jax.lax.stop_gradient((flyer, state, model, brightest, load))
+    top, strongest, in_the_dark = _look(*still)
+    solve = balance_solver(flyer, state, model, shape)
+
+    def unknowns_in(irradiance: Array) -> tuple[Array, ...]:
         return solve(light_and_gains(flyer, state, irradiance))[0]
 
-    def force(irradiance: Array, solve: Callable[..., Any]) -> Array:
-        return upward_force(flyer, state, model, unknowns_in(irradiance, solve))
+    def force(irradiance: Array) -> Array:
+        return upward_force(flyer, state, model, unknowns_in(irradiance))
 
-    one = balance_solver(flyer, state, model, shape)
-    many = balance_solver(flyer, state, model, (_LIGHTS.size, *shape))
-    lights = _LIGHTS.reshape(-1, *(1,) * len(shape)) * brightest
-    forces = jnp.broadcast_to(force(lights, many), lights.shape)
-    in_the_dark = forces[0] >= load
-    top = _peak(lights[1:], forces[1:])
-    strongest = force(top, one)
-    for light, reached in zip(lights[:0:-1], forces[:0:-1], strict=True):
-        top = jnp.where(reached >= load, light, top)
-        strongest = jnp.where(reached >= load, reached, strongest)
-
-    irradiance, within, status = _reach(partial(force, solve=one), top, strongest, load)
+    irradiance, within, status = _reach(force, top, strongest, load)
     irradiance = jnp.where(in_the_dark, 0.0, irradiance)
-    unknowns = unknowns_in(irradiance, one)
+    unknowns = unknowns_in(irradiance)
     temperature = state.temperature * (
         1.0 + jax.tree.reduce(jnp.maximum, unknowns[: len(flyer.nodes)])
     )
@@ -254,6 +245,53 @@ def _by_irradiance(
         RootStatus(jnp.where(in_the_dark, int(Ending.CONVERGED), status.ending), status.steps),
         strongest,
     )
+
+
+def _look(
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    model: AbstractForceModel,
+    brightest: Array,
+    load: Array,
+) -> tuple[Array, Array, Array]:
+    """Look at the force in many lights, for an end of the search.
+
+    Parameters
+    ----------
+    flyer, state, model
+        Not differentiated here, which saves compiling it.
+    brightest : array, shape (...)
+        [W/m²].
+    load : array, shape (...)
+        [N].
+
+    Returns
+    -------
+    top : array, shape (...)
+        The dimmest light in which the force carries the load; where none does, that of the
+        strongest force [W/m²].
+    strongest : array, shape (...)
+        Force there [N].
+    in_the_dark : bool array, shape (...)
+        Whether the load is carried without light.
+    """
+
+    def force(lights: Array) -> Array:
+        solve = balance_solver(flyer, state, model, lights.shape)
+        unknowns, _ = solve(light_and_gains(flyer, state, lights))
+        return jnp.broadcast_to(upward_force(flyer, state, model, unknowns), lights.shape)
+
+    shape = jnp.shape(brightest + load)
+    lights = jnp.broadcast_to(brightest, shape) * jnp.asarray(_LIGHTS).reshape(
+        -1, *(1,) * len(shape)
+    )
+    forces = force(lights)
+    top = _peak(lights[1:], forces[1:])
+    strongest = force(top)
+    for light, reached in zip(lights[:0:-1], forces[:0:-1], strict=True):
+        top = jnp.where(reached >= load, light, top)
+        strongest = jnp.where(reached >= load, reached, strongest)
+    return top, strongest, forces[0] >= load
 
 
 def _peak(lights: Array, forces: Array) -> Array:

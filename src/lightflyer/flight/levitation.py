@@ -205,7 +205,7 @@ def _by_temperature(
 def _by_irradiance(
     flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
 ) -> Levitation:
-    """Several unknowns: the irradiance at which they carry the load, searched together.
+    """Several unknowns: the irradiance that carries the load, with a heat balance in each step.
 
     The brightest light looked at absorbs what the flyer would lose if all of it were at the
     highest temperature: at any stronger one some node is hotter. The force need not grow all the

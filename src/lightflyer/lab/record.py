@@ -10,7 +10,12 @@ if TYPE_CHECKING:
 
 
 def dataset(
-    title: str, variables: Mapping[str, Any], files: Sequence[str], **attributes: Any
+    title: str,
+    variables: Mapping[str, Any],
+    files: Sequence[str],
+    *,
+    warnings: Sequence[str] = (),
+    **attributes: Any,
 ) -> "xr.Dataset":
     """Dataset with its title, its input files and the package's version.
 
@@ -22,6 +27,8 @@ def dataset(
         Variables of a :class:`xarray.Dataset`, each with ``units`` and ``long_name``.
     files : sequence of str
         Names of the files read.
+    warnings : sequence of str
+        What a reader of the result must know, one line each.
     **attributes
         Further attributes.
 
@@ -37,6 +44,7 @@ def dataset(
             "title": f"lightflyer lab: {title}",
             "lightflyer_version": lightflyer.__version__,
             "files": ", ".join(files),
+            "warnings": "; ".join(warnings),
             **attributes,
         },
     )

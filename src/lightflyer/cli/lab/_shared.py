@@ -126,6 +126,12 @@ def show_rejected(console: Console, rejected: Sequence["Rejected"]) -> None:
         )
 
 
+def show_warnings(console: Console, warnings: Sequence[str]) -> None:
+    """Print what a reader of a result must know, one line each."""
+    for text in warnings:
+        console.print(f"warning: {text}", markup=False, soft_wrap=True)
+
+
 def estimate_table(rows: Sequence[tuple[str, "Estimate"]], first: str = "") -> Table:
     """Table of named estimates with their intervals and units."""
     table = Table(box=None, padding=(0, 1))

@@ -80,3 +80,13 @@ def test_irradiance_of_the_state_has_no_effect(disk, state):
         lf.levitate(disk, with_light(state, 1.0), model).irradiance,
         lf.levitate(disk, with_light(state, 1e4), model).irradiance,
     )
+
+
+def test_grazing_light_does_not_levitate(disk):
+    """At 90° the cosine is 6e-17, not zero: without a limit 1e19 W/m² would levitate the disk."""
+    angles = np.radians([0.0, 89.0, 89.999, 90.0])
+    state = lf.lu2023_earth(incidence=angles).state(72e3)
+    result = lf.levitate(disk, state, lf.Lu2023())
+    assert result.levitates.tolist() == [True, True, False, False]
+    assert np.all(np.isinf(result.irradiance[2:]))
+    assert np.all(np.isnan(result.temperature[2:]))

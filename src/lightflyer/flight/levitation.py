@@ -34,6 +34,10 @@ from lightflyer.foundation.types import Numeric
 _LIGHTS = np.concatenate([[0.0], np.geomspace(1e-5, 1.0, 16)])
 """Lights in which a flyer of several unknowns is looked at, over the brightest."""
 
+HIGHEST_IRRADIANCE = 1e7
+"""Irradiance above which nothing levitates [W/m²]: two black faces at the highest temperature of the
+search emit a little less, so a flyer that needs more hardly absorbs its light or has melted."""
+
 LOAD_TOLERANCE = 1e-10
 """Largest difference of force and weight of a converged levitation, over the weight."""
 
@@ -47,7 +51,7 @@ class Levitation(eqx.Module):
     ----------
     irradiance : array
         Smallest irradiance of the beam that carries the flyer's weight [W/m²]; infinite where
-        none does, zero where thermal radiation alone suffices.
+        none up to :data:`HIGHEST_IRRADIANCE` does, zero where thermal radiation alone suffices.
     temperature : array
         Temperature of the hottest node at that irradiance [K]; NaN where none suffices.
     levitates : bool array
@@ -326,6 +330,7 @@ def _answer(
     strongest: Array,
 ) -> Levitation:
     """The result, without what belongs to stand-ins."""
+    levitates &= irradiance <= HIGHEST_IRRADIANCE
     residual = jnp.where(levitates, residual, 0.0)
     ending = ending_within(status.ending, residual, LOAD_TOLERANCE)
     ending = jnp.where(levitates, ending, int(Ending.CONVERGED))

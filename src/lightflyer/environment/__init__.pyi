@@ -12,4 +12,5 @@ from .earth import Earth as Earth
 from .earth import lu2023_earth as lu2023_earth
 from .radiation import Attitude as Attitude
 from .radiation import Radiation as Radiation
+from .radiation import sunlight as sunlight
 from .view_factor import ground_view_factor as ground_view_factor

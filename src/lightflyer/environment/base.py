@@ -136,6 +136,16 @@ class AbstractEnvironment(Checked):
     def coordinate(self) -> Coordinate:
         """Name, unit and range of the coordinate."""
 
+    def assumptions(self) -> tuple[str, ...]:
+        """What is assumed about light and heat radiation, in short texts with units.
+
+        Returns
+        -------
+        tuple of str
+            By default those of :meth:`Radiation.describe`.
+        """
+        return self.radiation.describe()
+
     @abc.abstractmethod
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
         """Surroundings at a coordinate.

@@ -18,7 +18,13 @@ from lightflyer.environment.base import (
     EnvironmentState,
     Place,
 )
-from lightflyer.environment.radiation import Radiation
+from lightflyer.environment.radiation import (
+    EARTH_ALBEDO,
+    EARTH_INFRARED,
+    SKY_INFRARED,
+    Radiation,
+    sunlight,
+)
 from lightflyer.environment.section import EnvironmentSection
 from lightflyer.foundation import constants
 from lightflyer.foundation.checks import require_range
@@ -27,12 +33,15 @@ from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import (
     Acceleration,
     Altitude,
+    Fraction,
     GeomagneticIndex,
+    Irradiance,
     Latitude,
     Longitude,
     SolarFlux,
 )
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.units import Measured
 from lightflyer.gas.air import AIR, GASES, LU2023_AIR
 from lightflyer.gas.base import AbstractGas
 
@@ -46,10 +55,15 @@ _SPACING = 1000.0  # metres, which resolves the layers of every atmosphere
 _TABLE = "decides the atmosphere's whole table; give each {} a study of its own"
 
 
+def earth_view(altitude: Numeric) -> Any:
+    """View factor to Earth of a face that looks straight down from an altitude [m]."""
+    radius = constants.EARTH_EFFECTIVE_RADIUS
+    return (radius / (radius + altitude)) ** 2
+
+
 def earth_gravity(altitude: Numeric) -> Any:
     """Acceleration of free fall at a geometric altitude [m]; [USSA1976]_ Eq. (17)."""
-    radius = constants.EARTH_EFFECTIVE_RADIUS
-    return constants.STANDARD_GRAVITY * (radius / (radius + altitude)) ** 2
+    return constants.STANDARD_GRAVITY * earth_view(altitude)  # the same inverse square
 
 
 class Earth(AbstractEnvironment):
@@ -64,7 +78,8 @@ class Earth(AbstractEnvironment):
     gravity : array or None
         Constant gravity [m/s²]; None lets it fall off with altitude.
     radiation : Radiation
-        Sunlight and thermal surroundings.
+        Sunlight and thermal surroundings; default :func:`sunlight`. What it leaves open of the
+        view to the ground is :func:`earth_view` of the altitude.
 
     Examples
     --------
@@ -76,7 +91,7 @@ class Earth(AbstractEnvironment):
     atmosphere: AbstractAtmosphere = US1976()
     gas: AbstractGas = AIR
     gravity: Acceleration | None = None
-    radiation: Radiation = Radiation()
+    radiation: Radiation = sunlight()
 
     @property
     def coordinate(self) -> Coordinate:
@@ -95,6 +110,10 @@ class Earth(AbstractEnvironment):
             easiest_keys=("minimum_irradiance", "value_w_m2"),
             step=_SPACING,
         )
+
+    def assumptions(self) -> tuple[str, ...]:
+        """See :meth:`AbstractEnvironment.assumptions`."""
+        return self.radiation.describe("(R/(R+h))² at altitude h")
 
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:  # noqa: ARG002
         """Surroundings at an altitude.
@@ -132,12 +151,14 @@ def _state(earth: Earth, altitude: Numeric) -> EnvironmentState:
         temperature=earth.atmosphere.temperature(altitude),
         gravity=earth_gravity(altitude) if earth.gravity is None else earth.gravity,
         gas=gas,
-        radiation=earth.radiation,
+        radiation=earth.radiation.seen_from(earth_view(altitude)),
     )
 
 
 def lu2023_earth(irradiance: Numeric = constants.SOLAR_CONSTANT, incidence: Numeric = 0.0) -> Earth:
     """Earth as in the paper: its polynomial atmosphere, gas, gravity and rounded constant.
+
+    Nothing is reflected from below, and the thermal surroundings are black at the gas temperature.
 
     Parameters
     ----------
@@ -168,6 +189,8 @@ class EarthSection(EnvironmentSection):
     default_gravity: ClassVar[float | None] = None
 
     kind: Literal["earth"] = "earth"
+    albedo: Fraction = Measured(EARTH_ALBEDO)
+    surroundings: Literal["earth", "gas"] = "earth"
     altitude_min: Altitude | None = None
     altitude_max: Altitude | None = None
 
@@ -181,6 +204,11 @@ class EarthSection(EnvironmentSection):
     @abc.abstractmethod
     def build_atmosphere(self) -> AbstractAtmosphere:
         """The atmosphere of this alternative."""
+
+    @property
+    def default_infrared(self) -> tuple[float | None, float | None]:
+        """Heat radiation from above and below where the file gives none [W/m²]."""
+        return (SKY_INFRARED, EARTH_INFRARED) if self.surroundings == "earth" else (None, None)
 
     def build(self) -> Earth:
         """Earth with this atmosphere."""
@@ -204,13 +232,16 @@ class Us1976Section(EarthSection):
 
 
 class Lu2023Section(EarthSection):
-    """``[environment]``: Earth as in the paper, whose gas and gravity it implies."""
+    """``[environment]``: Earth as in the paper, whose gas, gravity and light it implies."""
 
     default_gas: ClassVar[str] = LU2023_AIR.name
     default_gravity: ClassVar[float | None] = constants.GRAVITY_LU2023
     stefan_boltzmann: ClassVar[float] = constants.STEFAN_BOLTZMANN_LU2023
 
     atmosphere: Literal["lu2023"]
+    irradiance: Irradiance = Measured(constants.SOLAR_CONSTANT)
+    albedo: Fraction = Measured(0.0)
+    surroundings: Literal["earth", "gas"] = "gas"
 
     def build_atmosphere(self) -> AbstractAtmosphere:
         """The paper's polynomial."""

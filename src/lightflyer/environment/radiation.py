@@ -1,14 +1,46 @@
 """Light and heat radiation that reach a flyer."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from lightflyer.environment.view_factor import ground_view_factor
 from lightflyer.foundation import constants
-from lightflyer.foundation.quantity import Angle, Checked, Fraction, Irradiance, PolarAngle
+from lightflyer.foundation.quantity import (
+    RADIANS_PER_DEGREE,
+    Angle,
+    Checked,
+    Fraction,
+    Irradiance,
+    PolarAngle,
+)
 from lightflyer.foundation.types import Numeric
+
+EARTH_ALBEDO = 0.29
+"""Share of sunlight that Earth reflects, clouds included: global mean, 99.1 of 340.0 W/m² [1];
+[Loeb2018]_."""
+
+EARTH_INFRARED = 240.0
+"""Heat radiation that leaves Earth, clouds included: global mean [W/m²]; [Loeb2018]_."""
+
+SKY_INFRARED = 0.0
+"""Heat radiation from above [W/m²]: that of space.
+
+What the air above a flyer sends is left out. In the stratosphere it is of the order of the 22 W/m²
+that a black body of 250 K emits within the 15-µm band of carbon dioxide (14 µm to 16 µm); higher up
+it is less.
+"""
+
+_BLACK = "black surroundings at the gas temperature"
+
+
+def _span(values: Any) -> str:
+    """A number, or the range of an array."""
+    low, high = np.min(values), np.max(values)
+    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
 
 
 class Attitude(Checked):
@@ -61,9 +93,10 @@ class Radiation(Checked):
     infrared_above, infrared_below : array or None
         Thermal irradiance from above and from below [W/m²]. None stands for black surroundings
         at the gas temperature, :math:`\sigma T_c^4`, as in the paper.
-    ground_view : array
-        View factor from a level face to the ground, :math:`(R/(R+h))^2` [1]; what is left of the
-        lower half belongs to the sky above.
+    ground_view : array or None
+        View factor from a level face to the ground [1]; what is left of the lower half belongs to
+        the sky above. None leaves it to the environment: over Earth :math:`(R/(R+h))^2` at the
+        altitude h, elsewhere 1.
     stefan_boltzmann : array
         Stefan-Boltzmann constant [W/(m² K⁴)]; a field only because the paper's computed
         values rest on a rounded one.
@@ -72,17 +105,86 @@ class Radiation(Checked):
     ------
     ParameterError
         If a concrete value is out of its range.
+
+    See Also
+    --------
+    sunlight : The same with the light and heat radiation that come from Earth.
     """
 
-    irradiance: Irradiance = constants.SOLAR_CONSTANT
+    irradiance: Irradiance = constants.TOTAL_SOLAR_IRRADIANCE
     zenith_angle: PolarAngle = 0.0
     azimuth: Angle = 0.0
     albedo: Fraction = 0.0
     diffuse_above: Irradiance = 0.0
     infrared_above: Irradiance | None = None
     infrared_below: Irradiance | None = None
-    ground_view: Fraction = 1.0
+    ground_view: Fraction | None = None
     stefan_boltzmann: Numeric = constants.STEFAN_BOLTZMANN
+
+    def seen_from(self, ground_view: Numeric) -> "Radiation":
+        """The same, with this view factor to the ground where none is given.
+
+        Parameters
+        ----------
+        ground_view : array, shape (...)
+            [1].
+
+        Returns
+        -------
+        Radiation
+        """
+        if self.ground_view is not None:
+            return self
+        return eqx.tree_at(
+            lambda radiation: radiation.ground_view,
+            self,
+            ground_view,
+            is_leaf=lambda leaf: leaf is None,
+        )
+
+    def describe(self, view: str = "1") -> tuple[str, ...]:
+        """What reaches a flyer, in short texts with units.
+
+        Parameters
+        ----------
+        view : str
+            What is said of the ground's view factor where none is given.
+
+        Returns
+        -------
+        tuple of str
+            Light, its reflection from below, heat radiation, and how the ground is seen where that
+            matters. Arrays are given by their range.
+
+        Examples
+        --------
+        >>> for text in Radiation(1000.0, albedo=0.3).describe():
+        ...     print(text)
+        light: 1000 W/m², 0° from the vertical
+        reflected light: 0.3 of it (albedo), from below
+        infrared: black surroundings at the gas temperature
+        view factor of the ground: 1
+        """
+        angle = np.asarray(self.zenith_angle) / RADIANS_PER_DEGREE
+        light = f"light: {_span(self.irradiance)} W/m², {_span(angle)}° from the vertical"
+        if np.any(self.diffuse_above):
+            light += f", and diffuse {_span(self.diffuse_above)} W/m² from above"
+        reflects = bool(np.any(self.albedo))
+        reflected = f"{_span(self.albedo)} of it (albedo), from below" if reflects else "none"
+        told = [light, f"reflected light: {reflected}", f"infrared: {self._describe_infrared()}"]
+        if reflects or not (self.infrared_above is None and self.infrared_below is None):
+            seen = view if self.ground_view is None else _span(self.ground_view)
+            told.append(f"view factor of the ground: {seen}")
+        return tuple(told)
+
+    def _describe_infrared(self) -> str:
+        given = {"above": self.infrared_above, "below": self.infrared_below}
+        if all(infrared is None for infrared in given.values()):
+            return _BLACK
+        return ", ".join(
+            f"from {side} {_BLACK if infrared is None else f'{_span(infrared)} W/m²'}"
+            for side, infrared in given.items()
+        )
 
     def views_of_ground(self, attitude: Attitude | None) -> tuple[Numeric, Numeric]:
         """View factors from the top and the bottom face to the ground [1].
@@ -96,11 +198,12 @@ class Radiation(Checked):
         -------
         top, bottom : array, shape (...)
         """
+        view = 1.0 if self.ground_view is None else self.ground_view
         if attitude is None:
-            return 0.0, self.ground_view
+            return 0.0, view
         return (
-            ground_view_factor(jnp.pi - attitude.tilt, self.ground_view),
-            ground_view_factor(attitude.tilt, self.ground_view),
+            ground_view_factor(jnp.pi - attitude.tilt, view),
+            ground_view_factor(attitude.tilt, view),
         )
 
     def on_faces(self, attitude: Attitude | None = None) -> FaceLight:
@@ -155,3 +258,44 @@ class Radiation(Checked):
         )
         top, bottom = self.views_of_ground(attitude)
         return above + top * (below - above), above + bottom * (below - above)
+
+
+def sunlight(
+    irradiance: Numeric = constants.TOTAL_SOLAR_IRRADIANCE,
+    zenith_angle: Numeric = 0.0,
+    *,
+    albedo: Numeric = EARTH_ALBEDO,
+    infrared_above: Numeric | None = SKY_INFRARED,
+    infrared_below: Numeric | None = EARTH_INFRARED,
+) -> Radiation:
+    """Sunlight above Earth, with the light and the heat radiation that come from below.
+
+    Parameters
+    ----------
+    irradiance : array
+        Of the sun on a surface that faces it [W/m²].
+    zenith_angle : array
+        Between sun and vertical [rad].
+    albedo : array
+        Share of sunlight that Earth reflects [1]. Of one place it differs from the global mean:
+        about 0.1 over cloudless sea, 0.7 over ice and thick cloud.
+    infrared_above, infrared_below : array or None
+        Heat radiation from the sky and from Earth [W/m²]; None for black surroundings at the gas
+        temperature.
+
+    Returns
+    -------
+    Radiation
+        Whose view factor to the ground is left to the environment.
+
+    References
+    ----------
+    [Gueymard2018]_ for the sun, [Loeb2018]_ for Earth.
+    """
+    return Radiation(
+        irradiance,
+        zenith_angle,
+        albedo=albedo,
+        infrared_above=infrared_above,
+        infrared_below=infrared_below,
+    )

@@ -39,20 +39,33 @@ class EnvironmentSection(Alternative, abc.ABC):
 
     gas: GasName | None = None  # type: ignore[valid-type]
     gravity: Acceleration | None = None
-    irradiance: Irradiance = Measured(constants.SOLAR_CONSTANT)
+    irradiance: Irradiance = Measured(constants.TOTAL_SOLAR_IRRADIANCE)
     incidence: Incidence = Measured(0.0)
     infrared_top: Irradiance | None = None
     infrared_bottom: Irradiance | None = None
     albedo: Fraction = Measured(0.0)
 
+    @property
+    def default_infrared(self) -> tuple[float | None, float | None]:
+        """Heat radiation from above and below where the file gives none [W/m²].
+
+        None stands for black surroundings at the gas temperature.
+        """
+        return None, None
+
     def build_radiation(self) -> Radiation:
         """Light and heat radiation."""
+        given = (self.infrared_top, self.infrared_bottom)
+        above, below = (
+            default if infrared is None else infrared.value
+            for infrared, default in zip(given, self.default_infrared, strict=True)
+        )
         return Radiation(
             irradiance=self.irradiance.value,
             zenith_angle=self.incidence.value * RADIANS_PER_DEGREE,
             albedo=self.albedo.value,
-            infrared_above=None if self.infrared_top is None else self.infrared_top.value,
-            infrared_below=None if self.infrared_bottom is None else self.infrared_bottom.value,
+            infrared_above=above,
+            infrared_below=below,
             stefan_boltzmann=self.stefan_boltzmann,
         )
 

@@ -21,6 +21,12 @@ STANDARD_GRAVITY: Final = 9.80665
 EARTH_EFFECTIVE_RADIUS: Final = 6_356_766.0
 """Effective Earth radius of the US Standard Atmosphere [m]; [USSA1976]_ table 2."""
 
+TOTAL_SOLAR_IRRADIANCE: Final = 1361.0
+"""Sunlight above the atmosphere at the mean distance of the sun [W/m²]; [Gueymard2018]_.
+
+Over the year it varies by 3.4 % about this mean.
+"""
+
 SOLAR_CONSTANT: Final = 1360.0
 """Sunlight above the atmosphere as [Lu2023]_ rounds it [W/m²]."""
 

@@ -11,7 +11,6 @@ from lightflyer.force import PRINTED, REPORTED
 from lightflyer.foundation.table import Table
 from lightflyer.gas import LU2023_AIR
 from lightflyer.lab import tac, tac_problem
-from lightflyer.lab.estimate import Estimate, weighted_mean
 from lightflyer.lab.tac_data import TacRun
 
 TRUTH = (0.75, 1.22, 4.09)  # the paper's fit to platinum
@@ -139,18 +138,6 @@ def test_constant_pressure_is_refused(rng):
                       run.ambient_temperature)  # fmt: skip
     with pytest.raises(lf.ConfigurationError, match="do not determine"):
         tac.fit_tac(flat, **OPTIONS)
-
-
-def test_weighted_mean():
-    mean = weighted_mean([Estimate.normal(0.9, 0.03), Estimate.normal(0.8, 0.04)])
-    # DerSimonian and Laird by hand, for two: between = (difference² - u1² - u2²) / 2
-    between = 0.5 * (0.1**2 - 0.03**2 - 0.04**2)
-    weights = 1.0 / (np.array([0.03, 0.04]) ** 2 + between)
-    assert mean.value == pytest.approx(weights @ [0.9, 0.8] / weights.sum())
-    assert mean.uncertainty == pytest.approx(weights.sum() ** -0.5)
-    agreeing = weighted_mean([Estimate.normal(0.9, 0.03), Estimate.normal(0.89, 0.04)])
-    assert agreeing.value == pytest.approx((0.9 * 16 + 0.89 * 9) / 25)
-    assert agreeing.uncertainty == pytest.approx(0.024)
 
 
 def test_heater_power_inverts():

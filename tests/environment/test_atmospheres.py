@@ -57,8 +57,10 @@ def test_standard_atmosphere_is_hydrostatic_through_every_layer():
         lf.environment.US1976(), altitudes, 8314.32 / 28.9644, standard_gravity(altitudes)
     )
     assert np.abs(error[altitudes < 85.9e3]).max() < 1e-7
-    # above, the standard adds up species in diffusive equilibrium, and the table has a row in 5 km
-    assert np.abs(error[altitudes > 86.1e3]).max() < 0.02
+    # above, the standard adds up gases computed one by one; its table departs by 2 % around 100 km
+    mixing = (altitudes > 93e3) & (altitudes < 110e3)
+    assert np.abs(error[(altitudes > 86.1e3) & ~mixing]).max() < 3e-3
+    assert np.abs(error[mixing]).max() < 0.03
 
 
 def test_standard_atmosphere_thins_out_smoothly():

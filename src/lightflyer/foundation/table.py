@@ -191,7 +191,7 @@ def shipped_table(name: str) -> Table:
     Examples
     --------
     >>> shipped_table("us1976_upper.csv").numbers["altitude_km"][:2]
-    array([86., 90.])
+    array([86., 87.])
     """
     text = (resources.files("lightflyer") / "data" / name).read_text(encoding="utf-8")
     rows = [

@@ -101,7 +101,7 @@ def mean_free_path(pressure: Numeric, temperature: Numeric, gas: AbstractGas) ->
     --------
     >>> from lightflyer.gas import AIR
     >>> print(f"{mean_free_path(101325.0, 288.15, AIR):.3e} m")
-    6.366e-08 m
+    6.384e-08 m
     """
     require_positive(pressure=pressure, temperature=temperature)
     return _mean_free_path(pressure, temperature, gas)
@@ -134,7 +134,7 @@ def knudsen_number(
     --------
     >>> from lightflyer.gas import AIR
     >>> print(f"{knudsen_number(3.446, 215.4, 0.01, AIR):.4f}")
-    0.0640
+    0.0641
     """
     require_positive(radius=radius)
     return mean_free_path(pressure, temperature, gas) / (2.0 * radius)

@@ -11,6 +11,7 @@ from lightflyer.film import (
     Spectrum,
     absorptance,
     am0,
+    blackbody_fraction,
     emittance,
     emittance_curve,
     material,
@@ -87,13 +88,79 @@ def test_what_is_left_out_is_stated_and_bounded():
     assert mean.covered == pytest.approx(0.7842, abs=1e-3)
     assert mean.upper - mean.lower == pytest.approx(1.0 - mean.covered, rel=1e-12)
     assert mean.lower < mean.value < mean.upper
+    assert mean.left_out == pytest.approx(1.0 - mean.covered, abs=1e-12)
     assert mean.extrapolated == ()
-    held = emittance(nominal("hold"), 441.0)
-    assert held.covered == pytest.approx(1.0, abs=1e-5)
-    assert held.extrapolated_share == pytest.approx(1.0 - mean.covered, abs=1e-3)
-    assert mean.lower < held.value < mean.upper
-    assert "Ge: hold beyond 0.4 µm to 15 µm" in held.extrapolated
-    assert len(held.extrapolated) == 3
+
+
+@pytest.mark.parametrize("policy", ["hold", "lossless"])
+def test_data_cover_the_same_share_under_every_policy(policy):
+    for average, options in ((emittance, {"temperature": TEMPERATURES}), (absorptance, {})):
+        strict, held = (average(nominal(one), **options) for one in ("error", policy))
+        np.testing.assert_array_equal(held.covered, strict.covered)
+        np.testing.assert_allclose(held.lower, strict.lower, rtol=2e-3)
+        np.testing.assert_allclose(held.upper, strict.upper, rtol=2e-3)
+        np.testing.assert_allclose(held.extrapolated_share, 1.0 - strict.covered, atol=1e-5)
+        np.testing.assert_allclose(held.left_out, 0.0, atol=1e-5)
+        assert np.all((held.lower < held.value) & (held.value < held.upper))
+        assert f"Ge: {policy} beyond 0.4 µm to 15 µm" in held.extrapolated
+        assert len(held.extrapolated) == 3
+
+
+def test_one_layer_may_extrapolate_and_another_not():
+    """PET ends at 19.9 µm, germanium at 15 µm: what lies beyond 19.9 µm is left out."""
+    layers = (Layer(material("Ge", extrapolation="hold"), 2e-8), Layer(material("PET"), 5e-7))
+    mean = emittance(Film(layers), 300.0)
+    shares = [blackbody_fraction(end, 300.0) for end in (0.4e-6, 15e-6, 19.942e-6)]
+    assert mean.covered == pytest.approx(shares[1] - shares[0], rel=1e-6)
+    assert mean.extrapolated_share == pytest.approx(shares[2] - shares[1], rel=1e-6)
+    assert mean.left_out == pytest.approx(1.0 - shares[2] + shares[0], rel=1e-6)
+
+
+def smooth_material(rng):
+    """Index known everywhere: an oscillator in the visible and one in the infrared."""
+    wavelength = np.geomspace(0.1e-6, 3e-3, 3000)
+    n, k = np.full(3000, rng.uniform(1.3, 4.0)), np.zeros(3000)
+    for centre in (rng.uniform(0.2e-6, 1e-6), rng.uniform(5e-6, 40e-6)):
+        ratio = wavelength / centre
+        width = rng.uniform(0.05, 0.5)
+        k += rng.uniform(0.02, 2.0) * width * ratio / ((ratio**2 - 1.0) ** 2 + (width * ratio) ** 2)
+    return wavelength, n, k
+
+
+def independent_mean(table, thickness, weight, wavelength, side):
+    """Absorptance along the normal with tmm, over the whole spectrum."""
+    n = [np.interp(wavelength, one[0], one[1] + 1j * one[2]) for one in table][::side]
+    spectral = []
+    for point, at in enumerate(wavelength):
+        index = [1.0, *(one[point] for one in n), 1.0]
+        data = tmm.coh_tmm("s", index, [np.inf, *thickness[::side], np.inf], 0.0, at)
+        spectral.append(1.0 - data["R"] - data["T"])
+    return weight @ spectral / weight.sum()
+
+
+@pytest.mark.parametrize("policy", ["error", "hold", "lossless"])
+def test_the_bounds_hold_the_truth_where_data_are_missing(rng, policy):
+    """Materials known everywhere, of which the film gets a part; truth by tmm."""
+    wavelength = np.geomspace(1e-6, 300e-6, 150)
+    for _ in range(4):
+        tables = [smooth_material(rng) for _ in range(2)]
+        thickness = 10.0 ** rng.uniform(-7.5, -5.5, 2)
+        layers = []
+        for one, d in zip(tables, thickness, strict=True):
+            cut = (one[0] > rng.uniform(0.3e-6, 6e-6)) & (one[0] < rng.uniform(8e-6, 30e-6))
+            part = tabulated_material("part", *(column[cut] for column in one))
+            layers.append(Layer(part.with_extrapolation(policy), d))
+        temperature = rng.uniform(200.0, 600.0)
+        weight = planck(wavelength, temperature) * wavelength
+        for side, step in (("top", 1), ("bottom", -1)):
+            mean = emittance(Film(tuple(layers)), temperature, side=side, normal=True)
+            truth = independent_mean(tables, thickness, weight, wavelength, step)
+            assert mean.lower - 1e-3 < truth < mean.upper + 1e-3
+
+
+def test_a_body_too_cold_to_radiate_is_refused():
+    with pytest.raises(lf.ParameterError, match="at 1 K radiates nothing between"):
+        emittance(nominal(), [300.0, 1.0])
 
 
 def test_sunlight_absorbed_is_the_weighted_mean_over_its_own_table():

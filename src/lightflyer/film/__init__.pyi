@@ -26,5 +26,6 @@ from .spectra import spectrum_from_csv as spectrum_from_csv
 from .stack import Film as Film
 from .stack import Layer as Layer
 from .summary import FilmSummary as FilmSummary
+from .thickness import thickness_uncertainty as thickness_uncertainty
 from .transfer_matrix import StackOptics as StackOptics
 from .transfer_matrix import stack_optics as stack_optics

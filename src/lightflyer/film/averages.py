@@ -1,26 +1,36 @@
 """Absorptance and emittance of a film, averaged over spectrum, angle and polarisation."""
 
 import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.film.curve import EmittanceCurve, node_temperatures
-from lightflyer.film.spectra import Spectrum, am0, blackbody_fraction, planck
+from lightflyer.film.integration import (
+    DIRECTIONS,
+    POINTS_PER_E_FOLD,
+    Grid,
+    data_range,
+    light_grid,
+    spectral_absorptance,
+    thermal_grid,
+    thermal_range,
+    weighted,
+)
+from lightflyer.film.spectra import Spectrum, am0, blackbody_fraction
 from lightflyer.film.stack import GRAZING, Film, Side
-from lightflyer.film.transfer_matrix import transfer
 from lightflyer.foundation.checks import require_positive, require_range
-from lightflyer.foundation.precision import entry_point, is_traced
+from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.types import Numeric
 
-DIRECTIONS = 16
-"""Directions in a hemispherical average, Gauss-Legendre in the cosine."""
-
-POINTS_PER_E_FOLD = 4000
-"""Wavelengths per factor e in a thermal average: converged to 1e-5 with the sharp bands of PET."""
-
-_CHUNK = 2048  # wavelengths computed at a time where nothing is differentiated
-_WIDEST = (0.1e-6, 3e-3)  # [m]; outside lies less than 1e-5 of what any body from 100 K radiates
+__all__ = [
+    "DIRECTIONS",
+    "POINTS_PER_E_FOLD",
+    "Average",
+    "absorptance",
+    "emittance",
+    "emittance_curve",
+    "thermal_coverage",
+    "thermal_range",
+]
 
 
 class Average(eqx.Module):
@@ -31,22 +41,32 @@ class Average(eqx.Module):
     value : array
         Mean over the part of the spectrum in which the materials have data or extrapolate [1].
     covered : array
-        Share of the spectrum's power in that part [1].
+        Share of the spectrum's power at which all materials have data, whatever their policy
+        beyond [1].
     extrapolated_share : array
         Share of the spectrum's power at which a material extrapolates [1].
     extrapolated : tuple of str
         Those materials, with their policy and range.
+    within : array or None
+        Mean over the part of the spectrum that has data [1]; None if nothing is extrapolated, when
+        it is ``value``.
     """
 
     value: Numeric
     covered: Numeric
     extrapolated_share: Numeric = 0.0
     extrapolated: tuple[str, ...] = eqx.field(static=True, default=())
+    within: Numeric | None = None
+
+    @property
+    def left_out(self) -> Numeric:
+        """Share of the spectrum's power that is neither covered nor extrapolated [1]."""
+        return 1.0 - self.covered - self.extrapolated_share
 
     @property
     def lower(self) -> Numeric:
         """Value if the film absorbed nothing outside its data [1]."""
-        return self.value * self.covered
+        return (self.value if self.within is None else self.within) * self.covered
 
     @property
     def upper(self) -> Numeric:
@@ -96,18 +116,10 @@ def absorptance(
     """
     require_range("incidence", incidence, 0.0, GRAZING)
     spectrum = am0() if spectrum is None else spectrum
-    covered = film.covered_range
-    wavelength, weight = spectrum.between(*covered)
-    beam = jnp.cos(incidence) if is_traced(incidence) else np.cos(incidence)
-    cosine, share = _hemisphere() if diffuse else (beam, 1.0)
-    value = _mean(film, side, wavelength, weight[None] / weight.sum(), cosine, share)[0]
-    outside = _extrapolating(film, wavelength)
-    return Average(
-        value=value,
-        covered=float(weight.sum()),
-        extrapolated_share=float(weight[outside].sum()),
-        extrapolated=film.extrapolated(wavelength[0], wavelength[-1]),
-    )
+    grid = light_grid(film, spectrum, incidence, diffuse)
+    computed = float(grid.weight.sum())
+    covered = _light_share(spectrum, data_range(film), film.covered_range)
+    return _average(film, side, grid, np.array([computed]), np.array([covered]), ())
 
 
 def emittance(
@@ -155,38 +167,14 @@ def emittance(
     """
     require_positive(temperature=temperature)
     temperatures = np.atleast_1d(np.asarray(temperature, float))
-    shortest, longest = thermal_range(film)
-    wavelength, weight = _thermal_weights(shortest, longest, temperatures, points_per_e_fold)
-    cosine, share = (1.0, 1.0) if normal else _hemisphere()
-    normalised = weight / weight.sum(axis=1, keepdims=True)
-    value = _mean(film, side, wavelength, normalised, cosine, share)
-    outside = _extrapolating(film, wavelength)
-    shape = np.shape(temperature)
-    return Average(
-        value=value.reshape(shape),
-        covered=thermal_coverage(film, temperature),
-        extrapolated_share=weight[:, outside].sum(axis=1).reshape(shape)[()],
-        extrapolated=film.extrapolated(shortest, longest),
-    )
-
-
-def thermal_range(film: Film) -> tuple[float, float]:
-    """Wavelengths over which an emittance is averaged [m].
-
-    Parameters
-    ----------
-    film : Film
-
-    Returns
-    -------
-    shortest, longest : float
-    """
-    shortest, longest = film.covered_range
-    return max(shortest, _WIDEST[0]), min(longest, _WIDEST[1])
+    grid = thermal_grid(film, temperatures, normal=normal, points_per_e_fold=points_per_e_fold)
+    computed = _blackbody_share(thermal_range(film), temperatures)
+    covered = thermal_coverage(film, temperatures)
+    return _average(film, side, grid, computed, covered, np.shape(temperature))
 
 
 def thermal_coverage(film: Film, temperature: Numeric) -> np.ndarray:
-    """Share of a black body's radiation at which a film's emittance can be computed.
+    """Share of a black body's radiation at which all of a film's materials have data.
 
     Parameters
     ----------
@@ -199,10 +187,30 @@ def thermal_coverage(film: Film, temperature: Numeric) -> np.ndarray:
     array, shape (...)
         [1].
     """
-    shortest, longest = thermal_range(film)
-    return np.vectorize(
-        lambda t: blackbody_fraction(longest, t) - blackbody_fraction(shortest, t), otypes=[float]
-    )(temperature)[()]
+    shortest, longest = data_range(film)
+    ends = thermal_range(film)
+    inside = max(shortest, ends[0]), min(longest, ends[1])
+    return _blackbody_share(inside, temperature)[()]
+
+
+def _light_share(
+    spectrum: Spectrum, data: tuple[float, float], computed: tuple[float, float]
+) -> float:
+    """Share of a light's power at wavelengths that have data and are computed."""
+    try:
+        _, weight = spectrum.between(max(data[0], computed[0]), min(data[1], computed[1]))
+    except ParameterError:  # no power there
+        return 0.0
+    return float(weight.sum())
+
+
+def _blackbody_share(ends: tuple[float, float], temperature: Numeric) -> np.ndarray:
+    """Share of a black body's radiation between two wavelengths."""
+
+    def share(one: float) -> float:
+        return max(0.0, blackbody_fraction(ends[1], one) - blackbody_fraction(ends[0], one))
+
+    return np.vectorize(share, otypes=[float])(temperature)
 
 
 def emittance_curve(
@@ -233,69 +241,33 @@ def emittance_curve(
     return EmittanceCurve.through(values)
 
 
-def _hemisphere() -> tuple[np.ndarray, np.ndarray]:
-    """Cosines and weights of the mean over a half-space, ``2 μ dμ``."""
-    nodes, weights = np.polynomial.legendre.leggauss(DIRECTIONS)
-    cosine = 0.5 * (nodes + 1.0)
-    return cosine, weights * cosine
-
-
-def _thermal_weights(
-    shortest: float, longest: float, temperatures: np.ndarray, density: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Wavelengths even in their logarithm, and trapezoidal Planck weights, one row each."""
-    count = int(np.ceil(density * np.log(longest / shortest))) + 1
-    wavelength = np.geomspace(shortest, longest, count)
-    step = np.full(count, np.log(longest / shortest) / (count - 1))
-    step[[0, -1]] *= 0.5
-    weight = np.stack([planck(wavelength, t) * wavelength * step for t in temperatures])
-    return wavelength, weight
-
-
-def _extrapolating(film: Film, wavelength: np.ndarray) -> np.ndarray:
-    """Whether any material is outside its data, at each wavelength."""
+def _has_data(film: Film, wavelength: np.ndarray) -> np.ndarray:
+    """Whether all materials have data, at each wavelength."""
     covers = [layer.material.covers(wavelength) for layer in film.layers]
-    return ~np.all(covers, axis=0) if covers else np.zeros(wavelength.shape, bool)
+    return np.all(covers, axis=0) if covers else np.ones(wavelength.shape, bool)
 
 
-def _mean(
+def _average(
     film: Film,
     side: Side,
-    wavelength: np.ndarray,
-    weights: np.ndarray,
-    cosine: Numeric,
-    share: Numeric,
-) -> Array:
-    lit = film if side == "top" else film.flipped()
-    n, k = lit.index(wavelength)
-    if is_traced(lit.thickness, cosine):
-        return _weighted(_spectral(n, k, lit.thickness, wavelength, cosine, share), weights)
-    # Concrete: always the same shape, so that one compilation serves every spectrum and side.
-    cosines, shares = np.ones(DIRECTIONS), np.zeros(DIRECTIONS)
-    cosines[: np.size(cosine)], shares[: np.size(share)] = cosine, share
-    padding = (0, -wavelength.size % _CHUNK)
-    n, k = (np.pad(table, [(0, 0), padding], mode="edge") for table in (n, k))
-    padded = np.pad(wavelength, padding, mode="edge")
-    parts = []
-    for start in range(0, wavelength.size, _CHUNK):
-        chunk = slice(start, start + _CHUNK)
-        parts.append(
-            _spectral(n[:, chunk], k[:, chunk], lit.thickness, padded[chunk], cosines, shares)
-        )
-    return _weighted(np.concatenate(parts)[: wavelength.size], weights)
-
-
-@entry_point
-def _spectral(
-    n: Numeric, k: Numeric, thickness: Numeric, wavelength: Numeric, cosine: Numeric, share: Numeric
-) -> Array:
-    """Absorptance of unpolarised light at each wavelength, weighted over directions."""
-    incidence = jnp.arccos(jnp.atleast_1d(cosine))[:, None]
-    layers = thickness.reshape(-1, 1, 1)
-    optics = transfer(n[:, None], k[:, None], layers, wavelength, incidence).unpolarised()
-    return jnp.atleast_1d(share) @ (1.0 - optics.reflectance - optics.transmittance)
-
-
-@entry_point
-def _weighted(spectral: Numeric, weights: Numeric) -> Array:
-    return weights @ spectral
+    grid: Grid,
+    computed: np.ndarray,
+    covered: np.ndarray,
+    shape: tuple[int, ...],
+) -> Average:
+    """Average on a grid; ``computed`` and ``covered`` are shares of the spectrum's power."""
+    spectral = spectral_absorptance(film, side, grid)
+    inside = _has_data(film, grid.wavelength)
+    within = None
+    if not inside.all():
+        weight = grid.weight * inside
+        total = weight.sum(axis=1, keepdims=True)
+        normalised = np.divide(weight, total, where=total > 0.0, out=np.zeros_like(weight))
+        within = weighted(spectral, normalised).reshape(shape)
+    return Average(
+        value=weighted(spectral, grid.mean_weight).reshape(shape),
+        covered=covered.reshape(shape)[()],
+        extrapolated_share=np.maximum(computed - covered, 0.0).reshape(shape)[()],
+        extrapolated=film.extrapolated(grid.wavelength[0], grid.wavelength[-1]),
+        within=within,
+    )

@@ -21,6 +21,7 @@ MICROMETRE = 1e-6
 GIVEN = "given by the user"
 
 _RANGE_TOLERANCE = 1e-9  # relative: rounding of a unit conversion is not an extrapolation
+_WIDEST_STEP = 0.01  # relative: what lies between two sources' ends closer than this is no gap
 
 
 class Extrapolation(enum.StrEnum):
@@ -99,6 +100,13 @@ class Material:
     def wavelength_range(self) -> tuple[float, float]:
         """Shortest and longest wavelength with data [m]."""
         return self.segments[0].shortest, self.segments[-1].longest
+
+    @property
+    def gaps(self) -> tuple[tuple[float, float], ...]:
+        """Wavelengths between two sources [m], across which n and k are linear."""
+        ends = zip(self.segments, self.segments[1:], strict=False)
+        found = ((left.longest, right.shortest) for left, right in ends)
+        return tuple(gap for gap in found if gap[1] > gap[0] * (1.0 + _WIDEST_STEP))
 
     @property
     def source(self) -> str:

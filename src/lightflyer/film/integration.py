@@ -1,0 +1,207 @@
+"""Wavelengths, directions and weights of a film's averages, and what it absorbs there."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.film.materials import MICROMETRE
+from lightflyer.film.spectra import Spectrum, planck
+from lightflyer.film.stack import Film, Side
+from lightflyer.film.transfer_matrix import transfer
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.precision import entry_point, is_traced
+from lightflyer.foundation.types import Numeric
+
+DIRECTIONS = 16
+"""Directions in a hemispherical average, Gauss-Legendre in the cosine."""
+
+POINTS_PER_E_FOLD = 4000
+"""Wavelengths per factor e in a thermal average: converged to 1e-5 with the sharp bands of PET."""
+
+_CHUNK = 2048  # wavelengths computed at a time where nothing is traced
+_WIDEST = (0.1e-6, 3e-3)  # [m]; outside lies less than 1e-5 of what any body from 100 K radiates
+
+
+class Grid(NamedTuple):
+    """Where an average is taken.
+
+    Attributes
+    ----------
+    wavelength : array, shape (w,)
+        [m].
+    weight : array, shape (m, w)
+        Share of each spectrum's power at each wavelength [1].
+    cosine, share : array
+        Cosines of the directions to the film's normal, and their weights, whose sum is one.
+    """
+
+    wavelength: np.ndarray
+    weight: np.ndarray
+    cosine: Numeric
+    share: Numeric
+
+    @property
+    def mean_weight(self) -> np.ndarray:
+        """Weights of a mean over the grid, shape (m, w); each row's sum is one [1]."""
+        return np.asarray(self.weight / self.weight.sum(axis=1, keepdims=True))
+
+
+def data_range(film: Film) -> tuple[float, float]:
+    """Wavelengths at which all materials of a film have data, whatever their policy [m].
+
+    Parameters
+    ----------
+    film : Film
+
+    Returns
+    -------
+    shortest, longest : float
+        Equal if the materials have no wavelength in common.
+    """
+    ranges = [layer.material.wavelength_range for layer in film.layers]
+    shortest = max((ends[0] for ends in ranges), default=0.0)
+    longest = min((ends[1] for ends in ranges), default=np.inf)
+    return shortest, max(shortest, longest)
+
+
+def thermal_range(film: Film) -> tuple[float, float]:
+    """Wavelengths over which an emittance is averaged [m].
+
+    Parameters
+    ----------
+    film : Film
+
+    Returns
+    -------
+    shortest, longest : float
+    """
+    shortest, longest = film.covered_range
+    return max(shortest, _WIDEST[0]), min(longest, _WIDEST[1])
+
+
+def light_grid(film: Film, spectrum: Spectrum, incidence: Numeric, diffuse: bool) -> Grid:
+    """Grid of an absorptance: the wavelengths of the light's table.
+
+    Parameters
+    ----------
+    film : Film
+    spectrum : Spectrum
+    incidence : float
+        [rad].
+    diffuse : bool
+        Whether the light comes from the whole half-space.
+
+    Returns
+    -------
+    Grid
+        With one spectrum.
+    """
+    wavelength, weight = spectrum.between(*film.covered_range)
+    beam = jnp.cos(incidence) if is_traced(incidence) else np.cos(incidence)
+    cosine, share = _hemisphere() if diffuse else (beam, 1.0)
+    return Grid(wavelength, weight[None], cosine, share)
+
+
+def thermal_grid(
+    film: Film, temperatures: np.ndarray, *, normal: bool, points_per_e_fold: int
+) -> Grid:
+    """Grid of an emittance: wavelengths even in their logarithm, and Planck's spectrum.
+
+    Parameters
+    ----------
+    film : Film
+    temperatures : array, shape (m,)
+        [K].
+    normal : bool
+        Whether only the direction of the normal counts.
+    points_per_e_fold : int
+
+    Returns
+    -------
+    Grid
+        With one spectrum a temperature.
+
+    Raises
+    ------
+    ParameterError
+        If a black body radiates nothing at these wavelengths.
+    """
+    shortest, longest = thermal_range(film)
+    span = np.log(longest / shortest)
+    count = int(np.ceil(points_per_e_fold * span)) + 1
+    wavelength = np.geomspace(shortest, longest, count)
+    step = np.full(count, span / (count - 1))
+    step[[0, -1]] *= 0.5
+    weight = np.stack([planck(wavelength, t) * wavelength * step for t in temperatures])
+    dark = ~(weight.sum(axis=1) > 0.0)
+    if dark.any():
+        raise ParameterError(
+            f"a black body at {temperatures[dark][0]:g} K radiates nothing between "
+            f"{shortest / MICROMETRE:.4g} µm and {longest / MICROMETRE:.4g} µm, where the film's "
+            "materials have data"
+        )
+    cosine, share = (1.0, 1.0) if normal else _hemisphere()
+    return Grid(wavelength, weight, cosine, share)
+
+
+def _hemisphere() -> tuple[np.ndarray, np.ndarray]:
+    """Cosines and weights of the mean over a half-space, ``2 μ dμ``."""
+    nodes, weights = np.polynomial.legendre.leggauss(DIRECTIONS)
+    cosine = 0.5 * (nodes + 1.0)
+    return cosine, weights * cosine
+
+
+def spectral_absorptance(film: Film, side: Side, grid: Grid) -> Numeric:
+    """Absorptance of unpolarised light, averaged over directions.
+
+    Parameters
+    ----------
+    film : Film
+    side : {"top", "bottom"}
+        Where the light comes from.
+    grid : Grid
+
+    Returns
+    -------
+    array, shape (w,)
+        [1]. Differentiable in the thicknesses and the directions.
+    """
+    lit = film if side == "top" else film.flipped()
+    if is_traced(lit.thickness, grid.cosine):
+        n, k = lit.index(grid.wavelength)
+        return _spectral(n, k, lit.thickness, grid.wavelength, grid.cosine, grid.share)
+    return np.concatenate([_spectral(*chunk) for chunk in _chunks(lit, grid)])[
+        : grid.wavelength.size
+    ]
+
+
+def _chunks(lit: Film, grid: Grid) -> list[tuple[np.ndarray, ...]]:
+    """Arguments of the compiled function, always of one shape: one compilation serves all."""
+    n, k = lit.index(grid.wavelength)
+    cosines, shares = np.ones(DIRECTIONS), np.zeros(DIRECTIONS)
+    cosines[: np.size(grid.cosine)], shares[: np.size(grid.share)] = grid.cosine, grid.share
+    padding = (0, -grid.wavelength.size % _CHUNK)
+    n, k = (np.pad(table, [(0, 0), padding], mode="edge") for table in (n, k))
+    padded = np.pad(grid.wavelength, padding, mode="edge")
+    pieces = [slice(start, start + _CHUNK) for start in range(0, padded.size, _CHUNK)]
+    thickness = np.asarray(lit.thickness)
+    return [(n[:, at], k[:, at], thickness, padded[at], cosines, shares) for at in pieces]
+
+
+@entry_point
+def _spectral(
+    n: Numeric, k: Numeric, thickness: Numeric, wavelength: Numeric, cosine: Numeric, share: Numeric
+) -> Array:
+    """Absorptance of unpolarised light at each wavelength, weighted over directions."""
+    incidence = jnp.arccos(jnp.atleast_1d(cosine))[:, None]
+    layers = thickness.reshape(-1, 1, 1)
+    optics = transfer(n[:, None], k[:, None], layers, wavelength, incidence).unpolarised()
+    return jnp.atleast_1d(share) @ (1.0 - optics.reflectance - optics.transmittance)
+
+
+@entry_point
+def weighted(spectral: Numeric, weights: Numeric) -> Array:
+    """Means of a spectrum; ``weights`` has one row a mean."""
+    return weights @ spectral

@@ -28,7 +28,7 @@ _VISCOSITY_SCALE = 0.0266958e-6  # [Pa s nm² (mol/(g K))^(1/2)]
 _MOLAR_MASS = 28.9586  # [g/mol]
 _DIAMETER = 0.360  # [nm]
 _LOG_ENERGY = math.log(103.3)  # [K]
-_COLLISION = (0.431, -0.4623, 0.08406, 0.005341, -0.00331)
+_COLLISION = (-0.00331, 0.005341, 0.08406, -0.4623, 0.431)  # highest power first
 _LOG_VISCOSITY = math.log(_VISCOSITY_SCALE * math.sqrt(_MOLAR_MASS) / _DIAMETER**2)
 _MICROPASCAL_SECOND, _MILLIWATT = 1e-6, 1e-3
 _CRITICAL_TEMPERATURE = 132.6312  # [K]
@@ -136,9 +136,7 @@ class Air(AbstractGas):
     def viscosity(self, temperature: Numeric) -> Array:
         """Dynamic viscosity [Pa s]."""
         logarithm = jnp.log(temperature)
-        reduced, collision = logarithm - _LOG_ENERGY, 0.0
-        for coefficient in reversed(_COLLISION):
-            collision = coefficient + reduced * collision
+        collision = jnp.polyval(jnp.asarray(_COLLISION), logarithm - _LOG_ENERGY)
         return jnp.exp(_LOG_VISCOSITY + 0.5 * logarithm - collision)
 
     @entry_point

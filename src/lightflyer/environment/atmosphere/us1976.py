@@ -14,7 +14,7 @@ from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.spline import Spline
 from lightflyer.foundation.table import shipped_table
 from lightflyer.foundation.types import Numeric
-from lightflyer.gas.air import AIR
+from lightflyer.gas.air import US1976_AIR
 
 # [USSA1976] table 4: bases of the layers below 86 km in geopotential altitude [m'], and the
 # gradients of molecular-scale temperature above them [K/m'].
@@ -201,7 +201,7 @@ class US1976(AbstractAtmosphere):
     @entry_point
     def viscosity(self, altitude: Numeric) -> Any:
         """Dynamic viscosity [Pa s]; the standard gives it to 86 km, NaN above."""
-        viscosity = AIR.viscosity(_temperature(altitude))
+        viscosity = US1976_AIR.viscosity(_temperature(altitude))
         return jnp.where(
             altitude <= _HOMOSPHERE_TOP, self._nan_outside(altitude, viscosity), jnp.nan
         )

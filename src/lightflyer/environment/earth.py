@@ -201,6 +201,16 @@ class EarthSection(EnvironmentSection):
             raise ConfigurationError("altitude_min must be below altitude_max")
         return self
 
+    @pydantic.model_validator(mode="after")
+    def _surroundings_matter(self) -> "EarthSection":
+        given = self.infrared_top is not None and self.infrared_bottom is not None
+        if "surroundings" in self.model_fields_set and given:
+            raise ConfigurationError(
+                "surroundings has no effect beside infrared_top and infrared_bottom; remove it, or "
+                "both of them"
+            )
+        return self
+
     @abc.abstractmethod
     def build_atmosphere(self) -> AbstractAtmosphere:
         """The atmosphere of this alternative."""

@@ -1,0 +1,89 @@
+"""The files that ``lightflyer init`` writes, with every change that their comments invite."""
+
+import re
+
+import pytest
+
+import lightflyer as lf
+from lightflyer.cli.init import templates
+from lightflyer.config.reader import read_flyer_file
+from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED
+
+TEMPLATES = templates()
+OPTION = re.compile(r"^# (\w+ = .*)$", re.M)
+CHOICE = re.compile(
+    r'^(?:# )?(?P<key>\w+) = (?P<value>"[^"]*") +# (?:or|.*; or) (?P<others>.*)$', re.M
+)
+OTHER_FILE = "see  lightflyer init"
+NRLMSIS = re.compile(r"(?<=nrlmsis\" all of these but f107a:\n)(?:# .*\n)+")
+
+
+def invited():
+    """Texts of templates with one change each, and a name for it."""
+    for kind, text in TEMPLATES.items():
+        for match in OPTION.finditer(text):
+            yield f"{kind}: {match[1].split(' ')[0]}", uncommented(text, match)
+        for match in CHOICE.finditer(text):
+            if OTHER_FILE in match["others"]:
+                continue
+            for other in re.findall(r'"[^"]*"', match["others"].split(":")[0]):
+                line = f"{match['key']} = {other}\n"
+                changed = text[: match.start()] + line + text[match.end() :]
+                yield f"{kind}: {match['key']} {other}", with_group(changed, other)
+
+
+def uncommented(text, match):
+    """A key that is written out where its group needs no others, else the group."""
+    group = NRLMSIS.search(text)
+    if group and group.start() <= match.start() < group.end():
+        text = text.replace('atmosphere = "us1976"', 'atmosphere = "nrlmsis"')
+        return with_group(text, '"nrlmsis"')
+    return text[: match.start()] + match[1] + text[match.end() :]
+
+
+def with_group(text, value):
+    if value != '"nrlmsis"':
+        return text
+    return NRLMSIS.sub(lambda group: re.sub("^# ", "", group[0], flags=re.M), text)
+
+
+INVITED = dict(invited())
+
+
+def test_the_search_for_invitations_finds_them():
+    expected = {
+        'earth: model "kinetic"', 'earth: model "free-molecular-linear"', "earth: c_fm",
+        'earth: atmosphere "nrlmsis"', 'earth: atmosphere "lu2023"', 'earth: gas "us1976-air"',
+        'earth: reading "printed"', "earth: altitude_min", "earth: date", "chamber: infrared_top",
+        "chamber: radius", 'chamber: model "kinetic"', 'sandwich: atmosphere "nrlmsis"',
+    }  # fmt: skip
+    assert not expected - set(INVITED)
+
+
+@pytest.mark.parametrize("name", INVITED)
+def test_templates_run_with_every_change_that_their_comments_invite(name, tmp_path):
+    path = tmp_path / "flyer.toml"
+    path.write_text(INVITED[name], encoding="utf-8")
+    setup = read_flyer_file(path).build()
+    where = setup.environment.coordinate
+    middle = (where.searched[0] * where.searched[1]) ** 0.5 if where.logarithmic else 72e3
+    state = setup.environment.state(middle)
+    assert state.pressure > 0.0
+    if "model" in name:
+        assert abs(float(lf.lift(setup.flyer, state, setup.model))) > 0.0
+
+
+@pytest.mark.parametrize("kind", ["earth", "sandwich"])
+def test_earths_light_is_the_same_in_templates_files_and_python(kind, tmp_path):
+    path = tmp_path / "flyer.toml"
+    path.write_text(TEMPLATES[kind], encoding="utf-8")
+    written = read_flyer_file(path).build().environment
+    light = ("irradiance", "incidence", "albedo", "infrared_top", "infrared_bottom")
+    bare = "\n".join(
+        line for line in TEMPLATES[kind].splitlines() if line.split(" ")[0] not in light
+    )
+    path.write_text(bare, encoding="utf-8")
+    left_out = read_flyer_file(path).build().environment
+    assert written.assumptions() == left_out.assumptions() == lf.Earth().assumptions()
+    assert lf.Earth().radiation.albedo == EARTH_ALBEDO
+    assert lf.Earth().radiation.infrared_below == EARTH_INFRARED

@@ -9,11 +9,17 @@ import pytest
 import lightflyer as lf
 from lightflyer.calibration import read_points
 from lightflyer.paper.claims import Claim, Quantity, Verdict, claims
-from lightflyer.paper.conditions import COLUMNS
+from lightflyer.paper.conditions import COLUMNS, facts
 from lightflyer.paper.curves import FIGURES
 from lightflyer.paper.reproduce import STEPS, reproduce
 from lightflyer.paper.results import planck_peak
-from lightflyer.paper.tables import difference_uncertainty, table_1, table_s2, to_csv
+from lightflyer.paper.tables import (
+    difference_uncertainty,
+    table_1,
+    table_s2,
+    tac_pairs,
+    to_csv,
+)
 
 # T_c, p, T_h and I to levitate (printed, reported), T_h and lift/weight at 1360 W/m² (reported)
 CHECK = {
@@ -95,6 +101,7 @@ def test_bands_are_those_of_the_flyer_in_the_papers_atmosphere(report, disk, inc
 def test_every_claim_has_a_verdict_that_follows_from_its_numbers(report):
     assert [claim["number"] for claim in report["claims"]] == list(range(1, 20))
     for claim in report["claims"]:
+        assert claim["place"]
         agreement = [quantity["agrees"]["reported"] for quantity in claim["quantities"]]
         if claim["verdict"] == "reported but not recomputable":
             assert claim["why"].startswith("missing")
@@ -172,13 +179,89 @@ def test_figure_data_hold_the_claims(folder):
     assert flies[-1] == pytest.approx(78.047, abs=0.11)
 
 
-def test_tables_invent_nothing():
-    assert {row["infrared_transmittance"] for row in table_1()} == {None}
-    assert "not available" in to_csv(table_1())
-    pairs = {(row["top"], row["bottom"]): row for row in table_s2()}
+def test_altitudes_over_size_hold_the_claims(folder, report):
+    rows = np.genfromtxt(folder / "data" / "figure-s8.csv", delimiter=",", names=True)
+    two, largest = rows["diameter_cm"] == 2.0, np.isfinite(rows["lower_edge_reported_km"])
+    values = report["values"]["reported"]
+    assert rows["lower_edge_reported_km"][two] == pytest.approx(values["band_low"], abs=1e-4)
+    assert rows["upper_edge_reported_km"][two] == pytest.approx(values["band_high"], abs=1e-4)
+    assert rows["diameter_cm"][largest].max() == pytest.approx(values["diameter_largest"], abs=0.1)
+    between = rows["lower_edge_reported_km"] < rows["optimal_reported_km"]
+    assert np.array_equal(between, largest)
+    assert np.array_equal(rows["optimal_reported_km"] < rows["upper_edge_reported_km"], largest)
+    assert np.array_equal(rows["payload_reported_mg"] >= 0.0, largest)
+
+
+def test_larger_disks_are_shown_as_the_2_cm_disk_is(folder):
+    data = {
+        name: np.genfromtxt(folder / "data" / f"{name}.csv", delimiter=",", names=True)
+        for name in ("figure-6", "figure-s7")
+    }
+    light = {
+        2: data["figure-6"]["irradiance_reported_Wm2"],
+        3: data["figure-s7"]["irradiance_3_cm_reported_Wm2"],
+        4: data["figure-s7"]["irradiance_4_cm_reported_Wm2"],
+    }
+    needed = [np.nanmin(light[size]) for size in (2, 3, 4)]
+    assert needed == sorted(needed)  # the paper: the range of altitudes gets smaller with size
+    widths = [np.count_nonzero(light[size] <= 1360.0) for size in (2, 3, 4)]
+    assert widths == sorted(widths, reverse=True)
+    hot = data["figure-s7"]["temperature_4_cm_reported_K"]
+    assert np.nanmin(hot - data["figure-s7"]["gas_temperature_K"]) > 100.0
+
+
+def test_table_1_follows_from_its_transmittances_and_reflectances():
+    rows = {(row["sample"], row["band"]): row for row in table_1()}
+    found = {key: round(row["absorptance_from_t_and_r"], 9) for key, row in rows.items()}
+    assert found == {
+        ("mylar", "infrared"): 0.06, ("mylar", "visible"): 0.04,
+        ("Ge", "infrared"): 0.08, ("Ge", "visible"): 0.75,
+        ("CNT", "infrared"): 0.48, ("CNT", "visible"): 0.75,
+    }  # fmt: skip
+    assert rows["mylar", "visible"]["absorptance"] == 0.03  # as printed
+    for row in rows.values():  # the printed uncertainties are sums, not those of independent errors
+        assert row["its_uncertainty_sum"] == pytest.approx(row["absorptance_uncertainty"])
+    assert rows["CNT", "infrared"]["its_uncertainty_independent"] == pytest.approx(5**0.5 / 100)
+    assert rows["Ge", "infrared"]["upper_bound_from_t"] == pytest.approx(0.19)
+    assert "not available" in to_csv(table_1())  # no bound from FTIR for mylar
+
+
+def test_table_s2_gives_each_test_and_their_mean():
+    rows = {row["sample"]: row for row in table_s2()}
+    assert rows["Ge"]["mean"] == pytest.approx(2.71 / 3)
+    assert rows["alumina"]["mean"] == pytest.approx(0.7967, abs=5e-5)  # printed as 0.79
+    assert rows["CNT"]["mean"] == pytest.approx(1.07)  # printed as 1.08
+    for row in rows.values():
+        assert row["lowest_1"] < row["test_1"] < row["highest_1"]
+        if row["printed_mean"] is not None:
+            assert row["deviation"] == pytest.approx(row["printed_uncertainty"], abs=0.005)
+    assert rows["gold"]["test_3"] is None
+    assert (rows["platinum"]["lowest_1"], rows["platinum"]["highest_1"]) == (0.68, 0.82)
+
+
+def test_pairs_of_faces_have_the_uncertainties_of_their_samples():
+    pairs = {(row["top"], row["bottom"]): row for row in tac_pairs()}
     assert pairs["alumina", "Ge"]["tac_difference"] == pytest.approx(0.11)
     assert pairs["mylar", "CNT"]["tac_difference"] == pytest.approx(0.31)
     assert pairs["alumina", "CNT"]["tac_mean"] == pytest.approx(0.935)
+    independent = pairs["alumina", "CNT"]["difference_uncertainty_independent"]
+    assert independent == pytest.approx((0.03**2 + 0.05**2) ** 0.5)
+    assert pairs["alumina", "CNT"]["difference_uncertainty_correlated"] == pytest.approx(0.02)
+    assert pairs["alumina", "Ge"]["difference_uncertainty_correlated"] == 0.0
+
+
+@pytest.mark.parametrize("number", [10, 12, 13])
+def test_claims_from_tables_are_recomputed_and_explained(report, number):
+    (claim,) = (claim for claim in report["claims"] if claim["number"] == number)
+    assert claim["verdict"] == "reproduced"
+    assert claim["why"].startswith("From the")
+
+
+def test_the_chamber_is_as_warm_as_the_paper_says(report):
+    assert facts()["chamber"]["temperature_k"] == 293.0
+    # from a gas at 295 K the disk would get 1.9 K warmer
+    values = report["values"]["reported"]
+    assert values["optimum_temperature_ge"] == pytest.approx(404.46, abs=0.05)
 
 
 def test_uncertainty_of_a_difference():

@@ -71,15 +71,18 @@ class Claim:
     number : int
     text : str
     quantities : tuple of Quantity
+    place : str
+        Where the paper makes it.
     missing : str
         What a recomputation needs and the text does not give; empty if nothing is missing.
     note : str
-        Explanation of a difference.
+        Explanation of a difference, or where the numbers come from.
     """
 
     number: int
     text: str
     quantities: tuple[Quantity, ...]
+    place: str = ""
     missing: str = ""
     note: str = ""
 
@@ -107,7 +110,7 @@ class Claim:
         ]
 
     def overall(self, columns: dict[str, dict[str, float]]) -> Verdict:
-        """Verdict by the column that gives the paper's own predictions.
+        """Verdict by the column that gives the paper's bands of altitude.
 
         One column decides about all claims, so that no reading is picked claim by claim.
 
@@ -123,15 +126,15 @@ class Claim:
         return self.verdict(columns[DECIDING])
 
     def reason(self, columns: dict[str, dict[str, float]]) -> str:
-        """What is missing; or which numbers of which columns are outside the tolerance, and why."""
+        """What is missing, or which numbers of which columns are off, and the note."""
         if self.missing:
-            return f"missing: {self.missing}"
+            return f"missing: {self.missing}. {self.note}".rstrip(" ")
         off = {
             name: [q.name for q in self.quantities if not q.agrees(values[q.key])]
             for name, values in columns.items()
         }
         outside = "; ".join(f"{name} ({', '.join(names)})" for name, names in off.items() if names)
-        return f"outside the tolerance: {outside}. {self.note}" if outside else ""
+        return f"outside the tolerance: {outside}. {self.note}" if outside else self.note
 
 
 def claims() -> list[Claim]:
@@ -146,6 +149,7 @@ def claims() -> list[Claim]:
             number=stated["number"],
             text=stated["text"],
             quantities=tuple(map(_quantity, stated.get("quantity", []))),
+            place=stated["place"],
             missing=stated.get("missing", ""),
             note=stated.get("note", ""),
         )

@@ -34,7 +34,7 @@ REPORTED_MEAN = Reading(
     force_weight=REPORTED.force_weight,
     creep_weight=1.0,
 )
-"""The reported reading with the mean temperature in Eq. (20), which its larger disks point to."""
+"""The reported reading with the mean temperature in Eq. (20), to which larger disks point."""
 
 POINTS = 1024
 """Number of points that the model is compiled for."""
@@ -108,8 +108,8 @@ COLUMNS = (
     Column(
         "reported",
         "reported",
-        "the conventions that give the paper's own predictions: mean speed at the gas "
-        "temperature in (4), (5) once for each face, the mean temperature in (19)",
+        "conventions that give the paper's bands of altitude, one choice of many that do: mean "
+        "speed at the gas temperature in (4), (5) once for each face, the mean temperature in (19)",
         REPORTED,
     ),
     Column(

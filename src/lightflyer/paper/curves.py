@@ -6,8 +6,16 @@ import numpy as np
 
 from lightflyer.flight.outputs import OUTPUTS
 from lightflyer.foundation import constants
-from lightflyer.paper.conditions import COLUMNS, Table, facts, film, in_chamber, over_altitude
-from lightflyer.paper.results import best_payload, film_mass, planck_per_wavenumber
+from lightflyer.paper.conditions import (
+    COLUMNS,
+    Table,
+    atmosphere,
+    facts,
+    film,
+    in_chamber,
+    over_altitude,
+)
+from lightflyer.paper.results import bands, best_payload, film_mass, planck_per_wavenumber
 
 Curves = dict[str, np.ndarray]
 """Columns by name with unit; all of a figure have one length."""
@@ -22,8 +30,8 @@ PANEL_SIZES_CM = (2, 3, 4)
 SIZES_CM = np.round(np.arange(0.2, 6.01, 0.1), 1)
 """Diameters of Fig. S8 [cm]."""
 
-ALTITUDE_SIZES_CM = (0.5, 1.0, 2.0, 3.0, 4.0)
-"""Diameters of Fig. S7 [cm]."""
+LARGER_SIZES_CM = (3, 4)
+"""Diameters of Fig. S7(a, b) and (c, d) [cm]."""
 
 PLANCK_TEMPERATURES = (400, 500)
 """Temperatures of Fig. 3(c) [K]."""
@@ -35,12 +43,6 @@ _CENTIMETRE = 1e-2
 _MILLI = 1e-3
 _KILO = 1e3
 _OBLIQUE = 45.0  # degrees, Fig. 6(a)
-_SIZE_PANELS = (
-    ("irradiance", "levitation_irradiance"),
-    ("temperature", "temperature"),
-    ("payload", "payload"),
-    ("relative payload", "relative_payload"),
-)
 _ALTITUDES_KM = np.linspace(55.0, 90.0, 351)
 
 
@@ -93,39 +95,53 @@ def figure_5bcd() -> Curves:
     return curves
 
 
-def figure_6() -> Curves:
-    """Irradiance and temperature to levitate against altitude, 2 cm, all readings."""
-    size = PANEL_SIZES_CM[0] * _CENTIMETRE
-    curves = {"altitude [km]": _ALTITUDES_KM}
+def _flight_curves(size_cm: float, words: str = "") -> Curves:
+    """Irradiance and temperature to levitate against altitude, all readings."""
+    curves: Curves = {}
     for column in COLUMNS:
         for name, incidence in (("", 0.0), (" 45 deg", _OBLIQUE)):
             table = over_altitude(
-                column, _ALTITUDES_KM * _KILO, size, constants.SOLAR_CONSTANT, incidence
+                column,
+                _ALTITUDES_KM * _KILO,
+                size_cm * _CENTIMETRE,
+                constants.SOLAR_CONSTANT,
+                incidence,
             )
-            curves |= _curve(f"irradiance{name} {column.key}", "levitation_irradiance", table)
-        curves |= _curve(f"temperature {column.key}", "levitation_temperature", table)
+            label = f"irradiance{name}{words} {column.key}"
+            curves |= _curve(label, "levitation_irradiance", table)
+        curves |= _curve(f"temperature{words} {column.key}", "levitation_temperature", table)
     return curves
 
 
+def _altitudes() -> Curves:
+    """Altitudes of the curves, and the temperature of the air."""
+    _, temperature = atmosphere(_ALTITUDES_KM * _KILO)
+    return {"altitude [km]": _ALTITUDES_KM, "gas temperature [K]": temperature}
+
+
+def figure_6() -> Curves:
+    """Irradiance and temperature to levitate against altitude, 2 cm, all readings."""
+    return _altitudes() | _flight_curves(PANEL_SIZES_CM[0])
+
+
 def figure_s7() -> Curves:
-    """Germanium-coated disks of several sizes over altitude, reported reading."""
-    curves = {"altitude [km]": _ALTITUDES_KM}
-    for size in ALTITUDE_SIZES_CM:
-        light = constants.SOLAR_CONSTANT
-        table = over_altitude(COLUMNS[1], _ALTITUDES_KM * _KILO, size * _CENTIMETRE, light)
-        for words, output in _SIZE_PANELS:
-            curves |= _curve(f"{words} {size:g} cm", output, table)
+    """As Fig. 6 for larger disks."""
+    curves = _altitudes()
+    for size in LARGER_SIZES_CM:
+        curves |= _flight_curves(size, f" {size} cm")
     return curves
 
 
 def figure_s8() -> Curves:
-    """Largest payload over size, each at its best altitude, all readings."""
+    """Altitudes and largest payload over size, each at its best altitude, all readings."""
     curves = {"diameter [cm]": SIZES_CM}
     for column in COLUMNS:
-        altitude, relative = best_payload(column, SIZES_CM * _CENTIMETRE)
+        lower, best, upper = bands(column, SIZES_CM * _CENTIMETRE)
+        for name, altitude in (("lower edge", lower), ("optimal", best), ("upper edge", upper)):
+            curves[f"{name} {column.key} [km]"] = altitude / _KILO
+        _, relative = best_payload(column, SIZES_CM * _CENTIMETRE)
         curves[f"payload {column.key} [mg]"] = relative * film_mass(SIZES_CM * _CENTIMETRE)
         curves[f"relative payload {column.key} [1]"] = relative
-        curves[f"altitude {column.key} [km]"] = altitude / _KILO
     return curves
 
 
@@ -159,12 +175,13 @@ def captions() -> dict[str, str]:
         f"above the white line they levitate. {chamber}",
         "figure-5bcd": f"Irradiance to levitate against pressure. {chamber}",
         "figure-6": f"2-cm disk in the paper's atmosphere: (a) irradiance to levitate, at normal "
-        f"incidence and 45°; (b) its temperature when it just levitates. {versions}",
-        "figure-s7": "Disks of several sizes over altitude at 1360 W/m², reported reading. The "
-        "text available to us does not say what the paper's four panels show; the choice of "
-        "panels is ours.",
-        "figure-s8": f"Largest payload and relative payload at 1360 W/m² over the disk's diameter, "
-        f"each at its best altitude. {versions}",
+        f"incidence and 45°; (b) its temperature when it just levitates, and that of the air. "
+        f"{versions}",
+        "figure-s7": "As Fig. 6, for disks of (a, b) 3 cm and (c, d) 4 cm. The paper's caption "
+        "refers to Fig. 5, but its text speaks of altitudes.",
+        "figure-s8": f"Over the disk's diameter, at 1360 W/m²: (a) altitudes at which it levitates "
+        f"(shaded for the reported reading, edges for the others) and altitude of the largest "
+        f"payload; (b) largest payload, thick, and relative payload, thin. {versions}",
     }
 
 

@@ -13,17 +13,17 @@ from lightflyer.calibration.points import Points
 from lightflyer.foundation import constants
 from lightflyer.foundation.drawing import (
     BLUE,
-    GREEN,
     GREY,
     ORANGE,
     VERMILION,
     new_figure,
     plain_decades,
 )
+from lightflyer.paper.claims import DECIDING
 from lightflyer.paper.conditions import COLUMNS, facts
 from lightflyer.paper.curves import (
-    ALTITUDE_SIZES_CM,
     COATINGS,
+    LARGER_SIZES_CM,
     MAP_IRRADIANCES,
     MAP_PRESSURES_MTORR,
     PANEL_SIZES_CM,
@@ -35,8 +35,6 @@ from lightflyer.paper.curves import (
 _STYLES = {"printed": "--", "reported": "-", "reported-mean": ":"}
 _COLOURS = {"ge": BLUE, "cnt": VERMILION}
 _NAMES = {"ge": "Ge", "cnt": "CNT"}
-_SIZE_COLOURS = ("black", VERMILION, BLUE, GREEN, ORANGE)
-_SIZE_STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 _MARKERS = "osD^vP*X"
 _MILLI, _KILO, _CENTIMETRE = 1e-3, 1e3, 1e-2
 _FLIGHT_KM = (60.0, 88.0)  # drawn range of Fig. 6
@@ -167,80 +165,97 @@ def _draw_points(ax: Axes, points: Points | None, chosen: Any) -> None:
         )
 
 
-def _draw_6(curves: Curves) -> Figure:
-    figure = new_figure(columns=2)
-    left, right = figure.axes[:2]
+def _draw_flight(axes: Any, letters: str, curves: Curves, words: str = "") -> None:
+    """Irradiance and temperature to levitate against altitude."""
+    left, right = axes
     altitude = curves["altitude [km]"]
     for column in COLUMNS:
         style = _STYLES[column.key]
         for colour, name, label in ((BLUE, "", "normal"), (ORANGE, " 45 deg", "45°")):
-            needed = curves[f"irradiance{name} {column.key} [W/m^2]"] / _KILO
+            needed = curves[f"irradiance{name}{words} {column.key} [W/m^2]"] / _KILO
             text = f"{label}, {column.title}"
             left.plot(altitude, needed, color=colour, ls=style, label=text)
-        temperature = curves[f"temperature {column.key} [K]"]
+        temperature = curves[f"temperature{words} {column.key} [K]"]
         right.plot(altitude, temperature, color=BLUE, ls=style, label=column.title)
+    right.plot(altitude, curves["gas temperature [K]"], color=GREY, label="air")
     available = constants.SOLAR_CONSTANT / _KILO
     left.axhline(available, color=GREY, lw=1)
     left.annotate("1.36 kW/m²", (_FLIGHT_KM[0], available), (4, 4), textcoords="offset points")
     left.set_ylim(0.0, 4.0)
     left.set_ylabel("irradiance to levitate [kW/m²]")
-    left.legend(fontsize="x-small", loc="upper center")
-    right.set_ylim(280.0, 600.0)
+    right.set_ylim(160.0, 600.0)
     right.set_ylabel("temperature when just levitating [K]")
-    right.legend(fontsize="small")
-    for ax, letter in ((left, "a"), (right, "b")):
+    if "a" in letters:
+        left.legend(fontsize="x-small", loc="upper center")
+        right.legend(fontsize="small", loc="upper center")
+    for ax, letter in zip(axes, letters, strict=True):
         ax.set_xlabel("altitude [km]")
         ax.set_xlim(*_FLIGHT_KM)
         ax.grid(alpha=0.25)
         _letter(ax, letter)
+
+
+def _draw_6(curves: Curves) -> Figure:
+    figure = new_figure(columns=2)
+    _draw_flight(figure.axes, "ab", curves)
     return figure
 
 
 def _draw_s7(curves: Curves) -> Figure:
     figure = new_figure(columns=2, height=8.0, rows=2)
-    panels = (
-        ("a", "irradiance", "[W/m^2]", "irradiance to levitate [W/m²]", (0.0, 4000.0)),
-        ("b", "temperature", "[K]", "temperature in sunlight [K]", (200.0, 560.0)),
-        ("c", "payload", "[mg]", "payload in sunlight [mg]", (-0.4, 0.4)),
-        ("d", "relative payload", "[1]", "relative payload in sunlight", (-1.0, 1.4)),
-    )
-    for ax, (letter, name, unit, label, limits) in zip(figure.axes[:4], panels, strict=True):
-        for colour, style, size in zip(_SIZE_COLOURS, _SIZE_STYLES, ALTITUDE_SIZES_CM, strict=True):
-            values = curves[f"{name} {size:g} cm {unit}"]
-            ax.plot(curves["altitude [km]"], values, color=colour, ls=style, label=f"{size:g} cm")
-        ax.set_ylim(*limits)
-        ax.set_xlim(55.0, 90.0)
-        ax.set_xlabel("altitude [km]")
-        ax.set_ylabel(label)
-        ax.grid(alpha=0.25)
-        _letter(ax, letter)
-    figure.axes[1].legend(fontsize="small")
+    for axes, letters, size in zip(
+        (figure.axes[:2], figure.axes[2:]), ("ab", "cd"), LARGER_SIZES_CM, strict=True
+    ):
+        _draw_flight(axes, letters, curves, f" {size} cm")
+        for ax in axes:
+            ax.text(0.03, 0.03, f"{size} cm", transform=ax.transAxes)
     return figure
 
 
 def _draw_s8(curves: Curves) -> Figure:
     figure = new_figure(columns=2)
-    panels = (("a", "payload", "[mg]", "payload [mg]"), ("b", "relative payload", "[1]", ""))
-    for ax, (letter, name, unit, label) in zip(figure.axes[:2], panels, strict=True):
-        for column in COLUMNS:
-            values = curves[f"{name} {column.key} {unit}"]
-            ax.plot(
-                curves["diameter [cm]"],
-                values,
-                color=BLUE,
-                ls=_STYLES[column.key],
-                label=column.title,
-            )
-        ax.axhline(0.0, color=GREY, lw=1)
+    _draw_sizes(figure.axes[0], curves)
+    _draw_payloads(figure.axes[1], curves)
+    for ax, letter in zip(figure.axes[:2], "ab", strict=True):
         ax.set_xlim(0.0, curves["diameter [cm]"][-1])
         ax.set_xlabel("diameter [cm]")
-        ax.set_ylabel(label or "relative payload [own mass]")
         ax.grid(alpha=0.25)
         _letter(ax, letter)
-    figure.axes[0].set_ylim(-0.3, 1.0)
-    figure.axes[1].set_ylim(-0.3, 2.5)
-    figure.axes[1].legend(fontsize="small")
     return figure
+
+
+def _draw_sizes(ax: Axes, curves: Curves) -> None:
+    """Altitudes at which disks levitate, over their diameter."""
+    diameter = curves["diameter [cm]"]
+    for column in COLUMNS:
+        key, style = column.key, _STYLES[column.key]
+        lower, upper = (curves[f"{edge} edge {key} [km]"] for edge in ("lower", "upper"))
+        if key == DECIDING:
+            ax.fill_between(diameter, lower, upper, color=BLUE, alpha=0.2, lw=0)
+        ax.plot(diameter, lower, color=BLUE, ls=style, label=f"edges, {column.title}")
+        ax.plot(diameter, upper, color=BLUE, ls=style)
+        optimal = curves[f"optimal {key} [km]"]
+        ax.plot(diameter, optimal, color=ORANGE, ls=style, label=f"optimal, {column.title}")
+    ax.set_ylabel("altitude [km]")
+    ax.legend(fontsize="x-small", ncols=2)
+
+
+def _draw_payloads(left: Axes, curves: Curves) -> None:
+    """Largest payload, absolute and relative, of disks over their diameter."""
+    right = left.twinx()
+    diameter = curves["diameter [cm]"]
+    for column in COLUMNS:
+        style = _STYLES[column.key]
+        payload = curves[f"payload {column.key} [mg]"]
+        left.plot(diameter, payload, color=BLUE, ls=style, label=column.title)
+        relative = curves[f"relative payload {column.key} [1]"]
+        right.plot(diameter, relative, color=VERMILION, ls=style, lw=1)
+    left.axhline(0.0, color=GREY, lw=1)
+    left.set_ylim(-0.25, 1.0)
+    right.set_ylim(-0.625, 2.5)  # both axes have their zero at one height
+    left.set_ylabel("payload [mg]", color=BLUE)
+    right.set_ylabel("relative payload [own mass]", color=VERMILION)
+    left.legend(fontsize="small", loc="upper right")
 
 
 def paper_figure(name: str, curves: Curves, points: Points | None = None) -> Figure:

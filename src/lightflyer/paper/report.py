@@ -11,10 +11,10 @@ import lightflyer
 from lightflyer.paper.claims import Claim, Quantity, claims
 from lightflyer.paper.conditions import COLUMNS, facts
 from lightflyer.paper.curves import FIGURES, captions
-from lightflyer.paper.tables import NOT_AVAILABLE, Row, table_1, table_s2
+from lightflyer.paper.tables import Row, table_1, table_s2, tac_pairs
 
 SOURCE = (
-    "Z. Lu, M. Aldan, D. Levin, M. F. Campbell, I. Bargatin, “Photophoretic Light-flyers with "
+    "Z. Lu, G. Aldan, D. Levin, M. F. Campbell, I. Bargatin, “Photophoretic Light-flyers with "
     "Germanium Coatings as Selective Absorbers”, arXiv:2305.19382 (2023)"
 )
 
@@ -67,6 +67,7 @@ def as_json(results: Results) -> dict[str, Any]:
         "values": results.columns,
         "table_1": table_1(),
         "table_s2": table_s2(),
+        "tac_pairs": tac_pairs(),
         "figures": captions(),
     }
 
@@ -75,6 +76,7 @@ def _claim_json(claim: Claim, columns: dict[str, dict[str, float]]) -> dict[str,
     return {
         "number": claim.number,
         "claim": claim.text,
+        "place": claim.place,
         "verdict": str(claim.overall(columns)),
         "why": claim.reason(columns),
         "reproduced_by": claim.reproducing(columns),
@@ -158,12 +160,13 @@ _CHECK_TEXT = (
 
 
 def _claims_overview(results: Results) -> _Block:
-    header = ("#", "claim", "verdict", "by", "why")
+    header = ("#", "claim", "in the paper", "verdict", "by", "why")
     titles = {column.key: column.title for column in COLUMNS}
     rows = [
         (
             str(claim.number),
             claim.text,
+            claim.place,
             str(claim.overall(results.columns)),
             "; ".join(titles[key] for key in claim.reproducing(results.columns)),
             claim.reason(results.columns),
@@ -213,16 +216,30 @@ def _table_blocks() -> list[_Block]:
     return [
         _Block("h2", "Tables"),
         _Block("h3", "Table 1: optical properties"),
-        _Block("p", "The text available to us does not give transmittance and reflectance."),
+        _Block(
+            "p",
+            "What is absorbed is the emissivity in the infrared and the absorptivity in the "
+            "visible: as printed, and 1 − t − r of the printed transmittance and reflectance. Its "
+            "uncertainty is given for independent errors and as the sum of the two, which is what "
+            "the paper prints. The bound from FTIR assumes no reflectance; beside it is that of "
+            "the same assumption with the camera's transmittance.",
+        ),
         _plain_table(table_1()),
         _Block("h3", "Table S2: thermal accommodation coefficients"),
         _Block(
             "p",
-            "The text gives ± 0.03–0.05 for all of them. The uncertainty of a difference is given "
-            "twice: for independent errors, and for fully correlated errors, such as a common "
-            "systematic one.",
+            "Each test with its 95 % interval; the mean and the standard deviation of the tests; "
+            "and what Table 1 and the text print.",
         ),
         _plain_table(table_s2()),
+        _Block("h3", "Pairs of faces"),
+        _Block(
+            "p",
+            "What drives the flyer is the difference of two TACs. Its uncertainty is given twice: "
+            "for independent errors, and for fully correlated ones, such as a common systematic "
+            "error.",
+        ),
+        _plain_table(tac_pairs()),
     ]
 
 
@@ -230,11 +247,7 @@ def _plain_table(rows: list[Row]) -> _Block:
     header = tuple(name.replace("_", " ") for name in rows[0])
     cells = [
         tuple(
-            NOT_AVAILABLE
-            if value is None
-            else f"{value:.3g}"
-            if isinstance(value, float)
-            else value
+            "–" if value is None else f"{value:.3g}" if isinstance(value, float) else value
             for value in row.values()
         )
         for row in rows

@@ -11,7 +11,7 @@ from lightflyer.paper.conditions import COLUMNS
 from lightflyer.paper.curves import FIGURES, rows
 from lightflyer.paper.figures import measured_figures, paper_figure
 from lightflyer.paper.results import check_values, column_values, common_values
-from lightflyer.paper.tables import table_1, table_s2, to_csv
+from lightflyer.paper.tables import table_1, table_s2, tac_pairs, to_csv
 
 STEPS = 2 * len(COLUMNS) + 2 * len(FIGURES) + 1
 """Number of times that :func:`reproduce` reports progress."""
@@ -79,6 +79,7 @@ def reproduce(
                 progress(f"drawing {name}")
         stage("data/table-1.csv").write_text(to_csv(table_1()), encoding="utf-8")
         stage("data/table-s2.csv").write_text(to_csv(table_s2()), encoding="utf-8")
+        stage("data/tac-pairs.csv").write_text(to_csv(tac_pairs()), encoding="utf-8")
         stage("report.json").write_text(report.dump(results), encoding="utf-8")
         stage("report.md").write_text(report.as_markdown(results), encoding="utf-8")
         stage("report.html").write_text(report.as_html(results, images), encoding="utf-8")

@@ -23,6 +23,7 @@ from lightflyer.paper.conditions import (
     in_chamber,
     over_altitude,
 )
+from lightflyer.paper.tables import table_1, table_s2
 
 SEARCHED_ALTITUDES = (50e3, 95e3)
 """Range in which bands and best payloads are searched [m]."""
@@ -69,18 +70,43 @@ def band(column: Column, incidence_deg: float = 0.0) -> tuple[float, float]:
     lower, upper : float
         NaN where it levitates nowhere.
     """
+    lower, _, upper = bands(column, _DISK, incidence_deg)
+    return float(lower[0]), float(upper[0])
+
+
+def bands(
+    column: Column, diameter: Any, incidence_deg: float = 0.0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Altitudes [m] between which disks levitate in sunlight, and of their largest payload.
+
+    Parameters
+    ----------
+    column : Column
+    diameter : array, shape (m,)
+        [m].
+    incidence_deg : float
+        Angle between the light and the disk's normal [deg].
+
+    Returns
+    -------
+    lower, best, upper : array, shape (m,)
+        NaN where a disk levitates nowhere.
+    """
+    diameters = np.atleast_1d(np.asarray(diameter, float))
 
     def margin(altitude: Any) -> np.ndarray:
         light = constants.SOLAR_CONSTANT
-        return over_altitude(column, altitude, _DISK, light, incidence_deg)["lift_over_weight"] - 1
+        table = over_altitude(column, altitude, diameters, light, incidence_deg)
+        return table["lift_over_weight"] - 1.0
 
-    low, high = SEARCHED_ALTITUDES
-    best, height = _maximum(margin, low, high)
-    if height[0] < 0.0:
-        return np.nan, np.nan
-    outside, inside = np.array([low, high]), np.repeat(best, 2)
-    lower, upper = crossing(margin, outside, inside, points=POINTS // 2, looks=_LOOKS)
-    return float(lower), float(upper)
+    best, height = _maximum(margin, *SEARCHED_ALTITUDES)
+    edges = [
+        crossing(margin, np.full_like(best, end), best, points=POINTS // 2, looks=_LOOKS)
+        for end in SEARCHED_ALTITUDES
+    ]
+    flies = height >= 0.0
+    lower, best, upper = (np.where(flies, place, np.nan) for place in (edges[0], best, edges[1]))
+    return lower, best, upper
 
 
 def _maximum(function: Function, low: Numeric, high: Numeric) -> tuple[np.ndarray, np.ndarray]:
@@ -261,7 +287,21 @@ def common_values() -> dict[str, float]:
         "areal_density": float(areal * _GRAMS),
         "planck_peak": peak,
         "planck_peak_wavelength": 1e4 / peak,
+        **_table_values(),
     }
+
+
+def _table_values() -> dict[str, float]:
+    """What follows from the other numbers of Tables 1 and S2."""
+    names = {"infrared": "emissivity", "visible": "absorptivity"}
+    values = {
+        f"{names[row['band']]}_{row['sample'].lower()}": row["absorptance_from_t_and_r"]
+        for row in table_1()
+    }
+    for row in table_s2():
+        sample = row["sample"].lower()
+        values[f"tac_{sample}"], values[f"tac_spread_{sample}"] = row["mean"], row["deviation"]
+    return values
 
 
 def column_values(column: Column) -> dict[str, float]:

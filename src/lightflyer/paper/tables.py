@@ -4,6 +4,8 @@ A cell that the text does not give is None, in CSV ``not available``.
 """
 
 import math
+import statistics
+from collections.abc import Sequence
 from typing import Any
 
 from lightflyer.paper.conditions import facts
@@ -11,6 +13,8 @@ from lightflyer.paper.conditions import facts
 NOT_AVAILABLE = "not available"
 
 Row = dict[str, Any]
+
+_MOST_TESTS = 3  # of one material in Table S2
 
 
 def emissivity_from(transmittance: float, reflectance: float) -> float:
@@ -48,68 +52,110 @@ def difference_uncertainty(first: float, second: float, correlation: float) -> f
     return math.sqrt(max(variance, 0.0))  # rounding may leave a negative zero
 
 
+def mean_and_spread(values: Sequence[float]) -> tuple[float, float]:
+    """Mean of several values and their standard deviation (of a sample).
+
+    Parameters
+    ----------
+    values : sequence of float
+        At least two.
+
+    Returns
+    -------
+    mean, deviation : float
+    """
+    return statistics.mean(values), statistics.stdev(values)
+
+
 def table_1() -> list[Row]:
     """Optical properties of the films.
 
     Returns
     -------
     list of dict
-        One for each sample. Transmittance and reflectance are not in the text, so what would
-        follow from them is None too.
+        One for each sample and band. What is absorbed is the emissivity in the infrared and the
+        absorptivity in the visible. It is given as printed and as it follows from the printed
+        transmittance and reflectance, with the uncertainty of independent errors and with the sum
+        of the two uncertainties.
     """
     return [_optical_row(stated) for stated in facts()["optical"]]
 
 
 def _optical_row(stated: Row) -> Row:
-    transmittance, reflectance = stated.get("transmittance"), stated.get("reflectance")
-    derived = None
-    if transmittance is not None and reflectance is not None:
-        derived = emissivity_from(transmittance, reflectance)
-    emissivity, absorptivity = stated["emissivity"], stated["absorptivity"]
+    transmittance, reflectance = stated["transmittance"], stated["reflectance"]
+    errors = stated["transmittance_uncertainty"], stated["reflectance_uncertainty"]
     return {
         "sample": stated["sample"],
-        "infrared_transmittance": transmittance,
-        "infrared_reflectance": reflectance,
-        "emissivity_from_t_and_r": derived,
-        "emissivity": emissivity,
-        "emissivity_uncertainty": stated["emissivity_uncertainty"],
-        "emissivity_upper_bound_ftir": stated.get("emissivity_upper_bound_ftir"),
-        "absorptivity": absorptivity,
-        "absorptivity_over_emissivity": absorptivity / emissivity,
+        "band": stated["band"],
+        "transmittance": transmittance,
+        "transmittance_uncertainty": errors[0],
+        "reflectance": reflectance,
+        "reflectance_uncertainty": errors[1],
+        "absorptance": stated["absorptance"],
+        "absorptance_uncertainty": stated["absorptance_uncertainty"],
+        "absorptance_from_t_and_r": emissivity_from(transmittance, reflectance),
+        "its_uncertainty_independent": math.hypot(*errors),
+        "its_uncertainty_sum": sum(errors),
+        "upper_bound_from_t": emissivity_from(transmittance, 0.0),
+        "upper_bound_ftir": stated.get("upper_bound_ftir"),
     }
 
 
 def table_s2() -> list[Row]:
+    """Thermal accommodation coefficients: each test with its 95 % interval, and their mean.
+
+    Returns
+    -------
+    list of dict
+        One for each material.
+    """
+    return [_accommodation_row(stated) for stated in facts()["accommodation"]]
+
+
+def _accommodation_row(stated: Row) -> Row:
+    tests: list[Any] = list(zip(stated["tests"], stated["lowest"], stated["highest"], strict=True))
+    tests += [(None, None, None)] * (_MOST_TESTS - len(tests))
+    row: Row = {"sample": stated["sample"]}
+    for number, (tac, lowest, highest) in enumerate(tests, start=1):
+        row |= {f"test_{number}": tac, f"lowest_{number}": lowest, f"highest_{number}": highest}
+    row["literature"] = stated.get("literature")
+    row["mean"], row["deviation"] = mean_and_spread(stated["tests"])
+    row["printed_mean"] = stated.get("tac")
+    row["printed_uncertainty"] = stated.get("tac_uncertainty")
+    return row
+
+
+def tac_pairs() -> list[Row]:
     """Pairs of faces: mean TAC, and their difference with its uncertainty.
 
     Returns
     -------
     list of dict
-        One for each pair of top (alumina or mylar) and bottom (Ge or CNT). The uncertainty of a
-        difference is given for the lowest and the highest stated uncertainty of a TAC, with
-        independent errors and with fully correlated ones, which cancel where they are equal.
+        One for each pair of top (alumina or mylar) and bottom (Ge or CNT), from the means and
+        uncertainties that the text states. The uncertainty of a difference is given for
+        independent errors and for fully correlated ones, which cancel where they are equal.
     """
-    tac = {stated["sample"]: stated["tac"] for stated in facts()["accommodation"]}
-    stated = facts()["accommodation_uncertainty"]
-    low, high = stated["lowest"], stated["highest"]
-    return [
-        {
-            "top": top,
-            "bottom": bottom,
-            "tac_top": tac[top],
-            "tac_bottom": tac[bottom],
-            "tac_uncertainty_lowest": low,
-            "tac_uncertainty_highest": high,
-            "tac_mean": 0.5 * (tac[top] + tac[bottom]),
-            "tac_difference": tac[bottom] - tac[top],
-            "difference_uncertainty_independent_lowest": difference_uncertainty(low, low, 0.0),
-            "difference_uncertainty_independent_highest": difference_uncertainty(high, high, 0.0),
-            "difference_uncertainty_correlated_lowest": difference_uncertainty(low, low, 1.0),
-            "difference_uncertainty_correlated_highest": difference_uncertainty(low, high, 1.0),
-        }
-        for bottom in ("Ge", "CNT")
-        for top in ("mylar", "alumina")
-    ]
+    stated = {row["sample"]: row for row in facts()["accommodation"]}
+    rows = []
+    for bottom in ("Ge", "CNT"):
+        for top in ("mylar", "alumina"):
+            tac = stated[top]["tac"], stated[bottom]["tac"]
+            errors = stated[top]["tac_uncertainty"], stated[bottom]["tac_uncertainty"]
+            rows.append(
+                {
+                    "top": top,
+                    "bottom": bottom,
+                    "tac_top": tac[0],
+                    "tac_top_uncertainty": errors[0],
+                    "tac_bottom": tac[1],
+                    "tac_bottom_uncertainty": errors[1],
+                    "tac_mean": 0.5 * (tac[0] + tac[1]),
+                    "tac_difference": tac[1] - tac[0],
+                    "difference_uncertainty_independent": difference_uncertainty(*errors, 0.0),
+                    "difference_uncertainty_correlated": difference_uncertainty(*errors, 1.0),
+                }
+            )
+    return rows
 
 
 def to_csv(rows: list[Row]) -> str:

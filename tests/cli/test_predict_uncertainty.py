@@ -28,7 +28,7 @@ def folder(tmp_path):
 
 def test_bands_for_a_file_with_uncertainties(run, folder):
     flyer, out = folder / "flyer.toml", folder / "out"
-    code, text, errors = run("predict", flyer, "--out", out, "--samples", "60")
+    code, text, errors = run("predict", flyer, "--out", out, "--samples", "100")
     assert code == 0, errors
     told = text[: text.index("wrote ")]
     bands = told[told.index("95 % band of") :].splitlines()
@@ -55,7 +55,9 @@ def test_first_order_alone(run, folder):
 @pytest.mark.parametrize(
     ("old", "new", "arguments", "says"),
     [
-        ("", "", ["--samples", "-1"], "--samples and --seed"),
+        ("", "", ["--samples", "-1"], "--samples = -1: give at least 100"),
+        ("", "", ["--samples", "1"], "--samples = 1: give at least 100 for a 95 % band, or 0"),
+        ("", "", ["--seed", "-1"], "--seed = -1: must be zero or positive"),
         ("= 0.5", "= 1.5", [], "film.tac_correlation = 1.5: must be between -1 and 1"),
     ],
 )

@@ -59,17 +59,18 @@ def predict_command(
     from lightflyer.config.reader import read_flyer_file
     from lightflyer.prediction.prediction import predict_design
 
-    if samples < 0 or seed < 0:
-        raise ParameterError("--samples and --seed must be zero or positive")
     file = read_flyer_file(flyer_file)
     design = file.design()
+    uncertain = bool(file.uncertainties() or design.open_parts())
+    if uncertain:  # else nothing is imported or compiled for it
+        from lightflyer.uncertainty.propagation import propagate, require_samples
+
+        require_samples(samples, seed, "--")
     loading = _load_in_background() if out is not None else None
     where = design.setup.environment.coordinate
     prediction = predict_design(design, _asked(at, where))
     uncertainty = None
-    if file.uncertainties():  # else nothing is imported or compiled for it
-        from lightflyer.uncertainty.propagation import propagate
-
+    if uncertain:
         uncertainty = propagate(design, prediction=prediction, samples=samples, seed=seed)
     summary = prediction.summary() | _film_origins(file)
     if uncertainty is not None:
@@ -169,17 +170,14 @@ def _show(
 ) -> None:
     flyer = prediction.setup.flyer
     own_mass, payload = float(flyer.own_mass) * _MILLIGRAMS, float(flyer.payload) * _MILLIGRAMS
-    light = prediction.available
-    console.print(
-        f"{flyer.describe()}, {own_mass:.4g} mg, payload {payload:g} mg; "
-        f"light {light:g} W/m² at {file.environment.incidence.value:g}° incidence"
-    )
+    console.print(f"{flyer.describe()}, {own_mass:.4g} mg, payload {payload:g} mg")
+    console.print("; ".join(prediction.assumptions), markup=False, soft_wrap=True)
     if "film" in summary:
         console.print(_origins_line(summary["film"]), soft_wrap=True)
     console.print(_results(prediction, summary))
     console.print(_points_table(prediction))
-    for caveat in prediction.caveats:
-        console.print(f"warning: {caveat}", soft_wrap=True)
+    for text in prediction.warnings:
+        console.print(f"warning: {text}", markup=False, soft_wrap=True)
     if "uncertainty" in summary:
         _show_bands(console, summary["uncertainty"])
     elif file.uncertainties():
@@ -208,24 +206,34 @@ def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
     console.print(table)
     correlation = uncertainty["tac_correlation"]
     note = "" if correlation is None else f", TAC errors correlated by {correlation:g}"
-    console.print(f"from the ± of {', '.join(uncertainty['inputs'])}{note}")
+    sources = (
+        [f"the ± of {', '.join(uncertainty['inputs'])}{note}"] if uncertainty["inputs"] else []
+    )
+    if uncertainty["between_bounds"]:
+        names = ", ".join(uncertainty["between_bounds"])
+        sources.append(f"the bounds of {names}")
+    console.print(f"from {', and '.join(sources)}", soft_wrap=True)
 
 
 def _span(band: dict[str, Any] | None) -> str:
     if band is None or band["low"] is None:
         return "–"
-    return f"{band['low']:.4g} to {band['high']:.4g}"
+    high = "∞" if band["high"] is None else f"{band['high']:.4g}"
+    return f"{band['low']:.4g} to {high}"
 
 
 def _origins_line(film: dict[str, Any]) -> str:
     """Which properties of the film are measured and which computed, in words."""
     parts = [
-        f"{name} {_film_value(entry['value'])} ({entry['origin']})"
+        f"{name} {_film_value(entry['value'])}{_plus_minus(entry)} ({entry['origin']})"
         for name, entry in film.items()
         if name != "extrapolated"
     ]
-    parts += [f"extrapolated {text}" for text in film["extrapolated"]]
     return "film: " + ", ".join(parts)
+
+
+def _plus_minus(entry: dict[str, Any]) -> str:
+    return f" ± {entry['uncertainty']:g}" if entry.get("uncertainty") else ""
 
 
 def _film_value(value: float | dict[str, float]) -> str:

@@ -20,6 +20,7 @@ from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.quantity import RADIANS_PER_DEGREE, Quantity
 from lightflyer.foundation.section import Alternative, Section, alternative_tags
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.units import Measured
 
 discover()
 
@@ -124,18 +125,32 @@ class FlyerFile(Section):
         return FileDesign(self, text)
 
     def uncertainties(self) -> dict[str, float]:
-        """The stated standard uncertainties by dotted name, in the units of the values.
+        """The standard uncertainties by dotted name, in the units of the values.
 
         Returns
         -------
         dict of str to float
-            Such as ``{"film.tac_bottom": 0.03}``.
+            Those that the file states, such as ``{"film.tac_bottom": 0.03}``, and those of the
+            numbers that it leaves to the materials of its films.
         """
-        return {
-            f"{part}.{name}": value.uncertainty
+        stated = {
+            f"{part}.{name}": value
             for part, section in self.parts().items()
             for name, _, value in section.numbers()
-            if value is not None and value.uncertainty is not None
+            if value is not None
+        }
+        return {
+            name: value.uncertainty
+            for name, value in (stated | self.implied()).items()
+            if value.uncertainty is not None
+        }
+
+    def implied(self) -> dict[str, Measured]:
+        """Numbers that the file leaves to the materials of its films, by dotted name."""
+        return {
+            f"{name}.{key}": value
+            for name, film in _films(self)
+            for key, value in film.implied.items()
         }
 
 
@@ -252,8 +267,9 @@ class FileDesign(AbstractDesign):
         }
 
     def number(self, name: str) -> float | None:
-        """See :meth:`AbstractDesign.number`."""
+        """See :meth:`AbstractDesign.number`: the materials' where the file gives none."""
         value = self._all[name][3] if name in self._all else None
+        value = self.file.implied().get(name) if value is None else value
         return None if value is None else float(value.value)
 
     @property
@@ -287,9 +303,21 @@ class FileDesign(AbstractDesign):
                         return face, name
         return None
 
-    def is_layer(self, name: str) -> bool:
-        """See :meth:`AbstractDesign.is_layer`."""
-        return ".layers." in name
+    def open_parts(self) -> dict[str, tuple[Any, Any]]:
+        """See :meth:`AbstractDesign.open_parts`: the film where optical data are missing."""
+        film = self.file.film
+        found = {} if film is None else film.bounds(self._incidence)
+        return {f"{_FILM}{name}": ends for name, ends in found.items()}
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """See :attr:`AbstractDesign.warnings`."""
+        film = self.file.film
+        return () if film is None else film.warnings(self._incidence)
+
+    @property
+    def _incidence(self) -> float:
+        return float(self.file.environment.incidence.value) * RADIANS_PER_DEGREE
 
     def costly(self, names: list[str]) -> list[str]:
         """See :meth:`AbstractDesign.costly`: what changes the optics of layers."""

@@ -1,22 +1,24 @@
 """A film's properties from its layers, with measured values where there are any."""
 
 import dataclasses
+from collections.abc import Iterator
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.film.averages import (
     Average,
     absorptance,
-    emittance_curve,
+    emittance,
     thermal_coverage,
-    thermal_range,
 )
 from lightflyer.film.curve import EmittanceCurve, node_temperatures
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.spectra import Spectrum
 from lightflyer.film.stack import GRAZING, Film, Side
 from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.precision import is_traced
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 
@@ -25,6 +27,9 @@ REPORT_TEMPERATURES = (200.0, 250.0, 300.0, 350.0, 400.0, 450.0, 500.0)
 
 _FACES: tuple[Side, Side] = ("top", "bottom")
 _LEAST_EMITTANCE = 1e-9
+_COMPLETE = 1.0 - 1e-6  # share of a spectrum beyond which what is missing has no effect
+_NEARLY_COMPLETE = 0.999  # share below which a reader must know
+_TYPICAL_TEMPERATURE = 350.0  # of light-flyers [K], at which a warning gives bounds
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -39,13 +44,43 @@ class ComputedFilm:
     measured : dict of str to Measured
         The properties that were measured, by name; all others are computed.
     averages : dict of str to Average
-        The averages behind the computed absorptances, by name.
+        The averages behind the computed absorptances, and emittances at the temperatures of
+        :func:`~lightflyer.film.curve.node_temperatures`, by name.
     """
 
     film: Film
     properties: FilmProperties
     measured: dict[str, Measured]
     averages: dict[str, Average]
+
+    @property
+    def bounds(self) -> dict[str, tuple[FilmProperties, FilmProperties]]:
+        """The film at the bounds of what missing data leave open, by what is open.
+
+        ``"absorptance_without_data"`` and ``"emittance_without_data"``: the film at the lower
+        bound, where it absorbs nothing at wavelengths without data, and at the upper one, where it
+        absorbs everything. Both faces are at the same bound.
+        """
+        found = {}
+        for what in ("absorptance", "emittance"):
+            mine = {name: mean for name, mean in self.averages.items() if name.startswith(what)}
+            if any(np.any(mean.covered < _COMPLETE) for mean in mine.values()):
+                lower = {name: _property(mean.lower) for name, mean in mine.items()}
+                upper = {name: _property(mean.upper) for name, mean in mine.items()}
+                found[f"{what}_without_data"] = (self._with(lower), self._with(upper))
+        return found
+
+    def _with(self, values: dict[str, Any]) -> FilmProperties:
+        names = FilmProperties.__dataclass_fields__
+        return FilmProperties(**{name: getattr(self.properties, name) for name in names} | values)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a reader of the properties must know: where data are missing or extrapolated."""
+        missing = [
+            text for name, mean in self.averages.items() for text in _missing(name, mean, self.film)
+        ]
+        return (*missing, *(f"extrapolated {text}" for text in self._extrapolated()))
 
     @classmethod
     def of(
@@ -82,14 +117,13 @@ class ComputedFilm:
             for name, average in _absorptances(film, spectrum, incidence, measured).items()
             if name not in measured
         }
+        for side in _FACES:
+            if f"emittance_{side}" not in measured:
+                averages[f"emittance_{side}"] = _radiating(film, side)
         values: dict[str, Numeric] = {name: value.value for name, value in measured.items()}
-        values |= {name: average.value for name, average in averages.items()}
+        values |= {name: _property(average.value) for name, average in averages.items()}
         if "areal_density" not in values:
             values["areal_density"] = film.areal_density
-        for side in _FACES:
-            name = f"emittance_{side}"
-            if name not in values:
-                values[name] = _radiating(emittance_curve(film, side), side)
         return cls(film, FilmProperties(**values), measured, averages)
 
     def report(self) -> dict[str, Any]:
@@ -101,7 +135,8 @@ class ComputedFilm:
         }
         for side in _FACES:
             name = f"emittance_{side}"
-            entries[name] = {"value": self._emittance(side), **self._origin(name)}
+            value = getattr(self.properties, name)
+            entries[name] = {"value": _over_temperatures(value), **self._origin(name)}
         for name in ("tac_top", "tac_bottom"):
             value = float(getattr(self.properties, name))
             entries[name] = {"value": value, **self._origin(name)}
@@ -109,26 +144,52 @@ class ComputedFilm:
 
     def _extrapolated(self) -> list[str]:
         found = [text for mean in self.averages.values() for text in mean.extrapolated]
-        if any(f"emittance_{side}" not in self.measured for side in _FACES):
-            found += self.film.extrapolated(*thermal_range(self.film))
         return list(dict.fromkeys(found))
-
-    def _emittance(self, side: Side) -> Any:
-        value = getattr(self.properties, f"emittance_{side}")
-        if not isinstance(value, EmittanceCurve):
-            return float(value)
-        values = value(np.array(REPORT_TEMPERATURES))
-        return dict(zip(map("{:g}".format, REPORT_TEMPERATURES), map(float, values), strict=True))
 
     def _origin(self, name: str) -> dict[str, Any]:
         if name in self.measured:
             return {"origin": "measured", "uncertainty": self.measured[name].uncertainty}
-        if name in self.averages:
-            return {"origin": "computed", "covered": float(self.averages[name].covered)}
-        if not name.startswith("emittance"):
+        if name not in self.averages:
             return {"origin": "computed"}
-        covered = {f"{t:g}": float(thermal_coverage(self.film, t)) for t in REPORT_TEMPERATURES}
-        return {"origin": "computed", "covered": covered}
+        mean = self.averages[name]
+        bounds = {"lower": _property(mean.lower), "upper": _property(mean.upper)}
+        if not name.startswith("emittance"):
+            covered: Any = float(mean.covered)
+        else:
+            covered = {f"{t:g}": float(thermal_coverage(self.film, t)) for t in REPORT_TEMPERATURES}
+        shown = {end: _over_temperatures(value) for end, value in bounds.items()}
+        return {"origin": "computed", "covered": covered, **shown}
+
+
+def _property(mean: Numeric) -> Any:
+    """Property of a film from a mean, a curve where it is one at each of the curve's nodes."""
+    if np.ndim(mean) == 0:
+        return mean
+    floor = jnp.maximum if is_traced(mean) else np.maximum  # JAX's is in single precision here
+    return EmittanceCurve.through(floor(mean, _LEAST_EMITTANCE))
+
+
+def _over_temperatures(value: Any) -> Any:
+    """A number, or a curve's values by the temperature in kelvin."""
+    if not isinstance(value, EmittanceCurve):
+        return float(value)
+    values = value(np.array(REPORT_TEMPERATURES))
+    return dict(zip(map("{:g}".format, REPORT_TEMPERATURES), map(float, values), strict=True))
+
+
+def _missing(name: str, mean: Average, film: Film) -> Iterator[str]:
+    """What a reader must know of a mean whose data do not cover the spectrum."""
+    covered, lower, upper = mean.covered, mean.lower, mean.upper
+    spectrum = "of the light"
+    if np.ndim(covered):
+        spectrum = f"of a black body's radiation at {_TYPICAL_TEMPERATURE:g} K"
+        covered = thermal_coverage(film, _TYPICAL_TEMPERATURE)
+        lower, upper = (EmittanceCurve.through(end)(_TYPICAL_TEMPERATURE) for end in (lower, upper))
+    if covered < _NEARLY_COMPLETE:
+        yield (
+            f"{name} is computed from data for {100.0 * float(covered):.3g} % {spectrum}; what is "
+            f"missing leaves it between {float(lower):.3g} and {float(upper):.3g}"
+        )
 
 
 def _absorptances(
@@ -146,12 +207,12 @@ def _absorptances(
     }
 
 
-def _radiating(curve: EmittanceCurve, side: Side) -> EmittanceCurve:
-    """The curve, if it is positive everywhere."""
-    least = float(np.min(curve(node_temperatures())))
-    if least < _LEAST_EMITTANCE:
+def _radiating(film: Film, side: Side) -> Average:
+    """Emittance of a face at the nodes of a curve, if it is positive everywhere."""
+    mean = emittance(film, node_temperatures(), side=side)
+    if not is_traced(mean.value) and np.min(mean.value) < _LEAST_EMITTANCE:
         raise ParameterError(
-            f"emittance of the {side} face is {least:.1g}: by their data its layers absorb no "
-            f"infrared; give a measured emittance_{side}"
+            f"emittance of the {side} face is {np.min(mean.value):.1g}: by their data its layers "
+            f"absorb no infrared; give a measured emittance_{side}"
         )
-    return curve
+    return mean

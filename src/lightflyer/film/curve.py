@@ -30,7 +30,7 @@ class EmittanceCurve(eqx.Module):
 
     Attributes
     ----------
-    coefficients : array, shape (NODES,)
+    coefficients : array, shape (..., NODES)
         In powers of :math:`x`, highest first; :math:`x` goes from -1 to 1 with the logarithm
         of temperature [1].
     lowest, highest : array
@@ -100,7 +100,8 @@ class EmittanceCurve(eqx.Module):
 
         zero = jnp.zeros_like(x + y)
         # a loop, not unrolled: it runs inside every heat balance and has to compile quickly
-        (value, slope), _ = jax.lax.scan(step, (zero, zero), jnp.asarray(self.coefficients))
+        powers = jnp.moveaxis(jnp.asarray(self.coefficients), -1, 0)
+        (value, slope), _ = jax.lax.scan(step, (zero, zero), powers)
         return value, slope
 
     def _scaled(self, temperature: Numeric) -> Array:
@@ -176,4 +177,6 @@ def emittance_bounds(emittance: Numeric) -> tuple[Numeric, Numeric]:
     if not isinstance(emittance, EmittanceCurve):
         return emittance, emittance
     values = emittance(node_temperatures())
-    return (1.0 - _BETWEEN_NODES) * jnp.min(values), (1.0 + _BETWEEN_NODES) * jnp.max(values)
+    many = jnp.ndim(emittance.coefficients) > 1  # curves that differ along the leading axes
+    lowest, highest = (end(values, axis=-1, keepdims=many) for end in (jnp.min, jnp.max))
+    return (1.0 - _BETWEEN_NODES) * lowest, (1.0 + _BETWEEN_NODES) * highest

@@ -12,7 +12,7 @@ from lightflyer.film.computed import ComputedFilm
 from lightflyer.film.library import PAGES, canonical_name
 from lightflyer.film.materials import Extrapolation, Material, material_from_csv
 from lightflyer.film.properties import FilmProperties
-from lightflyer.film.section import FilmSection
+from lightflyer.film.section import FACES, FilmSection
 from lightflyer.film.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
 from lightflyer.film.stack import Film, Layer
 from lightflyer.foundation.errors import ConfigurationError
@@ -57,13 +57,14 @@ class LayerSection(Section):
         return path
 
     @property
-    def _library_tac(self) -> Measured | None:
+    def library_tac(self) -> Measured | None:
+        """TAC of the material, where the library has one [1]."""
         return PAGES[self.material].tac if self.material in PAGES else None
 
     @property
     def surface_tac(self) -> Measured | None:
         """TAC of the material's surface, where somebody has measured it [1]."""
-        return self.tac or self._library_tac
+        return self.tac or self.library_tac
 
     @property
     def has_density(self) -> bool:
@@ -121,13 +122,39 @@ class LayeredFilmSection(FilmSection):
         known = _LAMPS.get(self.spectrum)
         return known() if known else spectrum_from_csv(self.spectrum)
 
+    @property
+    def implied(self) -> dict[str, Measured]:
+        """TACs of the materials' surfaces that the section does not give itself."""
+        surfaces = self._surfaces()
+        return {
+            name: layer.library_tac
+            for name, layer in surfaces.items()
+            if getattr(self, name) is None and layer.tac is None and layer.library_tac is not None
+        }
+
+    @property
+    def correlations(self) -> dict[tuple[str, str], float]:
+        """See :attr:`FilmSection.correlations`; the same material has the same error."""
+        materials = {layer.material for layer in self._surfaces().values()}
+        if len(self.implied) == len(FACES) and len(materials) == 1:
+            return {(FACES[0], FACES[1]): 1.0}
+        return super().correlations
+
+    def _surfaces(self) -> dict[str, LayerSection]:
+        """The layer at each face, by the name of its TAC."""
+        return dict(zip(FACES, (self.layers[0], self.layers[-1]), strict=True))
+
     def measured(self) -> dict[str, Measured]:
         """The values that replace computed ones, by the name of the property."""
-        surfaces = {
-            "tac_top": self.layers[0].surface_tac,
-            "tac_bottom": self.layers[-1].surface_tac,
-        }
+        surfaces = {name: layer.surface_tac for name, layer in self._surfaces().items()}
         known = {name: value for name, value in surfaces.items() if value is not None}
+        limits = [
+            limit
+            for layer in self.layers
+            if layer.material in PAGES and (limit := PAGES[layer.material].highest_temperature)
+        ]
+        if limits:
+            known["highest_temperature"] = Measured(min(limits))
         return known | self.stated()
 
     def computed(self, incidence: float = 0.0) -> ComputedFilm:
@@ -142,8 +169,16 @@ class LayeredFilmSection(FilmSection):
         traced = is_traced(incidence, [layer.thickness.value for layer in self.layers])
         return _compute(self, incidence) if traced else _computed(self, incidence)
 
+    def bounds(self, incidence: float = 0.0) -> dict[str, tuple[FilmProperties, FilmProperties]]:
+        """See :meth:`FilmSection.bounds`."""
+        return self.computed(incidence).bounds
+
+    def warnings(self, incidence: float = 0.0) -> tuple[str, ...]:
+        """See :meth:`FilmSection.warnings`."""
+        return self.computed(incidence).warnings
+
     def _require_known(self) -> None:
-        for name, layer in (("tac_top", self.layers[0]), ("tac_bottom", self.layers[-1])):
+        for name, layer in self._surfaces().items():
             if getattr(self, name) is None and layer.surface_tac is None:
                 raise ConfigurationError(
                     f"[film] needs {name}: no measured accommodation coefficient of "

@@ -44,6 +44,8 @@ class Entry:
     density_source : str
     tac : Measured or None
         Measured thermal accommodation coefficient [1].
+    highest_temperature : float or None
+        Temperature at which a film of it melts or loses its shape [K].
     """
 
     description: str
@@ -51,6 +53,7 @@ class Entry:
     density: float | None
     density_source: str
     tac: Measured | None = None
+    highest_temperature: float | None = None
 
 
 TAC_SOURCE = "measured in air, Lu et al. (2023), table 1 [Lu2023]"
@@ -60,6 +63,8 @@ TAC_UNCERTAINTY = 0.05
 _CRC = "CRC Handbook of Chemistry and Physics, 95th ed. [CRC2014]"
 _GE_BULK = f"crystal, {_CRC}; evaporated films are up to about 10 % lighter"
 
+# Highest temperatures are melting points by [CRC2014]; that of PET is by [DuPontTeijin2003], that of
+# polyimide the onset of its glass transition by [DuPont2006].
 PAGES: dict[str, Entry] = {
     "Ge": Entry(
         "germanium, evaporated 0.42-µm film (amorphous)",
@@ -67,6 +72,7 @@ PAGES: dict[str, Entry] = {
         5323.0,
         _GE_BULK,
         Measured(0.90, TAC_UNCERTAINTY),
+        highest_temperature=1211.0,
     ),
     "Ge-20nm": Entry(
         "germanium, evaporated 20-nm film on silica",
@@ -74,6 +80,7 @@ PAGES: dict[str, Entry] = {
         5323.0,
         _GE_BULK,
         Measured(0.90, TAC_UNCERTAINTY),
+        highest_temperature=1211.0,
     ),
     "Ge-crystal": Entry(
         "germanium crystal",
@@ -83,6 +90,7 @@ PAGES: dict[str, Entry] = {
         ),
         5323.0,
         _CRC,
+        highest_temperature=1211.0,
     ),
     "PET": Entry(
         "polyethylene terephthalate (mylar)",
@@ -90,6 +98,7 @@ PAGES: dict[str, Entry] = {
         1390.0,
         "Mylar polyester film, DuPont Teijin Films data sheet H-37232 [DuPontTeijin2003]",
         Measured(0.77, TAC_UNCERTAINTY),
+        highest_temperature=527.0,
     ),
     # beyond what was measured (58.4 nm to 43 µm) the page holds the authors' extrapolations
     "Al2O3": Entry(
@@ -98,11 +107,36 @@ PAGES: dict[str, Entry] = {
         3000.0,
         "film deposited at 177 °C [Groner2004]",
         Measured(0.79, TAC_UNCERTAINTY),
+        highest_temperature=2327.0,
     ),
-    "Au": Entry("gold, evaporated", (Page("main", "Au", "Olmon-ev"),), 19_300.0, _CRC),
-    "Ag": Entry("silver, template-stripped", (Page("main", "Ag", "Yang"),), 10_500.0, _CRC),
-    "Al": Entry("aluminium, evaporated", (Page("main", "Al", "Rakic"),), 2700.0, _CRC),
-    "Si": Entry("silicon crystal, 300 K", (Page("main", "Si", "Franta-300K"),), 2329.6, _CRC),
+    "Au": Entry(
+        "gold, evaporated",
+        (Page("main", "Au", "Olmon-ev"),),
+        19_300.0,
+        _CRC,
+        highest_temperature=1337.0,
+    ),
+    "Ag": Entry(
+        "silver, template-stripped",
+        (Page("main", "Ag", "Yang"),),
+        10_500.0,
+        _CRC,
+        highest_temperature=1235.0,
+    ),
+    "Al": Entry(
+        "aluminium, evaporated",
+        (Page("main", "Al", "Rakic"),),
+        2700.0,
+        _CRC,
+        highest_temperature=933.0,
+    ),
+    "Si": Entry(
+        "silicon crystal, 300 K",
+        (Page("main", "Si", "Franta-300K"),),
+        2329.6,
+        _CRC,
+        highest_temperature=1687.0,
+    ),
     "a-Si": Entry(
         "amorphous silicon, 60-nm film",
         (Page("main", "Si", "Pierce"),),
@@ -117,6 +151,7 @@ PAGES: dict[str, Entry] = {
         ),
         5317.6,
         _CRC,
+        highest_temperature=1511.0,
     ),
     "SiO2": Entry(
         "silica, evaporated film", (Page("main", "SiO2", "Franta-25C"),), 2200.0, f"glass, {_CRC}"
@@ -126,6 +161,7 @@ PAGES: dict[str, Entry] = {
         (Page("other", "Kapton", "French"), Page("other", "Kapton", "Zhang")),
         1420.0,
         "Kapton HN, DuPont data sheet H-38492 [DuPont2006]",
+        highest_temperature=633.0,
     ),
     "a-C": Entry(
         "amorphous carbon, arc-evaporated film",

@@ -17,6 +17,7 @@ from lightflyer.foundation.quantity import (
     Checked,
     Emittance,
     Fraction,
+    Temperature,
 )
 from lightflyer.foundation.types import Numeric
 
@@ -72,6 +73,9 @@ class FilmProperties(Checked):
     transmittance, infrared_transmittance : array
         Share of light and of heat radiation that passes through the film [1]. They matter where
         one film shades another.
+    highest_temperature : array or None
+        Temperature that the film bears [K]; None where it is not known. It changes no result:
+        predictions warn, and optimisation stays, above it.
 
     Raises
     ------
@@ -93,6 +97,7 @@ class FilmProperties(Checked):
     absorptance_bottom: Fraction | None = None
     transmittance: Fraction = 0.0
     infrared_transmittance: Fraction = 0.0
+    highest_temperature: Temperature | None = None
 
     def __check_init__(self) -> None:
         for name in ("tac_top", "tac_bottom"):

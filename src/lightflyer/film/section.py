@@ -14,6 +14,7 @@ from lightflyer.foundation.quantity import (
     Correlation,
     Emittance,
     Fraction,
+    Temperature,
 )
 from lightflyer.foundation.section import Alternative
 from lightflyer.foundation.units import Measured
@@ -29,7 +30,8 @@ class FilmSection(Alternative, abc.ABC):
     """``"measured"`` or ``"layered"``."""
 
     not_varied: ClassVar[Mapping[str, str]] = {
-        "tac_correlation": "is about uncertainties and changes no design"
+        "tac_correlation": "is about uncertainties and changes no design",
+        "highest_temperature": "is a limit and changes no result",
     }
 
     absorptance_bottom: Fraction | None = None
@@ -39,6 +41,7 @@ class FilmSection(Alternative, abc.ABC):
     tac_correlation: Correlation = Measured(0.0)
     transmittance: Fraction | None = None
     infrared_transmittance: Fraction | None = None
+    highest_temperature: Temperature | None = None
 
     @pydantic.model_validator(mode="after")
     def _one_emittance_a_face(self) -> "FilmSection":
@@ -84,11 +87,48 @@ class FilmSection(Alternative, abc.ABC):
         return given
 
     @property
+    def implied(self) -> dict[str, Measured]:
+        """Numbers that the file leaves to the film's materials, by the name of the key."""
+        return {}
+
+    @property
     def correlations(self) -> dict[tuple[str, str], float]:
         """Correlation of the errors of two numbers, by their names."""
         shared = self.tac_correlation.value
-        both = all(getattr(self, name) is not None for name in FACES)
+        both = all(getattr(self, name) or name in self.implied for name in FACES)
         return {(FACES[0], FACES[1]): shared} if both and shared else {}
+
+    def bounds(self, incidence: float = 0.0) -> dict[str, tuple[FilmProperties, FilmProperties]]:
+        """The film at the bounds of what missing data leave open.
+
+        Parameters
+        ----------
+        incidence : float
+            Angle between the light and the film's normal [rad].
+
+        Returns
+        -------
+        dict of str to (FilmProperties, FilmProperties)
+            By what is open, such as ``"emittance_without_data"``: the film at the lower and at the
+            upper bound. Empty where nothing is.
+        """
+        del incidence
+        return {}
+
+    def warnings(self, incidence: float = 0.0) -> tuple[str, ...]:
+        """What a reader of the film's properties must know, one line each.
+
+        Parameters
+        ----------
+        incidence : float
+            [rad].
+
+        Returns
+        -------
+        tuple of str
+        """
+        del incidence
+        return ()
 
     @abc.abstractmethod
     def build(

@@ -112,10 +112,20 @@ class AbstractDesign(abc.ABC):
         """Whatever :meth:`build` needs for other values of costly numbers: arrays in a pytree."""
         del values
 
-    def is_layer(self, name: str) -> bool:
-        """True if a number describes a layer of a film; its ± is kept with the data only."""
-        del name
-        return False
+    def open_parts(self) -> dict[str, tuple[Any, Any]]:
+        """What missing data leave open between bounds.
+
+        Returns
+        -------
+        dict of str to (object, object)
+            By a name: :meth:`prepare` at the lower and at the upper bound.
+        """
+        return {}
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a reader of any result of the design must know, one line each."""
+        return ()
 
     def why_not_varied(self, name: str) -> str | None:
         """Reason why a number of the design cannot be varied, None where there is none."""

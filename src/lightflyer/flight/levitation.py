@@ -35,8 +35,8 @@ _LIGHTS = np.concatenate([[0.0], np.geomspace(1e-5, 1.0, 16)])
 """Lights in which a flyer of several unknowns is looked at, over the brightest."""
 
 HIGHEST_IRRADIANCE = 1e7
-"""Irradiance above which nothing levitates [W/m²]: two black faces at the highest temperature of the
-search emit a little less, so a flyer that needs more hardly absorbs its light or has melted."""
+"""Irradiance above which nothing levitates [W/m²]: two black faces at the highest temperature of
+the search emit a little less, so a flyer that needs more hardly absorbs its light or has melted."""
 
 LOAD_TOLERANCE = 1e-10
 """Largest difference of force and weight of a converged levitation, over the weight."""

@@ -114,6 +114,11 @@ class AbstractFlyer(Checked):
         """Description in a few words, such as ``"disk of 2 cm"``."""
 
     @property
+    def highest_temperature(self) -> Numeric | None:
+        """Temperature that the flyer's materials bear [K]; None where it is not known."""
+        return None
+
+    @property
     def mass(self) -> Numeric:
         """Mass with payload [kg]."""
         return self.own_mass + self.payload

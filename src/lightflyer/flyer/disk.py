@@ -59,6 +59,11 @@ class Disk(AbstractFlyer):
         """Mass of the film [kg]."""
         return self.area * self.film.areal_density
 
+    @property
+    def highest_temperature(self) -> Numeric | None:
+        """See :attr:`AbstractFlyer.highest_temperature`."""
+        return self.film.highest_temperature
+
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
         """See :meth:`AbstractFlyer.beam_areas`."""
         light, film = state.radiation.on_faces(self.attitude), self.film

@@ -117,6 +117,13 @@ class Sandwich(AbstractFlyer):
             films = films + self.support_density * self.support_fraction * self.gap
         return self.area * films
 
+    @property
+    def highest_temperature(self) -> Numeric | None:
+        """See :attr:`AbstractFlyer.highest_temperature`: that of the membrane which bears less."""
+        both = (self.top.highest_temperature, self.bottom.highest_temperature)
+        known = [limit for limit in both if limit is not None]
+        return min(known) if known else None
+
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
         """See :meth:`AbstractFlyer.beam_areas`."""
         light = state.radiation.on_faces(self.attitude)

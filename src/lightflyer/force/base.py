@@ -15,6 +15,7 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.quantity import Checked
+from lightflyer.foundation.types import Numeric
 from lightflyer.gas.base import AbstractGas
 
 ANY_GAS = ("monatomic", "diatomic", "polyatomic")
@@ -95,7 +96,7 @@ class AbstractForceModel(Checked):
         del flyer, state, unknowns
         return ()
 
-    def caveats(self, flyer: Any, state: EnvironmentState) -> tuple[str, ...]:
+    def caveats(self, flyer: Any, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
         """Warnings, in words, where a flyer or its surroundings are outside the model's range.
 
         Parameters
@@ -104,13 +105,15 @@ class AbstractForceModel(Checked):
             Concrete numbers.
         state : EnvironmentState
             Concrete numbers, at one place or many.
+        temperature : array, shape (...)
+            Of the flyer's hottest node there, concrete [K].
 
         Returns
         -------
         tuple of str
             Empty where the model holds.
         """
-        del flyer, state
+        del flyer, state, temperature
         return ()
 
     @classmethod

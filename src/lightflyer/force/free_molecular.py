@@ -1,5 +1,6 @@
 """The limit of gas so thin that molecules meet the flyer and not each other."""
 
+import math
 from typing import ClassVar, Literal
 
 from jax import Array
@@ -10,7 +11,19 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.laws import accommodated_force, free_molecular_conductance, linear_force
 from lightflyer.force.section import ForceSection
+from lightflyer.force.validity import Validity
 from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.types import Numeric
+from lightflyer.gas.base import knudsen_number
+
+# by the kinetic force, collisions take 1 % at Kn 10
+_THIN = Validity(
+    "the Knudsen number", 10.0, math.inf, "collisions, which this model leaves out, matter there"
+)
+# where the force of small differences is 20 % too large
+_SMALL_DIFFERENCES = Validity(
+    "T_h/T_c", 0.0, 1.57, "free-molecular-linear is for small differences; take free-molecular"
+)
 
 
 def disk_conductance(disk: Disk, state: EnvironmentState) -> Array:
@@ -68,6 +81,15 @@ class FreeMolecular(AbstractForceModel):
         faces = (film.tac_top, film.tac_bottom)
         return accommodated_force(flyer.area, *faces, state.pressure, excess)
 
+    def caveats(
+        self,
+        flyer: Disk,
+        state: EnvironmentState,
+        temperature: Numeric,  # noqa: ARG002
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractForceModel.caveats`."""
+        return _caveats_of_collisions(flyer, state)
+
 
 class LinearFreeMolecular(AbstractForceModel):
     r"""Free-molecular force of a disk to first order in the temperature difference.
@@ -97,6 +119,21 @@ class LinearFreeMolecular(AbstractForceModel):
         """See :meth:`AbstractForceModel.force`."""
         (excess,) = unknowns
         return linear_force(flyer.area, flyer.film.tac_difference, state.pressure, excess)
+
+    def caveats(
+        self, flyer: Disk, state: EnvironmentState, temperature: Numeric
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractForceModel.caveats`."""
+        ratio = temperature / state.temperature
+        return (
+            *_caveats_of_collisions(flyer, state),
+            *_SMALL_DIFFERENCES.caveats(ratio, state.pressure),
+        )
+
+
+def _caveats_of_collisions(disk: Disk, state: EnvironmentState) -> tuple[str, ...]:
+    knudsen = knudsen_number(state.pressure, state.temperature, disk.radius, state.gas)
+    return tuple(_THIN.caveats(knudsen, state.pressure))
 
 
 class FreeMolecularSection(ForceSection):

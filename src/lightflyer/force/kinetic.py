@@ -1,5 +1,6 @@
 r"""The force from kinetic theory: no fitted constants."""
 
+import math
 from typing import Any, ClassVar, Literal
 
 import jax.numpy as jnp
@@ -13,10 +14,19 @@ from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic_table import KineticFit, kinetic_fit
 from lightflyer.force.laws import maxwell_force
 from lightflyer.force.section import ForceSection
+from lightflyer.force.validity import Validity
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import StandardErrors
+from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 from lightflyer.gas.base import knudsen_number
+
+_DENSE = "the kinetic table ends there, and the force is extrapolated by a power law"
+_HEATING = "the kinetic table ends there, and its ratios are held"
+_TAC = "the kinetic table ends there, and its ratios are held"
+_WALL = "the table of walls ends there, and their effect is held"
+_APART = 0.3  # TACs further apart change the heat by 1 % at Kn 0.1, which the table leaves out
+_DIFFERENCE = "the kinetic table is for small differences"
 
 
 class Kinetic(AbstractForceModel):
@@ -91,6 +101,27 @@ class Kinetic(AbstractForceModel):
             ratio *= 1.0 + self.force_error * fit.relative_force_error(knudsen, ratio)
         free = maxwell_force(flyer.area, flyer.film.tac_difference, state.pressure, excess)
         return ratio * free
+
+    def caveats(
+        self, flyer: Disk, state: EnvironmentState, temperature: Numeric
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractForceModel.caveats`."""
+        fit, knudsen = _fit_and_knudsen_number(flyer, state)
+        hottest = 1.0 / (1.0 - fit.heating_limit)
+        film, pressure = flyer.film, state.pressure
+        looks = [
+            (Validity("the Knudsen number", fit.knudsen_range[0], math.inf, _DENSE), knudsen),
+            (Validity("T_h/T_c", 1.0, hottest, _HEATING), temperature / state.temperature),
+            (Validity("the mean TAC", *fit.tac_range, _TAC), film.tac_mean),
+            (Validity("the difference of the TACs", -_APART, _APART, _DIFFERENCE),
+             film.tac_difference),
+        ]  # fmt: skip
+        if state.wall_distance is not None:
+            near = Validity(
+                "the walls' distance over the radius", fit.nearest_wall, math.inf, _WALL
+            )
+            looks.append((near, state.wall_distance / flyer.radius))
+        return tuple(text for range_, value in looks for text in range_.caveats(value, pressure))
 
 
 def _fit_and_knudsen_number(disk: Disk, state: EnvironmentState) -> tuple[KineticFit, Any]:

@@ -9,6 +9,7 @@ from typing import ClassVar, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
@@ -17,6 +18,7 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.laws import free_molecular_conductance, in_series
 from lightflyer.force.section import ForceSection
+from lightflyer.force.validity import Validity
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import Coefficient
 from lightflyer.foundation.types import Numeric
@@ -26,6 +28,20 @@ from lightflyer.gas.base import AbstractGas
 _THERMAL_CREEP = 1.14  # κ_s of [Lu2023] Eq. (20)
 _DISK_NUSSELT = 8.0 / math.pi  # isothermal disk at rest, [Lu2023] Eq. (7)
 _CONVECTION = 0.417  # Rayleigh-number term of [Lu2023] Eq. (7)
+_FITTED_C_FM, _FITTED_C_CONT = 0.4, 3.0  # below [Lu2023] Eq. (18)
+_FITTED_DIAMETERS = Validity(
+    "the diameter [m]",
+    0.02,
+    0.04,
+    "c_fm and c_cont of lu2023 were fitted to disks of 2 to 4 cm",
+)
+# mylar melts at 527 K, and the paper's chamber is at 293 K
+_FITTED_HEATING = Validity(
+    "T_h/T_c",
+    1.0,
+    1.8,
+    "c_fm and c_cont of lu2023 were fitted to mylar films at room temperature, which melt there",
+)
 
 
 class Reading(eqx.Module):
@@ -231,8 +247,8 @@ class Lu2023(AbstractForceModel):
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
 
-    c_fm: Coefficient = 0.4
-    c_cont: Coefficient = 3.0
+    c_fm: Coefficient = _FITTED_C_FM
+    c_cont: Coefficient = _FITTED_C_CONT
     reading: Reading = REPORTED
 
     @entry_point
@@ -271,6 +287,21 @@ class Lu2023(AbstractForceModel):
         per_difference = in_series(self.c_fm * free_molecular, self.c_cont * continuum)
         return flyer.film.tac_difference * excess * per_difference
 
+    def caveats(
+        self, flyer: Disk, state: EnvironmentState, temperature: Numeric
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractForceModel.caveats`: the paper's coefficients, beyond its experiments.
+
+        Other coefficients hold where those who fitted them say.
+        """
+        if (float(self.c_fm), float(self.c_cont)) != (_FITTED_C_FM, _FITTED_C_CONT):
+            return ()
+        diameter, ratio = 2.0 * np.asarray(flyer.radius), temperature / state.temperature
+        return (
+            *_FITTED_DIAMETERS.caveats(diameter, state.pressure),
+            *_FITTED_HEATING.caveats(ratio, state.pressure),
+        )
+
 
 class Lu2023ForceSection(ForceSection):
     """``[force]``: the paper's interpolation between limits."""
@@ -279,8 +310,8 @@ class Lu2023ForceSection(ForceSection):
 
     model: Literal["lu2023"] = "lu2023"
     reading: Literal["reported", "printed"] = "reported"
-    c_fm: Coefficient = Measured(0.4)
-    c_cont: Coefficient = Measured(3.0)
+    c_fm: Coefficient = Measured(_FITTED_C_FM)
+    c_cont: Coefficient = Measured(_FITTED_C_CONT)
 
     def build(self) -> Lu2023:
         """The force model."""

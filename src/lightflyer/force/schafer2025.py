@@ -1,6 +1,5 @@
 r"""The sandwich's model of Schafer et al.: simulations of a perforated disk, two temperatures."""
 
-import math
 from collections.abc import Iterator
 from typing import ClassVar, Literal
 
@@ -21,12 +20,29 @@ from lightflyer.force.schafer2025_table import (
     perforated_disk_fit,
 )
 from lightflyer.force.section import ForceSection
+from lightflyer.force.validity import Validity
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
 from lightflyer.gas.base import AbstractGas, mean_free_path
 
 _WIDE_GAP = 2.0
 """Gap over hole radius up to which holes count as being above each other: one hole diameter."""
+
+_DENSE = Validity(
+    "the rarefaction parameter",
+    0.0,
+    HIGHEST_RAREFACTION,
+    "the simulations of schafer2025 end there, and force and heat loss are extrapolated",
+)
+_HOLES = Validity(
+    "hole_radius over the mean free path",
+    0.0,
+    1.0,
+    "schafer2025 takes free molecules in the holes",
+)
+_GAP = Validity(
+    "gap over the mean free path", 0.0, 1.0, "schafer2025 takes free molecules in the gap"
+)
 
 
 def rarefaction(
@@ -205,7 +221,12 @@ class Schafer2025(AbstractForceModel):
             flyer.area, flyer.open_fraction, _rarefaction(flyer, state), state.pressure, *unknowns
         )
 
-    def caveats(self, flyer: Sandwich, state: EnvironmentState) -> tuple[str, ...]:
+    def caveats(
+        self,
+        flyer: Sandwich,
+        state: EnvironmentState,
+        temperature: Numeric,  # noqa: ARG002
+    ) -> tuple[str, ...]:
         """See :meth:`AbstractForceModel.caveats`."""
         return (*_caveats_of_pressure(flyer, state), *_caveats_of_shape(flyer))
 
@@ -216,30 +237,9 @@ def _rarefaction(flyer: Sandwich, state: EnvironmentState) -> Array:
 
 def _caveats_of_pressure(flyer: Sandwich, state: EnvironmentState) -> Iterator[str]:
     path = mean_free_path(state.pressure, state.temperature, state.gas)
-    limits = (
-        (
-            0.5 * math.sqrt(math.pi) * np.asarray(flyer.radius) / path,
-            HIGHEST_RAREFACTION,
-            f"the rarefaction parameter exceeds {HIGHEST_RAREFACTION:g}, where the simulations of "
-            "schafer2025 end: force and heat loss are extrapolated",
-        ),
-        (
-            np.asarray(flyer.hole_radius) / path,
-            1.0,
-            "hole_radius exceeds the mean free path: schafer2025 takes free molecules in the holes",
-        ),
-        (
-            np.asarray(flyer.gap) / path,
-            1.0,
-            "gap exceeds the mean free path: schafer2025 takes free molecules in the gap",
-        ),
-    )
-    for ratio, highest, words in limits:
-        ratio, pressure = np.broadcast_arrays(ratio, state.pressure)
-        outside = pressure[ratio > highest]
-        if outside.size:
-            preposition = "above" if pressure.size > 1 else "at"
-            yield f"{preposition} {outside.min():.3g} Pa {words}"
+    yield from _DENSE.caveats(_rarefaction(flyer, state), state.pressure)
+    yield from _HOLES.caveats(np.asarray(flyer.hole_radius) / path, state.pressure)
+    yield from _GAP.caveats(np.asarray(flyer.gap) / path, state.pressure)
 
 
 def _caveats_of_shape(flyer: Sandwich) -> Iterator[str]:

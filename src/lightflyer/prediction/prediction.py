@@ -13,6 +13,7 @@ import numpy as np
 
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
 from lightflyer.flight.balance import require_converged
+from lightflyer.flight.cautions import cautions, cautions_of_force
 from lightflyer.flight.design import AbstractDesign, as_design
 from lightflyer.flight.looks import bands_of, crossing, peak
 from lightflyer.flight.outputs import json_name, outputs_of, predicted_names, tabulate
@@ -152,8 +153,9 @@ class Prediction:
         Where it carries the largest payload.
     map : TemperatureMap or None
         Where the light can be dimmed.
-    caveats : tuple of str
-        What is outside the force model's range where the flyer flies or is reported, in words.
+    warnings : tuple of str
+        What a reader must know, one line each: where optical data are missing, and where the force
+        model or the film is beyond its range while the flyer flies or is reported.
     """
 
     setup: Setup
@@ -166,7 +168,12 @@ class Prediction:
     easiest: Place | None
     best: Place
     map: TemperatureMap | None
-    caveats: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """Light and heat radiation that are assumed, in short texts with units."""
+        return self.setup.environment.assumptions()
 
     @property
     def coordinate(self) -> Coordinate:
@@ -222,7 +229,10 @@ class Prediction:
                 for index in range(self.asked.size)
             ],
         }
-        return described | ({"warnings": list(self.caveats)} if self.caveats else {})
+        return described | {
+            "assumptions": list(self.assumptions),
+            "warnings": list(self.warnings),
+        }
 
     def place(self, index: int) -> Place:
         """One of the coordinates asked for, with the outputs there."""
@@ -342,8 +352,8 @@ def predict_design(design: AbstractDesign, at: Sequence[float] | None = None) ->
     if np.isfinite(table["levitation_irradiance"]).any():
         easiest = _optimum(evaluate, coordinates, "levitation_irradiance", -1.0)
     flying = [coordinates[(coordinates >= low) & (coordinates <= high)] for low, high in bands]
-    places = [place.coordinate for place in (best, easiest) if place is not None]
-    reported = np.unique(np.concatenate([*flying, edges.ravel(), asked, places]))
+    explicit = [] if at is None else asked
+    reported = np.unique(np.concatenate([*flying, edges.ravel(), explicit, [best.coordinate]]))
     return Prediction(
         setup=setup,
         coordinates=coordinates,
@@ -355,7 +365,11 @@ def predict_design(design: AbstractDesign, at: Sequence[float] | None = None) ->
         easiest=easiest,
         best=best,
         map=_map(evaluate, coordinates, easiest) if setup.environment.dimmable_light else None,
-        caveats=setup.model.caveats(setup.flyer, setup.environment.state(reported)),
+        warnings=(
+            *design.warnings,
+            *cautions_of_force(table),
+            *cautions(setup, reported, evaluate(reported)["temperature"]),
+        ),
     )
 
 

@@ -47,7 +47,8 @@ def to_dataset(prediction: "Prediction", configuration: str = "") -> "xr.Dataset
         "lightflyer_version": lightflyer.__version__,
         "flyer": prediction.setup.flyer.describe(),
         "force_model": type(prediction.setup.model).__name__,
-        "warnings": "; ".join(prediction.caveats),
+        "assumptions": "; ".join(prediction.assumptions),
+        "warnings": "; ".join(prediction.warnings),
         "configuration": configuration,
     }
     dataset = xr.Dataset(variables, attrs=attributes)

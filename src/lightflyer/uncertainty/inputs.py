@@ -11,9 +11,11 @@ import numpy as np
 from lightflyer.flight.design import AbstractDesign
 from lightflyer.foundation.errors import ParameterError, ParameterWarning
 from lightflyer.foundation.precision import float64, quick_entry_point
+from lightflyer.uncertainty.correlation import correlation_matrix
 
 _STEP = 1e-3  # relative, over which costly parts of a design are compared
 _MOST_DRAWS = 1000
+_EVEN = 12.0**-0.5  # standard deviation of a number that lies evenly between -1/2 and 1/2
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,10 @@ class Inputs:
         What the design needs to be built with its own numbers.
     prepared_slopes : dict of str to pytree
         Change of ``prepared`` per unit of each input that moves it.
+    prepared_bends : dict of str to pytree
+        For each input that missing data leave open, change of ``prepared`` per unit of its size:
+        such an input goes from -1/2 at the lower bound over 0 at the nominal value to 1/2 at the
+        upper bound, and all its values are equally likely.
     """
 
     design: AbstractDesign
@@ -45,6 +51,12 @@ class Inputs:
     ranges: np.ndarray
     prepared: Any
     prepared_slopes: dict[str, Any]
+    prepared_bends: dict[str, Any]
+
+    @property
+    def open_names(self) -> tuple[str, ...]:
+        """Inputs that missing data leave open."""
+        return tuple(self.prepared_bends)
 
     @property
     def covariance(self) -> np.ndarray:
@@ -80,7 +92,15 @@ class Inputs:
             prepared = jax.tree.map(
                 lambda base, change, shift=shift: base + _beside(shift, change), prepared, slope
             )
-        return self.design.build(dict(zip(self.names, values, strict=True)), prepared)
+        for name, bend in self.prepared_bends.items():
+            size = jnp.abs(values[self.names.index(name)])
+            prepared = jax.tree.map(
+                lambda base, change, size=size: base + _beside(size, change), prepared, bend
+            )
+        numbers = dict(zip(self.names, values, strict=True))
+        for name in self.open_names:
+            del numbers[name]
+        return self.design.build(numbers, prepared)
 
     def setup_and_tangents(self) -> tuple[Any, list[Any]]:
         """Setup at the inputs' values, and its derivative in each of them.
@@ -148,33 +168,48 @@ def uncertain_inputs(design: AbstractDesign) -> Inputs | None:
     stated = {
         name: spread
         for name, spread in design.uncertainties.items()
-        if spread > 0.0 and name in design.fields and not design.is_layer(name)
+        if spread > 0.0 and name in design.fields
     }
-    if not stated:
+    open_parts = design.open_parts()
+    if not stated and not open_parts:
         return None
-    names = list(stated)
-    correlation = np.eye(len(names))
-    for pair, shared in design.correlations.items():
-        if set(pair) <= set(names):
-            first, second = (names.index(name) for name in pair)
-            correlation[first, second] = correlation[second, first] = shared
-    values = np.array([design.number(name) for name in names], float)
-    quantities = [design.fields[name].quantity for name in names]
-    costly = design.costly(names)
-    prepared = design.prepare({}) if costly else None
+    names = [*stated, *open_parts]
+    correlation = correlation_matrix(names, design.correlations)
+    values = [design.number(name) for name in stated] + [0.0] * len(open_parts)
+    quantities = [design.fields[name].quantity for name in stated]
+    ranges = [(quantity.lowest, quantity.highest) for quantity in quantities]
+    ranges += [(-0.5, 0.5)] * len(open_parts)
+    costly = design.costly(list(stated))
+    prepared = design.prepare({}) if costly or open_parts else None
+    slopes = {
+        name: _prepared_slope(design, prepared, name, values[names.index(name)], stated[name])
+        for name in costly
+    }
+    halves = {name: _halves(prepared, ends) for name, ends in open_parts.items()}
     return Inputs(
         design=design,
         names=names,
-        values=values,
-        spreads=np.array(list(stated.values())),
+        values=np.array(values, float),
+        spreads=np.array([*stated.values(), *[_EVEN] * len(open_parts)]),
         correlation=correlation,
-        ranges=np.array([[quantity.lowest, quantity.highest] for quantity in quantities]),
+        ranges=np.array(ranges),
         prepared=prepared,
-        prepared_slopes={
-            name: _prepared_slope(design, prepared, name, values[names.index(name)], stated[name])
-            for name in costly
-        },
+        prepared_slopes=slopes | {name: slope for name, (slope, _) in halves.items()},
+        prepared_bends={name: bend for name, (_, bend) in halves.items()},
     )
+
+
+def _halves(nominal: Any, ends: tuple[Any, Any]) -> tuple[Any, Any]:
+    """Mean slope from the lower to the upper bound, and the bend that lets the nominal be met."""
+    lower, upper = ends
+    slope = jax.tree.map(lambda low, high: np.asarray(high) - np.asarray(low), lower, upper)
+    bend = jax.tree.map(
+        lambda low, middle, high: np.asarray(high) + np.asarray(low) - 2.0 * np.asarray(middle),
+        lower,
+        nominal,
+        upper,
+    )
+    return slope, bend
 
 
 def _prepared_slope(
@@ -190,7 +225,7 @@ def _prepared_slope(
 
 
 def draw(inputs: Inputs, samples: int, seed: int) -> np.ndarray:
-    """Draw inputs from a normal distribution, redrawing the impossible.
+    """Draw inputs from a normal distribution, open ones evenly, and redraw the impossible.
 
     Parameters
     ----------
@@ -210,6 +245,8 @@ def draw(inputs: Inputs, samples: int, seed: int) -> np.ndarray:
     drawn = np.empty((0, inputs.values.size))
     for _ in range(_MOST_DRAWS):
         more = generator.multivariate_normal(inputs.values, inputs.covariance, samples)
+        for name in inputs.open_names:
+            more[:, inputs.names.index(name)] = generator.uniform(-0.5, 0.5, samples)
         inside = (more > inputs.ranges[:, 0]) & (more < inputs.ranges[:, 1])
         drawn = np.concatenate([drawn, more[np.all(inside, axis=1)]])
         if len(drawn) >= samples:

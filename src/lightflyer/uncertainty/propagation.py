@@ -30,6 +30,9 @@ from lightflyer.uncertainty.inputs import Inputs, draw, uncertain_inputs
 DEFAULT_SAMPLES = 500
 """Monte Carlo samples where nothing else is asked for."""
 
+FEWEST_SAMPLES = 100
+"""Samples below which the ends of a 95 % band mean nothing: two or three lie outside of it."""
+
 COVERAGE = (2.5, 97.5)
 """Percentiles of the bands."""
 
@@ -40,6 +43,7 @@ BANDS = ("levitation_irradiance", "levitation_temperature", "temperature", "payl
 """Quantities that have bands in the figures."""
 
 _STANDARD_DEVIATIONS = 1.959963984540054  # of a normal distribution, for 95 %
+_POSITIVE = "levitation_irradiance"  # goes with the inverse of the TACs' difference
 _MARGIN = 10  # points of the prediction's table searched beyond the nominal range
 _LIGHT_SPAN = 30.0  # irradiance, over the least, up to which the nominal range reaches
 
@@ -81,6 +85,8 @@ class PredictionUncertainty:
     samples, seed : int
     coordinate : array, shape (n,)
         Altitude [m] or pressure [Pa] of the bands.
+    endless : frozenset of str
+        The results that are positive, and infinite in samples that have none.
     low, high : dict of str to array, shape (n,)
         95 % bands of :data:`BANDS`, in SI units.
     """
@@ -93,13 +99,21 @@ class PredictionUncertainty:
     samples: int
     seed: int
     coordinate: np.ndarray
+    endless: frozenset[str] = frozenset()
     low: Table = field(default_factory=dict)
     high: Table = field(default_factory=dict)
 
     def summary(self) -> dict[str, Any]:
         """Everything as a JSON object; bands are 95 %."""
         return {
-            "inputs": dict(zip(self.inputs.names, self.inputs.spreads.tolist(), strict=True)),
+            "inputs": {
+                name: spread
+                for name, spread in zip(
+                    self.inputs.names, self.inputs.spreads.tolist(), strict=True
+                )
+                if name not in self.inputs.open_names
+            },
+            "between_bounds": list(self.inputs.open_names),
             "tac_correlation": self.tac_correlation,
             "samples": self.samples,
             "seed": self.seed,
@@ -117,17 +131,12 @@ class PredictionUncertainty:
 
     def _result(self, name: str) -> dict[str, Any]:
         value, spread = self.nominal[name], self.first_order[name]
-        half = _STANDARD_DEVIATIONS * spread
-        first_order = {"standard_uncertainty": spread, "low": value - half, "high": value + half}
+        positive = name in self.endless
+        low, high = _normal_ends(value, spread, positive=positive)
+        first_order = {"standard_uncertainty": spread, "low": float(low), "high": float(high)}
         result: dict[str, Any] = {"value": value, "first_order": first_order}
         if self.samples:
-            found = self.sampled[name][np.isfinite(self.sampled[name])]
-            levels = (COVERAGE[0], 50.0, COVERAGE[1])
-            numbers = np.percentile(found, levels).tolist() if found.size else [None] * 3
-            low, median, high = numbers
-            share = found.size / self.samples
-            band = {"low": low, "median": median, "high": high, "share_of_samples": share}
-            result["monte_carlo"] = band
+            result["monte_carlo"] = _central(self.sampled[name], endless=positive)
         return result
 
 
@@ -164,18 +173,19 @@ def propagate(
     Raises
     ------
     ParameterError
-        If the uncertainties make nearly every sample impossible, or ``samples`` or ``seed`` is
-        negative.
+        If the uncertainties make nearly every sample impossible, ``samples`` is neither zero nor
+        at least :data:`FEWEST_SAMPLES`, or ``seed`` is negative.
 
     Notes
     -----
     Inputs go through the design's own build: first order by its derivatives, Monte Carlo by
-    building every sample. The optics of layers are linear in the light's angle of incidence.
-    Uncertainties of layers, and of an atmosphere's date, place and indices, are not propagated. Of
-    several bands the samples follow the one around the strongest lift.
+    building every sample. The optics of layers are taken as linear in their thicknesses and in the
+    light's angle of incidence. What missing optical data leave open lies evenly between its bounds,
+    as often below the nominal value as above it. Uncertainties of an atmosphere's date, place and
+    indices are not propagated. Of several bands the samples follow the one around the strongest
+    lift.
     """
-    if samples < 0 or seed < 0:
-        raise ParameterError("samples and seed must be zero or positive")
+    require_samples(samples, seed)
     design = as_design(what, environment, model)
     inputs = uncertain_inputs(design)
     if inputs is None:
@@ -204,9 +214,32 @@ def propagate(
         samples=samples,
         seed=seed,
         coordinate=grid,
+        endless=frozenset(target.name for target in targets if target.quantity == _POSITIVE),
         low=bands[0],
         high=bands[1],
     )
+
+
+def require_samples(samples: int, seed: int, prefix: str = "") -> None:
+    """Raise unless a number of Monte Carlo samples gives a band.
+
+    Parameters
+    ----------
+    samples, seed : int
+    prefix : str
+        Of the names in messages, such as ``"--"``.
+
+    Raises
+    ------
+    ParameterError
+    """
+    if not (samples == 0 or samples >= FEWEST_SAMPLES):
+        raise ParameterError(
+            f"{prefix}samples = {samples}: give at least {FEWEST_SAMPLES} for a 95 % band, or 0 "
+            "for first order alone"
+        )
+    if seed < 0:
+        raise ParameterError(f"{prefix}seed = {seed}: must be zero or positive")
 
 
 class _Targets:
@@ -241,6 +274,17 @@ class _Targets:
         for output in names:
             key, scale = self.known[output].json
             self.add(f"{group}.{key}", place.values[output], output, scale, mover)
+
+
+def _central(drawn: np.ndarray, *, endless: bool) -> dict[str, Any]:
+    """Ends and median of samples; ``endless`` where a missing value is larger than any other."""
+    known = np.isfinite(drawn)
+    counted = np.where(known, drawn, np.inf) if endless else drawn[known]
+    levels = (COVERAGE[0], 50.0, COVERAGE[1])
+    ends = np.percentile(counted, levels, method="nearest") if counted.size else np.full(3, np.nan)
+    low, median, high = (float(end) if np.isfinite(end) else None for end in ends)
+    share = float(known.mean())
+    return {"low": low, "median": median, "high": high, "share_of_samples": share}
 
 
 def _targets(prediction: Prediction) -> tuple[list[_Target], np.ndarray]:
@@ -288,6 +332,16 @@ def _even_grid(prediction: Prediction) -> np.ndarray:
     ends = coordinates[[max(low, 0), min(high, last)]]
     start, stop = np.log(ends) if prediction.coordinate.logarithmic else ends
     return np.linspace(start, stop, BAND_POINTS)
+
+
+def _normal_ends(value: Any, spread: Any, *, positive: bool) -> tuple[Any, Any]:
+    """Ends of a 95 % band to first order; in the logarithm for what is positive."""
+    half = _STANDARD_DEVIATIONS * spread
+    if not positive:
+        return value - half, value + half
+    with np.errstate(invalid="ignore", divide="ignore"):
+        factor = np.exp(half / value)
+    return value / factor, value * factor
 
 
 def _spread(target: _Target, slopes: Derivatives) -> float:
@@ -344,7 +398,6 @@ def _quantiles(table: Table) -> tuple[Table, Table]:
 def _normal_bands(slopes: Derivatives) -> tuple[Table, Table]:
     low, high = {}, {}
     for name in BANDS:
-        value = slopes.value[name][:BAND_POINTS]
-        half = _STANDARD_DEVIATIONS * slopes.spreads(name)[:BAND_POINTS]
-        low[name], high[name] = value - half, value + half
+        value, spread = slopes.value[name][:BAND_POINTS], slopes.spreads(name)[:BAND_POINTS]
+        low[name], high[name] = _normal_ends(value, spread, positive=name == _POSITIVE)
     return low, high

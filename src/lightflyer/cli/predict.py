@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from lightflyer.config.flyer_file import FlyerFile
@@ -206,9 +206,9 @@ def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
     console.print(table)
     correlation = uncertainty["tac_correlation"]
     note = "" if correlation is None else f", TAC errors correlated by {correlation:g}"
-    sources = (
-        [f"the ± of {', '.join(uncertainty['inputs'])}{note}"] if uncertainty["inputs"] else []
-    )
+    sources = []
+    if uncertainty["inputs"]:
+        sources.append(f"the ± of {', '.join(uncertainty['inputs'])}{note}")
     if uncertainty["between_bounds"]:
         names = ", ".join(uncertainty["between_bounds"])
         sources.append(f"the bounds of {names}")

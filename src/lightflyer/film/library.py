@@ -63,8 +63,8 @@ TAC_UNCERTAINTY = 0.05
 _CRC = "CRC Handbook of Chemistry and Physics, 95th ed. [CRC2014]"
 _GE_BULK = f"crystal, {_CRC}; evaporated films are up to about 10 % lighter"
 
-# Highest temperatures are melting points by [CRC2014]; that of PET is by [DuPontTeijin2003], that of
-# polyimide the onset of its glass transition by [DuPont2006].
+# Highest temperatures are melting points by [CRC2014]; that of PET is by [DuPontTeijin2003], that
+# of polyimide the onset of its glass transition by [DuPont2006].
 PAGES: dict[str, Entry] = {
     "Ge": Entry(
         "germanium, evaporated 0.42-µm film (amorphous)",

@@ -352,7 +352,7 @@ def predict_design(design: AbstractDesign, at: Sequence[float] | None = None) ->
     if np.isfinite(table["levitation_irradiance"]).any():
         easiest = _optimum(evaluate, coordinates, "levitation_irradiance", -1.0)
     flying = [coordinates[(coordinates >= low) & (coordinates <= high)] for low, high in bands]
-    explicit = [] if at is None else asked
+    explicit = asked[:0] if at is None else asked
     reported = np.unique(np.concatenate([*flying, edges.ravel(), explicit, [best.coordinate]]))
     return Prediction(
         setup=setup,

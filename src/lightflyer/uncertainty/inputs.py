@@ -175,7 +175,7 @@ def uncertain_inputs(design: AbstractDesign) -> Inputs | None:
         return None
     names = [*stated, *open_parts]
     correlation = correlation_matrix(names, design.correlations)
-    values = [design.number(name) for name in stated] + [0.0] * len(open_parts)
+    values = [design.number(name) or 0.0 for name in stated] + [0.0] * len(open_parts)
     quantities = [design.fields[name].quantity for name in stated]
     ranges = [(quantity.lowest, quantity.highest) for quantity in quantities]
     ranges += [(-0.5, 0.5)] * len(open_parts)

@@ -59,7 +59,7 @@ HEADER = "sample,pressure [Pa],irradiance [W/m^2]"
 def test_one_clear_line_for_each_mistake(write, text, line, says):
     path = write(text)
     with pytest.raises(lf.ConfigurationError) as error:
-        read_points(path)
+        read_points(path, strict=True)
     message = str(error.value)
     assert "\n" not in message
     assert message.startswith(f"{path}:{line}: " if line else f"{path}: ")

@@ -5,7 +5,9 @@ model,
 
 .. math:: \ln I_i^\mathrm{measured} \sim N(\ln I_i^\mathrm{model}, \sigma_i^2),
 
-with the points' own uncertainties, or one unknown scatter :math:`\sigma` for all. Priors are flat
+with the points' own uncertainties, or one unknown scatter :math:`\sigma` for all. Everything else
+is taken exactly as given: the draws do not contain the ± of the flyer file, of columns, or of
+instruments. Priors are flat
 in the logarithm: of parameters from 1e-6 to the largest possible value, or to 1e6 where there is
 none (times the start for parameters with a unit), and of the scatter from 1e-4 to 10.
 """
@@ -121,6 +123,7 @@ class Posterior:
                     self.names, *columns, strict=True
                 )
             },
+            "interval_95": "at the inputs as given, without their ±",
             "chains": self.draws.shape[0],
             "draws": self.draws.shape[0] * self.draws.shape[1],
             "divergences": self.divergences,
@@ -165,7 +168,9 @@ def posterior(
 
     Notes
     -----
-    Priors are flat in the logarithm of each parameter and of the scatter. Where uncertainties are
+    The draws are at the inputs as given: unlike the calibration's total intervals they do not
+    contain the inputs' uncertainties. Priors are flat in the logarithm of each parameter and of
+    the scatter. Where uncertainties are
     stated, the likelihood has those of ``calibration.uncertainty``.
     """
     numpyro = _numpyro()
@@ -230,7 +235,7 @@ def _sampler(numpyro: ModuleType, calibration: Calibration) -> Any:
 
 def _prior_ends(calibration: Calibration) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper ends of the priors of the log-parameters, shape (p,) each."""
-    ranges = [parameter.log_prior_range for parameter in calibration.problem.parameters]
+    ranges = [parameter.log_bounds for parameter in calibration.problem.parameters]
     lower, upper = np.array(ranges).T
     return lower, upper
 

@@ -9,21 +9,36 @@ Where the points carry no uncertainty, one relative scatter for all is estimated
 residuals.
 """
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.special import chdtri, fdtri
+from scipy.special import chdtrc, chdtri, fdtri
 
+from lightflyer.calibration import findings
+from lightflyer.calibration.inputs import (
+    IRRADIANCE_ACCURACY,
+    LIGHT_METER,
+    PRESSURE_ACCURACY,
+    PRESSURE_GAUGE,
+)
 from lightflyer.calibration.least_squares import LeastSquares
 from lightflyer.calibration.points import Points
-from lightflyer.calibration.problem import DEFAULT_FREE, UNREACHABLE, Problem, problem_of
+from lightflyer.calibration.problem import (
+    DEFAULT_FREE,
+    UNREACHABLE,
+    Parameter,
+    Problem,
+    problem_of,
+)
+from lightflyer.calibration.total import from_inputs
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flight.design import as_design
 from lightflyer.flight.setup import Setup
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.checks import require_positive
+from lightflyer.foundation.checks import require_positive, require_range
 from lightflyer.foundation.errors import ConvergenceError, ParameterError
 
 CONFIDENCE = 0.95
@@ -32,6 +47,8 @@ CONFIDENCE = 0.95
 _RANK_TOLERANCE = 1e-8  # of the Jacobian's singular values
 _INVOLVED = 0.03  # share of a direction that names a parameter in a message
 _EFFECTIVE_VARIANCE_PASSES = 3
+_START_FACTORS = (2.0, 0.5, 5.0, 0.2, 20.0, 0.05, 100.0, 0.01)  # of starting values, in turn
+_AT_END = 1e-6  # distance of a log-parameter from the end of its range that counts as none
 
 
 @dataclass(frozen=True)
@@ -45,30 +62,51 @@ class Calibration:
     values : array, shape (p,)
         Fitted parameters, in SI units.
     covariance : array, shape (p, p)
-        Covariance of the values, to first order.
+        Covariance of the values by the points' scatter, to first order: at the inputs as given.
     intervals : array, shape (p, 2)
-        95 % profile-likelihood intervals; an end at a parameter's bound is that bound.
+        95 % profile-likelihood intervals, at the inputs as given. An end beyond which the points
+        set no bound is zero, infinite, or the largest possible value.
+    total_covariance : array, shape (p, p)
+        Covariance that also contains the inputs' uncertainties, to first order.
+    total_intervals : array, shape (p, 2)
+        95 % intervals that also contain the inputs' uncertainties.
+    contributions : dict of str to array, shape (p,)
+        Relative standard uncertainty of each parameter by each input, to first order.
     scatter : float
         Root of the mean square of the residuals in log-irradiance per degree of freedom [1].
     estimated_scatter : bool
         Whether the points' uncertainty was estimated from their scatter.
+    chi_squared, freedom : float, int
+        Sum of the squared residuals over the points' stated uncertainties, and its number of
+        degrees of freedom; NaN where none are stated.
+    error_scale : float
+        Factor by which the stated uncertainties were multiplied.
     residuals : array, shape (n,)
         Measured minus fitted log-irradiance.
     uncertainty : array, shape (n,)
         Standard uncertainty of each point's log-irradiance, that of pressure included.
     fitted : array, shape (n,)
         Fitted irradiance [W/m²].
+    warnings : tuple of str
+        What a reader of the result must know, one line each.
     """
 
     problem: Problem
     values: np.ndarray
     covariance: np.ndarray
     intervals: np.ndarray
+    total_covariance: np.ndarray
+    total_intervals: np.ndarray
+    contributions: dict[str, np.ndarray]
     scatter: float
     estimated_scatter: bool
+    chi_squared: float
+    freedom: int
+    error_scale: float
     residuals: np.ndarray
     uncertainty: np.ndarray
     fitted: np.ndarray
+    warnings: tuple[str, ...]
 
     @property
     def names(self) -> list[str]:
@@ -82,8 +120,23 @@ class Calibration:
 
     @property
     def standard_uncertainties(self) -> np.ndarray:
-        """Square roots of the covariance's diagonal, shape (p,)."""
+        """Square roots of the covariance's diagonal, shape (p,): at the inputs as given."""
         return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def total_standard_uncertainties(self) -> np.ndarray:
+        """Square roots of the total covariance's diagonal, shape (p,)."""
+        return np.sqrt(np.diag(self.total_covariance))
+
+    @property
+    def reduced_chi_squared(self) -> float:
+        """Chi-squared over its degrees of freedom; NaN where it has none."""
+        return self.chi_squared / self.freedom if self.freedom else math.nan
+
+    @property
+    def chi_squared_probability(self) -> float:
+        """Probability of a larger chi-squared, if the stated uncertainties are right."""
+        return float(chdtrc(self.freedom, self.chi_squared)) if self.freedom else math.nan
 
     @property
     def setup(self) -> Setup:
@@ -98,28 +151,42 @@ class Calibration:
         return model.design.build(shared, model.prepared)
 
     def summary(self) -> dict[str, Any]:
-        """The fit as a JSON object."""
+        """The fit as a JSON object; what is infinite or unknown is null."""
         return {
-            "parameters": {
-                name: {
-                    "value": float(value),
-                    "standard_uncertainty": float(spread),
-                    "interval_95": [float(end) for end in interval],
-                }
-                for name, value, spread, interval in zip(
-                    self.names,
-                    self.values,
-                    self.standard_uncertainties,
-                    self.intervals,
-                    strict=True,
-                )
-            },
-            "covariance": self.covariance.tolist(),
+            "parameters": {name: self._parameter(row) for row, name in enumerate(self.names)},
+            "interval_95": "at the inputs as given: by the points' scatter alone",
+            "total_interval_95": "by the points' scatter and the uncertainties of the inputs",
+            "inputs_in_total": list(self.contributions),
+            "covariance": _plain(self.covariance),
+            "total_covariance": _plain(self.total_covariance),
             "points": len(self.points),
             "samples": list(dict.fromkeys(self.points.samples)),
             "scatter_log_irradiance": self.scatter,
             "scatter_is_estimated": self.estimated_scatter,
+            "reduced_chi_squared": _plain(self.reduced_chi_squared),
+            "chi_squared_probability": _plain(self.chi_squared_probability),
+            "stated_errors_scaled_by": self.error_scale,
+            "warnings": list(self.warnings),
         }
+
+    def _parameter(self, row: int) -> dict[str, Any]:
+        return {
+            "value": float(self.values[row]),
+            "standard_uncertainty": _plain(self.standard_uncertainties[row]),
+            "interval_95": _plain(self.intervals[row]),
+            "total_standard_uncertainty": _plain(self.total_standard_uncertainties[row]),
+            "total_interval_95": _plain(self.total_intervals[row]),
+            "relative_uncertainty_by_input": {
+                name: _plain(shares[row]) for name, shares in self.contributions.items()
+            },
+        }
+
+
+def _plain(numbers: Any) -> Any:
+    """Numbers as JSON has them."""
+    if np.ndim(numbers):
+        return [_plain(one) for one in numbers]
+    return float(numbers) if np.isfinite(numbers) else None
 
 
 def calibrate(
@@ -129,6 +196,9 @@ def calibrate(
     model: AbstractForceModel | None = None,
     *,
     free: Sequence[str] = DEFAULT_FREE,
+    pressure_accuracy: float = PRESSURE_ACCURACY,
+    irradiance_accuracy: float = IRRADIANCE_ACCURACY,
+    scale_errors: bool = False,
 ) -> Calibration:
     """Fit numbers of a design to levitation points of one or more samples.
 
@@ -136,7 +206,8 @@ def calibrate(
     ----------
     points : Points
         From :func:`read_points`. Columns such as ``diameter`` or ``emittance`` give the properties
-        in which samples differ from the flyer of the design.
+        in which samples differ from the flyer of the design, and ``emittance_uncertainty`` the
+        standard uncertainty of one.
     what : AbstractDesign, Setup, FlyerFile, path of a flyer file, or AbstractFlyer
         Gives everything that is not fitted, and the starting values. The coordinate of its
         environment must be the pressure.
@@ -146,6 +217,12 @@ def calibrate(
         Parameters: names of numbers in full, such as ``"force.c_fm"``, or their last parts, such
         as ``"c_fm"`` or ``"emittance"`` (of both faces), if only one number ends so. A name alone
         is one value for all samples; ``"emittance[Ge 2 cm]"`` is that of one sample.
+    pressure_accuracy, irradiance_accuracy : float
+        Relative standard uncertainty of the calibration of pressure gauge and light meter, which
+        moves all points together. The defaults are assumptions.
+    scale_errors : bool
+        Multiply the stated uncertainties of the points by the root of the reduced chi-squared, as
+        if only their ratios were known.
 
     Returns
     -------
@@ -155,7 +232,8 @@ def calibrate(
     ------
     ParameterError
         If a name is unknown or given twice, there are fewer points than parameters, the points
-        cannot tell the parameters apart, or no irradiance levitates a point at the start.
+        cannot tell the parameters apart, no irradiance levitates a point from any start, or errors
+        cannot be scaled.
     ConvergenceError
         If the fit fails.
 
@@ -163,7 +241,9 @@ def calibrate(
     -----
     Derivatives are exact, through the root-find. The uncertainty of pressure enters through the
     slope of the fitted curve (effective variance). Intervals are those of the profile likelihood;
-    if the scatter is estimated, their threshold is that of Fisher's distribution.
+    if the scatter is estimated, their threshold is that of Fisher's distribution. The total ones
+    add what the inputs' uncertainties move the fit by; see
+    :mod:`lightflyer.calibration.total`. The two half-widths, of the logarithm, add in quadrature.
 
     Examples
     --------
@@ -180,34 +260,93 @@ def calibrate(
     >>> print(f"{fit.values[0]:.2f} {fit.values[1]:.1f}")
     0.40 3.0
     """
-    problem = problem_of(points, as_design(what, environment, model), free)
-    _require_reachable(problem)
-    fit, best, spread = _solve_weighted(problem)
-    predicted, jacobian, _ = problem.linearised(best)
-    weighted = jacobian * fit.weight[:, None]
-    _require_distinct(weighted, problem.names)
-    freedom = len(points) - best.size
-    cost = fit.cost(best)
+    for name, accuracy in (
+        ("pressure_accuracy", pressure_accuracy),
+        ("irradiance_accuracy", irradiance_accuracy),
+    ):
+        require_range(name, accuracy, 0.0, 1.0)
+    meters = {PRESSURE_GAUGE: pressure_accuracy, LIGHT_METER: irradiance_accuracy}
+    problem = problem_of(points, as_design(what, environment, model), free, meters)
+    fit, best, spread = _solve_weighted(problem, _reachable_start(problem))
+    return _calibration(fit, best, spread, scale_errors=scale_errors)
+
+
+def _calibration(
+    fit: LeastSquares, best: np.ndarray, spread: np.ndarray, *, scale_errors: bool
+) -> Calibration:
+    """The result of a fit."""
+    problem, points = fit.problem, fit.problem.points
+    here = fit.at(best)
+    freedom, cost = len(points) - best.size, fit.cost(best)
+    _require_distinct(here.jacobian * fit.weight[:, None], problem.names)
+    scaled = scale_errors and points.has_uncertainty
+    if scaled and not freedom:
+        raise ParameterError(
+            f"{points.source}: as many parameters as points leave nothing to scale errors by"
+        )
     estimated = not points.has_uncertainty
-    variance = cost / freedom if estimated else 1.0
-    limit = cost + _threshold(variance, freedom, estimated=estimated)
-    in_logarithms = np.linalg.inv(weighted.T @ weighted) * variance
-    intervals = [
-        fit.interval(best, limit, number, first_order)
-        for number, first_order in enumerate(np.sqrt(np.diag(in_logarithms)))
-    ]
-    values, residuals = np.exp(best), fit.measured - predicted
-    return Calibration(
+    variance = cost / freedom if estimated or scaled else 1.0
+    limit = cost + _threshold(variance, freedom, estimated=estimated or scaled)
+    values, residuals = np.exp(best), fit.measured - here.value
+    in_logarithms = _covariance(fit, best) * variance
+    inputs = from_inputs(fit, best)
+    ends = np.array(
+        [
+            fit.interval(best, limit, number, first_order)
+            for number, first_order in enumerate(np.sqrt(np.diag(in_logarithms)))
+        ]
+    )
+    ends = _open(ends, problem)
+    both = np.hypot(ends - best[:, None], _open(inputs.ends, problem) - best[:, None])
+    scale = np.outer(values, values)
+    found = Calibration(
         problem=problem,
         values=values,
-        covariance=in_logarithms * np.outer(values, values),
-        intervals=np.exp(np.array(intervals)),
+        covariance=in_logarithms * scale,
+        intervals=_natural(ends, problem.parameters),
+        total_covariance=(in_logarithms + inputs.covariance) * scale,
+        total_intervals=_natural(best[:, None] + both * [-1.0, 1.0], problem.parameters),
+        contributions={
+            name: np.abs(column)
+            for name, column in zip(problem.inputs.names, inputs.slopes.T, strict=True)
+            if np.any(column)
+        },
         scatter=float(np.sqrt(np.sum(residuals**2) / freedom)) if freedom else 0.0,
         estimated_scatter=estimated,
+        chi_squared=math.nan if estimated else cost,
+        freedom=freedom,
+        error_scale=math.sqrt(variance) if scaled else 1.0,
         residuals=residuals,
-        uncertainty=np.full(len(points), np.sqrt(variance)) if estimated else spread,
-        fitted=np.exp(predicted),
+        uncertainty=spread * math.sqrt(variance),
+        fitted=np.exp(here.value),
+        warnings=(),
     )
+    return replace(found, warnings=(*points.warnings, *findings.of(found)))
+
+
+def _covariance(fit: LeastSquares, best: np.ndarray) -> np.ndarray:
+    """Covariance of the log-parameters for residuals of unit variance."""
+    weighted = fit.at(best).jacobian * fit.weight[:, None]
+    return np.asarray(np.linalg.inv(weighted.T @ weighted))
+
+
+def _open(ends: np.ndarray, problem: Problem) -> np.ndarray:
+    """Ends of intervals of the logarithm, infinite where the search reached its own end."""
+    lower, upper = problem.bounds
+    low, high = ends.T
+    return np.stack(
+        [
+            np.where(low <= lower + _AT_END, -np.inf, low),
+            np.where(high >= upper - _AT_END, np.inf, high),
+        ],
+        axis=1,
+    )
+
+
+def _natural(ends: np.ndarray, parameters: Sequence[Parameter]) -> np.ndarray:
+    """Ends of intervals, cut at what is possible."""
+    least, most = np.array([parameter.ends for parameter in parameters]).T
+    return np.clip(np.exp(ends), least[:, None], most[:, None])
 
 
 def _threshold(variance: float, freedom: int, *, estimated: bool) -> float:
@@ -217,28 +356,39 @@ def _threshold(variance: float, freedom: int, *, estimated: bool) -> float:
     return float(chdtri(1, 1.0 - CONFIDENCE))
 
 
-def _require_reachable(problem: Problem) -> None:
-    points = problem.points
-    out_of_reach = np.flatnonzero(problem.linearised(problem.start)[0] >= UNREACHABLE)
-    if out_of_reach.size:
-        first = out_of_reach[0]
-        raise ParameterError(
-            f"{points.source}: at the starting values no irradiance levitates "
-            f"{points.samples[first]} at {points.pressure[first]:.4g} Pa "
-            f"({out_of_reach.size} of {len(points)} points); start from other values, or remove "
-            "those points"
-        )
+def _reachable_start(problem: Problem) -> np.ndarray:
+    """Log-parameters from which some irradiance levitates every point."""
+    points, lower, upper = problem.points, *problem.bounds
+    start = problem.start
+    out_of_reach = np.flatnonzero(problem.linearised(start).value >= UNREACHABLE)
+    if not out_of_reach.size:
+        return start
+    for factor in _START_FACTORS:
+        for moved in (*np.eye(start.size), np.ones(start.size)):
+            other = np.clip(start + math.log(factor) * moved, lower, upper - _AT_END)
+            if np.all(problem.linearised(other).value < UNREACHABLE):
+                return other
+    first = out_of_reach[0]
+    line = f":{points.lines[first]}" if points.lines else ""
+    raise ParameterError(
+        f"{points.source}{line}: at the starting values no irradiance levitates "
+        f"{points.samples[first]} at {points.pressure[first]:.4g} Pa "
+        f"({out_of_reach.size} of {len(points)} points), nor at others tried; check the flyer's "
+        "TACs, start from other values, or remove those points"
+    )
 
 
-def _solve_weighted(problem: Problem) -> tuple[LeastSquares, np.ndarray, np.ndarray]:
+def _solve_weighted(
+    problem: Problem, start: np.ndarray
+) -> tuple[LeastSquares, np.ndarray, np.ndarray]:
     """Weighted fit, its best parameters, and the uncertainty of each log-irradiance."""
     points = problem.points
     spread = np.ones(len(points))
     fit = LeastSquares(problem, spread)
     try:
-        best, _ = fit.solve(problem.start)
+        best, _ = fit.solve(start)
         for _ in range(_EFFECTIVE_VARIANCE_PASSES if points.has_uncertainty else 0):
-            spread = _log_uncertainty(points, problem.linearised(best)[2])
+            spread = _log_uncertainty(points, fit.at(best).slope)
             fit = LeastSquares(problem, 1.0 / spread)
             best, _ = fit.solve(best)
     except ParameterError:

@@ -2,12 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.optimize import OptimizeResult, brentq, least_squares
 
-from lightflyer.calibration.problem import Problem
+from lightflyer.calibration.problem import Linearised, Problem
 
 _INTERVAL_STEPS = 40  # growing steps that look for an interval's end
 
@@ -21,10 +20,13 @@ class LeastSquares:
     problem : Problem
     weight : array, shape (n,)
         Of each residual, one over its uncertainty.
+    shifts : array, shape (k,), optional
+        Errors of the inputs in their standard uncertainties.
     """
 
     problem: Problem
     weight: np.ndarray
+    shifts: np.ndarray | None = None
 
     @property
     def measured(self) -> np.ndarray:
@@ -33,8 +35,12 @@ class LeastSquares:
 
     def cost(self, parameters: np.ndarray) -> float:
         """Sum of squared weighted residuals at log-parameters of shape (p,)."""
-        predicted, _, _ = self.problem.linearised(parameters)
+        predicted = self.at(parameters).value
         return float(np.sum(((predicted - self.measured) * self.weight) ** 2))
+
+    def at(self, parameters: np.ndarray) -> Linearised:
+        """Log-irradiance of the model and its derivatives, at log-parameters of shape (p,)."""
+        return self.problem.linearised(parameters, self.shifts)
 
     def solve(
         self, start: np.ndarray, held: int | None = None, value: float = np.nan
@@ -58,25 +64,26 @@ class LeastSquares:
         if not free.any():
             parameters = np.array([value])
             return parameters, self.cost(parameters)
-        cache: dict[bytes, Any] = {}
+        lower, upper = self.problem.bounds
+        cache: dict[bytes, Linearised] = {}
 
         def whole(part: np.ndarray) -> np.ndarray:
             parameters = np.where(free, 0.0, value)
             parameters[free] = part
             return parameters
 
-        def evaluate(part: np.ndarray) -> Any:
+        def evaluate(part: np.ndarray) -> Linearised:
             key = part.tobytes()
             if key not in cache:
                 cache.clear()
-                cache[key] = self.problem.linearised(whole(part))
+                cache[key] = self.at(whole(part))
             return cache[key]
 
         found: OptimizeResult = least_squares(
-            lambda part: (evaluate(part)[0] - self.measured) * self.weight,
-            start[free],
-            jac=lambda part: evaluate(part)[1][:, free] * self.weight[:, None],
-            bounds=self.problem.bounds[:, free],
+            lambda part: (evaluate(part).value - self.measured) * self.weight,
+            np.clip(start, lower, upper)[free],
+            jac=lambda part: evaluate(part).jacobian[:, free] * self.weight[:, None],
+            bounds=(lower[free], upper[free]),
             x_scale="jac",
             ftol=1e-12,
             xtol=1e-10,

@@ -1,4 +1,4 @@
-"""Measured levitation points, read from a CSV file with units in its header.
+"""Measured levitation points, read from a table with units in its header.
 
 Such a file looks like this; further columns are optional::
 
@@ -7,12 +7,14 @@ Such a file looks like this; further columns are optional::
 
 """
 
+import difflib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD, require_step
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.layout import Column
 from lightflyer.foundation.quantity import (
     AccommodationCoefficient,
@@ -25,9 +27,9 @@ from lightflyer.foundation.quantity import (
     Quantity,
     quantity_of,
 )
-from lightflyer.foundation.table import Table, read_table
+from lightflyer.foundation.table import Rejected, Table, read_table
 
-REQUIRED = ("sample", "pressure", "irradiance")
+REQUIRED = ("pressure", "irradiance")
 """Columns that every file has."""
 
 
@@ -35,8 +37,8 @@ def _positive(kind: object) -> Quantity:
     return replace(quantity_of(kind) or Quantity(), open_below=True)
 
 
-_PRESSURE = Column("pressure", Pressure, required=True)
-_IRRADIANCE = Column("irradiance", _positive(Irradiance), required=True)
+_PRESSURE = Column("pressure", Pressure, ("p", "chamber_pressure"), required=True)
+_IRRADIANCE = Column("irradiance", _positive(Irradiance), ("i", "intensity"), required=True)
 _SAMPLE_COLUMNS = (
     Column("diameter", Length),
     Column("areal_density", ArealDensity),
@@ -46,26 +48,35 @@ _SAMPLE_COLUMNS = (
     Column("tac_bottom", AccommodationCoefficient),
 )
 _UNCERTAINTIES = (_PRESSURE.uncertainty(), _IRRADIANCE.uncertainty())
-_COLUMNS = (
-    Column("sample", text=True, required=True, blank=False),
+LEVITATION_COLUMNS = (
+    Column("sample", aliases=("name",), text=True, blank=False),
+    Column("launchpad", aliases=("pad",), text=True),
     _PRESSURE,
     _IRRADIANCE,
     *_UNCERTAINTIES,
+    Column("floor_gap", Quantity("m", 0.0), ("gap",)),
     *_SAMPLE_COLUMNS,
+    *(column.uncertainty() for column in _SAMPLE_COLUMNS),
     Column("figure", text=True),
 )
+"""Columns of a file of levitation points."""
 
-NUMBERS: dict[str, Quantity] = {one.name: one.quantity for one in _COLUMNS if not one.text}
+NUMBERS: dict[str, Quantity] = {
+    one.name: one.quantity for one in LEVITATION_COLUMNS if not one.text
+}
 """Columns of numbers: unit and possible range by name."""
 
 SAMPLE_PROPERTIES = tuple(column.name for column in _SAMPLE_COLUMNS)
 """Columns that describe a sample."""
 
-COLUMNS = (*NUMBERS, *(column.name for column in _COLUMNS if column.text))
+COLUMNS = (*NUMBERS, *(column.name for column in LEVITATION_COLUMNS if column.text))
 """All columns that a file may have."""
 
 FIGURES = ("2", "5", "S2", "S3")
 """Figures of the paper in which points can be drawn."""
+
+
+_LEAST_ALIKE = 0.8  # of a column's name and a known one, for a hint at a misspelling
 
 
 @dataclass(frozen=True)
@@ -77,17 +88,33 @@ class Points:
     source : str
         Name of the file.
     samples : list of str, length n
-        Sample of each point.
+        Sample of each point, with its launchpad where the file names one.
     numbers : dict of str to array, shape (n,)
         Columns with numbers, in SI units, by name.
     texts : dict of str to list of str
         Further columns, by name.
+    lines : tuple of int
+        Line of each point in the file; empty where there is no file.
+    rejected : tuple of Rejected
+        Rows of the file that could not be read.
+    unused : tuple of str
+        Columns of the file that are not known.
+    step : float
+        Step in which the light was raised [W/m²], whose middle the irradiances are; 0 where it
+        was raised steadily.
+    notes : tuple of str
+        What was done to the points, one line each.
     """
 
     source: str
     samples: list[str]
     numbers: dict[str, np.ndarray]
     texts: dict[str, list[str]] = field(default_factory=dict)
+    lines: tuple[int, ...] = ()
+    rejected: tuple[Rejected, ...] = ()
+    unused: tuple[str, ...] = ()
+    step: float = 0.0
+    notes: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         """Number of points."""
@@ -111,21 +138,138 @@ class Points:
     @property
     def properties(self) -> dict[str, np.ndarray]:
         """Columns that describe the samples, by name: arrays of shape (n,)."""
-        measured = {column.name for column in (_PRESSURE, _IRRADIANCE, *_UNCERTAINTIES)}
-        return {name: column for name, column in self.numbers.items() if name not in measured}
+        measured = {column.name for column in (_PRESSURE, _IRRADIANCE)}
+        return {
+            name: column
+            for name, column in self.numbers.items()
+            if name not in measured and name != "floor_gap" and not name.endswith("_uncertainty")
+        }
+
+    @property
+    def near_floor(self) -> np.ndarray:
+        """Whether the floor is closer than the sample's diameter: bool array, shape (n,)."""
+        gap, diameter = (self.numbers.get(name) for name in ("floor_gap", "diameter"))
+        if gap is None or diameter is None:
+            return np.zeros(len(self), bool)
+        return np.asarray(gap < diameter)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a reader of results must know of the file, one line each."""
+        rows = [f"rejected {row}" for row in self.rejected]
+        known = [column.name for column in LEVITATION_COLUMNS]
+        for name in self.unused:
+            plain = name.partition("[")[0].strip().casefold()
+            near = difflib.get_close_matches(plain, known, n=1, cutoff=_LEAST_ALIKE)
+            hint = f'; did you mean "{near[0]}"?' if near else ""
+            rows.append(f"{self.source}: the column {name} is not used{hint}")
+        return (*rows, *self.notes)
 
     def of(self, sample: str) -> np.ndarray:
         """Which points belong to a sample: bool array, shape (n,)."""
         return np.array([name == sample for name in self.samples], bool)
 
+    def where(self, chosen: np.ndarray) -> "Points":
+        """Some of the points.
 
-def read_points(path: str | Path) -> Points:
-    """Read measured points.
+        Parameters
+        ----------
+        chosen : bool array, shape (n,)
+
+        Returns
+        -------
+        Points
+        """
+
+        def some(values: list[str]) -> list[str]:
+            return [value for value, kept in zip(values, chosen, strict=True) if kept]
+
+        return replace(
+            self,
+            samples=some(self.samples),
+            numbers={name: column[chosen] for name, column in self.numbers.items()},
+            texts={name: some(column) for name, column in self.texts.items()},
+            lines=tuple(np.array(self.lines, int)[chosen].tolist()) if self.lines else (),
+        )
+
+    def without_ground_effect(self) -> "Points":
+        """The points whose sample is farther from the floor than its diameter.
+
+        Returns
+        -------
+        Points
+            With a note of what was left out.
+
+        Raises
+        ------
+        ParameterError
+            If none is left.
+        """
+        near = self.near_floor
+        if not near.any():
+            return self
+        left_out = {
+            name: int(np.sum(near & self.of(name)))
+            for name in dict.fromkeys(self.samples)
+            if np.any(near & self.of(name))
+        }
+        said = tuple(
+            f"{name}: {count} points in ground effect are left out of the fit, since the floor is "
+            "nearer than the sample's diameter"
+            for name, count in left_out.items()
+        )
+        if near.all():
+            raise ParameterError(
+                f"{self.source}: all points are in ground effect, nearer to the floor than the "
+                "sample's diameter; keep them, or measure farther away"
+            )
+        return replace(self.where(~near), notes=(*self.notes, *said))
+
+    def stepped(self, step: float) -> "Points":
+        """Points whose light was raised in steps until the sample lifted off.
+
+        The light that suffices lies between the last one without levitation and the first one
+        with it. The points returned have the middle of the two and, where uncertainties are
+        stated, also that of the step.
+
+        Parameters
+        ----------
+        step : float
+            [W/m²]; 0 returns the points as they are.
+
+        Returns
+        -------
+        Points
+
+        Raises
+        ------
+        ParameterError
+            If the step is negative or not smaller than every irradiance.
+        """
+        require_step(step, self.irradiance, self.source)
+        if step == 0.0:
+            return self
+        numbers = self.numbers | {"irradiance": self.irradiance - CENTRE * step}
+        if self.has_uncertainty:
+            stated = self.numbers.get("irradiance_uncertainty", np.zeros(len(self)))
+            numbers["irradiance_uncertainty"] = np.hypot(stated, UNIFORM_SPREAD * step)
+        return replace(self, numbers=numbers, step=step)
+
+
+def read_points(path: str | Path, *, columns: str | None = None, strict: bool = False) -> Points:
+    """Read measured points, as every command does that takes them.
 
     Parameters
     ----------
     path : str or path
-        CSV with a header such as ``sample, pressure [Torr], irradiance [W/m^2]``.
+        Table with a header such as ``sample, pressure [Torr], irradiance [W/m^2]``. Without
+        ``sample`` all points belong to one, which has the file's name.
+    columns : str, optional
+        The columns in the order of the file, in place of a header; see
+        :func:`~lightflyer.foundation.table.read_table`.
+    strict : bool
+        Refuse rows that cannot be read and unknown columns. Otherwise
+        :attr:`Points.warnings` names them.
 
     Returns
     -------
@@ -136,9 +280,22 @@ def read_points(path: str | Path) -> Points:
     ConfigurationError
         One line that names file, line and column.
     """
-    table = read_table(path, _COLUMNS, strict=True, closed=True)
+    table = read_table(path, LEVITATION_COLUMNS, layout=columns, strict=strict, closed=strict)
     _require_figures(table)
-    return Points(table.source, table.texts["sample"], table.numbers, table.texts)
+    samples = table.texts.get("sample", [Path(path).stem] * len(table))
+    pads = table.texts.get("launchpad", [""] * len(table))
+    return Points(
+        source=table.source,
+        samples=[
+            f"{sample} on {pad}" if pad else sample
+            for sample, pad in zip(samples, pads, strict=True)
+        ],
+        numbers=table.numbers,
+        texts=table.texts,
+        lines=tuple(table.lines.tolist()),
+        rejected=tuple(table.rejected),
+        unused=tuple(table.unused),
+    )
 
 
 def _require_figures(table: Table) -> None:

@@ -6,15 +6,16 @@ design share it.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from lightflyer.calibration.inputs import FitInputs, fit_inputs
 from lightflyer.calibration.points import Points
-from lightflyer.calibration.targets import Target, target_of
+from lightflyer.calibration.targets import Fields, Target, target_of
 from lightflyer.flight.design import AbstractDesign
 from lightflyer.flight.levitation import levitate
 from lightflyer.foundation.errors import ParameterError
@@ -32,10 +33,6 @@ UNREACHABLE = 50.0
 _INSIDE = 1e-6  # distance of the start from the upper bound, of the log-parameter
 
 
-Fields: TypeAlias = tuple[str, ...]
-"""Full names of numbers of a design that have one value."""
-
-
 class LevitationModel(eqx.Module):
     """Irradiance to levitate of a design at points, as a function of the fitted parameters.
 
@@ -51,6 +48,16 @@ class LevitationModel(eqx.Module):
         Values at each point before the fit.
     index : array, shape (rows, n)
         Number of the parameter that replaces the value at each point, -1 for none.
+    moves : array, shape (k, rows, n)
+        Change of the values by one standard uncertainty of each input.
+    gains : array, shape (k, 2)
+        Change of the log-pressure and of the log-irradiance read by one standard uncertainty of
+        each input.
+    movers : tuple of int
+        Inputs that move ``prepared``.
+    prepared_moves : tuple of (pytree, pytree or None)
+        For each of them, changes of ``prepared`` by one standard uncertainty: with the sign of
+        the error, and without it.
     """
 
     design: AbstractDesign = eqx.field(static=True)
@@ -58,48 +65,75 @@ class LevitationModel(eqx.Module):
     targets: tuple[tuple[Fields, float], ...] = eqx.field(static=True)
     stated: np.ndarray
     index: np.ndarray
+    moves: np.ndarray
+    gains: np.ndarray
+    movers: tuple[int, ...] = eqx.field(static=True)
+    prepared_moves: tuple[tuple[Any, Any], ...]
 
-    def log_irradiance(self, log_parameters: Any, log_pressure: Any) -> jax.Array:
-        """Log-irradiance to levitate, to be traced in double precision.
+    def log_irradiance(
+        self, log_parameters: Any, log_pressure: Any, shifts: Any = None
+    ) -> jax.Array:
+        """Log-irradiance to levitate as a light meter reads it, to be traced in double precision.
 
         Parameters
         ----------
         log_parameters : array, shape (p,)
         log_pressure : array, shape (n,)
-            Logarithm of the gas pressure [Pa].
+            Logarithm of the pressure that the gauge reads [Pa].
+        shifts : array, shape (k,), optional
+            Errors of the inputs in their standard uncertainties.
 
         Returns
         -------
         array, shape (n,)
             :data:`UNREACHABLE` where no irradiance suffices.
         """
+        if shifts is None:
+            shifts = jnp.zeros(len(self.gains))
         index = jnp.asarray(self.index).astype(int)
         fitted = jnp.exp(log_parameters)[jnp.maximum(index, 0)]
-        rows = jnp.where(index >= 0, fitted, self.stated)
+        stated = self.stated + jnp.tensordot(shifts, jnp.asarray(self.moves), 1)
+        rows = jnp.where(index >= 0, fitted, stated)
+        pressure_error, light_error = shifts @ jnp.asarray(self.gains)
         numbers = {
             field: factor * row
             for (fields, factor), row in zip(self.targets, rows, strict=True)
             for field in fields
         }
-        setup = self.design.build(numbers, self.prepared)
-        state = setup.environment.state(jnp.exp(log_pressure))
+        setup = self.design.build(numbers, self._prepared_at(shifts))
+        state = setup.environment.state(jnp.exp(log_pressure - pressure_error))
         found = levitate(setup.flyer, state, setup.model, throw=False)
         irradiance = jnp.where(found.levitates, found.irradiance, 1.0)
-        return jnp.where(found.levitates, jnp.log(irradiance), UNREACHABLE)
+        return jnp.where(found.levitates, jnp.log(irradiance) + light_error, UNREACHABLE)
+
+    def _prepared_at(self, shifts: Any) -> Any:
+        """The costly part of the design at errors of the inputs."""
+        prepared = self.prepared
+        for number, (slope, bend) in zip(self.movers, self.prepared_moves, strict=True):
+            for size, change in ((shifts[number], slope), (jnp.abs(shifts[number]), bend)):
+                if change is not None:
+                    prepared = jax.tree.map(
+                        lambda base, part, size=size: base + size * part, prepared, change
+                    )
+        return prepared
 
 
 @quick_entry_point
 def _linearised(
-    model: LevitationModel, log_parameters: Any, log_pressure: Any
-) -> tuple[jax.Array, jax.Array, jax.Array]:
+    model: LevitationModel, log_parameters: Any, log_pressure: Any, shifts: Any
+) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
     # the root is searched once; a loop over directions compiles faster than vmap
-    value, push = jax.linearize(model.log_irradiance, log_parameters, log_pressure)
-    slope = push(jnp.zeros_like(log_parameters), jnp.ones_like(log_pressure))
-    jacobian = jax.lax.map(
-        lambda direction: push(direction, jnp.zeros_like(log_pressure)),
-        jnp.eye(log_parameters.size),
+    value, push = jax.linearize(model.log_irradiance, log_parameters, log_pressure, shifts)
+    nothing = jnp.zeros_like(log_pressure)
+    slope = push(
+        jnp.zeros_like(log_parameters), jnp.ones_like(log_pressure), jnp.zeros_like(shifts)
+    )
+    count = log_parameters.size
+    changes = jax.lax.map(
+        lambda direction: push(direction[:count], nothing, direction[count:]),
+        jnp.eye(count + shifts.size),
     ).T
-    return value, jacobian, slope
+    return value, changes[:, :count], slope, changes[:, count:]
 
 
 class Parameter(NamedTuple):
@@ -124,20 +158,40 @@ class Parameter(NamedTuple):
 
     @property
     def log_bounds(self) -> tuple[float, float]:
-        """Range of the logarithm; infinite above where the number has no largest value."""
+        """Range of the logarithm that is searched, also that of its prior."""
         quantity = self.target.quantity
-        lowest = max(quantity.lowest, SMALLEST * self._scale)
-        return float(np.log(lowest)), float(np.log(quantity.highest))
+        scale = self.start if quantity.unit else 1.0
+        lower, upper = (
+            max(quantity.lowest, SMALLEST * scale),
+            min(quantity.highest, LARGEST * scale),
+        )
+        return float(np.log(lower)), float(np.log(upper))
 
     @property
-    def log_prior_range(self) -> tuple[float, float]:
-        """Range of the logarithm's prior, which is finite."""
-        lower, upper = self.log_bounds
-        return lower, min(upper, float(np.log(LARGEST * self._scale)))
+    def ends(self) -> tuple[float, float]:
+        """Smallest and largest possible value; infinite where there is no largest one."""
+        return max(self.target.quantity.lowest, 0.0), self.target.quantity.highest
 
-    @property
-    def _scale(self) -> float:
-        return self.start if self.target.quantity.unit else 1.0
+
+class Linearised(NamedTuple):
+    """Log-irradiance of a model at points, and its derivatives.
+
+    Attributes
+    ----------
+    value : array, shape (n,)
+        Log-irradiance to levitate.
+    jacobian : array, shape (n, p)
+        Its derivatives with respect to the log-parameters.
+    slope : array, shape (n,)
+        Its derivative with respect to log-pressure.
+    by_inputs : array, shape (n, k)
+        Its derivatives with respect to the inputs, each per standard uncertainty.
+    """
+
+    value: np.ndarray
+    jacobian: np.ndarray
+    slope: np.ndarray
+    by_inputs: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,11 +203,14 @@ class Problem:
     points : Points
     model : LevitationModel
     parameters : tuple of Parameter
+    inputs : FitInputs
+        Uncertain numbers that are not fitted.
     """
 
     points: Points
     model: LevitationModel
     parameters: tuple[Parameter, ...]
+    inputs: FitInputs
 
     @property
     def names(self) -> list[str]:
@@ -172,27 +229,39 @@ class Problem:
         lower, upper = self.bounds
         return np.clip(start, lower, upper - _INSIDE)
 
-    def linearised(self, log_parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def linearised(
+        self, log_parameters: np.ndarray, shifts: np.ndarray | None = None
+    ) -> Linearised:
         """Log-irradiance of the model at the points, and its derivatives.
 
         Parameters
         ----------
         log_parameters : array, shape (p,)
+        shifts : array, shape (k,), optional
+            Errors of the inputs in their standard uncertainties.
 
         Returns
         -------
-        value : array, shape (n,)
-            Log-irradiance to levitate.
-        jacobian : array, shape (n, p)
-            Its derivatives with respect to the log-parameters.
-        slope : array, shape (n,)
-            Its derivative with respect to log-pressure.
+        Linearised
+            Without derivatives where no irradiance levitates the flyer.
         """
-        log_pressure = np.log(self.points.pressure)
-        return _linearised(self.model, log_parameters, log_pressure)  # type: ignore[return-value]
+        moved = np.zeros(len(self.inputs.names)) if shifts is None else shifts
+        found = _linearised(self.model, log_parameters, np.log(self.points.pressure), moved)
+        value, *changes = (np.array(one) for one in found)
+        lost = ~np.isfinite(value)
+        for change in changes:
+            lost |= ~np.isfinite(change.reshape(value.size, -1)).all(axis=1)
+        for array, filling in ((value, UNREACHABLE), *((change, 0.0) for change in changes)):
+            array[lost] = filling
+        return Linearised(value, *changes)
 
 
-def problem_of(points: Points, design: AbstractDesign, free: Sequence[str]) -> Problem:
+def problem_of(
+    points: Points,
+    design: AbstractDesign,
+    free: Sequence[str],
+    instruments: Mapping[str, float] | None = None,
+) -> Problem:
     """Set up a calibration.
 
     Parameters
@@ -201,6 +270,9 @@ def problem_of(points: Points, design: AbstractDesign, free: Sequence[str]) -> P
     design : AbstractDesign
     free : sequence of str
         Names of the parameters.
+    instruments : dict of str to float, optional
+        Relative standard uncertainty of the calibration of instruments, by
+        :data:`~lightflyer.calibration.inputs.INSTRUMENTS`.
 
     Returns
     -------
@@ -224,15 +296,23 @@ def problem_of(points: Points, design: AbstractDesign, free: Sequence[str]) -> P
     targets = {target.fields: target for target in columns.values()}
     targets |= {parameter.target.fields: parameter.target for parameter in parameters}
     _require_separate(design, targets)
+    index = {fields: _index(fields, points, parameters) for fields in targets}
+    inputs = fit_inputs(points, design, columns, index, instruments or {})
+    targets |= inputs.targets
+    nowhere = np.full(len(points), -1.0)
     every = list(design.quantities)
     model = LevitationModel(
         design=design,
         prepared=design.prepare({}) if design.costly(every) else None,
         targets=tuple((target.fields, target.factor) for target in targets.values()),
         stated=np.stack([_row(target, points, stated) for target in targets.values()]),
-        index=np.stack([_index(fields, points, parameters) for fields in targets]),
+        index=np.stack([index.get(fields, nowhere) for fields in targets]),
+        moves=inputs.moves(list(targets), len(points)),
+        gains=inputs.gains,
+        movers=tuple(inputs.prepared_moves),
+        prepared_moves=tuple(inputs.prepared_moves.values()),
     )
-    return Problem(points, model, parameters)
+    return Problem(points, model, parameters, inputs)
 
 
 def _require_enough(points: Points, parameters: int) -> None:

@@ -9,7 +9,7 @@ import difflib
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from lightflyer.flight.design import AbstractDesign, ObjectDesign
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
@@ -22,6 +22,10 @@ FACES = ("top", "bottom")
 """Faces, which end the names of their numbers."""
 
 _FLYER_PARTS = ("flyer", "film")  # first parts of the names of numbers that describe a flyer
+
+
+Fields: TypeAlias = tuple[str, ...]
+"""Full names of numbers of a design that have one value."""
 
 
 class Target(NamedTuple):
@@ -39,7 +43,7 @@ class Target(NamedTuple):
         Value in the design under the name, None where there is none.
     """
 
-    fields: tuple[str, ...]
+    fields: Fields
     factor: float
     quantity: Quantity
     value: float | None

@@ -1,6 +1,7 @@
 """``lightflyer calibrate``: force coefficients from measured levitation points."""
 
 import json
+import math
 import sys
 from importlib import resources
 from pathlib import Path
@@ -9,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
+
+from lightflyer.cli.lab._shared import quantity, show_warnings
 
 if TYPE_CHECKING:
     from lightflyer.calibration.bayes import Posterior
@@ -21,6 +24,12 @@ def calibrate_command(
     *,
     flyer: Path | None = None,
     free: str = "c_fm,c_cont",
+    columns: str | None = None,
+    step: str | None = None,
+    pressure_accuracy: str = "5 %",
+    irradiance_accuracy: str = "5 %",
+    scale_errors: Annotated[bool, Parameter(negative=())] = False,
+    keep_ground_effect: Annotated[bool, Parameter(negative=())] = False,
     out: Path | None = None,
     posterior: Annotated[bool, Parameter(negative=())] = False,
     samples: int = 2000,
@@ -32,22 +41,41 @@ def calibrate_command(
     Parameters
     ----------
     points_file
-        CSV with the columns sample, pressure and irradiance, units in the header such as
-        "pressure [mTorr]". Further columns: irradiance_uncertainty, pressure_uncertainty, and
-        the properties in which samples differ (diameter, areal_density, emittance, absorptance,
-        tac_top, tac_bottom).
+        Table with the columns pressure and irradiance, units in the header such as
+        "pressure [mTorr]", and sample where there is more than one; "lightflyer lab levitation"
+        reads the same files. Further columns: irradiance_uncertainty, pressure_uncertainty,
+        launchpad, floor_gap, and the properties in which samples differ (diameter,
+        areal_density, emittance, absorptance, tac_top, tac_bottom), each with its uncertainty
+        (emittance_uncertainty).
     flyer
         Flyer file with a chamber: it gives everything that is not fitted, and the starting
-        values. Default: the paper's 2-cm disk, as "lightflyer init --kind chamber" writes it.
+        values; its ± go into the total intervals. Default: the paper's 2-cm disk, as "lightflyer
+        init --kind chamber" writes it.
     free
         Parameters to fit, separated by commas: numbers of the flyer file such as c_fm, c_cont,
         tac_top, tac_bottom, emittance, absorptance. Brackets restrict one to a sample:
         "c_fm,c_cont,emittance[Ge 2 cm]".
+    columns
+        Columns in the order of the file, in place of a header: "pressure [Pa], irradiance
+        [W/m^2]"; - skips a column.
+    step
+        Step in which the light was raised until the sample lifted off, such as "200 W/m^2": what
+        suffices lies within the last one.
+    pressure_accuracy
+        Relative standard uncertainty of the pressure gauge's calibration, common to all points;
+        the default is an assumption.
+    irradiance_accuracy
+        The same of the light meter.
+    scale_errors
+        Multiply the stated uncertainties of the points by the root of the reduced chi-squared.
+    keep_ground_effect
+        Fit points also where the floor is nearer than the sample's diameter.
     out
         Folder for the fit (JSON), the residuals (CSV) and their figure (PNG, SVG), and the draws
         from the posterior (CSV).
     posterior
-        Also draw from the posterior by NUTS; needs numpyro: pip install 'lightflyer[posterior]'.
+        Also draw from the posterior by NUTS, at the inputs as given, without their ±; needs
+        numpyro: pip install 'lightflyer[posterior]'.
     samples
         Number of draws from the posterior.
     seed
@@ -59,12 +87,21 @@ def calibrate_command(
     from lightflyer.calibration.points import read_points
     from lightflyer.config.reader import read_flyer_file
 
-    points = read_points(points_file)
+    points = read_points(points_file, columns=columns)
+    points = points if keep_ground_effect else points.without_ground_effect()
+    points = points.stepped(0.0 if step is None else quantity("--step", step, "W/m^2").value)
     template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"
     with resources.as_file(template) as default:
         design = read_flyer_file(default if flyer is None else flyer)
     names = [name.strip() for name in free.split(",") if name.strip()]
-    fit = calibrate(points, design, free=names)
+    fit = calibrate(
+        points,
+        design,
+        free=names,
+        pressure_accuracy=quantity("--pressure-accuracy", pressure_accuracy, "").value,
+        irradiance_accuracy=quantity("--irradiance-accuracy", irradiance_accuracy, "").value,
+        scale_errors=scale_errors,
+    )
     drawn = _draw(fit, samples, seed) if posterior else None
     written = [] if out is None else _write(out, fit, drawn)
     if json_output:
@@ -141,29 +178,79 @@ def _residuals_csv(fit: "Calibration") -> str:
 
 def _show(console: Console, fit: "Calibration", drawn: "Posterior | None") -> None:
     table = Table(box=None, padding=(0, 1))
-    for heading in ("parameter", "value", "standard\nuncertainty", "95 % interval"):
+    headings = ("parameter", "value", "given inputs\n95 %", "total\n95 %", "total\n±")
+    for heading in headings:
         table.add_column(heading, justify="left" if heading == "parameter" else "right")
-    for name, value, spread, (low, high) in zip(
-        fit.names, fit.values, fit.standard_uncertainties, fit.intervals, strict=True
-    ):
+    for row, name in enumerate(fit.names):
         table.add_row(
-            name.replace("[", "\\["), f"{value:.4g}", f"{spread:.2g}", f"{low:.4g} to {high:.4g}"
+            name.replace("[", "\\["),
+            f"{fit.values[row]:.4g}",
+            interval_text(*fit.intervals[row]),
+            interval_text(*fit.total_intervals[row]),
+            f"{fit.total_standard_uncertainties[row]:.2g}",
         )
     console.print(table)
-    kind = "estimated from the scatter" if fit.estimated_scatter else "as stated in the file"
-    console.print(
-        f"{len(fit.points)} points of {len(set(fit.points.samples))} samples scatter by "
-        f"{100.0 * fit.scatter:.2g} % of the irradiance; their uncertainty is {kind}"
-    )
+    for text in _explained(fit):
+        console.print(text, markup=False, soft_wrap=True)
     if drawn is not None:
         _show_posterior(console, drawn)
+    show_warnings(console, fit.warnings)
+
+
+def _explained(fit: "Calibration") -> list[str]:
+    """What the intervals of the table contain, in words."""
+    kind = "estimated from the scatter" if fit.estimated_scatter else "as stated in the file"
+    if fit.error_scale != 1.0:
+        kind = f"as stated in the file, times {fit.error_scale:.3g}"
+    chi_squared = (
+        f"; reduced chi-squared {fit.reduced_chi_squared:.3g}"
+        if math.isfinite(fit.reduced_chi_squared)
+        else ""
+    )
+    shares = ", ".join(
+        f"{name} ({_percentages(values)})" for name, values in fit.contributions.items()
+    )
+    return [
+        f"{len(fit.points)} points of {len(set(fit.points.samples))} samples scatter by "
+        f"{100.0 * fit.scatter:.2g} % of the irradiance; their uncertainty is {kind}{chi_squared}",
+        "given inputs: the points' scatter alone, everything else exactly as stated",
+        f"total: also the ± of {shares or 'nothing else, since nothing has one'}",
+    ]
+
+
+def _percentages(shares: Any) -> str:
+    """Relative standard uncertainty of each parameter by one input."""
+    return ", ".join(f"{100.0 * share:.2g} %" for share in shares)
+
+
+def interval_text(low: float, high: float) -> str:
+    """An interval in words where an end is open.
+
+    Parameters
+    ----------
+    low, high : float
+
+    Returns
+    -------
+    str
+    """
+    if math.isinf(high):
+        return f"above {low:.4g}" if low > 0.0 else "unknown"
+    return f"{low:.4g} to {high:.4g}" if low > 0.0 else f"below {high:.4g}"
 
 
 def _show_posterior(console: Console, drawn: "Posterior") -> None:
     table = Table(box=None, padding=(0, 1))
-    headings = ("posterior", "mean", "standard\ndeviation", "95 % interval", "R-hat", "effective")
+    headings = (
+        "posterior\nat given inputs",
+        "mean",
+        "standard\ndeviation",
+        "95 % interval",
+        "R-hat",
+        "effective",
+    )
     for heading in headings:
-        table.add_column(heading, justify="left" if heading == "posterior" else "right")
+        table.add_column(heading, justify="left" if heading.startswith("posterior") else "right")
     for name, found in drawn.summary()["parameters"].items():
         low, high = found["interval_95"]
         table.add_row(

@@ -20,7 +20,7 @@ def paper_command(*, out: Path = Path("paper"), data: Path | None = None) -> Non
     """
     from lightflyer.calibration.points import read_points
 
-    points = None if data is None else read_points(data)
+    points = None if data is None else read_points(data, strict=True)
 
     from lightflyer.paper.claims import claims
     from lightflyer.paper.reproduce import STEPS, reproduce

@@ -1,0 +1,151 @@
+"""What a reader of a calibration must know, in words."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lightflyer.calibration.steps import found_step
+
+if TYPE_CHECKING:
+    from lightflyer.calibration.calibration import Calibration
+
+LEAST_PROBABILITY = 0.01
+"""Probability of chi-squared below which, or above one minus which, a warning says so."""
+
+_LARGE_SHARE = 0.1  # of the inputs' variance, for an input to be named
+_AT_END = 1e-3  # relative distance of a value from the end of its range
+
+
+def of(fit: Calibration) -> list[str]:
+    """Findings about a fit, one line each.
+
+    Parameters
+    ----------
+    fit : Calibration
+
+    Returns
+    -------
+    list of str
+    """
+    return [
+        *fit.problem.model.design.warnings,
+        *_about_errors(fit),
+        *_about_intervals(fit),
+        *_about_inputs(fit),
+        *_about_steps(fit),
+    ]
+
+
+def _about_errors(fit: Calibration) -> list[str]:
+    if not fit.freedom:
+        return ["there are as many parameters as points: nothing shows whether the model fits"]
+    if fit.estimated_scatter or fit.error_scale != 1.0:
+        return []
+    found = f"reduced chi-squared {fit.reduced_chi_squared:.3g}, {fit.freedom} degrees of freedom"
+    ratio = math.sqrt(fit.reduced_chi_squared)
+    if fit.chi_squared_probability < LEAST_PROBABILITY:
+        return [
+            f"the points scatter {ratio:.3g} times as much as their stated uncertainties say "
+            f"({found}): the intervals are too narrow; scale the errors, or find what the "
+            "uncertainties or the model leave out"
+        ]
+    if fit.chi_squared_probability > 1.0 - LEAST_PROBABILITY:
+        return [
+            f"the points scatter only {ratio:.2g} times as much as their stated uncertainties say "
+            f"({found}): the intervals may be too wide"
+        ]
+    return []
+
+
+def _about_intervals(fit: Calibration) -> list[str]:
+    said = []
+    for row, (name, parameter) in enumerate(zip(fit.names, fit.problem.parameters, strict=True)):
+        least, most = parameter.ends
+        at = np.exp(parameter.log_bounds)
+        if np.any(np.abs(fit.values[row] / at - 1.0) < _AT_END):
+            said.append(
+                f"{name} = {fit.values[row]:.4g} is the end of its range: the points, or the "
+                "inputs, do not fit a value inside; fix it, or check the inputs"
+            )
+        for end, bound, word, limit in (
+            (0, least, "lower", f"zero ({least:g})" if least else "zero"),
+            (1, most, "upper", f"{most:g}, the largest possible value"),
+        ):
+            if fit.total_intervals[row, end] != bound:
+                continue
+            why = (
+                "the points do not determine it there"
+                if fit.intervals[row, end] == bound
+                else f"within their ±, {_largest(fit, row)} allow any value"
+            )
+            said.append(
+                f"{name} has no {word} bound: {why}"
+                if math.isinf(bound) or bound == 0.0
+                else f"the interval of {name} is cut at {limit}: {why}"
+            )
+    return said
+
+
+def _largest(fit: Calibration, row: int) -> str:
+    """Inputs that most of a parameter's uncertainty comes from."""
+    squares = {name: float(shares[row] ** 2) for name, shares in fit.contributions.items()}
+    whole = math.fsum(squares.values())
+    large = [name for name, square in squares.items() if square > _LARGE_SHARE * whole]
+    return " and ".join(large)
+
+
+def _about_inputs(fit: Calibration) -> list[str]:
+    inputs, design = fit.problem.inputs, fit.problem.model.design
+    said = [
+        f"the ± of {name} is not in the total: a column or parameter of another name replaces it"
+        for name in inputs.left_out
+    ]
+    named = {name.partition("[")[0].rpartition(".")[2] for name in inputs.names}
+    fitted = {
+        field.rpartition(".")[2]
+        for parameter in fit.problem.parameters
+        for field in parameter.target.fields
+    }
+    numbers = {field.rpartition(".")[2] for field in design.quantities}
+    bare = [
+        name for name in ("tac_top", "tac_bottom") if name in numbers and name not in named | fitted
+    ]
+    if bare:
+        said.append(
+            f"{' and '.join(bare)} ha{'ve' if len(bare) > 1 else 's'} no ±, so the total intervals "
+            "leave it out, usually the largest part; write it into the flyer file, such as "
+            '"0.90 ± 0.03"'
+        )
+    return said
+
+
+def _about_steps(fit: Calibration) -> list[str]:
+    points = fit.points
+    said = []
+    for sample in dict.fromkeys(points.samples):
+        step = found_step(points.irradiance[points.of(sample)])
+        if step is not None and not points.step:
+            said.append(step_warning(sample, step))
+    return said
+
+
+def step_warning(sample: str, step: float) -> str:
+    """Warning of steps of the light that nobody stated.
+
+    Parameters
+    ----------
+    sample : str
+    step : float
+        [W/m²].
+
+    Returns
+    -------
+    str
+    """
+    return (
+        f"the irradiances of {sample} lie on steps of {step:g} W/m^2: if the light was raised in "
+        f"such steps, state step = {step:g} W/m^2, or results are half a step too high"
+    )

@@ -1,0 +1,236 @@
+"""The uncertain numbers that a calibration takes as given.
+
+They are the ± of the design, those of the samples in the points' own columns, and the calibration
+of the two instruments. Each has an error in its own standard uncertainties, zero as stated.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import jax
+import numpy as np
+
+from lightflyer.calibration.points import Points
+from lightflyer.calibration.targets import Fields, Target
+from lightflyer.flight.design import AbstractDesign
+from lightflyer.uncertainty.inputs import Inputs, uncertain_inputs
+
+PRESSURE_GAUGE, LIGHT_METER = "pressure gauge", "light meter"
+"""Names of the instruments' inputs."""
+
+INSTRUMENTS = (PRESSURE_GAUGE, LIGHT_METER)
+"""Instruments whose calibration moves all points together."""
+
+PRESSURE_ACCURACY = 0.05
+"""Relative standard uncertainty of a pressure gauge where none is stated: an assumption, the
+accuracy that makers state for Pirani gauges with a piezo sensor."""
+
+IRRADIANCE_ACCURACY = 0.05
+"""Relative standard uncertainty of a light meter where none is stated: an assumption, about the
+accuracy that makers state for thermal power sensors."""
+
+
+@dataclass(frozen=True)
+class _Input:
+    """One uncertain number: its name, its range in standard uncertainties, and what it moves."""
+
+    name: str
+    range: tuple[float, float] = (-np.inf, np.inf)
+    moves: Mapping[Fields, np.ndarray] = field(default_factory=dict)
+    gain: tuple[float, float] = (0.0, 0.0)  # of log-pressure and log-irradiance
+
+
+@dataclass(frozen=True)
+class FitInputs:
+    """The uncertain numbers that are not fitted, in their standard uncertainties.
+
+    Attributes
+    ----------
+    inputs : tuple of _Input
+    correlation : array, shape (k, k)
+    targets : dict of Fields to Target
+        Numbers of the design that only inputs move.
+    prepared_moves : dict of int to (pytree, pytree or None)
+        Changes of a design's costly part by some of the inputs: per standard uncertainty of their
+        error, and of its size.
+    left_out : tuple of str
+        Numbers of the design whose ± has no effect here, because a column or parameter of another
+        name replaces them.
+    """
+
+    inputs: tuple[_Input, ...]
+    correlation: np.ndarray
+    targets: dict[Fields, Target]
+    prepared_moves: dict[int, tuple[Any, Any]]
+    left_out: tuple[str, ...]
+
+    @property
+    def names(self) -> list[str]:
+        """Names, such as ``"film.tac_top"``, ``"emittance[Ge 2 cm]"`` or ``"light meter"``."""
+        return [one.name for one in self.inputs]
+
+    @property
+    def ranges(self) -> np.ndarray:
+        """Possible errors in standard uncertainties, shape (k, 2)."""
+        return np.array([one.range for one in self.inputs]).reshape(-1, 2)
+
+    @property
+    def gains(self) -> np.ndarray:
+        """What each moves log-pressure and log-irradiance by, shape (k, 2)."""
+        return np.array([one.gain for one in self.inputs]).reshape(-1, 2)
+
+    def moves(self, rows: Sequence[Fields], points: int) -> np.ndarray:
+        """What each moves numbers of the design by.
+
+        Parameters
+        ----------
+        rows : sequence of Fields, length r
+        points : int
+
+        Returns
+        -------
+        array, shape (k, r, points)
+        """
+        moves = np.zeros((len(self.inputs), len(rows), points))
+        for number, one in enumerate(self.inputs):
+            for fields, change in one.moves.items():
+                moves[number, rows.index(fields)] = change
+        return moves
+
+
+def fit_inputs(
+    points: Points,
+    design: AbstractDesign,
+    columns: Mapping[str, Target],
+    index: Mapping[Fields, np.ndarray],
+    instruments: Mapping[str, float],
+) -> FitInputs:
+    """Find the uncertain numbers that a fit takes as given.
+
+    Parameters
+    ----------
+    points : Points
+    design : AbstractDesign
+    columns : dict of str to Target
+        What the points' columns stand for.
+    index : dict of Fields to array, shape (n,)
+        Number of the parameter at each point, -1 for none, of fitted numbers and columns.
+    instruments : dict of str to float
+        Relative standard uncertainties, by :data:`INSTRUMENTS`.
+
+    Returns
+    -------
+    FitInputs
+    """
+    replaced = {target.fields for target in columns.values()}
+    of_design = uncertain_inputs(design)
+    own, targets, left_out = _of_design(design, of_design, replaced, index, len(points))
+    samples = _of_samples(points, columns, index)
+    meters = [
+        _Input(name, gain=(spread, 0.0) if name == PRESSURE_GAUGE else (0.0, spread))
+        for name, spread in instruments.items()
+        if spread > 0.0
+    ]
+    every = (*own, *samples, *meters)
+    return FitInputs(
+        inputs=every,
+        correlation=_correlation(design, every, columns),
+        targets=targets,
+        prepared_moves=_prepared_moves(of_design, own),
+        left_out=left_out,
+    )
+
+
+def _of_design(
+    design: AbstractDesign,
+    inputs: Inputs | None,
+    replaced: set[Fields],
+    index: Mapping[Fields, np.ndarray],
+    count: int,
+) -> tuple[list[_Input], dict[Fields, Target], tuple[str, ...]]:
+    """Inputs with a ± in the design, targets of those without a row, and names left out."""
+    found: list[_Input] = []
+    targets: dict[Fields, Target] = {}
+    left_out: list[str] = []
+    if inputs is None:
+        return found, targets, ()
+    grouped = [name for fields in index for name in fields]
+    for name, value, spread, ends in zip(
+        inputs.names, inputs.values, inputs.spreads, inputs.ranges, strict=True
+    ):
+        fields = (name,)
+        if fields in replaced:
+            continue  # the points say it
+        low, high = (ends - value) / spread
+        if name in inputs.open_names:
+            found.append(_Input(name, (float(low), float(high))))
+            continue
+        if fields not in index:
+            if name in grouped or design.conflict([name, *grouped]) is not None:
+                left_out.append(name)
+                continue
+            targets[fields] = Target(fields, 1.0, design.quantities[name], float(value))
+        free = index.get(fields, np.full(count, -1.0)) < 0.0
+        if not free.any():
+            continue  # it is fitted
+        found.append(_Input(name, (float(low), float(high)), {fields: spread * free}))
+    return found, targets, tuple(left_out)
+
+
+def _of_samples(
+    points: Points, columns: Mapping[str, Target], index: Mapping[Fields, np.ndarray]
+) -> list[_Input]:
+    """Inputs with a column of uncertainties, one for each sample."""
+    found = []
+    for name, target in columns.items():
+        spread = points.numbers.get(f"{name}_uncertainty")
+        if spread is None:
+            continue
+        for sample in dict.fromkeys(points.samples):
+            here = points.of(sample) & (index[target.fields] < 0.0) & (spread > 0.0)
+            if not here.any():
+                continue
+            value, unit = points.numbers[name][here], spread[here]
+            low = float(np.max((target.quantity.lowest - value) / unit))
+            high = float(np.min((target.quantity.highest - value) / unit))
+            moves = {target.fields: np.where(here, spread, 0.0)}
+            found.append(_Input(f"{name}[{sample}]", (low, high), moves))
+    return found
+
+
+def _correlation(
+    design: AbstractDesign, inputs: Sequence[_Input], columns: Mapping[str, Target]
+) -> np.ndarray:
+    """Correlation of the inputs: as the design states it, within one sample where columns do."""
+    fields = {name: target.fields for name, target in columns.items()}
+    keys = []
+    for one in inputs:
+        name, _, sample = one.name.partition("[")
+        keys.append((fields.get(name, (name,))[0] if sample else name, sample))
+    matrix = np.eye(len(inputs))
+    for (first, second), value in design.correlations.items():
+        for row, (name, sample) in enumerate(keys):
+            if name == first and (second, sample) in keys:
+                column = keys.index((second, sample))
+                matrix[row, column] = matrix[column, row] = value
+    return matrix
+
+
+def _prepared_moves(of_design: Inputs | None, own: Sequence[_Input]) -> dict[int, tuple[Any, Any]]:
+    """For inputs that move a design's costly part, its change by their error and by its size."""
+    if of_design is None:
+        return {}
+    spreads = dict(zip(of_design.names, of_design.spreads, strict=True))
+
+    def scaled(parts: Any, name: str) -> Any:
+        return jax.tree.map(lambda part: spreads[name] * np.asarray(part), parts)
+
+    return {
+        number: (
+            scaled(of_design.prepared_slopes[one.name], one.name),
+            scaled(of_design.prepared_bends.get(one.name), one.name),
+        )
+        for number, one in enumerate(own)
+        if one.name in of_design.prepared_slopes
+    }

@@ -1,85 +1,182 @@
-"""Intervals of a heater's fitted parameters, from their covariance and from the profile."""
+r"""Intervals of a heater's fitted parameters, from their covariance and from the profile.
 
-import warnings
+The scatter of the rows gives the statistical part, with the errors that all rows have in common
+held at their best values. The total also includes those errors, each with its prior.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import stats
 
-from lightflyer.lab.estimate import CONFIDENCE, Estimate
-from lightflyer.lab.tac_problem import PARAMETERS, Problem, import_lmfit, minimise
+from lightflyer.lab.estimate import Estimate, student_factor
+from lightflyer.lab.tac_problem import PARAMETERS, Problem, minimise
+from lightflyer.lab.tac_profile import profile_interval
 
 _UNITS = ("", "", "W/(m^2 K)")
 _ROUNDING = 1e-10  # relative scatter that is rounding, not noise
+_LEAST_SCATTER = 1e-4  # relative; no bench measures a conductance better
+_ROUNDS = 3  # of scatter and common errors, each from the other
+_SAME = 1e-3  # standard errors
 
 
-def covariance_estimates(result: Any, freedom: int) -> dict[str, Estimate]:
-    """Parameters with the symmetric intervals of their covariance.
+@dataclass(frozen=True)
+class Solution:
+    """A fit with its intervals.
 
-    Parameters
+    Attributes
     ----------
-    result : lmfit.minimizer.MinimizerResult
-    freedom : int
-        Degrees of freedom.
-
-    Returns
-    -------
-    dict of str to Estimate
-        By names of :data:`~lightflyer.lab.tac_problem.PARAMETERS`.
+    values : dict of str to float
+        The three parameters and the common errors in standard errors, by name.
+    scatter : float
+        Relative scatter of the rows [1].
+    covariance : array, shape (3, 3)
+        Total, of the three parameters.
+    total, statistical : dict of str to Estimate
+        By names of :data:`~lightflyer.lab.tac_problem.PARAMETERS`, with profile intervals.
+    total_normal, statistical_normal : dict of str to Estimate
+        With the symmetric intervals of the covariance.
     """
-    spread = np.sqrt(np.diag(np.asarray(result.covar)))
-    return {
-        name: Estimate.normal(float(result.params[name].value), float(one), unit, freedom)
-        for name, one, unit in zip(PARAMETERS, spread, _UNITS, strict=True)
-    }
+
+    values: dict[str, float]
+    scatter: float
+    covariance: np.ndarray
+    total: dict[str, Estimate]
+    statistical: dict[str, Estimate]
+    total_normal: dict[str, Estimate]
+    statistical_normal: dict[str, Estimate]
 
 
-def profile_estimates(
-    problem: Problem, minimizer: Any, result: Any, by_covariance: dict[str, Estimate]
-) -> dict[str, Estimate]:
-    """Parameters with the intervals of the profile likelihood.
+def solve(problem: Problem, guess: tuple[float, float, float]) -> Solution:
+    """Minimise, and find all intervals.
 
     Parameters
     ----------
     problem : Problem
-    minimizer, result
-        From :func:`~lightflyer.lab.tac_problem.minimise`.
-    by_covariance : dict of str to Estimate
-        From :func:`covariance_estimates`. Rows computed by a model have no scatter and no profile;
-        they keep these intervals.
+    guess : tuple of float
+        The three parameters near the minimum.
 
     Returns
     -------
-    dict of str to Estimate
-        An end that does not exist is infinite.
+    Solution
+
+    Raises
+    ------
+    ConvergenceError
+        If there is no minimum.
+    MissingExtraError
+        If lmfit is not installed.
     """
-    if result.chisqr < (len(problem.conductance) - len(PARAMETERS)) * _ROUNDING**2:
-        return by_covariance
-    profile = _profile_intervals(problem, minimizer, result)
+    freedom = len(problem.conductance) - len(PARAMETERS)
+    held, (_, result), total = _minimise_both(problem, guess)
+    scatter = _scatter(result, held)
+    freedoms = dict.fromkeys(PARAMETERS, float(freedom))
+    normal = _normal(result, freedoms)
+    statistical = normal
+    if scatter > _ROUNDING:  # rows without scatter have no profile
+        # very many rows are grouped; what scatters within a group is in the scatter already
+        rows = held.grouped().scaled(1.0 / scatter)
+        values = _values(minimise(rows, _values(result, PARAMETERS))[1], PARAMETERS)
+        statistical = _profiles(rows, values, normal, freedoms)
+    if total is None:
+        return Solution(
+            _by_name(result, PARAMETERS), scatter, np.asarray(result.covar), statistical,
+            statistical, normal, normal,
+        )  # fmt: skip
+    freedoms = _freedoms(total[1], normal, freedom)
+    total_normal = _normal(total[1], freedoms)
+    scaled = problem.grouped().scaled(1.0 / max(scatter, _LEAST_SCATTER))
+    return Solution(
+        values=_by_name(total[1], problem.names),
+        scatter=scatter,
+        covariance=np.asarray(total[1].covar)[: len(PARAMETERS), : len(PARAMETERS)],
+        total=_profiles(scaled, _values(total[1], problem.names), total_normal, freedoms),
+        statistical=statistical,
+        total_normal=total_normal,
+        statistical_normal=normal,
+    )
+
+
+def best_tac(problem: Problem, guess: tuple[float, float, float]) -> float:
+    """Coefficient at the minimum of :func:`solve`, without its intervals."""
+    _, plain, total = _minimise_both(problem, guess)
+    return float((plain if total is None else total)[1].params["tac"].value)
+
+
+def _minimise_both(
+    problem: Problem, guess: tuple[float, float, float]
+) -> tuple[Problem, tuple[Any, Any], tuple[Any, Any] | None]:
+    """Fits with the common errors held at their best, and with them free if there are any."""
+    start, total = [*guess], None
+    common = [0.0] * len(problem.errors.names)
+    for _ in range(_ROUNDS):
+        held = problem.held(common)
+        plain = minimise(held, start)
+        start = _values(plain[1], PARAMETERS)
+        if not common:
+            break
+        scatter = max(_scatter(plain[1], held), _LEAST_SCATTER)
+        total = minimise(problem.grouped().scaled(1.0 / scatter), [*start, *common], scale=False)
+        before, common = common, _values(total[1], problem.errors.names)
+        start = _values(total[1], PARAMETERS)
+        if np.allclose(before, common, atol=_SAME):
+            break
+    return held, plain, total
+
+
+def _scatter(result: Any, problem: Problem) -> float:
+    return float(np.sqrt(result.chisqr / (len(problem.conductance) - len(PARAMETERS))))
+
+
+def _values(result: Any, names: tuple[str, ...]) -> list[float]:
+    return [float(result.params[name].value) for name in names]
+
+
+def _by_name(result: Any, names: tuple[str, ...]) -> dict[str, float]:
+    return dict(zip(names, _values(result, names), strict=True))
+
+
+def _normal(result: Any, freedoms: Mapping[str, float]) -> dict[str, Estimate]:
+    """The three parameters with the symmetric intervals of their covariance."""
+    spread = np.sqrt(np.diag(np.asarray(result.covar)))[: len(PARAMETERS)]
     return {
-        name: Estimate(one.value, profile[name], one.unit, one.uncertainty)
-        for name, one in by_covariance.items()
+        name: Estimate.normal(value, float(one), unit, freedoms[name])
+        for name, value, one, unit in zip(
+            PARAMETERS, _values(result, PARAMETERS), spread, _UNITS, strict=True
+        )
     }
 
 
-def _profile_intervals(
-    problem: Problem, minimizer: Any, result: Any
-) -> dict[str, tuple[float, float]]:
-    lmfit = import_lmfit()
-    grouped = problem.grouped()
-    if grouped is not problem:
-        values = [float(result.params[name].value) for name in PARAMETERS]
-        minimizer, result = minimise(grouped, values)
-        variance = float(np.mean(problem.residuals(*values) ** 2))
+def _freedoms(result: Any, statistical: Mapping[str, Estimate], freedom: int) -> dict[str, float]:
+    """Degrees of freedom of the total by Welch's formula; those of common errors are infinite."""
+    spread = np.sqrt(np.diag(np.asarray(result.covar)))[: len(PARAMETERS)]
+    shares = [
+        statistical[name].uncertainty / one for name, one in zip(PARAMETERS, spread, strict=True)
+    ]
+    return {
+        name: freedom / min(share, 1.0) ** 4 for name, share in zip(PARAMETERS, shares, strict=True)
+    }
 
-        def probability(best: Any, other: Any) -> float:
-            return float(stats.chi2.cdf((other.chisqr - best.chisqr) / variance, 1))
-    else:
 
-        def probability(best: Any, other: Any) -> float:
-            return float(lmfit.confidence.f_compare(best, other))
+def _profiles(
+    problem: Problem, values: Sequence[float], normal: Mapping[str, Estimate],
+    freedoms: Mapping[str, float],
+) -> dict[str, Estimate]:  # fmt: skip
+    """The parameters with profile intervals; residuals of the problem in standard errors."""
+    ends = {
+        name: profile_interval(
+            problem, values, name, one.uncertainty or 0.0, student_factor(freedoms[name])
+        )
+        for name, one in normal.items()
+    }
+    return _with_intervals(normal, ends)
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # an end that is not found is infinite, which says so
-        found = lmfit.conf_interval(minimizer, result, sigmas=[CONFIDENCE], prob_func=probability)
-    return {name: (float(ends[0][1]), float(ends[-1][1])) for name, ends in found.items()}
+
+def _with_intervals(
+    estimates: Mapping[str, Estimate], ends: Mapping[str, tuple[float, float]]
+) -> dict[str, Estimate]:
+    return {
+        name: Estimate(one.value, ends[name], one.unit, one.uncertainty)
+        for name, one in estimates.items()
+    }

@@ -1,5 +1,6 @@
 """Records of fitted accommodation coefficients: the JSON object and the dataset."""
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -8,14 +9,17 @@ import numpy as np
 from lightflyer.lab.estimate import Estimate, weighted_mean
 from lightflyer.lab.record import dataset
 from lightflyer.lab.tac import TacFit
+from lightflyer.lab.tac_checks import BOUNDS
 from lightflyer.lab.tac_problem import PARAMETERS
 
 if TYPE_CHECKING:
     import xarray as xr
 
+_ROUNDING = 1e-12  # relative
+
 
 def mean_tac(fits: Sequence[TacFit]) -> Estimate:
-    """Mean accommodation coefficient of several runs.
+    """Mean accommodation coefficient of several runs; see :func:`mean_of`.
 
     Parameters
     ----------
@@ -24,9 +28,64 @@ def mean_tac(fits: Sequence[TacFit]) -> Estimate:
     Returns
     -------
     Estimate
-        See :func:`~lightflyer.lab.estimate.weighted_mean`.
     """
-    return weighted_mean([fit.tac for fit in fits])
+    return mean_of(fits, "tac")
+
+
+def mean_of(fits: Sequence[TacFit], name: str) -> Estimate:
+    """Mean of one parameter over runs on one bench.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+    name : str
+        One of :data:`~lightflyer.lab.tac_problem.PARAMETERS`.
+
+    Returns
+    -------
+    Estimate
+        The weighted mean by the statistical uncertainties, see
+        :func:`~lightflyer.lab.estimate.weighted_mean`. The instruments' errors are the same in all
+        runs, and no mean makes them smaller.
+    """
+    if len(fits) == 1:
+        return fits[0].estimates()[name]
+    common = float(np.mean([_common_part(fit, name) for fit in fits]))
+    mean = weighted_mean([_with_spread(fit.statistical[name]) for fit in fits], common=common)
+    low, high = BOUNDS[name]
+    interval = (max(mean.interval[0], low), min(mean.interval[1], high))
+    return Estimate(mean.value, interval, mean.unit, mean.uncertainty)
+
+
+def _common_part(fit: TacFit, name: str) -> float:
+    """Standard uncertainty from errors that all rows, and all runs, have in common."""
+    total, part = fit.estimates()[name].uncertainty, fit.statistical[name].uncertainty
+    return math.sqrt(max((total or 0.0) ** 2 - (part or 0.0) ** 2, 0.0))
+
+
+def _with_spread(estimate: Estimate) -> Estimate:
+    """The estimate; rows computed by a model have rounding for a spread, not zero."""
+    spread = max(estimate.uncertainty or 0.0, _ROUNDING * abs(estimate.value))
+    return Estimate(estimate.value, estimate.interval, estimate.unit, spread)
+
+
+def warnings_of(fits: Sequence[TacFit]) -> list[str]:
+    """Warnings of all runs, each once; of several, with the name of the run before each.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+
+    Returns
+    -------
+    list of str
+    """
+    texts = []
+    for fit in fits:
+        for text in fit.warnings:
+            named = len(fits) == 1 or text.startswith(fit.run.source)
+            texts.append(text if named else f"{fit.run.source}: {text}")
+    return texts
 
 
 def summary(fits: Sequence[TacFit]) -> dict[str, Any]:
@@ -43,22 +102,24 @@ def summary(fits: Sequence[TacFit]) -> dict[str, Any]:
     if len(fits) == 1:
         return fits[0].summary()
     return {
-        **{
-            name: weighted_mean([fit.estimates()[name] for fit in fits]).to_json()
-            for name in PARAMETERS
-        },
+        **{name: mean_of(fits, name).to_json() for name in PARAMETERS},
+        "reading": fits[0].reading,
+        "determined": all(fit.undetermined is None for fit in fits),
         "rows_used": sum(fit.rows_used for fit in fits),
         "rows_dropped": sum(fit.rows_dropped for fit in fits),
         "runs": {fit.run.source: fit.summary() for fit in fits},
+        "warnings": warnings_of(fits),
     }
 
 
-def to_dataset(fits: Sequence[TacFit]) -> "xr.Dataset":
+def to_dataset(fits: Sequence[TacFit], warnings: Sequence[str] | None = None) -> "xr.Dataset":
     """Measured and fitted rows of all runs.
 
     Parameters
     ----------
     fits : sequence of TacFit
+    warnings : sequence of str, optional
+        In place of those of the fits.
 
     Returns
     -------
@@ -84,4 +145,6 @@ def to_dataset(fits: Sequence[TacFit]) -> "xr.Dataset":
             "fitted": joined([fit.fitted for fit in fits], per_area, "fitted conductance"),
         },
         [fit.run.source for fit in fits],
+        warnings=warnings_of(fits) if warnings is None else warnings,
+        reading=fits[0].reading,
     )  # fmt: skip

@@ -1,9 +1,19 @@
 import json
 
+import numpy as np
 import pytest
 import xarray as xr
 
 from lightflyer.config.reader import read_flyer_file
+from lightflyer.lab.tac import heater_power
+
+LU2023_FORCE = """\
+model = "lu2023"
+reading = "reported"
+c_fm = 0.4
+c_cont = 3.0
+"""
+KINETIC_FORCE = (LU2023_FORCE, 'model = "kinetic"\n')
 
 
 def test_raw_file_to_record_figure_and_flyer_file(examples, lab):
@@ -11,6 +21,7 @@ def test_raw_file_to_record_figure_and_flyer_file(examples, lab):
     code, out, err = lab("tac", "tac-raw.csv", "--calibration", "tac-resistance.csv", "--out", "o")
     assert (code, err) == (0, "")
     assert "rejected tac-raw.csv:42: repeats line 41" in out
+    assert "reading kinetic; the same rows give α = " in out
     names = {path.name for path in (folder / "o").iterdir()}
     assert names == {"tac.json", "tac.nc", "tac.png", "tac.svg"}
     found = json.loads((folder / "o" / "tac.json").read_text(encoding="utf-8"))
@@ -21,16 +32,21 @@ def test_raw_file_to_record_figure_and_flyer_file(examples, lab):
         assert low <= truth <= high
         assert low < found[name]["value"] < high
         assert found[name]["unit"] == unit
+        inner_low, inner_high = found["statistical_interval_95"][name]
+        assert low < inner_low < inner_high < high
+    assert found["accuracy"]["gauge"] == 0.05
+    assert found["warnings"] == []
     assert found["rows_used"] + found["rows_dropped"] == found["read"][0]["rows"]
     assert len(found["read"][0]["rejected"]) == 3
     with xr.open_dataset(folder / "o" / "tac.nc", engine="h5netcdf") as record:
         assert record.sizes["row"] == found["rows_used"]
         assert record.pressure.units == "Pa"
+        assert record.attrs["warnings"] == ""
 
 
 def test_several_runs_are_averaged_and_written_into_a_flyer_file(examples, lab, flyer_file):
     examples("tac")
-    path = flyer_file()
+    path = flyer_file(*KINETIC_FORCE)
     code, out, err = lab(
         "tac", "tac-raw.csv", "tac-reduced.txt", "--calibration", "tac-resistance.csv",
         "--update", path, "--face", "bottom", "--json",
@@ -38,15 +54,101 @@ def test_several_runs_are_averaged_and_written_into_a_flyer_file(examples, lab, 
     assert (code, err) == (0, "")
     found = json.loads(out)
     assert set(found["runs"]) == {"tac-raw.csv", "tac-reduced.txt"}
+    assert found["warnings"] == []
     read = read_flyer_file(path).film
     assert read.tac_bottom.value == pytest.approx(found["tac"]["value"], abs=1e-3)
     assert read.tac_top.value == 0.8
-    assert "measured: lab tac, printed reading, tac-raw.csv, tac-reduced.txt, " in path.read_text(
+    # the gauge and the plateau are in it, and two runs do not halve them
+    assert read.tac_bottom.uncertainty > 0.05
+    assert "measured: lab tac, kinetic reading, tac-raw.csv, tac-reduced.txt, " in path.read_text(
         encoding="utf-8"
     )
 
 
+def test_accuracy_widens_what_is_written(examples, lab, flyer_file):
+    examples("tac")
+    written = {}
+    for gauge in ("0.25 %", "15 %"):
+        path = flyer_file(*KINETIC_FORCE)
+        code, _, err = lab(
+            "tac", "tac-reduced.txt", "--gauge-accuracy", gauge, "--plateau-accuracy", "1 %",
+            "--diameter", "24.0 ± 0.01 mm", "--update", path, "--face", "top",
+        )  # fmt: skip
+        assert (code, err) == (0, "")
+        written[gauge] = read_flyer_file(path).film.tac_top.uncertainty
+    assert written["0.25 %"] < 0.03 < 0.09 < written["15 %"]
+
+
+def test_update_needs_a_face(examples, lab, flyer_file):
+    examples("tac")
+    path = flyer_file()
+    before = path.read_text(encoding="utf-8")
+    code, out, err = lab("tac", "tac-reduced.txt", "--update", path, "--out", "o")
+    assert (code, out) == (2, "")
+    assert "--update needs --face top, bottom or both: a heater gives one coefficient" in err
+    assert path.read_text(encoding="utf-8") == before
+    code, out, err = lab("tac", "tac-reduced.txt", "--update", path, "--face", "both")
+    assert (code, err) == (0, "")
+    assert "warning: the same coefficient on both faces gives a flyer without force" in out
+
+
+def test_another_reading_of_the_flyer_file_is_told(examples, lab, flyer_file):
+    folder = examples("tac")
+    path = flyer_file()
+    arguments = ("tac", "tac-reduced.txt", "--update", path, "--face", "top")
+    code, out, err = lab(*arguments, "--out", "o")
+    assert (code, err) == (0, "")
+    says = "its force model lu2023 takes the heat loss by the reading reported, by which the same"
+    assert says in out
+    with xr.open_dataset(folder / "o" / "tac.nc", engine="h5netcdf") as record:
+        assert says in record.attrs["warnings"]
+    path = flyer_file(*KINETIC_FORCE)
+    code, out, _ = lab(*arguments)
+    assert code == 0
+    assert "warning" not in out
+
+
 HEADER = "pressure [Pa],heater_power [W],heater_temperature [K],ambient_temperature [K]\n"
+
+
+def rows(lowest, highest, count=20, noise=0.02, heater=323.0, ambient=295.0, factor=1.0):
+    """Text of a run by the kinetic reading."""
+    pressure = np.geomspace(lowest, highest, count)
+    same = np.full(count, 323.0), np.full(count, 295.0)
+    power = factor * heater_power(pressure, *same, 0.75, 1.22, 4.09)
+    power *= 1.0 + noise * np.random.default_rng(3).normal(size=count)
+    return HEADER + "".join(
+        f"{p:.6g},{w:.6g},{heater},{ambient}\n" for p, w in zip(pressure, power, strict=True)
+    )
+
+
+def test_undetermined_coefficient_is_not_written(folder, lab, flyer_file):
+    (folder / "raw.csv").write_text(rows(1.0, 2.5), encoding="utf-8")
+    path = flyer_file()
+    before = path.read_text(encoding="utf-8")
+    code, out, err = lab("tac", "raw.csv", "--update", path, "--face", "top", "--out", "o")
+    assert (code, out) == (2, "")
+    assert "raw.csv: these rows do not determine the accommodation coefficient; they have" in err
+    assert "Pa or beyond would determine it; " in err
+    assert err.count("\n") == 1
+    assert path.read_text(encoding="utf-8") == before
+    assert not (folder / "o").exists()
+    code, out, err = lab("tac", "raw.csv", "--json")
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    low, high = found["tac"]["interval_95"]
+    assert 0.0 <= low < high <= 2.0
+    assert any("do not determine" in text for text in found["warnings"])
+
+
+def test_repeated_fragment_is_left_out_and_named(folder, lab):
+    lines = rows(1e-3, 200.0, 30, 0.01).splitlines()
+    power = lines[9].split(",")[1]
+    lines[9] = lines[9].replace(power, power.replace("0.", "0.", 1) + "e2")
+    (folder / "raw.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    code, out, err = lab("tac", "raw.csv")
+    assert (code, err) == (0, "")
+    assert "warning: raw.csv:10: left out, off the curve of all other rows" in out
 
 
 @pytest.mark.parametrize(
@@ -61,7 +163,18 @@ HEADER = "pressure [Pa],heater_power [W],heater_temperature [K],ambient_temperat
         ("pressure [Pa],heater_power [W]\n1,2\n", [], "raw.csv: needs the column heater_temp"),
         (HEADER + "1,1,320,295\n", ["--diameter", "24"], "--diameter: "),
         (HEADER + "1,1,320,295\n", ["--emissivity", "2"], "emissivity = 2 is not between"),
-        (HEADER + "1,1,320,295\n", ["--update", "none.toml"], ""),
+        (HEADER + "1,1,320,295\n", ["--update", "none.toml", "--face", "top"], ""),
+        (
+            HEADER + "1,1,320,295\n",
+            ["--gauge-accuracy", "5"],
+            "--gauge-accuracy = 5 is not between",
+        ),
+        (HEADER + "1,1,320,295\n", ["--gauge-zero", "1 %"], "--gauge-zero: "),
+        (HEADER + "1,1,320,295\n", ["--power-accuracy=-1 %"], "--power-accuracy = -0.01 is not"),
+        (HEADER + "1,1,320,295\n", ["--wall", "0 cm"], "--wall"),
+        (HEADER + "1,1,320,295\n", ["--wall", "9 cm", "--reading", "printed"], "--wall is for"),
+        (rows(1e-3, 200.0, heater=50, ambient=20), [], "raw.csv:2: heater_temperature = 50 K"),
+        (rows(1e-3, 200.0, factor=1e3), [], "raw.csv: area ratio 1"),
     ],
 )
 def test_bad_input(folder, lab, text, arguments, says):

@@ -11,12 +11,12 @@ from lightflyer.cli.lab._shared import (
     Files,
     Json,
     difference,
-    estimate_table,
     finish,
     print_json,
     quantity,
     read_summary,
     show_read,
+    show_warnings,
     updating,
     write_record,
 )
@@ -25,10 +25,12 @@ from lightflyer.foundation.errors import ConfigurationError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from lightflyer.lab.estimate import Estimate
     from lightflyer.lab.tac import TacFit
+    from lightflyer.lab.tac_law import AbstractHeatLaw
 
-_CORRELATED = 0.5  # correlation of neighbouring residuals above which intervals are too narrow
 _PERCENT = 100.0
+_NAMES = {"tac": "TAC α", "area_ratio": "area ratio δ", "offset": "offset C"}
 
 
 def tac_command(
@@ -42,11 +44,17 @@ def tac_command(
     diameter: str | None = None,
     tolerance: str = "1 K",
     emissivity: str | None = None,
-    reading: Literal["printed", "reported"] = "printed",
+    reading: Literal["kinetic", "printed", "reported"] = "kinetic",
+    wall: str | None = None,
     gas: Literal["air", "lu2023-air"] = "air",
+    gauge_accuracy: str = "5 %",
+    gauge_zero: str = "0.01 Pa",
+    power_accuracy: str = "1 %",
+    temperature_accuracy: str = "1 K",
+    plateau_accuracy: str = "5 %",
     out: Path | None = None,
     update: Path | None = None,
-    face: Literal["top", "bottom", "both"] = "both",
+    face: Literal["top", "bottom", "both"] | None = None,
     json_output: Json = False,
 ) -> None:
     """Fit accommodation coefficient, area ratio and offset to a heater's power against pressure.
@@ -68,38 +76,56 @@ def tac_command(
     heater
         Preset of the heater: lu2023 is the paper's, with a diameter of 24 mm.
     diameter
-        Diameter of the heater, such as "24 mm", in place of the preset's.
+        Diameter of the heater, such as "24.0 ± 0.1 mm", in place of the preset's. ± 0.1 mm is
+        assumed where none is given.
     tolerance
         Largest distance of the heater temperature from its median; other rows are dropped.
     emissivity
         Emissivity of the heater; its radiation is then counted apart from the offset.
     reading
-        Conventions of the heat loss; reported counts the continuum loss twice.
+        Law of the heat loss: kinetic is the kinetic equation; printed and reported are the paper's
+        formulas, whose coefficients come out larger; reported counts the continuum loss twice.
+    wall
+        Distance of the chamber's walls from the heater's centre, such as "15 cm"; by default they
+        are far away. For the reading kinetic.
     gas
         Gas in the chamber.
+    gauge_accuracy
+        Standard uncertainty of the pressure, relative. 5 % is a Pirani gauge's; a capacitance
+        manometer has 0.25 to 0.5 %.
+    gauge_zero
+        Standard uncertainty of the gauge's zero (assumed).
+    power_accuracy
+        Standard uncertainty of the power, relative (assumed).
+    temperature_accuracy
+        Standard uncertainty of the temperature difference between heater and gas (assumed).
+    plateau_accuracy
+        Standard uncertainty of the heat loss in dense gas by the law, relative: walls, thickness of
+        the heater, natural convection (assumed).
     out
         Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
     update
-        Flyer file to write the coefficient into.
+        Flyer file to write the coefficient into, with its total uncertainty; needs --face.
     face
-        Face of that film.
+        Face of that film which has the measured surface.
     json_output
         Print one JSON object instead of tables.
     """
-    from lightflyer.config.update import tac_keys
-    from lightflyer.force.lu2023 import READINGS
     from lightflyer.gas import GASES
     from lightflyer.lab import tac, tac_record
     from lightflyer.lab.tac_data import read_resistance_calibration, read_tac
 
+    _require_face(update, face)
     thermometer = None if calibration is None else read_resistance_calibration(calibration)
-    width = tac.HEATERS[heater] if diameter is None else quantity("--diameter", diameter, "m").value
     options: dict[str, Any] = {
-        "diameter": width,
         "tolerance": difference("--tolerance", tolerance, "K"),
-        "reading": READINGS[reading],
+        "law": _law(reading, wall),
         "gas": GASES[gas],
-    }
+        **_accuracy(
+            tac.HEATERS[heater], diameter, gauge_accuracy, gauge_zero, power_accuracy,
+            temperature_accuracy, plateau_accuracy,
+        ),
+    }  # fmt: skip
     if emissivity is not None:
         options["emissivity"] = quantity("--emissivity", emissivity, "").value
     surroundings = None if ambient is None else quantity("--ambient", ambient, "K").value
@@ -108,10 +134,15 @@ def tac_command(
         for file in _distinct(files)
     ]
     fits = [tac.fit_tac(run, **options) for run in runs]
-    document = tac_record.summary(fits) | {"read": read_summary([run.table for run in runs])}
-    values = dict.fromkeys(tac_keys(face), tac_record.mean_tac(fits))
+    warnings = tac_record.warnings_of(fits)
+    values: dict[tuple[str, str], Estimate] = {}
+    if update is not None and face is not None:
+        values, further = _for_flyer_file(fits, update, face)
+        warnings += further
+    read = {"read": read_summary([run.table for run in runs])}
+    document = tac_record.summary(fits) | read | {"warnings": warnings}
     written, updated = write_record(
-        out, "tac", document, tac_record.to_dataset(fits), lambda: _figures(fits),
+        out, "tac", document, tac_record.to_dataset(fits, warnings), lambda: _figures(fits),
         updating(update, values, f"tac, {reading} reading", files),
     )  # fmt: skip
     if json_output:
@@ -120,7 +151,59 @@ def tac_command(
     console = Console(highlight=False)
     show_read(console, [run.table for run in runs])
     _show(console, fits)
+    show_warnings(console, warnings)
     finish(console, written, updated, update)
+
+
+def _require_face(update: Path | None, face: str | None) -> None:
+    if update is not None and face is None:
+        raise ConfigurationError(
+            "--update needs --face top, bottom or both: a heater gives one coefficient, of the "
+            "surface on it; the same on both faces of a flyer gives no force"
+        )
+
+
+def _law(reading: str, wall: str | None) -> "AbstractHeatLaw":
+    from lightflyer.foundation.checks import require_positive
+    from lightflyer.lab.tac_law import HEAT_LAWS, KINETIC, KineticLaw
+
+    if wall is None:
+        return HEAT_LAWS[reading]
+    if reading != KINETIC:
+        raise ConfigurationError(f"--wall is for the reading kinetic only, not for {reading}")
+    distance = quantity("--wall", wall, "m").value
+    require_positive(**{"--wall": distance})
+    return KineticLaw(distance)
+
+
+def _accuracy(
+    preset: float, diameter: str | None, gauge: str, zero: str, power: str, temperature: str,
+    plateau: str,
+) -> dict[str, Any]:  # fmt: skip
+    """Diameter and accuracies from the options' texts."""
+    from lightflyer.lab.tac_accuracy import TacAccuracy
+
+    given: dict[str, float] = {
+        "gauge": _share("--gauge-accuracy", gauge),
+        "gauge_zero": quantity("--gauge-zero", zero, "Pa").value,
+        "power": _share("--power-accuracy", power),
+        "temperature": difference("--temperature-accuracy", temperature, "K"),
+        "plateau": _share("--plateau-accuracy", plateau),
+    }
+    width = preset
+    if diameter is not None:
+        width, spread = quantity("--diameter", diameter, "m")
+        given |= {} if spread is None else {"diameter": spread}
+    return {"diameter": width, "accuracy": TacAccuracy(**given)}
+
+
+def _share(option: str, text: str) -> float:
+    """A relative accuracy."""
+    from lightflyer.foundation.checks import require_range
+
+    value = quantity(option, text, "").value
+    require_range(option, value, 0.0, 1.0)
+    return value
 
 
 def _distinct(files: Sequence[Path]) -> Sequence[Path]:
@@ -128,6 +211,39 @@ def _distinct(files: Sequence[Path]) -> Sequence[Path]:
         if file in files[:number]:
             raise ConfigurationError(f"{file}: is listed twice")
     return files
+
+
+def _for_flyer_file(
+    fits: "Sequence[TacFit]", flyer: Path, face: Literal["top", "bottom", "both"]
+) -> "tuple[dict[tuple[str, str], Estimate], list[str]]":
+    """Values for a flyer file and what to know about them; raises if they are not fit for one."""
+    from lightflyer.config.reader import read_flyer_file
+    from lightflyer.config.update import tac_keys
+    from lightflyer.lab.tac_checks import POSSIBLE_TAC
+    from lightflyer.lab.tac_record import mean_tac
+
+    mean = mean_tac(fits)
+    for fit in fits:
+        if fit.undetermined:
+            raise ConfigurationError(f"{fit.undetermined}; {flyer} is unchanged")
+    if mean.interval[0] > POSSIBLE_TAC:
+        raise ConfigurationError(
+            f"{fits[0].run.source}: accommodation coefficient {mean.value:.3g} by the reading "
+            f"{fits[0].reading} is above 1 beyond its uncertainty; {flyer} is unchanged"
+        )
+    warnings = []
+    if face == "both":
+        warnings.append("the same coefficient on both faces gives a flyer without force")
+    force = read_flyer_file(flyer).force
+    reading = str(getattr(force, "reading", "kinetic"))
+    if reading != fits[0].reading:
+        other = fits[0].by_reading.get(reading)
+        also = f", by which the same rows give {other:.3g}" if other is not None else ""
+        warnings.append(
+            f"{flyer}: its force model {getattr(force, 'model', '')} takes the heat loss by the "
+            f"reading {reading}{also}; the coefficient written is by the reading {fits[0].reading}"
+        )
+    return dict.fromkeys(tac_keys(face), mean), warnings
 
 
 def _figures(fits: "Sequence[TacFit]") -> "dict[str, Figure]":
@@ -146,21 +262,37 @@ def _show(console: Console, fits: "Sequence[TacFit]") -> None:
             f"{fit.rows_dropped} dropped for their temperature",
             markup=False, soft_wrap=True,
         )  # fmt: skip
-        names = {"tac": "accommodation coefficient α", "area_ratio": "area ratio δ",
-                 "offset": "offset C"}  # fmt: skip
-        console.print(estimate_table([(names[name], one) for name, one in fit.estimates().items()]))
-        console.print(
-            f"rows scatter by {_PERCENT * fit.scatter:.2g} % about the fit; intervals are "
-            "profile intervals"
+        console.print(_parameters_table(fit))
+        others = ", ".join(
+            f"{one:.3g} by {name}" for name, one in fit.by_reading.items() if one is not None
         )
-        if fit.residual_correlation > _CORRELATED:
-            console.print(
-                "neighbouring rows deviate from the fit together (correlation "
-                f"{fit.residual_correlation:.2f}): the intervals are too narrow"
-            )
+        related = fit.correlation
+        console.print(
+            f"reading {fit.reading}; the same rows give α = {others}\n"
+            f"rows scatter by {_PERCENT * fit.scatter:.2g} % about the fit; correlation of α with "
+            f"δ {related[0, 1]:.2f}, with C {related[0, 2]:.2f}",
+            markup=False, soft_wrap=True,
+        )  # fmt: skip
     if len(fits) > 1:
         console.print(_runs_table(fits))
         console.print(f"mean accommodation coefficient {mean_tac(fits)}")
+
+
+def _parameters_table(fit: "TacFit") -> Table:
+    """Parameters with their total and statistical intervals."""
+    table = Table(box=None, padding=(0, 1))
+    for heading in ("", "value", "95 % interval", "of the scatter alone", "unit"):
+        table.add_column(heading, justify="right" if heading == "value" else "left")
+    rows = {_NAMES[name]: (one, fit.statistical[name]) for name, one in fit.estimates().items()}
+    for name, (one, scatter) in rows.items():
+        table.add_row(name, f"{one.value:.4g}", _ends(one), _ends(scatter), one.unit or "1")
+    table.add_row("slope δα", f"{fit.slope.value:.4g}", _ends(fit.slope), "", "1")
+    return table
+
+
+def _ends(estimate: "Estimate") -> str:
+    low, high = estimate.interval
+    return f"{low:.4g} to {high:.4g}"
 
 
 def _runs_table(fits: "Sequence[TacFit]") -> Table:

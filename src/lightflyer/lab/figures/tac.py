@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from lightflyer.foundation.drawing import BLUE, GREY, MARKERS, PALETTE, new_figure, plain_decades
 from lightflyer.lab.tac import TacFit
-from lightflyer.lab.tac_problem import gas_conductance
 
 _SHADED = (0.5, 1.5)  # range of coefficients that the paper shades
 _MOST_POINTS = 3_000  # drawn of one run
@@ -63,8 +62,7 @@ def _label(fit: TacFit, count: int) -> str:
 def _shade(fit: TacFit, ax: Axes, *, with_offset: bool) -> None:
     rows = _ordered(fit)
     ends = [
-        gas_conductance(tac, fit.free_molecular[rows], fit.continuum[rows])
-        + with_offset * (fit.offset.value + fit.radiation[rows])
+        fit.limits.conductance(tac)[rows] + with_offset * (fit.offset.value + fit.radiation[rows])
         for tac in _SHADED
     ]
     label = f"{_SHADED[0]:g} ≤ α ≤ {_SHADED[1]:g}"
@@ -89,10 +87,10 @@ def gas_part(fits: Sequence[TacFit], ax: Axes) -> Axes:
         rows, style = _ordered(fit), _style(number)
         taken = fit.offset.value + fit.radiation[rows]
         gas = fit.conductance[rows] / fit.area_ratio.value - taken
-        fitted = fit.fitted[rows] / fit.area_ratio.value - taken
         ax.plot(fit.pressure[rows], np.where(gas > 0.0, gas, np.nan), ls="", mfc="none", ms=4,
                 rasterized=len(rows) > 1000, **style)  # fmt: skip
-        ax.plot(fit.pressure[rows], fitted, color=style["color"], lw=1.2)
+        modelled = fit.limits.conductance(fit.tac.value)[rows]
+        ax.plot(fit.pressure[rows], modelled, color=style["color"], lw=1.2)
     rows = _ordered(first)
     pressure, alpha = first.pressure[rows], first.tac.value
     ax.plot(pressure, alpha * first.free_molecular[rows], color=BLUE, ls="--", lw=1,

@@ -1,11 +1,18 @@
-"""Synthetic runs of a heater in thin gas."""
+"""Synthetic runs of a heater in thin gas, by the kinetic force model's heat loss.
+
+The gauge and the power meter are off by what such instruments are.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer.environment.chamber import Chamber
+from lightflyer.film.properties import FilmProperties
+from lightflyer.flyer.disk import Disk
+from lightflyer.force.kinetic import Kinetic
 from lightflyer.lab.synthetic._faults import TORR, faulty_table, label
-from lightflyer.lab.tac import LU2023_HEATER_DIAMETER, heater_power
+from lightflyer.lab.tac import LU2023_HEATER_DIAMETER
 
 
 class TacTruth(NamedTuple):
@@ -23,6 +30,7 @@ _AMBIENT, _HEATER = 295.0, 323.0  # [K]
 _PRESSURES = (1e-4, 200.0)  # [Pa]
 _RESISTANCE, _PER_KELVIN, _AT = 10.0, 3.85e-3, 295.0  # of the heater [ohm], [1/K], [K]
 _RELATIVE_NOISE = 0.01  # of the power
+_GAUGE_ERROR, _POWER_ERROR = 0.03, -0.005  # relative, of all rows
 _TEMPERATURE_NOISE = 0.05  # [K]
 _WARM_UP = (-9.0, -4.0, -1.6)  # offsets of the first rows, while the heater warms up [K]
 _ZERO = 273.15
@@ -44,7 +52,7 @@ def tac_files(seed: int = 0, truth: TacTruth = PLATINUM) -> dict[str, str]:
     rng = np.random.default_rng(seed)
     said = (
         f"truth: tac {truth.tac}, area_ratio {truth.area_ratio}, offset {truth.offset} W/(m^2 K), "
-        f"heater 24 mm"
+        f"heater 24 mm; gauge reads {_GAUGE_ERROR:+.1%}, power meter {_POWER_ERROR:+.1%}"
     )
     lines = label("tac", said)
     return {
@@ -57,16 +65,31 @@ def tac_files(seed: int = 0, truth: TacTruth = PLATINUM) -> dict[str, str]:
 def _run(
     rng: np.random.Generator, truth: TacTruth, count: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Pressure, power, heater and ambient temperature of a run with rising pressure."""
+    """Pressure, power, heater and ambient temperature, as read in a run with rising pressure."""
     pressure = np.geomspace(*_PRESSURES, count)
     heater = np.full(count, _HEATER)
     heater[: len(_WARM_UP)] += _WARM_UP
     ambient = _AMBIENT + 0.3 * np.linspace(0.0, 1.0, count)  # the laboratory warms up
-    power = heater_power(pressure, heater, ambient, *truth, diameter=LU2023_HEATER_DIAMETER) * (
-        1.0 + _RELATIVE_NOISE * rng.normal(size=count)
-    )
+    power = _power(pressure, heater, ambient, truth)
+    power = power * (1.0 + _POWER_ERROR) * (1.0 + _RELATIVE_NOISE * rng.normal(size=count))
     heater = heater + _TEMPERATURE_NOISE * rng.normal(size=count)
-    return pressure, power, heater, ambient
+    return pressure * (1.0 + _GAUGE_ERROR), power, heater, ambient
+
+
+def _power(
+    pressure: np.ndarray, heater: np.ndarray, ambient: np.ndarray, truth: TacTruth
+) -> np.ndarray:
+    """Power that the gas and the leads take from the heater [W]."""
+    # what the kinetic model does not use of a film is set to anything possible
+    film = FilmProperties(
+        1.0, 0.5, emittance_top=0.5, emittance_bottom=0.5, tac_top=truth.tac, tac_bottom=truth.tac
+    )
+    disk = Disk(film, 0.5 * LU2023_HEATER_DIAMETER)
+    difference = heater - ambient
+    state = Chamber(temperature=ambient).state(pressure)
+    (lost,) = Kinetic().heat_loss(disk, state, (difference / ambient,))
+    area = 0.25 * np.pi * LU2023_HEATER_DIAMETER**2
+    return np.asarray(truth.area_ratio * (np.asarray(lost) + truth.offset * area * difference))
 
 
 def _raw(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:

@@ -1,0 +1,128 @@
+r"""Accuracies of a heater's instruments: errors that all rows of a run have in common."""
+
+from dataclasses import asdict, dataclass, fields
+
+import numpy as np
+
+from lightflyer.foundation.checks import require_range
+
+PIRANI_ACCURACY = 0.05
+"""Maker's accuracy of a Pirani gauge between 0.1 Pa and 10 kPa, of the reading [1]: Leybold
+THERMOVAC TTR 91."""
+
+
+@dataclass(frozen=True)
+class TacAccuracy:
+    r"""Standard uncertainties of what is common to all rows.
+
+    Attributes
+    ----------
+    gauge : float
+        Of the pressure, relative [1]. Default: the maker's accuracy of a Pirani gauge, taken as
+        one standard uncertainty. A capacitance manometer has 0.0025 to 0.005.
+    gauge_zero : float
+        Of the gauge's zero [Pa]. Default: an assumption.
+    power : float
+        Of the power, relative [1]. Default: an assumption, twice the usual accuracy of a
+        hand-held multimeter's voltage because the current has an error as well.
+    temperature : float
+        Of the difference between the temperatures of heater and gas [K]. Default: an assumption.
+    diameter : float
+        Of the heater's diameter [m]. Default: an assumption.
+    plateau : float
+        Of the law's continuum conductance for this set-up, relative [1]: walls, the heater's
+        thickness, natural convection, the gas's conductivity. Default: an assumption, what walls
+        at ten radii do.
+
+    Raises
+    ------
+    ParameterError
+        If one is negative or not finite, or a relative one above 1.
+    """
+
+    gauge: float = PIRANI_ACCURACY
+    gauge_zero: float = 0.01
+    power: float = 0.01
+    temperature: float = 1.0
+    diameter: float = 1e-4
+    plateau: float = 0.05
+
+    def __post_init__(self) -> None:
+        for name in ("gauge", "power", "plateau"):
+            require_range(name, getattr(self, name), 0.0, 1.0)
+        for name in ("gauge_zero", "temperature", "diameter"):
+            require_range(name, getattr(self, name), 0.0, np.finfo(float).max)
+
+    def to_json(self) -> dict[str, float]:
+        """The accuracies with their units in the names."""
+        units = {"gauge_zero": "_pa", "temperature": "_k", "diameter": "_m"}
+        return {f"{name}{units.get(name, '')}": value for name, value in asdict(self).items()}
+
+    def errors(self, difference: np.ndarray, diameter: float) -> "CommonErrors":
+        r"""What one standard error of each does to the rows.
+
+        Parameters
+        ----------
+        difference : array, shape (m,)
+            Temperature of the heater above the gas [K].
+        diameter : float
+            Of the heater [m].
+
+        Returns
+        -------
+        CommonErrors
+            Those that are not zero.
+        """
+        wider = self.diameter / diameter
+        same = np.ones_like(difference)
+        effects = {
+            "gauge": (self.gauge, 0.0, 0.0, 0.0 * same),
+            "gauge_zero": (0.0, self.gauge_zero, 0.0, 0.0 * same),
+            "power": (0.0, 0.0, 0.0, self.power * same),
+            "temperature": (0.0, 0.0, 0.0, self.temperature / difference),
+            # an area grows with the square; the plateau per area falls with the diameter
+            "diameter": (0.0, 0.0, -wider, 2.0 * wider * same),
+            "plateau": (0.0, 0.0, self.plateau, 0.0 * same),
+        }
+        kept = {
+            field.name: effects[field.name] for field in fields(self) if getattr(self, field.name)
+        }
+        if not kept:
+            return CommonErrors.none(difference.size)
+        columns = zip(*kept.values(), strict=True)
+        pressure, zero, continuum, amplitude = (np.array(column, float) for column in columns)
+        return CommonErrors(tuple(kept), pressure, zero, continuum, amplitude)
+
+
+EXACT = TacAccuracy(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""Instruments without error: intervals of the scatter alone."""
+
+
+@dataclass(frozen=True)
+class CommonErrors:
+    """Effects of errors that all rows have in common, a row per error of one standard error.
+
+    Attributes
+    ----------
+    names : tuple of str, length k
+    log_pressure : array, shape (k,)
+        Change of the logarithm of the pressure [1].
+    zero : array, shape (k,)
+        Change of the pressure [Pa].
+    log_continuum : array, shape (k,)
+        Change of the logarithm of the continuum conductance [1].
+    log_conductance : array, shape (k, m)
+        Change of the logarithm of the measured conductance [1].
+    """
+
+    names: tuple[str, ...]
+    log_pressure: np.ndarray
+    zero: np.ndarray
+    log_continuum: np.ndarray
+    log_conductance: np.ndarray
+
+    @classmethod
+    def none(cls, rows: int) -> "CommonErrors":
+        """No error in common, of a number of rows."""
+        nothing = np.zeros(0)
+        return cls((), nothing, nothing, nothing, np.zeros((0, rows)))

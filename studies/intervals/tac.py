@@ -1,0 +1,147 @@
+"""Intervals of ``lightflyer lab tac``.
+
+The heat loss is interpolated from the kinetic solver's own results and, in dense gas, conducted by
+a disk in a gas of the US Standard Atmosphere: NumPy and SciPy, none of the package's formulas. Gauge,
+power meter, thermometers, diameter and plateau are off by what the command's accuracies say.
+"""
+
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+from trial import Trial
+
+import lightflyer as lf
+from lightflyer.foundation.table import Table
+
+COMMAND = "lab tac"
+
+DIAMETER = 24e-3  # nominal, of the heater [m]
+AMBIENT, HEATER = 295.0, 323.0  # [K]
+NOISE = 0.01  # of the power of one row, relative
+R, GAMMA = 287.05, 1.4
+DATA = Path(lf.__file__).parent / "data" / "kinetic.csv"
+
+
+class Condition(NamedTuple):
+    """Rows of a run, and the gauge."""
+
+    lowest: float  # [Pa]
+    highest: float  # [Pa]
+    rows: int
+    gauge: float  # relative accuracy
+    zero: float  # [Pa]
+
+
+CONDITIONS = {
+    "full range": Condition(1e-3, 200.0, 60, 0.05, 0.01),
+    "narrow range": Condition(1.0, 6.0, 40, 0.05, 0.01),
+    "10 rows": Condition(1e-3, 200.0, 10, 0.05, 0.01),
+    "capacitance manometer": Condition(1e-3, 200.0, 60, 0.0025, 0.002),
+}
+
+
+def viscosity(temperature):
+    """Of air [Pa s]: US Standard Atmosphere 1976, Eq. (51)."""
+    return 1.458e-6 * temperature**1.5 / (temperature + 110.4)
+
+
+def conducted(hot, cold):
+    """Integral of air's conductivity [W/m]: US Standard Atmosphere 1976, Eq. (53)."""
+    t = np.linspace(cold, hot, 101)
+    conductivity = 2.64638e-3 * t**1.5 / (t + 245.4 * 10.0 ** (-12.0 / t))
+    return np.trapezoid(conductivity, t)
+
+
+@cache
+def solved():
+    """Logarithm of (1/Q − 1) Kn/α of the solver, over Knudsen number, temperature ratio and TAC."""
+    with DATA.open(encoding="utf-8") as file:
+        lines = [line.strip() for line in file if not line.startswith("#")]
+    names = lines[0].split(",")
+    rows = [dict(zip(names, line.split(","), strict=True)) for line in lines[1:]]
+    rows = [row for row in rows if row["gas"] == "diatomic"]
+    axes = [
+        np.unique([float(row[next(n for n in names if n.startswith(key))]) for row in rows])
+        for key in ("knudsen", "temperature_ratio", "tac")
+    ]
+    values = np.full([len(axis) for axis in axes], np.nan)
+    for row in rows:
+        at = [float(row[name]) for name in names[1:4]]
+        heat = float(row["heat_ratio"])
+        where = tuple(int(np.argmin(abs(axis - one))) for axis, one in zip(axes, at, strict=True))
+        values[where] = np.log((1.0 / heat - 1.0) * at[0] / at[2])
+    return axes, values
+
+
+def gas_conductance(pressure, hot, cold, tac, diameter, plateau):
+    """Conductance of the gas around a disk, both faces, per area of one [W/(m² K)]."""
+    (knudsens, ratios, tacs), values = solved()
+    # through the three temperatures and the three coefficients of the table
+    heating, wanted = 1.0 - 1.0 / ratios, 1.0 - cold / hot
+    across = np.moveaxis(values, 1, 0).reshape(3, -1)
+    at_ratio = lagrange(heating, across, wanted).reshape(len(knudsens), 3)
+    curve = lagrange(tacs, at_ratio.T, tac)
+    speed = np.sqrt(8.0 * R * cold / np.pi)
+    path = viscosity(cold) / pressure * np.sqrt(0.5 * np.pi * R * cold)
+    knudsen = path / diameter
+    thin = tac * (GAMMA + 1.0) / (GAMMA - 1.0) / 8.0 * speed / cold * 2.0 * pressure
+    dense = 4.0 * diameter * conducted(hot, cold) / (0.25 * np.pi * diameter**2 * (hot - cold))
+    limit = np.log(np.mean(thin / dense * knudsen / tac))
+    position = np.concatenate([[0.0], knudsens])  # straight in Kn between the limit and the table
+    within = PchipInterpolator(np.log(knudsens), curve)(np.log(np.clip(knudsen, 0.03, 30.0)))
+    below = np.interp(knudsen, position[:2], [limit, curve[0]])
+    resistance = np.exp(np.where(knudsen < knudsens[0], below, within)) * tac / knudsen
+    return thin / (1.0 + resistance / (1.0 + plateau))
+
+
+def lagrange(nodes, values, wanted):
+    """Parabola through three nodes; values of shape (3, ...)."""
+    return np.tensordot(
+        np.linalg.solve(np.vander(nodes, increasing=True).T, wanted ** np.arange(3)), values, 1
+    )
+
+
+def run_of(rng, condition, accuracy):
+    """A run as it is read, and its truth."""
+    truth = {
+        "tac": rng.uniform(0.6, 0.98),
+        "area_ratio": rng.uniform(0.9, 1.4),
+        "offset": rng.uniform(2.0, 6.0),
+    }
+    gauge, zero, power, temperature, wider, plateau = rng.normal(size=6) * (
+        accuracy.gauge, accuracy.gauge_zero, accuracy.power, accuracy.temperature,
+        accuracy.diameter, accuracy.plateau,
+    )  # fmt: skip
+    diameter, hot = DIAMETER + wider, HEATER - temperature
+    pressure = np.geomspace(condition.lowest, condition.highest, condition.rows)
+    gas = gas_conductance(pressure, hot, AMBIENT, truth["tac"], diameter, plateau)
+    area = 0.25 * np.pi * diameter**2
+    watts = truth["area_ratio"] * (gas + truth["offset"]) * area * (hot - AMBIENT)
+    watts *= (1.0 + power) * (1.0 + NOISE * rng.normal(size=pressure.size))
+    read = pressure * (1.0 + gauge) + zero
+    seen = read > 0.0  # a table's reader rejects what is below the gauge's zero
+    count = int(seen.sum())
+    table = Table("synthetic", np.arange(count) + 2, {})
+    heater, ambient = np.full(count, HEATER), np.full(count, AMBIENT)
+    return lf.lab.TacRun(table, read[seen], watts[seen], heater, ambient), truth
+
+
+def trials(seed):
+    """Every interval of one run under each condition."""
+    found = []
+    for number, (name, condition) in enumerate(CONDITIONS.items()):
+        rng = np.random.default_rng([seed, number])
+        accuracy = lf.lab.TacAccuracy(gauge=condition.gauge, gauge_zero=condition.zero)
+        run, truth = run_of(rng, condition, accuracy)
+        fit = lf.lab.fit_tac(run, accuracy=accuracy)
+        for parameter, one in fit.estimates().items():
+            true = truth[parameter]
+            found.append(Trial(f"{parameter}, {name}", true, *one.interval))
+            ends = fit.covariance_intervals[parameter]
+            found.append(Trial(f"{parameter} by covariance, {name}", true, *ends))
+        product = truth["tac"] * truth["area_ratio"]
+        found.append(Trial(f"slope, {name}", product, *fit.slope.interval))
+    return found

@@ -34,10 +34,15 @@ from .tables import read_table as read_table
 from .tac import TacFit as TacFit
 from .tac import fit_tac as fit_tac
 from .tac import heater_power as heater_power
+from .tac_accuracy import TacAccuracy as TacAccuracy
 from .tac_data import ResistanceThermometer as ResistanceThermometer
 from .tac_data import TacRun as TacRun
 from .tac_data import read_resistance_calibration as read_resistance_calibration
 from .tac_data import read_tac as read_tac
+from .tac_law import HEAT_LAWS as HEAT_LAWS
+from .tac_law import AbstractHeatLaw as AbstractHeatLaw
+from .tac_law import KineticLaw as KineticLaw
+from .tac_law import Lu2023Law as Lu2023Law
 from .tac_record import mean_tac as mean_tac
 from .thermal_image import parse_regions as parse_regions
 from .thermal_image import read_thermal_image as read_thermal_image

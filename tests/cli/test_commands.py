@@ -157,7 +157,7 @@ def test_chamber(run, tmp_path):
         assert result["optimum"]["irradiance_w_m2"] <= least
         assert dataset["map_temperature"].dims == ("map_pressure", "map_irradiance")
         dark = dataset["map_temperature"].isel(map_irradiance=0)
-        np.testing.assert_allclose(dark, 295.0)
+        np.testing.assert_allclose(dark, 293.0)
 
 
 def test_init_writes_what_predict_reads(run, tmp_path):

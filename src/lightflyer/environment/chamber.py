@@ -31,7 +31,7 @@ class Chamber(AbstractEnvironment):
     Attributes
     ----------
     temperature : array
-        Temperature of gas and walls [K].
+        Temperature of gas and walls [K]; default that of the paper's laboratory.
     gas : AbstractGas
         Default :data:`lightflyer.gas.AIR`.
     gravity : array
@@ -52,7 +52,7 @@ class Chamber(AbstractEnvironment):
 
     dimmable_light: ClassVar[bool] = True
 
-    temperature: Temperature = 295.0
+    temperature: Temperature = 293.0
     gas: AbstractGas = AIR
     gravity: Acceleration = constants.STANDARD_GRAVITY
     radiation: Radiation = Radiation()

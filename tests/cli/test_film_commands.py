@@ -62,6 +62,65 @@ def test_film_says_what_it_extrapolated(run, film_file):
     assert found["lamp_absorptance_top"] == pytest.approx(0.721, abs=0.002)
 
 
+def test_held_data_are_not_called_data(run, film_file):
+    path = film_file("[film]\n", '[film]\nextrapolation = "hold"\n')
+    code, text, _ = run("film", path, "--json", "--temperatures", "300 K", "--at", "30 um")
+    assert code == 0
+    found = json.loads(text)
+    for name in ("emittance_top", "emittance_bottom", "emittance_normal_top"):
+        bounds = found["bounds"][name]
+        assert bounds["covered"]["300"] == pytest.approx(0.564, abs=1e-3)  # to 15 µm
+        assert bounds["extrapolated_share"]["300"] == pytest.approx(0.436, abs=1e-3)
+        assert bounds["upper"]["300"] - bounds["lower"]["300"] == pytest.approx(0.436, abs=1e-3)
+    assert found["bounds"]["solar_absorptance_top"]["extrapolated_share"] > 0.07
+    said = "\n".join(found["warnings"])
+    assert "43.6% of a black body's radiation (300 K) lies where optical data are extrap" in said
+    assert "7.8% of sunlight (AM0) lies where optical data are extrapolated" in said
+    assert "at 30 µm optical data are extrapolated: Ge: hold beyond 0.4 µm to 15 µm" in said
+    code, text, _ = run("film", path, "--temperatures", "300 K")
+    assert (text.count("43.6%"), text.count("0.052 to 0.488")) == (3, 1)
+
+
+def test_stated_thicknesses_give_intervals(run, film_file):
+    path = film_file()
+    code, text, _ = run("film", path, "--json", "--temperatures", "300 K", "--at", "550 nm")
+    assert code == 0
+    found = json.loads(text)
+    low, high = found["interval_95"]["emittance_top"]["300"]
+    middle, spread = found["emittance_top"]["300"], found["uncertainty"]["emittance_top"]["300"]
+    assert (low, high) == pytest.approx((middle - 1.96 * spread, middle + 1.96 * spread), rel=1e-4)
+    # 2 nm of alumina of 3000 kg/m³
+    assert found["uncertainty"]["areal_density_g_m2"] == pytest.approx(0.006, rel=1e-6)
+    at = found["at"][0]
+    assert at["interval_95"]["reflectance"][0] < at["reflectance"]
+    said = "no ± is stated for the thickness of Ge, PET: the intervals take it as exact"
+    assert found["warnings"][-1] == said
+    code, text, _ = run("film", path, "--temperatures", "300 K")
+    assert f"{low:.4g} to {high:.4g}" in text
+    assert f"warning: {said}" in text
+    path = film_file("50 ± 2 nm", "50 nm")
+    code, text, _ = run("film", path, "--json", "--temperatures", "300 K")
+    found = json.loads(text)
+    assert (found["interval_95"], found["uncertainty"]) == ({}, {})
+
+
+def test_densities_have_uncertainties(run, film_file):
+    new = '"50 nm", density = "3000 ± 300 kg/m^3"'
+    code, text, _ = run("film", film_file('"50 ± 2 nm"', new), "--json", "--temperatures", "300 K")
+    assert code == 0
+    found = json.loads(text)
+    assert found["uncertainty"]["areal_density_g_m2"] == pytest.approx(0.015, rel=1e-6)
+    assert found["uncertainty"]["emittance_top"]["300"] == 0.0
+
+
+def test_gaps_between_sources_are_named(run, film_file):
+    code, text, _ = run("film", film_file('"mylar"', '"polyimide"'), "--json")
+    assert code == 0
+    assert "polyimide has no optical data from 1.59 µm to 1.667 µm" in "\n".join(
+        json.loads(text)["warnings"]
+    )
+
+
 def test_film_prints_a_table(run, film_file):
     code, text, _ = run("film", film_file(), "--temperatures", "441 K")
     assert code == 0
@@ -100,6 +159,7 @@ def test_materials_lists_range_density_and_source(run):
         ('"20 nm"', '"0 nm"', "must be positive"),
         ('"20 nm"', '"-5 nm"', "must be positive"),
         ('"20 nm"', '"20"', "has no unit"),
+        ('"20 nm"', '"20 ± 25 nm"', "thickness of Ge = 20 ± 25 nm: ± is one standard deviation"),
         ('"20 nm"', '"20 kg"', "wrong kind"),
         ('thickness = "20 nm"', 'thicknes = "20 nm"', 'did you mean "thickness"?'),
         ("layers", "layer", "needs a section [film] with layers"),

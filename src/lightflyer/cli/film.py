@@ -2,6 +2,7 @@
 
 import gc
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,10 +13,12 @@ from rich.table import Table
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
+    from lightflyer.film import Film
     from lightflyer.film.layered_section import LayeredFilmSection
     from lightflyer.film.summary import FilmSummary
 
-_PERCENT = 100.0
+_LEAST_SHARE = 0.0005  # of a spectrum, printed as 0.1 %
+_NANOMETRES, _GRAMS = 1e9, 1e3
 _TEMPERATURES = "200 K,250 K,300 K,350 K,400 K,450 K,500 K"
 
 
@@ -29,6 +32,9 @@ def film_command(
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> None:
     """Compute absorptance, emittance and areal density of a film from its layers.
+
+    Where the file states ± of thicknesses or densities, values have 95 % intervals from them.
+    Shares of a spectrum without optical data are printed with bounds, apart from the intervals.
 
     Parameters
     ----------
@@ -45,15 +51,25 @@ def film_command(
         Print one JSON object instead of tables.
     """
     gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
+    from lightflyer.cli.lab._shared import show_warnings
     from lightflyer.config.reader import read_film_file
     from lightflyer.film.summary import FilmSummary
 
     section = read_film_file(film_file)
     asked = _quantities("--temperatures", temperatures, "K")
     film = section.film()
-    points = _points(film, at)
-    summary = FilmSummary.of(film, section.light(), asked)
-    described = summary.to_json() | {"origin": _origins(section)}
+    spreads = [layer.thickness.uncertainty for layer in section.layers]
+    points, beyond = _points(film, at, spreads)
+    summary = FilmSummary.of(
+        film, section.light(), asked,
+        thickness_uncertainty=spreads,
+        density_uncertainty=[
+            None if layer.density is None else layer.density.uncertainty
+            for layer in section.layers
+        ],
+    )  # fmt: skip
+    warnings = [*summary.warnings, *beyond]
+    described = summary.to_json() | {"origin": _origins(section), "warnings": warnings}
     if at is not None:
         described["at"] = points
     written = [] if out is None else _write(out, summary, described)
@@ -62,6 +78,9 @@ def film_command(
         return
     console = Console(highlight=False)
     _show(console, section, summary, points)
+    show_warnings(console, warnings)
+    if summary.uncertainty is None:
+        console.print("state ± of the layers' thicknesses for intervals")
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
     if out is None:
@@ -82,22 +101,40 @@ def _quantities(option: str, text: str, unit: str) -> Any:
     return np.array(values)
 
 
-def _points(film: Any, at: str | None) -> list[dict[str, float]]:
-    """Optics at the wavelengths of ``--at``, for normal incidence on the top."""
+def _points(
+    film: "Film", at: str | None, spreads: Sequence[float | None]
+) -> tuple[list[dict[str, Any]], list[str]]:
+    """Optics at the wavelengths of ``--at``, for normal incidence on the top, and warnings."""
     if at is None:
-        return []
+        return [], []
+    from lightflyer.film.summary import possible_interval
+    from lightflyer.film.thickness import thickness_uncertainty
+
     wavelengths = _quantities("--at", at, "m")
-    optics = film.optics(wavelengths).unpolarised()
-    rows = zip(wavelengths, optics.reflectance, optics.transmittance, strict=True)
-    return [
-        {
-            "wavelength_um": float(wavelength) * 1e6,
-            "reflectance": float(reflected),
-            "transmittance": float(transmitted),
-            "absorptance": float(1.0 - reflected - transmitted),
-        }
-        for wavelength, reflected, transmitted in rows
+
+    def optics(one: "Film") -> dict[str, Any]:
+        found = one.optics(wavelengths).unpolarised()
+        absorbed = 1.0 - found.reflectance - found.transmittance
+        return {"reflectance": found.reflectance, "transmittance": found.transmittance,
+                "absorptance": absorbed}  # fmt: skip
+
+    values = optics(film)
+    points: list[dict[str, Any]] = [{"wavelength_um": float(one) * 1e6} for one in wavelengths]
+    for number, point in enumerate(points):
+        point |= {name: float(value[number]) for name, value in values.items()}
+    if any(spreads):
+        spread = thickness_uncertainty(optics, film, [one or 0.0 for one in spreads])
+        for number, point in enumerate(points):
+            point["interval_95"] = {
+                name: possible_interval(point[name], one[number], 1.0).tolist()
+                for name, one in spread.items()
+            }
+    beyond = [
+        f"at {point['wavelength_um']:.5g} µm optical data are extrapolated: {text}"
+        for point, one in zip(points, wavelengths, strict=True)
+        for text in film.extrapolated(one, one)
     ]
+    return points, beyond
 
 
 def _origins(section: "LayeredFilmSection") -> dict[str, Any]:
@@ -128,66 +165,117 @@ def _show(
     console: Console,
     section: "LayeredFilmSection",
     summary: "FilmSummary",
-    points: list[dict[str, float]],
+    points: list[dict[str, Any]],
 ) -> None:
     from lightflyer.film.materials import MICROMETRE
 
-    for layer in summary.film.layers:
-        nanometres = float(layer.thickness) * 1e9
-        console.print(f"{layer.material.name:10} {nanometres:8.4g} nm  {layer.material.source}")
-    console.print(f"areal density     {float(summary.film.areal_density) * 1e3:.4g} g/m²")
-    for light, averages in {"AM0": summary.solar, summary.light.name: summary.lamp}.items():
-        for side, mean in averages.items():
-            console.print(
-                f"absorptance       {mean.value:.4f} of {light}, {side} ({mean.lower:.3f} to "
-                f"{mean.upper:.3f}: {_left_out(mean.covered)} of its power is outside the data)"
-            )
-    console.print(_emittances(summary))
+    _show_layers(console, section, summary)
+    for table in (_emittances(summary), _intervals(summary), _missing(summary)):
+        if table is not None:
+            console.print(table)
     shortest, longest = summary.wavelength[[0, -1]] / MICROMETRE
-    console.print(
-        "emittance: mean over the wavelengths with data; bounds: nothing or everything absorbed at "
-        f"the others\nspectrum from {shortest:.4g} µm to {longest:.4g} µm"
-    )
-    for text in summary.extrapolated:
-        console.print(f"extrapolated: {text}")
+    console.print(f"spectrum from {shortest:.4g} µm to {longest:.4g} µm")
     for point in points:
-        console.print(
-            f"at {point['wavelength_um']:.5g} µm: reflectance {point['reflectance']:.4f}, "
-            f"transmittance {point['transmittance']:.4f}, absorptance {point['absorptance']:.4f}"
-        )
-    for name, value in section.measured().items():
+        parts = [
+            f"{name} {point[name]:.4f}" + _span(point.get("interval_95", {}).get(name))
+            for name in ("reflectance", "transmittance", "absorptance")
+        ]
+        console.print(f"at {point['wavelength_um']:.5g} µm: {', '.join(parts)}", soft_wrap=True)
+    measured = section.measured()
+    limit = measured.pop("highest_temperature", None)
+    if limit is not None:
+        console.print(f"highest temperature of the materials {limit.value:g} K")
+    for name, value in measured.items():
         spread = "" if value.uncertainty is None else f" ± {value.uncertainty:g}"
         console.print(f"measured, used in predictions: {name} {value.value:g}{spread}")
 
 
-def _left_out(covered: Any) -> str:
-    return f"{(1.0 - float(covered)) * _PERCENT:.1f} %"
+def _show_layers(console: Console, section: "LayeredFilmSection", summary: "FilmSummary") -> None:
+    """Print the layers, their mass and what they absorb of the light."""
+    for layer, written in zip(summary.film.layers, section.layers, strict=True):
+        spread = written.thickness.uncertainty
+        stated = "" if spread is None else f" ± {spread * _NANOMETRES:g}"
+        console.print(
+            f"{layer.material.name:10} {float(layer.thickness) * _NANOMETRES:8.4g}{stated} nm  "
+            f"{layer.material.source}", soft_wrap=True,
+        )  # fmt: skip
+    mass = float(summary.film.areal_density) * _GRAMS
+    console.print(f"areal density     {mass:.4g} g/m²{_interval(summary, 'areal_density_g_m2')}")
+    lights = {"AM0": ("solar", summary.solar)}
+    if summary.lamp is not summary.solar:
+        lights[summary.light.name] = ("lamp", summary.lamp)
+    for light, (kind, averages) in lights.items():
+        for side, mean in averages.items():
+            interval = _interval(summary, f"{kind}_absorptance_{side}")
+            console.print(f"absorptance       {mean.value:.4f}{interval} of {light}, {side}"
+                          f"{_bounded(mean)}", soft_wrap=True)  # fmt: skip
+
+
+def _interval(summary: "FilmSummary", name: str) -> str:
+    """95 % interval of a single value, in words."""
+    return _span(summary.interval(name))
+
+
+def _span(ends: Any) -> str:
+    return "" if ends is None else f" ({ends[0]:.4g} to {ends[1]:.4g})"
+
+
+def _bounded(mean: Any) -> str:
+    """Bounds of an absorptance, and why, where some of the light lies outside the data."""
+    outside = 1.0 - float(mean.covered)
+    if outside < _LEAST_SHARE:
+        return ""
+    return f"; {outside:.1%} is outside the data: bounds {mean.lower:.3f} to {mean.upper:.3f}"
+
+
+def _table(title: str, headings: Sequence[str]) -> Table:
+    table = Table(box=None, padding=(0, 1), title=title, title_justify="left", title_style="")
+    for heading in headings:
+        table.add_column(heading, justify="right")
+    return table
 
 
 def _emittances(summary: "FilmSummary") -> Table:
-    table = Table(box=None, padding=(0, 1))
-    for heading in (
-        "at\n[K]",
-        "emittance\ntop",
-        "\nbottom",
-        "normal\ntop",
-        "\nbottom",
-        "absorptance\n/ emittance",
-        "outside\nthe data",
-        "bounds\n(top)",
-    ):
-        table.add_column(heading, justify="right")
-    top, bottom = summary.thermal["top"], summary.thermal["bottom"]
-    normal = summary.thermal_normal
+    table = _table("emittance", ("at\n[K]", "hemispherical\ntop", "\nbottom", "normal\ntop",
+                                 "\nbottom", "absorptance\n/ emittance"))  # fmt: skip
+    values = summary.values()
+    names = ("emittance_top", "emittance_bottom", "emittance_normal_top", "emittance_normal_bottom")
     for row, temperature in enumerate(summary.temperatures):
         table.add_row(
             f"{temperature:g}",
-            f"{top.value[row]:.4f}",
-            f"{bottom.value[row]:.4f}",
-            f"{normal['top'].value[row]:.4f}",
-            f"{normal['bottom'].value[row]:.4f}",
-            f"{summary.selectivity()[row]:.2f}",
-            _left_out(top.covered[row]),
-            f"{top.lower[row]:.3f}–{top.upper[row]:.3f}",
+            *(f"{values[name][row]:.4f}" for name in names),
+            f"{values['selectivity'][row]:.2f}",
         )
+    return table
+
+
+def _intervals(summary: "FilmSummary") -> Table | None:
+    """95 % intervals from the thicknesses."""
+    if summary.uncertainty is None:
+        return None
+    title = "95 % intervals from the stated ± of thicknesses and densities"
+    table = _table(title, ("at\n[K]", "hemispherical\ntop", "\nbottom",
+                           "absorptance\n/ emittance"))  # fmt: skip
+    columns = [summary.interval(name) for name in ("emittance_top", "emittance_bottom",
+                                                   "selectivity")]  # fmt: skip
+    for row, temperature in enumerate(summary.temperatures):
+        ends = [column[:, row] for column in columns if column is not None]
+        table.add_row(f"{temperature:g}", *(f"{low:.4g} to {high:.4g}" for low, high in ends))
+    return table
+
+
+def _missing(summary: "FilmSummary") -> Table | None:
+    """Shares of the radiation without data, and bounds of the emittance."""
+    top, bottom = summary.thermal["top"], summary.thermal["bottom"]
+    if (1.0 - top.covered).max() < _LEAST_SHARE:
+        return None
+    title = "radiation without optical data, and bounds if nothing or everything is absorbed there"
+    table = _table(title, ("at\n[K]", "outside\nthe data", "of which\nextrapolated",
+                           "hemispherical\ntop", "\nbottom"))  # fmt: skip
+    for row, temperature in enumerate(summary.temperatures):
+        table.add_row(
+            f"{temperature:g}", f"{1.0 - top.covered[row]:.1%}",
+            f"{top.extrapolated_share[row]:.1%}",
+            *(f"{one.lower[row]:.3f} to {one.upper[row]:.3f}" for one in (top, bottom)),
+        )  # fmt: skip
     return table

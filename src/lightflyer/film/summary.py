@@ -1,23 +1,31 @@
 """Optics and mass of a film in one object, as the command ``film`` reports them."""
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from scipy.special import ndtri
 
-from lightflyer.film.averages import Average, absorptance, emittance
+from lightflyer.film.averages import POINTS_PER_E_FOLD, Average, absorptance, emittance
+from lightflyer.film.findings import film_warnings
 from lightflyer.film.materials import MICROMETRE
 from lightflyer.film.spectra import Spectrum, am0
 from lightflyer.film.stack import Film, Side
+from lightflyer.film.thickness import COARSE_POINTS_PER_E_FOLD, thickness_uncertainty
 from lightflyer.film.transfer_matrix import StackOptics
 from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.types import Numeric
 
 SPECTRUM_RANGE = (0.25e-6, 25e-6)
 """Ends of a film's reported spectrum [m]."""
 SPECTRUM_POINTS = 1000
 
+COVERAGE_FACTOR = float(ndtri(0.975))
+"""Half width of a 95 % interval over the standard uncertainty of a normal variable."""
+
 _GRAMS = 1e3
+_SIDES: tuple[Side, Side] = ("top", "bottom")
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -43,6 +51,11 @@ class FilmSummary:
         [m]; from 0.25 µm to 25 µm, as far as the materials have data or extrapolate.
     optics : StackOptics
         Unpolarised, normal incidence from the top, arrays over ``wavelength``.
+    uncertainty : dict of str to float or array, or None
+        Standard uncertainty from those of the layers' thicknesses and densities, by the names of
+        :meth:`values`; None where no layer has one.
+    warnings : tuple of str
+        What a reader must know of these numbers.
     """
 
     film: Film
@@ -54,9 +67,19 @@ class FilmSummary:
     temperatures: np.ndarray
     wavelength: np.ndarray
     optics: StackOptics
+    uncertainty: dict[str, Any] | None = None
+    warnings: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, film: Film, light: Spectrum, temperatures: np.ndarray) -> "FilmSummary":
+    def of(
+        cls,
+        film: Film,
+        light: Spectrum,
+        temperatures: np.ndarray,
+        *,
+        thickness_uncertainty: Sequence[float | None] = (),
+        density_uncertainty: Sequence[float | None] = (),
+    ) -> "FilmSummary":
         """Summary of a film.
 
         Parameters
@@ -66,6 +89,10 @@ class FilmSummary:
             Light on the film: sunlight or a lamp.
         temperatures : array, shape (m,)
             [K].
+        thickness_uncertainty : sequence of float or None, optional
+            Standard uncertainty of each layer's thickness, None where none is stated [m].
+        density_uncertainty : sequence of float or None, optional
+            That of each layer's density [kg/m³].
 
         Returns
         -------
@@ -74,30 +101,31 @@ class FilmSummary:
         Raises
         ------
         ParameterError
-            If the materials' data do not overlap, or lie outside the reported spectrum.
+            If the materials' data do not overlap, or lie outside the reported spectrum, or an
+            uncertainty is not below its thickness.
         """
-        sides: tuple[Side, Side] = ("top", "bottom")
+        spreads = tuple(thickness_uncertainty) or (None,) * len(film.layers)
+        densities = tuple(density_uncertainty) or (None,) * len(film.layers)
         shortest, longest = film.covered_range
         shortest, longest = max(shortest, SPECTRUM_RANGE[0]), min(longest, SPECTRUM_RANGE[1])
         if shortest >= longest:
             ends = " and ".join(f"{end / MICROMETRE:g} µm" for end in SPECTRUM_RANGE)
             raise ParameterError(f"the materials have no data between {ends}")
         wavelength = np.geomspace(shortest, longest, SPECTRUM_POINTS)
-        solar: dict[str, Average] = {side: absorptance(film, side=side) for side in sides}
-        lit: dict[str, Average] = {side: absorptance(film, light, side=side) for side in sides}
+        averages = _averages(film, light, temperatures, POINTS_PER_E_FOLD)
         return cls(
             film=film,
             light=light,
-            solar=solar,
-            lamp=solar if light is am0() else lit,
-            thermal={side: emittance(film, temperatures, side=side) for side in sides},
-            thermal_normal={
-                side: emittance(film, temperatures, side=side, normal=True) for side in sides
-            },
+            **averages,
             temperatures=temperatures,
             wavelength=wavelength,
             optics=film.optics(wavelength).unpolarised(),
-        )
+            uncertainty=_uncertainty(film, light, temperatures, spreads, densities),
+            warnings=film_warnings(
+                film, light, temperatures, averages["solar"], averages["lamp"],
+                averages["thermal"], spreads,
+            ),
+        )  # fmt: skip
 
     @property
     def extrapolated(self) -> list[str]:
@@ -109,29 +137,42 @@ class FilmSummary:
 
     def selectivity(self) -> np.ndarray:
         """Absorptance of the top for the light, over the mean emittance of both faces [1]."""
-        mean = 0.5 * (self.thermal["top"].value + self.thermal["bottom"].value)
-        return self.lamp["top"].value / mean
+        return _selectivity(self.lamp, self.thermal)
+
+    def values(self) -> dict[str, Any]:
+        """Numbers and arrays over the temperatures, by name with the unit at its end."""
+        averages = {"solar": self.solar, "lamp": self.lamp, "thermal": self.thermal,
+                    "thermal_normal": self.thermal_normal}  # fmt: skip
+        return _values(self.film, self.light, averages)
+
+    def interval(self, name: str) -> np.ndarray | None:
+        """95 % interval of a number of :meth:`values`, cut at what is possible.
+
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        array, shape (2,) or (2, m), or None
+            Lower and upper ends; None if no uncertainty is stated.
+        """
+        if self.uncertainty is None:
+            return None
+        highest = 1.0 if "tance" in name else np.inf  # absorptance and emittance
+        return possible_interval(self.values()[name], self.uncertainty[name], highest)
 
     def to_json(self) -> dict[str, Any]:
         """The summary as a JSON object, with a unit at the end of each name."""
-        names = [f"{temperature:g}" for temperature in self.temperatures]
-
-        def over_temperature(values: Any) -> dict[str, float]:
-            return dict(zip(names, map(float, values), strict=True))
-
-        entries: dict[str, Any] = {"areal_density_g_m2": float(self.film.areal_density) * _GRAMS}
-        for side, solar in self.solar.items():
-            entries[f"solar_absorptance_{side}"] = float(solar.value)
+        entries = {name: self._described(value) for name, value in self.values().items()}
         if self.light is not am0():
             entries["lamp"] = self.light.name
-            for side, lamp in self.lamp.items():
-                entries[f"lamp_absorptance_{side}"] = float(lamp.value)
-        for side, thermal in self.thermal.items():
-            entries[f"emittance_{side}"] = over_temperature(thermal.value)
-            entries[f"emittance_normal_{side}"] = over_temperature(self.thermal_normal[side].value)
         return entries | {
-            "selectivity": over_temperature(self.selectivity()),
-            "bounds": self._bounds(over_temperature),
+            "uncertainty": {
+                name: self._described(value) for name, value in (self.uncertainty or {}).items()
+            },
+            "interval_95": {name: self._ends(name) for name in self.uncertainty or {}},
+            "bounds": self._bounds(),
             "spectrum": {
                 "wavelength_um": (self.wavelength / MICROMETRE).tolist(),
                 "reflectance": self.optics.reflectance.tolist(),
@@ -140,24 +181,115 @@ class FilmSummary:
                 "layer_absorptance": self.optics.layer_absorptance.tolist(),
             },
             "extrapolated": self.extrapolated,
+            "warnings": list(self.warnings),
         }
 
-    def _bounds(self, over_temperature: Any) -> dict[str, Any]:
+    def _described(self, value: Any) -> Any:
+        """A number, or numbers by temperature."""
+        if np.ndim(value) == 0:
+            return float(value)
+        names = [f"{temperature:g}" for temperature in self.temperatures]
+        return dict(zip(names, map(float, value), strict=True))
+
+    def _ends(self, name: str) -> Any:
+        low, high = self.interval(name)  # type: ignore[misc]
+        if np.ndim(low) == 0:
+            return [float(low), float(high)]
+        ends = zip(self.temperatures, low, high, strict=True)
+        return {f"{at:g}": [float(one), float(other)] for at, one, other in ends}
+
+    def _bounds(self) -> dict[str, Any]:
         """Share of each average's spectrum that has data, and bounds for the rest."""
-        solar = {
-            f"solar_absorptance_{side}": _covered(average, float)
-            for side, average in self.solar.items()
+        found = {f"solar_absorptance_{side}": mean for side, mean in self.solar.items()}
+        if self.light is not am0():
+            found |= {f"lamp_absorptance_{side}": mean for side, mean in self.lamp.items()}
+        found |= {f"emittance_{side}": mean for side, mean in self.thermal.items()}
+        found |= {f"emittance_normal_{side}": mean for side, mean in self.thermal_normal.items()}
+        return {name: _covered(average, self._described) for name, average in found.items()}
+
+
+def possible_interval(value: Numeric, uncertainty: Numeric, highest: float) -> np.ndarray:
+    """95 % interval of a normal variable, cut at zero and at the highest possible value.
+
+    Parameters
+    ----------
+    value, uncertainty : array, shape (...)
+        The variable and its standard uncertainty.
+    highest : float
+
+    Returns
+    -------
+    array, shape (2, ...)
+    """
+    half = COVERAGE_FACTOR * np.asarray(uncertainty)
+    return np.clip(np.stack([value - half, value + half]), 0.0, highest)
+
+
+def _averages(
+    film: Film, light: Spectrum, temperatures: np.ndarray, points_per_e_fold: int
+) -> dict[str, dict[str, Average]]:
+    """Averages by the names of the summary's fields."""
+
+    def heat(normal: bool) -> dict[str, Average]:
+        return {
+            side: emittance(
+                film, temperatures, side=side, normal=normal, points_per_e_fold=points_per_e_fold
+            )
+            for side in _SIDES
         }
-        thermal = {
-            f"emittance_{side}": _covered(average, over_temperature)
-            for side, average in self.thermal.items()
-        }
-        return {**solar, **thermal}
+
+    solar: dict[str, Average] = {side: absorptance(film, side=side) for side in _SIDES}
+    lamp: dict[str, Average] = solar
+    if light is not am0():
+        lamp = {side: absorptance(film, light, side=side) for side in _SIDES}
+    return {"solar": solar, "lamp": lamp, "thermal": heat(False), "thermal_normal": heat(True)}
+
+
+def _values(film: Film, light: Spectrum, averages: dict[str, dict[str, Average]]) -> dict[str, Any]:
+    entries: dict[str, Any] = {"areal_density_g_m2": film.areal_density * _GRAMS}
+    for side, solar in averages["solar"].items():
+        entries[f"solar_absorptance_{side}"] = solar.value
+    if light is not am0():
+        for side, lamp in averages["lamp"].items():
+            entries[f"lamp_absorptance_{side}"] = lamp.value
+    for side, thermal in averages["thermal"].items():
+        entries[f"emittance_{side}"] = thermal.value
+        entries[f"emittance_normal_{side}"] = averages["thermal_normal"][side].value
+    return entries | {"selectivity": _selectivity(averages["lamp"], averages["thermal"])}
+
+
+def _selectivity(lamp: dict[str, Average], thermal: dict[str, Average]) -> np.ndarray:
+    return np.asarray(lamp["top"].value / (0.5 * (thermal["top"].value + thermal["bottom"].value)))
+
+
+def _uncertainty(
+    film: Film,
+    light: Spectrum,
+    temperatures: np.ndarray,
+    spreads: Sequence[float | None],
+    densities: Sequence[float | None],
+) -> dict[str, Any] | None:
+    """Standard uncertainties of the values; those of the densities concern the mass only."""
+    if not any(spreads) and not any(densities):
+        return None
+
+    def values(one: Film) -> dict[str, Any]:
+        averages = _averages(one, light, temperatures, COARSE_POINTS_PER_E_FOLD)
+        return _values(one, light, averages)
+
+    found = thickness_uncertainty(values, film, [spread or 0.0 for spread in spreads])
+    parts = [
+        layer.thickness * (spread or 0.0) * _GRAMS
+        for layer, spread in zip(film.layers, densities, strict=True)
+    ]
+    mass = found["areal_density_g_m2"]
+    return found | {"areal_density_g_m2": float(np.hypot(mass, np.linalg.norm(parts)))}
 
 
 def _covered(average: Average, described: Callable[[Any], Any]) -> dict[str, Any]:
     return {
         "covered": described(average.covered),
+        "extrapolated_share": described(average.extrapolated_share),
         "lower": described(average.lower),
         "upper": described(average.upper),
     }

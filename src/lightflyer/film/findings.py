@@ -1,0 +1,94 @@
+"""What a reader of a film's averages must know: missing, extrapolated and interpolated data."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from lightflyer.film.averages import Average
+from lightflyer.film.materials import MICROMETRE
+from lightflyer.film.spectra import Spectrum, am0
+from lightflyer.film.stack import Film
+
+WORTH_SAYING = 0.001
+"""Least share of a spectrum's power whose absence or extrapolation is named [1]."""
+
+
+def film_warnings(
+    film: Film,
+    light: Spectrum,
+    temperatures: np.ndarray,
+    solar: Mapping[str, Average],
+    lamp: Mapping[str, Average],
+    thermal: Mapping[str, Average],
+    thickness_uncertainty: Sequence[float | None],
+) -> tuple[str, ...]:
+    """Warnings of a film's averages, one line each.
+
+    Parameters
+    ----------
+    film : Film
+    light : Spectrum
+    temperatures : array, shape (m,)
+        [K].
+    solar, lamp, thermal : mapping of str to Average
+        By side.
+    thickness_uncertainty : sequence of float or None
+        By layer; None where none is stated [m].
+
+    Returns
+    -------
+    tuple of str
+    """
+    spectra = {"sunlight (AM0)": solar["top"]}
+    if light is not am0():
+        spectra[light.name] = lamp["top"]
+    found: list[str] = []
+    for name, average in spectra.items():
+        found += _shares(average, name, "absorptance", "")
+    heat = f" ({_range(temperatures, 'g')} K)"
+    found += _shares(thermal["top"], "a black body's radiation", "emittance", heat)
+    found += _gaps(film)
+    return (*found, *_unstated(film, thickness_uncertainty))
+
+
+def _shares(average: Average, spectrum: str, quantity: str, where: str) -> list[str]:
+    found = []
+    if np.any(average.left_out > WORTH_SAYING):
+        found.append(
+            f"{_range(average.left_out, '.1%')} of {spectrum}{where} lies outside the optical "
+            f"data; {quantity} is the mean over the rest, and its bounds take nothing or "
+            "everything absorbed there"
+        )
+    if np.any(average.extrapolated_share > WORTH_SAYING):
+        found.append(
+            f"{_range(average.extrapolated_share, '.1%')} of {spectrum}{where} lies where optical "
+            f"data are extrapolated ({'; '.join(average.extrapolated)}); the bounds of {quantity} "
+            "do not rest on them"
+        )
+    return found
+
+
+def _range(values: np.ndarray, form: str) -> str:
+    ends = [format(float(end), form) for end in (np.min(values), np.max(values))]
+    return " to ".join(dict.fromkeys(ends))
+
+
+def _gaps(film: Film) -> list[str]:
+    materials = dict.fromkeys(layer.material for layer in film.layers)
+    return [
+        f"{material.name} has no optical data from {gap[0] / MICROMETRE:.4g} µm to "
+        f"{gap[1] / MICROMETRE:.4g} µm; n and k are linear between these"
+        for material in materials
+        for gap in material.gaps
+    ]
+
+
+def _unstated(film: Film, uncertainty: Sequence[float | None]) -> list[str]:
+    names = [layer.material.name for layer, spread in zip(film.layers, uncertainty, strict=True)
+             if spread is None]  # fmt: skip
+    if not names or len(names) == len(film.layers):
+        return []
+    return [
+        f"no ± is stated for the thickness of {', '.join(dict.fromkeys(names))}: the intervals "
+        "take it as exact"
+    ]

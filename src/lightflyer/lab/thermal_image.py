@@ -9,6 +9,13 @@ import numpy as np
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.extras import extra
 from lightflyer.foundation.units import Measured
+from lightflyer.lab.thermography_data import THERMAL
+
+UNIFORM = 2.0
+"""Scatter of a region's pixels above which it is not called uniform [K]; an assumption."""
+
+_ALIKE = 0.1  # share of pixels at an end of the image's range that suggests saturation
+_NAMES = tuple(name.removesuffix("_temperature") for name in THERMAL.readings)
 
 _REGION = re.compile(r"^\s*(\w+)\s*=\s*(\d+)\s*:\s*(\d+)\s*,\s*(\d+)\s*:\s*(\d+)\s*$")
 
@@ -28,7 +35,7 @@ def read_thermal_image(path: str | Path) -> np.ndarray:
     Raises
     ------
     ConfigurationError
-        If the file contains none.
+        If the file contains none, or one without a value in some pixel.
     MissingExtraError
         If flyr is not installed.
     """
@@ -41,7 +48,11 @@ def read_thermal_image(path: str | Path) -> np.ndarray:
     except Exception as error:  # the parser has no errors of its own
         said = " ".join(repr(error).split())
         raise ConfigurationError(f"{path}: is not a radiometric FLIR image: {said}") from None
-    return np.asarray(kelvin, float)
+    image = np.asarray(kelvin, float)
+    lost = int(np.count_nonzero(~np.isfinite(image)))
+    if lost:
+        raise ConfigurationError(f"{path}: {lost} of {image.size} pixels have no temperature")
+    return image
 
 
 def parse_regions(text: str) -> dict[str, tuple[slice, slice]]:
@@ -59,7 +70,7 @@ def parse_regions(text: str) -> dict[str, tuple[slice, slice]]:
     Raises
     ------
     ConfigurationError
-        If a part is not a rectangle, or an empty one.
+        If a part is not a rectangle, or an empty one, or has an unknown or repeated name.
     """
     found = {}
     for part in filter(str.strip, text.split(";")):
@@ -71,6 +82,9 @@ def parse_regions(text: str) -> dict[str, tuple[slice, slice]]:
         first, last, left, right = map(int, match.groups()[1:])
         if first >= last or left >= right:
             raise ConfigurationError(f'--regions: "{part.strip()}" is empty')
+        if match[1] not in _NAMES or match[1] in found:
+            said = "is named twice" if match[1] in found else f"is none of {', '.join(_NAMES)}"
+            raise ConfigurationError(f'--regions: "{match[1]}" {said}')
         found[match[1]] = (slice(first, last), slice(left, right))
     return found
 
@@ -78,7 +92,7 @@ def parse_regions(text: str) -> dict[str, tuple[slice, slice]]:
 def region_temperatures(
     image: np.ndarray, regions: dict[str, tuple[slice, slice]], source: str
 ) -> dict[str, Measured]:
-    """Mean temperature of each region with its standard error.
+    """Mean temperature of each region with the scatter of its pixels.
 
     Parameters
     ----------
@@ -91,7 +105,9 @@ def region_temperatures(
     Returns
     -------
     dict of str to Measured
-        [K], by the name of the region with ``_temperature`` appended.
+        [K], by the name of the region with ``_temperature`` appended. The uncertainty is the
+        standard deviation of the pixels and not that of their mean: neighbouring pixels deviate
+        together, and the film need not see the mean of the hotplate.
 
     Raises
     ------
@@ -106,6 +122,38 @@ def region_temperatures(
                 f"{source}: region {name} extends beyond the image of {shape} pixels"
             )
         pixels = image[rows, columns]
-        spread = float(pixels.std(ddof=1) / np.sqrt(pixels.size)) if pixels.size > 1 else 0.0
+        spread = float(pixels.std(ddof=1)) if pixels.size > 1 else 0.0
         found[f"{name}_temperature"] = Measured(float(pixels.mean()), spread)
     return found
+
+
+def region_warnings(image: np.ndarray, regions: dict[str, tuple[slice, slice]]) -> tuple[str, ...]:
+    """What is wrong with the regions of an image.
+
+    Parameters
+    ----------
+    image : array, shape (rows, columns)
+        [K].
+    regions : dict of str to (slice, slice)
+
+    Returns
+    -------
+    tuple of str
+        One line for each region that is not uniform, or saturated.
+    """
+    said = []
+    for name, place in regions.items():
+        pixels = image[place]
+        for end in (image.min(), image.max()):
+            alike = float(np.mean(pixels == end))
+            if alike > _ALIKE:
+                said.append(
+                    f"region {name}: {alike:.0%} of its pixels are at {end:.5g} K, the end of the "
+                    "image's range; they may be saturated"
+                )
+        if pixels.std() > UNIFORM:
+            said.append(
+                f"region {name} is not uniform: its pixels scatter by {pixels.std():.2g} K; "
+                "choose a smaller one"
+            )
+    return tuple(said)

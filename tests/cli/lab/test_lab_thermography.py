@@ -13,14 +13,18 @@ def test_table_to_record_and_flyer_file(examples, lab, flyer_file):
                        "--update", path)  # fmt: skip
     assert (code, err) == (0, "")
     found = json.loads((folder / "o" / "thermography.json").read_text(encoding="utf-8"))
+    assert found["band_um"] == pytest.approx([7.5, 14.0])
     for name, truth in (("reflectance", 0.12), ("transmittance", 0.80), ("emissivity", 0.08)):
         low, high = found[name]["interval_95"]
         assert low < truth < high
         assert found["monte_carlo"][name]["unit"] == ""
     film = read_flyer_file(path).film
     assert film.emittance.value == pytest.approx(found["emissivity"]["value"], abs=1e-3)
+    said = "measured: lab thermography, within 7.5 to 14 µm, near normal, thermal.csv"
+    assert said in path.read_text(encoding="utf-8")
     with xr.open_dataset(folder / "o" / "thermography.nc", engine="h5netcdf") as record:
         assert record.hotplate_temperature.units == "K"
+        assert record.attrs["warnings"] == "; ".join(found["warnings"])
     assert (folder / "o" / "thermography.png").exists()
 
 
@@ -30,8 +34,16 @@ def test_light_meter_gives_the_absorptance(examples, lab, flyer_file):
     code, out, _ = lab("thermography", "light-meter.csv", "--light-meter", "--json", "--update",
                        path, "--face", "top")  # fmt: skip
     assert code == 0
-    assert json.loads(out)["absorptivity"]["value"] == pytest.approx(0.75, abs=2e-3)
-    assert read_flyer_file(path).film.absorptance.value == pytest.approx(0.75, abs=2e-3)
+    found = json.loads(out)["absorptivity"]
+    low, high = found["interval_95"]
+    assert low < 0.75 < high
+    absorptance = read_flyer_file(path).film.absorptance
+    assert absorptance.value == pytest.approx(found["value"], abs=1e-3)
+    # 0.00037 where the meter is taken to be exact
+    assert absorptance.uncertainty == pytest.approx(0.0036, rel=0.1)
+    code, out, _ = lab("thermography", "light-meter.csv", "--light-meter", "--accuracy", "3 %")
+    assert code == 0
+    assert "standard uncertainties of the readings: incident 52" in out
 
 
 GIVEN = ["--hotplate", "150 °C", "--lower", "50 °C", "--upper", "130 °C", "--ambient", "22 °C"]
@@ -40,15 +52,38 @@ GIVEN = ["--hotplate", "150 °C", "--lower", "50 °C", "--upper", "130 °C", "--
 def test_one_row_without_uncertainty(folder, lab):
     names = ("hotplate", "lower", "upper", "ambient")
     header = ",".join(f"{name}_temperature [K]" for name in names)
-    (folder / "one.csv").write_text(f"{header}\n423.15,320.15,406.15,295.15\n")
-    code, out, _ = lab("thermography", str(folder / "one.csv"), "--out", str(folder / "out"))
+    (folder / "one.csv").write_text(f"{header}\n423.15,318.15,403.15,295.15\n")
+    code, out, _ = lab("thermography", "one.csv", "--accuracy", "0 K", "--out", "out")
     assert code == 0
-    assert "the interval of one row has no width" in out
+    assert "warning: no reading states an uncertainty: the interval of one row has no width" in out
     assert (folder / "out" / "thermography.png").exists()
+    code, out, _ = lab("thermography", "one.csv")
+    assert "hotplate 1.7, lower 1.2, upper 1.5, ambient 1.2 K" in out
+
+
+def test_the_band_is_stated_assumed_or_none(folder, lab):
+    (folder / "response.csv").write_text("wavelength [um],response\n7.5,1\n14,1\n")
+    arguments = [*GIVEN, "--accuracy", "1 K", "--json"]
+    found = {
+        band: json.loads(lab("thermography", *arguments, *(["--band", band] if band else []))[1])
+        for band in ("", "7.5-14 um", "response.csv", "total")
+    }
+    same = [found[band]["emissivity"]["value"] for band in ("", "7.5-14 um", "response.csv")]
+    assert same == pytest.approx([same[0]] * 3)
+    assert any("band is assumed to be 7.5 to 14 µm" in said for said in found[""]["warnings"])
+    assert not any("band" in said for said in found["7.5-14 um"]["warnings"])
+    total = found["total"]
+    assert total["band_um"] is None
+    assert total["emissivity"]["value"] == pytest.approx(0.0952, abs=1e-3)
+    assert any("T⁴ is no camera's response" in said for said in total["warnings"])
+    code, out, _ = lab("thermography", *GIVEN, "--film-temperature", "30 ± 5 °C",
+                       "--hotplate-emissivity", "0.97 ± 0.01")  # fmt: skip
+    assert code == 0
+    assert "film is taken" not in out
 
 
 def test_scalars(lab):
-    code, out, _ = lab("thermography", *GIVEN, "--accuracy", "0.5 °C", "--json")
+    code, out, _ = lab("thermography", *GIVEN, "--accuracy", "0.5 °C", "--json", "--band", "total")
     assert code == 0
     found = json.loads(out)["emissivity"]
     assert found["value"] == pytest.approx(0.0952, abs=1e-3)
@@ -60,11 +95,22 @@ def test_scalars(lab):
     [
         ([], "give a file, or also hotplate_temperature"),
         (["missing.csv"], "missing.csv: cannot be read"),
-        (["missing.jpg", "--regions", "a=1:2,3:4"], "missing.jpg: cannot be read"),
+        (["missing.jpg", "--regions", "upper=1:2,3:4"], "missing.jpg: cannot be read"),
         (["missing.jpg"], "an image needs --regions"),
-        ([*GIVEN[:-1], "160 °C"], "hotplate_temperature is not above ambient_temperature"),
+        ([*GIVEN[:-1], "160 °C"], "ambient_temperature = 433.15 must be between 200 and 400 K"),
+        (["--hotplate", "20 °C", *GIVEN[2:]], "hotplate_temperature is not above ambient_temp"),
         ([*GIVEN[:-1], "22"], "--ambient: "),
         (["--light-meter", *GIVEN], "--light-meter needs a file"),
+        ([*GIVEN[:2], "--lower", "60 °C", "--upper", "146 °C", *GIVEN[6:]], "is impossible"),
+        ([*GIVEN[:2], "--lower", "170 °C", *GIVEN[4:]], "is not above lower_temperature"),
+        ([*GIVEN, "--band", "5 um"], "is not a band"),
+        ([*GIVEN, "--accuracy=-1 K"], "--accuracy: "),
+        ([*GIVEN, "--accuracy", "200 K"], "without meaning"),
+        ([*GIVEN, "--hotplate-emissivity", "1.2"], "--hotplate-emissivity = 1.2"),
+        ([*GIVEN, "--film-temperature", "30"], "--film-temperature: "),
+        ([*GIVEN, "--film-temperature", "145 °C"], "too close to the hotplate's"),
+        (["meter.csv", "--light-meter", "--band", "8-14 um"], "takes no temperatures"),
+        (["meter.csv", "--light-meter", "--accuracy", "1 K"], "--accuracy: "),
     ],
 )
 def test_bad_input(folder, lab, arguments, says):

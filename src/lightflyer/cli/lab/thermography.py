@@ -8,12 +8,14 @@ from rich.console import Console
 
 from lightflyer.cli.lab._shared import (
     Json,
+    difference,
     estimate_table,
     finish,
     print_json,
     quantity,
     read_summary,
     show_read,
+    show_warnings,
     updating,
     write_record,
 )
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 
     from lightflyer.foundation.units import Measured
     from lightflyer.lab.thermography import RadiativeProperties
+    from lightflyer.lab.thermography_data import Readings, Scene
 
 _IMAGES = (".jpg", ".jpeg")
 
@@ -33,11 +36,14 @@ def thermography_command(
     /,
     *,
     light_meter: Annotated[bool, Parameter(negative=())] = False,
+    band: str | None = None,
     columns: str | None = None,
     hotplate: str | None = None,
     lower: str | None = None,
     upper: str | None = None,
     ambient: str | None = None,
+    hotplate_emissivity: str | None = None,
+    film_temperature: str | None = None,
     regions: str | None = None,
     accuracy: str | None = None,
     draws: int = 100_000,
@@ -58,20 +64,33 @@ def thermography_command(
     light_meter
         The columns are incident, reflected, transmitted and dark, readings of a light meter in
         any one unit, which give the visible absorptivity.
+    band
+        Camera's band, such as "8-14 um", or the file of its spectral response with the columns
+        wavelength and response, or "total" for the paper's T⁴. Assumed to be "7.5-14 um" where it
+        is not stated.
     columns
         Columns in the order of the file, in place of a header.
     hotplate
-        Temperature of the hotplate, such as "150 ± 0.5 °C", where the file has no such column.
+        Apparent temperature of the hotplate, such as "150 ± 0.5 °C", where the file has no such
+        column.
     lower
         Apparent temperature of the film's lower side.
     upper
         Apparent temperature of the film's upper side.
     ambient
         Temperature of the surroundings.
+    hotplate_emissivity
+        Emissivity of the hotplate in the camera's band, such as "0.95 ± 0.02", where its
+        temperature is its own and not an apparent one.
+    film_temperature
+        The film's own temperature, such as "30 ± 5 °C"; that of the surroundings where it is not
+        stated.
     regions
         Regions of an image, rows and then columns: "hotplate=10:40,20:60; upper=50:80,20:60".
     accuracy
-        Standard uncertainty of all readings that state none, such as "0.5 K".
+        Standard uncertainty of each reading that states none, such as "0.5 K", less what all
+        readings share; of a light meter over its reading, such as "0.5 %". By default that of a
+        camera specified to ±2 K or ±2 % of the reading in °C, or of a light meter linear to ±2 %.
     draws
         Number of Monte Carlo draws.
     seed
@@ -87,28 +106,24 @@ def thermography_command(
     """
     from lightflyer.lab import thermography
 
-    method = thermography.LIGHT if light_meter else thermography.THERMAL
-    texts = (hotplate, lower, upper, ambient)
-    given = _given(dict(zip(thermography.THERMAL.readings, texts, strict=True)))
-    if light_meter and (given or accuracy or file is None):
-        raise ConfigurationError("--light-meter needs a file and takes no temperatures")
-    tables = []
-    if file is None:
-        readings = thermography.given_readings(given, method)
-    elif file.suffix.lower() in _IMAGES:
-        readings = thermography.given_readings(_of_image(file, regions, accuracy) | given, method)
+    texts = {"hotplate": hotplate, "lower": lower, "upper": upper, "ambient": ambient}
+    given = {f"{name}_temperature": one for name, one in _quantities(texts, "K").items()}
+    if light_meter and (given or band or hotplate_emissivity or film_temperature or file is None):
+        raise ConfigurationError("--light-meter needs a file and takes no temperatures and no band")
+    own = _accuracy(accuracy, light_meter=light_meter)
+    if light_meter:
+        readings, tables = _of_meter(file, columns, own)
     else:
-        readings, table = thermography.read_readings(file, method, columns=columns, given=given)
-        tables = [table]
-    if accuracy is not None:
-        readings = _with_accuracy(readings, _accuracy(accuracy))
+        scene = _scene(band, hotplate_emissivity, film_temperature)
+        readings, tables = _of_camera(file, columns, regions, given, own, scene)
     result = thermography.reduce_readings(readings, draws=draws, seed=seed)
     document = result.summary() | {"read": read_summary(tables)}
     files = [] if file is None else [file]
     written, updated = write_record(
         out, "thermography", document, thermography.to_dataset(result, [str(f) for f in files]),
         lambda: _figures(result),
-        updating(update, _values(result, face, light_meter=light_meter), "thermography", files),
+        updating(update, _values(result, face, light_meter=light_meter),
+                 f"thermography, {result.meaning}", files),
     )  # fmt: skip
     if json_output:
         print_json(document)
@@ -119,48 +134,78 @@ def thermography_command(
     finish(console, written, updated, update)
 
 
-def _given(options: dict[str, str | None]) -> "dict[str, Measured]":
-    given = {}
-    for name, text in options.items():
-        if text is not None:
-            option = f"--{name.partition('_')[0]}"
-            given[name] = quantity(option, text, "K")
-            if given[name].value <= 0.0:
-                raise ConfigurationError(f'{option}: "{text}" is not above absolute zero')
-    return given
+def _quantities(texts: dict[str, str | None], unit: str) -> "dict[str, Measured]":
+    return {
+        name: quantity(f"--{name}", text, unit) for name, text in texts.items() if text is not None
+    }
 
 
-def _accuracy(text: str) -> float:
-    from lightflyer.cli.lab._shared import difference
+def _accuracy(text: str | None, *, light_meter: bool) -> float | None:
+    if text is None:
+        return None
+    value = quantity("--accuracy", text, "").value if light_meter else (
+        difference("--accuracy", text, "K"))  # fmt: skip
+    if value < 0.0 or (light_meter and value > 1.0):
+        raise ConfigurationError(f'--accuracy: "{text}" is not zero or positive, and below 100 %')
+    return value
 
-    return difference("--accuracy", text, "K")
+
+def _scene(band: str | None, emissivity: str | None, film: str | None) -> "Scene":
+    from lightflyer.foundation.errors import ParameterError
+    from lightflyer.lab.camera import UNCOOLED, parse_band
+    from lightflyer.lab.thermography_data import BLACK, Scene
+
+    camera = UNCOOLED if band is None else parse_band(band)
+    own = BLACK if emissivity is None else quantity("--hotplate-emissivity", emissivity, "")
+    warmth = None if film is None else quantity("--film-temperature", film, "K")
+    try:
+        return Scene(camera, own, warmth)
+    except ParameterError as error:
+        raise ConfigurationError(f"--{str(error).replace('_', '-', 1)}") from None
 
 
-def _with_accuracy(readings: Any, accuracy: float) -> Any:
-    """The readings, with an accuracy for those that state no uncertainty."""
+def _of_meter(file: Any, columns: str | None, accuracy: float | None) -> "tuple[Readings, list]":
+    from lightflyer.lab.thermography_data import LIGHT, read_readings
+
+    readings, table = read_readings(file, LIGHT, columns=columns, accuracy=accuracy)
+    return readings, [table]
+
+
+def _of_camera(
+    file: Path | None, columns: str | None, regions: str | None, given: "dict[str, Measured]",
+    accuracy: float | None, scene: "Scene",
+) -> "tuple[Readings, list]":  # fmt: skip
     import dataclasses
 
-    import numpy as np
+    from lightflyer.lab.thermography_data import THERMAL, given_readings, read_readings
 
-    known = readings.uncertainties
-    return dataclasses.replace(readings, uncertainties=np.where(known > 0.0, known, accuracy))
+    if file is not None and file.suffix.lower() not in _IMAGES:
+        readings, table = read_readings(
+            file, THERMAL, columns=columns, given=given, accuracy=accuracy, scene=scene
+        )
+        return readings, [table]
+    found, said = ({}, ()) if file is None else _of_image(file, regions, accuracy)
+    readings = given_readings(found | given, THERMAL, accuracy=accuracy, scene=scene)
+    return dataclasses.replace(readings, warnings=said), []
 
 
-def _of_image(file: Path, regions: str | None, accuracy: str | None) -> "dict[str, Measured]":
-    from lightflyer.foundation.units import Measured
-    from lightflyer.lab.thermal_image import parse_regions, read_thermal_image, region_temperatures
+def _of_image(
+    file: Path, regions: str | None, accuracy: float | None
+) -> "tuple[dict[str, Measured], tuple[str, ...]]":
+    from lightflyer.lab.thermal_image import (
+        parse_regions,
+        read_thermal_image,
+        region_temperatures,
+        region_warnings,
+    )
+    from lightflyer.lab.thermography_data import with_accuracy
 
     if regions is None:
         raise ConfigurationError(f'{file}: an image needs --regions "hotplate=10:40,20:60; ..."')
     rectangles = parse_regions(regions)
-    found = region_temperatures(read_thermal_image(file), rectangles, str(file))
-    if accuracy is None:
-        return found
-    common = _accuracy(accuracy)
-    return {
-        name: Measured(one.value, ((one.uncertainty or 0.0) ** 2 + common**2) ** 0.5)
-        for name, one in found.items()
-    }
+    image = read_thermal_image(file)
+    found = with_accuracy(region_temperatures(image, rectangles, str(file)), accuracy)
+    return found, region_warnings(image, rectangles)
 
 
 def _values(
@@ -182,17 +227,16 @@ def _figures(result: "RadiativeProperties") -> "dict[str, Figure]":
 
 
 def _show(console: Console, result: "RadiativeProperties") -> None:
-    remainder = result.readings.method.remainder
     rows = []
-    for name, estimate in result.first_order.items():
-        shown = remainder if name == "emissivity" else name
-        rows += [(shown, estimate), ("  by Monte Carlo", result.monte_carlo[name])]
-    console.print(estimate_table(rows))
-    if not result.readings.uncertainties.any():
-        alone = result.readings.values.shape[1] == 1
-        said = (
-            "the interval of one row has no width"
-            if alone
-            else "intervals include the scatter of the rows only"
-        )
-        console.print(f"no reading states an uncertainty: {said}")
+    second = result.named(result.monte_carlo)
+    for name, estimate in result.named(result.first_order).items():
+        rows += [(name, estimate), ("  by Monte Carlo", second[name])]
+    console.print(estimate_table(rows, result.meaning))
+    method, spread = result.readings.method, result.readings.uncertainties
+    said = ", ".join(
+        f"{name.removesuffix('_temperature')} {one:.2g}"
+        for name, one in zip(method.readings, spread, strict=True)
+    )
+    unit = f" {method.unit}" if method.unit else ""
+    console.print(f"standard uncertainties of the readings: {said}{unit}", soft_wrap=True)
+    show_warnings(console, result.warnings)

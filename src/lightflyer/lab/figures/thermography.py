@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.foundation.drawing import BLUE, GREY, VERMILION, new_figure
-from lightflyer.lab.thermography import PROPERTIES, RadiativeProperties, properties_of
+from lightflyer.lab.thermography import PROPERTIES, RadiativeProperties
 
 _OFFSET = 0.12  # half the distance between first order and Monte Carlo
 
@@ -22,8 +22,7 @@ def draw_properties(result: RadiativeProperties, ax: Axes) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    method = result.readings.method
-    each = properties_of(result.readings.values, method.power)
+    each = result.rows
     for number, name in enumerate(PROPERTIES):
         ax.plot(np.full(each.shape[1], number), each[number], "o", color=GREY, mfc="none", ms=4,
                 label="rows" if number == 0 else None)  # fmt: skip
@@ -38,11 +37,12 @@ def draw_properties(result: RadiativeProperties, ax: Axes) -> Axes:
                 fmt=marker, color=colour, capsize=4, ms=5,
                 label=f"{label}, 95 %" if number == 0 else None,
             )  # fmt: skip
-    names = [method.remainder if name == "emissivity" else name for name in PROPERTIES]
+    names = list(result.named(dict.fromkeys(PROPERTIES)))
     ax.set_xticks(range(len(names)), names)
     ax.set_xlim(-0.5, len(names) - 0.5)
     ax.axhline(0.0, color=GREY, lw=0.8)
     ax.set_ylabel("fraction of the radiation [1]")
+    ax.set_title(result.meaning, fontsize="medium")
     ax.legend(fontsize="small")
     ax.grid(alpha=0.25, axis="y")
     return ax

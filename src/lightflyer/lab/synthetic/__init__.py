@@ -70,7 +70,7 @@ def example_files(name: str, seed: int = 0) -> Example:
 
         return Example(
             {**thermography_files(seed)},
-            ['thermography thermal.csv --accuracy "0.5 K" --out thermography',
+            ['thermography thermal.csv --band "7.5-14 um" --accuracy "0.5 K" --out thermography',
              "thermography light-meter.csv --light-meter"],
         )  # fmt: skip
     raise ParameterError(f'there are no synthetic files for "{name}"')

@@ -1,17 +1,63 @@
-"""Synthetic readings of a thermal camera and of a light meter."""
+"""Synthetic readings of a thermal camera and of a light meter, each with an instrument's errors.
+
+The camera adds up radiance within its band and shows the temperature of a black body with as much.
+It does so here by a sum of its own, not by the code that reduces its readings.
+"""
 
 import numpy as np
+from scipy import optimize
 
+from lightflyer.foundation.constants import BOLTZMANN, PLANCK, SPEED_OF_LIGHT
 from lightflyer.lab.synthetic._faults import faulty_table, label
 
 REFLECTANCE, TRANSMITTANCE = 0.12, 0.80
 """Properties of the synthetic film in the infrared; its emissivity is 0.08."""
 VISIBLE_REFLECTANCE, VISIBLE_TRANSMITTANCE = 0.15, 0.10
 """Properties of the synthetic film in the visible; its absorptivity is 0.75."""
+BAND = (7.5e-6, 14e-6)
+"""Wavelengths that the synthetic camera sees [m]."""
 
 _HOTPLATE, _AMBIENT, _ZERO = 423.15, 295.15, 273.15  # [K]
-_NOISE = 0.2  # [K]
+_NOISE = 0.2  # of one reading [K]
+_DRIFT = 0.3  # of the camera between one reading and the next, the same in all rows [K]
+_GAIN, _OFFSET = 0.02, 0.01  # the camera's errors over radiance, and over that of the ambient
 _ROWS = 12
+_METER_GAIN, _METER_LINEARITY, _METER_NOISE = 0.03, 0.01, 0.005  # over a reading
+_WAVELENGTH = np.linspace(*BAND, 400)
+
+
+def seen(temperature: float) -> float:
+    """Radiance of a black body that the synthetic camera sees.
+
+    Parameters
+    ----------
+    temperature : float
+        [K].
+
+    Returns
+    -------
+    float
+        [W/(m² sr)].
+    """
+    x = PLANCK * SPEED_OF_LIGHT / (_WAVELENGTH * BOLTZMANN * temperature)
+    spectral = 2.0 * PLANCK * SPEED_OF_LIGHT**2 / _WAVELENGTH**5 / np.expm1(x)
+    return float(np.trapezoid(spectral, _WAVELENGTH))
+
+
+def shown(radiance: float) -> float:
+    """Apparent temperature that the synthetic camera shows.
+
+    Parameters
+    ----------
+    radiance : float
+        [W/(m² sr)].
+
+    Returns
+    -------
+    float
+        [K].
+    """
+    return float(optimize.brentq(lambda kelvin: seen(kelvin) - radiance, 100.0, 2000.0))
 
 
 def thermography_files(seed: int = 0) -> dict[str, str]:
@@ -27,31 +73,44 @@ def thermography_files(seed: int = 0) -> dict[str, str]:
         Text by file name.
     """
     rng = np.random.default_rng(seed)
-    span = _HOTPLATE**4 - _AMBIENT**4
-    truth = [_HOTPLATE, *((share * span + _AMBIENT**4) ** 0.25
-                          for share in (REFLECTANCE, TRANSMITTANCE)), _AMBIENT]  # fmt: skip
-    rows = [
-        [f"{value - _ZERO + _NOISE * rng.normal():.2f}" for value in truth] for _ in range(_ROWS)
-    ]
+    emissivity = 1.0 - REFLECTANCE - TRANSMITTANCE
+    said = (f"truth: r {REFLECTANCE}, t {TRANSMITTANCE}, emissivity {emissivity:.2f}, camera of "
+            f"{BAND[0] * 1e6:g} to {BAND[1] * 1e6:g} um")  # fmt: skip
     names = ("Hotplate temperature", "Lower temperature", "Upper temperature",
              "Ambient temperature")  # fmt: skip
-    dark, incident = 12.0, 1800.0
-    meter = [incident, VISIBLE_REFLECTANCE * incident, VISIBLE_TRANSMITTANCE * incident, 0.0]
-    light = [
-        [f"{(value + dark) * (1.0 + 0.005 * rng.normal()):.1f}" for value in meter]
-        for _ in range(_ROWS)
-    ]
-    emissivity = 1.0 - REFLECTANCE - TRANSMITTANCE
-    said = f"truth: r {REFLECTANCE}, t {TRANSMITTANCE}, emissivity {emissivity:.2f}"
     absorbed = 1.0 - VISIBLE_REFLECTANCE - VISIBLE_TRANSMITTANCE
     visible = f"truth: r {VISIBLE_REFLECTANCE}, t {VISIBLE_TRANSMITTANCE}, absorptivity {absorbed}"
     return {
         "thermal.csv": faulty_table(
-            label("thermography", said), [f"{name} (°C)" for name in names], rows, rng,
+            label("thermography", said), [f"{name} (°C)" for name in names], _of_camera(rng), rng,
             delimiter=";", decimal_comma=True,
         ),
         "light-meter.csv": faulty_table(
             label("thermography", visible), ["incident", "reflected", "transmitted", "dark"],
-            light, rng,
+            _of_meter(rng), rng,
         ),
     }  # fmt: skip
+
+
+def _of_camera(rng: np.random.Generator) -> list[list[str]]:
+    """Rows of apparent temperatures [°C]."""
+    source, background = seen(_HOTPLATE), seen(_AMBIENT)
+    span = source - background
+    scene = np.array([source, background + REFLECTANCE * span, background + TRANSMITTANCE * span,
+                      background])  # fmt: skip
+    read = scene * (1.0 + _GAIN * rng.normal()) + _OFFSET * background * rng.normal()
+    apparent = np.array([shown(one) for one in read]) + _DRIFT * rng.normal(size=4) - _ZERO
+    return [[f"{one + _NOISE * rng.normal():.2f}" for one in apparent] for _ in range(_ROWS)]
+
+
+def _of_meter(rng: np.random.Generator) -> list[list[str]]:
+    """Rows of a light meter's readings."""
+    dark, incident = 12.0, 1800.0
+    light = np.array([incident, VISIBLE_REFLECTANCE * incident, VISIBLE_TRANSMITTANCE * incident,
+                      0.0])  # fmt: skip
+    read = dark + light * (1.0 + _METER_GAIN * rng.normal()) * (
+        1.0 + _METER_LINEARITY * rng.normal(size=4)
+    )
+    return [
+        [f"{one * (1.0 + _METER_NOISE * rng.normal()):.1f}" for one in read] for _ in range(_ROWS)
+    ]

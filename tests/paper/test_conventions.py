@@ -2,6 +2,7 @@
 
 import importlib
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -19,9 +20,11 @@ ALTITUDES = np.array([60e3, 68e3, 72e3, 78e3, 82e3])
 def study(monkeypatch):
     """The study and its model, imported as the study imports it."""
     monkeypatch.syspath_prepend(str(FOLDER))
+    for name in ("model", "study"):  # other studies have modules of these names
+        sys.modules.pop(name, None)
+    yield importlib.import_module("study")
     for name in ("model", "study"):
-        monkeypatch.delitem(importlib.sys.modules, name, raising=False)
-    return importlib.import_module("study")
+        sys.modules.pop(name, None)
 
 
 @pytest.fixture

@@ -1,7 +1,8 @@
 r"""The paper's model: two limits joined by interpolation, with two fitted coefficients.
 
-The paper's equations as printed do not give the paper's own predictions. One other choice of
-conventions does. Both are here, as :data:`PRINTED` and :data:`REPORTED`; neither is the truth.
+The paper's equations as printed do not give the paper's own predictions. Other conventions give its
+bands of altitude. One such choice of many is here as :data:`REPORTED`, beside :data:`PRINTED`;
+neither is the truth, nor known to be the paper's.
 """
 
 import math
@@ -71,7 +72,7 @@ PRINTED = Reading(heat_weight=1.0, continuum_faces=1.0, force_weight=0.0)
 """The equations as printed."""
 
 REPORTED = Reading(heat_weight=0.0, continuum_faces=2.0, force_weight=1.0)
-"""The conventions that give the numbers the paper reports."""
+"""Conventions that give the bands of altitude the paper reports: one choice of many."""
 
 READINGS = {"printed": PRINTED, "reported": REPORTED}
 """Readings by the name they have in a flyer file."""

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.environment.atmosphere import lu2023
 from lightflyer.force import PRINTED, REPORTED
 
 TOLERANCE = 1e-5
@@ -81,3 +82,26 @@ def test_best_payloads(film, diameter, payload_mg, relative, altitude_km):
     assert best["relative_payload"] == pytest.approx(relative, rel=2e-3)
     if altitude_km is not None:
         assert best["altitude_km"] == pytest.approx(altitude_km, abs=0.06)
+
+
+# Eq. (21) as printed: three digits of each coefficient, h in km, highest power first
+PRINTED_COEFFICIENTS = [
+    -4.59e-29, 4.02e-27, 1.49e-23, -7.94e-21, 2.02e-18, -3.15e-16, 3.27e-14, -2.33e-12,
+    1.15e-10, -3.86e-9, 8.53e-8, -1.15e-6, 8.15e-6, -2.28e-5, 9.91e-5, 3.47e-3,
+]  # fmt: skip
+
+
+def test_coefficients_of_the_atmosphere_round_to_the_printed_ones():
+    rounded = [float(f"{full:.2e}") for full in lu2023._INVERSE_TEMPERATURE]
+    assert rounded == PRINTED_COEFFICIENTS
+    # three digits are not enough above 20 km
+    inverse = np.polyval(PRINTED_COEFFICIENTS, [25.0, 70.0])
+    np.testing.assert_allclose(1.0 / inverse, [170.0, 0.5], rtol=0.1)
+
+
+def test_equation_13_as_printed_gives_no_air():
+    """The errata's numbers: heat capacity at 300 K as printed and as corrected [J/(kg K)]."""
+    temperature = 300.0 ** np.arange(4)
+    printed = [28.11, 1.956e-3, 4.802e-5, -1.966e-9] @ temperature * 1000.0 / 28.97
+    assert printed == pytest.approx(1138.0, abs=0.5)
+    assert lf.gas.LU2023_AIR.heat_capacity(300.0) == pytest.approx(1004.0, abs=0.5)

@@ -24,6 +24,7 @@ variables = ["temperature", "lift", "relative_payload", "levitation_irradiance"]
 
 [optimise]
 maximise = "payload"
+beyond_range = true
 [optimise.over]
 "flyer.diameter" = { from = "0.5 cm", to = "5 cm", scale = "log" }
 altitude = { from = "60 km", to = "90 km" }
@@ -205,6 +206,11 @@ def test_optimise_prints_and_writes(run, study, tmp_path):
     assert (code, errors) == (0, "")
     assert "temperature 330 K (at most 330 K; active: 1 % looser is worth" in text
     assert "starts agree" in text
+    assert "warning: the diameter [m] is 0.011 at" in text
+    code, _, errors = run("optimise", study("beyond_range = true", "beyond_range = false"))
+    assert code == 2
+    assert "is not to be relied on: the diameter [m] is 0.011" in errors
+    assert errors.count("\n") == 1
     written = json.loads((out / "optimum.json").read_text())
     assert written["objective"] == {"maximise": "payload"}
     path = study('maximise = "payload"', 'maximise = "payload"\nminimise = "levitation_irradiance"')

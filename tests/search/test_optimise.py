@@ -34,11 +34,12 @@ def problem(flyer, points=64, **asked):
 
 @pytest.fixture(scope="module")
 def payload(flyer):
-    return lf.optimise(flyer, maximise="payload", over={"flyer.diameter": DIAMETER,
-                                                        "altitude": ALTITUDE})  # fmt: skip
+    over = {"flyer.diameter": DIAMETER, "altitude": ALTITUDE}
+    return lf.optimise(flyer, maximise="payload", over=over, beyond_range=True)
 
 
 COOL = {
+    "beyond_range": True,  # the model's equations are what is compared here, wherever they hold
     "maximise": "payload",
     "over": {
         "flyer.diameter": DIAMETER,
@@ -150,7 +151,9 @@ def test_the_least_irradiance_is_at_a_bound(flyer):
         flyer,
         minimise="levitation_irradiance",
         over={"flyer.diameter": DIAMETER, "altitude": ALTITUDE},
+        beyond_range=True,
     )
+    assert "the diameter [m] is 0.005" in found.warnings[0]
     (levitation,) = grid(["levitate"], np.array([0.005]), np.linspace(60e3, 80e3, 20001))
     assert found.value == pytest.approx(levitation.irradiance.min(), rel=1e-6)
     assert found.active_bounds == {"flyer.diameter": "low"}
@@ -273,3 +276,54 @@ def test_what_else_cannot_be_asked(flyer, payload):
         lf.optimise(flyer, **both)
     with pytest.raises(lf.ConfigurationError, match=r"starts = 0: .* greater than or equal to 1"):
         lf.optimise(flyer, **both, starts=0)
+
+
+def test_what_is_out_of_range_is_refused():
+    """The fit of lu2023 holds for 2 to 4 cm, and no mylar bears 700 K."""
+    over = {"flyer.diameter": {"from": "2 cm", "to": "30 cm"}, "altitude": ALTITUDE}
+    wide = {"maximise": "payload", "over": over, "starts": 2}
+    film = FILM | {"areal_density": "0.1 g/m^2"}
+    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film)
+    with pytest.raises(lf.LightflyerError, match=r"the diameter \[m\] is 0.\d+ at .*beyond_range"):
+        lf.optimise(flyer, **wide)
+    accepted = lf.optimise(flyer, **wide, beyond_range=True)
+    assert any("the diameter [m]" in text for text in accepted.warnings)
+    assert accepted.summary()["warnings"] == list(accepted.warnings)
+
+
+def test_a_film_gets_no_hotter_than_it_bears():
+    film = FILM | {"highest_temperature": "450 K"}
+    flyer = lf.FlyerFile(
+        flyer={"diameter": "2 cm"}, film=film, force={"model": "kinetic"}
+    )  # fmt: skip
+    over = {"altitude": {"from": "65 km", "to": "90 km"}}
+    hot = lf.optimise(flyer, maximise="lift_over_weight", over=over, starts=2, beyond_range=True)
+    cool = lf.optimise(flyer, maximise="lift_over_weight", over=over, starts=2)
+    assert any("its film bears 450 K" in text for text in hot.warnings)
+    assert cool.outputs["temperature"] == pytest.approx(450.0, rel=1e-6)
+    assert cool.value < hot.value
+    assert cool.warnings == ()
+
+
+def test_a_quantile_is_taken_on_the_worse_side():
+    """Of 95 % of the samples the temperature is below the limit, not of 5 %."""
+    film = FILM | {"absorptance": "0.75 ± 0.02", "emittance": "0.08 ± 0.004"}
+    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film)
+    asked = problem(
+        flyer,
+        points=512,
+        maximise="payload",
+        over={"altitude": {"from": "66 km", "to": "80 km"}},
+        constraints={"temperature": {"at_most": "400 K"}},
+        uncertainty={"of": "quantile", "quantile": 0.05},
+        starts=2,
+    )
+    best = lf.optimise(asked)
+    hot = lf.sweep(
+        flyer,
+        over={"altitude": f"{best.design['altitude']} m", "film.absorptance": "0.75 ± 0.02",
+              "film.emittance": "0.08 ± 0.004"},
+        outputs=["temperature"],
+        points=2048,
+    ).temperature.values  # fmt: skip
+    assert np.mean(hot < 400.0) == pytest.approx(0.95, abs=0.01)

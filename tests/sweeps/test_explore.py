@@ -103,3 +103,24 @@ def test_bands_over_samples_are_numpys_quantiles(dataset):
     band = explore.over_samples(samples)
     for name, level in (("low", 0.025), ("median", 0.5), ("high", 0.975)):
         np.testing.assert_allclose(band[name], np.quantile(samples, level, axis=2))
+
+
+def test_a_lucky_draw_is_no_best_design(dataset):
+    """One sample of a poor design is better than all of a good one's."""
+    payload = np.repeat(dataset.payload.isel(altitude=0).values[..., None], 9, axis=2)
+    rng = np.random.default_rng(1)
+    payload = payload + 0.1 * rng.normal(size=payload.shape)
+    payload[0, 0, 4] = 100.0
+    drawn = xr.Dataset(
+        {"payload": (("flyer.diameter", "film.emittance", "sample"), payload, {"units": "kg"})},
+        coords={"film.tac_top": ("sample", rng.normal(size=9), {"units": "1"})},
+    )
+    medians = np.median(payload, axis=2)
+    best = explore.best_design(drawn, "payload")
+    assert best.value == medians.max()
+    assert tuple(best.index.values()) == np.unravel_index(medians.argmax(), (7, 5))
+    assert best.band[0] < best.value < best.band[1] < 100.0
+    assert "median; 95 % of the samples" in str(best)
+    cost = drawn.payload.median("sample") * 0.0
+    gains, _ = explore.pareto_front(drawn.assign(cost=cost), "payload", "cost")
+    assert gains.tolist() == [medians.max()]

@@ -6,15 +6,13 @@ of the two instruments. Each has an error in its own standard uncertainties, zer
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
-import jax
 import numpy as np
 
 from lightflyer.calibration.points import Points
 from lightflyer.calibration.targets import Fields, Target
 from lightflyer.flight.design import AbstractDesign
-from lightflyer.uncertainty.inputs import Inputs, uncertain_inputs
+from lightflyer.uncertainty.inputs import Change, Inputs, uncertain_inputs
 
 PRESSURE_GAUGE, LIGHT_METER = "pressure gauge", "light meter"
 """Names of the instruments' inputs."""
@@ -51,9 +49,9 @@ class FitInputs:
     correlation : array, shape (k, k)
     targets : dict of Fields to Target
         Numbers of the design that only inputs move.
-    prepared_moves : dict of int to (pytree, pytree or None)
-        Changes of a design's costly part by some of the inputs: per standard uncertainty of their
-        error, and of its size.
+    changes : dict of int to Change
+        Changes of a design's costly part by some of the inputs' errors, in their standard
+        uncertainties.
     left_out : tuple of str
         Numbers of the design whose ± has no effect here, because a column or parameter of another
         name replaces them.
@@ -62,7 +60,7 @@ class FitInputs:
     inputs: tuple[_Input, ...]
     correlation: np.ndarray
     targets: dict[Fields, Target]
-    prepared_moves: dict[int, tuple[Any, Any]]
+    changes: dict[int, Change]
     left_out: tuple[str, ...]
 
     @property
@@ -137,7 +135,7 @@ def fit_inputs(
         inputs=every,
         correlation=_correlation(design, every, columns),
         targets=targets,
-        prepared_moves=_prepared_moves(of_design, own),
+        changes=_changes(of_design, own),
         left_out=left_out,
     )
 
@@ -217,20 +215,13 @@ def _correlation(
     return matrix
 
 
-def _prepared_moves(of_design: Inputs | None, own: Sequence[_Input]) -> dict[int, tuple[Any, Any]]:
-    """For inputs that move a design's costly part, its change by their error and by its size."""
+def _changes(of_design: Inputs | None, own: Sequence[_Input]) -> dict[int, Change]:
+    """For inputs that move a design's costly part, its change by their error."""
     if of_design is None:
         return {}
     spreads = dict(zip(of_design.names, of_design.spreads, strict=True))
-
-    def scaled(parts: Any, name: str) -> Any:
-        return jax.tree.map(lambda part: spreads[name] * np.asarray(part), parts)
-
     return {
-        number: (
-            scaled(of_design.prepared_slopes[one.name], one.name),
-            scaled(of_design.prepared_bends.get(one.name), one.name),
-        )
+        number: of_design.changes[one.name].scaled(float(spreads[one.name]))
         for number, one in enumerate(own)
-        if one.name in of_design.prepared_slopes
+        if one.name in of_design.changes
     }

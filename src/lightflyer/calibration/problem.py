@@ -20,6 +20,7 @@ from lightflyer.flight.design import AbstractDesign
 from lightflyer.flight.levitation import levitate
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.precision import quick_entry_point
+from lightflyer.uncertainty.inputs import Change
 
 DEFAULT_FREE = ("c_fm", "c_cont")
 """Parameters that are fitted by default."""
@@ -55,9 +56,8 @@ class LevitationModel(eqx.Module):
         each input.
     movers : tuple of int
         Inputs that move ``prepared``.
-    prepared_moves : tuple of (pytree, pytree or None)
-        For each of them, changes of ``prepared`` by one standard uncertainty: with the sign of
-        the error, and without it.
+    changes : tuple of Change
+        For each of them, the change of ``prepared``, in its standard uncertainty.
     """
 
     design: AbstractDesign = eqx.field(static=True)
@@ -68,7 +68,7 @@ class LevitationModel(eqx.Module):
     moves: np.ndarray
     gains: np.ndarray
     movers: tuple[int, ...] = eqx.field(static=True)
-    prepared_moves: tuple[tuple[Any, Any], ...]
+    changes: tuple[Change, ...]
 
     def log_irradiance(
         self, log_parameters: Any, log_pressure: Any, shifts: Any = None
@@ -109,12 +109,8 @@ class LevitationModel(eqx.Module):
     def _prepared_at(self, shifts: Any) -> Any:
         """The costly part of the design at errors of the inputs."""
         prepared = self.prepared
-        for number, (slope, bend) in zip(self.movers, self.prepared_moves, strict=True):
-            for size, change in ((shifts[number], slope), (jnp.abs(shifts[number]), bend)):
-                if change is not None:
-                    prepared = jax.tree.map(
-                        lambda base, part, size=size: base + size * part, prepared, change
-                    )
+        for number, change in zip(self.movers, self.changes, strict=True):
+            prepared = change.added(prepared, shifts[number])
         return prepared
 
 
@@ -309,8 +305,8 @@ def problem_of(
         index=np.stack([index.get(fields, nowhere) for fields in targets]),
         moves=inputs.moves(list(targets), len(points)),
         gains=inputs.gains,
-        movers=tuple(inputs.prepared_moves),
-        prepared_moves=tuple(inputs.prepared_moves.values()),
+        movers=tuple(inputs.changes),
+        changes=tuple(inputs.changes.values()),
     )
     return Problem(points, model, parameters, inputs)
 

@@ -106,6 +106,8 @@ def _show_optimum(console: Console, problem: "Problem", optimum: "Optimum") -> N
         f"{note}"
     )
     _show_elasticities(console, optimum)
+    for text in optimum.warnings:
+        console.print(f"warning: {text}", markup=False, soft_wrap=True)
 
 
 def _show_constraint(
@@ -154,3 +156,5 @@ def _show_front(console: Console, front: "Front") -> None:
     console.print(table)
     shown = "" if step == 1 else f"; one in {step} is shown"
     console.print(f"{count} designs on the front, {front.evaluations} computed{shown}")
+    for text in front.warnings:
+        console.print(f"warning: {text}", markup=False, soft_wrap=True)

@@ -24,6 +24,7 @@ from lightflyer.foundation.errors import ConfigurationError, ParameterError
 if TYPE_CHECKING:
     import xarray as xr
 
+    from lightflyer.sweeps.explore import BestDesign
     from lightflyer.sweeps.run import SweepReport
     from lightflyer.sweeps.study import Study
 
@@ -202,9 +203,16 @@ def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.
     console.print(_report_line(report), soft_wrap=True)
     if report.not_converged:
         console.print(f"{report.not_converged} designs have not converged and are NaN")
-    best = _best(dataset)
-    if best:
-        console.print(best, soft_wrap=True)
+    name, best = _best(dataset)
+    if name:
+        shown = f"no design has a {name}" if best is None else f"largest {name}: {best}"
+        console.print(shown, soft_wrap=True)
+    if best is not None:
+        from lightflyer.flight.cautions import cautions_of_design
+
+        there = {field: number for field, (number, _) in best.where.items()}
+        for text in cautions_of_design(study.design, there):
+            console.print(f"warning: of the best design: {text}", markup=False, soft_wrap=True)
 
 
 def _report_line(report: "SweepReport") -> str:
@@ -221,12 +229,9 @@ def _report_line(report: "SweepReport") -> str:
     return ", ".join(parts)
 
 
-def _best(dataset: "xr.Dataset") -> str:
-    """The best design, in words."""
+def _best(dataset: "xr.Dataset") -> "tuple[str, BestDesign | None]":
+    """The output by which designs are judged, and the best one."""
     from lightflyer.sweeps.explore import best_design
 
     names = [name for name in _BEST if name in dataset]
-    if not names:
-        return ""
-    found = best_design(dataset, names[0])
-    return f"no design has a {names[0]}" if found is None else f"largest {names[0]}: {found}"
+    return (names[0], best_design(dataset, names[0])) if names else ("", None)

@@ -1,17 +1,21 @@
 """What a reader of a result must know: where the force model, or the film, is beyond its range."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from lightflyer.flight.balance import equilibrium
+from lightflyer.flight.bands import levitation_band
+from lightflyer.flight.design import AbstractDesign
 from lightflyer.flight.setup import Setup
 from lightflyer.foundation.types import Numeric
 
 UNSTATED_LIMIT = 500.0
 """Temperature above which a film without a stated highest temperature is worth a caution [K]:
 polymer films shrink and melt near it."""
+
+_LOOKS = 31  # places within a band that are looked at
 
 
 def cautions(setup: Setup, coordinate: Numeric, temperature: Numeric) -> tuple[str, ...]:
@@ -55,6 +59,34 @@ def cautions_at(setup: Setup, coordinate: Numeric) -> tuple[str, ...]:
     state = setup.environment.state(coordinate)
     found = equilibrium(setup.flyer, state, setup.model, throw=False)
     return cautions(setup, np.atleast_1d(coordinate), np.atleast_1d(found.temperature))
+
+
+def cautions_of_design(design: AbstractDesign, values: Mapping[str, float]) -> tuple[str, ...]:
+    """Cautions about a design with some numbers replaced.
+
+    Parameters
+    ----------
+    design : AbstractDesign
+    values : dict of str to float
+        By the name of the field. Where the coordinate is not among them, the widest band in which
+        the design flies is looked at.
+
+    Returns
+    -------
+    tuple of str
+        Those of the design itself first.
+    """
+    setup = design.build(values)
+    coordinate = values.get(design.coordinate_name)
+    places: Numeric = np.empty(0) if coordinate is None else coordinate
+    if coordinate is None:
+        band = levitation_band(
+            setup.flyer, setup.environment, setup.model, setup.searched, throw=False
+        )
+        if band.exists:
+            places = np.linspace(band.lower, band.upper, _LOOKS)
+    found = cautions_at(setup, places) if np.size(places) else ()
+    return (*design.warnings, *found)
 
 
 def _of_heat(highest: Numeric | None, temperature: Numeric) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """Several objectives at once: the Pareto front, by a genetic algorithm."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from lightflyer.foundation.errors import LightflyerError
 from lightflyer.foundation.extras import extra
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import PROBABILITY, Problem, as_problem
+from lightflyer.search.range_check import cautions_about
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,12 +37,15 @@ class Front:
         Free numbers by name, in the units of the design.
     evaluations : int
         Number of designs evaluated.
+    warnings : tuple of str
+        Where the designs at the front's ends are outside the range of the force model or the film.
     """
 
     problem: Problem
     objectives: dict[str, np.ndarray]
     designs: dict[str, np.ndarray]
     evaluations: int
+    warnings: tuple[str, ...]
 
     @property
     def dataset(self) -> "xr.Dataset":
@@ -58,7 +62,8 @@ class Front:
             name: ("design", values, self.problem.design.field(name).attributes)
             for name, values in self.designs.items()
         }
-        return xr.Dataset(variables, coordinates, {"title": "lightflyer Pareto front"})
+        attributes = {"title": "lightflyer Pareto front", "warnings": "; ".join(self.warnings)}
+        return xr.Dataset(variables, coordinates, attributes)
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""
@@ -67,6 +72,7 @@ class Front:
             "values": {name: column.tolist() for name, column in self.objectives.items()},
             "designs": {name: column.tolist() for name, column in self.designs.items()},
             "evaluations": self.evaluations,
+            "warnings": list(self.warnings),
         }
 
 
@@ -83,6 +89,7 @@ def pareto(
     points: int | None = None,
     method: str | None = None,
     seed: int | None = None,
+    beyond_range: bool | None = None,
     population: int = POPULATION,
     generations: int = GENERATIONS,
 ) -> Front:
@@ -90,8 +97,9 @@ def pareto(
 
     Parameters
     ----------
-    what, environment, model, over, constraints, uncertainty, points, method, seed
-        As for :func:`~lightflyer.search.optimiser.optimise`.
+    what, environment, model, over, constraints, uncertainty, points, method, seed, beyond_range
+        As for :func:`~lightflyer.search.optimiser.optimise`. Designs outside the range of the force
+        model are not refused: the front's ``warnings`` tell of them.
     maximise, minimise : str or sequence of str, optional
         The objectives: names of outputs, or ``"probability_of_flying"``.
     population, generations : int
@@ -126,21 +134,32 @@ def pareto(
         points=points,
         method=method,
         seed=seed,
+        beyond_range=beyond_range,
     )
     places, losses = _search(problem, population, generations)
     order = np.argsort(-problem.objectives[0].sign * losses[:, 0])
     places, losses = places[order], losses[order]
+    designs = {
+        bounds.field.name: np.asarray(bounds.value(places[:, row]))
+        for row, bounds in enumerate(problem.bounds)
+    }
     return Front(
         problem=problem,
         objectives={
             part.name: -part.sign * losses[:, row] for row, part in enumerate(problem.objectives)
         },
-        designs={
-            bounds.field.name: np.asarray(bounds.value(places[:, row]))
-            for row, bounds in enumerate(problem.bounds)
-        },
+        designs=designs,
         evaluations=population * generations,
+        warnings=tuple(_warnings(problem, designs)),
     )
+
+
+def _warnings(problem: Problem, designs: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """Cautions about the designs at both ends of a front."""
+    for word, row in (("first", 0), ("last", -1)):
+        design = {name: float(column[row]) for name, column in designs.items()}
+        for text in cautions_about(problem, design):
+            yield f"{word} design: {text}"
 
 
 def _search(problem: Problem, population: int, generations: int) -> tuple[np.ndarray, np.ndarray]:

@@ -11,7 +11,7 @@ from jax.scipy.special import ndtr
 
 from lightflyer.flight.outputs import evaluate
 from lightflyer.foundation.precision import float64
-from lightflyer.search.problem import PROBABILITY, Problem
+from lightflyer.search.problem import PROBABILITY, Constraint, Objective, Problem
 
 _SILVERMAN = 1.06  # width of a kernel over the spread, times n^(1/5)
 
@@ -42,8 +42,22 @@ class ObjectiveFunction:
         Returns
         -------
         dict of str to array, shape ()
+            The value of a number that is an objective and a constraint is that of the objective.
         """
+        parts: tuple[Objective | Constraint, ...] = (
+            *self.problem.constraints,
+            *self.problem.objectives,
+        )
+        values = self._values(point, changed)
+        return {part.name: values[part.name, part.sign] for part in parts}
+
+    def _values(
+        self, point: Any, changed: Mapping[str, Any] | None = None
+    ) -> dict[tuple[str, float], Any]:
+        """Outputs by name and by whether more (1) or less (-1) is better."""
         problem = self.problem
+        judged: tuple[Objective | Constraint, ...] = (*problem.objectives, *problem.constraints)
+        parts = {(part.name, part.sign) for part in judged}
         free = {
             bounds.field.name: bounds.value(point[index])
             for index, bounds in enumerate(problem.bounds)
@@ -57,20 +71,26 @@ class ObjectiveFunction:
             return evaluate(setup, problem.outputs, values.get(coordinate))[0]
 
         if not problem.samples:
-            return of_sample({})
+            alone = of_sample({})
+            return {(name, sign): alone[name] for name, sign in parts}
         samples = {
             name: values + (given[name] - np.mean(values) if name in given else 0.0)
             for name, values in problem.samples.items()
         }
         table = jax.vmap(of_sample)(samples)
-        reduced = {name: self._reduce(column) for name, column in table.items()}
-        if "lift_over_weight" in table:
-            reduced[PROBABILITY] = _smooth_share(table["lift_over_weight"] - 1.0)
-        return reduced
+        return {
+            (name, sign): _smooth_share(table["lift_over_weight"] - 1.0)
+            if name == PROBABILITY
+            else self._reduce(table[name], sign)
+            for name, sign in parts
+        }
 
-    def _reduce(self, column: Any) -> Any:
+    def _reduce(self, column: Any, sign: float) -> Any:
+        """The mean of samples, or their quantile on the side that is worse."""
         quantile = self.problem.quantile
-        return jnp.mean(column) if quantile is None else jnp.quantile(column, quantile)
+        if quantile is None:
+            return jnp.mean(column)
+        return jnp.quantile(column, quantile if sign > 0.0 else 1.0 - quantile)
 
     def scores(self, point: Any, changed: Mapping[str, Any] | None = None) -> Any:
         """Objectives, larger is better, then constraints, positive where satisfied; to be traced.
@@ -86,11 +106,11 @@ class ObjectiveFunction:
         array, shape (objectives + constraints,)
             Constraints are in units of their limits.
         """
-        values = self.outputs(point, changed)
+        values = self._values(point, changed)
         problem = self.problem
-        objectives = [part.sign * values[part.name] for part in problem.objectives]
+        objectives = [part.sign * values[part.name, part.sign] for part in problem.objectives]
         constraints = [
-            part.sign * (values[part.name] - part.limit) / part.scale
+            part.sign * (values[part.name, part.sign] - part.limit) / part.scale
             for part in problem.constraints
         ]
         return jnp.stack([*objectives, *constraints])

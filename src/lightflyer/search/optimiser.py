@@ -24,6 +24,7 @@ from lightflyer.foundation.batches import in_batches
 from lightflyer.foundation.errors import ConfigurationError, LightflyerError
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import Problem, as_problem
+from lightflyer.search.range_check import cautions_about, require_within_range
 
 SCREENED = 512
 """Designs evaluated at once: first over the whole cube, then around the starts."""
@@ -67,6 +68,9 @@ class Optimum:
         Number of searches, and of those that found this optimum.
     evaluations : int
         Number of evaluations of the objective with its gradient.
+    warnings : tuple of str
+        Where the best design is outside the range of the force model or of its film, which only a
+        problem that allows it has.
     """
 
     problem: Problem
@@ -79,6 +83,7 @@ class Optimum:
     starts: int
     agreeing: int
     evaluations: int
+    warnings: tuple[str, ...]
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""
@@ -93,6 +98,7 @@ class Optimum:
             "starts": self.starts,
             "agreeing": self.agreeing,
             "evaluations": self.evaluations,
+            "warnings": list(self.warnings),
         }
 
 
@@ -110,6 +116,7 @@ def optimise(
     method: str | None = None,
     starts: int | None = None,
     seed: int | None = None,
+    beyond_range: bool | None = None,
 ) -> Optimum:
     """The best design within bounds and constraints.
 
@@ -137,6 +144,9 @@ def optimise(
         Number of searches, by default 8.
     seed : int, optional
         Default 0.
+    beyond_range : bool, optional
+        Whether to accept an optimum outside the range of the force model or of its film; by
+        default it is refused, and no flyer gets hotter than its ``highest_temperature``.
 
     Returns
     -------
@@ -147,7 +157,8 @@ def optimise(
     ConfigurationError
         If a number or an output does not exist or a value is not possible.
     LightflyerError
-        If no design has a value, or none satisfies the constraints.
+        If no design has a value, none satisfies the constraints, or the best one is outside the
+        range of the force model or of its film.
 
     References
     ----------
@@ -177,6 +188,7 @@ def optimise(
         points=points,
         method=method,
         seed=seed,
+        beyond_range=beyond_range,
     )
     return find_optimum(ObjectiveFunction(problem))
 
@@ -197,7 +209,8 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
     ConfigurationError
         If there are several objectives.
     LightflyerError
-        If no design has a value, or none satisfies the constraints.
+        If no design has a value, none satisfies the constraints, or the best one is outside the
+        range of the force model or of its film.
     """
     problem = function.problem
     if len(problem.objectives) > 1:
@@ -334,15 +347,18 @@ def _describe(
         for name, fraction in zip(names, best.point, strict=True)
         if not _AT_BOUND < fraction < 1.0 - _AT_BOUND
     }
-    multipliers = _multipliers(function, best.point)
+    design = {
+        bounds.field.name: float(bounds.value(fraction))
+        for bounds, fraction in zip(problem.bounds, best.point, strict=True)
+    }
     objective = problem.objectives[0]
+    warnings = cautions_about(problem, design)
+    require_within_range(problem, warnings, _in_words(problem, objective.sign * best.score, design))
+    multipliers = _multipliers(function, best.point)
     return Optimum(
         problem=problem,
         value=objective.sign * best.score,
-        design={
-            bounds.field.name: float(bounds.value(fraction))
-            for bounds, fraction in zip(problem.bounds, best.point, strict=True)
-        },
+        design=design,
         outputs={name: float(value) for name, value in function.outputs_at(best.point).items()},
         active_bounds=at_bound,
         active_constraints={
@@ -354,7 +370,19 @@ def _describe(
         starts=starts,
         agreeing=agreeing,
         evaluations=evaluations,
+        warnings=warnings,
     )
+
+
+def _in_words(problem: Problem, value: float, design: Mapping[str, float]) -> str:
+    """An objective and a design, with units."""
+    objective = problem.objectives[0].name
+    numbers = [(objective, value, problem.unit_of(objective))]
+    numbers += [
+        (bounds.field.name, design[bounds.field.name], bounds.field.quantity.unit)
+        for bounds in problem.bounds
+    ]
+    return ", ".join(f"{name} {number:.4g} {unit}".rstrip() for name, number, unit in numbers)
 
 
 def _multipliers(function: ObjectiveFunction, point: np.ndarray) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Optimisation problems: objectives, free numbers, constraints, and what is uncertain."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,7 @@ PROBABILITY = "probability_of_flying"
 """Share of the samples in which a design carries its weight: an objective or a constraint."""
 
 _MARGIN = "lift_over_weight"
+_HEAT = "temperature"
 _BOUNDS = ("from", "to", "scale")
 _LIMITS = ("at_least", "at_most")
 
@@ -128,7 +129,10 @@ class Problem:
     samples : dict of str to array, shape (m,)
         Values of the uncertain numbers; empty where there are none.
     quantile : float or None
-        Quantile of the samples that stands for an output; None for the mean.
+        Quantile of the samples that stands for an output of which more is better; for one of which
+        less is better, one minus it. None for the mean.
+    beyond_range : bool
+        Whether an optimum counts that is outside the range of the force model or the film.
     starts : int
         Number of searches.
     seed : int
@@ -141,6 +145,7 @@ class Problem:
     constraints: tuple[Constraint, ...]
     samples: dict[str, np.ndarray]
     quantile: float | None
+    beyond_range: bool
     starts: int
     seed: int
 
@@ -286,6 +291,7 @@ def make_problem(
         constraints=constraints,
         samples=draw_samples(distributions, *how) if distributions else {},
         quantile=uncertain.quantile if uncertain and uncertain.of == "quantile" else None,
+        beyond_range=section.beyond_range,
         starts=section.starts,
         seed=section.seed,
     )
@@ -372,7 +378,17 @@ def _constraints(
             _check_output(design, name, list(section.over))
             for word, text in limits.items():
                 found.append(Constraint(name, _limit(design, name, word, text), _sign(word)))
-    return tuple(found)
+    return (*found, *_limit_of_film(design, section, [part.name for part in found]))
+
+
+def _limit_of_film(
+    design: AbstractDesign, section: OptimiseSection, limited: Sequence[str]
+) -> Iterator[Constraint]:
+    """What the film bears, where the section says nothing about the temperature itself."""
+    highest = design.setup.flyer.highest_temperature
+    free = section.beyond_range or _HEAT in limited
+    if highest is not None and design.coordinate_name in section.over and not free:
+        yield Constraint(_HEAT, float(highest), -1.0)
 
 
 def _limit(design: AbstractDesign, name: str, word: str, text: Any) -> float:

@@ -87,8 +87,10 @@ class BestDesign:
     Attributes
     ----------
     value : float
-        Value of the output.
+        Value of the output; with samples, their median.
     units : str
+    band : tuple of float or None
+        Ends of the samples' 95 % band; None without samples.
     where : dict of str to (float, str)
         Value and units of each coordinate.
     index : dict of str to int
@@ -97,6 +99,7 @@ class BestDesign:
 
     value: float
     units: str
+    band: tuple[float, float] | None
     where: dict[str, tuple[float, str]]
     index: dict[str, int]
 
@@ -104,11 +107,17 @@ class BestDesign:
         at = ", ".join(
             f"{name} {amount:.6g} {unit}".rstrip() for name, (amount, unit) in self.where.items()
         )
-        return f"{self.value:.4g} {self.units}".rstrip() + (f" at {at}" if at else "")
+        shown = f"{self.value:.4g} {self.units}".rstrip()
+        if self.band is not None:
+            low, high = self.band
+            shown += f" (median; 95 % of the samples {low:.4g} to {high:.4g})"
+        return shown + (f" at {at}" if at else "")
 
 
 def best_design(dataset: "xr.Dataset", name: str) -> BestDesign | None:
     """Design at which an output is largest, or smallest where less is better.
+
+    Of uncertain designs the median over the samples counts; a sample without a value is the worst.
 
     Parameters
     ----------
@@ -122,28 +131,59 @@ def best_design(dataset: "xr.Dataset", name: str) -> BestDesign | None:
     BestDesign or None
         None where the output has no value anywhere.
     """
-    array = dataset[name]
+    array = _samples_last(dataset[name])
     sign = -1.0 if less_is_better(name) else 1.0
     best = -np.inf
     place: tuple[int, ...] = ()
     for rows, values in parts(array) if array.ndim else [(slice(0, 1), np.asarray(array))]:
-        score = np.where(np.isnan(values), -np.inf, sign * values)
+        score = _typical(_worst_for_nan(sign * values), array)
         here = np.unravel_index(int(np.argmax(score)), score.shape)
         if score[here] > best:
             best = float(score[here])
-            first = [int(here[0]) + rows.start] if array.ndim else []
+            first = [int(here[0]) + rows.start] if score.ndim else []
             place = (*first, *map(int, here[1:]))
     if not np.isfinite(best):
         return None
-    index = {str(name): number for name, number in zip(array.dims, place, strict=True)}
+    dimensions = [dimension for dimension in array.dims if dimension != SAMPLE]
+    index = {str(name): number for name, number in zip(dimensions, place, strict=True)}
     there = array.isel(index)
-    order = [*array.dims, *(key for key in there.coords if key not in array.dims)]
+    order = [*dimensions, *(key for key in there.coords if key not in dimensions)]
     where = {
         str(key): (float(there.coords[key]), unit_of(there.coords[key]))
         for key in order
-        if key in there.coords
+        if key in there.coords and not there.coords[key].ndim
     }
-    return BestDesign(sign * best, unit_of(array), where, index)
+    band = None
+    if SAMPLE in array.dims:
+        drawn = sign * _worst_for_nan(sign * np.asarray(there))
+        low, high = np.quantile(drawn, COVERAGE, method="nearest")
+        band = (float(low), float(high))
+    return BestDesign(sign * best, unit_of(array), band, where, index)
+
+
+def _worst_for_nan(score: np.ndarray) -> np.ndarray:
+    """Scores of which more is better; what has no value is the worst."""
+    return np.where(np.isnan(score), -np.inf, score)
+
+
+def _samples_last(array: "xr.DataArray") -> "xr.DataArray":
+    """The array with its samples, if it has any, along the last axis."""
+    return array.transpose(..., SAMPLE) if SAMPLE in array.dims else array
+
+
+def _alike(part: "xr.DataArray", array: "xr.DataArray") -> "xr.DataArray":
+    """A part with the dimensions of an array, in its order."""
+    if part.dims == array.dims:
+        return part
+    return part.broadcast_like(array).transpose(*array.dims)
+
+
+def _typical(values: np.ndarray, array: "xr.DataArray") -> np.ndarray:
+    """What stands for the samples of a design: the median, for a best draw is no better design."""
+    if SAMPLE not in array.dims:
+        return values
+    # of an even number the lower one, so that it is that of a sample and never a mean of infinities
+    return np.quantile(values, 0.5, axis=-1, method="lower")
 
 
 def unit_of(array: "xr.DataArray") -> str:
@@ -246,6 +286,8 @@ def pareto_front(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Designs that no other beats in both of two quantities.
 
+    Of uncertain designs the medians over the samples count; a design flies if its median does.
+
     Parameters
     ----------
     dataset : xarray.Dataset
@@ -265,13 +307,15 @@ def pareto_front(
     array, other, able = dataset[gain], dataset[cost], margin(dataset)
     worth = -1.0 if less_is_better(gain) else 1.0
     gains, costs = np.empty(0), np.empty(0)
-    if other.dims != array.dims:
-        other = other.broadcast_like(array).transpose(*array.dims)
-    for rows, values in parts(array):
-        there = np.asarray(other[rows])
+    array = _samples_last(array)
+    other = _alike(other, array)
+    able = None if able is None else _alike(able, array)
+    for rows, drawn in parts(array):
+        values = worth * _typical(_worst_for_nan(worth * drawn), array)
+        there = -sign * _typical(_worst_for_nan(-sign * np.asarray(other[rows])), array)
         known = np.isfinite(values) & np.isfinite(there)
         if able is not None:
-            known &= np.asarray(able[rows]) >= 0.0
+            known &= _typical(np.asarray(able[rows], float), array) >= 0.0
         gains = np.concatenate([gains, worth * values[known]])
         costs = np.concatenate([costs, sign * there[known]])
         # cheapest first, and among equals the best; a design no better than a cheaper one is beaten

@@ -55,6 +55,7 @@ class OptimiseSection(Section):
     over: _Entries
     constraints: _Entries
     uncertainty: UncertaintySection | None = None
+    beyond_range: Annotated[bool, pydantic.Field(strict=True)] = False
     starts: _Count = 8
     seed: _Seed = 0
 

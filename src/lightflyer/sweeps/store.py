@@ -445,6 +445,8 @@ def empty_dataset(study: Study) -> "xr.Dataset":
         "configuration": study.design.text,
         "versions": json.dumps(versions()),
         "lightflyer_version": lightflyer.__version__,
+        "assumptions": "; ".join(study.design.setup.environment.assumptions()),
+        "warnings": "; ".join(study.design.warnings),
         "complete": False,
         "not_converged": 0,
     }

@@ -4,6 +4,7 @@ import warnings
 from dataclasses import dataclass
 from typing import Any
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -16,6 +17,63 @@ from lightflyer.uncertainty.correlation import correlation_matrix
 _STEP = 1e-3  # relative, over which costly parts of a design are compared
 _MOST_DRAWS = 1000
 _EVEN = 12.0**-0.5  # standard deviation of a number that lies evenly between -1/2 and 1/2
+
+
+class Change(eqx.Module):
+    """How the costly part of a design changes with an input.
+
+    Attributes
+    ----------
+    slope, bend : pytree
+        Change per unit of the input's shift, and of its square.
+    bounded : bool
+        Whether missing data leave the input open: it then goes from -1/2 at the lower bound over 0
+        at the nominal value to 1/2 at the upper bound, all its values are equally likely, and the
+        bend goes with the size of the shift.
+    """
+
+    slope: Any
+    bend: Any
+    bounded: bool = eqx.field(static=True)
+
+    def scaled(self, unit: float) -> "Change":
+        """The change by a shift that is measured in another unit.
+
+        Parameters
+        ----------
+        unit : float
+            In the input's own unit.
+
+        Returns
+        -------
+        Change
+        """
+        square = unit if self.bounded else unit**2
+        return Change(
+            jax.tree.map(lambda part: unit * np.asarray(part), self.slope),
+            jax.tree.map(lambda part: square * np.asarray(part), self.bend),
+            self.bounded,
+        )
+
+    def added(self, prepared: Any, shift: Any) -> Any:
+        """The costly part after a shift of the input.
+
+        Parameters
+        ----------
+        prepared : pytree
+        shift : array, shape (...)
+
+        Returns
+        -------
+        pytree
+        """
+        bent = jnp.abs(shift) if self.bounded else shift * shift
+        return jax.tree.map(
+            lambda base, slope, bend: base + _beside(shift, slope) + _beside(bent, bend),
+            prepared,
+            self.slope,
+            self.bend,
+        )
 
 
 @dataclass(frozen=True)
@@ -35,12 +93,8 @@ class Inputs:
         Possible values.
     prepared : pytree or None
         What the design needs to be built with its own numbers.
-    prepared_slopes : dict of str to pytree
-        Change of ``prepared`` per unit of each input that moves it.
-    prepared_bends : dict of str to pytree
-        For each input that missing data leave open, change of ``prepared`` per unit of its size:
-        such an input goes from -1/2 at the lower bound over 0 at the nominal value to 1/2 at the
-        upper bound, and all its values are equally likely.
+    changes : dict of str to Change
+        How ``prepared`` changes with each input that moves it.
     """
 
     design: AbstractDesign
@@ -50,13 +104,12 @@ class Inputs:
     correlation: np.ndarray
     ranges: np.ndarray
     prepared: Any
-    prepared_slopes: dict[str, Any]
-    prepared_bends: dict[str, Any]
+    changes: dict[str, Change]
 
     @property
     def open_names(self) -> tuple[str, ...]:
         """Inputs that missing data leave open."""
-        return tuple(self.prepared_bends)
+        return tuple(name for name, change in self.changes.items() if change.bounded)
 
     @property
     def covariance(self) -> np.ndarray:
@@ -86,17 +139,9 @@ class Inputs:
             Numbers that depend on the inputs have the trailing shape of ``values``.
         """
         prepared = self.prepared
-        for name, slope in self.prepared_slopes.items():
+        for name, change in self.changes.items():
             row = self.names.index(name)
-            shift = values[row] - self.values[row]
-            prepared = jax.tree.map(
-                lambda base, change, shift=shift: base + _beside(shift, change), prepared, slope
-            )
-        for name, bend in self.prepared_bends.items():
-            size = jnp.abs(values[self.names.index(name)])
-            prepared = jax.tree.map(
-                lambda base, change, size=size: base + _beside(size, change), prepared, bend
-            )
+            prepared = change.added(prepared, values[row] - self.values[row])
         numbers = dict(zip(self.names, values, strict=True))
         for name in self.open_names:
             del numbers[name]
@@ -181,11 +226,11 @@ def uncertain_inputs(design: AbstractDesign) -> Inputs | None:
     ranges += [(-0.5, 0.5)] * len(open_parts)
     costly = design.costly(list(stated))
     prepared = design.prepare({}) if costly or open_parts else None
-    slopes = {
-        name: _prepared_slope(design, prepared, name, values[names.index(name)], stated[name])
+    changes = {
+        name: _change(design, prepared, name, stated[name], ranges[names.index(name)])
         for name in costly
     }
-    halves = {name: _halves(prepared, ends) for name, ends in open_parts.items()}
+    changes |= {name: _between(prepared, *ends) for name, ends in open_parts.items()}
     return Inputs(
         design=design,
         names=names,
@@ -194,34 +239,42 @@ def uncertain_inputs(design: AbstractDesign) -> Inputs | None:
         correlation=correlation,
         ranges=np.array(ranges),
         prepared=prepared,
-        prepared_slopes=slopes | {name: slope for name, (slope, _) in halves.items()},
-        prepared_bends={name: bend for name, (_, bend) in halves.items()},
+        changes=changes,
     )
 
 
-def _halves(nominal: Any, ends: tuple[Any, Any]) -> tuple[Any, Any]:
-    """Mean slope from the lower to the upper bound, and the bend that lets the nominal be met."""
-    lower, upper = ends
-    slope = jax.tree.map(lambda low, high: np.asarray(high) - np.asarray(low), lower, upper)
-    bend = jax.tree.map(
-        lambda low, middle, high: np.asarray(high) + np.asarray(low) - 2.0 * np.asarray(middle),
-        lower,
-        nominal,
-        upper,
+def _between(nominal: Any, lower: Any, upper: Any) -> Change:
+    """Change between two bounds by way of the nominal value."""
+
+    def slope(low: Any, high: Any) -> Any:
+        return np.asarray(high) - np.asarray(low)
+
+    def bend(low: Any, middle: Any, high: Any) -> Any:
+        return np.asarray(high) + np.asarray(low) - 2.0 * np.asarray(middle)
+
+    return Change(
+        jax.tree.map(slope, lower, upper), jax.tree.map(bend, lower, nominal, upper), bounded=True
     )
-    return slope, bend
 
 
-def _prepared_slope(
-    design: AbstractDesign, prepared: Any, name: str, value: float, spread: float
-) -> Any:
-    """Change of a design's costly part per unit of one input."""
-    # towards zero, which no upper limit forbids; from zero upwards
-    step = -_STEP * value if value else _STEP * spread
-    moved = design.prepare({name: value + step})
-    return jax.tree.map(
-        lambda there, here: (np.asarray(there) - np.asarray(here)) / step, moved, prepared
-    )
+def _change(
+    design: AbstractDesign, prepared: Any, name: str, spread: float, ends: tuple[float, float]
+) -> Change:
+    """Change with one input: a parabola over ± one standard uncertainty, where that is possible."""
+    value = design.number(name) or 0.0
+    both = ends[0] < value - spread and value + spread < ends[1]
+    # else a line towards zero, which no upper limit forbids; from zero upwards
+    step = spread if both else (-_STEP * value if value else _STEP * spread)
+    there = design.prepare({name: value + step})
+    if not both:
+        slope = jax.tree.map(
+            lambda moved, here: (np.asarray(moved) - np.asarray(here)) / step, there, prepared
+        )
+        return Change(slope, jax.tree.map(np.zeros_like, slope), bounded=False)
+    parabola = _between(prepared, design.prepare({name: value - step}), there)
+    slope = jax.tree.map(lambda change: change / (2.0 * step), parabola.slope)
+    bend = jax.tree.map(lambda change: change / (2.0 * step**2), parabola.bend)
+    return Change(slope, bend, bounded=False)
 
 
 def draw(inputs: Inputs, samples: int, seed: int) -> np.ndarray:

@@ -98,7 +98,10 @@ def _crossing(coordinate: np.ndarray, margin: np.ndarray, index: np.ndarray) -> 
 
 
 def optimum(
-    coordinate: np.ndarray, objective: np.ndarray, table: Table
+    coordinate: np.ndarray,
+    objective: np.ndarray,
+    table: Table,
+    ends: tuple[bool, bool] = (True, True),
 ) -> tuple[np.ndarray, Table]:
     """Find where an objective is largest, and the table there, by parabolas through three points.
 
@@ -109,15 +112,20 @@ def optimum(
     objective : array, shape (samples, n)
         NaN and minus infinity count as lowest.
     table : dict of str to array, shape (samples, n)
+    ends : tuple of bool
+        Whether the first and the last coordinate are ends of the searched range, at which an
+        optimum may lie; beyond others it goes on.
 
     Returns
     -------
     coordinate : array, shape (samples,)
-        NaN where the objective has no value.
+        NaN where the objective has no value, or is largest at an end of the table only.
     table : dict of str to array, shape (samples,)
     """
     finite = np.where(np.isfinite(objective), objective, -np.inf)
-    index = np.clip(np.argmax(finite, axis=1), 1, coordinate.size - 2)
+    largest = np.argmax(finite, axis=1)
+    index = np.clip(largest, 1, coordinate.size - 2)
+    beyond = (largest == 0) & (not ends[0]) | (largest == coordinate.size - 1) & (not ends[1])
     rows = np.arange(len(objective))
 
     def three(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -136,5 +144,5 @@ def optimum(
         return np.where(known, middle + np.where(np.isfinite(curved), curved, 0.0), np.nan)
 
     spacing = coordinate[1] - coordinate[0]
-    place = np.where(known, coordinate[index] + way * spacing, np.nan)
+    place = np.where(known & ~beyond, coordinate[index] + way * spacing, np.nan)
     return place, {name: interpolate(values) for name, values in table.items()}

@@ -179,7 +179,7 @@ def propagate(
     Notes
     -----
     Inputs go through the design's own build: first order by its derivatives, Monte Carlo by
-    building every sample. The optics of layers are taken as linear in their thicknesses and in the
+    building every sample. The optics of layers are taken as parabolas in each thickness and in the
     light's angle of incidence. What missing optical data leave open lies evenly between its bounds,
     as often below the nominal value as above it. Uncertainties of an atmosphere's date, place and
     indices are not propagated. Of several bands the samples follow the one around the strongest
@@ -201,7 +201,9 @@ def propagate(
     if samples:
         drawn = draw(inputs, samples, seed)
         table = monte_carlo.tabulate_samples(inputs, drawn, coordinates)
-        sampled = _sampled(targets, table, even, logarithmic=logarithmic)
+        searched = prediction.coordinates[[0, -1]]
+        ends = (bool(grid[0] <= searched[0]), bool(grid[-1] >= searched[1]))
+        sampled = _sampled(targets, table, even, ends, logarithmic=logarithmic)
         bands = _quantiles({name: table[name][:, :BAND_POINTS] for name in BANDS})
     else:
         bands = _normal_bands(slopes)
@@ -359,18 +361,27 @@ def _spread(target: _Target, slopes: Derivatives) -> float:
 
 
 def _sampled(
-    targets: list[_Target], table: Table, even: np.ndarray, *, logarithmic: bool
+    targets: list[_Target],
+    table: Table,
+    even: np.ndarray,
+    ends: tuple[bool, bool],
+    *,
+    logarithmic: bool,
 ) -> dict[str, np.ndarray]:
-    """Each result in each sample; ``even`` is the evenly spaced coordinate of the bands."""
+    """Each result in each sample.
+
+    ``even`` is the evenly spaced coordinate of the bands; ``ends`` tells whether it begins and
+    stops with the searched range.
+    """
     over_grid = {name: values[:, : even.size] for name, values in table.items()}
     found: dict[str, Any] = {}
     lower, upper = monte_carlo.edges(even, over_grid["lift_over_weight"])
     found["lower"], found["upper"] = (lower, {}), (upper, {})
-    found["payload"] = monte_carlo.optimum(even, over_grid["payload"], over_grid)
+    found["payload"] = monte_carlo.optimum(even, over_grid["payload"], over_grid, ends)
     logarithms = dict(over_grid)
     with np.errstate(divide="ignore"):
         logarithms["levitation_irradiance"] = np.log(over_grid["levitation_irradiance"])
-    place, there = monte_carlo.optimum(even, -logarithms["levitation_irradiance"], logarithms)
+    place, there = monte_carlo.optimum(even, -logarithms["levitation_irradiance"], logarithms, ends)
     there["levitation_irradiance"] = np.exp(there["levitation_irradiance"])
     found["levitation_irradiance"] = place, there
     results = {}

@@ -126,3 +126,21 @@ def test_the_documentation_quotes_the_study(results):
     ] == 0  # fmt: skip
     assert len(results["with_fewest_changes"]) == 11
     assert results["fewest_changes_from_printed"] == 4
+
+
+@pytest.mark.parametrize(("scaled", "same"), [(False, True), (True, False)])
+def test_as_printed_a_heater_does_not_tell_its_three_parameters_apart(study, scaled, same):
+    """Powers (1)-(5), (16) of a heater; ``scaled`` lets (5) grow with the effective area too."""
+    model = study.model
+    gas, pressure = model.GASES["paper"], np.geomspace(1e-4, 200.0, 30)
+    heater = model.Place(np.full(30, 293.0), pressure, np.full(30, 9.8), gas, np.array(0.012))
+    hot = np.full(30, 401.0)
+
+    def power(tac, area_ratio, offset):
+        thin = area_ratio * tac * model.free_molecular_heat(hot, heater, "T_mean", "T_mean")
+        dense = model.continuum_heat(hot, heater, "T_mean", "in") * (area_ratio if scaled else 1.0)
+        leak = offset * area_ratio * heater.area * (hot - heater.cold)
+        return thin * dense / (thin + dense) + leak
+
+    first, second = power(0.75, 1.22, 4.09), power(1.5, 0.61, 8.18)  # the same δα and δC
+    assert np.allclose(first, second, rtol=1e-12) is same

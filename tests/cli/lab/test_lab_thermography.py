@@ -1,5 +1,6 @@
 import json
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -80,6 +81,30 @@ def test_the_band_is_stated_assumed_or_none(folder, lab):
                        "--hotplate-emissivity", "0.97 ± 0.01")  # fmt: skip
     assert code == 0
     assert "film is taken" not in out
+
+
+def test_an_image_with_its_regions(folder, lab, monkeypatch):
+    """The reader of FLIR's files is replaced; its own test is beside it."""
+    image = np.full((90, 140), 295.15) + 0.05 * np.random.default_rng(1).normal(size=(90, 140))
+    image[10:40, 20:60] += 128.0
+    image[50:80, 20:60] += 22.8
+    image[50:80, 90:130] += np.linspace(98.0, 119.6, 40)
+    (folder / "a.jpg").write_bytes(b"")
+    monkeypatch.setattr("lightflyer.lab.thermal_image.read_thermal_image", lambda _: image)
+    regions = "hotplate=12:38,22:58; lower=52:78,22:58; upper=52:78,92:128"
+    arguments = ["thermography", "a.jpg", "--ambient", "22 °C", "--band", "7.5-14 um"]
+    code, out, _ = lab(*arguments, "--regions", regions, "--json")
+    assert code == 0
+    found = json.loads(out)
+    # those of the camera, and of the region that is not uniform
+    assert found["standard_uncertainties"]["hotplate_temperature"]["value"] == pytest.approx(
+        3.0 / np.sqrt(3.0), rel=0.01
+    )
+    assert found["standard_uncertainties"]["upper_temperature"]["value"] > 5.0
+    assert found["warnings"][0].startswith("region upper is not uniform")
+    code, out, err = lab(*arguments, "--regions", regions.replace("upper", "uper"))
+    assert (code, out) == (2, "")
+    assert '--regions: "uper" is none of hotplate, lower, upper, ambient' in err
 
 
 def test_scalars(lab):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.environment import Attitude, Radiation, ground_view_factor
+from lightflyer.environment import Attitude, Radiation, ground_view_factor, sunlight
 
 
 def sampled_view(tilt, straight_down, rng, count=400_000):
@@ -168,3 +168,120 @@ def test_own_environment_depends_on_place_and_time(film):
     assert found.best.values["lift_over_weight"] == pytest.approx(
         lf.lift(disk, noon, model) / lf.weight(disk, noon), rel=1e-9
     )
+
+
+def light_from_a_round_earth(zenith, altitude, albedo=0.29, radius=6_356_766.0, rays=400_000):
+    """Light on a level lower face per irradiance: rays down to a matt sphere under the sun."""
+    rng = np.random.default_rng(7)
+    sun = np.array([np.sin(zenith), 0.0, np.cos(zenith)])
+    sine, turn = np.sqrt(rng.uniform(size=rays)), rng.uniform(0.0, 2.0 * np.pi, rays)
+    down = np.stack([sine * np.cos(turn), sine * np.sin(turn), -np.sqrt(1.0 - sine**2)])
+    height = radius + altitude
+    along = -height * down[2]  # to the point of the ray that is nearest to the centre
+    half_chord = radius**2 - height**2 + along**2
+    hits = half_chord > 0.0
+    distance = along[hits] - np.sqrt(half_chord[hits])
+    ground = (np.array([[0.0], [0.0], [height]]) + distance * down[:, hits]) / radius
+    lit = np.maximum(sun @ ground, 0.0)
+    return albedo * lit.sum() / rays
+
+
+@pytest.mark.parametrize("degrees", [0.0, 30.0, 60.0])
+@pytest.mark.parametrize("altitude", [20e3, 80e3])
+def test_reflected_sunlight_is_that_of_a_round_earth(degrees, altitude):
+    zenith = np.radians(degrees)
+    state = lf.Earth(radiation=sunlight(zenith_angle=zenith)).state(altitude)
+    found = state.radiation.on_faces().beam_bottom
+    # the far ground sees the sun lower than the ground below does: up to half a percent at 80 km
+    assert found == pytest.approx(light_from_a_round_earth(zenith, altitude), rel=1e-2)
+
+
+def test_the_ground_is_seen_from_the_altitude_unless_told():
+    altitudes = np.array([0.0, 20e3, 80e3])
+    seen = lf.Earth().state(altitudes).radiation.ground_view
+    np.testing.assert_allclose(seen, [1.0, 0.99374, 0.97530], rtol=1e-5)
+    told = lf.Earth(radiation=Radiation(albedo=0.3, ground_view=0.5)).state(80e3)
+    assert told.radiation.ground_view == 0.5
+    assert Radiation(albedo=0.3).on_faces().beam_bottom == pytest.approx(0.3)
+
+
+def test_light_over_earth_warms_a_disk_by_what_arrives(film):
+    """The absorbed power, from irradiances that are added up here."""
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.2, 0.8, 0.9, absorptance_bottom=0.4)
+    disk, altitude, sigma = lf.Disk(film, 0.01), 80e3, 5.670374419e-8
+    state = lf.Earth(radiation=sunlight(zenith_angle=np.radians(40.0))).state(altitude)
+    view = (6356766.0 / (6356766.0 + altitude)) ** 2
+    horizontal = 1361.0 * np.cos(np.radians(40.0))
+    black = sigma * state.temperature**4
+    expected = disk.area * (
+        0.75 * horizontal
+        + 0.4 * 0.29 * view * horizontal
+        + 0.08 * (0.0 - black)
+        + 0.2 * (240.0 * view - black)
+    )
+    found = lf.equilibrium(disk, state, lf.Lu2023()).absorbed_power
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
+def test_environments_say_what_light_they_assume():
+    earth = lf.Earth(radiation=sunlight(1300.0, np.radians(30.0), albedo=np.array([0.1, 0.5])))
+    assert earth.assumptions() == (
+        "light: 1300 W/m², 30° from the vertical",
+        "reflected light: 0.1 to 0.5 of it (albedo), from below",
+        "infrared: from above 0 W/m², from below 240 W/m²",
+        "view factor of the ground: (R/(R+h))² at altitude h",
+    )
+    paper = (
+        "light: 1360 W/m², 0° from the vertical",
+        "reflected light: none",
+        "infrared: black surroundings at the gas temperature",
+    )
+    assert lf.lu2023_earth().assumptions() == paper
+    assert lf.Chamber(radiation=Radiation(1360.0)).assumptions() == paper
+    mirror = Radiation(
+        1500.0, albedo=0.8, diffuse_above=3.0, infrared_below=430.0, ground_view=0.25
+    )
+    assert lf.Chamber(radiation=mirror).assumptions() == (
+        "light: 1500 W/m², 0° from the vertical, and diffuse 3 W/m² from above",
+        "reflected light: 0.8 of it (albedo), from below",
+        "infrared: from above black surroundings at the gas temperature, from below 430 W/m²",
+        "view factor of the ground: 0.25",
+    )
+
+
+def environment_of(**section):
+    return lf.FlyerFile(
+        flyer={"diameter": "2 cm"},
+        film={"areal_density": "1 g/m^2", "absorptance": 0.75, "emittance": 0.08,
+              "tac_top": 0.8, "tac_bottom": 0.9},
+        environment=section,
+    ).build().environment  # fmt: skip
+
+
+def test_a_file_that_leaves_light_out_means_what_python_means():
+    assert environment_of().assumptions() == lf.Earth().assumptions()
+    assert environment_of(atmosphere="lu2023").assumptions() == lf.lu2023_earth().assumptions()
+    chamber = environment_of(kind="chamber", temperature="293 K", irradiance="1 kW/m^2")
+    assert chamber.assumptions() == lf.Chamber(radiation=Radiation(1000.0)).assumptions()
+    as_the_paper = environment_of(albedo=0.0, surroundings="gas").radiation
+    assert (as_the_paper.albedo, as_the_paper.infrared_above) == (0.0, None)
+    half = environment_of(surroundings="gas", infrared_bottom="200 W/m^2").radiation
+    assert (half.infrared_above, half.infrared_below) == (None, 200.0)
+    told = environment_of(atmosphere="lu2023", albedo=0.3, surroundings="earth").radiation
+    assert (told.albedo, told.infrared_above, told.infrared_below) == (0.3, 0.0, 240.0)
+
+
+def test_surroundings_without_effect_are_refused():
+    with pytest.raises(Exception, match="surroundings has no effect beside infrared_top"):
+        environment_of(surroundings="gas", infrared_top="0 W/m^2", infrared_bottom="240 W/m^2")
+    with pytest.raises(Exception, match="surroundings"):
+        environment_of(surroundings="space")
+
+
+def test_the_papers_light_is_what_it_was(disk):
+    """Bands and light in the paper's surroundings, as they were before Earth shone."""
+    earth = lf.lu2023_earth()
+    band = lf.levitation_band(disk, earth, lf.Lu2023())
+    assert band.lower == pytest.approx(68021.70224, abs=1e-3)
+    assert band.upper == pytest.approx(78047.16653, abs=1e-3)
+    np.testing.assert_array_equal(earth.state(72e3).radiation.on_faces().beam_bottom, 0.0)

@@ -8,13 +8,15 @@ Writes docs/images/force-ratio.png, docs/images/force-models-flight.png and resu
 import json
 from pathlib import Path
 
+import jax.numpy as jnp
 import numpy as np
 
 import lightflyer as lf
-from lightflyer.environment import EnvironmentState, Radiation
+from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation, sunlight
 from lightflyer.force import PRINTED, REPORTED, fit_simple_form
+from lightflyer.foundation import constants
 from lightflyer.foundation import drawing as plot
-from lightflyer.gas import AIR, mean_free_path
+from lightflyer.gas import AIR, LU2023_AIR, mean_free_path
 from lightflyer.kinetic import solve
 
 HERE = Path(__file__).parent
@@ -30,6 +32,7 @@ FITTED = (0.03, 3.0)  # Knudsen numbers between which the simple form is fitted
 SIZES = np.round(np.arange(0.2, 6.01, 0.2), 1) * 1e-2
 ALTITUDES = np.linspace(55e3, 95e3, 401)
 INCIDENCES = (0.0, 45.0)
+SEED, SAMPLES = 1, 4000
 
 # mean free path of hard spheres, (32/5π) μ/(ρ v̄), over the one used here
 HARD_SPHERES = 16.0 / (5.0 * np.pi)
@@ -49,6 +52,33 @@ MODELS = {
     "Lu et al. (1, 1)": AEROSOL,
     "free-molecular": lf.FreeMolecular(),
 }
+LOOKS = {
+    "kinetic": (plot.BLUE, "-"),
+    "Lu et al. (0.4, 3)": (plot.VERMILION, "-"),
+    "Lu et al. (1, 1)": (plot.ORANGE, "--"),
+    "free-molecular": (plot.GREY, ":"),
+}
+COMPARED = ("kinetic", "Lu et al. (0.4, 3)")  # in all surroundings
+
+
+def paper_with_air(incidence):
+    """The paper's atmosphere and light with the gas of reference data."""
+    return lf.Earth(
+        atmosphere=Lu2023Atmosphere(),
+        gravity=constants.GRAVITY_LU2023,
+        radiation=Radiation(
+            constants.SOLAR_CONSTANT, incidence, stefan_boltzmann=constants.STEFAN_BOLTZMANN_LU2023
+        ),
+    )
+
+
+PAPER_PLACE, AIR_ALONE, EARTH = "paper", "paper, air", "earth"
+SURROUNDINGS = {
+    PAPER_PLACE: lambda incidence: lf.lu2023_earth(incidence=incidence),
+    AIR_ALONE: paper_with_air,
+    EARTH: lambda incidence: lf.Earth(radiation=sunlight(zenith_angle=incidence)),
+}
+"""Surroundings by zenith angle [rad]: the paper's; with air; the package's own."""
 
 
 def surroundings(knudsen):
@@ -129,9 +159,8 @@ def draw_ratios():
     plot.save(figure, [IMAGES / "force-ratio.png"])
 
 
-def flight(model, incidence=0.0):
+def flight(model, environment):
     """Irradiance and temperature to levitate over altitude; bands [km]."""
-    environment = lf.lu2023_earth(incidence=np.radians(incidence))
     disk = lf.Disk(FILM, RADIUS)
     state = environment.state(ALTITUDES)
     levitation = lf.levitate(disk, state, model, throw=False)
@@ -139,9 +168,9 @@ def flight(model, incidence=0.0):
     return levitation, bands
 
 
-def best_payloads(model):
+def best_payloads(model, environment):
     """Largest payload over its own mass for each size, and where [m]."""
-    state = lf.lu2023_earth().state(ALTITUDES)
+    state = environment.state(ALTITUDES)
     best, where = [], []
     for size in SIZES:
         disk = lf.Disk(FILM, size / 2)
@@ -156,24 +185,37 @@ def draw_flight():
     figure = plot.new_figure(columns=2, rows=2, width=5.6, height=8.4)
     irradiance_axes, temperature_axes, payload_axes, altitude_axes = figure.axes
     numbers = {}
-    looks = ((plot.BLUE, "-"), (plot.VERMILION, "-"), (plot.ORANGE, "--"), (plot.GREY, ":"))
-    for (name, model), (colour, style) in zip(MODELS.items(), looks, strict=True):
-        look = {"color": colour, "ls": style, "label": name}
-        levitation, _ = flight(model)
-        irradiance = np.where(np.isfinite(levitation.irradiance), levitation.irradiance, np.nan)
-        irradiance_axes.plot(ALTITUDES / 1e3, irradiance, **look)
-        temperature_axes.plot(ALTITUDES / 1e3, levitation.temperature, **look)
-        payload, altitude = best_payloads(model)
-        payload_axes.plot(SIZES * 1e2, payload, **look)
-        flies = np.where(payload > 0, altitude / 1e3, np.nan)
-        altitude_axes.plot(SIZES * 1e2, flies, **look)
-        numbers[name] = summary(model, irradiance, payload, altitude)
-    irradiance_axes.axhline(1360.0, color="black", lw=0.8)
+    for place, surroundings in SURROUNDINGS.items():
+        environment, numbers[place] = surroundings(0.0), {}
+        for name, model in MODELS.items():
+            if place != EARTH and name not in COMPARED:
+                continue
+            levitation, _ = flight(model, environment)
+            irradiance = np.where(np.isfinite(levitation.irradiance), levitation.irradiance, np.nan)
+            payload, altitude = best_payloads(model, environment)
+            numbers[place][name] = summary(model, surroundings, irradiance, payload, altitude)
+            if place == AIR_ALONE:
+                continue  # between the two that are drawn
+            colour, style = LOOKS[name]
+            look = {"color": colour, "ls": style, "label": name}
+            if place != EARTH:
+                look |= {
+                    "lw": 1.0,
+                    "alpha": 0.7,
+                    "ls": (0, (5, 2)),
+                    "label": f"{name}, as the paper",
+                }
+            irradiance_axes.plot(ALTITUDES / 1e3, irradiance, **look)
+            temperature_axes.plot(ALTITUDES / 1e3, levitation.temperature, **look)
+            payload_axes.plot(SIZES * 1e2, payload, **look)
+            flies = np.where(payload > 0, altitude / 1e3, np.nan)
+            altitude_axes.plot(SIZES * 1e2, flies, **look)
+    irradiance_axes.axhline(constants.TOTAL_SOLAR_IRRADIANCE, color="black", lw=0.8)
     irradiance_axes.set(
         yscale="log", ylim=(200, 2e4), ylabel="irradiance to levitate [W/m²]", title="2 cm"
     )
     temperature_axes.set(ylim=(200, 700), ylabel="temperature then [K]", title="2 cm")
-    payload_axes.set(ylim=(-0.5, 3), ylabel="largest payload / own mass", title="at 1360 W/m²")
+    payload_axes.set(ylim=(-0.5, 3), ylabel="largest payload / own mass", title="in sunlight")
     payload_axes.axhline(0.0, color="black", lw=0.8)
     altitude_axes.set(ylabel="at altitude [km]", title="where it flies")
     for axes in (irradiance_axes, temperature_axes):
@@ -182,16 +224,17 @@ def draw_flight():
         axes.set_xlabel("diameter [cm]")
     for axes in figure.axes:
         axes.grid(alpha=0.3)
-    irradiance_axes.legend(fontsize=8)
+    payload_axes.legend(fontsize=8)
     plot.save(figure, [IMAGES / "force-models-flight.png"])
     return numbers
 
 
-def summary(model, irradiance, payload, altitude):
+def summary(model, surroundings, irradiance, payload, altitude):
     """Numbers that the figures show."""
     lifts = SIZES[payload > 0.0]
     lowest = int(np.nanargmin(irradiance))
     three = int(np.argmin(np.abs(SIZES - 0.03)))
+    best_lift, best_altitude = best_lift_over_weight(model, surroundings(0.0))
     return {
         "bands_2_cm_km": {
             f"{incidence:g} deg": [
@@ -200,7 +243,11 @@ def summary(model, irradiance, payload, altitude):
                 if exists
             ]
             for incidence in INCIDENCES
-            for bands in [flight(model, incidence)[1]]
+            for _, bands in [flight(model, surroundings(np.radians(incidence)))]
+        },
+        "best_lift_over_weight_2_cm": {
+            "value": float(best_lift),
+            "altitude_km": float(best_altitude) / 1e3,
         },
         "least_irradiance_2_cm": {
             "value_w_m2": float(irradiance[lowest]),
@@ -215,11 +262,63 @@ def summary(model, irradiance, payload, altitude):
     }
 
 
+def best_lift_over_weight(model, environment):
+    """Largest lift over weight of the 2-cm disk over altitude, and where [m]."""
+    disk, state = lf.Disk(FILM, RADIUS), environment.state(ALTITUDES)
+    found = lf.lift(disk, state, model, throw=False) / lf.weight(disk, state)
+    return found.max(axis=-1), ALTITUDES[found.argmax(axis=-1)]
+
+
+class LinearKinetic(lf.AbstractForceModel):
+    """Kinetic ratios to free molecules of a small temperature difference, at any difference."""
+
+    flyers = (lf.Disk,)
+
+    @lf.entry_point
+    def heat_loss(self, flyer, state, unknowns):
+        """See the base class."""
+        (small,) = lf.Kinetic().heat_loss(flyer, state, (LINEAR_EXCESS,))
+        return (small / LINEAR_EXCESS * unknowns[0],)
+
+    @lf.entry_point
+    def force(self, flyer, state, unknowns):
+        """See the base class."""
+        small = lf.Kinetic().force(flyer, state, (LINEAR_EXCESS,))
+        growth = (jnp.sqrt(1.0 + unknowns[0]) - 1.0) / (np.sqrt(1.0 + LINEAR_EXCESS) - 1.0)
+        return small * growth
+
+
+def kinetic_error():
+    """What the kinetic model's own error does to the 2-cm disk over Earth."""
+    rng = np.random.default_rng(SEED)
+    force, heat = rng.standard_normal((2, SAMPLES, 1))
+    environment = SURROUNDINGS[EARTH](0.0)
+    best, _ = best_lift_over_weight(lf.Kinetic(force, heat), environment)
+    state = environment.state(ALTITUDES)
+    hot = lf.equilibrium(lf.Disk(FILM, RADIUS), state, lf.Kinetic(), throw=False).temperature
+    beyond = ALTITUDES[hot / np.asarray(state.temperature) > RATIOS[-1]]
+    return {
+        "best_lift_over_weight_95": np.quantile(best, (0.025, 0.975)).tolist(),
+        "share_that_flies": float(np.mean(best >= 1.0)),
+        "linear_theory_best_lift_over_weight": float(
+            best_lift_over_weight(LinearKinetic(), environment)[0]
+        ),
+        "table_ends_at_km": float(beyond.min()) / 1e3 if beyond.size else None,
+    }
+
+
 def main():
     """Write figures and numbers."""
     IMAGES.mkdir(parents=True, exist_ok=True)
     draw_ratios()
-    results = {"simple_forms": simple_forms(), "flight": draw_flight()}
+    results = {
+        "viscosity_of_paper_over_air_at_205_k": float(
+            LU2023_AIR.viscosity(COLD) / AIR.viscosity(COLD)
+        ),
+        "simple_forms": simple_forms(),
+        "flight": draw_flight(),
+        "kinetic_error": kinetic_error(),
+    }
     (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n", "utf-8")
 
 

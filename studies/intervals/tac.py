@@ -1,8 +1,9 @@
 """Intervals of ``lightflyer lab tac``.
 
 The heat loss is interpolated from the kinetic solver's own results and, in dense gas, conducted by
-a disk in a gas of the US Standard Atmosphere: NumPy and SciPy, none of the package's formulas. Gauge,
-power meter, thermometers, diameter and plateau are off by what the command's accuracies say.
+a disk in a gas of the US Standard Atmosphere: NumPy and SciPy, none of the package's formulas.
+Gauge, power meter, thermometers, diameter and plateau are off by what the command's accuracies
+say.
 """
 
 from functools import cache

@@ -38,7 +38,7 @@ from lightflyer.lab.tac_checks import (
     why_undetermined,
 )
 from lightflyer.lab.tac_data import TacRun
-from lightflyer.lab.tac_intervals import Solution, best_tac, solve
+from lightflyer.lab.tac_intervals import Solution, best_tac, positive_estimate, solve
 from lightflyer.lab.tac_law import (
     HEAT_LAWS,
     KINETIC,
@@ -202,7 +202,7 @@ class TacFit:
         tac, ratio = self.tac.value, self.area_ratio.value
         gradient = np.array([ratio, tac])
         variance = float(gradient @ self.covariance[:2, :2] @ gradient)
-        return Estimate.normal(tac * ratio, float(np.sqrt(variance)))
+        return positive_estimate(tac * ratio, float(np.sqrt(variance)))
 
     def estimates(self) -> dict[str, Estimate]:
         """The three estimates by name."""
@@ -309,7 +309,7 @@ def fit_tac(
     law : AbstractHeatLaw
         Law of heat loss, one of :data:`~lightflyer.lab.tac_law.HEAT_LAWS` or a
         :class:`~lightflyer.lab.tac_law.KineticLaw` in a chamber. By the paper's equations as
-        ``printed`` the coefficient comes out 14 to 40 % larger than by the kinetic equation; as
+        ``printed`` the coefficient comes out 11 to 20 % larger than by the kinetic equation; as
         ``reported``, which counts the plateau twice, more than twice as large.
     gas : AbstractGas
     accuracy : TacAccuracy, optional
@@ -398,7 +398,7 @@ def _weighted(problem: Problem) -> tuple[Problem, tuple[float, float, float]]:
 def _coefficient(problem: Problem) -> float | None:
     """Coefficient by another law; None where the fit fails."""
     try:
-        return best_tac(*_weighted(problem))
+        return best_tac(*_weighted(problem.grouped()))
     except LightflyerError:
         return None
 
@@ -432,7 +432,7 @@ def _result(
     accuracy: TacAccuracy, problem: Problem, solution: Solution, others: dict[str, float | None],
 ) -> TacFit:  # fmt: skip
     require_possible(run.source, solution.total, reading)
-    undetermined = why_undetermined(solution.total["tac"], problem)
+    undetermined = why_undetermined(solution.total["tac"], problem, solution.scatter)
     estimates, texts = cut(solution.total)
     statistical, _ = cut(solution.statistical)
     normal, _ = cut(solution.total_normal)

@@ -7,8 +7,8 @@ import numpy as np
 from lightflyer.foundation.checks import require_range
 
 PIRANI_ACCURACY = 0.05
-"""Maker's accuracy of a Pirani gauge between 0.1 Pa and 10 kPa, of the reading [1]: Leybold
-THERMOVAC TTR 91."""
+"""Standard uncertainty of a Pirani gauge, of the reading [1]: its maker's limits, 10 % at
+0.05 to 0.1 Pa and 5 % up to 10 kPa, divided by √3 are 5.8 and 2.9 % [LeyboldTTR91]_."""
 
 
 @dataclass(frozen=True)
@@ -18,8 +18,8 @@ class TacAccuracy:
     Attributes
     ----------
     gauge : float
-        Of the pressure, relative [1]. Default: the maker's accuracy of a Pirani gauge, taken as
-        one standard uncertainty. A capacitance manometer has 0.0025 to 0.005.
+        Of the pressure, relative [1]. Default: :data:`PIRANI_ACCURACY`. A capacitance manometer
+        has 0.0025 to 0.005 [Bioprocess]_.
     gauge_zero : float
         Of the gauge's zero [Pa]. Default: an assumption.
     power : float

@@ -18,6 +18,10 @@ POSSIBLE_TAC = 1.0
 MOST_TAC = 2.0
 """Largest coefficient that a measurement may give by its systematic errors; [Lu2023]_ has 1.14."""
 
+LEAST_LIKELY_TAC = 0.2
+"""Below it a coefficient in air is most likely a wrong unit (an assumption; [Lu2023]_ has 0.69 to
+1.14)."""
+
 MOST_RELATIVE_UNCERTAINTY = 0.25
 """Standard uncertainty over value, above which a run does not determine a coefficient."""
 
@@ -175,7 +179,7 @@ def determining_pressures(problem: Problem, tac: float) -> tuple[float, float]:
     return _SPANS[0] * equal, _SPANS[1] * equal
 
 
-def why_undetermined(estimate: Estimate, problem: Problem) -> str | None:
+def why_undetermined(estimate: Estimate, problem: Problem, scatter: float) -> str | None:
     """Why a run does not determine its coefficient, in one line; None if it does.
 
     Parameters
@@ -183,6 +187,8 @@ def why_undetermined(estimate: Estimate, problem: Problem) -> str | None:
     estimate : Estimate
         Coefficient with its total interval, not cut.
     problem : Problem
+    scatter : float
+        Relative scatter of the rows [1].
 
     Returns
     -------
@@ -194,10 +200,16 @@ def why_undetermined(estimate: Estimate, problem: Problem) -> str | None:
     if not loose and low > 0.0 and high < max(MOST_TAC, 2.0 * estimate.value):
         return None
     first, last = determining_pressures(problem, estimate.value)
-    has = f"{problem.pressure.min():.2g} to {problem.pressure.max():.2g} Pa"
+    least, most = float(problem.pressure.min()), float(problem.pressure.max())
+    says = f"{problem.source}: these rows do not determine the accommodation coefficient; they "
+    if least <= first and most >= last:
+        return (
+            f"{says}scatter by {scatter:.2g} of their value, which leaves it uncertain by "
+            f"{spread / estimate.value:.0%}; more rows or better instruments would determine it"
+        )
     return (
-        f"{problem.source}: these rows do not determine the accommodation coefficient; they have "
-        f"{has}, and rows from {first:.1g} to {last:.2g} Pa or beyond would determine it"
+        f"{says}have {least:.2g} to {most:.2g} Pa, and rows from {first:.1g} to {last:.2g} Pa or "
+        "beyond would determine it"
     )
 
 
@@ -290,6 +302,11 @@ def result_warnings(estimates: dict[str, Estimate], reading: str) -> list[str]:
             + ("beyond its uncertainty: no surface has it; check pressure, plateau and reading"
                if beyond else "which no surface has, but 1 is within its uncertainty")
         )  # fmt: skip
+    if tac.value < LEAST_LIKELY_TAC:
+        texts.append(
+            f"accommodation coefficient {tac.value:.3g} is unlikely in air, where technical "
+            f"surfaces have more than {LEAST_LIKELY_TAC:g}: check the unit of the pressure"
+        )
     low, high = LIKELY_AREA_RATIOS
     if not low <= ratio.value <= high:
         texts.append(

@@ -4,6 +4,7 @@ The scatter of the rows gives the statistical part, with the errors that all row
 held at their best values. The total also includes those errors, each with its prior.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +15,10 @@ from lightflyer.lab.estimate import Estimate, student_factor
 from lightflyer.lab.tac_problem import PARAMETERS, Problem, minimise
 from lightflyer.lab.tac_profile import profile_interval
 
+POSITIVE = ("tac", "area_ratio")
+"""Parameters whose logarithms have the more nearly normal errors."""
+
+_LARGEST_EXPONENT = 300.0
 _UNITS = ("", "", "W/(m^2 K)")
 _ROUNDING = 1e-10  # relative scatter that is rounding, not noise
 _LEAST_SCATTER = 1e-4  # relative; no bench measures a conductance better
@@ -36,7 +41,7 @@ class Solution:
     total, statistical : dict of str to Estimate
         By names of :data:`~lightflyer.lab.tac_problem.PARAMETERS`, with profile intervals.
     total_normal, statistical_normal : dict of str to Estimate
-        With the symmetric intervals of the covariance.
+        With the intervals of the covariance, of positive parameters symmetric in the logarithm.
     """
 
     values: dict[str, float]
@@ -138,14 +143,36 @@ def _by_name(result: Any, names: tuple[str, ...]) -> dict[str, float]:
 
 
 def _normal(result: Any, freedoms: Mapping[str, float]) -> dict[str, Estimate]:
-    """The three parameters with the symmetric intervals of their covariance."""
+    """The three parameters with the intervals of their covariance."""
     spread = np.sqrt(np.diag(np.asarray(result.covar)))[: len(PARAMETERS)]
-    return {
-        name: Estimate.normal(value, float(one), unit, freedoms[name])
-        for name, value, one, unit in zip(
-            PARAMETERS, _values(result, PARAMETERS), spread, _UNITS, strict=True
-        )
-    }
+    found = {}
+    for name, value, one, unit in zip(
+        PARAMETERS, _values(result, PARAMETERS), spread, _UNITS, strict=True
+    ):
+        make = positive_estimate if name in POSITIVE else Estimate.normal
+        found[name] = make(value, float(one), unit, freedoms[name])
+    return found
+
+
+def positive_estimate(
+    value: float, uncertainty: float, unit: str = "", freedom: float = math.inf
+) -> Estimate:
+    """An estimate of a positive number, with an interval symmetric in its logarithm.
+
+    Parameters
+    ----------
+    value, uncertainty : float
+        Estimate and its standard uncertainty.
+    unit : str
+    freedom : float
+        Degrees of freedom of the uncertainty.
+
+    Returns
+    -------
+    Estimate
+    """
+    factor = math.exp(min(student_factor(freedom) * uncertainty / value, _LARGEST_EXPONENT))
+    return Estimate(value, (value / factor, value * factor), unit, uncertainty)
 
 
 def _freedoms(result: Any, statistical: Mapping[str, Estimate], freedom: int) -> dict[str, float]:

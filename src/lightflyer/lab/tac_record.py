@@ -32,6 +32,24 @@ def mean_tac(fits: Sequence[TacFit]) -> Estimate:
     return mean_of(fits, "tac")
 
 
+def correlation_between_samples(fits: Sequence[TacFit]) -> float:
+    """Correlation of the coefficients' errors between two samples measured on one bench.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+        Runs of one of the samples; those of the other are taken to be as good.
+
+    Returns
+    -------
+    float
+        Share of the mean's variance that comes from errors all runs have in common [1].
+    """
+    common = float(np.mean([_common_part(fit, "tac") for fit in fits]))
+    total = mean_tac(fits).uncertainty or 0.0
+    return min((common / total) ** 2, 1.0) if total else 0.0
+
+
 def mean_of(fits: Sequence[TacFit], name: str) -> Estimate:
     """Mean of one parameter over runs on one bench.
 
@@ -99,9 +117,10 @@ def summary(fits: Sequence[TacFit]) -> dict[str, Any]:
     -------
     dict
     """
+    related = {"correlation_between_samples": correlation_between_samples(fits)}
     if len(fits) == 1:
-        return fits[0].summary()
-    return {
+        return fits[0].summary() | related
+    return related | {
         **{name: mean_of(fits, name).to_json() for name in PARAMETERS},
         "reading": fits[0].reading,
         "determined": all(fit.undetermined is None for fit in fits),

@@ -89,7 +89,7 @@ def test_update_needs_a_face(examples, lab, flyer_file):
     assert path.read_text(encoding="utf-8") == before
     code, out, err = lab("tac", "tac-reduced.txt", "--update", path, "--face", "both")
     assert (code, err) == (0, "")
-    assert "warning: the same coefficient on both faces gives a flyer without force" in out
+    assert "flyer.toml: the same coefficient on both faces gives a flyer without force" in out
 
 
 def test_another_reading_of_the_flyer_file_is_told(examples, lab, flyer_file):

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from lightflyer.lab.tac_law import AbstractHeatLaw
 
 _PERCENT = 100.0
+_KINETIC = "kinetic"  # reading of force models that have none of the paper's
 _NAMES = {"tac": "TAC α", "area_ratio": "area ratio δ", "offset": "offset C"}
 
 
@@ -222,28 +223,47 @@ def _for_flyer_file(
     from lightflyer.lab.tac_checks import POSSIBLE_TAC
     from lightflyer.lab.tac_record import mean_tac
 
-    mean = mean_tac(fits)
+    mean, first = mean_tac(fits), fits[0]
     for fit in fits:
         if fit.undetermined:
             raise ConfigurationError(f"{fit.undetermined}; {flyer} is unchanged")
     if mean.interval[0] > POSSIBLE_TAC:
         raise ConfigurationError(
-            f"{fits[0].run.source}: accommodation coefficient {mean.value:.3g} by the reading "
-            f"{fits[0].reading} is above 1 beyond its uncertainty; {flyer} is unchanged"
+            f"{first.run.source}: accommodation coefficient {mean.value:.3g} by the reading "
+            f"{first.reading} is above 1 beyond its uncertainty; {flyer} is unchanged"
         )
-    warnings = []
+    file = read_flyer_file(flyer)
+    texts = [_about_faces(fits, file, face), _about_reading(first, file)]
+    values = dict.fromkeys(tac_keys(face), mean)
+    return values, [f"{flyer}: {text}" for text in texts if text]
+
+
+def _about_faces(fits: "Sequence[TacFit]", file: Any, face: str) -> str:
+    from lightflyer.lab.tac_record import correlation_between_samples
+
     if face == "both":
-        warnings.append("the same coefficient on both faces gives a flyer without force")
-    force = read_flyer_file(flyer).force
-    reading = str(getattr(force, "reading", "kinetic"))
-    if reading != fits[0].reading:
-        other = fits[0].by_reading.get(reading)
-        also = f", by which the same rows give {other:.3g}" if other is not None else ""
-        warnings.append(
-            f"{flyer}: its force model {getattr(force, 'model', '')} takes the heat loss by the "
-            f"reading {reading}{also}; the coefficient written is by the reading {fits[0].reading}"
-        )
-    return dict.fromkeys(tac_keys(face), mean), warnings
+        return "the same coefficient on both faces gives a flyer without force"
+    film = getattr(file, "film", None)
+    other = getattr(film, "tac_bottom" if face == "top" else "tac_top", None)
+    if not getattr(other, "uncertainty", None):
+        return ""
+    return (
+        "where both faces were measured on this bench, they share the errors of gauge and plateau: "
+        f"tac_correlation = {correlation_between_samples(fits):.2g} says so (it is "
+        f"{film.tac_correlation.value:g})"  # type: ignore[union-attr]
+    )
+
+
+def _about_reading(fit: "TacFit", file: Any) -> str:
+    reading = str(getattr(file.force, "reading", _KINETIC))
+    if reading == fit.reading:
+        return ""
+    other = fit.by_reading.get(reading)
+    also = "" if other is None else f", by which the same rows give {other:.3g}"
+    return (
+        f"its force model {file.force.model} takes the heat loss by the reading {reading}{also}; "
+        f"the coefficient written is by the reading {fit.reading}"
+    )
 
 
 def _figures(fits: "Sequence[TacFit]") -> "dict[str, Figure]":

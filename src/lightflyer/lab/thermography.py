@@ -180,6 +180,13 @@ def reduce_readings(
     not be symmetric. Both are widened by Student's factor for :math:`(n-1)\,u^2/u_s^2` degrees of
     freedom, where u is the total and :math:`u_s` the part of the scatter. The square of the ratio,
     as Welch and Satterthwaite have it, is too much for two or three rows.
+
+    A film whose temperature is not given is as cold as its surroundings. What its warmth may do is
+    estimated for a warning, with :data:`FREE_CONVECTION` in still air.
+
+    References
+    ----------
+    [Lu2023]_ for the relations with :math:`T^4`, [Bergman2011]_ for free convection.
     """
     require_range("draws", draws, 1000)
     if np.any(readings.values < 0.0) or np.any(readings.values[0] <= readings.values[3]):

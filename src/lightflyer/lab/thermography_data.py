@@ -265,6 +265,10 @@ def standard_uncertainties(
     ParameterError
         If the accuracy is negative, or that of a light meter above one.
 
+    References
+    ----------
+    [ThermalVision]_ for a camera, [DIN5032]_ for a light meter.
+
     Examples
     --------
     >>> hot_and_cold = np.array([423.15, 323.15, 403.15, 295.15])

@@ -6,29 +6,32 @@ band, and over Planck's spectrum at a temperature,
 .. math:: \bar\tau(T) = \frac{\int B_\nu(T)\,\tau(\nu)\,d\nu}{\int B_\nu(T)\,d\nu},
 
 with both integrals over the measured wavenumbers. Without reflectance, :math:`1-\bar\tau` is an
-upper bound of the emissivity.
+upper bound of the emissivity, not its value.
 """
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy import special
+from scipy.special import ndtri
 
 from lightflyer.film.spectra import SECOND_RADIATION_CONSTANT, blackbody_fraction
 from lightflyer.foundation.checks import require_positive, require_range
-from lightflyer.foundation.errors import ParameterError, ParameterWarning
-from lightflyer.lab.estimate import Estimate
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.lab.estimate import CONFIDENCE, NORMAL_FACTOR, Estimate, student_factor
+from lightflyer.lab.ftir_checks import (
+    Bounds,
+    accuracy_warnings,
+    coverage_warnings,
+    spectrum_warnings,
+)
 from lightflyer.lab.record import dataset
-from lightflyer.lab.spectrum_data import MeasuredSpectrum
+from lightflyer.lab.spectrum_data import PER_CENTIMETRE, MeasuredSpectrum
+from lightflyer.lab.spectrum_noise import noise_density
 
 if TYPE_CHECKING:
     import xarray as xr
-
-PER_CENTIMETRE = 100.0
-"""One reciprocal centimetre [1/m]."""
 
 BAND = (500.0 * PER_CENTIMETRE, 1300.0 * PER_CENTIMETRE)
 """Band of the paper, 900 ± 400 cm⁻¹ [1/m]."""
@@ -36,11 +39,18 @@ BAND = (500.0 * PER_CENTIMETRE, 1300.0 * PER_CENTIMETRE)
 TEMPERATURES = (300.0, 400.0, 441.0, 500.0)
 """Default temperatures of Planck-weighted means [K]."""
 
+DEFAULT_ACCURACY = 0.01
+"""Standard uncertainty of the ordinate where none is stated [1]: an assumption. Commercial
+instruments reach 0.001 with a flat sample that reflects little [ApplSpectrosc2000]_; drift between
+background and sample, a film's wrinkles, and light reflected between film and interferometer
+[BirchClarke1995]_ come on top."""
+
+ONE_SIDED_FACTOR = float(ndtri(CONFIDENCE))
+"""One-sided 95 % limit of a normal variable, in standard deviations."""
+
 _WIDEST_STEP = 1.0  # of hcν/kT in one piece of the quadrature
 _NODES, _FEW_NODES = 8, 2  # Gauss-Legendre, per piece
 _FINE = 50_000  # points above which a spectrum is fine enough for few nodes
-_NOISE_VARIANCE = 6.0  # variance of y[i-1] - 2 y[i] + y[i+1] over the variance of y
-_MEDIAN_OF_SQUARE = float(special.chdtri(1, 0.5))  # of a standard normal variable
 _ROUNDING = 1e-9  # fraction of the band below which a gap is rounding
 
 
@@ -73,12 +83,22 @@ class Ftir:
         [1/m].
     transmittance : Averages
     reflectance : Averages or None
+    emissivity : Estimate or None
+        Emissivity over the band; None if reflectance was not measured.
+    upper_bound : Estimate
+        One minus the transmittance over the band: the emissivity of a film that reflects nothing,
+        which no film exceeds. A bound, not the emissivity.
+    planck_emissivity : dict of float to Estimate
+        Emissivity by temperature [K], or its upper bound if reflectance was not measured, over the
+        measured wavenumbers.
     uncovered_band : float
         Fraction of the band's width without data [1].
     uncovered : dict of float to float
         Fraction of a black body's power without data [1], by temperature [K].
     accuracy : float
         Standard uncertainty of the instrument's ordinate, included in the intervals [1].
+    warnings : tuple of str
+        What a reader must know of these numbers.
     """
 
     spectra: list[MeasuredSpectrum]
@@ -86,52 +106,69 @@ class Ftir:
     band: tuple[float, float]
     transmittance: Averages
     reflectance: Averages | None
+    emissivity: Estimate | None
+    upper_bound: Estimate
+    planck_emissivity: dict[float, Estimate]
     uncovered_band: float
     uncovered: dict[float, float]
-    accuracy: float = 0.0
+    accuracy: float
+    warnings: tuple[str, ...] = ()
 
     @property
-    def upper_bound(self) -> Estimate:
-        """Upper bound of the emissivity over the band: that of a film that reflects nothing."""
-        return _remainder([self.transmittance.band])
+    def at_most(self) -> float:
+        """Emissivity over the band that is not exceeded at 95 % confidence, one-sided [1]."""
+        return _limit(self.emissivity or self.upper_bound)
 
-    @property
-    def emissivity(self) -> Estimate | None:
-        """Emissivity over the band; None if reflectance was not measured."""
-        if self.reflectance is None:
-            return None
-        return _remainder([self.transmittance.band, self.reflectance.band])
+    def total_bounds(self) -> dict[float, tuple[float, float]]:
+        """Bounds of the total emissivity, with nothing or everything emitted outside the data.
 
-    def planck_emissivity(self) -> dict[float, Estimate]:
-        """Emissivity by temperature [K], or its upper bound if reflectance was not measured."""
-        parts = [one for one in (self.transmittance, self.reflectance) if one is not None]
-        return {
-            temperature: _remainder([part.planck[temperature] for part in parts])
-            for temperature in self.uncovered
-        }
+        Returns
+        -------
+        dict of float to (float, float)
+            By temperature [K]. With reflectance, both ends include the 95 % interval. Without, the
+            lower end is 0 and the upper one is not exceeded at 95 % confidence, one-sided [1].
+        """
+        found = {}
+        for temperature, estimate in self.planck_emissivity.items():
+            inside = 1.0 - self.uncovered[temperature]
+            low, high = estimate.interval
+            if self.reflectance is None:
+                low, high = 0.0, _limit(estimate)
+            found[temperature] = (inside * low, 1.0 - inside * (1.0 - high))
+        return found
 
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""
         document: dict[str, Any] = {
             "band_transmittance": self.transmittance.band.to_json(),
-            "emissivity_upper_bound": self.upper_bound.to_json(),
+            "emissivity_upper_bound": self.upper_bound.to_json()
+            | {"at_most_95": _limit(self.upper_bound)},
             "planck_weighted": _by_temperature(self.transmittance.planck),
             "uncovered_fraction": {
                 "band": _exact(self.uncovered_band).to_json(),
                 **_by_temperature({t: _exact(share) for t, share in self.uncovered.items()}),
             },
+            "total_emissivity_bounds_95": {
+                f"{t:g}": list(ends) for t, ends in self.total_bounds().items()
+            },
             "band_per_cm": [end / PER_CENTIMETRE for end in self.band],
+            "accuracy": self.accuracy,
+            "warnings": list(self.warnings),
         }
-        emissivity = self.emissivity
-        if self.reflectance is None or emissivity is None:
-            bound = _by_temperature(self.planck_emissivity())
-            return document | {"planck_weighted_emissivity_upper_bound": bound}
+        weighted = _by_temperature(self.planck_emissivity)
+        if self.reflectance is None or self.emissivity is None:
+            return document | {"planck_weighted_emissivity_upper_bound": weighted}
         return document | {
             "band_reflectance": self.reflectance.band.to_json(),
-            "emissivity": emissivity.to_json(),
+            "emissivity": self.emissivity.to_json(),
             "planck_weighted_reflectance": _by_temperature(self.reflectance.planck),
-            "planck_weighted_emissivity": _by_temperature(self.planck_emissivity()),
+            "planck_weighted_emissivity": weighted,
         }
+
+
+def _limit(estimate: Estimate) -> float:
+    """One-sided upper limit of a share."""
+    return min(1.0, estimate.value + ONE_SIDED_FACTOR * (estimate.uncertainty or 0.0))
 
 
 def _exact(value: float) -> Estimate:
@@ -144,11 +181,8 @@ def _by_temperature(estimates: dict[float, Estimate]) -> dict[str, Any]:
 
 def _remainder(parts: Sequence[Estimate]) -> Estimate:
     """One minus the parts, with independent errors."""
-    value = 1.0 - sum(one.value for one in parts)
-    low = float(np.sqrt(sum((one.interval[1] - one.value) ** 2 for one in parts)))
-    high = float(np.sqrt(sum((one.value - one.interval[0]) ** 2 for one in parts)))
-    spread = float(np.sqrt(sum((one.uncertainty or 0.0) ** 2 for one in parts)))
-    return Estimate(value, (value - low, value + high), "", spread)
+    half = float(np.sqrt(sum((one.interval[1] - one.value) ** 2 for one in parts)))
+    return Estimate.covering(1.0 - sum(one.value for one in parts), half)
 
 
 def reduce_ftir(
@@ -157,7 +191,7 @@ def reduce_ftir(
     *,
     band: tuple[float, float] = BAND,
     temperatures: Sequence[float] = TEMPERATURES,
-    accuracy: float = 0.0,
+    accuracy: float | None = None,
 ) -> Ftir:
     """Average a film's spectra for its emissivity, or its upper bound.
 
@@ -171,29 +205,81 @@ def reduce_ftir(
         Lowest and highest wavenumber of the band [1/m].
     temperatures : sequence of float
         Temperatures of the Planck weighting [K].
-    accuracy : float
-        Standard uncertainty of the instrument's ordinate, common to a whole spectrum [1].
+    accuracy : float, optional
+        Standard uncertainty of the instrument's ordinate, common to a whole spectrum and to all
+        repeats [1]; by default :data:`DEFAULT_ACCURACY`, with a warning.
 
     Returns
     -------
     Ftir
+        Shares are cut at 0 and 1, with a warning where their intervals reach beyond.
 
     Raises
     ------
     ParameterError
-        If there is no spectrum, one shows another quantity or has no data in the band, or an
-        argument is impossible.
-
-    Warns
-    -----
-    ParameterWarning
-        If part of the band has no data.
+        If there is no spectrum, one shows another quantity or has no data in the band, an
+        argument is impossible, or a share is below 0 or above 1 by more than its uncertainty.
 
     Notes
     -----
-    The interval of one spectrum includes its noise, estimated from the second differences of its
-    points, and the accuracy; that of several includes the scatter of their means and the accuracy.
+    The interval of one spectrum includes its noise, whose correlation along the spectrum is
+    estimated (:mod:`lightflyer.lab.spectrum_noise`), and the accuracy; that of several includes the
+    scatter of their means with Student's factor, and the accuracy. Transmittance and reflectance
+    have independent errors.
     """
+    used = DEFAULT_ACCURACY if accuracy is None else accuracy
+    _check(spectra, reflectances, band, temperatures, used)
+    every = [*spectra, *reflectances]
+    low = max(one.wavenumber[0] for one in every)
+    high = min(one.wavenumber[-1] for one in every)
+    if low >= high:
+        raise ParameterError("the spectra have no wavenumbers in common")
+    inside = (max(band[0], low), min(band[1], high))
+    uncovered_band = _uncovered_band(band, low, high, spectra[0].source)
+    heat = [float(t) for t in temperatures]
+    uncovered = {t: uncovered_power((low, high), t) for t in heat}
+    raw = [
+        _averages(group, inside, (low, high), heat, used)
+        for group in (spectra, reflectances)
+        if group
+    ]
+    rest = Averages(
+        _remainder([one.band for one in raw]),
+        {t: _remainder([one.planck[t] for one in raw]) for t in heat},
+    )
+    bounds, unsaid = Bounds(), Bounds()
+    transmittance = _cut(bounds, "transmittance", raw[0])
+    reflectance = _cut(bounds, "reflectance", raw[1]) if reflectances else None
+    # without reflectance the rest is cut where the transmittance was, which has been said
+    emissivity = _cut(bounds if reflectances else unsaid, "emissivity", rest)
+    return Ftir(
+        spectra=list(spectra),
+        reflectances=list(reflectances),
+        band=band,
+        transmittance=transmittance,
+        reflectance=reflectance,
+        emissivity=emissivity.band if reflectances else None,
+        upper_bound=unsaid.cut("emissivity", "over the band", _remainder([raw[0].band])),
+        planck_emissivity=emissivity.planck,
+        uncovered_band=uncovered_band,
+        uncovered=uncovered,
+        accuracy=used,
+        warnings=(
+            *accuracy_warnings(accuracy, used),
+            *coverage_warnings(spectra[0].source, band, (low, high), uncovered_band, uncovered),
+            *spectrum_warnings(spectra, reflectances, band, used),
+            *bounds.warnings,
+        ),
+    )
+
+
+def _check(
+    spectra: Sequence[MeasuredSpectrum],
+    reflectances: Sequence[MeasuredSpectrum],
+    band: tuple[float, float],
+    temperatures: Sequence[float],
+    accuracy: float,
+) -> None:
     require_positive(temperatures=np.asarray(temperatures, float))
     require_range("accuracy", accuracy, 0.0, 1.0)
     require_range("lower end of the band", band[0], 0.0)
@@ -204,54 +290,49 @@ def reduce_ftir(
         for one in group:
             if one.quantity != quantity:
                 raise ParameterError(f"{one.source}: shows {one.quantity}, not {quantity}")
-    every = [*spectra, *reflectances]
-    low = max(one.wavenumber[0] for one in every)
-    high = min(one.wavenumber[-1] for one in every)
-    if low >= high:
-        raise ParameterError("the spectra have no wavenumbers in common")
-    uncovered = _uncovered_band(band, low, high, spectra[0].source)
 
-    def averages(group: Sequence[MeasuredSpectrum]) -> Averages:
-        inside = (max(band[0], low), min(band[1], high))
-        return Averages(
-            _combined([_band_mean(one, inside) for one in group], accuracy),
-            {
-                temperature: _combined(
-                    [_planck_mean(one, (low, high), temperature) for one in group], accuracy
-                )
-                for temperature in map(float, temperatures)
-            },
-        )
 
-    return Ftir(
-        spectra=list(spectra),
-        reflectances=list(reflectances),
-        band=band,
-        transmittance=averages(spectra),
-        reflectance=averages(reflectances) if reflectances else None,
-        uncovered_band=uncovered,
-        uncovered={float(t): uncovered_power((low, high), t) for t in temperatures},
-        accuracy=accuracy,
+def _averages(
+    group: Sequence[MeasuredSpectrum],
+    band: tuple[float, float],
+    measured: tuple[float, float],
+    temperatures: Sequence[float],
+    accuracy: float,
+) -> Averages:
+    """Averages of repeated spectra, not yet cut at what is possible."""
+    densities = [noise_density(one.value) for one in group]
+    noisy = list(zip(group, densities, strict=True))
+    return Averages(
+        _combined([_band_mean(one, noise, band) for one, noise in noisy], accuracy),
+        {
+            temperature: _combined(
+                [_planck_mean(one, noise, measured, temperature) for one, noise in noisy], accuracy
+            )
+            for temperature in temperatures
+        },
+    )
+
+
+def _cut(bounds: Bounds, quantity: str, averages: Averages) -> Averages:
+    return Averages(
+        bounds.cut(quantity, "over the band", averages.band),
+        {
+            temperature: bounds.cut(quantity, f"at {temperature:g} K", one)
+            for temperature, one in averages.planck.items()
+        },
     )
 
 
 def _uncovered_band(band: tuple[float, float], low: float, high: float, source: str) -> float:
-    covered = min(band[1], high) - max(band[0], low)
-    width = band[1] - band[0]
-    in_cm = [end / PER_CENTIMETRE for end in (*band, low, high)]
+    """Share of the band's width without data."""
+    covered = (min(band[1], high) - max(band[0], low)) / (band[1] - band[0])
     if covered <= 0.0:
+        in_cm = [end / PER_CENTIMETRE for end in (*band, low, high)]
         raise ParameterError(
             f"{source}: has no data in the band from {in_cm[0]:g} to {in_cm[1]:g} cm^-1; its data "
             f"extend from {in_cm[2]:.5g} to {in_cm[3]:.5g} cm^-1"
         )
-    if covered < width * (1.0 - _ROUNDING):
-        warnings.warn(
-            f"{source}: data from {in_cm[2]:.5g} to {in_cm[3]:.5g} cm^-1 do not cover "
-            f"{1.0 - covered / width:.1%} of the band",
-            ParameterWarning,
-            stacklevel=3,
-        )
-    return max(0.0, 1.0 - covered / width)
+    return 0.0 if covered > 1.0 - _ROUNDING else 1.0 - covered
 
 
 def uncovered_power(covered: tuple[float, float], temperature: float) -> float:
@@ -273,29 +354,32 @@ def uncovered_power(covered: tuple[float, float], temperature: float) -> float:
     return below + blackbody_fraction(1.0 / covered[1], temperature)
 
 
-def _cut(spectrum: MeasuredSpectrum, ends: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Points of a spectrum between two wavenumbers, including both ends."""
+def _part(
+    spectrum: MeasuredSpectrum, noise: np.ndarray, ends: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points of a spectrum and their noise between two wavenumbers, including both ends."""
     inside = (spectrum.wavenumber > ends[0]) & (spectrum.wavenumber < ends[1])
     wavenumber = np.concatenate([ends[:1], spectrum.wavenumber[inside], ends[1:]])
-    return wavenumber, np.interp(wavenumber, spectrum.wavenumber, spectrum.value)
+    value, density = (
+        np.interp(wavenumber, spectrum.wavenumber, one) for one in (spectrum.value, noise)
+    )
+    return wavenumber, value, density
 
 
-def _noise(value: np.ndarray) -> float:
-    """Standard deviation of a spectrum's noise, from second differences of its points."""
-    if len(value) < 3:
-        return 0.0
-    bends = np.diff(value, 2)
-    return float(np.sqrt(np.median(bends**2) / (_MEDIAN_OF_SQUARE * _NOISE_VARIANCE)))
+def _mean(weights: np.ndarray, value: np.ndarray, density: np.ndarray) -> tuple[float, float]:
+    """Mean and its standard uncertainty from noise."""
+    first = value[0]  # subtracted, so that the mean of a flat spectrum is exact
+    return first + float(weights @ (value - first)), float(np.sqrt(weights**2 @ density))
 
 
-def _band_mean(spectrum: MeasuredSpectrum, ends: tuple[float, float]) -> tuple[float, float]:
+def _band_mean(
+    spectrum: MeasuredSpectrum, noise: np.ndarray, ends: tuple[float, float]
+) -> tuple[float, float]:
     """Mean over a band, linear between points, and its noise."""
-    wavenumber, value = _cut(spectrum, ends)
+    wavenumber, value, density = _part(spectrum, noise, ends)
     width = np.diff(wavenumber)
     share = 0.5 * (np.append(width, 0.0) + np.append(0.0, width)) / (ends[1] - ends[0])
-    first = value[0]  # subtracted, so that the mean of a flat spectrum is exact
-    mean = first + float(share @ (value - first))
-    return mean, _noise(value) * float(np.sqrt(share @ share))
+    return _mean(share, value, density)
 
 
 def planck_weights(wavenumber: np.ndarray, temperature: float, nodes: int = _NODES) -> np.ndarray:
@@ -338,27 +422,25 @@ def planck_weights(wavenumber: np.ndarray, temperature: float, nodes: int = _NOD
 
 
 def _planck_mean(
-    spectrum: MeasuredSpectrum, ends: tuple[float, float], temperature: float
+    spectrum: MeasuredSpectrum, noise: np.ndarray, ends: tuple[float, float], temperature: float
 ) -> tuple[float, float]:
     """Planck-weighted mean and its noise."""
-    wavenumber, value = _cut(spectrum, ends)
+    wavenumber, value, density = _part(spectrum, noise, ends)
     nodes = _FEW_NODES if len(wavenumber) > _FINE else _NODES
-    weights = planck_weights(wavenumber, temperature, nodes)
-    mean = value[0] + float(weights @ (value - value[0]))
-    return mean, _noise(value) * float(np.sqrt(weights @ weights))
+    return _mean(planck_weights(wavenumber, temperature, nodes), value, density)
 
 
 def _combined(means: Sequence[tuple[float, float]], accuracy: float) -> Estimate:
-    """Mean of repeated spectra."""
+    """Mean of repeats, with the scatter of the means or the noise of the only one."""
     values = np.array([mean for mean, _ in means])
     if len(values) == 1:
-        return Estimate.normal(float(values[0]), float(np.hypot(means[0][1], accuracy)))
-    scatter = float(values.std(ddof=1) / np.sqrt(len(values)))
-    random = Estimate.normal(float(values.mean()), scatter, freedom=len(values) - 1)
-    systematic = Estimate.normal(0.0, accuracy)
-    half = float(np.hypot(random.interval[1] - random.value, systematic.interval[1]))
-    spread = float(np.hypot(scatter, accuracy))
-    return Estimate(random.value, (random.value - half, random.value + half), "", spread)
+        random = NORMAL_FACTOR * means[0][1]
+    else:
+        scatter = float(values.std(ddof=1) / np.sqrt(len(values)))
+        random = student_factor(len(values) - 1) * scatter
+    return Estimate.covering(
+        float(values.mean()), float(np.hypot(random, NORMAL_FACTOR * accuracy))
+    )
 
 
 def to_dataset(result: Ftir) -> "xr.Dataset":
@@ -386,4 +468,4 @@ def to_dataset(result: Ftir) -> "xr.Dataset":
                 {"units": "1", "long_name": one.quantity, "file": one.source},
             )  # fmt: skip
     files = [one.source for one in (*result.spectra, *result.reflectances)]
-    return dataset("infrared spectra", variables, files)
+    return dataset("infrared spectra", variables, files, warnings=result.warnings)

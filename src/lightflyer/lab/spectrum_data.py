@@ -18,11 +18,14 @@ from lightflyer.foundation.table import Rejected, Table, read_table
 Ordinate = Literal["transmittance", "reflectance"]
 """Quantity that a spectrum shows."""
 
+PER_CENTIMETRE = 100.0
+"""One reciprocal centimetre [1/m]."""
+
 # wider than zero to one for noise, and for detectors that are not quite linear
 _SHARE = Quantity("", -0.2, 1.5)
 _ABSORBANCE = Quantity("", -1.0, 10.0)
 _MOST_POINTS = 20_000_000
-_ABSCISSAE = {"1/cm": 100.0, "cm-1": 100.0, "cm^-1": 100.0}
+_ABSCISSAE = dict.fromkeys(("1/cm", "cm-1", "cm^-1"), PER_CENTIMETRE)
 _WAVELENGTHS = {"micrometers": 1e-6, "um": 1e-6, "nanometers": 1e-9, "nm": 1e-9}
 
 COLUMNS = (
@@ -199,8 +202,9 @@ def _from_jcamp(path: Path, block: dict[str, Any]) -> MeasuredSpectrum:
     outside = (value < _SHARE.lowest) | (value > _SHARE.highest) | (wavenumber <= 0.0)
     if outside.any():
         first = int(np.argmax(outside))
+        at = wavenumber[first] / PER_CENTIMETRE
         raise ConfigurationError(
-            f"{path}: {quantity} = {value[first]:g} at {wavenumber[first] / 100.0:g} cm^-1 is not "
+            f"{path}: {quantity} = {value[first]:g} at {at:g} cm^-1 is not "
             f"{_SHARE.allowed}; is it in %?"
         )
     return _sorted(str(path), quantity, wavenumber, value)

@@ -47,6 +47,58 @@ def test_reflectance_updates_a_flyer_file(examples, lab, flyer_file):
     assert film.emittance_bottom.value == 0.08
 
 
+def test_the_default_accuracy_is_written_and_named(examples, lab, flyer_file):
+    examples("ftir")
+    path = flyer_file()
+    code, out, _ = lab(
+        "ftir", "film.csv", "--reflectance", "film-reflectance.csv", "--update", path
+    )
+    assert code == 0
+    assert "warning: no accuracy of the spectrometer is stated; ± 1 % of full scale" in out
+    assert read_flyer_file(path).film.emittance.uncertainty == pytest.approx(0.0141, abs=2e-4)
+
+
+def test_a_bound_is_called_a_bound(examples, lab):
+    examples("ftir")
+    code, out, _ = lab("ftir", "film.jdx", "--out", "o")
+    assert code == 0
+    assert "upper bound: emissivity at most 0.174 (95 %, one-sided)" in out
+    with xr.open_dataset("o/ftir.nc", engine="h5netcdf") as record:
+        assert "1 % of full scale is assumed" in record.attrs["warnings"]
+    code, out, _ = lab("ftir", "film.jdx", "--json")
+    found = json.loads(out)
+    assert "emissivity" not in found
+    assert found["emissivity_upper_bound"]["at_most_95"] == pytest.approx(0.174, abs=5e-4)
+    assert len(found["warnings"]) == 2
+
+
+def percent(folder, transmittance, reflectance):
+    """Files of a flat transmittance and reflectance [%]."""
+    for name, value in (("transmittance", transmittance), ("reflectance", reflectance)):
+        rows = "".join(f"{nu},{value}\n" for nu in range(400, 4002, 2))
+        (folder / f"{name}.csv").write_text(f"wavenumber [cm^-1],{name} [%]\n{rows}")
+    return ["ftir", "transmittance.csv", "--reflectance", "reflectance.csv"]
+
+
+def test_no_impossible_emissivity_leaves(folder, lab, flyer_file):
+    path = flyer_file()
+    before = path.read_text(encoding="utf-8")
+    code, out, err = lab(*percent(folder, 80, 46), "--update", path)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "emissivity over the band is -0.26" in err
+    code, out, err = lab(*percent(folder, 80, 20.5), "--update", path)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "not distinguishable from 0; it is at most 0.0233 (95 %, one-sided)" in err
+    assert path.read_text(encoding="utf-8") == before
+    code, out, _ = lab(*percent(folder, 80, 20.5))
+    assert code == 0
+    assert "came out as -0.005, which is impossible but within its uncertainty of 0" in out
+    # fractions under a heading in %
+    code, out, _ = lab(*percent(folder, 0.8, 0.1))
+    assert code == 0
+    assert "transmittance is nowhere above 0.80%; if the file holds fractions" in out
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
@@ -54,6 +106,8 @@ def test_reflectance_updates_a_flyer_file(examples, lab, flyer_file):
         (["film.jdx", "--update", "a.toml"], "upper bound"),
         (["film.jdx", "--band", "900 cm^-1"], "has no width"),
         (["film.jdx", "--band", "9000 ± 400 cm^-1"], "no data in the band"),
+        (["film.jdx", "--accuracy", "1.2"], "accuracy = 1.2 is not between 0 and 1"),
+        (["film.jdx", "--accuracy", "1 K"], "--accuracy"),
         (["film.jdx", "--temperatures", "0 K"], "temperatures = 0 is not positive"),
         (["film-reflectance.csv"], "shows reflectance, not transmittance"),
     ],

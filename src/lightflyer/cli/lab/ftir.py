@@ -14,6 +14,7 @@ from lightflyer.cli.lab._shared import (
     print_json,
     quantity,
     show_rejected,
+    show_warnings,
     updating,
     write_record,
 )
@@ -34,7 +35,7 @@ def ftir_command(
     columns: str | None = None,
     band: str = "900 ± 400 cm^-1",
     temperatures: str = "300 K,400 K,441 K,500 K",
-    accuracy: str = "0",
+    accuracy: str | None = None,
     film: Path | None = None,
     out: Path | None = None,
     update: Path | None = None,
@@ -43,13 +44,16 @@ def ftir_command(
 ) -> None:
     """Average infrared spectra over a band and over Planck's spectrum, for the emissivity.
 
+    Intervals are 95 % and include noise and the spectrometer's accuracy.
+
     Parameters
     ----------
     files
         Spectra of transmittance of one film: JCAMP-DX (.jdx, .dx), or tables of wavenumber or
         wavelength and transmittance or absorbance, units in the header. Several are repeats.
     reflectance
-        Spectrum of its reflectance. Without it, only an upper bound of the emissivity follows.
+        Spectrum of its reflectance. Without it, only an upper bound of the emissivity follows,
+        which is never written into a flyer file.
     columns
         Columns of tables without a header: "wavenumber [cm^-1], transmittance [%]".
     band
@@ -57,7 +61,8 @@ def ftir_command(
     temperatures
         Temperatures of the Planck weighting.
     accuracy
-        Standard uncertainty of the instrument's ordinate, such as "0.5 %".
+        Standard uncertainty of the ordinate, such as "0.5 %" of full scale: photometric error,
+        zero level, and drift between background and sample. By default 1 %, an assumption.
     film
         TOML file with the layers of a film; draws its computed spectrum.
     out
@@ -85,8 +90,10 @@ def ftir_command(
         band=_ends(band),
         temperatures=[quantity("--temperatures", one, "K").value
                       for one in temperatures.split(",") if one.strip()],
-        accuracy=quantity("--accuracy", accuracy, "").value,
+        accuracy=None if accuracy is None else quantity("--accuracy", accuracy, "").value,
     )  # fmt: skip
+    if update is not None:
+        _require_radiating(result)
     computed = _computed(film, result)
     document = result.summary() | {"read": [_read(one) for one in (*spectra, *mirrors)]}
     emissivity = result.emissivity
@@ -101,9 +108,17 @@ def ftir_command(
     console = Console(highlight=False)
     _show_read(console, [*spectra, *mirrors])
     _show(console, result)
-    if not result.accuracy:
-        console.print("intervals include noise only; --accuracy adds that of the instrument")
+    show_warnings(console, result.warnings)
     finish(console, written, updated, update)
+
+
+def _require_radiating(result: "Ftir") -> None:
+    """A flyer's film must radiate; an emissivity of zero is none."""
+    if result.emissivity is not None and result.emissivity.value <= 0.0:
+        raise ConfigurationError(
+            "--update: the emissivity is not distinguishable from 0; it is at most "
+            f"{result.at_most:.3g} (95 %, one-sided), and nothing is written"
+        )
 
 
 def _ends(band: str) -> tuple[float, float]:
@@ -156,7 +171,7 @@ def _figures(result: "Ftir", computed: dict[str, Any]) -> "dict[str, Figure]":
 
 
 def _show_read(console: Console, spectra: "Sequence[MeasuredSpectrum]") -> None:
-    from lightflyer.lab.ftir import PER_CENTIMETRE
+    from lightflyer.lab.spectrum_data import PER_CENTIMETRE
 
     for one in spectra:
         ends = one.wavenumber[[0, -1]] / PER_CENTIMETRE
@@ -168,27 +183,43 @@ def _show_read(console: Console, spectra: "Sequence[MeasuredSpectrum]") -> None:
 
 
 def _show(console: Console, result: "Ftir") -> None:
-    from lightflyer.lab.ftir import PER_CENTIMETRE
+    from lightflyer.lab.spectrum_data import PER_CENTIMETRE
 
     low, high = (end / PER_CENTIMETRE for end in result.band)
-    console.print(f"over {low:g} to {high:g} cm⁻¹:")
+    console.print(f"over {low:g} to {high:g} cm⁻¹, 95 % intervals, accuracy {result.accuracy:.3g}:")
     console.print(f"  transmittance {result.transmittance.band}")
-    console.print(f"  upper bound of the emissivity {result.upper_bound}")
-    if result.reflectance is not None:
+    if result.reflectance is None:
+        console.print(f"  1 - transmittance {result.upper_bound}")
+        console.print(f"  upper bound: emissivity at most {result.at_most:.4g} (95 %, one-sided)")
+    else:
         console.print(f"  reflectance {result.reflectance.band}")
         console.print(f"  emissivity {result.emissivity}")
     if result.uncovered_band:
         console.print(f"  {result.uncovered_band:.1%} of the band has no data")
+    console.print(
+        "weighted with Planck's spectrum over the measured wavenumbers; total: nothing or\n"
+        "everything is emitted outside them"
+    )
+    console.print(_weighted(result))
+
+
+def _weighted(result: "Ftir") -> Table:
+    """Table of Planck-weighted means, and of bounds with what lies outside the data."""
+    measured = result.reflectance is not None
     table = Table(box=None, padding=(0, 1))
-    emissivity = "emissivity" if result.reflectance else "emissivity\nat most"
-    for heading in ("at\n[K]", "transmittance", emissivity, "95 % interval", "power outside\nthe data"):  # noqa: E501  # fmt: skip
-        table.add_column(heading, justify="right")
-    for temperature, estimate in result.planck_emissivity().items():
-        ends = estimate.interval
+    for heading in (
+        "at\n[K]", "\ntransmittance", "\nemissivity" if measured else "1 - trans-\nmittance",
+        "\n95 % interval", "outside\nthe data",
+        "total,\nbounds" if measured else "total, at\nmost (95 %)",
+    ):  # fmt: skip
+        table.add_column(heading, justify="right", no_wrap=True)
+    bounds = result.total_bounds()
+    for temperature, estimate in result.planck_emissivity.items():
+        ends, (least, most) = estimate.interval, bounds[temperature]
         table.add_row(
             f"{temperature:g}", f"{result.transmittance.planck[temperature].value:.4f}",
             f"{estimate.value:.4f}", f"{ends[0]:.4f} to {ends[1]:.4f}",
             f"{result.uncovered[temperature]:.1%}",
+            f"{least:.3f} to {most:.3f}" if measured else f"{most:.3f}",
         )  # fmt: skip
-    console.print("weighted with Planck's spectrum over the measured wavenumbers:")
-    console.print(table)
+    return table

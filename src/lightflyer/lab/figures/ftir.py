@@ -8,10 +8,12 @@ from matplotlib.figure import Figure
 
 from lightflyer.film.spectra import planck
 from lightflyer.foundation.drawing import GREY, ORANGE, PALETTE, new_figure
-from lightflyer.lab.ftir import PER_CENTIMETRE, Ftir
+from lightflyer.lab.ftir import Ftir
+from lightflyer.lab.spectrum_data import PER_CENTIMETRE
 
 _WIDTH, _HEIGHT = 7.5, 4.6
 _RADIATION_HEIGHT = 0.35  # of the black body's curve, in heights of the axes
+_MARGIN = 1.02  # height of the axes over the highest value
 _MOST_POINTS = 20_000  # drawn of one spectrum
 _TICKS_UM = np.array([2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 25.0])
 _MICROMETRES_TIMES_PER_CENTIMETRE = 1e4
@@ -48,7 +50,8 @@ def spectra(
                 label=f"{name}, computed")  # fmt: skip
     ends = [one.wavenumber[[0, -1]] / PER_CENTIMETRE for one in result.spectra]
     ax.set_xlim(max(end[1] for end in ends), min(end[0] for end in ends))
-    ax.set_ylim(0.0, 1.02)
+    values = np.concatenate([one.value for one in (*result.spectra, *result.reflectances)])
+    ax.set_ylim(min(0.0, values.min()), _MARGIN * max(1.0, values.max()))
     ax.set_xlabel("wavenumber [cm⁻¹]")
     ax.set_ylabel("fraction of the light [1]")
     _wavelength_axis(ax)

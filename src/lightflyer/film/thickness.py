@@ -1,20 +1,4 @@
-r"""Uncertainty of a film's properties from that of its layers' thicknesses.
-
-The thicknesses :math:`d_i` are independent, with standard uncertainties :math:`u_i`. A property is
-computed with each thickness at its value, :math:`y`, and one :math:`u_i` above and below it,
-:math:`y_i^\pm`. To second order in :math:`u_i`, its mean square deviation from :math:`y` is
-
-.. math::
-    u^2(y) = \sum_i \left(\frac{y_i^+-y_i^-}{2}\right)^2
-        + \frac34\sum_i\left(y_i^+ - 2y + y_i^-\right)^2,
-
-of which the first sum is the law of propagation of uncertainty, and the second counts where a
-property is near an extremum, as interference makes it.
-
-References
-----------
-[GUM2008]_ 5.1.3, notes 2 and 3 for the differences, 5.1.2 for the second order.
-"""
+"""Uncertainty of a film's properties from that of its layers' thicknesses."""
 
 from collections.abc import Callable, Sequence
 from typing import TypeVar
@@ -39,7 +23,7 @@ _METRES_TO_NANOMETRES = 1e9
 def thickness_uncertainty(
     quantity: Callable[[Film], T], film: Film, uncertainty: Sequence[float]
 ) -> T:
-    """Standard uncertainty of anything computed from a film, from that of its thicknesses.
+    r"""Standard uncertainty of anything computed from a film, from that of its thicknesses.
 
     Parameters
     ----------
@@ -62,7 +46,20 @@ def thickness_uncertainty(
 
     Notes
     -----
-    Computes the quantity twice for each uncertain thickness, and once more.
+    The thicknesses :math:`d_i` are independent and normal. The quantity is computed with each at
+    its value, :math:`y`, and one standard uncertainty above and below it, :math:`y_i^\pm`. To
+    second order, its mean square deviation from :math:`y` is
+
+    .. math::
+        u^2(y) = \sum_i \left(\frac{y_i^+-y_i^-}{2}\right)^2
+            + \frac34\sum_i\left(y_i^+ - 2y + y_i^-\right)^2.
+
+    The first sum is the law of propagation of uncertainty; the second counts where the quantity is
+    near an extremum, as interference makes it.
+
+    References
+    ----------
+    [GUM2008]_ 5.1.3, notes 2 and 3, for the differences; 5.1.2 for the second order.
 
     Examples
     --------

@@ -87,3 +87,19 @@ def test_earths_light_is_the_same_in_templates_files_and_python(kind, tmp_path):
     assert written.assumptions() == left_out.assumptions() == lf.Earth().assumptions()
     assert lf.Earth().radiation.albedo == EARTH_ALBEDO
     assert lf.Earth().radiation.infrared_below == EARTH_INFRARED
+
+
+def test_a_key_of_another_choice_is_refused_by_naming_that_choice(tmp_path):
+    path = tmp_path / "flyer.toml"
+    wrong = {
+        ('model = "lu2023"', 'model = "kinetic"\nc_fm = 0.4'):
+            r':\d+: force.c_fm belongs to model = "lu2023"; remove it, or choose that',
+        ('atmosphere = "us1976"', 'atmosphere = "us1976"\nf107 = 150'):
+            r':\d+: environment.f107 belongs to kind = "earth", atmosphere = "nrlmsis";',
+        ('atmosphere = "us1976"', 'radius = "15 cm"'):
+            r':\d+: environment.radius belongs to kind = "chamber"; remove it',
+    }  # fmt: skip
+    for (old, new), message in wrong.items():
+        path.write_text(TEMPLATES["earth"].replace(old, new), encoding="utf-8")
+        with pytest.raises(lf.ConfigurationError, match=message):
+            read_flyer_file(path)

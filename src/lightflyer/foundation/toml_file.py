@@ -138,8 +138,25 @@ def _unknown_key(dotted: str, document: dict[str, Any], kind: FileKind) -> str:
     known = [name for name in kind.keys_of(section, document) if name != key]  # in another kind
     near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
     where = f"[{section}]" if section else kind.name
+    owner = _owner_of(key, known)
+    if owner:
+        return f"{dotted} belongs to {owner}; remove it, or choose that"
     hint = f'did you mean "{near[0]}"?' if near else f"{where} takes {', '.join(known)}"
     return f"{dotted} is not a key of {where}; {hint}"
+
+
+def _owner_of(key: str, known: list[str]) -> str:
+    """The choice in a file of which a key is, where another one was made; else empty."""
+    for base in Alternative.__subclasses__():
+        kinds = [set(kind.model_fields) for kind in base.alternatives.values()]
+        owners = [tag for tag, kind in base.alternatives.items() if key in kind.model_fields]
+        if owners and any(set(known) <= fields for fields in kinds):
+            names = [name for name, _ in base.choosing_keys]
+            first = {tag.split(" ")[0] for tag in owners}
+            chosen = owners[0].split(" ") if len(owners) == 1 else sorted(first)[:1]
+            pairs = zip(names, chosen, strict=False)
+            return ", ".join(f'{name} = "{value}"' for name, value in pairs)
+    return ""
 
 
 def _missing_key(_mistake: Any, dotted: str) -> str:

@@ -109,9 +109,21 @@ def test_errors_that_are_correlated_count_as_one_input(correlation):
 def test_all_inputs_correlated_are_one_that_does_everything(uncertain):
     film = uncertain.film.model_copy(update={"tac_correlation": lf.Measured(0.5)})
     correlated = uncertain.model_copy(update={"film": film})
-    (found,) = lf.sensitivity(correlated, outputs="lift", at={"altitude": "72 km"}, points=256)
+    (found,) = lf.sensitivity(correlated, outputs="lift", at={"altitude": "72 km"}, points=2048)
     assert found.names == ("film.tac_top and film.tac_bottom",)
-    np.testing.assert_allclose([*found.first, *found.total], 1.0, atol=0.01)
+    np.testing.assert_allclose([*found.first, *found.total], 1.0, atol=0.02)
+    assert np.all(np.abs(found.first - 1.0) < 2.0 * found.first_interval)
+
+
+def test_intervals_know_that_the_points_of_a_sequence_avoid_each_other(uncertain):
+    """Four times the points make them much shorter than half."""
+    few, many = (
+        lf.sensitivity(uncertain, outputs="own_mass", points=points,
+                       inputs={"flyer.diameter": "2.0 ± 0.1 cm",
+                               "film.areal_density": "1.0 ± 0.1 g/m^2"})[0]
+        for points in (256, 1024)
+    )  # fmt: skip
+    assert np.all(many.first_interval < 0.4 * few.first_interval)
 
 
 def test_samples_of_sweeps_and_optima_have_the_files_correlation(uncertain):

@@ -10,8 +10,6 @@ Indices need independent inputs. Those whose errors are correlated vary together
 input, which is independent of all others: :math:`x_i` is then a group.
 """
 
-import contextlib
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +25,7 @@ from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.extras import extra
 from lightflyer.foundation.quantity import StandardErrors, quantity_of
 from lightflyer.foundation.units import file_unit
+from lightflyer.search.sobol_estimates import REPLICATES, indices_with_intervals
 from lightflyer.sweeps.axes import Axis, read_entry
 from lightflyer.sweeps.distributions import SAMPLE, Distribution, stated_distributions
 from lightflyer.sweeps.evaluation import Evaluator
@@ -366,7 +365,11 @@ def _indices(study: SensitivityStudy) -> list[Indices]:
     sampling = extra("SALib.sample.sobol", "a sensitivity study", "optimise")
     space = _space(study)
     power = 2 ** int(np.ceil(np.log2(study.points)))
-    shares = sampling.sample(space, power, calc_second_order=False, seed=study.seed)
+    seeds = np.random.default_rng(study.seed).integers(2**31, size=min(REPLICATES, power))
+    each = power // seeds.size
+    shares = np.concatenate(
+        [sampling.sample(space, each, calc_second_order=False, seed=int(seed)) for seed in seeds]
+    )
     sizes, designs = _designs(study, shares, power)
     table = _evaluate(study, designs)
     ends = np.cumsum(sizes)[:-1]
@@ -377,20 +380,14 @@ def _of_output(
     study: SensitivityStudy, space: dict[str, Any], output: str, blocks: list[np.ndarray]
 ) -> Indices:
     """Indices of an output from its values in each block of designs."""
-    from SALib.analyze import sobol as analysis
-
     values, middle, *alone, down, up = blocks
     if np.isnan(values).any():
         raise ConfigurationError(
             f"{output}: {100.0 * np.mean(np.isnan(values)):.2g} % of the samples have none; "
             "choose an output that every design has, such as lift_over_weight"
         )
-    with contextlib.redirect_stdout(io.StringIO()):
-        # SALib takes a seed of 0 for none
-        found = analysis.analyze(
-            space, values, calc_second_order=False, seed=1 + study.seed, print_to_console=False
-        )
     nominal, count = float(middle[0]), len(study.groups)
+    (first, total), half = indices_with_intervals(values, len(set(space["groups"])), count)
     low, high = np.transpose(
         [
             part if len(group) == 1 else np.quantile(part, _ENDS)
@@ -408,10 +405,10 @@ def _of_output(
         nominal=nominal,
         mean=float(values.mean()),
         spread=float(values.std()),
-        first=np.asarray(found["S1"])[:count],
-        total=np.asarray(found["ST"])[:count],
-        first_interval=np.asarray(found["S1_conf"])[:count],
-        total_interval=np.asarray(found["ST_conf"])[:count],
+        first=first,
+        total=total,
+        first_interval=half[0],
+        total_interval=half[1],
         low=low,
         high=high,
         elasticity=_elasticities(study, nominal, up - down),

@@ -64,12 +64,18 @@ class Limits:
 
     def grouped(self, groups: list[np.ndarray]) -> "Limits":
         """Means over groups of rows."""
+        polynomial = np.stack([mean_of_groups(row, groups) for row in self.log_continuum])
+        return Limits(
+            mean_of_groups(self.free_molecular, groups), polynomial,
+            mean_of_groups(self.slope, groups), self.tac_range,
+        )  # fmt: skip
 
-        def mean(values: np.ndarray) -> np.ndarray:
-            return np.array([values[rows].mean() for rows in groups])
 
-        polynomial = np.stack([mean(row) for row in self.log_continuum])
-        return Limits(mean(self.free_molecular), polynomial, mean(self.slope), self.tac_range)
+def mean_of_groups(values: np.ndarray, groups: list[np.ndarray]) -> np.ndarray:
+    """Means of values over groups of their positions, shape (groups,)."""
+    sizes = np.array([len(rows) for rows in groups])
+    first = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+    return np.asarray(np.add.reduceat(values[np.concatenate(groups)], first) / sizes)
 
 
 class AbstractHeatLaw(abc.ABC):

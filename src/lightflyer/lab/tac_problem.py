@@ -10,7 +10,7 @@ import numpy as np
 from lightflyer.foundation.errors import ConfigurationError, ConvergenceError
 from lightflyer.foundation.extras import extra
 from lightflyer.lab.tac_accuracy import CommonErrors
-from lightflyer.lab.tac_law import Limits
+from lightflyer.lab.tac_law import Limits, mean_of_groups
 
 PARAMETERS = ("tac", "area_ratio", "offset")
 """Fitted parameters: α, δ and C."""
@@ -150,7 +150,7 @@ class Problem:
         groups = self._groups
 
         def mean(values: np.ndarray) -> np.ndarray:
-            return np.array([values[rows].mean() for rows in groups])
+            return mean_of_groups(values, groups)
 
         sizes = np.array([len(rows) for rows in groups])
         amplitudes = [mean(row) for row in self.errors.log_conductance]

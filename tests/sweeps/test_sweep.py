@@ -147,7 +147,7 @@ def test_a_chamber_goes_by_pressure(film_section):
     flyer = lf.FlyerFile(
         flyer={"diameter": "2 cm"},
         film=film_section,
-        environment={"kind": "chamber", "temperature": "295 K"},
+        environment={"kind": "chamber", "temperature": "293 K"},
     )
     found = lf.sweep(flyer, over={"pressure": ["3 Pa", "10 Pa"]}, outputs="levitation_irradiance")
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)

@@ -193,6 +193,191 @@ def test_intervals_cover_the_truth_as_often_as_they_claim(setup):
     assert np.all((share >= 0.91) & (share <= 0.99)), share  # two standard errors each way
 
 
+EXACT = {"pressure_accuracy": 0.0, "irradiance_accuracy": 0.0}
+
+
+def uncertain(setup, spreads, correlations=None):
+    names = {f"flyer.film.{name}": spread for name, spread in spreads.items()}
+    pairs = {
+        tuple(f"flyer.film.{name}" for name in pair): value
+        for pair, value in (correlations or {}).items()
+    }
+    return lf.flight.ObjectDesign(setup, names, pairs)
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.8])
+def test_total_interval_of_a_coefficient_is_that_of_one_over_the_difference(
+    setup, exact, correlation
+):
+    """The force is a coefficient times the difference of the TACs, in thin gas exactly.
+
+    With free molecules alone the quantiles of one over a normal difference are known.
+    """
+    pressure = np.geomspace(1.5, 6.0, 7)
+    data = {"tac_top": 0.03, "tac_bottom": 0.03}
+    design = uncertain(setup, data, {("tac_top", "tac_bottom"): correlation})
+    light = np.exp(log_light(pressure, 0.02, c_cont=1e5))
+    points = Points("thin", ["one"] * 7, {"pressure": pressure, "irradiance": light})
+    thin = lf.flight.ObjectDesign(
+        lf.Setup(setup.flyer, CHAMBER, lf.Lu2023(0.5, 1e5)),
+        design.uncertainties,
+        design.correlations,
+    )
+    fit = lf.calibrate(points, thin, free=["c_fm"], **EXACT)
+    spread = 0.03 * np.sqrt(2.0 - 2.0 * correlation)
+    expected = 0.04 / (0.1 + 1.96 * spread * np.array([1.0, -1.0]))
+    # the mean TAC, which also cools, leaves a difference
+    assert fit.total_intervals[0] == pytest.approx(expected, rel=0.07)
+    assert set(fit.contributions) == {"flyer.film.tac_top", "flyer.film.tac_bottom"}
+    assert fit.summary()["parameters"]["c_fm"]["interval_95"][1] < 0.41
+
+
+def test_slopes_by_inputs_are_those_of_refits(setup, noisy):
+    spreads = {"emittance_top": 0.01, "areal_density": 5e-5, "absorptance": 0.02}
+    design = uncertain(setup, spreads)
+    fit = lf.calibrate(points(noisy), design, **EXACT)
+    for name, spread in spreads.items():
+        logs = []
+        for sign in (1.0, -1.0):
+            value = getattr(setup.flyer.film, name) + sign * 0.05 * spread
+            moved = lf.flight.ObjectDesign(setup).build({f"flyer.film.{name}": value})
+            logs.append(np.log(lf.calibrate(points(noisy), moved, **EXACT).values))
+        slope = (logs[0] - logs[1]) / 0.1
+        # to first order residuals count as zero
+        shares = fit.contributions[f"flyer.film.{name}"]
+        assert shares == pytest.approx(np.abs(slope), rel=0.05, abs=1e-4)
+
+
+def test_total_intervals_hold_the_refits_of_drawn_inputs(setup, noisy):
+    """Against brute force: some 5 % of the fits at drawn inputs lie outside."""
+    stated = {"tac_top": (0.8, 0.02), "tac_bottom": (0.9, 0.02), "emittance": (0.08, 0.02)}
+
+    def at(values, *, spread=0.0):
+        columns = {name: np.full(14, value) for name, value in values.items()}
+        for name, (_, own) in stated.items():
+            columns[f"{name}_uncertainty"] = np.full(14, spread * own)
+        numbers = {"pressure": PRESSURE, "irradiance": noisy, "diameter": DIAMETER, **columns}
+        return Points("synthetic.csv", ["film"] * 14, numbers)
+
+    nominal = {name: value for name, (value, _) in stated.items()}
+    fit = lf.calibrate(at(nominal, spread=1.0), setup, **EXACT)
+    generator, found = np.random.default_rng(5), []
+    for _ in range(150):
+        drawn = {
+            name: value + spread * generator.normal() for name, (value, spread) in stated.items()
+        }
+        found.append(lf.calibrate(at(drawn), setup, **EXACT).values)
+
+    def share(intervals):
+        low, high = intervals.T
+        return np.mean((np.array(found) > low) & (np.array(found) < high), axis=0)
+
+    assert np.all(share(fit.total_intervals) > 0.91)
+    assert np.all(share(fit.total_intervals) < 0.995)
+    assert np.all(share(fit.intervals) < 0.6)
+
+
+def test_instruments_move_all_points_together(setup, exact):
+    """A meter that reads 5 % high is the same as points that are 5 % too high."""
+    fit = lf.calibrate(points(exact), setup, pressure_accuracy=0.0, irradiance_accuracy=0.05)
+    low, high = fit.total_intervals[0]
+    above, below = (
+        lf.calibrate(points(exact * np.exp(sign * 1.96 * 0.05)), setup, **EXACT).values[0]
+        for sign in (1.0, -1.0)
+    )
+    assert (low, high) == (pytest.approx(above, rel=1e-3), pytest.approx(below, rel=1e-3))
+    gauge = lf.calibrate(points(exact), setup, pressure_accuracy=0.05, irradiance_accuracy=0.0)
+    low, high = gauge.total_intervals[1]
+    ends = [
+        lf.calibrate(
+            points(exact, pressure=PRESSURE * np.exp(sign * 1.96 * 0.05)), setup, **EXACT
+        ).values[1]
+        for sign in (-1.0, 1.0)
+    ]
+    assert (low, high) == tuple(pytest.approx(end, rel=1e-3) for end in sorted(ends))
+
+
+def test_uncertainties_of_samples_stand_in_columns(setup, exact):
+    spread = np.where(np.array(SAMPLES) == "synthetic 2 cm", 0.02, 0.0)
+    numbers = {"emittance": np.full(14, 0.08), "emittance_uncertainty": spread}
+    fit = lf.calibrate(points(exact, **numbers), setup, free=["c_fm"], **EXACT)
+    assert list(fit.contributions) == ["emittance[synthetic 2 cm]"]
+    whole = lf.calibrate(
+        points(exact, emittance=np.full(14, 0.08), emittance_uncertainty=np.full(14, 0.02)),
+        setup, **EXACT,
+    )  # fmt: skip
+    assert len(whole.contributions) == 2
+
+
+def test_what_vanishes_within_the_inputs_has_no_upper_bound(setup, exact):
+    design = uncertain(setup, {"tac_top": 0.05, "tac_bottom": 0.05})
+    fit = lf.calibrate(points(exact), design, **EXACT)
+    assert fit.total_intervals[0, 1] == np.inf
+    assert fit.intervals[0, 1] < 0.41
+    said = " ".join(fit.warnings)
+    assert "c_fm has no upper bound: within their ±, flyer.film.tac_top and" in said
+    summary = fit.summary()
+    assert summary["parameters"]["c_fm"]["total_interval_95"][1] is None
+    assert summary["warnings"] == list(fit.warnings)
+
+
+def test_points_in_thin_gas_do_not_determine_the_continuum(setup):
+    pressure = np.geomspace(1.2, 2.0, 8)
+    light = np.exp(log_light(pressure, 0.02, c_cont=30.0))
+    light = light * np.exp(0.03 * np.random.default_rng(2).standard_normal(8))
+    thin = Points("thin", ["one"] * 8, {"pressure": pressure, "irradiance": light})
+    fit = lf.calibrate(thin, setup, **EXACT)
+    assert fit.intervals[1, 1] == np.inf
+    assert "c_cont has no upper bound: the points do not determine it there" in fit.warnings
+
+
+def test_two_points_with_nothing_to_spare(setup):
+    """An end of an interval far away once overflowed."""
+    numbers = {
+        "pressure": np.array([4.0, 2.93]),
+        "irradiance": np.array([1510.0, 1890.0]),
+        "irradiance_uncertainty": np.array([40.0, 50.0]),
+        "diameter": np.array([0.02, 0.03]),
+    }
+    fit = lf.calibrate(Points("two", ["a", "b"], numbers), setup)
+    assert np.all(fit.intervals[:, 0] < fit.values)
+    assert "as many parameters as points" in " ".join(fit.warnings)
+    assert fit.summary()["reduced_chi_squared"] is None
+
+
+def test_stated_errors_far_below_the_scatter(setup, exact, noisy):
+    small = points(noisy, irradiance_uncertainty=0.002 * noisy)
+    fit = lf.calibrate(small, setup, **EXACT)
+    assert fit.reduced_chi_squared > 100.0
+    assert fit.chi_squared_probability < 1e-6
+    assert "times as much as their stated uncertainties say" in " ".join(fit.warnings)
+    scaled = lf.calibrate(small, setup, scale_errors=True, **EXACT)
+    free = lf.calibrate(points(noisy), setup, **EXACT)
+    assert scaled.intervals == pytest.approx(free.intervals, rel=1e-4)
+    assert scaled.error_scale == pytest.approx(np.sqrt(fit.reduced_chi_squared), rel=1e-6)
+    assert not any("stated uncertainties" in text for text in scaled.warnings)
+    large = points(noisy, irradiance_uncertainty=0.5 * noisy)
+    assert "may be too wide" in " ".join(lf.calibrate(large, setup, **EXACT).warnings)
+
+
+def test_steps_of_the_light(setup, exact):
+    """Noted at the first step above the light that suffices; half a step is taken off."""
+    pressure = np.geomspace(1.5, 25.0, 40)
+    light = np.exp(log_light(pressure, 0.02))
+    noted = 100.0 * np.ceil(light / 100.0)
+    lot = Points("steps", ["one"] * 40, {"pressure": pressure, "irradiance": noted})
+    plain = lf.calibrate(lot, setup, **EXACT)
+    assert "lie on steps of 100 W/m^2" in " ".join(plain.warnings)
+    stepped = lf.calibrate(lot.stepped(100.0), setup, **EXACT)
+    assert not any("lie on steps" in text for text in stepped.warnings)
+    assert abs(np.log(stepped.values[0] / 0.4)) < 0.3 * abs(np.log(plain.values[0] / 0.4))
+    low, high = stepped.intervals[0]
+    assert low < 0.4 < high
+    for step in (-1.0, 2000.0, np.nan):
+        with pytest.raises(lf.ParameterError, match="steps: step = "):
+            lot.stepped(step)
+
+
 class Slow(lf.AbstractForceModel):
     """A model of a user's own: free molecules, weakened by one coefficient."""
 

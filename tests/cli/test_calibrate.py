@@ -11,7 +11,7 @@ def folder(tmp_path, monkeypatch):
     """A folder with synthetic points of the paper's disk; commands run in it."""
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     pressure = np.geomspace(1.5, 20.0, 6)
-    disk, state = lf.Disk(film, 0.01), lf.Chamber().state(pressure)
+    disk, state = lf.Disk(film, 0.01), lf.Chamber(temperature=293.0).state(pressure)
     light = lf.levitate(disk, state, lf.Lu2023(0.45, 2.5)).irradiance
     rows = [f"synthetic, {p:.8g}, {i / 1e3:.8g}" for p, i in zip(pressure, light, strict=True)]
     text = "\n".join(["sample, pressure [Pa], irradiance [kW/m^2]", *rows]) + "\n"

@@ -265,6 +265,7 @@ def calibrate(
         ("irradiance_accuracy", irradiance_accuracy),
     ):
         require_range(name, accuracy, 0.0, 1.0)
+    require_positive(pressure=points.pressure, irradiance=points.irradiance)
     meters = {PRESSURE_GAUGE: pressure_accuracy, LIGHT_METER: irradiance_accuracy}
     problem = problem_of(points, as_design(what, environment, model), free, meters)
     fit, best, spread = _solve_weighted(problem, _reachable_start(problem))

@@ -4,19 +4,22 @@ LOESS of degree 2 on logarithms smooths the points at which a sample lifted off.
 curve is the least irradiance at which the sample levitates.
 """
 
-import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.calibration.findings import step_warning
+from lightflyer.calibration.inputs import IRRADIANCE_ACCURACY, PRESSURE_ACCURACY
+from lightflyer.calibration.steps import CENTRE, found_step, require_step
 from lightflyer.foundation.checks import require_range
-from lightflyer.foundation.errors import ConfigurationError, ParameterWarning
+from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.extras import extra
-from lightflyer.lab.estimate import Estimate, central_interval
+from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
 from lightflyer.lab.levitation_data import LiftOffs
+from lightflyer.lab.levitation_minimum import DEGREE, Minimum, minimum
 from lightflyer.lab.record import dataset
 
 if TYPE_CHECKING:
@@ -29,14 +32,13 @@ BAND_CONFIDENCE = 0.99
 """Confidence of the band about the curve."""
 
 DRAWS = 2000
-"""Number of bootstrap resamples."""
+"""Number of simulated measurements."""
 
-_DEGREE = 2
-_LEAST_POINTS = 8
-_LEAST_PRESSURES = 6
+LEAST_POINTS, LEAST_PRESSURES = 8, 6
+"""Fewest points and pressures of a curve."""
+
 _LEAST_SPREAD = 1e-6  # of log-pressure
 _GRID = 300  # pressures of a curve
-_LEAST_FITTED = 0.9  # fraction of the resamples that LOESS must be able to fit
 
 
 @dataclass(frozen=True)
@@ -47,18 +49,24 @@ class LevitationCurve:
     ----------
     points : LiftOffs
     optimal_pressure : Estimate
-        Pressure of the minimum [Pa].
+        Pressure of the minimum [Pa]; its interval contains the gauge's calibration.
     minimum_irradiance : Estimate
-        Least irradiance at which the sample levitates [W/m²].
+        Least irradiance at which the sample levitates [W/m²]; its interval contains the light
+        meter's calibration.
     at_edge : bool
         Whether the minimum is at the end of the measured pressures, so that the optimum may lie
-        beyond.
+        beyond: then its interval is open there, and that of the irradiance below.
     pressure : array, shape (m,)
         Pressures of the curve [Pa].
     irradiance, lower, upper : array, shape (m,)
         LOESS curve and its 99 % band [W/m²].
     draws : array, shape (b, 2)
-        Logarithms of pressure and irradiance at the minimum of each resample.
+        Draws of the logarithms of pressure and irradiance at the true minimum, without the
+        instruments' calibration.
+    step : float
+        Step in which the light was raised [W/m²], 0 for none.
+    warnings : tuple of str
+        What a reader of the result must know, one line each.
     """
 
     points: LiftOffs
@@ -70,6 +78,8 @@ class LevitationCurve:
     lower: np.ndarray
     upper: np.ndarray
     draws: np.ndarray
+    step: float = 0.0
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -81,7 +91,8 @@ class Comparison:
     first, second : str
         Sample with the lower minimum irradiance, and the other sample.
     reduction : Estimate
-        One minus the ratio of their minimum irradiances [1].
+        One minus the ratio of their minimum irradiances [1]. The light meter's calibration is
+        common to both and not in the interval.
     """
 
     first: str
@@ -90,7 +101,14 @@ class Comparison:
 
 
 def levitation_curve(
-    points: LiftOffs, *, span: float = SPAN, draws: int = DRAWS, seed: int = 0
+    points: LiftOffs,
+    *,
+    span: float = SPAN,
+    draws: int = DRAWS,
+    seed: int = 0,
+    step: float = 0.0,
+    pressure_accuracy: float = PRESSURE_ACCURACY,
+    irradiance_accuracy: float = IRRADIANCE_ACCURACY,
 ) -> LevitationCurve:
     r"""Fit a LOESS curve to a sample's points, and find its minimum.
 
@@ -101,9 +119,15 @@ def levitation_curve(
     span : float
         Fraction of the points in each local fit.
     draws : int
-        Number of bootstrap resamples.
+        Number of simulated measurements.
     seed : int
-        Seed of the resampling.
+        Seed of the simulation.
+    step : float
+        Step in which the light was raised until the sample lifted off [W/m²], 0 where it was
+        raised steadily.
+    pressure_accuracy, irradiance_accuracy : float
+        Relative standard uncertainty of the calibration of pressure gauge and light meter; the
+        defaults are assumptions.
 
     Returns
     -------
@@ -113,79 +137,114 @@ def levitation_curve(
     ------
     ConfigurationError
         If there are too few points or pressures.
+    ParameterError
+        If an accuracy is not between 0 and 1, or the step is not smaller than every irradiance.
     MissingExtraError
         If scikit-misc is not installed.
-
-    Warns
-    -----
-    ParameterWarning
-        If the minimum is at the end of the pressures.
 
     Notes
     -----
     Curve and 99 % band are those of LOESS of degree 2 [Cleveland1988]_ on logarithms. The minimum
     is that of the curve plus LOESS of its residuals ("twicing" [Tukey1977]_), which removes most
-    of the bias of smoothing a bend. Intervals are the central 95 % of bootstrap resamples.
+    of the bias of smoothing a bend. Its 95 % interval is that of simulated measurements; see
+    :mod:`lightflyer.lab.levitation_minimum`.
     """
     require_range("span", span, 0.1, 1.0)
     require_range("draws", draws, 100)
+    require_range("pressure_accuracy", pressure_accuracy, 0.0, 1.0)
+    require_range("irradiance_accuracy", irradiance_accuracy, 0.0, 1.0)
     _require_enough(points)
+    require_step(step, points.irradiance, points.place)
     loess = extra("skmisc.loess", "smoothing levitation points", "lab").loess
-    x, y = np.log(points.pressure), np.log(points.irradiance)
+    x, y = np.log(points.pressure), np.log(points.irradiance - CENTRE * step)
     grid = np.linspace(x.min(), x.max(), _GRID)
     fitted = _loess(loess, x, y, span)
     if fitted is None:
-        raise ConfigurationError(f"{points.place}: LOESS cannot fit {points.name}; add points")
+        raise ConfigurationError(
+            f"{points.place}: LOESS cannot fit {points.name}; add points or widen the span"
+        )
     predicted = fitted.predict(grid, stderror=True)
     band = predicted.confidence(1.0 - BAND_CONFIDENCE)
-    best, at_edge = _least(grid, _twice(loess, x, y, span, grid))
-    if at_edge:
-        warnings.warn(
-            f"{points.place}: {points.name} has its minimum at the end of its pressures; the "
-            "optimum may lie beyond: extend the measurement",
-            ParameterWarning,
-            stacklevel=2,
-        )
-    resampled = _bootstrap(loess, x, y, span, draws, seed)
-    if len(resampled) < _LEAST_FITTED * draws:
-        raise ConfigurationError(
-            f"{points.place}: {points.name} has too few points for a bootstrap"
-        )
-    estimates = [
-        _estimate(value, resampled[:, number], unit)
-        for number, (value, unit) in enumerate(zip(best, ("Pa", "W/m^2"), strict=True))
-    ]
+    least = minimum(x, points.irradiance, span=span, draws=draws, seed=seed, step=step)
+    pressure, irradiance = _estimates(least, (pressure_accuracy, irradiance_accuracy), seed)
     return LevitationCurve(
         points=points,
-        optimal_pressure=estimates[0],
-        minimum_irradiance=estimates[1],
-        at_edge=at_edge,
+        optimal_pressure=pressure,
+        minimum_irradiance=irradiance,
+        at_edge=least.edge != 0,
         pressure=np.exp(grid),
         irradiance=np.exp(predicted.values),
         lower=np.exp(band.lower),
         upper=np.exp(band.upper),
-        draws=resampled,
+        draws=np.stack([least.places, least.values], axis=1),
+        step=step,
+        warnings=_findings(points, least, pressure, step),
     )
+
+
+def _estimates(
+    least: Minimum, accuracies: tuple[float, float], seed: int
+) -> tuple[Estimate, Estimate]:
+    """Optimal pressure and minimum irradiance, the instruments' calibration included."""
+    rng = np.random.default_rng([seed, len(least.places)])
+    gauge, meter = (one * rng.normal(size=len(least.places)) for one in accuracies)
+    pressure = _estimate(least.place, least.places + gauge, "Pa")
+    irradiance = _estimate(least.value, least.values + meter, "W/m^2")
+    low, high = pressure.interval
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    if np.mean(least.edges == -1) > tail:
+        low = 0.0
+    if np.mean(least.edges == 1) > tail:
+        high = np.inf
+    pressure = replace(pressure, interval=(low, high))
+    if least.edge:
+        irradiance = replace(irradiance, interval=(0.0, irradiance.interval[1]))
+    return pressure, irradiance
+
+
+def _findings(points: LiftOffs, least: Minimum, pressure: Estimate, step: float) -> tuple[str, ...]:
+    """What a reader of the result must know."""
+    said = []
+    if least.edge:
+        said.append(
+            f"{points.place}: {points.name} has its minimum at the end of its pressures; the "
+            "optimum may lie beyond: extend the measurement"
+        )
+    elif pressure.interval[0] == 0.0 or not np.isfinite(pressure.interval[1]):
+        said.append(
+            f"{points.place}: the optimum of {points.name} may lie beyond its pressures: extend "
+            "the measurement"
+        )
+    found = None if step else found_step(points.irradiance)
+    if found is not None:
+        said.append(step_warning(points.name, found))
+    if points.in_ground_effect:
+        gap, diameter = 1e3 * float(points.floor_gap or 0.0), 1e3 * points.properties["diameter"]
+        said.append(
+            f"{points.place}: {points.name} is in ground effect: the floor is {gap:.3g} mm below, "
+            f"less than the diameter of {diameter:.3g} mm"
+        )
+    return tuple(said)
 
 
 def _require_enough(points: LiftOffs) -> None:
     count, pressures = len(points.pressure), np.unique(points.pressure).size
     place, name = points.place, points.name
-    if count < _LEAST_POINTS:
+    if count < LEAST_POINTS:
         raise ConfigurationError(
             f"{place}: {name} has {count} point{'s' * (count != 1)}; a curve needs "
-            f"{_LEAST_POINTS} or more"
+            f"{LEAST_POINTS} or more"
         )
-    if pressures < _LEAST_PRESSURES or np.ptp(np.log(points.pressure)) < _LEAST_SPREAD:
+    if pressures < LEAST_PRESSURES or np.ptp(np.log(points.pressure)) < _LEAST_SPREAD:
         raise ConfigurationError(
             f"{place}: {name} was measured at {pressures} pressure{'s' * (pressures != 1)}; a "
-            f"curve needs {_LEAST_PRESSURES} or more"
+            f"curve needs {LEAST_PRESSURES} or more"
         )
 
 
 def _loess(loess: Any, x: np.ndarray, y: np.ndarray, span: float) -> Any:
     """Fitted curve, or None where LOESS cannot fit the points."""
-    curve = loess(x, y, span=span, degree=_DEGREE)
+    curve = loess(x, y, span=span, degree=DEGREE)
     try:
         curve.fit()
     except ValueError:
@@ -193,54 +252,12 @@ def _loess(loess: Any, x: np.ndarray, y: np.ndarray, span: float) -> Any:
     return curve
 
 
-def _twice(
-    loess: Any, x: np.ndarray, y: np.ndarray, span: float, grid: np.ndarray
-) -> np.ndarray | None:
-    """LOESS plus LOESS of its residuals, on a grid."""
-    first = _loess(loess, x, y, span)
-    if first is None:
-        return None
-    second = _loess(loess, x, first.outputs.fitted_residuals, span)
-    if second is None:
-        return None
-    values = first.predict(grid).values + second.predict(grid).values
-    return values if np.all(np.isfinite(values)) else None
-
-
-def _least(grid: np.ndarray, values: Any) -> tuple[tuple[float, float], bool]:
-    """Vertex of the parabola through the least of equidistant values; whether it is at an end."""
-    lowest = int(np.argmin(values))
-    if lowest in (0, len(grid) - 1):
-        return (float(grid[lowest]), float(values[lowest])), True
-    before, here, after = values[lowest - 1 : lowest + 2]
-    shift = 0.5 * (before - after) / (before - 2.0 * here + after)
-    step = grid[1] - grid[0]
-    return (
-        float(grid[lowest] + shift * step),
-        float(here - 0.25 * (before - after) * shift),
-    ), False
-
-
-def _bootstrap(
-    loess: Any, x: np.ndarray, y: np.ndarray, span: float, draws: int, seed: int
-) -> np.ndarray:
-    rng = np.random.default_rng(seed)
-    found = []
-    for _ in range(draws):
-        rows = rng.integers(0, len(x), len(x))
-        grid = np.linspace(x[rows].min(), x[rows].max(), _GRID)
-        values = _twice(loess, x[rows], y[rows], span, grid) if grid[0] < grid[-1] else None
-        if values is not None:
-            found.append(_least(grid, values)[0])
-    return np.array(found).reshape(-1, 2)
-
-
 def _estimate(log_value: float, log_draws: np.ndarray, unit: str) -> Estimate:
     """Positive quantity with its percentile interval, from logarithms."""
     low, high = np.exp(central_interval(log_draws))
     value = float(np.exp(log_value))
     spread = value * float(log_draws.std(ddof=1))
-    # resamples of few points may miss the estimate, which belongs to its interval
+    # draws may all be on one side of the estimate, which belongs to its interval
     return Estimate(value, (min(float(low), value), max(float(high), value)), unit, spread)
 
 
@@ -254,13 +271,16 @@ def compare(curves: Sequence[LevitationCurve]) -> list[Comparison]:
     Returns
     -------
     list of Comparison
-        The sample with the lower minimum irradiance is first.
+        The sample with the lower minimum irradiance is first. Both are taken to be measured with
+        the same light meter, whose calibration then cancels.
     """
     found = []
+    # two samples simulated from one seed have the same errors
+    shuffle = np.random.default_rng(len(curves)).permutation
     for pair in combinations(curves, 2):
         less, more = sorted(pair, key=lambda curve: curve.minimum_irradiance.value)
         count = min(len(less.draws), len(more.draws))
-        ratios = np.exp(less.draws[:count, 1] - more.draws[:count, 1])
+        ratios = np.exp(less.draws[:count, 1] - shuffle(more.draws[:count, 1]))
         low, high = central_interval(1.0 - ratios)
         value = 1.0 - less.minimum_irradiance.value / more.minimum_irradiance.value
         interval = (min(float(low), value), max(float(high), value))
@@ -288,9 +308,11 @@ def summary(curves: Sequence[LevitationCurve]) -> dict[str, Any]:
                 "points": len(curve.points.pressure),
                 "at_edge": curve.at_edge,
                 "in_ground_effect": curve.points.in_ground_effect,
+                "step": curve.step,
             }
             for curve in curves
         },
+        "warnings": [text for curve in curves for text in curve.warnings],
         "comparisons": [
             {"a": one.first, "b": one.second, "reduction": one.reduction.to_json()}
             for one in compare(curves)
@@ -339,6 +361,7 @@ def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.D
             "upper": nodes("upper", "W m-2", "upper end of the 99 % band"),
         },
         files,
+        warnings=[text for curve in curves for text in curve.warnings],
         samples=", ".join(names),
     )
 

@@ -1,26 +1,20 @@
 """Points at which samples lifted off, and their files."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from lightflyer.calibration.points import NUMBERS, SAMPLE_PROPERTIES
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.layout import Column
-from lightflyer.foundation.quantity import Quantity
-from lightflyer.foundation.table import Table, read_table
-
-COLUMNS = (
-    Column("sample", aliases=("name",), text=True, blank=False),
-    Column("launchpad", aliases=("pad",), text=True),
-    Column("pressure", NUMBERS["pressure"], ("p", "chamber_pressure"), required=True),
-    Column("irradiance", NUMBERS["irradiance"], ("i", "intensity"), required=True),
-    Column("floor_gap", Quantity("m", 0.0), ("gap",)),
-    *(Column(name, NUMBERS[name]) for name in SAMPLE_PROPERTIES),
+from lightflyer.calibration.points import (
+    LEVITATION_COLUMNS,
+    SAMPLE_PROPERTIES,
+    Points,
+    read_points,
 )
-"""Columns of a file of levitation points."""
+from lightflyer.foundation.errors import ConfigurationError
+
+COLUMNS = LEVITATION_COLUMNS
+"""Columns of a file of levitation points, the same as for a calibration."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +35,8 @@ class LiftOffs:
     properties : dict of str to float
         Known properties of the sample in SI units, by names of
         :data:`lightflyer.calibration.points.SAMPLE_PROPERTIES`.
+    uncertainties : dict of str to array, shape (n,)
+        Stated standard uncertainties, by the names of their columns.
     """
 
     name: str
@@ -49,6 +45,7 @@ class LiftOffs:
     place: str = ""
     floor_gap: float | None = None
     properties: dict[str, float] = field(default_factory=dict)
+    uncertainties: dict[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def in_ground_effect(self) -> bool:
@@ -57,8 +54,10 @@ class LiftOffs:
         return gap is not None and diameter is not None and gap < diameter
 
 
-def read_lift_offs(path: str | Path, *, columns: str | None = None) -> tuple[list[LiftOffs], Table]:
-    """Read levitation points.
+def read_lift_offs(
+    path: str | Path, *, columns: str | None = None
+) -> tuple[list[LiftOffs], Points]:
+    """Read levitation points, by :func:`~lightflyer.calibration.points.read_points`.
 
     Parameters
     ----------
@@ -74,45 +73,42 @@ def read_lift_offs(path: str | Path, *, columns: str | None = None) -> tuple[lis
     -------
     samples : list of LiftOffs
         One for every sample on every launchpad.
-    table : Table
-        Table that was read, with its rejected rows.
+    points : Points
+        All points as they were read, with the rejected rows.
 
     Raises
     ------
     ConfigurationError
         One line that names file and line.
     """
-    table = read_table(path, COLUMNS, layout=columns)
-    samples = table.texts.get("sample", [Path(path).stem] * len(table))
-    pads = table.texts.get("launchpad")
-    names = (
-        samples
-        if pads is None
-        else [f"{sample} on {pad}" for sample, pad in zip(samples, pads, strict=True)]
-    )
-    return [_sample(table, names, name) for name in dict.fromkeys(names)], table
+    points = read_points(path, columns=columns)
+    return [_sample(points, name) for name in dict.fromkeys(points.samples)], points
 
 
-def _sample(table: Table, names: Sequence[str], name: str) -> LiftOffs:
-    rows = np.flatnonzero([one == name for one in names])
-    lines = table.lines[rows]
-    place = f"{table.source}:{lines[0]}"
+def _sample(points: Points, name: str) -> LiftOffs:
+    here = points.where(points.of(name))
+    place = f"{here.source}:{here.lines[0]}"
 
     def only(column: str) -> float | None:
-        if column not in table.numbers:
+        if column not in here.numbers:
             return None
-        values = np.unique(table.numbers[column][rows])
+        values = np.unique(here.numbers[column])
         if values.size > 1:
             raise ConfigurationError(f"{place}: {name} has more than one {column}")
         return float(values[0])
 
     return LiftOffs(
         name=name,
-        pressure=table.numbers["pressure"][rows],
-        irradiance=table.numbers["irradiance"][rows],
+        pressure=here.pressure,
+        irradiance=here.irradiance,
         place=place,
         floor_gap=only("floor_gap"),
         properties={
             column: value for column in SAMPLE_PROPERTIES if (value := only(column)) is not None
+        },
+        uncertainties={
+            column: values
+            for column, values in here.numbers.items()
+            if column.endswith("_uncertainty")
         },
     )

@@ -1,11 +1,12 @@
 """Model curves for measured levitation points, and a calibration to them."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from lightflyer.calibration.calibration import Calibration, calibrate
-from lightflyer.calibration.points import SAMPLE_PROPERTIES, Points
+from lightflyer.calibration.points import Points
 from lightflyer.calibration.targets import target_of
 from lightflyer.flight.design import as_design
 from lightflyer.flight.levitation import levitate
@@ -54,14 +55,24 @@ def _of_sample(setup: Setup, points: LiftOffs) -> Setup:
     return design.build(values)
 
 
-def calibrate_curves(curves: Sequence[LevitationCurve], setup: Setup) -> Calibration:
+def calibrate_curves(
+    curves: Sequence[LevitationCurve],
+    what: Any,
+    *,
+    keep_ground_effect: bool = False,
+    **options: float,
+) -> Calibration:
     """Fit the force coefficients to the points of all samples.
 
     Parameters
     ----------
     curves : sequence of LevitationCurve
-    setup : Setup
-        Flyer, chamber and model to start from.
+    what : Setup, flyer file or other design
+        Flyer, chamber and model to start from; a file's ± go into the total intervals.
+    keep_ground_effect : bool
+        Fit the points in ground effect too; otherwise a warning names what was left out.
+    **options
+        Accuracies of :func:`~lightflyer.calibration.calibration.calibrate`.
 
     Returns
     -------
@@ -71,17 +82,31 @@ def calibrate_curves(curves: Sequence[LevitationCurve], setup: Setup) -> Calibra
     Raises
     ------
     ParameterError
-        If the model has no coefficients to fit; see
+        If all points are in ground effect, or the model has no coefficients to fit; see
         :func:`~lightflyer.calibration.calibration.calibrate`.
     """
-    lots = [curve.points for curve in curves]
-    sizes = [len(one.pressure) for one in lots]
-    numbers = {
-        "pressure": np.concatenate([one.pressure for one in lots]),
-        "irradiance": np.concatenate([one.irradiance for one in lots]),
-    }
-    for name in SAMPLE_PROPERTIES:
-        if all(name in one.properties for one in lots):
-            numbers[name] = np.repeat([one.properties[name] for one in lots], sizes)
-    names = [one.name for one, size in zip(lots, sizes, strict=True) for _ in range(size)]
-    return calibrate(Points(lots[0].place, names, numbers), setup)
+    lots = [_points(curve, keep_ground_effect=keep_ground_effect) for curve in curves]
+    shared = set.intersection(*(set(one.numbers) for one in lots))
+    whole = Points(
+        source=lots[0].source,
+        samples=[name for one in lots for name in one.samples],
+        numbers={
+            name: np.concatenate([one.numbers[name] for one in lots])
+            for name in lots[0].numbers
+            if name in shared
+        },
+        step=max(curve.step for curve in curves),
+    )
+    return calibrate(whole.without_ground_effect(), what, **options)
+
+
+def _points(curve: LevitationCurve, *, keep_ground_effect: bool) -> Points:
+    """Points of one sample as a calibration takes them."""
+    lot = curve.points
+    numbers = {"pressure": lot.pressure, "irradiance": lot.irradiance, **lot.uncertainties}
+    for name, value in lot.properties.items():
+        numbers[name] = np.full(len(lot.pressure), value)
+    gap = None if keep_ground_effect else lot.floor_gap
+    numbers["floor_gap"] = np.full(len(lot.pressure), np.inf if gap is None else gap)
+    points = Points(lot.place, [lot.name] * len(lot.pressure), numbers)
+    return points.stepped(curve.step)

@@ -1,6 +1,6 @@
 """``lightflyer lab levitation``: optimal pressure and minimum irradiance of samples."""
 
-import warnings
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -14,12 +14,14 @@ from lightflyer.cli.lab._shared import (
     Json,
     finish,
     print_json,
+    quantity,
     read_summary,
     show_read,
+    show_warnings,
     updating,
     write_record,
 )
-from lightflyer.foundation.errors import ConfigurationError, ParameterWarning
+from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,11 +38,15 @@ def levitation_command(
     /,
     *,
     columns: str | None = None,
+    step: str | None = None,
+    pressure_accuracy: str = "5 %",
+    irradiance_accuracy: str = "5 %",
     span: float = 0.75,
     draws: int = 2000,
     seed: int = 0,
     flyer: Path | None = None,
     calibrate: Annotated[bool, Parameter(negative=())] = False,
+    keep_ground_effect: Annotated[bool, Parameter(negative=())] = False,
     pressure_unit: Literal["Pa", "Torr", "mTorr", "mbar"] = "Pa",
     out: Path | None = None,
     update: Path | None = None,
@@ -58,22 +64,34 @@ def levitation_command(
     columns
         Columns in the order of the files, in place of a header: "pressure [Pa], irradiance
         [W/m^2]"; - skips a column.
+    step
+        Step in which the light was raised until the sample lifted off, such as "200 W/m^2": what
+        suffices lies within the last one. Default: it was raised steadily.
+    pressure_accuracy
+        Relative standard uncertainty of the pressure gauge's calibration, common to all points;
+        the default is an assumption.
+    irradiance_accuracy
+        The same of the light meter.
     span
         Fraction of a sample's points in each local fit.
     draws
-        Number of bootstrap resamples for the intervals.
+        Number of simulated measurements for the intervals.
     seed
-        Seed of the resampling.
+        Seed of the simulation.
     flyer
         Flyer file of a chamber; draws its predicted curve.
     calibrate
         Fit the force coefficients to the points, starting from that flyer, and draw the curve.
+        Points in ground effect are left out.
+    keep_ground_effect
+        Fit them too.
     pressure_unit
         Unit of the figure's axis.
     out
         Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
     update
-        Flyer file to write the calibrated force coefficients into.
+        Flyer file to write the calibrated force coefficients into, with the ± of points and
+        instruments; the file's own ± are not counted twice.
     json_output
         Print one JSON object instead of tables.
     """
@@ -85,17 +103,26 @@ def levitation_command(
     if calibrate and flyer is None:
         raise ConfigurationError("--calibrate starts from a flyer; name its file by --flyer")
     read = [read_lift_offs(file, columns=columns) for file in files]
+    accuracies = {
+        "pressure_accuracy": quantity("--pressure-accuracy", pressure_accuracy, "").value,
+        "irradiance_accuracy": quantity("--irradiance-accuracy", irradiance_accuracy, "").value,
+    }
+    light_step = 0.0 if step is None else quantity("--step", step, "W/m^2").value
     curves = [
-        levitation.levitation_curve(points, span=span, draws=draws, seed=seed + number)
+        levitation.levitation_curve(
+            points, span=span, draws=draws, seed=seed + number, step=light_step, **accuracies
+        )
         for number, points in enumerate(_distinct([one for lots, _ in read for one in lots]))
     ]
-    _warn_of_ground_effect(curves)
-    models, fit = _models(curves, flyer, calibrate=calibrate)
+    models, fit = _models(
+        curves, flyer, calibrate=calibrate, keep_ground_effect=keep_ground_effect, **accuracies
+    )
     tables = [table for _, table in read]
     document = levitation.summary(curves) | {"read": read_summary(tables)}
     values: dict[tuple[str, str], Estimate] = {}
     if fit is not None:
         document["calibration"] = fit.summary()
+        document["warnings"] = [*document["warnings"], *fit.warnings]
         values = _coefficients(fit)
     written, updated = write_record(
         out, "levitation", document, levitation.to_dataset(curves, [t.source for t in tables]),
@@ -108,8 +135,9 @@ def levitation_command(
     console = Console(highlight=False)
     show_read(console, tables)
     _show(console, curves)
-    for name, estimate in values.items():
-        console.print(f"calibrated {name[1]} {estimate}")
+    if fit is not None:
+        _show_fit(console, fit)
+    show_warnings(console, document["warnings"])
     finish(console, written, updated, update)
 
 
@@ -122,22 +150,13 @@ def _distinct(lots: Sequence[Any]) -> Sequence[Any]:
     return lots
 
 
-def _warn_of_ground_effect(curves: "Sequence[LevitationCurve]") -> None:
-    for points in (curve.points for curve in curves):
-        if points.in_ground_effect:
-            gap, diameter = (
-                1e3 * float(one or 0.0) for one in (points.floor_gap, points.properties["diameter"])
-            )
-            warnings.warn(
-                f"{points.place}: {points.name} is in ground effect: the floor is {gap:.3g} mm "
-                f"below, less than the diameter of {diameter:.3g} mm",
-                ParameterWarning,
-                stacklevel=2,
-            )
-
-
 def _models(
-    curves: "Sequence[LevitationCurve]", flyer: Path | None, *, calibrate: bool
+    curves: "Sequence[LevitationCurve]",
+    flyer: Path | None,
+    *,
+    calibrate: bool,
+    keep_ground_effect: bool,
+    **accuracies: float,
 ) -> tuple[dict[str, Any], "Calibration | None"]:
     """Curves of the model and of the calibrated model, by label."""
     if flyer is None:
@@ -145,12 +164,13 @@ def _models(
     from lightflyer.config.reader import read_flyer_file
     from lightflyer.lab.levitation_model import calibrate_curves, model_curve
 
-    setup = read_flyer_file(flyer).build()
+    file = read_flyer_file(flyer)
+    setup = file.build()
     if setup.environment.coordinate.name != "pressure":
         raise ConfigurationError(f"{flyer}: levitation points need a chamber as the environment")
     setups, fit = {"model": setup}, None
     if calibrate:
-        fit = calibrate_curves(curves, setup)
+        fit = calibrate_curves(curves, file, keep_ground_effect=keep_ground_effect, **accuracies)
         setups["calibrated model"] = fit.setup
     return {
         name: {curve.points.name: model_curve(curve.points, one) for curve in curves}
@@ -159,15 +179,36 @@ def _models(
 
 
 def _coefficients(fit: "Calibration") -> dict[tuple[str, str], "Estimate"]:
+    """What a flyer file gets: at its own numbers, whose ± it states itself."""
+    from lightflyer.calibration.inputs import INSTRUMENTS
     from lightflyer.lab.estimate import Estimate
 
-    columns = (fit.names, fit.values, fit.intervals, fit.standard_uncertainties)
-    return {
-        ("force", name): Estimate(
-            float(value), (float(ends[0]), float(ends[1])), "", float(uncertainty)
-        )
-        for name, value, ends, uncertainty in zip(*columns, strict=True)
-    }
+    found = {}
+    for row, name in enumerate(fit.names):
+        value = float(fit.values[row])
+        shares = [float(fit.contributions[one][row]) for one in INSTRUMENTS
+                  if one in fit.contributions]  # fmt: skip
+        spread = math.hypot(fit.standard_uncertainties[row], *(value * share for share in shares))
+        low, high = map(float, fit.total_intervals[row])
+        found["force", name] = Estimate(value, (low, high), "", spread)
+    return found
+
+
+def _show_fit(console: Console, fit: "Calibration") -> None:
+    from lightflyer.cli.calibrate import interval_text
+
+    for row, name in enumerate(fit.names):
+        console.print(
+            f"calibrated {name} {fit.values[row]:.4g}: given inputs "
+            f"{interval_text(*fit.intervals[row])}, in total "
+            f"{interval_text(*fit.total_intervals[row])}",
+            markup=False, soft_wrap=True,
+        )  # fmt: skip
+    inputs = ", ".join(fit.contributions) or "nothing else"
+    console.print(
+        f"given inputs: the points' scatter alone; in total: also the ± of {inputs}",
+        markup=False, soft_wrap=True,
+    )  # fmt: skip
 
 
 def _figures(
@@ -179,6 +220,7 @@ def _figures(
 
 
 def _show(console: Console, curves: "Sequence[LevitationCurve]") -> None:
+    from lightflyer.cli.calibrate import interval_text
     from lightflyer.lab.levitation import compare
 
     table = Table(box=None, padding=(0, 1))
@@ -189,8 +231,7 @@ def _show(console: Console, curves: "Sequence[LevitationCurve]") -> None:
     for curve in curves:
         row = [curve.points.name.replace("[", "\\["), str(len(curve.points.pressure))]
         for estimate in (curve.minimum_irradiance, curve.optimal_pressure):
-            low, high = estimate.interval
-            row += [f"{estimate.value:.4g}", f"{low:.4g} to {high:.4g}"]
+            row += [f"{estimate.value:.4g}", interval_text(*estimate.interval)]
         table.add_row(*row)
     console.print("minimum irradiance and its pressure:")
     console.print(table)

@@ -14,6 +14,7 @@ from lightflyer.lab.levitation import LevitationCurve
 _WIDTH, _HEIGHT = 7.0, 5.0
 _PER_KILOWATT = 1e-3
 _MODEL_STYLES = ("--", ":")
+_FAR = 1e3  # times a value, beyond the axes
 _ABOVE = 1.6  # factor by which the axes extend beyond the points
 
 ModelCurves = Mapping[str, tuple[np.ndarray, np.ndarray]]
@@ -51,8 +52,12 @@ def levitation_curves(
         ax.fill_between(pressure, curve.lower * _PER_KILOWATT, curve.upper * _PER_KILOWATT,
                         color=colour, alpha=0.15, lw=0)  # fmt: skip
         ax.plot(pressure, curve.irradiance * _PER_KILOWATT, color=colour, lw=1.4)
-        ax.plot(points.pressure * per_pascal, points.irradiance * _PER_KILOWATT, marker, ls="",
+        light = points.irradiance * _PER_KILOWATT
+        ax.plot(points.pressure * per_pascal, light, marker, ls="",
                 color=colour, mfc="none", ms=5, label=points.name)  # fmt: skip
+        if curve.step:  # the light that suffices lies on these lines
+            ax.vlines(points.pressure * per_pascal, light - curve.step * _PER_KILOWATT, light,
+                      color=colour, lw=0.8)  # fmt: skip
         _mark_least(curve, ax, colour, per_pascal)
         for style, drawn in zip(_MODEL_STYLES, models.values(), strict=False):
             at, needed = drawn[points.name]
@@ -82,6 +87,8 @@ def _mark_least(curve: LevitationCurve, ax: Axes, colour: str, per_pascal: float
     at, light = curve.optimal_pressure, curve.minimum_irradiance
     x = np.array([at.value, *at.interval]) * per_pascal
     y = np.array([light.value, *light.interval]) * _PER_KILOWATT
+    # an open end is drawn as far as the axes go
+    x, y = (np.where(np.isfinite(z), z, _FAR * z[0]) for z in (x, y))
     # an interval from resamples may not contain the estimate
     right, up = (np.maximum([[z[0] - z[1]], [z[2] - z[0]]], 0.0) for z in (x, y))
     ax.errorbar(

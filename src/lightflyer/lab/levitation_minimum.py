@@ -1,0 +1,168 @@
+r"""Minimum of a smooth curve through scattered points, with its sampling distribution.
+
+Local regression is linear in the data: for given pressures the smoothed curve is a matrix times
+the measured logarithms. That makes the scatter's degrees of freedom [Cleveland1988]_ and simulated
+measurements cheap to find, for few points too, where resampling the points themselves fails.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD
+
+DEGREE = 2
+"""Degree of the local polynomials."""
+
+_GRID = 300  # places of the curve
+_LEAST_LIGHT = 0.25  # of a step, that a simulated reading is kept above
+_TINY = 1e-9  # of a local fit's singular values
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """Minimum of a curve of log-irradiance over log-pressure.
+
+    Attributes
+    ----------
+    place, value : float
+        Logarithms of pressure and irradiance.
+    edge : int
+        -1 or 1 where it is at the first or last pressure, otherwise 0.
+    places, values : array, shape (b,)
+        Draws from the distribution of the true minimum.
+    edges : array of int, shape (b,)
+        The same as ``edge`` of each draw.
+    """
+
+    place: float
+    value: float
+    edge: int
+    places: np.ndarray
+    values: np.ndarray
+    edges: np.ndarray
+
+
+def smoother(x: np.ndarray, places: np.ndarray, span: float) -> np.ndarray:
+    """Matrix of local regression with LOESS' tricube weights.
+
+    Parameters
+    ----------
+    x : array, shape (n,)
+    places : array, shape (m,)
+        Where the curve is wanted.
+    span : float
+        Fraction of the points in each local fit, at most 1.
+
+    Returns
+    -------
+    array, shape (m, n)
+        It gives the curve from the data.
+    """
+    count = max(int(span * x.size), DEGREE + 1)
+    distance = np.abs(places[:, None] - x)
+    reach = np.sort(distance, axis=1)[:, count - 1 : count]
+    reach = np.where(reach > 0.0, reach, 1.0)
+    root = np.sqrt(np.clip(1.0 - (distance / reach) ** 3, 0.0, None) ** 3)
+    powers = (x - places[:, None])[..., None] ** np.arange(DEGREE + 1)
+    return np.asarray(np.linalg.pinv(powers * root[..., None], _TINY)[:, 0, :] * root)
+
+
+def minimum(
+    x: np.ndarray,
+    light: np.ndarray,
+    *,
+    span: float,
+    draws: int,
+    seed: int,
+    step: float = 0.0,
+) -> Minimum:
+    """Find the minimum of the curve through points, and simulate its error.
+
+    Parameters
+    ----------
+    x : array, shape (n,)
+        Log-pressures.
+    light : array, shape (n,)
+        First irradiances with levitation [W/m²].
+    span : float
+        Fraction of the points in each local fit.
+    draws, seed : int
+    step : float
+        Step in which the light was raised [W/m²], 0 for none.
+
+    Returns
+    -------
+    Minimum
+
+    Notes
+    -----
+    The curve is smoothed and its residuals are smoothed and added ("twicing"). Simulated
+    measurements have the curve found, normal scatter whose variance is drawn from the
+    distribution of the estimate, and, with steps, light raised in the same steps from a random
+    start. Their minima's errors are those of the result: taken off the irradiance, and added to
+    the pressure with another error as large as what twicing moves it by.
+    """
+    rng = np.random.default_rng(seed)
+    y = np.log(light - CENTRE * step)
+    grid = np.linspace(x.min(), x.max(), _GRID)
+    once, at_points = smoother(x, grid, span), smoother(x, x, span)
+    again = 2.0 * np.eye(x.size) - at_points
+    twice, fitted = once @ again, at_points @ again @ y
+    (place,), (value,), (edge,) = _least(grid, (twice @ y)[None])
+    (smoothed,), *_ = _least(grid, (once @ y)[None])
+    (start,), (bottom,), _ = _least(grid, (twice @ fitted)[None])
+    spread = _spreads(np.eye(x.size) - at_points @ again, y, draws, rng)
+    if step:
+        rounding = UNIFORM_SPREAD * step * np.sqrt(np.mean(np.exp(-2.0 * fitted)))
+        spread = np.sqrt(np.maximum(spread**2 - rounding**2, 0.0))
+    simulated = fitted + spread[:, None] * rng.normal(size=(draws, x.size))
+    if step:
+        simulated = _stepped(simulated, step, rng)
+    places, values, edges = _least(grid, simulated @ twice.T)
+    smoothing = abs(place - smoothed) * rng.normal(size=draws)
+    return Minimum(
+        float(place),
+        float(value),
+        int(edge),
+        place + (places - start) + smoothing,
+        value - (values - bottom),
+        edges,
+    )
+
+
+def _spreads(
+    residual: np.ndarray, y: np.ndarray, draws: int, rng: np.random.Generator
+) -> np.ndarray:
+    """Draws of the scatter about the curve, given the matrix that makes residuals."""
+    square = residual.T @ residual
+    first, second = np.trace(square), np.trace(square @ square)
+    freedom = first**2 / second
+    variance = float(y @ square @ y) / first
+    return np.asarray(np.sqrt(variance * freedom / rng.chisquare(freedom, draws)))
+
+
+def _stepped(y: np.ndarray, step: float, rng: np.random.Generator) -> np.ndarray:
+    """Log-irradiance in the middle of the steps in which each is met."""
+    start = step * rng.random((len(y), 1))
+    first = start + step * np.ceil((np.exp(y) - start) / step)
+    return np.asarray(np.log(np.maximum(first - CENTRE * step, _LEAST_LIGHT * step)))
+
+
+def _least(grid: np.ndarray, curves: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices of parabolas through the least values of curves, shape (b, m), and their edges."""
+    lowest, last = np.argmin(curves, axis=1), grid.size - 1
+    rows, inside = np.arange(len(curves)), np.clip(lowest, 1, last - 1)
+    before, here, after = (curves[rows, inside + shift] for shift in (-1, 0, 1))
+    edges = np.where(lowest == 0, -1, np.where(lowest == last, 1, 0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        way = 0.5 * (before - after) / (before - 2.0 * here + after)
+    way = np.where(np.isfinite(way), np.clip(way, -1.0, 1.0), 0.0)
+    places = grid[inside] + way * (grid[1] - grid[0])
+    values = here - 0.25 * (before - after) * way
+    at_edge = edges != 0
+    return (
+        np.where(at_edge, grid[lowest], places),
+        np.where(at_edge, curves[rows, lowest], values),
+        edges,
+    )

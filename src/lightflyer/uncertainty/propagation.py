@@ -87,6 +87,9 @@ class PredictionUncertainty:
         Altitude [m] or pressure [Pa] of the bands.
     endless : frozenset of str
         The results that are positive, and infinite in samples that have none.
+    edges : frozenset of str
+        The results that are edges of the band in which the flyer flies. First order has no band
+        for them where the flyer may not fly at all.
     low, high : dict of str to array, shape (n,)
         95 % bands of :data:`BANDS`, in SI units.
     """
@@ -100,6 +103,7 @@ class PredictionUncertainty:
     seed: int
     coordinate: np.ndarray
     endless: frozenset[str] = frozenset()
+    edges: frozenset[str] = frozenset()
     low: Table = field(default_factory=dict)
     high: Table = field(default_factory=dict)
 
@@ -129,11 +133,23 @@ class PredictionUncertainty:
                 return self.inputs.shared.get((name, other), 0.0)
         return None
 
+    @property
+    def _flies_for_certain(self) -> bool:
+        """Whether the flyer flies at its best within the 95 % band, so that there are edges."""
+        best = "best.lift_over_weight"
+        margin = self.nominal[best] - 1.0
+        return margin > _STANDARD_DEVIATIONS * self.first_order[best]
+
     def _result(self, name: str) -> dict[str, Any]:
         value, spread = self.nominal[name], self.first_order[name]
         positive = name in self.endless
-        low, high = _normal_ends(value, spread, positive=positive)
-        first_order = {"standard_uncertainty": spread, "low": float(low), "high": float(high)}
+        low, high = map(float, _normal_ends(value, spread, positive=positive))
+        linear = name not in self.edges or self._flies_for_certain
+        first_order = {
+            "standard_uncertainty": spread,
+            "low": low if linear else None,
+            "high": high if linear else None,
+        }
         result: dict[str, Any] = {"value": value, "first_order": first_order}
         if self.samples:
             result["monte_carlo"] = _central(self.sampled[name], endless=positive)
@@ -217,6 +233,7 @@ def propagate(
         seed=seed,
         coordinate=grid,
         endless=frozenset(target.name for target in targets if target.quantity == _POSITIVE),
+        edges=frozenset(target.name for target in targets if target.mover in ("lower", "upper")),
         low=bands[0],
         high=bands[1],
     )

@@ -1,0 +1,160 @@
+"""What a prediction says beside its numbers: what it assumes, and where it is not to be trusted."""
+
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.film.layered_section import LayeredFilmSection
+from lightflyer.uncertainty.inputs import uncertain_inputs
+
+FILM = {"areal_density": "1.0 g/m^2", "absorptance": 0.75, "emittance": 0.08}
+TACS = {"tac_top": 0.8, "tac_bottom": 0.9}
+
+
+def flyer_file(film=None, diameter="2 cm", **sections):
+    film = FILM | TACS if film is None else film
+    return lf.FlyerFile(flyer={"diameter": diameter}, film=film, **sections)
+
+
+def warnings_of(*args, **kwargs):
+    return " / ".join(lf.predict(flyer_file(*args, **kwargs)).warnings)
+
+
+def test_every_prediction_names_the_light_it_assumes():
+    prediction = lf.predict(flyer_file(environment={"albedo": 0.4}))
+    told = prediction.summary()["assumptions"]
+    assert any("0.4 of it (albedo)" in text for text in told)
+    assert any(text.startswith("infrared: from above 0 W/m², from below") for text in told)
+    assert prediction.dataset.attrs["assumptions"] == "; ".join(told)
+    paper = lf.predict(flyer_file(environment={"atmosphere": "lu2023"})).summary()["assumptions"]
+    assert "reflected light: none" in paper
+
+
+@pytest.mark.parametrize(
+    ("film", "says"),
+    [
+        ({"tac_top": 0.9, "tac_bottom": 0.8}, "pushes the flyer down everywhere"),
+        ({"tac_top": 0.8, "tac_bottom": 0.8}, "does not push the flyer"),
+        (TACS | {"highest_temperature": "400 K"}, r"its film bears 400 K"),
+    ],
+)
+def test_what_a_designer_must_know(film, says):
+    # in the paper's surroundings, where nothing is colder than the gas
+    environment = {"atmosphere": "lu2023"}
+    assert says in warnings_of(FILM | film, environment=environment)
+    assert says not in warnings_of(environment=environment)
+
+
+def test_the_fitted_coefficients_hold_where_they_were_fitted():
+    kwargs = {"environment": {"atmosphere": "lu2023"}}
+    assert "the diameter [m] is 0.06" in warnings_of(diameter="6 cm", **kwargs)
+    assert "the diameter" not in warnings_of(diameter="3 cm", **kwargs)
+    # others than the paper's hold where those who fitted them say
+    own = {"model": "lu2023", "c_fm": 0.5, "c_cont": 2.0}
+    assert "the diameter" not in warnings_of(diameter="6 cm", force=own, **kwargs)
+
+
+def test_the_kinetic_table_says_where_it_ends():
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.3, tac_bottom=0.35)
+    disk, model = lf.Disk(film, 0.01), lf.Kinetic()
+    state = lf.Earth().state(np.array([40e3, 80e3]))
+    texts = model.caveats(disk, state, np.array([300.0, 700.0]))
+    dense, hot, tac = texts
+    assert dense.startswith("the Knudsen number is 0.00")
+    assert "below 0.03: the kinetic table ends there" in dense
+    assert hot.startswith("T_h/T_c is 3.5")
+    assert "above 2.5" in hot
+    assert tac.startswith("the mean TAC is 0.325")
+    inside = lf.Disk(lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9), 0.01)
+    assert model.caveats(inside, lf.Earth().state(80e3), 400.0) == ()
+
+
+def index_csv(path, longest_um):
+    wavelength = np.geomspace(0.1, longest_um, 200)
+    rows = [f"{w:.6f},1.6,{0.02 + 0.01 * np.log(w) ** 2:.6f}" for w in wavelength]
+    path.write_text("wavelength [um],n,k\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    return str(path)
+
+
+def layered(path, **given):
+    layer = {"material": path, "thickness": "500 nm", "density": "1.4 g/cm^3"}
+    return {"layers": [layer], **TACS, **given}
+
+
+def test_missing_optical_data_are_in_the_band(tmp_path):
+    """Truth: the same material with data for all wavelengths, and the film at its bounds."""
+    short, whole = (index_csv(tmp_path / f"{end}.csv", end) for end in (3, 2000))
+    film = layered(short, absorptance=0.75, areal_density="1.0 g/m^2")
+    file = flyer_file(film, environment={"atmosphere": "lu2023"})
+    prediction = lf.predict(file, at=[72e3])
+    assert any(
+        text.startswith("emittance_top is computed from data for 0.")
+        for text in prediction.warnings
+    )
+    assert prediction.summary()["warnings"] == list(prediction.warnings)
+    found = lf.propagate(file, prediction=prediction, samples=300)
+    assert found.summary()["between_bounds"] == ["film.emittance_without_data"]
+    band = found.summary()["results"]["at[0].temperature_k"]["monte_carlo"]
+    full = flyer_file(film | {"layers": [film["layers"][0] | {"material": whole}]},
+                      environment={"atmosphere": "lu2023"})  # fmt: skip
+    true = float(lf.predict(full, at=[72e3]).at["temperature"][0])
+    assert band["low"] < true < band["high"]
+    bounds = LayeredFilmSection.model_validate(film).bounds()["emittance_without_data"]
+    state, model = lf.lu2023_earth().state(72e3), lf.Lu2023()
+    hot, cold = (float(lf.equilibrium(lf.Disk(end, 0.01), state, model).temperature)
+                 for end in bounds)  # fmt: skip
+    assert cold < band["low"] < cold + 0.1 * (hot - cold)
+    assert hot - 0.1 * (hot - cold) < band["high"] < hot
+
+
+def test_tacs_of_materials_have_their_errors():
+    """As if they had been written into the file with their ±."""
+    layers = {"layers": [{"material": "Al2O3", "thickness": "50 nm"},
+                         {"material": "Ge", "thickness": "20 nm"}]}  # fmt: skip
+    given = FILM | {"emittance": 0.08}
+    environment = {"atmosphere": "lu2023"}
+    implied = flyer_file(layers | given, environment=environment)
+    told = flyer_file(
+        layers | given | {"tac_top": "0.79 ± 0.05", "tac_bottom": "0.90 ± 0.05"},
+        environment=environment,
+    )
+    assert implied.uncertainties() == told.uncertainties()
+    one, other = (lf.propagate(file, samples=0).first_order for file in (implied, told))
+    assert one == other
+    assert one["best.payload_mg"] > 0.1
+
+
+def test_one_material_has_one_error():
+    """Both faces of bare germanium have the same TAC, whatever it is."""
+    film = FILM | {"layers": [{"material": "Ge", "thickness": "200 nm"}]}
+    file = flyer_file(film, environment={"atmosphere": "lu2023"})
+    pair = ("film.tac_top", "film.tac_bottom")
+    assert file.design().correlations == {pair: 1.0}
+    found = lf.propagate(file, samples=0, prediction=lf.predict(file, at=[72e3]))
+    assert found.first_order["at[0].lift_n"] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_thicknesses_go_through_to_flight():
+    """Against the flyer whose film is computed from the other thickness."""
+    layers = [{"material": "Ge", "thickness": "20 ± 1 nm"},
+              {"material": "PET", "thickness": "500 nm"}]  # fmt: skip
+    film = {"layers": layers, "extrapolation": "hold", **TACS}
+    inputs = uncertain_inputs(flyer_file(film, environment={"atmosphere": "lu2023"}).design())
+    row = inputs.names.index("film.layers.0.thickness")
+    section = LayeredFilmSection.model_validate(film)
+    state, model = lf.lu2023_earth().state(72e3), lf.Lu2023()
+
+    def exact(nanometres):
+        film = section.replaced({"layers.0.thickness": nanometres * 1e-9}).build()
+        return float(lf.payload(lf.Disk(film, 0.01), state, model))
+
+    def propagated(nanometres):
+        values = inputs.values.copy()
+        values[row] = nanometres * 1e-9
+        return float(lf.payload(inputs.build(values).flyer, state, model))
+
+    change = exact(21.0) - exact(20.0)
+    assert abs(change) > 1e-3 * abs(exact(20.0))
+    for nanometres in (19.0, 20.0, 21.0):
+        assert propagated(nanometres) == pytest.approx(exact(nanometres), rel=1e-9)
+    assert propagated(22.0) == pytest.approx(exact(22.0), abs=0.02 * abs(change))

@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -71,3 +72,70 @@ def test_points_over_altitude_are_refused(run):
     assert code == 2
     assert "the coordinate of this environment is altitude" in errors
     assert errors.count("\n") == 1
+
+
+def test_table_and_json_say_which_interval_is_which(folder, run):
+    code, _, errors = run("init", "--kind", "chamber", "flyer.toml")
+    assert code == 0, errors
+    text = (folder / "flyer.toml").read_text(encoding="utf-8")
+    for name, value in (("tac_top", 0.8), ("tac_bottom", 0.9)):
+        text = text.replace(f"{name} = {value} ", f'{name} = "{value} ± 0.03" ')
+    (folder / "flyer.toml").write_text(text, encoding="utf-8")
+    code, shown, errors = run("calibrate", "points.csv", "--flyer", "flyer.toml")
+    assert (code, errors) == (0, "")
+    assert "given inputs: the points' scatter alone" in shown
+    assert "total: also the ± of film.tac_top (30 %" in shown
+    assert "warning: no accuracy of the light meter is stated; ± 5 % is assumed" in shown
+    accuracies = "--pressure-accuracy", "5 %", "--irradiance-accuracy", "5 %"
+    code, printed, _ = run(
+        "calibrate", "points.csv", "--flyer", "flyer.toml", "--json", *accuracies
+    )
+    found = json.loads(printed)
+    low, high = found["parameters"]["c_fm"]["total_interval_95"]
+    assert low < 0.3 < 0.9 < high
+    assert found["inputs_in_total"] == [
+        "film.tac_top", "film.tac_bottom", "pressure gauge", "light meter",
+    ]  # fmt: skip
+    assert found["warnings"] == []
+
+
+def test_reads_what_the_lab_command_reads(folder, run):
+    code, _, errors = run("lab", "example", "levitation")
+    assert code == 0, errors
+    for file, says in (
+        ("levitation.csv", "rejected levitation.csv:"),
+        ("launchpads.csv", "points in ground effect are left out"),
+    ):
+        code, shown, errors = run("calibrate", file)
+        assert (code, errors) == (0, "")
+        assert f"warning: {says}" in shown or says in shown
+    code, printed, _ = run("calibrate", "launchpads.csv", "--keep-ground-effect", "--json")
+    assert json.loads(printed)["samples"] == ["Ge 2 cm on mesh", "Ge 2 cm on plate"]
+
+
+def test_the_points_of_the_documentation(folder, run):
+    page = Path(__file__).parents[2] / "docs" / "calibration.md"
+    table = page.read_text(encoding="utf-8").split("```text\n")[1].split("```")[0]
+    (folder / "points.csv").write_text(table, encoding="utf-8")
+    run("init", "--kind", "chamber", "chamber.toml")
+    code, shown, errors = run("calibrate", "points.csv", "--flyer", "chamber.toml", "--out", "fit")
+    assert (code, errors) == (0, "")
+    assert "c_fm" in shown
+    assert (folder / "fit" / "residuals.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--step", "200"], "--step: "),
+        (["--step", "9 kW/m^2"], "is not smaller than the least irradiance"),
+        (["--pressure-accuracy", "5 Pa"], "--pressure-accuracy: "),
+        (["--irradiance-accuracy", "150 %"], "irradiance_accuracy = 1.5 is not between 0 and 1"),
+    ],
+)
+def test_bad_options(folder, run, arguments, says):
+    code, _, errors = run("calibrate", "points.csv", "--out", "fit", *arguments)
+    assert code == 2
+    assert says in errors
+    assert errors.count("\n") == 1
+    assert not (folder / "fit").exists()

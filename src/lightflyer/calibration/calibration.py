@@ -18,12 +18,7 @@ import numpy as np
 from scipy.special import chdtrc, chdtri, fdtri
 
 from lightflyer.calibration import findings
-from lightflyer.calibration.inputs import (
-    IRRADIANCE_ACCURACY,
-    LIGHT_METER,
-    PRESSURE_ACCURACY,
-    PRESSURE_GAUGE,
-)
+from lightflyer.calibration.inputs import instruments
 from lightflyer.calibration.least_squares import LeastSquares
 from lightflyer.calibration.points import Points
 from lightflyer.calibration.problem import (
@@ -38,7 +33,7 @@ from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flight.design import as_design
 from lightflyer.flight.setup import Setup
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.checks import require_positive, require_range
+from lightflyer.foundation.checks import require_positive
 from lightflyer.foundation.errors import ConvergenceError, ParameterError
 
 CONFIDENCE = 0.95
@@ -196,8 +191,8 @@ def calibrate(
     model: AbstractForceModel | None = None,
     *,
     free: Sequence[str] = DEFAULT_FREE,
-    pressure_accuracy: float = PRESSURE_ACCURACY,
-    irradiance_accuracy: float = IRRADIANCE_ACCURACY,
+    pressure_accuracy: float | None = None,
+    irradiance_accuracy: float | None = None,
     scale_errors: bool = False,
 ) -> Calibration:
     """Fit numbers of a design to levitation points of one or more samples.
@@ -217,9 +212,9 @@ def calibrate(
         Parameters: names of numbers in full, such as ``"force.c_fm"``, or their last parts, such
         as ``"c_fm"`` or ``"emittance"`` (of both faces), if only one number ends so. A name alone
         is one value for all samples; ``"emittance[Ge 2 cm]"`` is that of one sample.
-    pressure_accuracy, irradiance_accuracy : float
+    pressure_accuracy, irradiance_accuracy : float, optional
         Relative standard uncertainty of the calibration of pressure gauge and light meter, which
-        moves all points together. The defaults are assumptions.
+        moves all points together. Where none is stated, a warning says what is assumed.
     scale_errors : bool
         Multiply the stated uncertainties of the points by the root of the reduced chi-squared, as
         if only their ratios were known.
@@ -260,16 +255,12 @@ def calibrate(
     >>> print(f"{fit.values[0]:.2f} {fit.values[1]:.1f}")
     0.40 3.0
     """
-    for name, accuracy in (
-        ("pressure_accuracy", pressure_accuracy),
-        ("irradiance_accuracy", irradiance_accuracy),
-    ):
-        require_range(name, accuracy, 0.0, 1.0)
     require_positive(pressure=points.pressure, irradiance=points.irradiance)
-    meters = {PRESSURE_GAUGE: pressure_accuracy, LIGHT_METER: irradiance_accuracy}
+    meters, assumed = instruments(pressure_accuracy, irradiance_accuracy)
     problem = problem_of(points, as_design(what, environment, model), free, meters)
     fit, best, spread = _solve_weighted(problem, _reachable_start(problem))
-    return _calibration(fit, best, spread, scale_errors=scale_errors)
+    found = _calibration(fit, best, spread, scale_errors=scale_errors)
+    return replace(found, warnings=(*points.warnings, *findings.of(found), *assumed))
 
 
 def _calibration(
@@ -300,7 +291,7 @@ def _calibration(
     ends = _open(ends, problem)
     both = np.hypot(ends - best[:, None], _open(inputs.ends, problem) - best[:, None])
     scale = np.outer(values, values)
-    found = Calibration(
+    return Calibration(
         problem=problem,
         values=values,
         covariance=in_logarithms * scale,
@@ -322,7 +313,6 @@ def _calibration(
         fitted=np.exp(here.value),
         warnings=(),
     )
-    return replace(found, warnings=(*points.warnings, *findings.of(found)))
 
 
 def _covariance(fit: LeastSquares, best: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 from lightflyer.calibration.points import Points
 from lightflyer.calibration.targets import Fields, Target
 from lightflyer.flight.design import AbstractDesign
+from lightflyer.foundation.checks import require_range
 from lightflyer.uncertainty.inputs import Change, Inputs, uncertain_inputs
 
 PRESSURE_GAUGE, LIGHT_METER = "pressure gauge", "light meter"
@@ -27,6 +28,46 @@ accuracy that makers state for Pirani gauges with a piezo sensor."""
 IRRADIANCE_ACCURACY = 0.05
 """Relative standard uncertainty of a light meter where none is stated: an assumption, about the
 accuracy that makers state for thermal power sensors."""
+
+
+def instruments(
+    pressure_accuracy: float | None, irradiance_accuracy: float | None
+) -> tuple[dict[str, float], tuple[str, ...]]:
+    """Accuracies of the instruments, those assumed where none are stated.
+
+    Parameters
+    ----------
+    pressure_accuracy, irradiance_accuracy : float or None
+        Relative standard uncertainty of the calibration of pressure gauge and light meter.
+
+    Returns
+    -------
+    accuracies : dict of str to float
+        By :data:`INSTRUMENTS`.
+    warnings : tuple of str
+        What was assumed.
+
+    Raises
+    ------
+    ParameterError
+        If one is not between 0 and 1.
+    """
+    for name, stated in (
+        ("pressure_accuracy", pressure_accuracy),
+        ("irradiance_accuracy", irradiance_accuracy),
+    ):
+        require_range(name, stated, 0.0, 1.0)
+    found, said = {}, []
+    for instrument, stated, usual in (
+        (PRESSURE_GAUGE, pressure_accuracy, PRESSURE_ACCURACY),
+        (LIGHT_METER, irradiance_accuracy, IRRADIANCE_ACCURACY),
+    ):
+        found[instrument] = usual if stated is None else stated
+        if stated is None:
+            said.append(
+                f"no accuracy of the {instrument} is stated; ± {100.0 * usual:g} % is assumed"
+            )
+    return found, tuple(said)
 
 
 @dataclass(frozen=True)
@@ -102,7 +143,7 @@ def fit_inputs(
     design: AbstractDesign,
     columns: Mapping[str, Target],
     index: Mapping[Fields, np.ndarray],
-    instruments: Mapping[str, float],
+    meters: Mapping[str, float],
 ) -> FitInputs:
     """Find the uncertain numbers that a fit takes as given.
 
@@ -114,7 +155,7 @@ def fit_inputs(
         What the points' columns stand for.
     index : dict of Fields to array, shape (n,)
         Number of the parameter at each point, -1 for none, of fitted numbers and columns.
-    instruments : dict of str to float
+    meters : dict of str to float
         Relative standard uncertainties, by :data:`INSTRUMENTS`.
 
     Returns
@@ -125,12 +166,12 @@ def fit_inputs(
     of_design = uncertain_inputs(design)
     own, targets, left_out = _of_design(design, of_design, replaced, index, len(points))
     samples = _of_samples(points, columns, index)
-    meters = [
+    read_by = [
         _Input(name, gain=(spread, 0.0) if name == PRESSURE_GAUGE else (0.0, spread))
-        for name, spread in instruments.items()
+        for name, spread in meters.items()
         if spread > 0.0
     ]
-    every = (*own, *samples, *meters)
+    every = (*own, *samples, *read_by)
     return FitInputs(
         inputs=every,
         correlation=_correlation(design, every, columns),

@@ -165,6 +165,18 @@ class Points:
             rows.append(f"{self.source}: the column {name} is not used{hint}")
         return (*rows, *self.notes)
 
+    @property
+    def table(self) -> Table:
+        """The points as the table that they were read from."""
+        return Table(
+            source=self.source,
+            lines=np.array(self.lines, int),
+            numbers=self.numbers,
+            texts=self.texts,
+            rejected=list(self.rejected),
+            unused=list(self.unused),
+        )
+
     def of(self, sample: str) -> np.ndarray:
         """Which points belong to a sample: bool array, shape (n,)."""
         return np.array([name == sample for name in self.samples], bool)

@@ -26,8 +26,8 @@ def calibrate_command(
     free: str = "c_fm,c_cont",
     columns: str | None = None,
     step: str | None = None,
-    pressure_accuracy: str = "5 %",
-    irradiance_accuracy: str = "5 %",
+    pressure_accuracy: str | None = None,
+    irradiance_accuracy: str | None = None,
     scale_errors: Annotated[bool, Parameter(negative=())] = False,
     keep_ground_effect: Annotated[bool, Parameter(negative=())] = False,
     out: Path | None = None,
@@ -62,10 +62,10 @@ def calibrate_command(
         Step in which the light was raised until the sample lifted off, such as "200 W/m^2": what
         suffices lies within the last one.
     pressure_accuracy
-        Relative standard uncertainty of the pressure gauge's calibration, common to all points;
-        the default is an assumption.
+        Relative standard uncertainty of the pressure gauge's calibration, common to all points,
+        such as "0.5 %". Default: 5 %, assumed.
     irradiance_accuracy
-        The same of the light meter.
+        The same of the light meter. Default: 5 %, assumed.
     scale_errors
         Multiply the stated uncertainties of the points by the root of the reduced chi-squared.
     keep_ground_effect
@@ -98,8 +98,8 @@ def calibrate_command(
         points,
         design,
         free=names,
-        pressure_accuracy=quantity("--pressure-accuracy", pressure_accuracy, "").value,
-        irradiance_accuracy=quantity("--irradiance-accuracy", irradiance_accuracy, "").value,
+        pressure_accuracy=accuracy("--pressure-accuracy", pressure_accuracy),
+        irradiance_accuracy=accuracy("--irradiance-accuracy", irradiance_accuracy),
         scale_errors=scale_errors,
     )
     drawn = _draw(fit, samples, seed) if posterior else None
@@ -221,6 +221,22 @@ def _explained(fit: "Calibration") -> list[str]:
 def _percentages(shares: Any) -> str:
     """Relative standard uncertainty of each parameter by one input."""
     return ", ".join(f"{100.0 * share:.2g} %" for share in shares)
+
+
+def accuracy(option: str, text: str | None) -> float | None:
+    """An instrument's accuracy such as "5 %", None where none is given.
+
+    Parameters
+    ----------
+    option : str
+        Name of the option, for messages.
+    text : str or None
+
+    Returns
+    -------
+    float or None
+    """
+    return None if text is None else quantity(option, text, "").value
 
 
 def interval_text(low: float, high: float) -> str:

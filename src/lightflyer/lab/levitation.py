@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.calibration.findings import step_warning
-from lightflyer.calibration.inputs import IRRADIANCE_ACCURACY, PRESSURE_ACCURACY
+from lightflyer.calibration.inputs import instruments
 from lightflyer.calibration.steps import CENTRE, found_step, require_step
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ConfigurationError
@@ -107,8 +107,8 @@ def levitation_curve(
     draws: int = DRAWS,
     seed: int = 0,
     step: float = 0.0,
-    pressure_accuracy: float = PRESSURE_ACCURACY,
-    irradiance_accuracy: float = IRRADIANCE_ACCURACY,
+    pressure_accuracy: float | None = None,
+    irradiance_accuracy: float | None = None,
 ) -> LevitationCurve:
     r"""Fit a LOESS curve to a sample's points, and find its minimum.
 
@@ -125,9 +125,9 @@ def levitation_curve(
     step : float
         Step in which the light was raised until the sample lifted off [W/m²], 0 where it was
         raised steadily.
-    pressure_accuracy, irradiance_accuracy : float
-        Relative standard uncertainty of the calibration of pressure gauge and light meter; the
-        defaults are assumptions.
+    pressure_accuracy, irradiance_accuracy : float, optional
+        Relative standard uncertainty of the calibration of pressure gauge and light meter. Where
+        none is stated, a warning says what is assumed.
 
     Returns
     -------
@@ -151,8 +151,7 @@ def levitation_curve(
     """
     require_range("span", span, 0.1, 1.0)
     require_range("draws", draws, 100)
-    require_range("pressure_accuracy", pressure_accuracy, 0.0, 1.0)
-    require_range("irradiance_accuracy", irradiance_accuracy, 0.0, 1.0)
+    accuracies, assumed = instruments(pressure_accuracy, irradiance_accuracy)
     _require_enough(points)
     require_step(step, points.irradiance, points.place)
     loess = extra("skmisc.loess", "smoothing levitation points", "lab").loess
@@ -166,7 +165,7 @@ def levitation_curve(
     predicted = fitted.predict(grid, stderror=True)
     band = predicted.confidence(1.0 - BAND_CONFIDENCE)
     least = minimum(x, points.irradiance, span=span, draws=draws, seed=seed, step=step)
-    pressure, irradiance = _estimates(least, (pressure_accuracy, irradiance_accuracy), seed)
+    pressure, irradiance = _estimates(least, tuple(accuracies.values()), seed)
     return LevitationCurve(
         points=points,
         optimal_pressure=pressure,
@@ -178,12 +177,12 @@ def levitation_curve(
         upper=np.exp(band.upper),
         draws=np.stack([least.places, least.values], axis=1),
         step=step,
-        warnings=_findings(points, least, pressure, step),
+        warnings=(*_findings(points, least, pressure, step), *assumed),
     )
 
 
 def _estimates(
-    least: Minimum, accuracies: tuple[float, float], seed: int
+    least: Minimum, accuracies: tuple[float, ...], seed: int
 ) -> tuple[Estimate, Estimate]:
     """Optimal pressure and minimum irradiance, the instruments' calibration included."""
     rng = np.random.default_rng([seed, len(least.places)])
@@ -312,12 +311,26 @@ def summary(curves: Sequence[LevitationCurve]) -> dict[str, Any]:
             }
             for curve in curves
         },
-        "warnings": [text for curve in curves for text in curve.warnings],
+        "warnings": warnings_of(curves),
         "comparisons": [
             {"a": one.first, "b": one.second, "reduction": one.reduction.to_json()}
             for one in compare(curves)
         ],
     }
+
+
+def warnings_of(curves: Sequence[LevitationCurve]) -> list[str]:
+    """Warnings of all samples, each once.
+
+    Parameters
+    ----------
+    curves : sequence of LevitationCurve
+
+    Returns
+    -------
+    list of str
+    """
+    return list(dict.fromkeys(text for curve in curves for text in curve.warnings))
 
 
 def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.Dataset":
@@ -361,7 +374,7 @@ def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.D
             "upper": nodes("upper", "W m-2", "upper end of the 99 % band"),
         },
         files,
-        warnings=[text for curve in curves for text in curve.warnings],
+        warnings=warnings_of(curves),
         samples=", ".join(names),
     )
 

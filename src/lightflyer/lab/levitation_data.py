@@ -12,6 +12,7 @@ from lightflyer.calibration.points import (
     read_points,
 )
 from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.table import Table
 
 COLUMNS = LEVITATION_COLUMNS
 """Columns of a file of levitation points, the same as for a calibration."""
@@ -54,9 +55,7 @@ class LiftOffs:
         return gap is not None and diameter is not None and gap < diameter
 
 
-def read_lift_offs(
-    path: str | Path, *, columns: str | None = None
-) -> tuple[list[LiftOffs], Points]:
+def read_lift_offs(path: str | Path, *, columns: str | None = None) -> tuple[list[LiftOffs], Table]:
     """Read levitation points, by :func:`~lightflyer.calibration.points.read_points`.
 
     Parameters
@@ -73,8 +72,8 @@ def read_lift_offs(
     -------
     samples : list of LiftOffs
         One for every sample on every launchpad.
-    points : Points
-        All points as they were read, with the rejected rows.
+    table : Table
+        Table that was read, with its rejected rows.
 
     Raises
     ------
@@ -82,7 +81,7 @@ def read_lift_offs(
         One line that names file and line.
     """
     points = read_points(path, columns=columns)
-    return [_sample(points, name) for name in dict.fromkeys(points.samples)], points
+    return [_sample(points, name) for name in dict.fromkeys(points.samples)], points.table
 
 
 def _sample(points: Points, name: str) -> LiftOffs:

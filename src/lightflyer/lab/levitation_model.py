@@ -60,7 +60,8 @@ def calibrate_curves(
     what: Any,
     *,
     keep_ground_effect: bool = False,
-    **options: float,
+    pressure_accuracy: float | None = None,
+    irradiance_accuracy: float | None = None,
 ) -> Calibration:
     """Fit the force coefficients to the points of all samples.
 
@@ -71,8 +72,8 @@ def calibrate_curves(
         Flyer, chamber and model to start from; a file's ± go into the total intervals.
     keep_ground_effect : bool
         Fit the points in ground effect too; otherwise a warning names what was left out.
-    **options
-        Accuracies of :func:`~lightflyer.calibration.calibration.calibrate`.
+    pressure_accuracy, irradiance_accuracy : float, optional
+        Relative standard uncertainty of the calibration of pressure gauge and light meter.
 
     Returns
     -------
@@ -97,7 +98,12 @@ def calibrate_curves(
         },
         step=max(curve.step for curve in curves),
     )
-    return calibrate(whole.without_ground_effect(), what, **options)
+    return calibrate(
+        whole.without_ground_effect(),
+        what,
+        pressure_accuracy=pressure_accuracy,
+        irradiance_accuracy=irradiance_accuracy,
+    )
 
 
 def _points(curve: LevitationCurve, *, keep_ground_effect: bool) -> Points:

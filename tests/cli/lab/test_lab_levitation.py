@@ -51,6 +51,12 @@ def test_launchpads_are_compared_and_the_near_floor_named(examples, lab):
         ("pressure [Pa]\n1\n", [], "raw.csv:1: the column irradiance is missing"),
         ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--span", "3"], "span = 3 is not between"),
         ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--calibrate"], "--flyer"),
+        ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--step", "2 Pa"], "--step: "),
+        (
+            "pressure [Pa],irradiance [W/m^2]\n" + "".join(f"{p},900\n" for p in range(1, 10)),
+            ["--step", "1 kW/m^2"],
+            "step = 1000 W/m^2 is not smaller than the least irradiance, 900 W/m^2",
+        ),
         ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--update", "a.toml"], "--calibrate"),
     ],
 )
@@ -60,3 +66,20 @@ def test_bad_input(folder, lab, text, arguments, says):
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert says in err
     assert not (folder / "o").exists()
+
+
+def test_steps_in_the_record(folder, lab):
+    rows = [f"{2 + i},{200 * (6 + (i - 4) ** 2)}" for i in range(10)]
+    text = "\n".join(["pressure [Pa],irradiance [W/m^2]", *rows]) + "\n"
+    (folder / "raw.csv").write_text(text, encoding="utf-8")
+    code, out, err = lab("levitation", "raw.csv", "--draws", "200")
+    assert (code, err) == (0, "")
+    assert "warning: the irradiances of raw lie on steps of 200 W/m^2" in out
+    code, out, err = lab(
+        "levitation", "raw.csv", "--draws", "200", "--step", "200 W/m^2", "--json", "--out", "o"
+    )
+    found = json.loads(out)
+    assert found["samples"]["raw"]["step"] == 200.0
+    assert not any("steps" in text for text in found["warnings"])
+    with xr.open_dataset(folder / "o" / "levitation.nc", engine="h5netcdf") as record:
+        assert record.attrs["warnings"] == "; ".join(found["warnings"])

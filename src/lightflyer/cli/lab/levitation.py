@@ -9,6 +9,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
+from lightflyer.cli.calibrate import accuracy, interval_text
 from lightflyer.cli.lab._shared import (
     Files,
     Json,
@@ -39,8 +40,8 @@ def levitation_command(
     *,
     columns: str | None = None,
     step: str | None = None,
-    pressure_accuracy: str = "5 %",
-    irradiance_accuracy: str = "5 %",
+    pressure_accuracy: str | None = None,
+    irradiance_accuracy: str | None = None,
     span: float = 0.75,
     draws: int = 2000,
     seed: int = 0,
@@ -68,10 +69,10 @@ def levitation_command(
         Step in which the light was raised until the sample lifted off, such as "200 W/m^2": what
         suffices lies within the last one. Default: it was raised steadily.
     pressure_accuracy
-        Relative standard uncertainty of the pressure gauge's calibration, common to all points;
-        the default is an assumption.
+        Relative standard uncertainty of the pressure gauge's calibration, common to all points,
+        such as "0.5 %". Default: 5 %, assumed.
     irradiance_accuracy
-        The same of the light meter.
+        The same of the light meter. Default: 5 %, assumed.
     span
         Fraction of a sample's points in each local fit.
     draws
@@ -104,8 +105,8 @@ def levitation_command(
         raise ConfigurationError("--calibrate starts from a flyer; name its file by --flyer")
     read = [read_lift_offs(file, columns=columns) for file in files]
     accuracies = {
-        "pressure_accuracy": quantity("--pressure-accuracy", pressure_accuracy, "").value,
-        "irradiance_accuracy": quantity("--irradiance-accuracy", irradiance_accuracy, "").value,
+        "pressure_accuracy": accuracy("--pressure-accuracy", pressure_accuracy),
+        "irradiance_accuracy": accuracy("--irradiance-accuracy", irradiance_accuracy),
     }
     light_step = 0.0 if step is None else quantity("--step", step, "W/m^2").value
     curves = [
@@ -122,7 +123,7 @@ def levitation_command(
     values: dict[tuple[str, str], Estimate] = {}
     if fit is not None:
         document["calibration"] = fit.summary()
-        document["warnings"] = [*document["warnings"], *fit.warnings]
+        document["warnings"] = list(dict.fromkeys([*document["warnings"], *fit.warnings]))
         values = _coefficients(fit)
     written, updated = write_record(
         out, "levitation", document, levitation.to_dataset(curves, [t.source for t in tables]),
@@ -156,7 +157,7 @@ def _models(
     *,
     calibrate: bool,
     keep_ground_effect: bool,
-    **accuracies: float,
+    **accuracies: float | None,
 ) -> tuple[dict[str, Any], "Calibration | None"]:
     """Curves of the model and of the calibrated model, by label."""
     if flyer is None:
@@ -195,7 +196,6 @@ def _coefficients(fit: "Calibration") -> dict[tuple[str, str], "Estimate"]:
 
 
 def _show_fit(console: Console, fit: "Calibration") -> None:
-    from lightflyer.cli.calibrate import interval_text
 
     for row, name in enumerate(fit.names):
         console.print(
@@ -220,7 +220,6 @@ def _figures(
 
 
 def _show(console: Console, curves: "Sequence[LevitationCurve]") -> None:
-    from lightflyer.cli.calibrate import interval_text
     from lightflyer.lab.levitation import compare
 
     table = Table(box=None, padding=(0, 1))

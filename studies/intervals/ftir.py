@@ -62,7 +62,9 @@ CASES = (
     Case("noise only, Happ-Genzel, zero-filled twice", 2, _HAPP_GENZEL, 0.0),
     Case("Happ-Genzel, zero-filled twice, accuracy 1e-4", 2, _HAPP_GENZEL, 1e-4),
     Case("Happ-Genzel, zero-filled twice, accuracy 1 %", 2, _HAPP_GENZEL, 0.01),
-    Case("three repeats, accuracy 1e-4", 2, _HAPP_GENZEL, 1e-4, 3),
+    Case("three repeats, noise only", 2, _HAPP_GENZEL, 0.0, 3),
+    Case("three repeats, accuracy 1 %", 2, _HAPP_GENZEL, 0.01, 3),
+    Case("three repeats, scatter like accuracy", 2, _HAPP_GENZEL, 6e-5, 3),
 )  # fmt: skip
 
 

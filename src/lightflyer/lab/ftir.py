@@ -11,7 +11,7 @@ upper bound of the emissivity, not its value.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.special import ndtri
@@ -48,6 +48,7 @@ background and sample, a film's wrinkles, and light reflected between film and i
 ONE_SIDED_FACTOR = float(ndtri(CONFIDENCE))
 """One-sided 95 % limit of a normal variable, in standard deviations."""
 
+_BAND_MEAN = "over the band"
 _WIDEST_STEP = 1.0  # of hcν/kT in one piece of the quadrature
 _NODES, _FEW_NODES = 8, 2  # Gauss-Legendre, per piece
 _FINE = 50_000  # points above which a spectrum is fine enough for few nodes
@@ -179,10 +180,29 @@ def _by_temperature(estimates: dict[float, Estimate]) -> dict[str, Any]:
     return {f"{temperature:g}": one.to_json() for temperature, one in estimates.items()}
 
 
-def _remainder(parts: Sequence[Estimate]) -> Estimate:
-    """One minus the parts, with independent errors."""
-    half = float(np.sqrt(sum((one.interval[1] - one.value) ** 2 for one in parts)))
-    return Estimate.covering(1.0 - sum(one.value for one in parts), half)
+class _Share(NamedTuple):
+    """A mean share with its standard uncertainties, not yet cut at what is possible."""
+
+    value: float
+    random: float
+    freedom: float  # degrees of freedom of the random part
+    accuracy: float
+
+    def estimate(self) -> Estimate:
+        half = np.hypot(student_factor(self.freedom) * self.random, NORMAL_FACTOR * self.accuracy)
+        return Estimate.covering(self.value, float(half))
+
+
+def _remainder(parts: Sequence[_Share]) -> _Share:
+    """One minus the parts, with independent errors; degrees of freedom after Welch."""
+    variances = np.array([part.random**2 for part in parts])
+    lost = sum(one**2 / part.freedom for one, part in zip(variances, parts, strict=True))
+    return _Share(
+        1.0 - sum(part.value for part in parts),
+        float(np.sqrt(variances.sum())),
+        float(variances.sum() ** 2 / lost) if lost > 0.0 else np.inf,
+        float(np.sqrt(sum(part.accuracy**2 for part in parts))),
+    )
 
 
 def reduce_ftir(
@@ -225,7 +245,8 @@ def reduce_ftir(
     The interval of one spectrum includes its noise, whose correlation along the spectrum is
     estimated (:mod:`lightflyer.lab.spectrum_noise`), and the accuracy; that of several includes the
     scatter of their means with Student's factor, and the accuracy. Transmittance and reflectance
-    have independent errors.
+    have independent errors. With two or three repeats whose scatter is comparable with the accuracy
+    the interval is wider than it need be.
     """
     used = DEFAULT_ACCURACY if accuracy is None else accuracy
     _check(spectra, reflectances, band, temperatures, used)
@@ -243,10 +264,7 @@ def reduce_ftir(
         for group in (spectra, reflectances)
         if group
     ]
-    rest = Averages(
-        _remainder([one.band for one in raw]),
-        {t: _remainder([one.planck[t] for one in raw]) for t in heat},
-    )
+    rest = {where: _remainder([one[where] for one in raw]) for where in raw[0]}
     bounds, unsaid = Bounds(), Bounds()
     transmittance = _cut(bounds, "transmittance", raw[0])
     reflectance = _cut(bounds, "reflectance", raw[1]) if reflectances else None
@@ -259,7 +277,9 @@ def reduce_ftir(
         transmittance=transmittance,
         reflectance=reflectance,
         emissivity=emissivity.band if reflectances else None,
-        upper_bound=unsaid.cut("emissivity", "over the band", _remainder([raw[0].band])),
+        upper_bound=unsaid.cut(
+            "emissivity", _BAND_MEAN, _remainder([raw[0][_BAND_MEAN]]).estimate()
+        ),
         planck_emissivity=emissivity.planck,
         uncovered_band=uncovered_band,
         uncovered=uncovered,
@@ -298,29 +318,28 @@ def _averages(
     measured: tuple[float, float],
     temperatures: Sequence[float],
     accuracy: float,
-) -> Averages:
-    """Averages of repeated spectra, not yet cut at what is possible."""
+) -> dict[str | float, _Share]:
+    """Means of repeated spectra over the band, and by temperature."""
     densities = [noise_density(one.value) for one in group]
     noisy = list(zip(group, densities, strict=True))
-    return Averages(
-        _combined([_band_mean(one, noise, band) for one, noise in noisy], accuracy),
-        {
-            temperature: _combined(
-                [_planck_mean(one, noise, measured, temperature) for one, noise in noisy], accuracy
-            )
-            for temperature in temperatures
-        },
-    )
+    found: dict[str | float, _Share] = {
+        _BAND_MEAN: _combined([_band_mean(one, noise, band) for one, noise in noisy], accuracy)
+    }
+    for temperature in temperatures:
+        means = [_planck_mean(one, noise, measured, temperature) for one, noise in noisy]
+        found[temperature] = _combined(means, accuracy)
+    return found
 
 
-def _cut(bounds: Bounds, quantity: str, averages: Averages) -> Averages:
-    return Averages(
-        bounds.cut(quantity, "over the band", averages.band),
-        {
-            temperature: bounds.cut(quantity, f"at {temperature:g} K", one)
-            for temperature, one in averages.planck.items()
-        },
-    )
+def _cut(bounds: Bounds, quantity: str, shares: dict[str | float, _Share]) -> Averages:
+    """Estimates of the shares, cut at what is possible."""
+    band = bounds.cut(quantity, _BAND_MEAN, shares[_BAND_MEAN].estimate())
+    planck = {
+        where: bounds.cut(quantity, f"at {where:g} K", share.estimate())
+        for where, share in shares.items()
+        if not isinstance(where, str)
+    }
+    return Averages(band, planck)
 
 
 def _uncovered_band(band: tuple[float, float], low: float, high: float, source: str) -> float:
@@ -430,17 +449,13 @@ def _planck_mean(
     return _mean(planck_weights(wavenumber, temperature, nodes), value, density)
 
 
-def _combined(means: Sequence[tuple[float, float]], accuracy: float) -> Estimate:
+def _combined(means: Sequence[tuple[float, float]], accuracy: float) -> _Share:
     """Mean of repeats, with the scatter of the means or the noise of the only one."""
     values = np.array([mean for mean, _ in means])
     if len(values) == 1:
-        random = NORMAL_FACTOR * means[0][1]
-    else:
-        scatter = float(values.std(ddof=1) / np.sqrt(len(values)))
-        random = student_factor(len(values) - 1) * scatter
-    return Estimate.covering(
-        float(values.mean()), float(np.hypot(random, NORMAL_FACTOR * accuracy))
-    )
+        return _Share(float(values[0]), means[0][1], np.inf, accuracy)
+    scatter = float(values.std(ddof=1) / np.sqrt(len(values)))
+    return _Share(float(values.mean()), scatter, len(values) - 1, accuracy)
 
 
 def to_dataset(result: Ftir) -> "xr.Dataset":

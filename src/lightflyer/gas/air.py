@@ -1,6 +1,7 @@
 """Air: by reference correlations, as in the US Standard Atmosphere 1976, and as in the paper."""
 
 import math
+from collections.abc import Callable
 from typing import ClassVar
 
 import jax.numpy as jnp
@@ -27,9 +28,8 @@ def _power(base: Numeric, exponent: float, unit: float = 1.0) -> Array:
 _VISCOSITY_SCALE = 0.0266958e-6  # [Pa s nm² (mol/(g K))^(1/2)]
 _MOLAR_MASS = 28.9586  # [g/mol]
 _DIAMETER = 0.360  # [nm]
-_LOG_ENERGY = math.log(103.3)  # [K]
-_COLLISION = (-0.00331, 0.005341, 0.08406, -0.4623, 0.431)  # highest power first
-_LOG_VISCOSITY = math.log(_VISCOSITY_SCALE * math.sqrt(_MOLAR_MASS) / _DIAMETER**2)
+_ENERGY = 103.3  # [K]
+_COLLISION = (0.431, -0.4623, 0.08406, 0.005341, -0.00331)
 _MICROPASCAL_SECOND, _MILLIWATT = 1e-6, 1e-3
 _CRITICAL_TEMPERATURE = 132.6312  # [K]
 _CONDUCTIVITY = (1.308, 1.405, -1.036)  # of the viscosity and of two powers of T/T_c
@@ -42,13 +42,11 @@ _ROOT = 0.223806688  # of T^-1.5
 _VIBRATIONS = ((0.791309509, 3364.011), (0.212236768, 2242.45))  # weights, temperatures [K]
 _HIGHER, _HIGHER_TEMPERATURE, _HIGHER_RATIO = 0.197938904, 11580.4, 2.0 / 3.0
 
-_COLDEST, _HOTTEST = 60.0, 2000.0  # range of [Lemmon2000] [K]
-_MIDDLE = 600.0  # [K]; T/(T + middle) is what the fit below is a polynomial of
-_DEGREE = 12
+_COLDEST, _HOTTEST = 60.0, 2000.0  # range of both sources [K]
 
 
-def reference_heat_capacity(temperature: np.ndarray) -> np.ndarray:
-    """Isobaric heat capacity of ideal air over its gas constant, as published.
+def reference_viscosity(temperature: np.ndarray) -> np.ndarray:
+    """Viscosity of dilute air as published [Pa s]; [LemmonJacobsen2004]_.
 
     Parameters
     ----------
@@ -58,11 +56,41 @@ def reference_heat_capacity(temperature: np.ndarray) -> np.ndarray:
     Returns
     -------
     array, shape (...)
-        [1].
+    """
+    collision = np.exp(np.polynomial.polynomial.polyval(np.log(temperature / _ENERGY), _COLLISION))
+    return _VISCOSITY_SCALE * np.sqrt(_MOLAR_MASS * temperature) / (_DIAMETER**2 * collision)
 
-    References
+
+def reference_conductivity(temperature: np.ndarray) -> np.ndarray:
+    """Thermal conductivity of dilute air as published [W/(m K)]; [LemmonJacobsen2004]_.
+
+    Parameters
     ----------
-    [Lemmon2000]_.
+    temperature : array, shape (...)
+        [K].
+
+    Returns
+    -------
+    array, shape (...)
+    """
+    of_viscosity, *scales = _CONDUCTIVITY
+    total = of_viscosity * reference_viscosity(temperature) / _MICROPASCAL_SECOND
+    for scale, exponent in zip(scales, _EXPONENTS, strict=True):
+        total = total + scale * (temperature / _CRITICAL_TEMPERATURE) ** exponent
+    return _MILLIWATT * total
+
+
+def reference_heat_capacity(temperature: np.ndarray) -> np.ndarray:
+    """Isobaric heat capacity of ideal air over its gas constant as published [1]; [Lemmon2000]_.
+
+    Parameters
+    ----------
+    temperature : array, shape (...)
+        [K].
+
+    Returns
+    -------
+    array, shape (...)
     """
     total = np.polynomial.polynomial.polyval(temperature, _POLYNOMIAL) + _ROOT / temperature**1.5
     for weight, characteristic in _VIBRATIONS:
@@ -73,22 +101,35 @@ def reference_heat_capacity(temperature: np.ndarray) -> np.ndarray:
     return total + _HIGHER * ratio**2 * share / (1.0 + share) ** 2
 
 
-def _fitted_heat_capacity() -> np.ndarray:
-    """Coefficients of a polynomial that follows the published formula, highest power first.
+_MIDDLE = 600.0  # [K]
+_DEGREE = 12
 
-    With its exponentials the formula itself would make a heat balance a quarter slower.
+
+def _followed(formula: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Coefficients of a polynomial in T/(T + middle) that follows a formula, highest power first.
+
+    The formulas have seven exponentials and powers; a heat balance, which evaluates them in every
+    step, would take a quarter longer.
     """
     ends = np.array([_COLDEST, _HOTTEST])
-    low, high = ends / (ends + _MIDDLE)
-
-    def formula(share: np.ndarray) -> np.ndarray:
-        return reference_heat_capacity(_MIDDLE * share / (1.0 - share))
-
-    fit = np.polynomial.Chebyshev.interpolate(formula, _DEGREE, domain=[low, high])
+    fit = np.polynomial.Chebyshev.interpolate(
+        lambda share: formula(_MIDDLE * share / (1.0 - share)),
+        _DEGREE,
+        domain=ends / (ends + _MIDDLE),
+    )
     return fit.convert(kind=np.polynomial.Polynomial).coef[::-1]
 
 
-_HEAT_CAPACITY = _fitted_heat_capacity()
+# of the transport properties without the root of T, with which they continue beyond the range
+_VISCOSITY_FIT = _followed(lambda kelvin: reference_viscosity(kelvin) / np.sqrt(kelvin))
+_CONDUCTIVITY_FIT = _followed(lambda kelvin: reference_conductivity(kelvin) / np.sqrt(kelvin))
+_HEAT_CAPACITY_FIT = _followed(reference_heat_capacity)
+
+
+def _evaluated(fit: np.ndarray, temperature: Numeric) -> Array:
+    """Polynomial of :func:`_followed`; beyond the range of the sources its value at the end."""
+    within = jnp.clip(temperature, _COLDEST, _HOTTEST)
+    return jnp.polyval(jnp.asarray(fit), within / (within + _MIDDLE))
 
 
 class Air(AbstractGas):
@@ -113,8 +154,9 @@ class Air(AbstractGas):
 
     Notes
     -----
-    The sources hold up to 2000 K, the heat capacity from 60 K up. Beyond, viscosity and
-    conductivity are their formulas' continuation, and the heat capacity stays as it is there.
+    The sources hold from 60 K to 2000 K; there the published formulas are followed to 1e-5. Beyond,
+    viscosity and conductivity grow with the root of the temperature, as those of hard spheres do,
+    and the heat capacity stays as it is at the end.
 
     References
     ----------
@@ -135,30 +177,17 @@ class Air(AbstractGas):
     @entry_point
     def viscosity(self, temperature: Numeric) -> Array:
         """Dynamic viscosity [Pa s]."""
-        logarithm = jnp.log(temperature)
-        collision = jnp.polyval(jnp.asarray(_COLLISION), logarithm - _LOG_ENERGY)
-        return jnp.exp(_LOG_VISCOSITY + 0.5 * logarithm - collision)
+        return jnp.sqrt(temperature) * _evaluated(_VISCOSITY_FIT, temperature)
 
     @entry_point
     def conductivity(self, temperature: Numeric) -> Array:
         """Thermal conductivity [W/(m K)]."""
-        of_viscosity, *scales = _CONDUCTIVITY
-        internal = sum(
-            scale * _power(temperature, exponent, _CRITICAL_TEMPERATURE)
-            for scale, exponent in zip(scales, _EXPONENTS, strict=True)
-        )
-        viscosity = self.viscosity(temperature) / _MICROPASCAL_SECOND
-        return _MILLIWATT * (of_viscosity * viscosity + internal)
+        return jnp.sqrt(temperature) * _evaluated(_CONDUCTIVITY_FIT, temperature)
 
     @entry_point
     def heat_capacity(self, temperature: Numeric) -> Array:
-        """Isobaric heat capacity of the ideal gas, vibrations included [J/(kg K)].
-
-        Within 1e-5 of [Lemmon2000]_ from 60 K to 2000 K; outside, the value at the end.
-        """
-        within = jnp.clip(temperature, _COLDEST, _HOTTEST)
-        per_constant = jnp.polyval(jnp.asarray(_HEAT_CAPACITY), within / (within + _MIDDLE))
-        return self.specific_gas_constant * per_constant
+        """Isobaric heat capacity of the ideal gas, vibrations included [J/(kg K)]."""
+        return self.specific_gas_constant * _evaluated(_HEAT_CAPACITY_FIT, temperature)
 
 
 class US1976Air(AbstractGas):

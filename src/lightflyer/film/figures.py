@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
 
+from lightflyer.film.integration import data_range
 from lightflyer.film.materials import MICROMETRE
 from lightflyer.film.spectra import Spectrum, am0, planck
 from lightflyer.film.summary import SPECTRUM_RANGE, FilmSummary
@@ -55,6 +56,19 @@ def _shade_light(ax: Axes, light: Spectrum, colour: str) -> None:
     _shade(ax, light.wavelength[inside], light.irradiance[inside], light.name, colour)
 
 
+def _mark_extrapolated(ax: Axes, summary: FilmSummary) -> None:
+    """Hatch the wavelengths drawn at which a material has no data."""
+    drawn = summary.wavelength[[0, -1]]
+    data = data_range(summary.film)
+    label: str | None = "optical data extrapolated"
+    for left, right in ((drawn[0], min(data[0], drawn[1])), (max(data[1], drawn[0]), drawn[1])):
+        if right > left:
+            ends = left / MICROMETRE, right / MICROMETRE
+            ax.axvspan(*ends, facecolor="none", edgecolor=GREY, hatch="//", lw=0, alpha=0.4,
+                       label=label)  # fmt: skip
+            label = None
+
+
 def draw_spectra(summary: FilmSummary, ax: Axes) -> Axes:
     """Draw reflectance, transmittance and absorptance with the light and heat radiation.
 
@@ -75,6 +89,7 @@ def draw_spectra(summary: FilmSummary, ax: Axes) -> Axes:
         label = f"black body, {temperature:g} K"
         _shade(ax, wide, planck(wide, temperature), label, colour)
     micrometres, optics = summary.wavelength / MICROMETRE, summary.optics
+    _mark_extrapolated(ax, summary)
     ax.plot(micrometres, optics.reflectance, color=BLUE, ls="--", label="reflectance")
     ax.plot(micrometres, optics.transmittance, color=GREEN, ls="-.", label="transmittance")
     ax.plot(micrometres, optics.absorptance, color=VERMILION, label="absorptance")
@@ -103,6 +118,7 @@ def draw_layers(summary: FilmSummary, ax: Axes) -> Axes:
     colours = [_LAYER_COLOURS[index % len(_LAYER_COLOURS)] for index in range(len(labels))]
     parts = summary.optics.layer_absorptance
     ax.stackplot(summary.wavelength / MICROMETRE, parts, labels=labels, colors=colours, lw=0)
+    _mark_extrapolated(ax, summary)
     _wavelength_axis(ax)
     ax.set_ylabel("absorptance, normal incidence on top [1]")
     ax.legend(title="layers, top to bottom", fontsize="small", loc="upper right")

@@ -216,8 +216,11 @@ def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
 
 
 def _span(band: dict[str, Any] | None) -> str:
-    if band is None or band["low"] is None:
+    if band is None:
         return "–"
+    if band["low"] is None:
+        spread = band.get("standard_uncertainty")
+        return "–" if spread is None else f"± {spread:.3g}"
     high = "∞" if band["high"] is None else f"{band['high']:.4g}"
     return f"{band['low']:.4g} to {high}"
 

@@ -88,8 +88,8 @@ class PredictionUncertainty:
     endless : frozenset of str
         The results that are positive, and infinite in samples that have none.
     edges : frozenset of str
-        The results that are edges of the band in which the flyer flies. First order has no band
-        for them where the flyer may not fly at all.
+        The results that are edges of the band in which the flyer flies. First order has no 95 %
+        band for them: how far they are from linear depends on the margin, which is uncertain too.
     low, high : dict of str to array, shape (n,)
         95 % bands of :data:`BANDS`, in SI units.
     """
@@ -133,18 +133,11 @@ class PredictionUncertainty:
                 return self.inputs.shared.get((name, other), 0.0)
         return None
 
-    @property
-    def _flies_for_certain(self) -> bool:
-        """Whether the flyer flies at its best within the 95 % band, so that there are edges."""
-        best = "best.lift_over_weight"
-        margin = self.nominal[best] - 1.0
-        return margin > _STANDARD_DEVIATIONS * self.first_order[best]
-
     def _result(self, name: str) -> dict[str, Any]:
         value, spread = self.nominal[name], self.first_order[name]
         positive = name in self.endless
         low, high = map(float, _normal_ends(value, spread, positive=positive))
-        linear = name not in self.edges or self._flies_for_certain
+        linear = name not in self.edges
         first_order = {
             "standard_uncertainty": spread,
             "low": low if linear else None,
@@ -300,7 +293,16 @@ def _central(drawn: np.ndarray, *, endless: bool) -> dict[str, Any]:
     known = np.isfinite(drawn)
     counted = np.where(known, drawn, np.inf) if endless else drawn[known]
     levels = (COVERAGE[0], 50.0, COVERAGE[1])
-    ends = np.percentile(counted, levels, method="nearest") if counted.size else np.full(3, np.nan)
+    ends = np.full(3, np.nan)
+    if (
+        counted.size
+    ):  # outwards to the next sample, for a finite number of them knows the ends badly
+        ends = np.array(
+            [
+                np.percentile(counted, level, method=method)
+                for level, method in zip(levels, ("lower", "nearest", "higher"), strict=True)
+            ]
+        )
     low, median, high = (float(end) if np.isfinite(end) else None for end in ends)
     share = float(known.mean())
     return {"low": low, "median": median, "high": high, "share_of_samples": share}

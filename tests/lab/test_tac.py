@@ -15,6 +15,7 @@ from lightflyer.gas.base import knudsen_number
 from lightflyer.lab import tac, tac_problem
 from lightflyer.lab.estimate import student_factor
 from lightflyer.lab.tac_accuracy import EXACT, TacAccuracy
+from lightflyer.lab.tac_checks import rows_off_the_curve
 from lightflyer.lab.tac_data import TacRun
 from lightflyer.lab.tac_law import HEAT_LAWS, KINETIC_LAW, KineticLaw
 from lightflyer.lab.tac_record import mean_tac, summary
@@ -78,6 +79,16 @@ def test_kinetic_law_is_the_kinetic_model_and_the_solver():
     limits = KINETIC_LAW.limits(knudsen, same, same, DIAMETER, AIR)
     ratio = limits.conductance(0.8) / (0.8 * limits.free_molecular)
     np.testing.assert_allclose(ratio, table.heat_ratio[rows], rtol=5e-3)
+
+
+def test_kinetic_law_ends_in_conduction():
+    """8rκΔT of an isothermal disk, both faces, with the standard atmosphere's conductivity."""
+    pressure = np.full(1, 2000.0)
+    limits = KINETIC_LAW.limits(pressure, np.full(1, 295.0), np.full(1, 323.0), DIAMETER, AIR)
+    mean = 309.0
+    conductivity = 2.64638e-3 * mean**1.5 / (mean + 245.4 * 10.0 ** (-12.0 / mean))
+    conducted = 8.0 * (DIAMETER / 2) * conductivity / (0.25 * np.pi * DIAMETER**2)
+    assert limits.continuum(0.8)[0] == pytest.approx(conducted, rel=0.01)
 
 
 def test_walls_take_more_heat_in_dense_gas_only():
@@ -306,6 +317,17 @@ def test_no_row_of_a_good_run_is_off_the_curve(rng):
         for _ in range(3):
             fit = tac.fit_tac(independent_run(30, noise, rng), **OPTIONS)
             assert fit.lines_off_curve == []
+
+
+def test_few_scattered_rows_are_not_called_off_the_curve(rng):
+    """Some of so few rows are far off in units of their median deviation, by chance."""
+    accuracy = TacAccuracy()
+    for _ in range(60):
+        run = independent_run(8, 0.05, rng, lowest=0.1)
+        problem = tac._problem(
+            run, np.ones(8, bool), DIAMETER, None, HEAT_LAWS["printed"], LU2023_AIR, accuracy
+        )
+        assert not rows_off_the_curve(problem, run.table.lines).any()
 
 
 def test_many_wild_rows_are_refused(rng):

@@ -21,6 +21,8 @@ def test_jcamp_to_record(examples, lab):
     assert (code, err) == (0, "")
     assert {path.suffix for path in (folder / "o").iterdir()} == {".json", ".nc", ".png", ".svg"}
     found = json.loads((folder / "o" / "ftir.json").read_text(encoding="utf-8"))
+    said = "film.toml: the computed spectrum extrapolates Ge: hold beyond 0.4 µm to 15 µm"
+    assert said in found["warnings"]
     fine = np.linspace(500.0, 1300.0, 100_001)
     truth = np.trapezoid(true_transmittance(fine), fine) / 800.0
     low, high = found["band_transmittance"]["interval_95"]

@@ -94,8 +94,13 @@ def ftir_command(
     )  # fmt: skip
     if update is not None:
         _require_radiating(result)
-    computed = _computed(film, result)
-    document = result.summary() | {"read": [_read(one) for one in (*spectra, *mirrors)]}
+    computed, extrapolated = _computed(film, result)
+    warnings = [*result.warnings, *extrapolated]
+    document = (
+        result.summary()
+        | {"warnings": warnings}
+        | {"read": [_read(one) for one in (*spectra, *mirrors)]}
+    )
     emissivity = result.emissivity
     values = {} if emissivity is None else dict.fromkeys(emittance_keys(face), emissivity)
     written, updated = write_record(
@@ -108,7 +113,7 @@ def ftir_command(
     console = Console(highlight=False)
     _show_read(console, [*spectra, *mirrors])
     _show(console, result)
-    show_warnings(console, result.warnings)
+    show_warnings(console, warnings)
     finish(console, written, updated, update)
 
 
@@ -138,10 +143,10 @@ def _read(spectrum: "MeasuredSpectrum") -> dict[str, Any]:
     }
 
 
-def _computed(film: Path | None, result: "Ftir") -> dict[str, Any]:
-    """Computed spectra of the film over the measured wavenumbers that its data cover."""
+def _computed(film: Path | None, result: "Ftir") -> tuple[dict[str, Any], list[str]]:
+    """Computed spectra of the film over the measured wavenumbers that its data cover, warnings."""
     if film is None:
-        return {}
+        return {}, []
     import numpy as np
 
     from lightflyer.config.reader import read_film_file
@@ -161,7 +166,8 @@ def _computed(film: Path | None, result: "Ftir") -> dict[str, Any]:
     found = {"transmittance": (wavenumber, np.asarray(optics.transmittance))}
     if result.reflectances:
         found["reflectance"] = (wavenumber, np.asarray(optics.reflectance))
-    return found
+    beyond = stack.extrapolated(1.0 / wavenumber[-1], 1.0 / wavenumber[0])
+    return found, [f"{film}: the computed spectrum extrapolates {text}" for text in beyond]
 
 
 def _figures(result: "Ftir", computed: dict[str, Any]) -> "dict[str, Figure]":

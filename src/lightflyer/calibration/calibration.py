@@ -236,7 +236,9 @@ def calibrate(
     -----
     Derivatives are exact, through the root-find. The uncertainty of pressure enters through the
     slope of the fitted curve (effective variance). Intervals are those of the profile likelihood;
-    if the scatter is estimated, their threshold is that of Fisher's distribution. The total ones
+    if the scatter is estimated, their threshold is that of Fisher's distribution, and they are
+    widened where the residuals show that points scatter unevenly [MacKinnonWhite1985]_. The total
+    ones
     add what the inputs' uncertainties move the fit by; see
     :mod:`lightflyer.calibration.total`. The two half-widths, of the logarithm, add in quadrature.
 
@@ -288,6 +290,10 @@ def _calibration(
             for number, first_order in enumerate(np.sqrt(np.diag(in_logarithms)))
         ]
     )
+    if estimated:
+        wider = _unevenness(here.jacobian, residuals, in_logarithms)
+        in_logarithms = in_logarithms * np.outer(wider, wider)
+        ends = best[:, None] + wider[:, None] * (ends - best[:, None])
     ends = _open(ends, problem)
     both = np.hypot(ends - best[:, None], _open(inputs.ends, problem) - best[:, None])
     scale = np.outer(values, values)
@@ -319,6 +325,20 @@ def _covariance(fit: LeastSquares, best: np.ndarray) -> np.ndarray:
     """Covariance of the log-parameters for residuals of unit variance."""
     weighted = fit.at(best).jacobian * fit.weight[:, None]
     return np.asarray(np.linalg.inv(weighted.T @ weighted))
+
+
+def _unevenness(jacobian: np.ndarray, residuals: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """How much larger uncertainties are if points scatter unevenly, at least 1, shape (p,).
+
+    Where the scatter is estimated, one for all points is an assumption. The covariance of
+    [MacKinnonWhite1985]_ ("HC3"), in which each point has that of its own residual, needs none.
+    """
+    inverse = np.linalg.inv(jacobian.T @ jacobian)
+    leverage = np.einsum("ij,jk,ik->i", jacobian, inverse, jacobian)
+    own = residuals / np.maximum(1.0 - leverage, np.finfo(float).eps)
+    half = inverse @ (jacobian.T * own)
+    ratio = np.diag(half @ half.T) / np.maximum(np.diag(covariance), np.finfo(float).tiny)
+    return np.sqrt(np.maximum(ratio, 1.0))
 
 
 def _open(ends: np.ndarray, problem: Problem) -> np.ndarray:

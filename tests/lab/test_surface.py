@@ -2,10 +2,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import stats
+from scipy import ndimage, stats
 
 import lightflyer as lf
 from lightflyer.lab.height_map import HeightMap, read_height_map
+from lightflyer.lab.levelling import flatten_rows
 from lightflyer.lab.surface import (
     find_particles,
     level,
@@ -43,70 +44,174 @@ def test_a_tilted_bowed_plane_is_flat():
     height = 1e-6 + 3e-9 * x - 5e-9 * y + 2e-11 * x**2 + 3e-11 * x * y - 1e-11 * y**2
     found = roughness(of(height))
     assert found.parameters["rms_height"].value < 1e-9  # nm, of a map 1 µm high
-    assert found.masked_fraction.value == 0.0
+    assert found.masked_fraction == 0.0
     tilted = level(height, order=1)
     assert surface_parameters(tilted)[0] > 1e-10  # a plane leaves the bow
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_particles_do_not_count(seed):
     # fine enough that the places under the particles do not matter: they hide 3 % of the surface
     rng = np.random.default_rng(seed)
-    clean = random_surface(rng, pixels=800)
-    y, x = np.mgrid[-1:1:800j, -1:1:800j]
+    clean = random_surface(rng, pixels=400)
+    y, x = np.mgrid[-1:1:400j, -1:1:400j]
     bowed = 4e-7 * x - 3e-7 * y + 1e-7 * x**2
     found = roughness(of(with_particles(clean, rng, 12) + bowed))
-    assert found.parameters["rms_height"].value == pytest.approx(34.8, abs=0.2)
+    assert found.parameters["rms_height"].value == pytest.approx(34.8, abs=0.5)
     assert found.parameters_all["rms_height"].value > 38.0
     low, high = found.parameters["rms_height"].interval
     assert low < 34.8 < high
-    assert 0.01 < found.masked_fraction.value < 0.06
+    assert 0.01 < found.masked_fraction < 0.06
     # a surface without particles is not cut
     untouched = roughness(of(clean))
-    assert untouched.masked_fraction.value < 1e-3
+    assert untouched.masked_fraction < 1e-3
 
 
 def test_mask_is_where_the_particle_is(rng):
     clean = random_surface(rng)
     dirty = clean.copy()
     dirty[100:110, 50:70] += 1e-6
-    _, mask = find_particles(dirty)
+    _, mask, holes = find_particles(dirty)
     assert mask[100:110, 50:70].all()
+    assert holes.mean() < 3e-3
     outside = mask.copy()
     outside[90:120, 40:80] = False
-    assert not outside.any()
+    assert outside.mean() < 5e-3
+
+
+def filtered_noise(seed, width, skewness=0.0, pixels=256):
+    """Surface of unit variance, of an area wider than the map; gamma-distributed if skewed."""
+    wide = pixels + int(10 * width)
+    noise = np.random.default_rng(seed).normal(size=(wide, wide))
+    normal = ndimage.gaussian_filter(noise, width, mode="wrap")[:pixels, :pixels]
+    normal *= 2.0 * np.sqrt(np.pi) * width
+    if not skewness:
+        return normal
+    shape = 4.0 / skewness**2
+    return (stats.gamma.isf(stats.norm.sf(normal), shape) - shape) / np.sqrt(shape)
+
+
+@pytest.mark.parametrize("skewness", [0.97, 1.33, 2.2, -1.33])
+@pytest.mark.parametrize("width", [3.0, 10.0])
+def test_mask_leaves_a_skewed_surface(skewness, width):
+    # a threshold in deviations of what is left of the surface eats its way into the longer tail
+    for seed in range(2):
+        height = np.sign(skewness) * 71.2e-9 * filtered_noise(seed, width, abs(skewness), 200)
+        found = roughness(of(height))
+        rms = found.parameters["rms_height"].value
+        assert rms == pytest.approx(1e9 * level(height).std(), rel=0.01)
+        assert found.masked_fraction < 0.005
+
+
+def test_particles_on_a_skewed_surface_are_masked():
+    clean = 34.8e-9 * filtered_noise(0, 10.0, 1.0)
+    found = roughness(of(with_particles(clean, np.random.default_rng(1), 10)))
+    assert found.parameters["rms_height"].value == pytest.approx(1e9 * level(clean).std(), rel=0.03)
+    assert found.parameters_all["rms_height"].value > 1.1 * 1e9 * level(clean).std()
+
+
+@pytest.mark.parametrize("count", [2, 5])
+@pytest.mark.parametrize("depth", [-3e-6, 3e-6])
+def test_lost_pixels_do_not_count(count, depth, rng):
+    height = random_surface(rng)
+    places = rng.integers(5, 250, (2, count))
+    height[tuple(places)] = depth
+    found = roughness(of(height))
+    assert found.parameters["rms_height"].value == pytest.approx(34.8, rel=0.01)
+    assert found.parameters_all["rms_height"].value > 36.0
+    marked = found.holes if depth < 0.0 else found.particles
+    assert marked[tuple(places)].all()
+    assert found.masked_fraction < 0.01
+
+
+def test_without_a_mask_all_of_the_map_counts(rng):
+    height = with_particles(random_surface(rng), rng, 9)
+    found = roughness(of(height), mask="none")
+    assert found.masked_fraction == 0.0
+    assert found.parameters == found.parameters_all
+
+
+def test_flattened_rows_have_no_steps(rng):
+    clean = with_particles(random_surface(rng), rng, 6)
+    lines = 60e-9 * rng.normal(size=256)
+    slopes = 2e-10 * rng.normal(size=256)
+    shifted = clean + lines[:, None]
+    tilted = shifted + slopes[:, None] * np.arange(256)
+    truth = roughness(of(clean)).parameters["rms_height"].value
+    raw = roughness(of(shifted))
+    assert any("--flatten rows" in text for text in raw.warnings)
+    assert raw.parameters["rms_height"].value > 1.3 * truth
+    flat = roughness(of(shifted), flatten="rows")
+    assert flat.parameters["rms_height"].value == pytest.approx(truth, rel=0.05)
+    assert not any("--flatten rows" in text for text in flat.warnings)
+    both = roughness(of(tilted), flatten="rows", flatten_order=1)
+    assert both.parameters["rms_height"].value == pytest.approx(truth, rel=0.07)
+    steps = np.median(np.diff(flatten_rows(tilted, 1), axis=0), axis=1)
+    assert np.abs(steps).max() < 1e-15
+
+
+def test_accuracy_of_the_heights_is_in_the_interval(rng):
+    one = of(random_surface(rng))
+    width = {}
+    for accuracy in (0.0, 0.02, 0.10):
+        low, high = (
+            roughness(one, mask="none", height_accuracy=accuracy).parameters["rms_height"].interval
+        )
+        width[accuracy] = (high - low) / 34.8
+    assert width[0.10] == pytest.approx(np.hypot(width[0.0], 2 * 1.96 * 0.10), rel=0.05)
+    maps = [roughness(of(random_surface(rng)), mask="none", height_accuracy=0.10) for _ in range(3)]
+    low, high = summary(maps)["rms_height"]["interval_95"]
+    assert high - low > 34.8 * 2 * 1.96 * 0.10 * 0.95  # common to all maps
+
+
+def test_few_patches_and_levelling_are_said():
+    found = roughness(of(34.8e-9 * filtered_noise(3, 25.0)))
+    assert any("levelling took about" in text for text in found.warnings)
+    low, high = found.parameters["rms_height"].interval
+    assert low < 34.8 < high
+    assert high / low > 1.5
+    assert summary([found])["warnings"] == list(found.warnings)
+
+
+def test_a_cut_or_skewed_surface_is_said():
+    height = np.minimum(filtered_noise(0, 3.0, pixels=128), 1.0) * 1e-8
+    assert any("exactly the highest" in text for text in roughness(of(height)).warnings)
+    skewed = roughness(of(1e-8 * filtered_noise(0, 3.0, 2.0)))
+    assert any("is skewed" in text for text in skewed.warnings)
+    assert "all heights are equal" in roughness(of(np.full((40, 40), 1e-6))).warnings[0]
 
 
 def test_units_and_scales(rng):
     one = roughness(of(random_surface(rng)))
     ten = roughness(of(10.0 * one.source.height))
     value = one.parameters["rms_height"].value
-    assert value == pytest.approx(1e9 * one.height.std(), rel=1e-9)
+    assert value == pytest.approx(1e9 * one.height[~one.mask].std(), rel=1e-9)
     assert ten.parameters["rms_height"].value == pytest.approx(10.0 * value)
     assert ten.parameters["kurtosis"].value == pytest.approx(one.parameters["kurtosis"].value)
     assert one.summary()["rms_height"]["unit"] == "nm"
 
 
-def test_intervals_cover_another_place():
-    # interval of one quarter of a wide surface against the rms height of all of it
+@pytest.mark.parametrize("width", [3.0, 10.0, 25.0])
+def test_intervals_cover_the_surface(width):
+    # of an unlevelled surface wider than the map; tiles of the map covered 69 and 18 %
     inside, count = 0, 40
     for seed in range(count):
-        wide = random_surface(np.random.default_rng(seed), pixels=256)
-        found = roughness(of(wide[:128, :128]), order=0)
+        height = 34.8e-9 * filtered_noise(seed, width)
+        found = roughness(of(height), mask="none", height_accuracy=0.0)
         low, high = found.parameters["rms_height"].interval
         inside += low <= 34.8 <= high
-    assert 0.85 <= inside / count <= 1.0
+    assert inside / count >= 0.85
 
 
 def test_many_particles_are_warned_of(rng):
-    with pytest.warns(lf.ParameterWarning, match="is masked as particles"):
-        roughness(of(with_particles(random_surface(rng), rng, 60)))
+    found = roughness(of(with_particles(random_surface(rng), rng, 60)))
+    assert any("of the map is masked" in text for text in found.warnings)
 
 
 def test_several_maps_are_averaged(rng):
     maps = [roughness(of(random_surface(rng, rms_height=height * 1e-9))) for height in (30.0, 40.0)]
     found = summary(maps)
-    assert found["rms_height"]["value"] == pytest.approx(35.0, rel=1e-3)
+    assert found["rms_height"]["value"] == pytest.approx(35.0, rel=1e-2)
 
 
 def write(tmp_path, content, name="map.txt"):
@@ -121,7 +226,8 @@ def test_formats_agree(tmp_path, rng):
     np.testing.assert_allclose(igor.height, height, rtol=1e-6)
     assert igor.channel == "HeightRetrace"
     assert (igor.width, igor.length) == pytest.approx((SIDE, SIDE))
-    assert not read_height_map(tmp_path / "map.ibw", channel="amplituderetrace").height.any()
+    with pytest.raises(lf.ConfigurationError, match="is not a height"):
+        read_height_map(tmp_path / "map.ibw", channel="amplituderetrace")
     for delimiter, comma in ((",", False), ("\t", True), (" ", False), (";", True)):
         text = "\n".join(delimiter.join(f"{1e9 * v:.6f}" for v in row) for row in height)
         text = text.replace(".", ",") if comma else text
@@ -150,9 +256,19 @@ ROWS = "\n".join(["1 2 3 4"] * 4)
         ("m.txt", b"\x00\xff\xfe", "is not a text file"),
         ("m.txt", ROWS, "heights have no unit"),
         ("m.txt", "# Value units: m\n" + ROWS, "has no width"),
+        (
+            "m.txt",
+            "# Channel: Phase\n# Value units: m\n# Width: 1 um\n" + NOTHING,
+            "is not a height",
+        ),
         ("m.txt", "# Value units: W\n# Width: 1 um\n" + ROWS, "wrong kind"),
         ("m.txt", "# Value units: m\n# Width: 1 um\n" + ROWS, "has 4 x 4 pixels"),
         ("m.txt", ROWS + "\n1 2 x 4", ':5: "x" is not a number'),
+        (
+            "m.txt",
+            "# Value units: m\n# Width: 1 um\n" + "\n".join(["1 " * 20] * 20),
+            "height of 1 m",
+        ),
         ("m.txt", ROWS + "\n1 2 3", ":5: has 3 heights, the first row has 4"),
         (
             "m.txt",

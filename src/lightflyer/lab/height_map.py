@@ -17,8 +17,12 @@ from lightflyer.foundation.text import read_text
 from lightflyer.foundation.units import parse, scale_and_offset
 
 _LEAST_SIDE = 16  # pixels
-_GWYDDION_LINE = re.compile(r"^#\s*(Width|Height|Value units)\s*:\s*(.+?)\s*$")
-_HEIGHT_CHANNELS = ("height", "zsensor", "topography", "z")
+_FARTHEST = 0.1  # [m]; far more than any microscope's range
+_GWYDDION_LINE = re.compile(r"^#\s*(Channel|Width|Height|Value units)\s*:\s*(.+?)\s*$")
+_HEIGHT_CHANNELS = ("height", "zsensor", "topography")
+_NO_HEIGHT = re.compile(
+    r"phase|ampl|deflect|lateral|friction|current|potential|freq|adhesion|modulus|dissip", re.I
+)
 
 
 @dataclass(frozen=True)
@@ -62,7 +66,8 @@ def read_height_map(
     unit : str, optional
         Unit of a matrix's heights, where the file does not state it.
     channel : str, optional
-        Channel to read; by default the first whose name contains "height".
+        Channel to read; by default the first whose name contains "height". A channel whose name
+        says phase, amplitude, deflection or the like is refused.
 
     Returns
     -------
@@ -88,6 +93,11 @@ def read_height_map(
 
 
 def _require_usable(one: HeightMap) -> None:
+    wrong = _NO_HEIGHT.search(one.channel)
+    if wrong and "height" not in one.channel.lower():
+        raise ConfigurationError(
+            f'{one.source}: channel "{one.channel}" is not a height; choose one by --channel'
+        )
     if one.height.ndim != 2 or min(one.height.shape) < _LEAST_SIDE:
         shape = " x ".join(map(str, one.height.shape))
         raise ConfigurationError(
@@ -96,6 +106,11 @@ def _require_usable(one: HeightMap) -> None:
     bad = int((~np.isfinite(one.height)).sum())
     if bad:
         raise ConfigurationError(f"{one.source}: {bad} of its heights are not finite")
+    if (farthest := float(np.abs(one.height).max())) > _FARTHEST:
+        raise ConfigurationError(
+            f"{one.source}: has a height of {farthest:.3g} m; {_FARTHEST:g} m is the most: a "
+            "number is damaged, or the unit is wrong"
+        )
     sides = np.array([one.width, one.length])
     if not (np.isfinite(sides).all() and (sides > 0.0).all()):
         raise ConfigurationError(f"{one.source}: its size is not positive")
@@ -118,7 +133,8 @@ def _chosen(path: Path, names: list[str], channel: str | None) -> int:
             for wanted in _HEIGHT_CHANNELS
             for number, name in enumerate(names)
             if wanted in name.lower()
-        ] or ([0] if len(names) == 1 else [])
+        ] or [number for number, name in enumerate(names) if name.lower() in ("z", "z trace")]
+        matching = matching or ([0] if len(names) == 1 else [])
     if not matching:
         what = f'channel "{channel}"' if channel else "channel of heights"
         raise ConfigurationError(
@@ -266,7 +282,7 @@ def _read_matrix(path: Path, size: float | None, unit: str | None) -> HeightMap:
         raise ConfigurationError(f'{path}: has no width; state it by --size "10 um"')
     if length is None or size is not None:
         length = width * height.shape[0] / height.shape[1]
-    return HeightMap(str(path), height * scale, width, length)
+    return HeightMap(str(path), height * scale, width, length, stated.get("Channel", ""))
 
 
 def _numbers(path: Path, rows: list[tuple[int, str]]) -> np.ndarray:

@@ -16,11 +16,28 @@ def test_three_maps_to_one_record(examples, lab):
     assert found["rms_height"]["unit"] == "nm"
     assert found["rms_height_all"]["value"] > found["rms_height"]["value"]
     assert set(found["maps"]) == set(names)
-    assert 0.0 < found["maps"]["germanium.gwy"]["masked_fraction"]["value"] < 0.06
+    assert 0.0 < found["maps"]["germanium.gwy"]["masked_fraction"] < 0.06
     with xr.open_dataset(folder / "o" / "roughness.nc", engine="h5netcdf") as record:
         assert record.height_0.shape == (256, 256)
         assert record.height_0.units == "m"
+        assert record.attrs["warnings"] == "; ".join(found["warnings"])
     assert (folder / "o" / "roughness.png").exists()
+
+
+def test_mask_rows_and_accuracy_are_options(examples, lab):
+    examples("roughness")
+    code, out, _ = lab("roughness", "germanium.ibw", "--json")
+    masked = json.loads(out)
+    assert (code, masked["warnings"]) == (0, [])
+    options = ["--mask", "none", "--flatten", "rows", "--flatten-order", "1"]
+    code, out, _ = lab(
+        "roughness", "germanium.ibw", *options, "--height-accuracy", "10 %", "--json"
+    )
+    whole = json.loads(out)
+    assert (code, whole["masked_fraction"], whole["height_accuracy"]) == (0, 0.0, 0.1)
+    assert whole["rms_height"]["value"] > masked["rms_height"]["value"]
+    width = [one["rms_height"]["interval_95"] for one in (masked, whole)]
+    assert width[1][1] - width[1][0] > 2.0 * (width[0][1] - width[0][0])
 
 
 @pytest.mark.parametrize(
@@ -30,6 +47,11 @@ def test_three_maps_to_one_record(examples, lab):
         (["map.txt"], 'map.txt: its heights have no unit; state it by --unit "nm"'),
         (["map.txt", "--unit", "nm"], 'map.txt: has no width; state it by --size "10 um"'),
         (["map.txt", "--unit", "nm", "--size", "10"], "--size: "),
+        (["map.txt", "--height-accuracy", "2 nm"], "--height-accuracy: "),
+        (
+            ["map.txt", "--unit", "nm", "--size", "1 um", "--flatten-order", "2"],
+            "flatten_order = 2",
+        ),
         (["map.txt", "--unit", "nm", "--size", "1 um", "--threshold", "0"], "threshold = 0"),
     ],
 )

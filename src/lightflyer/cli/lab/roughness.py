@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from rich.console import Console
 
@@ -13,6 +13,7 @@ from lightflyer.cli.lab._shared import (
     finish,
     print_json,
     quantity,
+    show_warnings,
     write_record,
 )
 
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
 _NAMES = {
     "rms_height": "rms height Sq",
     "mean_absolute_height": "mean absolute height Sa",
-    "skewness": "skewness Ssk",
-    "kurtosis": "kurtosis Sku",
 }
 
 
@@ -36,13 +35,17 @@ def roughness_command(
     size: str | None = None,
     unit: str | None = None,
     channel: str | None = None,
-    threshold: float = 4.5,
+    mask: Literal["auto", "none"] = "auto",
+    threshold: float = 5.0,
     order: int = 2,
+    flatten: Literal["none", "rows"] = "none",
+    flatten_order: int = 0,
+    height_accuracy: str = "2 %",
     seed: int = 0,
     out: Path | None = None,
     json_output: Json = False,
 ) -> None:
-    """Level height maps, mask their particles, and find the roughness of the surface.
+    """Level height maps, mask particles and holes, and find the roughness of the surface.
 
     Parameters
     ----------
@@ -54,10 +57,19 @@ def roughness_command(
         Unit of a matrix's heights, such as "nm", where the file does not state it.
     channel
         Channel of a file with several, such as HeightRetrace.
+    mask
+        auto masks particles and holes such as lost pixels; none takes the map as it is.
     threshold
-        Least height of a particle, in robust standard deviations of the surface.
+        Least relief of a particle or hole, in robust standard deviations of the surface.
     order
         Order of the levelling polynomial: 1 is a plane, 2 adds curvature.
+    flatten
+        rows shifts each scan line to the median of its differences from the line before.
+    flatten_order
+        0 shifts scan lines, 1 also tilts them.
+    height_accuracy
+        Standard uncertainty of the microscope's heights (z calibration), part of the intervals;
+        2 % is our assumption for a microscope calibrated by a step standard.
     seed
         Seed of the resampling for the intervals.
     out
@@ -66,11 +78,30 @@ def roughness_command(
         Print one JSON object instead of tables.
     """
     from lightflyer.lab.height_map import read_height_map
-    from lightflyer.lab.surface import roughness, summary, to_dataset
+    from lightflyer.lab.surface import (
+        count_objects,
+        mean_parameters,
+        roughness,
+        summary,
+        to_dataset,
+    )
 
+    accuracy = quantity("--height-accuracy", height_accuracy, "").value
     width = None if size is None else quantity("--size", size, "m").value
     maps = [read_height_map(file, size=width, unit=unit, channel=channel) for file in files]
-    results = [roughness(one, threshold=threshold, order=order, seed=seed) for one in maps]
+    results = [
+        roughness(
+            one,
+            mask=mask,
+            threshold=threshold,
+            order=order,
+            flatten=flatten,
+            flatten_order=flatten_order,
+            height_accuracy=accuracy,
+            seed=seed,
+        )
+        for one in maps
+    ]
     document = summary(results)
     written, _ = write_record(
         out, "roughness", document, to_dataset(results), lambda: _figures(results), lambda: []
@@ -85,12 +116,20 @@ def roughness_command(
         console.print(
             f"read {one.source.source}{channel_said}: {columns} x {rows} pixels, "
             f"{one.source.width * 1e6:.4g} x {one.source.length * 1e6:.4g} µm; "
-            f"{one.particles} particles on {one.masked_fraction.value:.2%} masked",
+            f"{count_objects(one.particles)} particles ({one.particles.mean():.2%}), "
+            f"{count_objects(one.holes)} holes ({one.holes.mean():.2%}) masked",
             markup=False, soft_wrap=True,
         )  # fmt: skip
-        table = [(_NAMES[name], estimate) for name, estimate in one.parameters.items()]
+        table = [(name, one.parameters[key]) for key, name in _NAMES.items()]
         everything = one.parameters_all["rms_height"]
-        console.print(estimate_table([*table, ("Sq with particles", everything)]))
+        console.print(estimate_table([*table, ("Sq without a mask", everything)]))
+        skewness, kurtosis = (one.parameters[key].value for key in ("skewness", "kurtosis"))
+        console.print(f"of this map: skewness Ssk {skewness:.3g}, kurtosis Sku {kurtosis:.3g}")
+    if len(results) > 1:
+        means = mean_parameters(results)
+        console.print(f"mean of {len(results)} maps")
+        console.print(estimate_table([(name, means[key]) for key, name in _NAMES.items()]))
+    show_warnings(console, document["warnings"])
     finish(console, written, [], None)
 
 

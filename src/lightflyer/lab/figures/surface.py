@@ -1,4 +1,4 @@
-"""Figure of height maps: levelled, and with their particles masked."""
+"""Figure of height maps: levelled, and with particles and holes masked."""
 
 from collections.abc import Sequence
 from string import ascii_lowercase
@@ -7,6 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from scipy import ndimage
 
 from lightflyer.foundation.drawing import ORANGE, new_figure
 from lightflyer.lab.surface import NANOMETRE, Roughness
@@ -15,17 +17,18 @@ _WIDTH, _HEIGHT = 4.6, 8.0  # of the column of one map [inch]
 _MOST_PIXELS = 1024  # drawn along a side
 _SHOWN = 3.5  # range of the colours, in rms heights
 _MICROMETRE = 1e-6
+_HOLES = "#cc79a7"  # reddish purple of the palette for colour-blind readers
 
 
 def draw_height_map(result: Roughness, ax: Axes, *, masked: bool) -> Axes:
-    """Draw a levelled map, with its particles or with their mask.
+    """Draw a levelled map, as it is or with its mask.
 
     Parameters
     ----------
     result : Roughness
     ax : matplotlib.axes.Axes
     masked : bool
-        Show the mask instead of the particles, and scale the colours to the surface.
+        Show the mask of particles and holes, and scale the colours to the surface.
 
     Returns
     -------
@@ -35,22 +38,40 @@ def draw_height_map(result: Roughness, ax: Axes, *, masked: bool) -> Axes:
     height = result.height[::step, ::step] / NANOMETRE
     extent = (0.0, result.source.width / _MICROMETRE, 0.0, result.source.length / _MICROMETRE)
     rms = result.parameters["rms_height"].value
-    low = min(-_SHOWN * rms, float(height.min()))
-    high = _SHOWN * rms if masked else float(height.max())
+    low, high = (-_SHOWN * rms, _SHOWN * rms) if masked else (height.min(), height.max())
     image = ax.imshow(height, extent=extent, cmap="cividis", vmin=low, vmax=max(high, low + 1e-12),
                       interpolation="nearest")  # fmt: skip
     if masked:
-        mask = np.ma.masked_equal(result.mask[::step, ::step], 0)
-        ax.imshow(mask, extent=extent, cmap=ListedColormap([ORANGE]), interpolation="nearest")
-        said = f"Sq = {rms:.3g} nm, {result.masked_fraction.value:.1%} masked (orange)"
+        _draw_masks(result, ax, step, extent)
+        said = f"Sq = {rms:.3g} nm, {result.masked_fraction:.1%} masked"
     else:
         everything = result.parameters_all["rms_height"].value
-        said = f"{result.source.source}: Sq = {everything:.3g} nm with particles"
+        said = f"{result.source.source}: Sq = {everything:.3g} nm, all of it"
     ax.set_title(said, fontsize="small")
     ax.set_xlabel("x [µm]")
     ax.set_ylabel("y [µm]")
     ax.figure.colorbar(image, ax=ax, label="height [nm]", shrink=0.8)
     return ax
+
+
+def _draw_masks(
+    result: Roughness, ax: Axes, step: int, extent: tuple[float, float, float, float]
+) -> None:
+    """Particles and holes in plain colours, with their shares of the map."""
+    shown = []
+    for mask, colour, name in (
+        (result.particles, ORANGE, "particles"),
+        (result.holes, _HOLES, "holes"),
+    ):
+        image = np.ma.masked_equal(_thinned(mask, step), 0)
+        ax.imshow(image, extent=extent, cmap=ListedColormap([colour]), interpolation="nearest")
+        shown.append(Patch(color=colour, label=f"{name}, {mask.mean():.2%} of the map"))
+    ax.legend(handles=shown, loc="lower right", fontsize="small", framealpha=0.9)
+
+
+def _thinned(mask: np.ndarray, step: int) -> np.ndarray:
+    """Mask of every so many pixels, in which none that is masked gets lost."""
+    return ndimage.maximum_filter(mask, step, origin=-((step - 1) // 2))[::step, ::step]
 
 
 def roughness_figures(results: Sequence[Roughness]) -> dict[str, Figure]:
@@ -59,7 +80,7 @@ def roughness_figures(results: Sequence[Roughness]) -> dict[str, Figure]:
     Parameters
     ----------
     results : sequence of Roughness
-        One column each: with particles above, masked below.
+        One column each: all of the map above, masked below.
 
     Returns
     -------

@@ -7,7 +7,7 @@ import numpy as np
 from scipy import ndimage
 
 from lightflyer.foundation.extras import extra
-from lightflyer.lab.surface import level
+from lightflyer.lab.levelling import level
 from lightflyer.lab.synthetic._faults import label
 
 _SIDE = 10e-6  # [m]

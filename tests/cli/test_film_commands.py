@@ -137,7 +137,7 @@ def test_a_prediction_says_which_value_is_which(run, film_file):
     assert film["emittance_top"]["origin"] == "computed"
     assert film["emittance_top"]["value"]["450"] == pytest.approx(0.074, abs=0.002)
     assert film["areal_density"]["origin"] == "computed"
-    assert film["tac_bottom"] == {"value": 0.9, "origin": "measured", "uncertainty": 0.05}
+    assert film["tac_bottom"] == {"value": 0.9, "origin": "measured", "uncertainty": 0.03}
 
 
 def test_materials_lists_range_density_and_source(run):

@@ -56,9 +56,7 @@ class Entry:
     highest_temperature: float | None = None
 
 
-TAC_SOURCE = "measured in air, Lu et al. (2023), table 1 [Lu2023]"
-TAC_UNCERTAINTY = 0.05
-"""The largest of the uncertainties stated with the measured TACs, 0.03 to 0.05 [1]."""
+TAC_SOURCE = "measured in air, Lu et al. (2023), table 1; alumina: text on TACs [Lu2023]"
 
 _CRC = "CRC Handbook of Chemistry and Physics, 95th ed. [CRC2014]"
 _GE_BULK = f"crystal, {_CRC}; evaporated films are up to about 10 % lighter"
@@ -71,7 +69,7 @@ PAGES: dict[str, Entry] = {
         (Page("main", "Ge", "Amotchkina-film"),),
         5323.0,
         _GE_BULK,
-        Measured(0.90, TAC_UNCERTAINTY),
+        Measured(0.90, 0.03),
         highest_temperature=1211.0,
     ),
     "Ge-20nm": Entry(
@@ -79,7 +77,7 @@ PAGES: dict[str, Entry] = {
         (Page("main", "Ge", "Ciesielski-20nm"),),
         5323.0,
         _GE_BULK,
-        Measured(0.90, TAC_UNCERTAINTY),
+        Measured(0.90, 0.03),
         highest_temperature=1211.0,
     ),
     "Ge-crystal": Entry(
@@ -97,7 +95,7 @@ PAGES: dict[str, Entry] = {
         (Page("organic", "polyethylene_terephthalate", "Zhang"),),
         1390.0,
         "Mylar polyester film, DuPont Teijin Films data sheet H-37232 [DuPontTeijin2003]",
-        Measured(0.77, TAC_UNCERTAINTY),
+        Measured(0.77, 0.03),
         highest_temperature=527.0,
     ),
     # beyond what was measured (58.4 nm to 43 µm) the page holds the authors' extrapolations
@@ -106,7 +104,7 @@ PAGES: dict[str, Entry] = {
         (Page("main", "Al2O3", "Rodriguez_de_Marcos", shortest_um=0.0584, longest_um=43.0),),
         3000.0,
         "film deposited at 177 °C [Groner2004]",
-        Measured(0.79, TAC_UNCERTAINTY),
+        Measured(0.79, 0.03),
         highest_temperature=2327.0,
     ),
     "Au": Entry(
@@ -181,7 +179,7 @@ PAGES: dict[str, Entry] = {
         (Page("main", "C", "Ermolaev"),),
         None,
         "porous, different in every film: give the sample's",
-        Measured(1.08, TAC_UNCERTAINTY),
+        Measured(1.08, 0.05),
     ),
 }
 """Materials by their name in a flyer file."""

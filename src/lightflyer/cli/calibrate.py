@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
+from lightflyer.cli.lab._points import accuracy, interval_text
 from lightflyer.cli.lab._shared import quantity, show_warnings
 
 if TYPE_CHECKING:
@@ -221,38 +222,6 @@ def _explained(fit: "Calibration") -> list[str]:
 def _percentages(shares: Any) -> str:
     """Relative standard uncertainty of each parameter by one input."""
     return ", ".join(f"{100.0 * share:.2g} %" for share in shares)
-
-
-def accuracy(option: str, text: str | None) -> float | None:
-    """An instrument's accuracy such as "5 %", None where none is given.
-
-    Parameters
-    ----------
-    option : str
-        Name of the option, for messages.
-    text : str or None
-
-    Returns
-    -------
-    float or None
-    """
-    return None if text is None else quantity(option, text, "").value
-
-
-def interval_text(low: float, high: float) -> str:
-    """An interval in words where an end is open.
-
-    Parameters
-    ----------
-    low, high : float
-
-    Returns
-    -------
-    str
-    """
-    if math.isinf(high):
-        return f"above {low:.4g}" if low > 0.0 else "unknown"
-    return f"{low:.4g} to {high:.4g}" if low > 0.0 else f"below {high:.4g}"
 
 
 def _show_posterior(console: Console, drawn: "Posterior") -> None:

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.calibrate import accuracy, interval_text
+from lightflyer.cli.lab._points import accuracy, interval_text
 from lightflyer.cli.lab._shared import (
     Files,
     Json,

@@ -136,8 +136,8 @@ def test_total_intervals_equal_lmfit_with_common_errors_as_parameters(rng):
     """The whole problem written out here and handed to lmfit, its profiles included."""
     fit = tac.fit_tac(independent_run(30, 0.02, rng), accuracy=ACCURACY, **OPTIONS)
     limits, pressure = fit.limits, fit.pressure
-    # 0.1 % of the law itself, the same within each of the run's decades of pressure
-    row_error = np.hypot(fit.scatter, 1e-3 * np.sqrt(30 / np.log10(200.0 / 1e-4)))
+    # 0.05 % of the law itself, the same within each of the run's decades of pressure
+    row_error = np.hypot(fit.scatter, 5e-4 * np.sqrt(30 / np.log10(200.0 / 1e-4)))
     common = ("gauge", "zero", "power", "temperature", "diameter", "plateau")
 
     def residuals(given):

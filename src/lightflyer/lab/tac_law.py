@@ -197,6 +197,8 @@ def _kinetic(
     ratio = fit.heat_ratio(knudsen, heater / ambient, tac)
     resistance = 1.0 / ratio - 1.0
     walls = jnp.where(near > 0.0, fit.wall_factors(knudsen, 1.0 / jnp.maximum(near, 1e-9))[1], 1.0)
+    # beyond the table's end the effect of walls fades as that of collisions does
+    walls = walls ** jnp.minimum(1.0, fit.knudsen_range[1] / knudsen)
     between = jnp.maximum(1.0 / (ratio * walls) - 1.0, _LEAST_SHARE * resistance)
     continuum = tac * free_molecular / between
     # below the table's end conduction by the gas's own conductivity is approached

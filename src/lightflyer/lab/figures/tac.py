@@ -97,7 +97,7 @@ def gas_part(fits: Sequence[TacFit], ax: Axes) -> Axes:
             label="free-molecular")  # fmt: skip
     ax.plot(pressure, first.continuum[rows], color=GREY, ls="-.", lw=1, label="continuum")
     noise = first.scatter * float(np.median(first.conductance)) / first.area_ratio.value
-    ax.set_ylim(max(0.1 * noise, 1e-4), 3.0 * float(first.continuum.max()))
+    ax.set_ylim(max(0.1 * noise, 1e-4), 3.0 * float(first.continuum[first.order[-1]]))
     ax.set(xscale="log", yscale="log")
     plain_decades(ax.xaxis)
     plain_decades(ax.yaxis)

@@ -369,6 +369,21 @@ def test_two_points_with_nothing_to_spare(setup):
     assert fit.summary()["reduced_chi_squared"] is None
 
 
+def test_parameters_that_can_hardly_be_told_apart():
+    """The profile has several minima; looking twice at one place once found different ones."""
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    numbers = {
+        "pressure": np.array([3.0, 4.0, 5.0, 8.0]),
+        "irradiance": np.array([1000.0, 1100.0, 1200.0, 1400.0]),
+    }
+    lot = Points("few", ["one"] * 4, numbers)
+    chamber = lf.Chamber(temperature=293.0)
+    free = ["tac_bottom", "tac_top"]
+    fit = lf.calibrate(lot, lf.Disk(film, 0.01), chamber, lf.Lu2023(), free=free)
+    assert np.all(fit.intervals[:, 0] <= fit.values)
+    assert np.all(fit.values <= fit.intervals[:, 1])
+
+
 def test_stated_errors_far_below_the_scatter(setup, exact, noisy):
     small = points(noisy, irradiance_uncertainty=0.002 * noisy)
     fit = lf.calibrate(small, setup, **EXACT)

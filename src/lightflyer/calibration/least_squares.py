@@ -122,14 +122,19 @@ class LeastSquares:
         self, best: np.ndarray, limit: float, number: int, step: float, bound: float
     ) -> float:
         start = best
+        known: dict[float, float] = {}
 
+        # each value is looked at once: a second search could end in another minimum
         def excess(value: float) -> float:
             nonlocal start
-            start, cost = self.solve(start, number, value)
-            return cost - limit
+            if value not in known:
+                start, cost = self.solve(start, number, value)
+                known[value] = cost - limit
+            return known[value]
 
         clip: Callable[[float, float], float] = max if step < 0.0 else min
         inside = float(best[number])
+        known[inside] = self.cost(best) - limit
         for _ in range(_INTERVAL_STEPS):
             outside = clip(inside + 2.0 * step, bound)
             if excess(outside) >= 0.0:

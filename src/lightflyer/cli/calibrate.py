@@ -110,7 +110,10 @@ def calibrate_command(
         return
     console = Console(highlight=False)
     if flyer is None:
-        console.print("flyer: the paper's 2-cm disk in a chamber at 295 K; use --flyer for yours")
+        warmth = design.environment.temperature.value
+        console.print(
+            f"flyer: the paper's 2-cm disk in a chamber at {warmth:g} K; use --flyer for yours"
+        )
     _show(console, fit, drawn)
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)

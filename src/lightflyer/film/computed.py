@@ -90,6 +90,7 @@ class ComputedFilm:
         *,
         spectrum: Spectrum | None = None,
         incidence: float = 0.0,
+        highest_temperature: float | None = None,
     ) -> "ComputedFilm":
         """Compute what has not been measured.
 
@@ -102,6 +103,8 @@ class ComputedFilm:
             Spectrum of the light; by default sunlight above the atmosphere.
         incidence : float
             Angle between the light and the film's normal [rad].
+        highest_temperature : float, optional
+            Temperature that the film bears [K].
 
         Returns
         -------
@@ -124,7 +127,8 @@ class ComputedFilm:
         values |= {name: _property(average.value) for name, average in averages.items()}
         if "areal_density" not in values:
             values["areal_density"] = film.areal_density
-        return cls(film, FilmProperties(**values), measured, averages)
+        properties = FilmProperties(**values, highest_temperature=highest_temperature)
+        return cls(film, properties, measured, averages)
 
     def report(self) -> dict[str, Any]:
         """Value and origin of each property, as a JSON object in SI units."""

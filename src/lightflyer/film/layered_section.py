@@ -30,6 +30,8 @@ from lightflyer.foundation.units import Measured
 
 _LAMPS = {"AM0": am0, "cold-white-led": cold_white_led}
 
+_LIMIT = "highest_temperature"
+
 _Policy = Literal["error", "hold", "lossless"]
 
 
@@ -148,14 +150,17 @@ class LayeredFilmSection(FilmSection):
         """The values that replace computed ones, by the name of the property."""
         surfaces = {name: layer.surface_tac for name, layer in self._surfaces().items()}
         known = {name: value for name, value in surfaces.items() if value is not None}
-        limits = [
-            limit
-            for layer in self.layers
-            if layer.material in PAGES and (limit := PAGES[layer.material].highest_temperature)
-        ]
-        if limits:
-            known["highest_temperature"] = Measured(min(limits))
-        return known | self.stated()
+        known |= self.stated()
+        known.pop(_LIMIT, None)  # nobody measures it, and it changes no result
+        return known
+
+    def limit(self) -> float | None:
+        """Temperature that the film bears by the file, else by the first material to melt [K]."""
+        if self.highest_temperature is not None:
+            return float(self.highest_temperature.value)
+        known = [PAGES[layer.material] for layer in self.layers if layer.material in PAGES]
+        limits = [entry.highest_temperature for entry in known if entry.highest_temperature]
+        return min(limits, default=None)
 
     def computed(self, incidence: float = 0.0) -> ComputedFilm:
         """The film's properties with the origin of each, for light at an incidence [rad].
@@ -200,7 +205,7 @@ class LayeredFilmSection(FilmSection):
         if "absorptance" in given:
             given.setdefault("absorptance_bottom", None)  # the top's then stands for both
         parts = {name: getattr(computed, name) for name in FilmProperties.__dataclass_fields__}
-        return FilmProperties(**parts | given)
+        return FilmProperties(**parts | given | {_LIMIT: self.limit()})
 
     def changes_optics(self, name: str) -> bool:
         """See :meth:`FilmSection.changes_optics`."""
@@ -213,7 +218,11 @@ class LayeredFilmSection(FilmSection):
 
 def _compute(section: LayeredFilmSection, incidence: float) -> ComputedFilm:
     return ComputedFilm.of(
-        section.film(), section.measured(), spectrum=section.light(), incidence=incidence
+        section.film(),
+        section.measured(),
+        spectrum=section.light(),
+        incidence=incidence,
+        highest_temperature=section.limit(),
     )
 
 

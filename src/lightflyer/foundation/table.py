@@ -28,6 +28,7 @@ from lightflyer.foundation.layout import (
 )
 from lightflyer.foundation.text import read_text
 
+_LARGEST = 1e30  # no measured value in any unit; squares of larger ones overflow
 _BLOCK = 50_000  # rows read at once; a block with a faulty row is read again row by row
 _NUMBER_AND_UNIT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*[A-Za-zµμ°Ω%/^]+")
 
@@ -290,7 +291,7 @@ def _read_block(
         )
     except ValueError:
         return None
-    if len(values) != len(block) or not np.isfinite(values).all():
+    if len(values) != len(block) or not (np.abs(values) <= _LARGEST).all():
         return None
     return values
 
@@ -359,6 +360,8 @@ def _read_row(
                     else f"{column.name} is empty"), said  # fmt: skip
         if not math.isfinite(value):
             return f"{column.name} is {cell}", said
+        if abs(value) > _LARGEST:
+            return f"{column.name} is {cell}, which is no measured value", said
         row.append(value)
     return row, said
 

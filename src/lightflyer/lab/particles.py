@@ -141,7 +141,8 @@ def _stand_out(
         rest = levelled - np.median(levelled)
         return _widened(rest > smallest), _widened(rest < -smallest)
     far = np.abs(levelled - np.median(levelled)) > smallest
-    above, below = (np.zeros(levelled.shape, bool) for _ in range(2))
+    rows, columns = levelled.shape
+    above, below = np.zeros((rows, columns), bool), np.zeros((rows, columns), bool)
     # between particles the surface is no hole, and beside a hole it is no particle
     searches = [([(above, 1.0)], holes), ([(below, -1.0)], particles)]
     if not (holes.any() or particles.any()):
@@ -151,8 +152,8 @@ def _stand_out(
             for mask, sign in signs:
                 found = _objects(sign * relief, far[::step, ::step], threshold)
                 if found.any():
-                    whole: np.ndarray = found.repeat(step, axis=0).repeat(step, axis=1)
-                    mask |= whole[: mask.shape[0], : mask.shape[1]]
+                    whole = np.repeat(np.repeat(found, step, axis=0), step, axis=1)
+                    mask |= whole[:rows, :columns]
     return _widened(above), _widened(below)
 
 

@@ -66,7 +66,8 @@ def _draw_masks(
         image = np.ma.masked_equal(_thinned(mask, step), 0)
         ax.imshow(image, extent=extent, cmap=ListedColormap([colour]), interpolation="nearest")
         shown.append(Patch(color=colour, label=f"{name}, {mask.mean():.2%} of the map"))
-    ax.legend(handles=shown, loc="lower right", fontsize="small", framealpha=0.9)
+    ax.legend(handles=shown, loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2,
+              fontsize="small", frameon=False)  # fmt: skip
 
 
 def _thinned(mask: np.ndarray, step: int) -> np.ndarray:

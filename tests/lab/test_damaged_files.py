@@ -57,7 +57,7 @@ def test_the_check_sees_impossible_numbers(check, document, says):
     assert not list(check.impossible(sound))
 
 
-@pytest.mark.parametrize("cell", ["1e308", "-1e40", "nan"])
+@pytest.mark.parametrize("cell", ["1e308", "-1e40", "1e-320", "nan"])
 def test_a_number_that_is_no_measurement_is_rejected(tmp_path, cell):
     path = tmp_path / "table.csv"
     path.write_text(f"pressure [Pa]\n1\n{cell}\n2\n", encoding="utf-8")

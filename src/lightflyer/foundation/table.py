@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from lightflyer.foundation.layout import (
 )
 from lightflyer.foundation.text import read_text
 
-_LARGEST = 1e30  # no measured value in any unit; squares of larger ones overflow
+_SMALLEST, _LARGEST = 1e-30, 1e30  # of measured values in any unit; powers of others overflow
 _BLOCK = 50_000  # rows read at once; a block with a faulty row is read again row by row
 _NUMBER_AND_UNIT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*[A-Za-zµμ°Ω%/^]+")
 
@@ -291,9 +291,15 @@ def _read_block(
         )
     except ValueError:
         return None
-    if len(values) != len(block) or not (np.abs(values) <= _LARGEST).all():
+    sizes = np.abs(values)
+    if len(values) != len(block) or not ((sizes <= _LARGEST) & _measurable(sizes)).all():
         return None
     return values
+
+
+def _measurable(size: Any) -> Any:
+    """Whether a magnitude is zero, or not too small for a measured value."""
+    return (size == 0.0) | (size >= _SMALLEST)
 
 
 def _count(line: str, delimiter: str | None) -> int:
@@ -360,7 +366,7 @@ def _read_row(
                     else f"{column.name} is empty"), said  # fmt: skip
         if not math.isfinite(value):
             return f"{column.name} is {cell}", said
-        if abs(value) > _LARGEST:
+        if abs(value) > _LARGEST or not _measurable(abs(value)):
             return f"{column.name} is {cell}, which is no measured value", said
         row.append(value)
     return row, said

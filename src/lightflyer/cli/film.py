@@ -181,11 +181,10 @@ def _show(
             for name in ("reflectance", "transmittance", "absorptance")
         ]
         console.print(f"at {point['wavelength_um']:.5g} µm: {', '.join(parts)}", soft_wrap=True)
-    measured = section.measured()
-    limit = measured.pop("highest_temperature", None)
+    limit = section.limit()
     if limit is not None:
-        console.print(f"highest temperature of the materials {limit.value:g} K")
-    for name, value in measured.items():
+        console.print(f"highest temperature that the film bears {limit:g} K")
+    for name, value in section.measured().items():
         spread = "" if value.uncertainty is None else f" ± {value.uncertainty:g}"
         console.print(f"measured, used in predictions: {name} {value.value:g}{spread}")
 

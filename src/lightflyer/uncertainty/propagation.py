@@ -292,20 +292,17 @@ def _central(drawn: np.ndarray, *, endless: bool) -> dict[str, Any]:
     """Ends and median of samples; ``endless`` where a missing value is larger than any other."""
     known = np.isfinite(drawn)
     counted = np.where(known, drawn, np.inf) if endless else drawn[known]
-    levels = (COVERAGE[0], 50.0, COVERAGE[1])
     ends = np.full(3, np.nan)
-    if (
-        counted.size
-    ):  # outwards to the next sample, for a finite number of them knows the ends badly
-        ends = np.array(
-            [
-                np.percentile(counted, level, method=method)
-                for level, method in zip(levels, ("lower", "nearest", "higher"), strict=True)
-            ]
-        )
-    low, median, high = (float(end) if np.isfinite(end) else None for end in ends)
-    share = float(known.mean())
-    return {"low": low, "median": median, "high": high, "share_of_samples": share}
+    if counted.size:
+        # outwards to the next sample: a finite number of them knows the ends badly
+        ends[0] = np.percentile(counted, COVERAGE[0], method="lower")
+        ends[1] = np.percentile(counted, 50.0, method="nearest")
+        ends[2] = np.percentile(counted, COVERAGE[1], method="higher")
+    found: dict[str, Any] = {
+        name: float(end) if np.isfinite(end) else None
+        for name, end in zip(("low", "median", "high"), ends, strict=True)
+    }
+    return found | {"share_of_samples": float(known.mean())}
 
 
 def _targets(prediction: Prediction) -> tuple[list[_Target], np.ndarray]:

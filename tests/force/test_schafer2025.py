@@ -52,7 +52,7 @@ def make(gap=1e-4, support_fraction=1e-4, **changed):
     )
 
 
-def state_at(pressure, temperature=220.0, gas=lf.gas.AIR, **radiation):
+def state_at(pressure, temperature=220.0, gas=lf.gas.US1976_AIR, **radiation):
     radiation = lf.environment.Radiation(**radiation)
     return lf.environment.EnvironmentState(pressure, temperature, 9.7, gas, radiation)
 
@@ -83,9 +83,9 @@ def test_model_gives_the_published_force_and_heat(row):
 
 def test_rarefaction_is_that_of_the_mean_free_path():
     state = state_at(np.geomspace(1e-2, 1e3, 6))
-    path = lf.gas.mean_free_path(state.pressure, 220.0, lf.gas.AIR)
+    path = lf.gas.mean_free_path(state.pressure, 220.0, lf.gas.US1976_AIR)
     with lf.float64():
-        found = rarefaction(0.01, state.pressure, 220.0, lf.gas.AIR)
+        found = rarefaction(0.01, state.pressure, 220.0, lf.gas.US1976_AIR)
     np.testing.assert_allclose(found, 0.5 * np.sqrt(np.pi) * 0.01 / path, rtol=1e-14)
 
 
@@ -98,7 +98,7 @@ def test_limit_of_free_molecules_is_exact(beta):
     solid = (1.0 - beta) * np.pi * 0.01**2
     expected = 0.5 * pressure * solid * (np.sqrt(1.7) - np.sqrt(1.2))
     assert MODEL.force(flyer, state, unknowns) == pytest.approx(expected, rel=1e-9, abs=0.0)
-    gas_constant = lf.gas.AIR.specific_gas_constant
+    gas_constant = lf.gas.US1976_AIR.specific_gas_constant
     flux = pressure / np.sqrt(2.0 * np.pi * gas_constant * temperature)  # [kg/(m² s)]
     per_kelvin = flux * 3.0 * gas_constant * solid  # 2 from translation, 1 from rotation
     top, bottom = MODEL.heat_loss(flyer, state, unknowns)
@@ -115,7 +115,7 @@ def test_dense_gas_takes_heat_by_conduction_and_force_as_its_inverse():
     heats = [sum(MODEL.heat_loss(flyer, state, (0.1, 0.1))) for state in (thin, dense)]
     assert heats[0] == pytest.approx(heats[1], rel=0.01)
 
-    class Conductive(lf.gas.Air):
+    class Conductive(lf.gas.US1976Air):
         def conductivity(self, temperature):
             return 2.0 * super().conductivity(temperature)
 
@@ -132,7 +132,7 @@ def test_internal_motion_of_the_molecules():
         )
         assert float(free) == pytest.approx(1.0, rel=1e-14)
         assert float(dense) == pytest.approx(1.0, rel=1e-14)
-        air = lf.gas.AIR
+        air = lf.gas.US1976_AIR
         free, dense = internal_factors(
             1.4, air.specific_gas_constant, air.viscosity(288.15), air.conductivity(288.15)
         )
@@ -197,7 +197,7 @@ def test_turned_over_the_force_is_reversed():
 
 def test_gas_in_the_gap():
     """Between a temperature jump at each wall, with its textbook coefficient."""
-    air, area, gap = lf.gas.AIR, 2.0, 1e-4
+    air, area, gap = lf.gas.US1976_AIR, 2.0, 1e-4
     temperature, tac = 250.0, 0.8
     conductivity, viscosity = air.conductivity(temperature), air.viscosity(temperature)
     prandtl = viscosity * air.heat_capacity(temperature) / conductivity
@@ -248,7 +248,7 @@ def by_hand(flyer, pressure, temperature, irradiance):
 
     Only the ratios of the perforated disk are the package's.
     """
-    air, beta, solid = lf.gas.AIR, 0.5, 0.5
+    air, beta, solid = lf.gas.US1976_AIR, 0.5, 0.5
     with lf.float64():
         delta = float(rarefaction(0.01, pressure, temperature, air))
         factors = (

@@ -212,7 +212,7 @@ def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
     if uncertainty["between_bounds"]:
         names = ", ".join(uncertainty["between_bounds"])
         sources.append(f"the bounds of {names}")
-    console.print(f"from {', and '.join(sources)}", soft_wrap=True)
+    console.print(f"from {', and '.join(sources)}")
 
 
 def _span(band: dict[str, Any] | None) -> str:

@@ -67,7 +67,9 @@ def paper_with_air(incidence):
         atmosphere=Lu2023Atmosphere(),
         gravity=constants.GRAVITY_LU2023,
         radiation=Radiation(
-            constants.SOLAR_CONSTANT, incidence, stefan_boltzmann=constants.STEFAN_BOLTZMANN_LU2023
+            constants.SOLAR_CONSTANT_LU2023,
+            incidence,
+            stefan_boltzmann=constants.STEFAN_BOLTZMANN_LU2023,
         ),
     )
 

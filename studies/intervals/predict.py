@@ -1,7 +1,7 @@
 """``predict``: a file states measured values, each off by an error of its own ±; truth by NumPy.
 
-The truth is the paper's model in plain NumPy (``benchmarks/numpy_model.py``) with SciPy's root-finder
-and minimiser, at the true values.
+The truth is the paper's model in plain NumPy (``benchmarks/numpy_model.py``) with SciPy's
+root-finder and minimiser, at the true values.
 """
 
 import sys
@@ -16,7 +16,7 @@ import lightflyer as lf
 from lightflyer.foundation.units import Measured
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
-import numpy_model  # noqa: E402
+import numpy_model
 
 COMMAND = "predict"
 

@@ -11,14 +11,15 @@ The shares go into ``results.csv``, which the documentation shows.
 
 import argparse
 import csv
-import importlib
+import importlib.util
 import math
 import sys
 from collections import defaultdict
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
+from types import ModuleType
 
 from trial import Trial
 
@@ -33,9 +34,20 @@ def modules() -> list[str]:
     return sorted({path.stem for path in HERE.glob("*.py")} - _NOT_COMMANDS)
 
 
+@cache
+def load(module: str) -> ModuleType:
+    """A module of this folder, whatever else has its name."""
+    spec = importlib.util.spec_from_file_location(f"intervals_{module}", HERE / f"{module}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    found = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(found)
+    return found
+
+
 def run_one(module: str, seed: int) -> list[Trial]:
     """Trials of one module for one seed."""
-    return list(importlib.import_module(module).trials(seed))
+    return list(load(module).trials(seed))
 
 
 def rows_of(module: str, cases: int, workers: int) -> list[list[str]]:
@@ -47,7 +59,7 @@ def rows_of(module: str, cases: int, workers: int) -> list[list[str]]:
                 found[trial.quantity].append(trial)
             if number % 50 == 0:
                 print(f"{module}: {number} of {cases}", file=sys.stderr, flush=True)
-    command = importlib.import_module(module).COMMAND
+    command = load(module).COMMAND
     return [[command, quantity, *_shares(trials)] for quantity, trials in found.items()]
 
 

@@ -445,7 +445,7 @@ def test_what_is_outside_the_models_range():
     assert re.match(r"the rarefaction parameter is \S+ at 500 Pa, above 200: the sim", dense)
     assert re.match(r"hole_radius over the mean free path is \S+ at 500 Pa, above 1", holes)
     assert re.match(r"gap over the mean free path is \S+ at 500 Pa, above 1", gap)
-    assert len(MODEL.caveats(flyer, state_at(110.0), 300.0)) == 1  # the gap, first of the three
+    assert len(MODEL.caveats(flyer, state_at(110.0), 300.0)) == 2  # but for the holes
     wide, open_ = MODEL.caveats(make(gap=3e-4, open_fraction=0.97), state_at(3.0), 300.0)
     assert wide.startswith("gap is 10 times hole_radius: fewer molecules pass both membranes")
     assert open_.startswith("open_fraction = 0.97 exceeds 0.95")

@@ -155,7 +155,9 @@ def _state(earth: Earth, altitude: Numeric) -> EnvironmentState:
     )
 
 
-def lu2023_earth(irradiance: Numeric = constants.SOLAR_CONSTANT, incidence: Numeric = 0.0) -> Earth:
+def lu2023_earth(
+    irradiance: Numeric = constants.SOLAR_CONSTANT_LU2023, incidence: Numeric = 0.0
+) -> Earth:
     """Earth as in the paper: its polynomial atmosphere, gas, gravity and rounded constant.
 
     Nothing is reflected from below, and the thermal surroundings are black at the gas temperature.
@@ -249,7 +251,7 @@ class Lu2023Section(EarthSection):
     stefan_boltzmann: ClassVar[float] = constants.STEFAN_BOLTZMANN_LU2023
 
     atmosphere: Literal["lu2023"]
-    irradiance: Irradiance = Measured(constants.SOLAR_CONSTANT)
+    irradiance: Irradiance = Measured(constants.SOLAR_CONSTANT_LU2023)
     albedo: Fraction = Measured(0.0)
     surroundings: Literal["earth", "gas"] = "gas"
 

@@ -27,7 +27,7 @@ TOTAL_SOLAR_IRRADIANCE: Final = 1361.0
 Over the year it varies by 3.4 % about this mean.
 """
 
-SOLAR_CONSTANT: Final = 1360.0
+SOLAR_CONSTANT_LU2023: Final = 1360.0
 """Sunlight above the atmosphere as [Lu2023]_ rounds it [W/m²]."""
 
 GAS_CONSTANT_US1976: Final = 8314.32

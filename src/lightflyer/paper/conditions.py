@@ -134,7 +134,7 @@ def behaviour(
     diameter: Any,
     pressure: Any,
     gas_temperature: Any,
-    irradiance: Any = constants.SOLAR_CONSTANT,
+    irradiance: Any = constants.SOLAR_CONSTANT_LU2023,
     incidence: Any = 0.0,
 ) -> Table:
     """Outputs of a disk at many points, with the paper's gas, gravity and rounded constant.
@@ -239,7 +239,7 @@ def in_chamber(
     properties: FilmProperties,
     pressure: Any,
     diameter: Any,
-    irradiance: Any = constants.SOLAR_CONSTANT,
+    irradiance: Any = constants.SOLAR_CONSTANT_LU2023,
 ) -> Table:
     """Outputs of a coated disk in the chamber, under the assumed conditions.
 

@@ -104,7 +104,7 @@ def _flight_curves(size_cm: float, words: str = "") -> Curves:
                 column,
                 _ALTITUDES_KM * _KILO,
                 size_cm * _CENTIMETRE,
-                constants.SOLAR_CONSTANT,
+                constants.SOLAR_CONSTANT_LU2023,
                 incidence,
             )
             label = f"irradiance{name}{words} {column.key}"

@@ -178,7 +178,7 @@ def _draw_flight(axes: Any, letters: str, curves: Curves, words: str = "") -> No
         temperature = curves[f"temperature{words} {column.key} [K]"]
         right.plot(altitude, temperature, color=BLUE, ls=style, label=column.title)
     right.plot(altitude, curves["gas temperature [K]"], color=GREY, label="air")
-    available = constants.SOLAR_CONSTANT / _KILO
+    available = constants.SOLAR_CONSTANT_LU2023 / _KILO
     left.axhline(available, color=GREY, lw=1)
     left.annotate("1.36 kW/m²", (_FLIGHT_KM[0], available), (4, 4), textcoords="offset points")
     left.set_ylim(0.0, 4.0)

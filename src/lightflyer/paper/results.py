@@ -95,7 +95,7 @@ def bands(
     diameters = np.atleast_1d(np.asarray(diameter, float))
 
     def margin(altitude: Any) -> np.ndarray:
-        light = constants.SOLAR_CONSTANT
+        light = constants.SOLAR_CONSTANT_LU2023
         table = over_altitude(column, altitude, diameters, light, incidence_deg)
         return table["lift_over_weight"] - 1.0
 
@@ -130,7 +130,7 @@ def best_payload(column: Column, diameter: Any) -> tuple[np.ndarray, np.ndarray]
     diameters = np.atleast_1d(np.asarray(diameter, float))
 
     def relative(altitude: np.ndarray) -> np.ndarray:
-        table = over_altitude(column, altitude, diameters, constants.SOLAR_CONSTANT)
+        table = over_altitude(column, altitude, diameters, constants.SOLAR_CONSTANT_LU2023)
         return table["relative_payload"]
 
     return _maximum(relative, *SEARCHED_ALTITUDES)
@@ -201,7 +201,7 @@ def planck_peak(temperature: float) -> float:
 
 
 def _altitude_values(column: Column) -> dict[str, float]:
-    light = constants.SOLAR_CONSTANT
+    light = constants.SOLAR_CONSTANT_LU2023
     values = {}
     for name, incidence in (("band", 0.0), ("band_45", 45.0)):
         edges = band(column, incidence)
@@ -331,7 +331,7 @@ def check_values(column: Column) -> list[dict[str, float]]:
         One per altitude; names as in the JSON of other commands.
     """
     altitude = np.array(CHECKED_ALTITUDES)
-    table = over_altitude(column, altitude, _DISK, constants.SOLAR_CONSTANT)
+    table = over_altitude(column, altitude, _DISK, constants.SOLAR_CONSTANT_LU2023)
     columns = {json_name("altitude", "km"): altitude / _KILOMETRE}
     for name in CHECKED_OUTPUTS:
         key, factor = OUTPUTS[name].json

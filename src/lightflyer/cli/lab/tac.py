@@ -47,7 +47,7 @@ def tac_command(
     emissivity: str | None = None,
     reading: Literal["kinetic", "printed", "reported"] = "kinetic",
     wall: str | None = None,
-    gas: Literal["air", "lu2023-air"] = "air",
+    gas: Literal["air", "us1976-air", "lu2023-air"] = "air",
     gauge_accuracy: str = "5 %",
     gauge_zero: str = "0.01 Pa",
     power_accuracy: str = "1 %",

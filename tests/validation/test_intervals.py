@@ -1,0 +1,61 @@
+"""How often intervals contain the truth: a few dozen cases of each study, and the table in full."""
+
+import csv
+import importlib
+import math
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+from scipy.stats import binom
+
+STUDY = Path(__file__).parents[2] / "studies" / "intervals"
+CASES = {"calibrate": 8, "predict": 8, "tac": 8}  # of those that take about a second each
+MOST_CASES = 25
+CONFIDENCE = 0.95
+CHANCE = 1e-5  # of a false alarm, for each quantity
+MODULES = sorted({path.stem for path in STUDY.glob("*.py")} - {"study", "trial"})
+
+
+@pytest.fixture(scope="module")
+def study():
+    """The study's folder on the path, as where it runs."""
+    sys.path.insert(0, str(STUDY))
+    yield importlib.import_module("study")
+    sys.path.remove(str(STUDY))
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_intervals_cover(study, module):
+    """Far too narrow ones are found here, those that are somewhat so by the study."""
+    covered = defaultdict(list)
+    for seed in range(CASES.get(module, MOST_CASES)):
+        for trial in study.run_one(module, 10_000 + seed):
+            covered[trial.quantity].append(trial.covered)
+            assert trial.low <= trial.high
+            assert not math.isnan(trial.low + trial.high)
+    assert covered
+    for quantity, found in covered.items():
+        by_chance = binom.cdf(sum(found), len(found), CONFIDENCE)
+        assert by_chance > CHANCE, f"{quantity}: {sum(found)} of {len(found)}"
+
+
+def test_the_table_keeps_its_promise():
+    """Shares of 93 to 97 %, within what the number of cases leaves open."""
+    with (STUDY / "results.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    commands = {command_of(module) for module in MODULES}
+    assert {row["command"] for row in rows} == commands
+    for row in rows:
+        assert int(row["cases"]) >= 300, row
+        share, error = float(row["share [%]"]), float(row["± [%]"])
+        assert 93.0 - 2.0 * error <= share <= 97.0 + 2.0 * error, row
+
+
+def command_of(module):
+    """The command that a module is about, without importing what it needs."""
+    for line in (STUDY / f"{module}.py").read_text(encoding="utf-8").splitlines():
+        if line.startswith("COMMAND = "):
+            return line.split('"')[1]
+    raise AssertionError(f"{module} has no COMMAND")

@@ -1,7 +1,6 @@
 """A film's properties from its layers, with measured values where there are any."""
 
 import dataclasses
-from collections.abc import Iterator
 from typing import Any
 
 import jax.numpy as jnp
@@ -14,6 +13,7 @@ from lightflyer.film.averages import (
     thermal_coverage,
 )
 from lightflyer.film.curve import EmittanceCurve, node_temperatures
+from lightflyer.film.findings import gap_warnings, property_warnings
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.spectra import Spectrum
 from lightflyer.film.stack import GRAZING, Film, Side
@@ -28,8 +28,6 @@ REPORT_TEMPERATURES = (200.0, 250.0, 300.0, 350.0, 400.0, 450.0, 500.0)
 _FACES: tuple[Side, Side] = ("top", "bottom")
 _LEAST_EMITTANCE = 1e-9
 _COMPLETE = 1.0 - 1e-6  # share of a spectrum beyond which what is missing has no effect
-_NEARLY_COMPLETE = 0.999  # share below which a reader must know
-_TYPICAL_TEMPERATURE = 350.0  # of light-flyers [K], at which a warning gives bounds
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -78,9 +76,12 @@ class ComputedFilm:
     def warnings(self) -> tuple[str, ...]:
         """What a reader of the properties must know: where data are missing or extrapolated."""
         missing = [
-            text for name, mean in self.averages.items() for text in _missing(name, mean, self.film)
+            text
+            for name, mean in self.averages.items()
+            for text in property_warnings(name, mean, self.film)
         ]
-        return (*missing, *(f"extrapolated {text}" for text in self._extrapolated()))
+        extrapolated = (f"extrapolated {text}" for text in self._extrapolated())
+        return (*missing, *extrapolated, *gap_warnings(self.film))
 
     @classmethod
     def of(
@@ -179,21 +180,6 @@ def _over_temperatures(value: Any) -> Any:
         return float(value)
     values = value(np.array(REPORT_TEMPERATURES))
     return dict(zip(map("{:g}".format, REPORT_TEMPERATURES), map(float, values), strict=True))
-
-
-def _missing(name: str, mean: Average, film: Film) -> Iterator[str]:
-    """What a reader must know of a mean whose data do not cover the spectrum."""
-    covered, lower, upper = mean.covered, mean.lower, mean.upper
-    spectrum = "of the light"
-    if np.ndim(covered):
-        spectrum = f"of a black body's radiation at {_TYPICAL_TEMPERATURE:g} K"
-        covered = thermal_coverage(film, _TYPICAL_TEMPERATURE)
-        lower, upper = (EmittanceCurve.through(end)(_TYPICAL_TEMPERATURE) for end in (lower, upper))
-    if covered < _NEARLY_COMPLETE:
-        yield (
-            f"{name} is computed from data for {100.0 * float(covered):.3g} % {spectrum}; what is "
-            f"missing leaves it between {float(lower):.3g} and {float(upper):.3g}"
-        )
 
 
 def _absorptances(

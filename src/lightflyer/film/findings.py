@@ -1,16 +1,20 @@
 """What a reader of a film's averages must know: missing, extrapolated and interpolated data."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from lightflyer.film.averages import Average
+from lightflyer.film.averages import Average, thermal_coverage
+from lightflyer.film.curve import EmittanceCurve
 from lightflyer.film.materials import MICROMETRE
 from lightflyer.film.spectra import Spectrum, am0
 from lightflyer.film.stack import Film
 
 WORTH_SAYING = 0.001
 """Least share of a spectrum's power whose absence or extrapolation is named [1]."""
+
+TYPICAL_TEMPERATURE = 350.0
+"""Temperature of light-flyers at which a warning gives the bounds of an emittance [K]."""
 
 
 def film_warnings(
@@ -47,8 +51,38 @@ def film_warnings(
         found += _shares(average, name, "absorptance", "")
     heat = f" ({_range(temperatures, 'g')} K)"
     found += _shares(thermal["top"], "a black body's radiation", "emittance", heat)
-    found += _gaps(film)
+    found += gap_warnings(film)
     return (*found, *_unstated(film, thickness_uncertainty))
+
+
+def property_warnings(name: str, mean: Average, film: Film) -> Iterator[str]:
+    """Warnings of a film's property whose data do not cover the spectrum.
+
+    Parameters
+    ----------
+    name : str
+        Of the property.
+    mean : Average
+        One number, or an emittance at each of the nodes of a curve.
+    film : Film
+
+    Yields
+    ------
+    str
+        With the bounds that missing data leave; of an emittance those at a light-flyer's
+        temperature.
+    """
+    covered, lower, upper = mean.covered, mean.lower, mean.upper
+    spectrum = "of the light"
+    if np.ndim(covered):
+        spectrum = f"of a black body's radiation at {TYPICAL_TEMPERATURE:g} K"
+        covered = thermal_coverage(film, TYPICAL_TEMPERATURE)
+        lower, upper = (EmittanceCurve.through(end)(TYPICAL_TEMPERATURE) for end in (lower, upper))
+    if covered < 1.0 - WORTH_SAYING:
+        yield (
+            f"{name} is computed from data for {100.0 * float(covered):.3g} % {spectrum}; what is "
+            f"missing leaves it between {float(lower):.3g} and {float(upper):.3g}"
+        )
 
 
 def _shares(average: Average, spectrum: str, quantity: str, where: str) -> list[str]:
@@ -73,7 +107,8 @@ def _range(values: np.ndarray, form: str) -> str:
     return " to ".join(dict.fromkeys(ends))
 
 
-def _gaps(film: Film) -> list[str]:
+def gap_warnings(film: Film) -> list[str]:
+    """Warnings of materials whose data have a gap, one line each."""
     materials = dict.fromkeys(layer.material for layer in film.layers)
     return [
         f"{material.name} has no optical data from {gap[0] / MICROMETRE:.4g} µm to "

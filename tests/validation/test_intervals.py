@@ -11,8 +11,11 @@ import pytest
 from scipy.stats import binom
 
 STUDY = Path(__file__).parents[2] / "studies" / "intervals"
-CASES = {"calibrate": 8, "predict": 8, "tac": 8}  # of those that take about a second each
-MOST_CASES = 25
+# of those that take about a second each
+CASES = {"calibrate": 8, "film": 5, "predict": 8, "roughness": 5, "tac": 8}
+MOST_CASES = 16
+# wider than they need be, as the documentation says: the scatter of few points is poorly known
+CAUTIOUS = ("8 points", "three repeats, scatter like accuracy")
 CONFIDENCE = 0.95
 CHANCE = 1e-5  # of a false alarm, for each quantity
 MODULES = sorted({path.stem for path in STUDY.glob("*.py")} - {"study", "trial"})
@@ -50,7 +53,8 @@ def test_the_table_keeps_its_promise():
     for row in rows:
         assert int(row["cases"]) >= 300, row
         share, error = float(row["share [%]"]), float(row["± [%]"])
-        assert 93.0 - 2.0 * error <= share <= 97.0 + 2.0 * error, row
+        cautious = any(words in row["quantity"] for words in CAUTIOUS)
+        assert 93.0 - 2.0 * error <= share <= (100.0 if cautious else 97.0 + 2.0 * error), row
 
 
 def command_of(module):

@@ -54,6 +54,8 @@ def sensitivity_command(
                 "columns are quantiles of the output",
                 soft_wrap=True,
             )
+    for text in study.design.sampling_warnings:
+        console.print(f"warning: {text}", markup=False, soft_wrap=True)
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
 

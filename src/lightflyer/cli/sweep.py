@@ -86,7 +86,7 @@ def sweep_command(
         )
     dataset = open_sweep(out)
     if json_output:
-        print(json.dumps(_summary(out, report), allow_nan=False))  # noqa: T201
+        print(json.dumps(_summary(out, study, report, dataset), allow_nan=False))  # noqa: T201
         return
     _show(Console(highlight=False), study, report, dataset)
     Console(highlight=False).print(f"wrote {out}", soft_wrap=True)
@@ -176,7 +176,10 @@ class _Progress:
         self._bar.advance(self._designs, designs)
 
 
-def _summary(out: Path, report: "SweepReport") -> dict[str, Any]:
+def _summary(
+    out: Path, study: "Study", report: "SweepReport", dataset: "xr.Dataset"
+) -> dict[str, Any]:
+    name, best = _best(dataset)
     return {
         "out": str(out),
         "designs": report.designs,
@@ -185,6 +188,8 @@ def _summary(out: Path, report: "SweepReport") -> dict[str, Any]:
         "damaged_chunks": report.damaged,
         "not_converged": report.not_converged,
         "seconds": report.seconds,
+        "best": None if best is None else {"output": name, "value": best.value, "unit": best.units},
+        "warnings": list(_warnings(study, best)),
     }
 
 
@@ -207,12 +212,18 @@ def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.
     if name:
         shown = f"no design has a {name}" if best is None else f"largest {name}: {best}"
         console.print(shown, soft_wrap=True)
-    if best is not None:
-        from lightflyer.flight.cautions import cautions_of_design
+    for text in _warnings(study, best):
+        console.print(f"warning: {text}", markup=False, soft_wrap=True)
 
-        there = {field: number for field, (number, _) in best.where.items()}
-        for text in cautions_of_design(study.design, there):
-            console.print(f"warning: of the best design: {text}", markup=False, soft_wrap=True)
+
+def _warnings(study: "Study", best: "BestDesign | None") -> tuple[str, ...]:
+    """What a reader of the best design must know; of the design itself where there is none."""
+    from lightflyer.flight.cautions import cautions_of_design
+
+    if best is None:
+        return study.design.warnings
+    there = {field: number for field, (number, _) in best.where.items()}
+    return tuple(f"best design: {text}" for text in cautions_of_design(study.design, there))
 
 
 def _report_line(report: "SweepReport") -> str:

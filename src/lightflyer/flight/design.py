@@ -127,6 +127,14 @@ class AbstractDesign(abc.ABC):
         """What a reader of any result of the design must know, one line each."""
         return ()
 
+    @property
+    def sampling_warnings(self) -> tuple[str, ...]:
+        """The same for results over samples of the numbers that have a ±."""
+        left_out = (
+            f"{name} is not sampled: it has its nominal value" for name in self.open_parts()
+        )
+        return (*self.warnings, *left_out)
+
     def why_not_varied(self, name: str) -> str | None:
         """Reason why a number of the design cannot be varied, None where there is none."""
         del name

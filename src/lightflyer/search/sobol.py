@@ -118,6 +118,8 @@ class Indices:
     elasticity : dict of str to float
         Relative change of the output over that of an input, by the input's name; not a number for
         an input whose median is zero.
+    warnings : tuple of str
+        What a reader must know, one line each.
     """
 
     output: str
@@ -134,6 +136,7 @@ class Indices:
     low: np.ndarray
     high: np.ndarray
     elasticity: dict[str, float]
+    warnings: tuple[str, ...]
 
     @property
     def unit(self) -> str:
@@ -203,6 +206,7 @@ class Indices:
             "elasticities": {name: _finite(value) for name, value in self.elasticity.items()},
             "measure_next": self.next,
             "standard_deviation_after_halving": self.spread_after_halving,
+            "warnings": list(self.warnings),
         }
 
 
@@ -412,6 +416,7 @@ def _of_output(
         low=low,
         high=high,
         elasticity=_elasticities(study, nominal, up - down),
+        warnings=study.design.sampling_warnings,
     )
 
 

@@ -85,7 +85,7 @@ def test_table_and_json_say_which_interval_is_which(folder, run):
     assert (code, errors) == (0, "")
     assert "given inputs: the points' scatter alone" in shown
     assert "total: also the ± of film.tac_top (30 %" in shown
-    assert "warning: no accuracy of the light meter is stated; ± 5 % is assumed" in shown
+    assert "warning: no accuracy of the pressure gauge and light meter is stated; ± 5 %" in shown
     accuracies = "--pressure-accuracy", "5 %", "--irradiance-accuracy", "5 %"
     code, printed, _ = run(
         "calibrate", "points.csv", "--flyer", "flyer.toml", "--json", *accuracies
@@ -130,7 +130,7 @@ def test_the_points_of_the_documentation(folder, run):
         (["--step", "200"], "--step: "),
         (["--step", "9 kW/m^2"], "is not smaller than the least irradiance"),
         (["--pressure-accuracy", "5 Pa"], "--pressure-accuracy: "),
-        (["--irradiance-accuracy", "150 %"], "irradiance_accuracy = 1.5 is not between 0 and 1"),
+        (["--irradiance-accuracy", "150 %"], "--irradiance-accuracy = 1.5 is not between 0 and 1"),
     ],
 )
 def test_bad_options(folder, run, arguments, says):

@@ -1,4 +1,5 @@
 import tomllib
+from importlib import resources
 
 import pytest
 
@@ -57,6 +58,18 @@ def test_impossible_value_leaves_the_file(flyer_file):
         update_flyer_file(path, {("film", "tac_top"): Estimate.normal(1.9, 0.1)}, "x")
     assert path.read_bytes() == before
     assert [file.name for file in path.parent.iterdir()] == ["flyer.toml"]
+
+
+def test_a_file_without_a_film_is_refused_in_one_line(tmp_path):
+    path = tmp_path / "sandwich.toml"
+    text = (resources.files("lightflyer") / "data" / "flyer-sandwich.toml").read_text("utf-8")
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(lf.ConfigurationError) as caught:
+        update_flyer_file(path, {("film", "tac_bottom"): VALUE}, "x")
+    assert str(caught.value) == (
+        f"{path}: has no section [film] to write tac_bottom into; the file is unchanged"
+    )
+    assert path.read_text(encoding="utf-8") == text
 
 
 @pytest.mark.parametrize(

@@ -227,7 +227,10 @@ def test_light_meter_by_the_same_code(tmp_path):
     path.write_text("incident,reflected,transmitted,dark\n1010,160,110,10\n", encoding="utf-8")
     readings, _ = read_readings(path, LIGHT)
     found = reduce_readings(readings).summary()
-    assert found["warnings"] == []
+    assert found["warnings"] == [
+        "no accuracy of the light meter is stated; limits of 2 % of the reading are assumed"
+    ]
+    assert not reduce_readings(read_readings(path, LIGHT, accuracy=0.01)[0]).warnings
     assert found["standard_uncertainties"]["incident"]["value"] == pytest.approx(11.66, rel=1e-3)
     assert found["reflectance"]["value"] == pytest.approx(0.15)
     assert found["transmittance"]["value"] == pytest.approx(0.10)

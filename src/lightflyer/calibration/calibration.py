@@ -273,23 +273,16 @@ def _calibration(
     here = fit.at(best)
     freedom, cost = len(points) - best.size, fit.cost(best)
     _require_distinct(here.jacobian * fit.weight[:, None], problem.names)
-    scaled = scale_errors and points.has_uncertainty
-    if scaled and not freedom:
-        raise ParameterError(
-            f"{points.source}: as many parameters as points leave nothing to scale errors by"
-        )
     estimated = not points.has_uncertainty
+    scaled = scale_errors and not estimated
+    _require_freedom(freedom, points.source, scaled=scaled)
     variance = cost / freedom if estimated or scaled else 1.0
     limit = cost + _threshold(variance, freedom, estimated=estimated or scaled)
     values, residuals = np.exp(best), fit.measured - here.value
     in_logarithms = _covariance(fit, best) * variance
     inputs = from_inputs(fit, best)
-    ends = np.array(
-        [
-            fit.interval(best, limit, number, first_order)
-            for number, first_order in enumerate(np.sqrt(np.diag(in_logarithms)))
-        ]
-    )
+    steps = np.sqrt(np.diag(in_logarithms))
+    ends = np.array([fit.interval(best, limit, row, step) for row, step in enumerate(steps)])
     if estimated:
         wider = _unevenness(here.jacobian, residuals, in_logarithms)
         in_logarithms = in_logarithms * np.outer(wider, wider)
@@ -297,6 +290,7 @@ def _calibration(
     ends = _open(ends, problem)
     both = np.hypot(ends - best[:, None], _open(inputs.ends, problem) - best[:, None])
     scale = np.outer(values, values)
+    shares = zip(problem.inputs.names, np.abs(inputs.slopes.T), strict=True)
     return Calibration(
         problem=problem,
         values=values,
@@ -304,11 +298,7 @@ def _calibration(
         intervals=_natural(ends, problem.parameters),
         total_covariance=(in_logarithms + inputs.covariance) * scale,
         total_intervals=_natural(best[:, None] + both * [-1.0, 1.0], problem.parameters),
-        contributions={
-            name: np.abs(column)
-            for name, column in zip(problem.inputs.names, inputs.slopes.T, strict=True)
-            if np.any(column)
-        },
+        contributions={name: share for name, share in shares if np.any(share)},
         scatter=float(np.sqrt(np.sum(residuals**2) / freedom)) if freedom else 0.0,
         estimated_scatter=estimated,
         chi_squared=math.nan if estimated else cost,
@@ -319,6 +309,13 @@ def _calibration(
         fitted=np.exp(here.value),
         warnings=(),
     )
+
+
+def _require_freedom(freedom: int, source: str, *, scaled: bool) -> None:
+    if scaled and not freedom:
+        raise ParameterError(
+            f"{source}: as many parameters as points leave nothing to scale errors by"
+        )
 
 
 def _covariance(fit: LeastSquares, best: np.ndarray) -> np.ndarray:

@@ -115,9 +115,8 @@ def _about_inputs(fit: Calibration) -> list[str]:
     ]
     if bare:
         said.append(
-            f"{' and '.join(bare)} ha{'ve' if len(bare) > 1 else 's'} no ±, so the total intervals "
-            "leave it out, usually the largest part; write it into the flyer file, such as "
-            '"0.90 ± 0.03"'
+            f"{' and '.join(bare)} ha{'ve' if len(bare) > 1 else 's'} no ±, usually the largest "
+            'part of a total interval; write it into the flyer file, such as "0.90 ± 0.03"'
         )
     return said
 

@@ -29,6 +29,8 @@ IRRADIANCE_ACCURACY = 0.05
 """Relative standard uncertainty of a light meter where none is stated: an assumption, about the
 accuracy that makers state for thermal power sensors."""
 
+_PERCENT = 100.0
+
 
 def instruments(
     pressure_accuracy: float | None, irradiance_accuracy: float | None
@@ -57,17 +59,19 @@ def instruments(
         ("irradiance_accuracy", irradiance_accuracy),
     ):
         require_range(name, stated, 0.0, 1.0)
-    found, said = {}, []
+    found, assumed = {}, {}
     for instrument, stated, usual in (
         (PRESSURE_GAUGE, pressure_accuracy, PRESSURE_ACCURACY),
         (LIGHT_METER, irradiance_accuracy, IRRADIANCE_ACCURACY),
     ):
         found[instrument] = usual if stated is None else stated
         if stated is None:
-            said.append(
-                f"no accuracy of the {instrument} is stated; ± {100.0 * usual:g} % is assumed"
-            )
-    return found, tuple(said)
+            assumed[instrument] = f"± {_PERCENT * usual:g} %"
+    if not assumed:
+        return found, ()
+    names, values = " and ".join(assumed), " and ".join(assumed.values())
+    verb = "are" if len(assumed) > 1 else "is"
+    return found, (f"no accuracy of the {names} is stated; {values} {verb} assumed",)
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.lab._points import accuracy, interval_text
-from lightflyer.cli.lab._shared import quantity, show_warnings
+from lightflyer.cli.lab._points import open_interval_text
+from lightflyer.cli.lab._shared import optional_share, quantity, show_warnings
 
 if TYPE_CHECKING:
     from lightflyer.calibration.bayes import Posterior
@@ -99,8 +99,8 @@ def calibrate_command(
         points,
         design,
         free=names,
-        pressure_accuracy=accuracy("--pressure-accuracy", pressure_accuracy),
-        irradiance_accuracy=accuracy("--irradiance-accuracy", irradiance_accuracy),
+        pressure_accuracy=optional_share("--pressure-accuracy", pressure_accuracy),
+        irradiance_accuracy=optional_share("--irradiance-accuracy", irradiance_accuracy),
         scale_errors=scale_errors,
     )
     drawn = _draw(fit, samples, seed) if posterior else None
@@ -189,8 +189,8 @@ def _show(console: Console, fit: "Calibration", drawn: "Posterior | None") -> No
         table.add_row(
             name.replace("[", "\\["),
             f"{fit.values[row]:.4g}",
-            interval_text(*fit.intervals[row]),
-            interval_text(*fit.total_intervals[row]),
+            open_interval_text(*fit.intervals[row]),
+            open_interval_text(*fit.total_intervals[row]),
             f"{fit.total_standard_uncertainties[row]:.2g}",
         )
     console.print(table)

@@ -86,6 +86,10 @@ def update_flyer_file(
     document = tomlkit.parse(read_text(path))
     written = []
     for (section, key), estimate in values.items():
+        if section == "film" and section not in document:
+            raise ConfigurationError(
+                f"{path}: has no section [film] to write {key} into; the file is unchanged"
+            )
         if section not in document:
             document.add(section, tomlkit.table())
         table = document[section]
@@ -180,7 +184,7 @@ def _replace(path: Path, text: str) -> None:
         try:
             read_flyer_file(staged)
         except ConfigurationError as error:
-            said = str(error).replace(str(staged), str(path))
+            said = "; ".join(str(error).replace(str(staged), str(path)).splitlines())
             raise ConfigurationError(f"{said}; the file is unchanged") from None
         staged.chmod(path.stat().st_mode)
         os.replace(staged, path)

@@ -83,6 +83,24 @@ class Estimate:
         value, half = float(value), float(half)
         return cls(value, (value - half, value + half), unit, half / NORMAL_FACTOR)
 
+    @classmethod
+    def of_draws(cls, value: float, draws: np.ndarray, unit: str = "") -> "Estimate":
+        """An estimate with the percentile interval of draws.
+
+        Parameters
+        ----------
+        value : float
+            It belongs to its interval, even where all draws are on one side of it.
+        draws : array
+        unit : str
+
+        Returns
+        -------
+        Estimate
+        """
+        low, high = map(float, central_interval(draws))
+        return cls(value, (min(low, value), max(high, value)), unit, float(draws.std(ddof=1)))
+
     def to_json(self) -> dict[str, Any]:
         """JSON object of value, interval and unit; an infinite end is null."""
         ends = [end if math.isfinite(end) else None for end in map(float, self.interval)]

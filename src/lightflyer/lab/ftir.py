@@ -250,11 +250,7 @@ def reduce_ftir(
     """
     used = DEFAULT_ACCURACY if accuracy is None else accuracy
     _check(spectra, reflectances, band, temperatures, used)
-    every = [*spectra, *reflectances]
-    low = max(one.wavenumber[0] for one in every)
-    high = min(one.wavenumber[-1] for one in every)
-    if low >= high:
-        raise ParameterError("the spectra have no wavenumbers in common")
+    low, high = _common_range([*spectra, *reflectances])
     inside = (max(band[0], low), min(band[1], high))
     uncovered_band = _uncovered_band(band, low, high, spectra[0].source)
     heat = [float(t) for t in temperatures]
@@ -285,10 +281,10 @@ def reduce_ftir(
         uncovered=uncovered,
         accuracy=used,
         warnings=(
-            *accuracy_warnings(accuracy, used),
             *coverage_warnings(spectra[0].source, band, (low, high), uncovered_band, uncovered),
             *spectrum_warnings(spectra, reflectances, band, used),
             *bounds.warnings,
+            *accuracy_warnings(accuracy, used),
         ),
     )
 
@@ -310,6 +306,15 @@ def _check(
         for one in group:
             if one.quantity != quantity:
                 raise ParameterError(f"{one.source}: shows {one.quantity}, not {quantity}")
+
+
+def _common_range(spectra: Sequence[MeasuredSpectrum]) -> tuple[float, float]:
+    """Lowest and highest wavenumber that all spectra have [1/m]."""
+    low = max(one.wavenumber[0] for one in spectra)
+    high = min(one.wavenumber[-1] for one in spectra)
+    if low >= high:
+        raise ParameterError("the spectra have no wavenumbers in common")
+    return low, high
 
 
 def _averages(

@@ -13,6 +13,7 @@ _TOLERANCE = 3.0  # standard deviations of accuracy and noise by which points ma
 _WORTH_SAYING = 0.01  # share of points beyond, of a band or of a black body's power without data
 _DARK = 0.015  # ordinate that is nowhere exceeded if a fraction is taken for a percentage
 _WIDE_STEP = 10.0  # over the usual distance of points
+_PERCENT = 100.0
 _ADVICE = {
     "transmittance": "check the background measurement, and whether the ordinate is in %",
     "reflectance": "check the reference mirror's measurement, and whether the ordinate is in %",
@@ -114,9 +115,10 @@ def _impossible_points(spectrum: MeasuredSpectrum, accuracy: float) -> Iterator[
     beyond = (spectrum.value < -tolerance) | (spectrum.value > 1.0 + tolerance)
     if beyond.mean() > _WORTH_SAYING:
         yield (
-            f"{spectrum.source}: {beyond.mean():.1%} of its points lie below 0 or above 1 by more "
-            f"than accuracy and noise explain (lowest {spectrum.value.min():.3g}, highest "
-            f"{spectrum.value.max():.3g}); {_ADVICE[spectrum.quantity]}"
+            f"{spectrum.source}: {_PERCENT * beyond.mean():.1f} % of its points lie below 0 or "
+            f"above 1 by more than accuracy and noise explain (lowest "
+            f"{spectrum.value.min():.3g}, highest {spectrum.value.max():.3g}); "
+            f"{_ADVICE[spectrum.quantity]}"
         )
 
 
@@ -124,8 +126,8 @@ def _dark(spectrum: MeasuredSpectrum) -> Iterator[str]:
     highest = float(spectrum.value.max())
     if highest < _DARK:
         yield (
-            f"{spectrum.source}: {spectrum.quantity} is nowhere above {highest:.2%}; if the file "
-            "holds fractions, its header must not say %"
+            f"{spectrum.source}: {spectrum.quantity} is nowhere above "
+            f"{_PERCENT * highest:.2f} %; if the file holds fractions, its header must not say %"
         )
 
 
@@ -158,8 +160,9 @@ def _too_much_light(
     share = float(np.mean(sums[inside] > 1.0 + tolerance)) if inside.any() else 0.0
     if share > _WORTH_SAYING:
         yield (
-            f"transmittance and reflectance add up to more than 1 at {share:.1%} of the "
-            f"wavenumbers (to {sums[inside].max():.3g}); {_ADVICE['emissivity']}"
+            f"transmittance and reflectance add up to more than 1 at "
+            f"{_PERCENT * share:.1f} % of the wavenumbers "
+            f"(to {sums[inside].max():.3g}); {_ADVICE['emissivity']}"
         )
 
 
@@ -178,7 +181,7 @@ def accuracy_warnings(stated: float | None, used: float) -> list[str]:
     list of str
     """
     if stated is None:
-        share = f"± {100.0 * used:g} % of full scale"
+        share = f"± {_PERCENT * used:g} % of full scale"
         return [f"no accuracy of the spectrometer is stated; {share} is assumed"]
     if stated == 0.0:
         return ["intervals leave out the spectrometer's accuracy, which is stated as 0"]
@@ -213,12 +216,15 @@ def coverage_warnings(
     if uncovered_band > 0.0:
         ends = f"{band[0] / PER_CENTIMETRE:g} to {band[1] / PER_CENTIMETRE:g}"
         found.append(
-            f"{source}: data from {low:.5g} to {high:.5g} cm^-1 do not cover {uncovered_band:.1%} "
-            f"of the band from {ends} cm^-1; the mean is over the rest"
+            f"{source}: data from {low:.5g} to {high:.5g} cm^-1 do not cover "
+            f"{_PERCENT * uncovered_band:.1f} % of the band from {ends} cm^-1; the "
+            "mean is over the rest"
         )
     shares = [share for share in uncovered.values() if share > _WORTH_SAYING]
     if shares:
-        ends = " to ".join(dict.fromkeys(f"{one:.1%}" for one in (min(shares), max(shares))))
+        ends = " to ".join(
+            dict.fromkeys(f"{_PERCENT * one:.1f} %" for one in (min(shares), max(shares)))
+        )
         hot = " to ".join(dict.fromkeys(f"{one:g}" for one in (min(uncovered), max(uncovered))))
         found.append(
             f"{ends} of a black body's power at {hot} K lies outside the measured wavenumbers; "

@@ -17,7 +17,7 @@ from lightflyer.calibration.steps import CENTRE, found_step, require_step
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.extras import extra
-from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
+from lightflyer.lab.estimate import CONFIDENCE, Estimate
 from lightflyer.lab.levitation_data import LiftOffs
 from lightflyer.lab.levitation_minimum import DEGREE, Minimum, minimum
 from lightflyer.lab.record import dataset
@@ -253,11 +253,10 @@ def _loess(loess: Any, x: np.ndarray, y: np.ndarray, span: float) -> Any:
 
 def _estimate(log_value: float, log_draws: np.ndarray, unit: str) -> Estimate:
     """Positive quantity with its percentile interval, from logarithms."""
-    low, high = np.exp(central_interval(log_draws))
+    found = Estimate.of_draws(log_value, log_draws)
+    low, high = np.exp(found.interval)
     value = float(np.exp(log_value))
-    spread = value * float(log_draws.std(ddof=1))
-    # draws may all be on one side of the estimate, which belongs to its interval
-    return Estimate(value, (min(float(low), value), max(float(high), value)), unit, spread)
+    return Estimate(value, (float(low), float(high)), unit, value * (found.uncertainty or 0.0))
 
 
 def compare(curves: Sequence[LevitationCurve]) -> list[Comparison]:
@@ -280,10 +279,8 @@ def compare(curves: Sequence[LevitationCurve]) -> list[Comparison]:
         less, more = sorted(pair, key=lambda curve: curve.minimum_irradiance.value)
         count = min(len(less.draws), len(more.draws))
         ratios = np.exp(less.draws[:count, 1] - shuffle(more.draws[:count, 1]))
-        low, high = central_interval(1.0 - ratios)
         value = 1.0 - less.minimum_irradiance.value / more.minimum_irradiance.value
-        interval = (min(float(low), value), max(float(high), value))
-        reduction = Estimate(value, interval, "", float(ratios.std(ddof=1)))
+        reduction = Estimate.of_draws(value, 1.0 - ratios)
         found.append(Comparison(less.points.name, more.points.name, reduction))
     return found
 

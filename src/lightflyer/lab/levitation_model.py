@@ -1,16 +1,19 @@
 """Model curves for measured levitation points, and a calibration to them."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from lightflyer.calibration.calibration import Calibration, calibrate
+from lightflyer.calibration.inputs import INSTRUMENTS
 from lightflyer.calibration.points import Points
 from lightflyer.calibration.targets import target_of
 from lightflyer.flight.design import as_design
 from lightflyer.flight.levitation import levitate
 from lightflyer.flight.setup import Setup
+from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.levitation import LevitationCurve
 from lightflyer.lab.levitation_data import LiftOffs
 
@@ -104,6 +107,31 @@ def calibrate_curves(
         pressure_accuracy=pressure_accuracy,
         irradiance_accuracy=irradiance_accuracy,
     )
+
+
+def measured_coefficients(fit: Calibration) -> dict[str, Estimate]:
+    """Fitted parameters with what is to be written into the flyer file that the fit started from.
+
+    Parameters
+    ----------
+    fit : Calibration
+
+    Returns
+    -------
+    dict of str to Estimate
+        By parameter. Standard uncertainties are by the points' scatter and the instruments alone:
+        the file states the ± of its other numbers itself, and a prediction from it would count them
+        twice. Intervals are the total ones.
+    """
+    found = {}
+    meters = [fit.contributions[one] for one in INSTRUMENTS if one in fit.contributions]
+    for row, name in enumerate(fit.names):
+        value = float(fit.values[row])
+        calibration = [value * float(shares[row]) for shares in meters]
+        spread = math.hypot(fit.standard_uncertainties[row], *calibration)
+        low, high = map(float, fit.total_intervals[row])
+        found[name] = Estimate(value, (low, high), "", spread)
+    return found
 
 
 def _points(curve: LevitationCurve, *, keep_ground_effect: bool) -> Points:

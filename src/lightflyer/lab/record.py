@@ -9,6 +9,34 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+def joint_warnings(found: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
+    """Warnings of several files.
+
+    Parameters
+    ----------
+    found : sequence of (str, sequence of str)
+        Name and warnings of each file.
+
+    Returns
+    -------
+    list of str
+        Those of one file with its name before them where there are more files, then those of all.
+
+    Examples
+    --------
+    >>> joint_warnings([("a.csv", ["no accuracy"]), ("b.csv", ["no accuracy", "skewed"])])
+    ['b.csv: skewed', 'no accuracy']
+    """
+    shared = [text for text in found[0][1] if all(text in texts for _, texts in found)]
+    own = [
+        text if text.startswith(name) else f"{name}: {text}"
+        for name, texts in found
+        for text in texts
+        if text not in shared
+    ]
+    return own + shared
+
+
 def dataset(
     title: str,
     variables: Mapping[str, Any],

@@ -13,17 +13,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from scipy import ndimage, stats
+from scipy import ndimage
 
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
+from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
 from lightflyer.lab.height_map import HeightMap
 from lightflyer.lab.levelling import Flatten, flatten_rows, kept_power, level
 from lightflyer.lab.particles import THRESHOLD, Objects, find_particles
-from lightflyer.lab.record import dataset
+from lightflyer.lab.record import dataset, joint_warnings
 from lightflyer.lab.surface_intervals import DRAWS, SPECTRUM, spread
-from lightflyer.lab.surface_warnings import warnings_of
+from lightflyer.lab.surface_warnings import accuracy_warnings, warnings_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -173,7 +173,7 @@ def roughness(
     order: int = 2,
     flatten: Flatten = "none",
     flatten_order: int = 0,
-    height_accuracy: float = HEIGHT_ACCURACY,
+    height_accuracy: float | None = None,
     seed: int = 0,
 ) -> Roughness:
     """Roughness of a map, without its particles and holes and with them.
@@ -191,8 +191,9 @@ def roughness(
         Whether scan lines are shifted to fit their neighbours before.
     flatten_order : int
         0 shifts lines, 1 also tilts them.
-    height_accuracy : float
-        Relative standard uncertainty of the microscope's heights, part of the intervals.
+    height_accuracy : float, optional
+        Relative standard uncertainty of the microscope's heights, part of the intervals; by default
+        :data:`HEIGHT_ACCURACY`, with a warning.
     seed : int
         Seed of the draws for the intervals.
 
@@ -227,13 +228,15 @@ def roughness(
         except ConfigurationError as error:
             raise ConfigurationError(f"{source.source}: {error}") from None
     masked = found.particles | found.holes
+    accuracy = HEIGHT_ACCURACY if height_accuracy is None else height_accuracy
     kept = kept_power(raw.shape, min(*raw.shape, SPECTRUM), order, rows)
-    inside, lost, patches = _estimates(found.height, masked, kept, height_accuracy, seed)
-    everything = _estimates(whole, np.zeros_like(masked), kept, height_accuracy, seed)[0]
+    inside, lost, patches = _estimates(found.height, masked, kept, accuracy, seed)
+    everything = _estimates(whole, np.zeros_like(masked), kept, accuracy, seed)[0]
     said = warnings_of(source, raw, masked, inside["skewness"].value, lost, patches,
                        flattened=rows is not None)  # fmt: skip
+    said = (*said, *accuracy_warnings(height_accuracy, accuracy))
     return Roughness(source, found.height, found.particles, found.holes, inside, everything,
-                     height_accuracy, patches, lost, said)  # fmt: skip
+                     accuracy, patches, lost, said)  # fmt: skip
 
 
 def _estimates(
@@ -250,16 +253,10 @@ def _estimates(
     for index, (name, unit) in enumerate(zip(PARAMETERS, _UNITS, strict=True)):
         if index < len(ratios):
             value = values[index] / NANOMETRE
-            found[name] = _of_draws(float(value), value * ratios[index], unit)
+            found[name] = Estimate.of_draws(float(value), value * ratios[index], unit)
         else:
             found[name] = Estimate(float(np.nan_to_num(values[index])), _NO_BOUND, unit)
     return found, lost, patches
-
-
-def _of_draws(value: float, draws: np.ndarray, unit: str) -> Estimate:
-    low, high = central_interval(draws)
-    interval = (min(float(low), value), max(float(high), value))
-    return Estimate(value, interval, unit, float(draws.std(ddof=1)))
 
 
 def summary(results: Sequence[Roughness]) -> dict[str, Any]:
@@ -282,7 +279,7 @@ def summary(results: Sequence[Roughness]) -> dict[str, Any]:
         "masked_fraction": float(np.mean([one.masked_fraction for one in results])),
         "height_accuracy": max(one.height_accuracy for one in results),
         "maps": {one.source.source: one.summary() for one in results},
-        "warnings": [f"{one.source.source}: {text}" for one in results for text in one.warnings],
+        "warnings": joint_warnings([(one.source.source, one.warnings) for one in results]),
     }
 
 
@@ -321,8 +318,7 @@ def _mean_of_maps(estimates: Sequence[Estimate], accuracy: float) -> Estimate:
     logarithms = np.log(ends).mean(axis=1)
     count = len(estimates)
     error = float(logarithms.std(ddof=1)) / math.sqrt(count)
-    tail = 0.5 + 0.5 * CONFIDENCE
-    half = math.hypot(error * stats.t.ppf(tail, count - 1), accuracy * stats.norm.ppf(tail))
+    half = math.hypot(error * student_factor(count - 1), accuracy * NORMAL_FACTOR)
     low, high = np.exp(logarithms.mean() + half * np.array([-1.0, 1.0]))
     interval = (min(float(low), mean), max(float(high), mean))
     return Estimate(mean, interval, unit, mean * math.hypot(error, accuracy))

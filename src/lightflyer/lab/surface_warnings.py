@@ -51,13 +51,14 @@ def warnings_of(
         said.append("all heights are equal: this is no map of a surface")
     elif (clipped := _clipped(source.height)) > _MOST_CLIPPED:
         said.append(
-            f"{clipped:.1%} of the heights are exactly the highest or the lowest: the range of the "
-            "scanner or of the file may cut the surface off; measure with a larger range"
+            f"{_PERCENT * clipped:.1f} % of the heights are exactly the highest or the lowest: "
+            "the range of the scanner or of the file may cut the surface off; measure with a "
+            "larger range"
         )
     if share > LARGEST_MASKED:
         said.append(
-            f"{share:.1%} of the map is masked; look at the figure, raise the threshold, use "
-            "--mask none, or measure a cleaner place"
+            f"{_PERCENT * share:.1f} % of the map is masked; look at the figure, raise the "
+            "threshold, use --mask none, or measure a cleaner place"
         )
     if abs(skewness) > _SKEWED:
         said.append(
@@ -73,6 +74,25 @@ def warnings_of(
     if not flattened and np.ptp(raw) > 0.0 and _rows_are_shifted(raw):
         said.append("scan lines are shifted against each other; compare with --flatten rows")
     return tuple(said)
+
+
+def accuracy_warnings(stated: float | None, used: float) -> list[str]:
+    """What a reader must know of the accuracy of the heights.
+
+    Parameters
+    ----------
+    stated : float or None
+        As the user states it.
+    used : float
+        [1].
+
+    Returns
+    -------
+    list of str
+    """
+    if stated is not None:
+        return []
+    return [f"no accuracy of the heights is stated; ± {_PERCENT * used:g} % is assumed"]
 
 
 def _clipped(height: np.ndarray) -> float:

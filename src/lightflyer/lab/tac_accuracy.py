@@ -1,5 +1,6 @@
 r"""Accuracies of a heater's instruments: errors that all rows of a run have in common."""
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 
 import numpy as np
@@ -9,6 +10,15 @@ from lightflyer.foundation.checks import require_range
 PIRANI_ACCURACY = 0.05
 """Standard uncertainty of a Pirani gauge, of the reading [1]: its maker's limits, 10 % at
 0.05 to 0.1 Pa and 5 % up to 10 kPa, divided by √3 are 5.8 and 2.9 % [LeyboldTTR91]_."""
+
+_IN_WORDS = {  # name, factor to the unit, unit
+    "gauge": ("pressure gauge", 100.0, "%"),
+    "gauge_zero": ("gauge's zero", 1.0, "Pa"),
+    "power": ("power", 100.0, "%"),
+    "temperature": ("temperature difference", 1.0, "K"),
+    "diameter": ("diameter", 1000.0, "mm"),
+    "plateau": ("plateau", 100.0, "%"),
+}
 
 
 @dataclass(frozen=True)
@@ -92,6 +102,38 @@ class TacAccuracy:
         columns = zip(*kept.values(), strict=True)
         pressure, zero, continuum, amplitude = (np.array(column, float) for column in columns)
         return CommonErrors(tuple(kept), pressure, zero, continuum, amplitude)
+
+
+def assumed_accuracies(stated: Iterable[str]) -> list[str]:
+    """A line that says which accuracies are assumed; none where all are stated.
+
+    Parameters
+    ----------
+    stated : iterable of str
+        Names of the attributes of :class:`TacAccuracy` that the user stated.
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> assumed_accuracies(["gauge", "gauge_zero", "power", "diameter", "plateau"])
+    ['no accuracy of the temperature difference is stated; ± 1 K is assumed']
+    """
+    known, usual = set(stated), TacAccuracy()
+    missing = {
+        said: f"{scale * getattr(usual, name):g} {unit}"
+        for name, (said, scale, unit) in _IN_WORDS.items()
+        if name not in known
+    }
+    if not missing:
+        return []
+    names, values = ", ".join(missing), ", ".join(missing.values())
+    return [
+        f"no accuracy of the {names} is stated; ± {values} {'are' if len(missing) > 1 else 'is'} "
+        "assumed"
+    ]
 
 
 EXACT = TacAccuracy(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

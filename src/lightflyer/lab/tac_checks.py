@@ -47,6 +47,7 @@ _SIGNIFICANCE = 1e-3  # of one row off the curve among all
 _MOST_OFF = 0.2  # share of the rows
 _ROBUST_ROWS = 4_000  # that the robust fit takes of a very long run
 _NORMAL_MAD = float(stats.norm.ppf(0.75))  # median absolute deviation of a unit normal
+_PERCENT = 100.0
 _WINDOW = 5  # rows of the running median
 
 
@@ -205,7 +206,8 @@ def why_undetermined(estimate: Estimate, problem: Problem, scatter: float) -> st
     if least <= first and most >= last:
         return (
             f"{says}scatter by {scatter:.2g} of their value, which leaves it uncertain by "
-            f"{spread / estimate.value:.0%}; more rows or better instruments would determine it"
+            f"{_PERCENT * spread / estimate.value:.0f} %; more rows or better instruments would "
+            "determine it"
         )
     return (
         f"{says}have {least:.2g} to {most:.2g} Pa, and rows from {first:.1g} to {last:.2g} Pa or "
@@ -337,8 +339,9 @@ def model_warnings(tac: float, reading: str, kinetic: float | None) -> list[str]
     if kinetic is None:
         return []
     return [
-        f"the reading {reading} gives a coefficient {tac / kinetic - 1.0:+.0%} from that of the "
-        f"kinetic equation ({kinetic:.3g}); the interval leaves this error of the formula out"
+        f"the reading {reading} gives a coefficient {_PERCENT * (tac / kinetic - 1.0):+.0f} % from "
+        f"that of the kinetic equation ({kinetic:.3g}); the interval leaves this error of "
+        "the formula out"
     ]
 
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.lab.estimate import Estimate, weighted_mean
-from lightflyer.lab.record import dataset
+from lightflyer.lab.record import dataset, joint_warnings
 from lightflyer.lab.tac import TacFit
-from lightflyer.lab.tac_checks import BOUNDS
+from lightflyer.lab.tac_checks import BOUNDS, LEAST_LIKELY_TAC, POSSIBLE_TAC
 from lightflyer.lab.tac_problem import PARAMETERS
 
 if TYPE_CHECKING:
@@ -75,6 +75,35 @@ def mean_of(fits: Sequence[TacFit], name: str) -> Estimate:
     return Estimate(mean.value, interval, mean.unit, mean.uncertainty)
 
 
+def why_no_property(fits: Sequence[TacFit]) -> str | None:
+    """Why the coefficient cannot be that of a film, in one line; None if it can.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+
+    Returns
+    -------
+    str or None
+    """
+    for fit in fits:
+        if fit.undetermined:
+            return fit.undetermined
+    mean, first = mean_tac(fits), fits[0]
+    said = (
+        f"{first.run.source}: accommodation coefficient {mean.value:.3g} by the reading "
+        f"{first.reading}"
+    )
+    if mean.interval[0] > POSSIBLE_TAC:
+        return f"{said} is above 1 beyond its uncertainty"
+    if mean.interval[1] < LEAST_LIKELY_TAC:
+        return (
+            f"{said} is below {LEAST_LIKELY_TAC:g} beyond its uncertainty, as no technical surface "
+            "in air: check the unit of the pressure (Pa or Torr)"
+        )
+    return None
+
+
 def _common_part(fit: TacFit, name: str) -> float:
     """Standard uncertainty from errors that all rows, and all runs, have in common."""
     total, part = fit.estimates()[name].uncertainty, fit.statistical[name].uncertainty
@@ -88,7 +117,7 @@ def _with_spread(estimate: Estimate) -> Estimate:
 
 
 def warnings_of(fits: Sequence[TacFit]) -> list[str]:
-    """Warnings of all runs, each once; of several, with the name of the run before each.
+    """Warnings of all runs; see :func:`~lightflyer.lab.record.joint_warnings`.
 
     Parameters
     ----------
@@ -98,12 +127,7 @@ def warnings_of(fits: Sequence[TacFit]) -> list[str]:
     -------
     list of str
     """
-    texts = []
-    for fit in fits:
-        for text in fit.warnings:
-            named = len(fits) == 1 or text.startswith(fit.run.source)
-            texts.append(text if named else f"{fit.run.source}: {text}")
-    return texts
+    return joint_warnings([(fit.run.source, fit.warnings) for fit in fits])
 
 
 def summary(fits: Sequence[TacFit]) -> dict[str, Any]:

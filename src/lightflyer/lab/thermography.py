@@ -317,7 +317,7 @@ def _judged(
 ) -> RadiativeProperties:
     """The result within physical bounds, with its warnings."""
     outliers = _outliers(readings, rows, first)
-    warnings = [*readings.warnings, *outliers]
+    warnings = list(outliers)
     for name, one in first.items():
         shown = readings.method.remainder if name == "emissivity" else name
         low, high = one.interval
@@ -341,7 +341,7 @@ def _judged(
         warnings += [*_of_the_band(readings, first), *_of_the_film(readings, first)]
     return RadiativeProperties(
         readings, rows, {name: _cut(one) for name, one in first.items()},
-        {name: _cut(one) for name, one in second.items()}, tuple(warnings),
+        {name: _cut(one) for name, one in second.items()}, (*warnings, *readings.warnings),
     )  # fmt: skip
 
 

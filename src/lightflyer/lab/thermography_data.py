@@ -29,6 +29,7 @@ METER_LIMIT = 0.02
 BLACK = Measured(1.0, 0.0)
 """Emissivity of a black body [1]."""
 
+_PERCENT = 100.0
 _ZERO_CELSIUS = 273.15  # [K]
 _CLEAR = 5.0  # standard uncertainties by which the source must exceed the background
 _BEYOND = 0.1  # of that excess, by which noise may take a reading beyond either
@@ -285,6 +286,31 @@ def standard_uncertainties(
     return np.asarray(EVENLY * np.maximum(least, share * (values - _ZERO_CELSIUS)))
 
 
+def accuracy_warnings(method: Method, accuracy: float | None) -> tuple[str, ...]:
+    """What a reader must know of the accuracy of readings that state none.
+
+    Parameters
+    ----------
+    method : Method
+    accuracy : float or None
+        As for :func:`read_readings`.
+
+    Returns
+    -------
+    tuple of str
+    """
+    if accuracy is not None:
+        return ()
+    if method is LIGHT:
+        limits = f"limits of {_PERCENT * METER_LIMIT:g} % of the reading"
+        return (f"no accuracy of the light meter is stated; {limits} are assumed",)
+    least, share = CAMERA_LIMITS
+    return (
+        f"no accuracy of the camera is stated; limits of {least:g} K or {_PERCENT * share:g} % of "
+        "the reading in °C are assumed",
+    )
+
+
 def with_accuracy(
     found: Mapping[str, Measured], accuracy: float | None = None
 ) -> dict[str, Measured]:
@@ -328,7 +354,8 @@ def _completed(
     """Readings with an uncertainty for each that states none."""
     assumed = standard_uncertainties(method, values.mean(axis=1), accuracy)
     known = [one if one is not None else other for one, other in zip(stated, assumed, strict=True)]
-    return Readings(method, values, np.array(known, float), scene or Scene())
+    said = accuracy_warnings(method, accuracy) if None in stated else ()
+    return Readings(method, values, np.array(known, float), scene or Scene(), warnings=said)
 
 
 def _require_possible(readings: Readings, places: tuple[str, ...]) -> None:

@@ -98,7 +98,7 @@ def test_no_impossible_emissivity_leaves(folder, lab, flyer_file):
     # fractions under a heading in %
     code, out, _ = lab(*percent(folder, 0.8, 0.1))
     assert code == 0
-    assert "transmittance is nowhere above 0.80%; if the file holds fractions" in out
+    assert "transmittance is nowhere above 0.80 %; if the file holds fractions" in out
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ def test_no_impossible_emissivity_leaves(folder, lab, flyer_file):
         (["film.jdx", "--update", "a.toml"], "upper bound"),
         (["film.jdx", "--band", "900 cm^-1"], "has no width"),
         (["film.jdx", "--band", "9000 ± 400 cm^-1"], "no data in the band"),
-        (["film.jdx", "--accuracy", "1.2"], "accuracy = 1.2 is not between 0 and 1"),
+        (["film.jdx", "--accuracy", "1.2"], "--accuracy = 1.2 is not between 0 and 1"),
         (["film.jdx", "--accuracy", "1 K"], "--accuracy"),
         (["film.jdx", "--temperatures", "0 K"], "temperatures = 0 is not positive"),
         (["film-reflectance.csv"], "shows reflectance, not transmittance"),

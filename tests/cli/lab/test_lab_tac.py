@@ -35,13 +35,15 @@ def test_raw_file_to_record_figure_and_flyer_file(examples, lab):
         inner_low, inner_high = found["statistical_interval_95"][name]
         assert low < inner_low < inner_high < high
     assert found["accuracy"]["gauge"] == 0.05
-    assert found["warnings"] == []
+    (said,) = found["warnings"]
+    assert said.startswith("no accuracy of the pressure gauge, gauge's zero, power, temperature ")
+    assert said.endswith("± 5 %, 0.01 Pa, 1 %, 1 K, 0.1 mm, 5 % are assumed")
     assert found["rows_used"] + found["rows_dropped"] == found["read"][0]["rows"]
     assert len(found["read"][0]["rejected"]) == 3
     with xr.open_dataset(folder / "o" / "tac.nc", engine="h5netcdf") as record:
         assert record.sizes["row"] == found["rows_used"]
         assert record.pressure.units == "Pa"
-        assert record.attrs["warnings"] == ""
+        assert record.attrs["warnings"] == said
 
 
 def test_several_runs_are_averaged_and_written_into_a_flyer_file(examples, lab, flyer_file):
@@ -54,7 +56,7 @@ def test_several_runs_are_averaged_and_written_into_a_flyer_file(examples, lab, 
     assert (code, err) == (0, "")
     found = json.loads(out)
     assert set(found["runs"]) == {"tac-raw.csv", "tac-reduced.txt"}
-    assert found["warnings"] == []
+    assert len(found["warnings"]) == 1
     read = read_flyer_file(path).film
     assert read.tac_bottom.value == pytest.approx(found["tac"]["value"], abs=1e-3)
     assert read.tac_top.value == 0.8
@@ -103,7 +105,10 @@ def test_another_reading_of_the_flyer_file_is_told(examples, lab, flyer_file):
     with xr.open_dataset(folder / "o" / "tac.nc", engine="h5netcdf") as record:
         assert says in record.attrs["warnings"]
     path = flyer_file(*KINETIC_FORCE)
-    code, out, _ = lab(*arguments)
+    stated = ("--gauge-zero", "0.01 Pa", "--power-accuracy", "1 %", "--plateau-accuracy", "5 %",
+              "--temperature-accuracy", "1 K", "--gauge-accuracy", "5 %",
+              "--diameter", "24 ± 0.1 mm")  # fmt: skip
+    code, out, _ = lab(*arguments, *stated)
     assert code == 0
     assert "warning" not in out
 
@@ -139,6 +144,21 @@ def test_undetermined_coefficient_is_not_written(folder, lab, flyer_file):
     low, high = found["tac"]["interval_95"]
     assert 0.0 <= low < high <= 2.0
     assert any("do not determine" in text for text in found["warnings"])
+
+
+def test_pressure_in_the_wrong_unit_is_not_written(examples, lab, flyer_file):
+    folder = examples("tac")
+    text = (folder / "tac-reduced.txt").read_text(encoding="utf-8")
+    assert "(Pa)" in text
+    (folder / "raw.txt").write_text(text.replace("(Pa)", "(Torr)"), encoding="utf-8")
+    path = flyer_file()
+    before = path.read_bytes()
+    code, out, err = lab("tac", "raw.txt", "--update", path, "--face", "top")
+    assert (code, out) == (2, "")
+    assert "is below 0.2 beyond its uncertainty" in err
+    assert "check the unit of the pressure (Pa or Torr); " in err
+    assert err.count("\n") == 1
+    assert path.read_bytes() == before
 
 
 def test_repeated_fragment_is_left_out_and_named(folder, lab):

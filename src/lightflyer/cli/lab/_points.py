@@ -1,32 +1,15 @@
-"""Options and words that the commands of levitation points share."""
+"""Words that the commands of levitation points share."""
 
 import math
 
-from lightflyer.cli.lab._shared import quantity
 
-
-def accuracy(option: str, text: str | None) -> float | None:
-    """An instrument's accuracy such as "5 %", None where none is given.
-
-    Parameters
-    ----------
-    option : str
-        Name of the option, for messages.
-    text : str or None
-
-    Returns
-    -------
-    float or None
-    """
-    return None if text is None else quantity(option, text, "").value
-
-
-def interval_text(low: float, high: float) -> str:
-    """An interval in words where an end is open.
+def open_interval_text(low: float, high: float) -> str:
+    """An interval of a positive number in words, where an end is open.
 
     Parameters
     ----------
     low, high : float
+        Zero and infinity are open ends.
 
     Returns
     -------

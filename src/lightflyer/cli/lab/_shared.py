@@ -88,6 +88,50 @@ def difference(option: str, text: str, unit: str) -> float:
     return parse(text, unit).value - offset
 
 
+def share(option: str, text: str) -> float:
+    """Value of an option that is a share of something, such as ``--gauge-accuracy "5 %"``.
+
+    Parameters
+    ----------
+    option : str
+        Name of the option, for messages.
+    text : str
+
+    Returns
+    -------
+    float
+        [1].
+
+    Raises
+    ------
+    ConfigurationError
+        Naming the option.
+    ParameterError
+        If it is not between 0 and 1.
+    """
+    from lightflyer.foundation.checks import require_range
+
+    value = quantity(option, text, "").value
+    require_range(option, value, 0.0, 1.0)
+    return value
+
+
+def optional_share(option: str, text: str | None) -> float | None:
+    """The same of an option without a default, None where it is not given.
+
+    Parameters
+    ----------
+    option : str
+    text : str or None
+
+    Returns
+    -------
+    float or None
+        [1].
+    """
+    return None if text is None else share(option, text)
+
+
 def _number_or_text(text: str) -> str | float:
     try:
         return float(text)
@@ -138,11 +182,23 @@ def estimate_table(rows: Sequence[tuple[str, "Estimate"]], first: str = "") -> T
     for heading in (first, "value", "95 % interval", "unit"):
         table.add_column(heading, justify="right" if heading in ("value",) else "left")
     for name, estimate in rows:
-        low, high = estimate.interval
-        table.add_row(
-            name, f"{estimate.value:.4g}", f"{low:.4g} to {high:.4g}", estimate.unit or "1"
-        )
+        table.add_row(name, f"{estimate.value:.4g}", interval_text(estimate), estimate.unit or "1")
     return table
+
+
+def interval_text(estimate: "Estimate") -> str:
+    """95 % interval of an estimate, as tables show it.
+
+    Parameters
+    ----------
+    estimate : Estimate
+
+    Returns
+    -------
+    str
+    """
+    low, high = estimate.interval
+    return f"{low:.4g} to {high:.4g}"
 
 
 def write_record(

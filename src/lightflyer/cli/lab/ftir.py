@@ -11,6 +11,7 @@ from lightflyer.cli.lab._shared import (
     Files,
     Json,
     finish,
+    optional_share,
     print_json,
     quantity,
     show_rejected,
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
     from lightflyer.lab.ftir import Ftir
     from lightflyer.lab.spectrum_data import MeasuredSpectrum
+
+_PERCENT = 100.0
 
 
 def ftir_command(
@@ -62,7 +65,7 @@ def ftir_command(
         Temperatures of the Planck weighting.
     accuracy
         Standard uncertainty of the ordinate, such as "0.5 %" of full scale: photometric error,
-        zero level, and drift between background and sample. By default 1 %, an assumption.
+        zero level, and drift between background and sample. Default: 1 %, assumed.
     film
         TOML file with the layers of a film; draws its computed spectrum.
     out
@@ -90,7 +93,7 @@ def ftir_command(
         band=_ends(band),
         temperatures=[quantity("--temperatures", one, "K").value
                       for one in temperatures.split(",") if one.strip()],
-        accuracy=None if accuracy is None else quantity("--accuracy", accuracy, "").value,
+        accuracy=optional_share("--accuracy", accuracy),
     )  # fmt: skip
     if update is not None:
         _require_radiating(result)
@@ -144,30 +147,18 @@ def _read(spectrum: "MeasuredSpectrum") -> dict[str, Any]:
 
 
 def _computed(film: Path | None, result: "Ftir") -> tuple[dict[str, Any], list[str]]:
-    """Computed spectra of the film over the measured wavenumbers that its data cover, warnings."""
+    """Computed spectra of the film, and warnings."""
     if film is None:
         return {}, []
-    import numpy as np
-
     from lightflyer.config.reader import read_film_file
+    from lightflyer.foundation.errors import ParameterError
+    from lightflyer.lab.ftir_film import computed_spectra
 
-    stack = read_film_file(film).film()
-    shortest, longest = stack.covered_range
-    ends = [one.wavenumber[[0, -1]] for one in result.spectra]
-    low = max(min(end[0] for end in ends), 1.0 / longest)
-    high = max(end[1] for end in ends)
-    if shortest > 0.0:  # zero if all materials are extrapolated
-        high = min(high, 1.0 / shortest)
-    if low >= high:
-        raise ConfigurationError(f"{film}: its materials have no data in the range of the spectra")
-    # by rounding, the ends themselves may lie outside the materials' range
-    wavenumber = np.linspace(low, high, 1002)[1:-1]
-    optics = stack.optics(1.0 / wavenumber).unpolarised()
-    found = {"transmittance": (wavenumber, np.asarray(optics.transmittance))}
-    if result.reflectances:
-        found["reflectance"] = (wavenumber, np.asarray(optics.reflectance))
-    beyond = stack.extrapolated(1.0 / wavenumber[-1], 1.0 / wavenumber[0])
-    return found, [f"{film}: the computed spectrum extrapolates {text}" for text in beyond]
+    try:
+        found, extrapolated = computed_spectra(read_film_file(film).film(), result)
+    except ParameterError as error:
+        raise ConfigurationError(f"{film}: {error}") from None
+    return found, [f"{film}: the computed spectrum extrapolates {text}" for text in extrapolated]
 
 
 def _figures(result: "Ftir", computed: dict[str, Any]) -> "dict[str, Figure]":
@@ -192,7 +183,8 @@ def _show(console: Console, result: "Ftir") -> None:
     from lightflyer.lab.spectrum_data import PER_CENTIMETRE
 
     low, high = (end / PER_CENTIMETRE for end in result.band)
-    console.print(f"over {low:g} to {high:g} cm⁻¹, 95 % intervals, accuracy {result.accuracy:.3g}:")
+    accuracy = f"{_PERCENT * result.accuracy:.3g} %"
+    console.print(f"over {low:g} to {high:g} cm⁻¹, 95 % intervals with an accuracy of {accuracy}:")
     console.print(f"  transmittance {result.transmittance.band}")
     if result.reflectance is None:
         console.print(f"  1 - transmittance {result.upper_bound}")
@@ -201,7 +193,7 @@ def _show(console: Console, result: "Ftir") -> None:
         console.print(f"  reflectance {result.reflectance.band}")
         console.print(f"  emissivity {result.emissivity}")
     if result.uncovered_band:
-        console.print(f"  {result.uncovered_band:.1%} of the band has no data")
+        console.print(f"  {_PERCENT * result.uncovered_band:.1f} % of the band has no data")
     console.print(
         "weighted with Planck's spectrum over the measured wavenumbers; total: nothing or\n"
         "everything is emitted outside them"
@@ -225,7 +217,7 @@ def _weighted(result: "Ftir") -> Table:
         table.add_row(
             f"{temperature:g}", f"{result.transmittance.planck[temperature].value:.4f}",
             f"{estimate.value:.4f}", f"{ends[0]:.4f} to {ends[1]:.4f}",
-            f"{result.uncovered[temperature]:.1%}",
+            f"{_PERCENT * result.uncovered[temperature]:.1f} %",
             f"{least:.3f} to {most:.3f}" if measured else f"{most:.3f}",
         )  # fmt: skip
     return table

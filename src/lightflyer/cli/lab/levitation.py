@@ -1,6 +1,5 @@
 """``lightflyer lab levitation``: optimal pressure and minimum irradiance of samples."""
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -9,11 +8,12 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.lab._points import accuracy, interval_text
+from lightflyer.cli.lab._points import open_interval_text
 from lightflyer.cli.lab._shared import (
     Files,
     Json,
     finish,
+    optional_share,
     print_json,
     quantity,
     read_summary,
@@ -98,6 +98,7 @@ def levitation_command(
     """
     from lightflyer.lab import levitation
     from lightflyer.lab.levitation_data import read_lift_offs
+    from lightflyer.lab.levitation_model import measured_coefficients
 
     if update is not None and not calibrate:
         raise ConfigurationError("--update writes calibrated force coefficients; add --calibrate")
@@ -105,8 +106,8 @@ def levitation_command(
         raise ConfigurationError("--calibrate starts from a flyer; name its file by --flyer")
     read = [read_lift_offs(file, columns=columns) for file in files]
     accuracies = {
-        "pressure_accuracy": accuracy("--pressure-accuracy", pressure_accuracy),
-        "irradiance_accuracy": accuracy("--irradiance-accuracy", irradiance_accuracy),
+        "pressure_accuracy": optional_share("--pressure-accuracy", pressure_accuracy),
+        "irradiance_accuracy": optional_share("--irradiance-accuracy", irradiance_accuracy),
     }
     light_step = 0.0 if step is None else quantity("--step", step, "W/m^2").value
     curves = [
@@ -124,7 +125,8 @@ def levitation_command(
     if fit is not None:
         document["calibration"] = fit.summary()
         document["warnings"] = list(dict.fromkeys([*document["warnings"], *fit.warnings]))
-        values = _coefficients(fit)
+        found = measured_coefficients(fit)
+        values = {("force", name): one for name, one in found.items()}
     written, updated = write_record(
         out, "levitation", document, levitation.to_dataset(curves, [t.source for t in tables]),
         lambda: _figures(curves, pressure_unit, models),
@@ -179,29 +181,12 @@ def _models(
     }, fit
 
 
-def _coefficients(fit: "Calibration") -> dict[tuple[str, str], "Estimate"]:
-    """What a flyer file gets: at its own numbers, whose ± it states itself."""
-    from lightflyer.calibration.inputs import INSTRUMENTS
-    from lightflyer.lab.estimate import Estimate
-
-    found = {}
-    for row, name in enumerate(fit.names):
-        value = float(fit.values[row])
-        shares = [float(fit.contributions[one][row]) for one in INSTRUMENTS
-                  if one in fit.contributions]  # fmt: skip
-        spread = math.hypot(fit.standard_uncertainties[row], *(value * share for share in shares))
-        low, high = map(float, fit.total_intervals[row])
-        found["force", name] = Estimate(value, (low, high), "", spread)
-    return found
-
-
 def _show_fit(console: Console, fit: "Calibration") -> None:
-
     for row, name in enumerate(fit.names):
         console.print(
             f"calibrated {name} {fit.values[row]:.4g}: given inputs "
-            f"{interval_text(*fit.intervals[row])}, in total "
-            f"{interval_text(*fit.total_intervals[row])}",
+            f"{open_interval_text(*fit.intervals[row])}, in total "
+            f"{open_interval_text(*fit.total_intervals[row])}",
             markup=False, soft_wrap=True,
         )  # fmt: skip
     inputs = ", ".join(fit.contributions) or "nothing else"
@@ -230,7 +215,7 @@ def _show(console: Console, curves: "Sequence[LevitationCurve]") -> None:
     for curve in curves:
         row = [curve.points.name.replace("[", "\\["), str(len(curve.points.pressure))]
         for estimate in (curve.minimum_irradiance, curve.optimal_pressure):
-            row += [f"{estimate.value:.4g}", interval_text(*estimate.interval)]
+            row += [f"{estimate.value:.4g}", open_interval_text(*estimate.interval)]
         table.add_row(*row)
     console.print("minimum irradiance and its pressure:")
     console.print(table)

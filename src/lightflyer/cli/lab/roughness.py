@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from rich.console import Console
 
@@ -11,6 +11,7 @@ from lightflyer.cli.lab._shared import (
     Json,
     estimate_table,
     finish,
+    optional_share,
     print_json,
     quantity,
     show_warnings,
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
     from lightflyer.lab.surface import Roughness
 
+_PERCENT = 100.0
+_MICROMETRE = 1e-6
 _NAMES = {
     "rms_height": "rms height Sq",
     "mean_absolute_height": "mean absolute height Sa",
@@ -40,7 +43,7 @@ def roughness_command(
     order: int = 2,
     flatten: Literal["none", "rows"] = "none",
     flatten_order: int = 0,
-    height_accuracy: str = "2 %",
+    height_accuracy: str | None = None,
     seed: int = 0,
     out: Path | None = None,
     json_output: Json = False,
@@ -68,8 +71,8 @@ def roughness_command(
     flatten_order
         0 shifts scan lines, 1 also tilts them.
     height_accuracy
-        Standard uncertainty of the microscope's heights (z calibration), part of the intervals;
-        2 % is our assumption for a microscope calibrated by a step standard.
+        Relative standard uncertainty of the microscope's heights (z calibration), common to all
+        maps. Default: 2 %, assumed.
     seed
         Seed of the resampling for the intervals.
     out
@@ -78,30 +81,16 @@ def roughness_command(
         Print one JSON object instead of tables.
     """
     from lightflyer.lab.height_map import read_height_map
-    from lightflyer.lab.surface import (
-        count_objects,
-        mean_parameters,
-        roughness,
-        summary,
-        to_dataset,
-    )
+    from lightflyer.lab.surface import roughness, summary, to_dataset
 
-    accuracy = quantity("--height-accuracy", height_accuracy, "").value
+    options: dict[str, Any] = {
+        "mask": mask, "threshold": threshold, "order": order, "flatten": flatten,
+        "flatten_order": flatten_order, "seed": seed,
+        "height_accuracy": optional_share("--height-accuracy", height_accuracy),
+    }  # fmt: skip
     width = None if size is None else quantity("--size", size, "m").value
     maps = [read_height_map(file, size=width, unit=unit, channel=channel) for file in files]
-    results = [
-        roughness(
-            one,
-            mask=mask,
-            threshold=threshold,
-            order=order,
-            flatten=flatten,
-            flatten_order=flatten_order,
-            height_accuracy=accuracy,
-            seed=seed,
-        )
-        for one in maps
-    ]
+    results = [roughness(one, **options) for one in maps]
     document = summary(results)
     written, _ = write_record(
         out, "roughness", document, to_dataset(results), lambda: _figures(results), lambda: []
@@ -110,16 +99,22 @@ def roughness_command(
         print_json(document)
         return
     console = Console(highlight=False)
+    _show(console, results)
+    show_warnings(console, document["warnings"])
+    finish(console, written, [], None)
+
+
+def _figures(results: "Sequence[Roughness]") -> "dict[str, Figure]":
+    from lightflyer.lab.figures.surface import roughness_figures
+
+    return roughness_figures(results)
+
+
+def _show(console: Console, results: "Sequence[Roughness]") -> None:
+    from lightflyer.lab.surface import mean_parameters
+
     for one in results:
-        rows, columns = one.height.shape
-        channel_said = f", {one.source.channel}" if one.source.channel else ""
-        console.print(
-            f"read {one.source.source}{channel_said}: {columns} x {rows} pixels, "
-            f"{one.source.width * 1e6:.4g} x {one.source.length * 1e6:.4g} µm; "
-            f"{count_objects(one.particles)} particles ({one.particles.mean():.2%}), "
-            f"{count_objects(one.holes)} holes ({one.holes.mean():.2%}) masked",
-            markup=False, soft_wrap=True,
-        )  # fmt: skip
+        console.print(_about_map(one), markup=False, soft_wrap=True)
         table = [(name, one.parameters[key]) for key, name in _NAMES.items()]
         everything = one.parameters_all["rms_height"]
         console.print(estimate_table([*table, ("Sq without a mask", everything)]))
@@ -129,11 +124,21 @@ def roughness_command(
         means = mean_parameters(results)
         console.print(f"mean of {len(results)} maps")
         console.print(estimate_table([(name, means[key]) for key, name in _NAMES.items()]))
-    show_warnings(console, document["warnings"])
-    finish(console, written, [], None)
 
 
-def _figures(results: "Sequence[Roughness]") -> "dict[str, Figure]":
-    from lightflyer.lab.figures.surface import roughness_figures
+def _about_map(one: "Roughness") -> str:
+    """Size of a map and what is masked, in one line."""
+    from lightflyer.lab.surface import count_objects
 
-    return roughness_figures(results)
+    rows, columns = one.height.shape
+    channel = f", {one.source.channel}" if one.source.channel else ""
+    sides = " x ".join(
+        f"{side / _MICROMETRE:.4g}" for side in (one.source.width, one.source.length)
+    )
+    masked = ", ".join(
+        f"{count_objects(mask)} {name} ({_PERCENT * mask.mean():.2f} %)"
+        for name, mask in (("particles", one.particles), ("holes", one.holes))
+    )
+    return (
+        f"read {one.source.source}{channel}: {columns} x {rows} pixels, {sides} µm; {masked} masked"
+    )

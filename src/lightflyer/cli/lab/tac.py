@@ -12,9 +12,11 @@ from lightflyer.cli.lab._shared import (
     Json,
     difference,
     finish,
+    interval_text,
     print_json,
     quantity,
     read_summary,
+    share,
     show_read,
     show_warnings,
     updating,
@@ -48,11 +50,11 @@ def tac_command(
     reading: Literal["kinetic", "printed", "reported"] = "kinetic",
     wall: str | None = None,
     gas: Literal["air", "us1976-air", "lu2023-air"] = "air",
-    gauge_accuracy: str = "5 %",
-    gauge_zero: str = "0.01 Pa",
-    power_accuracy: str = "1 %",
-    temperature_accuracy: str = "1 K",
-    plateau_accuracy: str = "5 %",
+    gauge_accuracy: str | None = None,
+    gauge_zero: str | None = None,
+    power_accuracy: str | None = None,
+    temperature_accuracy: str | None = None,
+    plateau_accuracy: str | None = None,
     out: Path | None = None,
     update: Path | None = None,
     face: Literal["top", "bottom", "both"] | None = None,
@@ -77,8 +79,8 @@ def tac_command(
     heater
         Preset of the heater: lu2023 is the paper's, with a diameter of 24 mm.
     diameter
-        Diameter of the heater, such as "24.0 ± 0.1 mm", in place of the preset's. ± 0.1 mm is
-        assumed where none is given.
+        Diameter of the heater, such as "24.0 ± 0.1 mm", in place of the preset's. Default of the
+        ±: 0.1 mm, assumed.
     tolerance
         Largest distance of the heater temperature from its median; other rows are dropped.
     emissivity
@@ -92,17 +94,18 @@ def tac_command(
     gas
         Gas in the chamber.
     gauge_accuracy
-        Standard uncertainty of the pressure, relative. 5 % is a Pirani gauge's; a capacitance
-        manometer has 0.25 to 0.5 %.
+        Relative standard uncertainty of the pressure gauge's calibration, common to all rows, such
+        as "0.5 %" for a capacitance manometer. Default: 5 %, that of a Pirani gauge, assumed.
     gauge_zero
-        Standard uncertainty of the gauge's zero (assumed).
+        Standard uncertainty of the gauge's zero. Default: 0.01 Pa, assumed.
     power_accuracy
-        Standard uncertainty of the power, relative (assumed).
+        Relative standard uncertainty of the power. Default: 1 %, assumed.
     temperature_accuracy
-        Standard uncertainty of the temperature difference between heater and gas (assumed).
+        Standard uncertainty of the temperature difference between heater and gas. Default: 1 K,
+        assumed.
     plateau_accuracy
-        Standard uncertainty of the heat loss in dense gas by the law, relative: walls, thickness of
-        the heater, natural convection (assumed).
+        Relative standard uncertainty of the heat loss in dense gas by the law: walls, thickness of
+        the heater, natural convection. Default: 5 %, assumed.
     out
         Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
     update
@@ -114,19 +117,22 @@ def tac_command(
     """
     from lightflyer.gas import GASES
     from lightflyer.lab import tac, tac_record
+    from lightflyer.lab.tac_accuracy import TacAccuracy, assumed_accuracies
     from lightflyer.lab.tac_data import read_resistance_calibration, read_tac
 
     _require_face(update, face)
     thermometer = None if calibration is None else read_resistance_calibration(calibration)
+    width, stated = _stated(
+        diameter, gauge_accuracy, gauge_zero, power_accuracy, temperature_accuracy,
+        plateau_accuracy,
+    )  # fmt: skip
     options: dict[str, Any] = {
+        "diameter": width or tac.HEATERS[heater],
         "tolerance": difference("--tolerance", tolerance, "K"),
         "law": _law(reading, wall),
         "gas": GASES[gas],
-        **_accuracy(
-            tac.HEATERS[heater], diameter, gauge_accuracy, gauge_zero, power_accuracy,
-            temperature_accuracy, plateau_accuracy,
-        ),
-    }  # fmt: skip
+        "accuracy": TacAccuracy(**stated),
+    }
     if emissivity is not None:
         options["emissivity"] = quantity("--emissivity", emissivity, "").value
     surroundings = None if ambient is None else quantity("--ambient", ambient, "K").value
@@ -140,6 +146,7 @@ def tac_command(
     if update is not None and face is not None:
         values, further = _for_flyer_file(fits, update, face)
         warnings += further
+    warnings += assumed_accuracies(stated)
     read = {"read": read_summary([run.table for run in runs])}
     document = tac_record.summary(fits) | read | {"warnings": warnings}
     written, updated = write_record(
@@ -177,34 +184,21 @@ def _law(reading: str, wall: str | None) -> "AbstractHeatLaw":
     return KineticLaw(distance)
 
 
-def _accuracy(
-    preset: float, diameter: str | None, gauge: str, zero: str, power: str, temperature: str,
-    plateau: str,
-) -> dict[str, Any]:  # fmt: skip
-    """Diameter and accuracies from the options' texts."""
-    from lightflyer.lab.tac_accuracy import TacAccuracy
-
-    given: dict[str, float] = {
-        "gauge": _share("--gauge-accuracy", gauge),
-        "gauge_zero": quantity("--gauge-zero", zero, "Pa").value,
-        "power": _share("--power-accuracy", power),
-        "temperature": difference("--temperature-accuracy", temperature, "K"),
-        "plateau": _share("--plateau-accuracy", plateau),
-    }
-    width = preset
-    if diameter is not None:
-        width, spread = quantity("--diameter", diameter, "m")
-        given |= {} if spread is None else {"diameter": spread}
-    return {"diameter": width, "accuracy": TacAccuracy(**given)}
-
-
-def _share(option: str, text: str) -> float:
-    """A relative accuracy."""
-    from lightflyer.foundation.checks import require_range
-
-    value = quantity(option, text, "").value
-    require_range(option, value, 0.0, 1.0)
-    return value
+def _stated(
+    diameter: str | None, gauge: str | None, zero: str | None, power: str | None,
+    temperature: str | None, plateau: str | None,
+) -> tuple[float | None, dict[str, float]]:  # fmt: skip
+    """Diameter, and the accuracies that are stated, by names of `TacAccuracy`."""
+    found: dict[str, float] = {}
+    for name, text in (("gauge", gauge), ("power", power), ("plateau", plateau)):
+        if text is not None:
+            found[name] = share(f"--{name}-accuracy", text)
+    if zero is not None:
+        found["gauge_zero"] = quantity("--gauge-zero", zero, "Pa").value
+    if temperature is not None:
+        found["temperature"] = difference("--temperature-accuracy", temperature, "K")
+    width, spread = (None, None) if diameter is None else quantity("--diameter", diameter, "m")
+    return width, found if spread is None else found | {"diameter": spread}
 
 
 def _distinct(files: Sequence[Path]) -> Sequence[Path]:
@@ -220,21 +214,14 @@ def _for_flyer_file(
     """Values for a flyer file and what to know about them; raises if they are not fit for one."""
     from lightflyer.config.reader import read_flyer_file
     from lightflyer.config.update import tac_keys
-    from lightflyer.lab.tac_checks import POSSIBLE_TAC
-    from lightflyer.lab.tac_record import mean_tac
+    from lightflyer.lab.tac_record import mean_tac, why_no_property
 
-    mean, first = mean_tac(fits), fits[0]
-    for fit in fits:
-        if fit.undetermined:
-            raise ConfigurationError(f"{fit.undetermined}; {flyer} is unchanged")
-    if mean.interval[0] > POSSIBLE_TAC:
-        raise ConfigurationError(
-            f"{first.run.source}: accommodation coefficient {mean.value:.3g} by the reading "
-            f"{first.reading} is above 1 beyond its uncertainty; {flyer} is unchanged"
-        )
+    reason = why_no_property(fits)
+    if reason is not None:
+        raise ConfigurationError(f"{reason}; {flyer} is unchanged")
     file = read_flyer_file(flyer)
-    texts = [_about_faces(fits, file, face), _about_reading(first, file)]
-    values = dict.fromkeys(tac_keys(face), mean)
+    texts = [_about_faces(fits, file, face), _about_reading(fits[0], file)]
+    values = dict.fromkeys(tac_keys(face), mean_tac(fits))
     return values, [f"{flyer}: {text}" for text in texts if text]
 
 
@@ -305,14 +292,15 @@ def _parameters_table(fit: "TacFit") -> Table:
         table.add_column(heading, justify="right" if heading == "value" else "left")
     rows = {_NAMES[name]: (one, fit.statistical[name]) for name, one in fit.estimates().items()}
     for name, (one, scatter) in rows.items():
-        table.add_row(name, f"{one.value:.4g}", _ends(one), _ends(scatter), one.unit or "1")
-    table.add_row("slope δα", f"{fit.slope.value:.4g}", _ends(fit.slope), "", "1")
+        table.add_row(
+            name, f"{one.value:.4g}", interval_text(one), interval_text(scatter), _shown(one.unit)
+        )
+    table.add_row("slope δα", f"{fit.slope.value:.4g}", interval_text(fit.slope), "", "1")
     return table
 
 
-def _ends(estimate: "Estimate") -> str:
-    low, high = estimate.interval
-    return f"{low:.4g} to {high:.4g}"
+def _shown(unit: str) -> str:
+    return unit.replace("^2", "²") or "1"
 
 
 def _runs_table(fits: "Sequence[TacFit]") -> Table:

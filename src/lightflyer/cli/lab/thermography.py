@@ -14,6 +14,7 @@ from lightflyer.cli.lab._shared import (
     print_json,
     quantity,
     read_summary,
+    share,
     show_read,
     show_warnings,
     updating,
@@ -89,8 +90,8 @@ def thermography_command(
         Regions of an image, rows and then columns: "hotplate=10:40,20:60; upper=50:80,20:60".
     accuracy
         Standard uncertainty of each reading that states none, such as "0.5 K", less what all
-        readings share; of a light meter over its reading, such as "0.5 %". By default that of a
-        camera specified to ±2 K or ±2 % of the reading in °C, or of a light meter linear to ±2 %.
+        readings share; of a light meter relative to its reading, such as "0.5 %". Default: limits
+        of 2 K or 2 % of the reading in °C, of a light meter 2 %, divided by √3, assumed.
     draws
         Number of Monte Carlo draws.
     seed
@@ -143,10 +144,11 @@ def _quantities(texts: dict[str, str | None], unit: str) -> "dict[str, Measured]
 def _accuracy(text: str | None, *, light_meter: bool) -> float | None:
     if text is None:
         return None
-    value = quantity("--accuracy", text, "").value if light_meter else (
-        difference("--accuracy", text, "K"))  # fmt: skip
-    if value < 0.0 or (light_meter and value > 1.0):
-        raise ConfigurationError(f'--accuracy: "{text}" is not zero or positive, and below 100 %')
+    if light_meter:
+        return share("--accuracy", text)
+    value = difference("--accuracy", text, "K")
+    if value < 0.0:
+        raise ConfigurationError(f'--accuracy: "{text}" is negative')
     return value
 
 
@@ -186,7 +188,9 @@ def _of_camera(
         return readings, [table]
     found, said = ({}, ()) if file is None else _of_image(file, regions, accuracy)
     readings = given_readings(found | given, THERMAL, accuracy=accuracy, scene=scene)
-    return dataclasses.replace(readings, warnings=said), []
+    return dataclasses.replace(
+        readings, warnings=tuple(dict.fromkeys((*said, *readings.warnings)))
+    ), []
 
 
 def _of_image(
@@ -198,14 +202,15 @@ def _of_image(
         region_temperatures,
         region_warnings,
     )
-    from lightflyer.lab.thermography_data import with_accuracy
+    from lightflyer.lab.thermography_data import THERMAL, accuracy_warnings, with_accuracy
 
     if regions is None:
         raise ConfigurationError(f'{file}: an image needs --regions "hotplate=10:40,20:60; ..."')
     rectangles = parse_regions(regions)
     image = read_thermal_image(file)
     found = with_accuracy(region_temperatures(image, rectangles, str(file)), accuracy)
-    return found, region_warnings(image, rectangles)
+    said = region_warnings(image, rectangles)
+    return found, (*said, *accuracy_warnings(THERMAL, accuracy))
 
 
 def _values(

@@ -17,6 +17,7 @@ _WIDTH, _HEIGHT = 4.6, 8.0  # of the column of one map [inch]
 _MOST_PIXELS = 1024  # drawn along a side
 _SHOWN = 3.5  # range of the colours, in rms heights
 _MICROMETRE = 1e-6
+_PERCENT = 100.0
 _HOLES = "#cc79a7"  # reddish purple of the palette for colour-blind readers
 
 
@@ -43,7 +44,12 @@ def draw_height_map(result: Roughness, ax: Axes, *, masked: bool) -> Axes:
                       interpolation="nearest")  # fmt: skip
     if masked:
         _draw_masks(result, ax, step, extent)
-        said = f"Sq = {rms:.3g} nm, {result.masked_fraction:.1%} masked"
+        shares = ", ".join(
+            f"{name} {_PERCENT * mask.mean():.2g} %"
+            for name, mask, _ in _masks(result)
+            if mask.any()
+        )
+        said = f"Sq = {rms:.3g} nm; masked: {shares or 'nothing'}"
     else:
         everything = result.parameters_all["rms_height"].value
         said = f"{result.source.source}: Sq = {everything:.3g} nm, all of it"
@@ -57,17 +63,15 @@ def draw_height_map(result: Roughness, ax: Axes, *, masked: bool) -> Axes:
 def _draw_masks(
     result: Roughness, ax: Axes, step: int, extent: tuple[float, float, float, float]
 ) -> None:
-    """Particles and holes in plain colours, with their shares of the map."""
-    shown = []
-    for mask, colour, name in (
-        (result.particles, ORANGE, "particles"),
-        (result.holes, _HOLES, "holes"),
-    ):
+    """Particles and holes in plain colours."""
+    for _, mask, colour in _masks(result):
         image = np.ma.masked_equal(_thinned(mask, step), 0)
         ax.imshow(image, extent=extent, cmap=ListedColormap([colour]), interpolation="nearest")
-        shown.append(Patch(color=colour, label=f"{name}, {mask.mean():.2%} of the map"))
-    ax.legend(handles=shown, loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2,
-              fontsize="small", frameon=False)  # fmt: skip
+
+
+def _masks(result: Roughness) -> tuple[tuple[str, np.ndarray, str], ...]:
+    """Name, mask and colour of what is masked."""
+    return ("particles", result.particles, ORANGE), ("holes", result.holes, _HOLES)
 
 
 def _thinned(mask: np.ndarray, step: int) -> np.ndarray:
@@ -89,9 +93,12 @@ def roughness_figures(results: Sequence[Roughness]) -> dict[str, Figure]:
     """
     count = len(results)
     figure = new_figure(columns=count, width=_WIDTH, height=_HEIGHT, rows=2)
+    figure.set_layout_engine("compressed")  # of axes with a fixed aspect
     for number, ax in enumerate(figure.axes[: 2 * count]):
         draw_height_map(results[number % count], ax, masked=number >= count)
         letter = ascii_lowercase[number % len(ascii_lowercase)]
         ax.text(0.02, 0.98, f"({letter})", transform=ax.transAxes, va="top", color="white",
                 weight="bold")  # fmt: skip
+    handles = [Patch(color=colour, label=name) for name, _, colour in _masks(results[0])]
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
     return {"roughness": figure}

@@ -102,7 +102,19 @@ def test_bands_over_samples_are_numpys_quantiles(dataset):
     samples = dataset.payload.fillna(0.0).rename({"altitude": "sample"})
     band = explore.over_samples(samples)
     for name, level in (("low", 0.025), ("median", 0.5), ("high", 0.975)):
-        np.testing.assert_allclose(band[name], np.quantile(samples, level, axis=2))
+        expected = np.quantile(samples, level, axis=2, method="nearest")
+        np.testing.assert_allclose(band[name], expected)
+
+
+def test_a_band_counts_samples_without_a_value_as_the_worst():
+    """Of 100 samples 10 need more light than there is: the band has no upper end."""
+    values = np.append(np.arange(90.0), np.full(10, np.nan))
+    light = xr.DataArray(values, dims="sample", name="levitation_irradiance")
+    band = {name: float(end) for name, end in explore.over_samples(light).items()}
+    assert band == {"low": 2.0, "median": 50.0, "high": np.inf}
+    carried = explore.over_samples(light.rename("payload"))
+    assert float(carried["low"]) == -np.inf
+    assert float(carried["median"]) == 40.0
 
 
 def test_a_lucky_draw_is_no_best_design(dataset):

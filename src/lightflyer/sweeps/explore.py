@@ -338,10 +338,12 @@ def over_samples(array: "xr.DataArray") -> dict[str, Any]:
     Returns
     -------
     dict of str to xarray.DataArray
-        ``"low"``, ``"median"`` and ``"high"``.
+        ``"low"``, ``"median"`` and ``"high"``. A sample without a value is the worst: plus infinity
+        where less is better, minus infinity elsewhere.
     """
+    array = array.fillna(np.inf if less_is_better(str(array.name)) else -np.inf)
     low, median, high = (
-        array.quantile(level, dim=SAMPLE, keep_attrs=True).drop_vars("quantile")
+        array.quantile(level, SAMPLE, method="nearest", keep_attrs=True).drop_vars("quantile")
         for level in (COVERAGE[0], 0.5, COVERAGE[1])
     )
     return {"low": low, "median": median, "high": high}

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 _LEVELS = 12
 _LOGARITHMIC = 3.0  # largest over smallest from which evenly spaced logarithms get a log axis
+_DECADES = 100.0  # largest over smallest from which an output gets a log axis
 _PROBABILITIES = (0.1, 0.5, 0.9)
 _HALF = 0.5
 _OPACITY = 0.25
@@ -84,6 +85,7 @@ def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axe
     horizontal, vertical = _axis(ax, "x", dataset[x]), _axis(ax, "y", dataset[y])
     factor, label = scale_and_label(array)
     values = factor * shown.transpose(y, x).values
+    values = np.where(np.isfinite(values), values, np.nan)
     flying = values if able is None else np.where(able.values >= 0.0, values, np.nan)
     if not np.isfinite(flying).any():
         flying = values
@@ -181,12 +183,20 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
     ax.set_ylabel(label)
     if SAMPLE in array.dims:
         band = over_samples(array)
-        low, high = (factor * band[end].values for end in ("low", "high"))
+        low, middle, high = (factor * band[end].values for end in ("low", "median", "high"))
+        shown = np.concatenate([low, middle, high])
+        shown = shown[np.isfinite(shown)]
+        if shown.size:  # infinite ends go to the end of the axis
+            low, high = (np.clip(end, shown.min(), shown.max()) for end in (low, high))
         ax.fill_between(horizontal, low, high, color=BLUE, alpha=_OPACITY, lw=0, label="95 % band")
-        ax.plot(horizontal, factor * band["median"].values, color=BLUE, label="median")
+        ax.plot(horizontal, np.where(np.isfinite(middle), middle, np.nan), color=BLUE,
+                label="median")  # fmt: skip
         able = None if able is None else (able >= 0.0).mean(SAMPLE) - _HALF
     else:
+        shown = factor * array.values[np.isfinite(array.values)]
         ax.plot(horizontal, factor * array.values, color=BLUE)
+    if shown.size and 0.0 < _DECADES * shown.min() < shown.max():
+        ax.set_yscale("log")
     if able is not None and bool((able < 0.0).any()):
         ax.fill_between(
             horizontal,

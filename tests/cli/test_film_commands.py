@@ -159,7 +159,7 @@ def test_materials_lists_range_density_and_source(run):
         ('"20 nm"', '"0 nm"', "must be positive"),
         ('"20 nm"', '"-5 nm"', "must be positive"),
         ('"20 nm"', '"20"', "has no unit"),
-        ('"20 nm"', '"20 ± 25 nm"', "thickness of Ge = 20 ± 25 nm: ± is one standard deviation"),
+        ('"20 nm"', '"20 ± 25 nm"', "± is one standard deviation and must be below"),
         ('"20 nm"', '"20 kg"', "wrong kind"),
         ('thickness = "20 nm"', 'thicknes = "20 nm"', 'did you mean "thickness"?'),
         ("layers", "layer", "needs a section [film] with layers"),

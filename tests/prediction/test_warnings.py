@@ -54,6 +54,15 @@ def test_the_fitted_coefficients_hold_where_they_were_fitted():
     assert "the diameter" not in warnings_of(diameter="6 cm", force=own, **kwargs)
 
 
+def test_a_flyer_colder_than_the_gas_does_not_melt():
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
+    state = lf.Earth().state(80e3)
+    (cold,) = lf.Lu2023().caveats(lf.Disk(film, 0.01), state, 0.9 * state.temperature)
+    assert "below 1: c_fm and c_cont of lu2023 were fitted to films warmer than the gas" in cold
+    (hot,) = lf.Lu2023().caveats(lf.Disk(film, 0.01), state, 1.8004 * state.temperature)
+    assert hot.startswith("T_h/T_c is 1.8004 at")  # and not "1.8, above 1.8"
+
+
 def test_the_kinetic_table_says_where_it_ends():
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.3, tac_bottom=0.35)
     disk, model = lf.Disk(film, 0.01), lf.Kinetic()

@@ -254,7 +254,8 @@ def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
     best, easiest = prediction.best, prediction.easiest
     rows = Table.grid(padding=(0, 2))
     if not prediction.bands:
-        shortfall = f"lift is at most {best.values['lift_over_weight']:.2f} of its weight, at "
+        lift = round(float(best.values["lift_over_weight"]), 2) + 0.0  # and never -0.00
+        shortfall = f"lift is at most {lift:.2f} of its weight, at "
         shortfall += f"{best.coordinate * factor:{digits}} {unit}"
         rows.add_row("levitates", f"nowhere at {light:g} W/m²: {shortfall}")
     else:

@@ -58,6 +58,13 @@ class LayerSection(Section):
         material_from_csv(path)  # raises here, where the line of the flyer file is known
         return path
 
+    @pydantic.field_validator("thickness")
+    @classmethod
+    def _known_to_better_than_itself(cls, thickness: Measured) -> Measured:
+        if not (thickness.uncertainty or 0.0) < thickness.value:
+            raise ValueError("± is one standard deviation and must be below the thickness")
+        return thickness
+
     @property
     def library_tac(self) -> Measured | None:
         """TAC of the material, where the library has one [1]."""

@@ -36,10 +36,13 @@ _FITTED_DIAMETERS = Validity(
     0.04,
     "c_fm and c_cont of lu2023 were fitted to disks of 2 to 4 cm",
 )
+_FITTED_WARMER = Validity(
+    "T_h/T_c", 1.0, math.inf, "c_fm and c_cont of lu2023 were fitted to films warmer than the gas"
+)
 # mylar melts at 527 K, and the paper's chamber is at 293 K
 _FITTED_HEATING = Validity(
     "T_h/T_c",
-    1.0,
+    -math.inf,
     1.8,
     "c_fm and c_cont of lu2023 were fitted to mylar films at room temperature, which melt there",
 )
@@ -300,6 +303,7 @@ class Lu2023(AbstractForceModel):
         diameter, ratio = 2.0 * np.asarray(flyer.radius), temperature / state.temperature
         return (
             *_FITTED_DIAMETERS.caveats(diameter, state.pressure),
+            *_FITTED_WARMER.caveats(ratio, state.pressure),
             *_FITTED_HEATING.caveats(ratio, state.pressure),
         )
 

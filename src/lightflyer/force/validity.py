@@ -7,6 +7,8 @@ import numpy as np
 
 from lightflyer.foundation.types import Numeric
 
+_MOST_DIGITS = 16
+
 
 class Validity(NamedTuple):
     """Range of a number within which a model is known to hold.
@@ -45,7 +47,14 @@ class Validity(NamedTuple):
         ):
             worst = int(np.argmax(np.where(np.isnan(excess), -np.inf, excess)))
             if excess.ravel()[worst] > 0.0:
+                value = _apart(found.ravel()[worst], limit)
                 yield (
-                    f"{self.name} is {found.ravel()[worst]:.3g} at {where.ravel()[worst]:.3g} Pa, "
+                    f"{self.name} is {value} at {where.ravel()[worst]:.3g} Pa, "
                     f"{word} {limit:.3g}: {self.beyond}"
                 )
+
+
+def _apart(value: float, limit: float) -> str:
+    """The value with as many digits as show that it is not the limit, three at least."""
+    shown = (f"{value:.{digits}g}" for digits in range(3, _MOST_DIGITS))
+    return next((text for text in shown if text != f"{limit:.3g}"), f"{value!r}")

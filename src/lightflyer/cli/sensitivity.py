@@ -13,6 +13,8 @@ from rich.table import Table
 if TYPE_CHECKING:
     from lightflyer.search.sobol import Indices
 
+_STANDARD_DEVIATIONS = 1.959963984540054  # of a normal distribution, in half a 95 % interval
+
 
 def sensitivity_command(
     study_file: Path,
@@ -93,22 +95,27 @@ def _show(console: Console, found: "Indices") -> None:
     for row in (-found.total).argsort():
         table.add_row(
             "\n".join(found.groups[row]),
-            f"{100.0 * found.first[row]:.1f} ± {100.0 * found.first_interval[row]:.1f}",
-            f"{100.0 * found.total[row]:.1f} ± {100.0 * found.total_interval[row]:.1f}",
+            _share(found.first[row], found.first_interval[row]),
+            _share(found.total[row], found.total_interval[row]),
             "\n".join(_signed(found.elasticity[name]) for name in found.groups[row]),
             _short(found.low[row]),
             _short(found.high[row]),
         )
     console.print(table)
     if not found.ranked:
-        advice = "too few points to say what to measure next: shares are uncertain by up to "
-        advice += f"± {100.0 * found.first_interval.max():.0f} %; raise points"
+        advice = "too few points to say what to measure next: the 95 % interval of a share reaches "
+        advice += f"{100.0 * found.first_interval.max():.0f} % to either side; raise points"
     elif found.next is None:
         advice = "all of it is the model's own error, which measurements cannot reduce"
     else:
         advice = f"measure {found.next} next: halving its uncertainty would leave ± "
         advice += f"{found.spread_after_halving:.2g}{unit}"
     console.print(advice, soft_wrap=True)
+
+
+def _share(share: float, half_width: float) -> str:
+    """A share in percent with its standard uncertainty, from that and half its 95 % interval."""
+    return f"{100.0 * share:.1f} ± {100.0 * half_width / _STANDARD_DEVIATIONS:.1f}"
 
 
 def _short(value: float) -> str:

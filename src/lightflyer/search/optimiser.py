@@ -40,6 +40,8 @@ _HALF_SIDES = (0.1, 0.03, 0.01)  # of the cubes that are sampled around the star
 _AT_BOUND = 1e-6  # distance from a bound, in sides of the cube
 _STOP = 1e-10  # tolerance of SLSQP, in scales of the objective
 _STEPS = 200
+# outputs that say whether a flyer lifts its weight, and the least of one that does
+_LEAST_OF_FLYING = {"payload": 0.0, "relative_payload": 0.0, "lift_over_weight": 1.0}
 _INFEASIBLE = 1e6  # loss of a design that has no value, in scales of the objective
 
 
@@ -223,8 +225,9 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
     if not satisfying:
         least = min(searches, key=lambda found: found.violation)
         raise LightflyerError(
-            "no design satisfies the constraints; the best violates one by "
-            f"{100.0 * least.violation:.3g} % of its limit; widen the bounds or the limits"
+            "no design satisfies the constraints; the best violates that of "
+            f"{least.violated} by {100.0 * least.violation:.3g} % of its limit; widen the bounds "
+            "or the limits"
         )
     best = max(satisfying, key=lambda found: found.score)
     near = AGREEMENT * max(abs(best.score), scale)
@@ -296,6 +299,7 @@ class _Found:
     point: np.ndarray
     score: float
     violation: float
+    violated: str  # the output whose constraint is violated most
     evaluations: int
 
 
@@ -334,7 +338,9 @@ def _search(function: ObjectiveFunction, start: np.ndarray, scale: float) -> _Fo
     violation = float(np.maximum(-scores[1:], 0.0).max(initial=0.0))
     if not np.isfinite(scores).all() or scores[0] <= -_INFEASIBLE * scale:
         violation = np.inf
-    return _Found(point, float(scores[0]), violation, len(seen))
+    names = [one.name for one in function.problem.constraints]
+    violated = names[int(np.argmin(scores[1:]))] if names else ""
+    return _Found(point, float(scores[0]), violation, violated, len(seen))
 
 
 def _describe(
@@ -370,8 +376,17 @@ def _describe(
         starts=starts,
         agreeing=agreeing,
         evaluations=evaluations,
-        warnings=warnings,
+        warnings=(*warnings, *_does_not_lift(problem, best.score)),
     )
+
+
+def _does_not_lift(problem: Problem, score: float) -> tuple[str, ...]:
+    """What to say of a best design whose largest lift is below its weight."""
+    (objective,) = problem.objectives
+    least = _LEAST_OF_FLYING.get(objective.name, -np.inf)
+    if problem.samples or objective.sign < 0.0 or score >= least:
+        return ()
+    return ("the best design does not lift its weight: none within bounds and constraints flies",)
 
 
 def _in_words(problem: Problem, value: float, design: Mapping[str, float]) -> str:

@@ -387,7 +387,7 @@ def _of_output(
     values, middle, *alone, down, up = blocks
     if np.isnan(values).any():
         raise ConfigurationError(
-            f"{output}: {100.0 * np.mean(np.isnan(values)):.2g} % of the samples have none; "
+            f"{output}: {100.0 * np.mean(np.isnan(values)):.3g} % of the samples have none; "
             "choose an output that every design has, such as lift_over_weight"
         )
     nominal, count = float(middle[0]), len(study.groups)

@@ -10,10 +10,11 @@ from lightflyer.foundation import drawing as plot
 
 HERE = Path(__file__).parent
 NANOMETRE, KILOMETRE = 1e-9, 1e3
+THIN = 50e-9  # [m], between the first and the second maximum of the absorptance
 THICKNESS = "film.layers.1.thickness"
 OVER = {
-    THICKNESS: {"from": "1 nm", "to": "100 nm", "points": 31, "scale": "log"},
-    "environment.irradiance": {"from": "700 W/m^2", "to": "1400 W/m^2", "points": 71},
+    THICKNESS: {"from": "1 nm", "to": "200 nm", "points": 36, "scale": "log"},
+    "environment.irradiance": {"from": "600 W/m^2", "to": "1400 W/m^2", "points": 81},
     "altitude": {"from": "66 km", "to": "84 km", "points": 181},
 }
 
@@ -38,9 +39,16 @@ def draw(table, best, payload, path):
     figure = plot.new_figure()
     ax = figure.axes[0]
     shown, able = best / NANOMETRE, payload >= 0.0
-    levels = np.arange(np.floor(10.0 * shown[able].min()), 10.0 * shown[able].max() + 1.0) / 10.0
-    image = ax.contourf(altitude, sunlight, shown, levels=levels, cmap="cividis", extend="both")
+    thin = shown[able & (best < THIN)]
+    levels = np.arange(np.floor(5.0 * thin.min()), 5.0 * thin.max() + 1.0) / 5.0
+    image = ax.contourf(altitude, sunlight, np.where(best < THIN, shown, np.nan), levels=levels,
+                        cmap="cividis", extend="both")  # fmt: skip
     figure.colorbar(image, ax=ax, label="best thickness of germanium [nm]")
+    thick = able & (best >= THIN)
+    if thick.any():
+        ax.contourf(altitude, sunlight, thick, levels=[0.5, 1.5], colors="tab:red")
+        ax.text(altitude[0] + 0.3, sunlight[-1] - 40.0, f"red: {shown[thick].mean():.0f} nm",
+                color="tab:red", bbox={"color": "white"})  # fmt: skip
     lines = ax.contour(altitude, sunlight, payload, levels=[0.25, 0.5, 0.75, 1.0], colors="white")
     ax.clabel(lines, fmt=lambda level: f"{level:g}")
     area = ax.contourf(altitude, sunlight, payload, levels=[-2.0, 0.0], colors="white",
@@ -68,9 +76,13 @@ def main():
     results["least_sunlight_w_m2"] = float(
         table["environment.irradiance"].values[able.any(axis=1)].min()
     )
-    results["germanium_nm_where_it_flies"] = [
-        round(float(end) / NANOMETRE, 2) for end in (best[able].min(), best[able].max())
-    ]
+    for name, part in (("thin", able & (best < THIN)), ("thick", able & (best >= THIN))):
+        results[f"{name}_germanium_nm_where_it_flies"] = [
+            round(float(end) / NANOMETRE, 2) for end in (best[part].min(), best[part].max())
+        ]
+        results[f"{name}_share_of_the_map_where_it_flies"] = round(
+            float(part.sum() / able.sum()), 4
+        )
     print(results)
     draw(table, best, payload, HERE / "thickness.png")
     (HERE / "results.json").write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")

@@ -85,7 +85,9 @@ def test_table_and_json_say_which_interval_is_which(folder, run):
     assert (code, errors) == (0, "")
     assert "given inputs: the points' scatter alone" in shown
     assert "total: also the ± of film.tac_top (30 %" in shown
-    assert "warning: no accuracy of the pressure gauge and light meter is stated; ± 5 %" in shown
+    assert (
+        "warning: no accuracy of these is stated, and assumed: pressure gauge ± 5 %, light" in shown
+    )
     accuracies = "--pressure-accuracy", "5 %", "--irradiance-accuracy", "5 %"
     code, printed, _ = run(
         "calibrate", "points.csv", "--flyer", "flyer.toml", "--json", *accuracies

@@ -67,11 +67,34 @@ def instruments(
         found[instrument] = usual if stated is None else stated
         if stated is None:
             assumed[instrument] = f"± {_PERCENT * usual:g} %"
+    return found, assumed_accuracies(assumed)
+
+
+def assumed_accuracies(assumed: Mapping[str, str]) -> tuple[str, ...]:
+    """What a reader must know of instruments whose accuracy is not stated.
+
+    Parameters
+    ----------
+    assumed : mapping of str to str
+        What is assumed, such as ``"± 5 %"``, by instrument.
+
+    Returns
+    -------
+    tuple of str
+        One line; none where nothing is assumed.
+
+    Examples
+    --------
+    >>> assumed_accuracies({"power": "± 1 %"})
+    ('no accuracy of the power is stated; ± 1 % is assumed',)
+    """
     if not assumed:
-        return found, ()
-    names, values = " and ".join(assumed), " and ".join(assumed.values())
-    verb = "are" if len(assumed) > 1 else "is"
-    return found, (f"no accuracy of the {names} is stated; {values} {verb} assumed",)
+        return ()
+    if len(assumed) == 1:
+        ((name, value),) = assumed.items()
+        return (f"no accuracy of the {name} is stated; {value} is assumed",)
+    pairs = ", ".join(f"{name} {value}" for name, value in assumed.items())
+    return (f"no accuracy of these is stated, and assumed: {pairs}",)
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from lightflyer.foundation.extras import extra
 from lightflyer.lab.estimate import CONFIDENCE, Estimate
 from lightflyer.lab.levitation_data import LiftOffs
 from lightflyer.lab.levitation_minimum import DEGREE, Minimum, minimum
-from lightflyer.lab.record import dataset
+from lightflyer.lab.record import dataset, joint_warnings
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -327,7 +327,7 @@ def warnings_of(curves: Sequence[LevitationCurve]) -> list[str]:
     -------
     list of str
     """
-    return list(dict.fromkeys(text for curve in curves for text in curve.warnings))
+    return joint_warnings([("", curve.warnings) for curve in curves])
 
 
 def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.Dataset":

@@ -15,7 +15,7 @@ def joint_warnings(found: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
     Parameters
     ----------
     found : sequence of (str, sequence of str)
-        Name and warnings of each file.
+        Name and warnings of each file; an empty name where the warnings say it themselves.
 
     Returns
     -------

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass, fields
 
 import numpy as np
 
+from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.foundation.checks import require_range
 
 PIRANI_ACCURACY = 0.05
@@ -104,7 +105,7 @@ class TacAccuracy:
         return CommonErrors(tuple(kept), pressure, zero, continuum, amplitude)
 
 
-def assumed_accuracies(stated: Iterable[str]) -> list[str]:
+def unstated_accuracies(stated: Iterable[str]) -> list[str]:
     """A line that says which accuracies are assumed; none where all are stated.
 
     Parameters
@@ -118,22 +119,16 @@ def assumed_accuracies(stated: Iterable[str]) -> list[str]:
 
     Examples
     --------
-    >>> assumed_accuracies(["gauge", "gauge_zero", "power", "diameter", "plateau"])
+    >>> unstated_accuracies(["gauge", "gauge_zero", "power", "diameter", "plateau"])
     ['no accuracy of the temperature difference is stated; ± 1 K is assumed']
     """
     known, usual = set(stated), TacAccuracy()
     missing = {
-        said: f"{scale * getattr(usual, name):g} {unit}"
+        said: f"± {scale * getattr(usual, name):g} {unit}"
         for name, (said, scale, unit) in _IN_WORDS.items()
         if name not in known
     }
-    if not missing:
-        return []
-    names, values = ", ".join(missing), ", ".join(missing.values())
-    return [
-        f"no accuracy of the {names} is stated; ± {values} {'are' if len(missing) > 1 else 'is'} "
-        "assumed"
-    ]
+    return list(assumed_accuracies(missing))
 
 
 EXACT = TacAccuracy(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -36,8 +36,10 @@ def test_raw_file_to_record_figure_and_flyer_file(examples, lab):
         assert low < inner_low < inner_high < high
     assert found["accuracy"]["gauge"] == 0.05
     (said,) = found["warnings"]
-    assert said.startswith("no accuracy of the pressure gauge, gauge's zero, power, temperature ")
-    assert said.endswith("± 5 %, 0.01 Pa, 1 %, 1 K, 0.1 mm, 5 % are assumed")
+    assert said == (
+        "no accuracy of these is stated, and assumed: pressure gauge ± 5 %, gauge's zero "
+        "± 0.01 Pa, power ± 1 %, temperature difference ± 1 K, diameter ± 0.1 mm, plateau ± 5 %"
+    )
     assert found["rows_used"] + found["rows_dropped"] == found["read"][0]["rows"]
     assert len(found["read"][0]["rejected"]) == 3
     with xr.open_dataset(folder / "o" / "tac.nc", engine="h5netcdf") as record:

@@ -98,12 +98,8 @@ def levitation_command(
     """
     from lightflyer.lab import levitation
     from lightflyer.lab.levitation_data import read_lift_offs
-    from lightflyer.lab.levitation_model import measured_coefficients
 
-    if update is not None and not calibrate:
-        raise ConfigurationError("--update writes calibrated force coefficients; add --calibrate")
-    if calibrate and flyer is None:
-        raise ConfigurationError("--calibrate starts from a flyer; name its file by --flyer")
+    _require_flyer(flyer, calibrate=calibrate, update=update is not None)
     read = [read_lift_offs(file, columns=columns) for file in files]
     accuracies = {
         "pressure_accuracy": optional_share("--pressure-accuracy", pressure_accuracy),
@@ -121,12 +117,10 @@ def levitation_command(
     )
     tables = [table for _, table in read]
     document = levitation.summary(curves) | {"read": read_summary(tables)}
-    values: dict[tuple[str, str], Estimate] = {}
+    values = {} if fit is None else _coefficients(fit)
     if fit is not None:
         document["calibration"] = fit.summary()
         document["warnings"] = list(dict.fromkeys([*document["warnings"], *fit.warnings]))
-        found = measured_coefficients(fit)
-        values = {("force", name): one for name, one in found.items()}
     written, updated = write_record(
         out, "levitation", document, levitation.to_dataset(curves, [t.source for t in tables]),
         lambda: _figures(curves, pressure_unit, models),
@@ -142,6 +136,19 @@ def levitation_command(
         _show_fit(console, fit)
     show_warnings(console, document["warnings"])
     finish(console, written, updated, update)
+
+
+def _require_flyer(flyer: Path | None, *, calibrate: bool, update: bool) -> None:
+    if update and not calibrate:
+        raise ConfigurationError("--update writes calibrated force coefficients; add --calibrate")
+    if calibrate and flyer is None:
+        raise ConfigurationError("--calibrate starts from a flyer; name its file by --flyer")
+
+
+def _coefficients(fit: "Calibration") -> "dict[tuple[str, str], Estimate]":
+    from lightflyer.lab.levitation_model import measured_coefficients
+
+    return {("force", name): one for name, one in measured_coefficients(fit).items()}
 
 
 def _distinct(lots: Sequence[Any]) -> Sequence[Any]:

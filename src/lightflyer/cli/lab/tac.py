@@ -13,6 +13,7 @@ from lightflyer.cli.lab._shared import (
     difference,
     finish,
     interval_text,
+    optional_share,
     print_json,
     quantity,
     read_summary,
@@ -117,7 +118,7 @@ def tac_command(
     """
     from lightflyer.gas import GASES
     from lightflyer.lab import tac, tac_record
-    from lightflyer.lab.tac_accuracy import TacAccuracy, assumed_accuracies
+    from lightflyer.lab.tac_accuracy import TacAccuracy, unstated_accuracies
     from lightflyer.lab.tac_data import read_resistance_calibration, read_tac
 
     _require_face(update, face)
@@ -127,14 +128,13 @@ def tac_command(
         plateau_accuracy,
     )  # fmt: skip
     options: dict[str, Any] = {
-        "diameter": width or tac.HEATERS[heater],
+        "diameter": tac.HEATERS[heater] if width is None else width,
         "tolerance": difference("--tolerance", tolerance, "K"),
         "law": _law(reading, wall),
         "gas": GASES[gas],
         "accuracy": TacAccuracy(**stated),
+        "emissivity": optional_share("--emissivity", emissivity),
     }
-    if emissivity is not None:
-        options["emissivity"] = quantity("--emissivity", emissivity, "").value
     surroundings = None if ambient is None else quantity("--ambient", ambient, "K").value
     runs = [
         read_tac(file, columns=columns, thermometer=thermometer, ambient_temperature=surroundings)
@@ -142,11 +142,8 @@ def tac_command(
     ]
     fits = [tac.fit_tac(run, **options) for run in runs]
     warnings = tac_record.warnings_of(fits)
-    values: dict[tuple[str, str], Estimate] = {}
-    if update is not None and face is not None:
-        values, further = _for_flyer_file(fits, update, face)
-        warnings += further
-    warnings += assumed_accuracies(stated)
+    values, about_flyer = _for_flyer_file(fits, update, face)
+    warnings += [*about_flyer, *unstated_accuracies(stated)]
     read = {"read": read_summary([run.table for run in runs])}
     document = tac_record.summary(fits) | read | {"warnings": warnings}
     written, updated = write_record(
@@ -209,9 +206,11 @@ def _distinct(files: Sequence[Path]) -> Sequence[Path]:
 
 
 def _for_flyer_file(
-    fits: "Sequence[TacFit]", flyer: Path, face: Literal["top", "bottom", "both"]
+    fits: "Sequence[TacFit]", flyer: Path | None, face: Literal["top", "bottom", "both"] | None
 ) -> "tuple[dict[tuple[str, str], Estimate], list[str]]":
     """Values for a flyer file and what to know about them; raises if they are not fit for one."""
+    if flyer is None or face is None:
+        return {}, []
     from lightflyer.config.reader import read_flyer_file
     from lightflyer.config.update import tac_keys
     from lightflyer.lab.tac_record import mean_tac, why_no_property

@@ -338,3 +338,15 @@ def test_a_best_design_that_does_not_fly_is_named(flyer):
     words = "the best design does not lift its weight"
     assert any(words in text for text in lf.optimise(grounded, **asked).warnings)
     assert not any(words in text for text in lf.optimise(flyer, **asked).warnings)
+
+
+def test_optical_data_that_end_refuse_no_design():
+    """Every film of layers lacks some: the result has the warning."""
+    layers = [
+        {"material": "PET", "thickness": "500 nm"},
+        {"material": "Ge", "thickness": "12 nm"},
+    ]
+    layered = lf.FlyerFile(flyer={"diameter": "2 cm"}, film={"layers": layers})
+    found = lf.optimise(layered, maximise="payload", over={"altitude": ALTITUDE})
+    assert any("is computed from data for" in text for text in found.warnings)
+    assert found.value > 0.0

@@ -31,6 +31,8 @@ def cautions_about(problem: Problem, design: Mapping[str, float]) -> tuple[str, 
 def require_within_range(problem: Problem, found: tuple[str, ...], design: str) -> None:
     """Raise where a design is outside of a range, unless the problem allows it.
 
+    What the flyer file itself is warned of, such as optical data that end, refuses no design.
+
     Parameters
     ----------
     problem : Problem
@@ -43,9 +45,11 @@ def require_within_range(problem: Problem, found: tuple[str, ...], design: str) 
     ------
     LightflyerError
     """
-    if found and not problem.beyond_range:
+    # what is said of the flyer file itself holds for every design: no other search would avoid it
+    beyond = [text for text in found if text not in problem.design.warnings]
+    if beyond and not problem.beyond_range:
         raise LightflyerError(
-            f"the best design found ({design}) is not to be relied on: {'; '.join(found)}; narrow "
+            f"the best design found ({design}) is not to be relied on: {'; '.join(beyond)}; narrow "
             "the bounds, take another force model, add a constraint, or accept it with "
             "beyond_range = true"
         )

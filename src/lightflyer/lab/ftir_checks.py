@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.spectrum_data import PER_CENTIMETRE, MeasuredSpectrum
@@ -181,8 +182,7 @@ def accuracy_warnings(stated: float | None, used: float) -> list[str]:
     list of str
     """
     if stated is None:
-        share = f"± {_PERCENT * used:g} % of full scale"
-        return [f"no accuracy of the spectrometer is stated; {share} is assumed"]
+        return list(assumed_accuracies({"spectrometer": f"± {_PERCENT * used:g} % of full scale"}))
     if stated == 0.0:
         return ["intervals leave out the spectrometer's accuracy, which is stated as 0"]
     return []

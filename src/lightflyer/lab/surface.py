@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from scipy import ndimage
 
+from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
@@ -23,7 +24,7 @@ from lightflyer.lab.levelling import Flatten, flatten_rows, kept_power, level
 from lightflyer.lab.particles import THRESHOLD, Objects, find_particles
 from lightflyer.lab.record import dataset, joint_warnings
 from lightflyer.lab.surface_intervals import DRAWS, SPECTRUM, spread
-from lightflyer.lab.surface_warnings import accuracy_warnings, warnings_of
+from lightflyer.lab.surface_warnings import warnings_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,6 +53,7 @@ PARAMETERS = ("rms_height", "mean_absolute_height", "skewness", "kurtosis")
 Mask = Literal["auto", "none"]
 """Whether particles and holes are masked."""
 
+_PERCENT = 100.0
 _UNITS = ("nm", "nm", "", "")
 _NO_BOUND = (-math.inf, math.inf)
 _EIGHT = np.ones((3, 3))
@@ -234,7 +236,8 @@ def roughness(
     everything = _estimates(whole, np.zeros_like(masked), kept, accuracy, seed)[0]
     said = warnings_of(source, raw, masked, inside["skewness"].value, lost, patches,
                        flattened=rows is not None)  # fmt: skip
-    said = (*said, *accuracy_warnings(height_accuracy, accuracy))
+    if height_accuracy is None:
+        said += assumed_accuracies({"heights": f"± {_PERCENT * HEIGHT_ACCURACY:g} %"})
     return Roughness(source, found.height, found.particles, found.holes, inside, everything,
                      accuracy, patches, lost, said)  # fmt: skip
 

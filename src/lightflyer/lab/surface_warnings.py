@@ -76,25 +76,6 @@ def warnings_of(
     return tuple(said)
 
 
-def accuracy_warnings(stated: float | None, used: float) -> list[str]:
-    """What a reader must know of the accuracy of the heights.
-
-    Parameters
-    ----------
-    stated : float or None
-        As the user states it.
-    used : float
-        [1].
-
-    Returns
-    -------
-    list of str
-    """
-    if stated is not None:
-        return []
-    return [f"no accuracy of the heights is stated; ± {_PERCENT * used:g} % is assumed"]
-
-
 def _clipped(height: np.ndarray) -> float:
     ends = (height == height.max()).mean(), (height == height.min()).mean()
     return float(max(ends))

@@ -156,7 +156,8 @@ def show_read(console: Console, tables: Sequence["LabTable"]) -> None:
     """Print the files read, and their rejected rows."""
     for table in tables:
         unused = f"; not used: {', '.join(table.unused)}" if table.unused else ""
-        console.print(f"read {len(table)} rows of {table.source}{unused}", markup=False)
+        rows = f"{len(table)} row{'s' * (len(table) != 1)}"
+        console.print(f"read {rows} of {table.source}{unused}", markup=False)
         show_rejected(console, table.rejected)
 
 

@@ -47,7 +47,7 @@ def draw(table, best, payload, path):
     thick = able & (best >= THIN)
     if thick.any():
         ax.contourf(altitude, sunlight, thick, levels=[0.5, 1.5], colors="tab:red")
-        ax.text(altitude[0] + 0.3, sunlight[-1] - 40.0, f"red: {shown[thick].mean():.0f} nm",
+        ax.text(altitude[0] + 0.2, sunlight[-1] - 150.0, f"red: {shown[thick].mean():.0f} nm",
                 color="tab:red", bbox={"color": "white"})  # fmt: skip
     lines = ax.contour(altitude, sunlight, payload, levels=[0.25, 0.5, 0.75, 1.0], colors="white")
     ax.clabel(lines, fmt=lambda level: f"{level:g}")

@@ -33,7 +33,7 @@ def test_every_prediction_names_the_light_it_assumes():
 @pytest.mark.parametrize(
     ("film", "says"),
     [
-        ({"tac_top": 0.9, "tac_bottom": 0.8}, "pushes the flyer down everywhere"),
+        ({"tac_top": 0.9, "tac_bottom": 0.8}, "the gas pushes the flyer down"),
         ({"tac_top": 0.8, "tac_bottom": 0.8}, "does not push the flyer"),
         (TACS | {"highest_temperature": "400 K"}, r"its film bears 400 K"),
     ],
@@ -43,6 +43,12 @@ def test_what_a_designer_must_know(film, says):
     environment = {"atmosphere": "lu2023"}
     assert says in warnings_of(FILM | film, environment=environment)
     assert says not in warnings_of(environment=environment)
+
+
+def test_a_film_upside_down_is_pushed_down_under_a_cold_sky_too():
+    """High up it is colder than the gas, which pushes it up a little."""
+    film = FILM | {"tac_top": 0.9, "tac_bottom": 0.8}
+    assert "the gas pushes the flyer down" in warnings_of(film)
 
 
 def test_the_fitted_coefficients_hold_where_they_were_fitted():

@@ -102,7 +102,7 @@ def _of_heat(highest: Numeric | None, temperature: Numeric) -> Iterator[str]:
 
 
 def cautions_of_force(table: dict[str, Any]) -> Iterator[str]:
-    """Cautions about a flyer that the gas does not push up anywhere.
+    """Cautions about a flyer that the gas does not push up where it pushes hardest.
 
     Parameters
     ----------
@@ -113,10 +113,11 @@ def cautions_of_force(table: dict[str, Any]) -> Iterator[str]:
     ------
     str
     """
-    strongest = float(np.nanmax(table["lift"]))
+    lift = np.nan_to_num(table["lift"])
+    strongest = float(lift[np.argmax(np.abs(lift))])
     if strongest < 0.0:
         yield (
-            "the gas pushes the flyer down everywhere: for a thin film tac_bottom must exceed "
+            "the gas pushes the flyer down: for a thin film in the light tac_bottom must exceed "
             "tac_top"
         )
     elif strongest == 0.0:

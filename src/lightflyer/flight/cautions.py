@@ -16,6 +16,7 @@ UNSTATED_LIMIT = 500.0
 polymer films shrink and melt near it."""
 
 _LOOKS = 31  # places within a band that are looked at
+_ROUNDING = 1e-5  # relative, within which a search meets a limit
 
 
 def cautions(setup: Setup, coordinate: Numeric, temperature: Numeric) -> tuple[str, ...]:
@@ -97,7 +98,7 @@ def _of_heat(highest: Numeric | None, temperature: Numeric) -> Iterator[str]:
                 f"the flyer reaches {hottest:.0f} K: does its film bear that? state its "
                 "highest_temperature"
             )
-    elif hottest > float(highest):
+    elif hottest > float(highest) * (1.0 + _ROUNDING):
         yield f"the flyer reaches {hottest:.0f} K, and its film bears {float(highest):.0f} K"
 
 

@@ -138,7 +138,8 @@ def _spreads(
     square = residual.T @ residual
     first, second = np.trace(square), np.trace(square @ square)
     freedom = first**2 / second
-    variance = float(y @ square @ y) / first
+    misfit = residual @ y  # its square, unlike y @ square @ y, is never negative by rounding
+    variance = float(misfit @ misfit) / first
     return np.asarray(np.sqrt(variance * freedom / rng.chisquare(freedom, draws)))
 
 

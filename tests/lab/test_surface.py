@@ -203,6 +203,21 @@ def test_intervals_cover_the_surface(width):
     assert inside / count >= 0.85
 
 
+def test_what_levelling_takes_is_given_back():
+    """A third of the power of so long waves; on average it is known, and in every interval."""
+    powers, whole, above = [], [], 0
+    for seed in range(60):
+        height = 10e-9 * filtered_noise(seed, 12.0, pixels=128)
+        found = roughness(of(height), mask="none", height_accuracy=0.0)
+        rms = found.parameters["rms_height"]
+        powers.append((rms.value / 10.0) ** 2)
+        whole.append(powers[-1] * (1.0 + found.lost))
+        above += rms.interval[1] < 10.0
+    assert np.mean(powers) < 0.7
+    assert np.mean(whole) == pytest.approx(1.0, abs=0.15)
+    assert above <= 3
+
+
 def test_many_particles_are_warned_of(rng):
     found = roughness(of(with_particles(random_surface(rng), rng, 60)))
     assert any("of the map is masked" in text for text in found.warnings)

@@ -5,6 +5,7 @@ forked from it begin within milliseconds. A stand-in takes the place of the
 model; all else is the package's own. With the address of a Dask scheduler it is a client instead.
 """
 
+import itertools
 import json
 import os
 import random
@@ -22,6 +23,7 @@ from lightflyer.sweeps.study import make_study
 CHUNK = 50
 SECONDS_PER_CHUNK = 2e-3
 LATEST = 0.12  # of a kill, after the process began [s]
+CHUNKS_BEFORE_A_KILL = 12  # at most; then the process waits for its end, however fast it is
 
 FILM = {
     "areal_density": "1 g/m^2",
@@ -42,13 +44,19 @@ def study():
 
 
 class StandIn:
-    """Numbers that depend on the design only; logs each evaluation in a file."""
+    """Numbers that depend on the design only; logs each evaluation in a file.
 
-    def __init__(self, log=None):
-        self.log = log
+    With `most`, it hangs after that many evaluations.
+    """
+
+    def __init__(self, log=None, most=None):
+        self.log, self.most = log, most
+        self.count = itertools.count()
 
     def __call__(self, start, stop):
         designs = np.arange(start, stop)
+        if self.most is not None and next(self.count) >= self.most:
+            time.sleep(60)
         if self.log:
             time.sleep(SECONDS_PER_CHUNK)
             with open(self.log, "ab") as file:
@@ -68,14 +76,14 @@ def kill_repeatedly(folder, kills, seed):
         child = os.fork()
         if child == 0:
             try:
-                run(folder, evaluator=StandIn(log), workers=2)
+                run(folder, evaluator=StandIn(log, CHUNKS_BEFORE_A_KILL), workers=2)
             finally:
                 os._exit(0)
         time.sleep(chance.uniform(0.0, LATEST))
         os.kill(child, signal.SIGKILL)
         _, status = os.waitpid(child, 0)
         if not os.WIFSIGNALED(status):
-            break  # it had finished: too few chunks for so many kills
+            break  # it failed, or had finished: too few chunks for so many kills
         killed += 1
     report = run(folder, evaluator=StandIn(log), workers=2)
     print(json.dumps({"killed": killed, "found": report.found, "computed": report.computed}))

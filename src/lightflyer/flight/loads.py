@@ -33,7 +33,7 @@ def upward_force(
     model: AbstractForceModel,
     unknowns: tuple[Array, ...],
 ) -> Array:
-    """Vertical part of the gas's force, and the buoyancy of what the flyer displaces [N].
+    """Vertical part of the gas's force, and the flyer's buoyancy [N].
 
     Parameters
     ----------
@@ -49,10 +49,7 @@ def upward_force(
     force = model.force(flyer, state, unknowns)
     if flyer.attitude is not None:
         force = force * jnp.cos(flyer.attitude.tilt)
-    volume = flyer.displaced_volume
-    if isinstance(volume, float) and volume == 0.0:
-        return force
-    return force + state.gas.density(state.pressure, state.temperature) * volume * state.gravity
+    return force + flyer.buoyancy(state, unknowns)
 
 
 def largest_payload(flyer: AbstractFlyer, state: EnvironmentState, lift: Numeric) -> Numeric:

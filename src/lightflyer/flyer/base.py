@@ -128,6 +128,27 @@ class AbstractFlyer(Checked):
         """Volume of gas that the flyer displaces [m³]; zero for films."""
         return 0.0
 
+    def buoyancy(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Numeric:
+        """Weight of the gas that the flyer displaces, less that of the gas it holds.
+
+        Parameters
+        ----------
+        state : EnvironmentState
+        unknowns : tuple of array, shape (...)
+            Relative temperature excess of each node [1], then the flows.
+
+        Returns
+        -------
+        array, broadcast shape
+            Upward positive [N]. By default that of :attr:`displaced_volume`, the same at every
+            temperature; a body that holds warm gas has its own.
+        """
+        del unknowns
+        volume = self.displaced_volume
+        if isinstance(volume, float) and volume == 0.0:
+            return 0.0
+        return state.gas.density(state.pressure, state.temperature) * volume * state.gravity
+
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         r"""Bound of the size of the excesses when the flyer absorbs a power.
 

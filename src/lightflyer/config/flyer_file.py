@@ -29,7 +29,6 @@ PARTS = ("flyer", "film", "environment", "force")
 
 _ANY_MODEL = "lu2023"  # where the flyer is unknown: the error about that comes first
 _INCIDENCE = "environment.incidence"
-_FILM = "film."
 
 
 def _union(base: type[Alternative]) -> Any:
@@ -89,12 +88,24 @@ class FlyerFile(Section):
                 f'force.model = "{self.force.tag()}" is not for shape = "{self.flyer.tag()}"; '
                 f"choose from {suitable}"
             ) from None
+        for name, film in self.films().items():
+            lacking = film.lacking()
+            if lacking:
+                raise ConfigurationError(f"[{name}] needs {lacking}")
         return self
 
     def parts(self) -> dict[str, Section]:
         """The sections that are there, by name."""
         found = {name: getattr(self, name) for name in PARTS}
         return {name: section for name, section in found.items() if section is not None}
+
+    def films(self) -> dict[str, FilmSection]:
+        """Sections of all films, by dotted name: ``"film"``, or such as ``"flyer.top"``."""
+        inside = {
+            f"flyer.{name}": getattr(self.flyer, name) for name in type(self.flyer).model_fields
+        }
+        candidates = {"film": self.film} | inside
+        return {name: film for name, film in candidates.items() if isinstance(film, FilmSection)}
 
     def build(self) -> Setup:
         """The flyer, environment and force model described.
@@ -149,7 +160,7 @@ class FlyerFile(Section):
         """Numbers that the file leaves to the materials of its films, by dotted name."""
         return {
             f"{name}.{key}": value
-            for name, film in _films(self)
+            for name, film in self.films().items()
             for key, value in film.implied.items()
         }
 
@@ -201,15 +212,13 @@ def models_for(kind: type[FlyerSection]) -> list[str]:
     ]
 
 
-def build(parts: Mapping[str, Any], computed_film: Any = None) -> Setup:
+def build(parts: Mapping[str, Any]) -> Setup:
     """Objects from sections.
 
     Parameters
     ----------
     parts : dict of str to Section
         By the section's name.
-    computed_film : FilmProperties, optional
-        What the layers of a film give, where that is known.
 
     Returns
     -------
@@ -218,9 +227,8 @@ def build(parts: Mapping[str, Any], computed_film: Any = None) -> Setup:
     environment = parts["environment"]
     incidence = environment.incidence.value * RADIANS_PER_DEGREE
     film = parts.get("film")
-    properties = None if film is None else film.build(incidence, computed_film)
     return Setup(
-        flyer=parts["flyer"].build(properties, incidence),
+        flyer=parts["flyer"].build(None if film is None else film.build(incidence), incidence),
         environment=environment.build(),
         model=parts["force"].build(),
         search_range=environment.search_range,
@@ -281,7 +289,7 @@ class FileDesign(AbstractDesign):
     def correlations(self) -> dict[tuple[str, str], float]:
         """See :attr:`AbstractDesign.correlations`."""
         found = {}
-        for name, film in _films(self.file):
+        for name, film in self.file.films().items():
             for (first, second), value in film.correlations.items():
                 found[(f"{name}.{first}", f"{name}.{second}")] = value
         return found
@@ -304,16 +312,22 @@ class FileDesign(AbstractDesign):
         return None
 
     def open_parts(self) -> dict[str, tuple[Any, Any]]:
-        """See :meth:`AbstractDesign.open_parts`: the film where optical data are missing."""
-        film = self.file.film
-        found = {} if film is None else film.bounds(self._incidence)
-        return {f"{_FILM}{name}": ends for name, ends in found.items()}
+        """See :meth:`AbstractDesign.open_parts`: films where optical data are missing."""
+        found = {}
+        for name, film in self.file.films().items():
+            for what, (lower, upper) in film.bounds(self._incidence).items():
+                ends = {**self._own_films, name: lower}, {**self._own_films, name: upper}
+                found[f"{name}.{what}"] = ends
+        return found
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """See :attr:`AbstractDesign.warnings`."""
-        film = self.file.film
-        return () if film is None else film.warnings(self._incidence)
+        """See :attr:`AbstractDesign.warnings`: those of films within the flyer name the film."""
+        return tuple(
+            text if name == "film" else f"{name}: {text}"
+            for name, film in self.file.films().items()
+            for text in film.warnings(self._incidence)
+        )
 
     @property
     def _incidence(self) -> float:
@@ -321,32 +335,42 @@ class FileDesign(AbstractDesign):
 
     def costly(self, names: list[str]) -> list[str]:
         """See :meth:`AbstractDesign.costly`: what changes the optics of layers."""
-        film = self.file.film
-        if film is None:
-            return []
-        within = {
-            name: "incidence" if name == _INCIDENCE else name.removeprefix(_FILM)
+        films = self.file.films()
+        return [
+            name
             for name in names
-            if name == _INCIDENCE or name.startswith(_FILM)
-        }
-        return [name for name, inner in within.items() if film.changes_optics(inner)]
+            if any(
+                film.changes_optics("incidence" if name == _INCIDENCE else _within(own, name))
+                for own, film in films.items()
+            )
+        ]
 
     def prepare(self, values: Mapping[str, float]) -> Any:
-        """See :meth:`AbstractDesign.prepare`: properties of the film of layers."""
+        """See :meth:`AbstractDesign.prepare`: properties of the films of layers, by their name."""
         parts = self._replaced(values)
-        return parts["film"].build(parts["environment"].incidence.value * RADIANS_PER_DEGREE)
+        incidence = parts["environment"].incidence.value * RADIANS_PER_DEGREE
+        return {
+            name: _part_at(parts, name).build(incidence)
+            for name, film in self.file.films().items()
+            if film.layered
+        }
 
     def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:
         """See :meth:`AbstractDesign.build`."""
         values = values or {}
-        if prepared is None and self.file.film is not None and not self.costly(list(values)):
-            prepared = self._own_film  # measured numbers may be traced, layers stay as they are
-        return build(self._replaced(values), prepared)
+        if prepared is None and not self.costly(list(values)):
+            prepared = self._own_films  # measured numbers may be traced, layers stay as they are
+        parts = self._replaced(values)
+        for name, properties in (prepared or {}).items():
+            film = _part_at(parts, name).with_optics(properties)
+            first, _, inner = name.partition(".")
+            parts[first] = parts[first].model_copy(update={inner: film}) if inner else film
+        return build(parts)
 
     @cached_property
-    def _own_film(self) -> Any:
+    def _own_films(self) -> dict[str, Any]:
         with jax.ensure_compile_time_eval():  # it stays, so it must not belong to a trace
-            return self.prepare({})
+            return dict(self.prepare({}))
 
     def _replaced(self, values: Mapping[str, Numeric]) -> dict[str, Any]:
         parts: dict[str, Section] = self.file.parts()
@@ -373,13 +397,16 @@ class FileDesign(AbstractDesign):
         return described
 
 
-def _films(file: FlyerFile) -> list[tuple[str, FilmSection]]:
-    """Dotted names and sections of all films of a flyer file."""
-    inside = [
-        (f"flyer.{name}", getattr(file.flyer, name)) for name in type(file.flyer).model_fields
-    ]
-    candidates = [("film", file.film), *inside]
-    return [(name, film) for name, film in candidates if isinstance(film, FilmSection)]
+def _within(section: str, name: str) -> str:
+    """Name of a number within a section, empty where it is outside."""
+    inside = name.startswith(f"{section}.")
+    return name.removeprefix(f"{section}.") if inside else ""
+
+
+def _part_at(parts: Mapping[str, Any], name: str) -> Any:
+    """Section at a dotted name, such as ``"flyer.top"``."""
+    first, _, inner = name.partition(".")
+    return getattr(parts[first], inner) if inner else parts[first]
 
 
 def _flattened(content: Mapping[str, Any]) -> list[tuple[str, Any]]:

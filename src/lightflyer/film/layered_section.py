@@ -2,17 +2,17 @@
 
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 import pydantic
-from pydantic import Field, ValidationInfo
+from pydantic import Discriminator, Field, Tag, ValidationInfo
 
 from lightflyer.film.catalogue import material
 from lightflyer.film.computed import ComputedFilm
 from lightflyer.film.library import PAGES, canonical_name
 from lightflyer.film.materials import Extrapolation, Material, material_from_csv
 from lightflyer.film.properties import FilmProperties
-from lightflyer.film.section import FACES, FilmSection
+from lightflyer.film.section import FACES, FilmSection, MeasuredFilmSection
 from lightflyer.film.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
 from lightflyer.film.stack import Film, Layer
 from lightflyer.foundation.errors import ConfigurationError
@@ -99,6 +99,7 @@ class LayeredFilmSection(FilmSection):
     """``[film]``: layers, top to bottom, and measured values that replace computed ones."""
 
     kind: ClassVar[str] = "layered"
+    layered: ClassVar[bool] = True
 
     layers: Annotated[tuple[LayerSection, ...], Field(min_length=1)]
     extrapolation: _Policy = "error"
@@ -107,6 +108,8 @@ class LayeredFilmSection(FilmSection):
     absorptance: Fraction | None = None
     tac_top: AccommodationCoefficient | None = None
     tac_bottom: AccommodationCoefficient | None = None
+
+    _optics: FilmProperties | None = pydantic.PrivateAttr(None)
 
     @pydantic.field_validator("spectrum")
     @classmethod
@@ -177,7 +180,9 @@ class LayeredFilmSection(FilmSection):
         ConfigurationError
             If a density or a TAC is neither known nor given.
         """
-        self._require_known()
+        lacking = self.lacking()
+        if lacking:
+            raise ConfigurationError(f"the film needs {lacking}")
         traced = is_traced(incidence, [layer.thickness.value for layer in self.layers])
         return _compute(self, incidence) if traced else _computed(self, incidence)
 
@@ -189,29 +194,30 @@ class LayeredFilmSection(FilmSection):
         """See :meth:`FilmSection.warnings`."""
         return self.computed(incidence).warnings
 
-    def _require_known(self) -> None:
+    def lacking(self) -> str | None:
+        """See :meth:`FilmSection.lacking`: TACs and densities that nobody knows."""
         for name, layer in self._surfaces().items():
             if getattr(self, name) is None and layer.surface_tac is None:
-                raise ConfigurationError(
-                    f"[film] needs {name}: no measured accommodation coefficient of "
-                    f"{layer.material} is known"
-                )
+                return f"{name}: no measured accommodation coefficient of {layer.material} is known"
         for layer in self.layers:
             if self.areal_density is None and not layer.has_density:
-                raise ConfigurationError(
-                    f"[film] needs areal_density, or the layer of {layer.material} its density"
-                )
+                return f"areal_density, or the layer of {layer.material} its density"
+        return None
 
-    def build(
-        self, incidence: float = 0.0, computed: FilmProperties | None = None
-    ) -> FilmProperties:
+    def with_optics(self, properties: FilmProperties) -> "LayeredFilmSection":
+        """See :meth:`FilmSection.with_optics`."""
+        film = self.model_copy()
+        film._optics = properties
+        return film
+
+    def build(self, incidence: float = 0.0) -> FilmProperties:
         """See :meth:`FilmSection.build`."""
-        if computed is None:
+        if self._optics is None:
             return self.computed(incidence).properties
         given: dict[str, Any] = {name: value.value for name, value in self.measured().items()}
         if "absorptance" in given:
             given.setdefault("absorptance_bottom", None)  # the top's then stands for both
-        parts = {name: getattr(computed, name) for name in FilmProperties.__dataclass_fields__}
+        parts = {name: getattr(self._optics, name) for name in FilmProperties.__dataclass_fields__}
         return FilmProperties(**parts | given | {_LIMIT: self.limit()})
 
     def changes_optics(self, name: str) -> bool:
@@ -234,3 +240,20 @@ def _compute(section: LayeredFilmSection, incidence: float) -> ComputedFilm:
 
 
 _computed = cache(_compute)
+
+AnyFilmSection: TypeAlias = Annotated[
+    Annotated[MeasuredFilmSection, Tag(MeasuredFilmSection.kind)]
+    | Annotated[LayeredFilmSection, Tag(LayeredFilmSection.kind)],
+    Discriminator(FilmSection.tag_of),
+]
+"""Type of a field that is a film: measured, or of layers.
+
+Sections of flyers that hold their own films annotate them with it, and call
+:meth:`FilmSection.build`::
+
+    class SandwichSection(FlyerSection):
+        top: AnyFilmSection
+
+        def build(self, film, incidence):
+            return Sandwich(top=self.top.build(incidence))
+"""

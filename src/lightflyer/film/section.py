@@ -29,6 +29,9 @@ class FilmSection(Alternative, abc.ABC):
     kind: ClassVar[str]
     """``"measured"`` or ``"layered"``."""
 
+    layered: ClassVar[bool] = False
+    """Whether properties are computed from layers, which takes more than arithmetic."""
+
     not_varied: ClassVar[Mapping[str, str]] = {
         "tac_correlation": "is about uncertainties and changes no design",
         "highest_temperature": "is a limit and changes no result",
@@ -131,22 +134,37 @@ class FilmSection(Alternative, abc.ABC):
         return ()
 
     @abc.abstractmethod
-    def build(
-        self, incidence: float = 0.0, computed: FilmProperties | None = None
-    ) -> FilmProperties:
+    def build(self, incidence: float = 0.0) -> FilmProperties:
         """The film's properties, without their uncertainties.
 
         Parameters
         ----------
         incidence : float
             Angle between the light and the film's normal [rad].
-        computed : FilmProperties, optional
-            What :meth:`build` gave for other numbers, where their change leaves the optics alone.
 
         Returns
         -------
         FilmProperties
         """
+
+    def lacking(self) -> str | None:
+        """What the section must give beside its layers, in words; None where nothing lacks."""
+        return None
+
+    def with_optics(self, properties: FilmProperties) -> "FilmSection":
+        """A copy that does not compute the optics of layers anew.
+
+        Parameters
+        ----------
+        properties : FilmProperties
+            What :meth:`build` gave for other numbers, where their change leaves the optics alone.
+
+        Returns
+        -------
+        FilmSection
+        """
+        del properties
+        return self
 
     def changes_optics(self, name: str) -> bool:
         """Whether a number's change means computing the optics of layers anew.
@@ -184,10 +202,6 @@ class MeasuredFilmSection(FilmSection):
             raise ConfigurationError(str(error)) from error
         return self
 
-    def build(
-        self,
-        incidence: float = 0.0,  # noqa: ARG002
-        computed: FilmProperties | None = None,  # noqa: ARG002
-    ) -> FilmProperties:
+    def build(self, incidence: float = 0.0) -> FilmProperties:  # noqa: ARG002
         """The film's properties, without their uncertainties; the same at any incidence."""
         return FilmProperties(**{name: value.value for name, value in self.stated().items()})

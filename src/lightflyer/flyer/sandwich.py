@@ -1,6 +1,5 @@
 """The sandwich of two perforated membranes, the lower one warmer in sunlight."""
 
-from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
 import equinox as eqx
@@ -11,8 +10,8 @@ from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
+from lightflyer.film.layered_section import AnyFilmSection
 from lightflyer.film.properties import FilmProperties, excess_of_growth
-from lightflyer.film.section import FilmSection, MeasuredFilmSection
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.sheets import DARK, Exitance, Sheet, net_gains, perforated
@@ -222,7 +221,6 @@ class SandwichSection(FlyerSection):
     flyer_type: ClassVar[type[AbstractFlyer]] = Sandwich
     needs_film: ClassVar[bool] = False
     default_model: ClassVar[str] = "schafer2025"
-    not_varied: ClassVar[Mapping[str, str]] = FilmSection.not_varied  # of the films within
 
     shape: Literal["sandwich"]
     diameter: Length
@@ -232,8 +230,8 @@ class SandwichSection(FlyerSection):
     support_fraction: Fraction
     support_conductivity: Conductivity
     support_density: Density | None = None
-    top: MeasuredFilmSection
-    bottom: MeasuredFilmSection
+    top: AnyFilmSection
+    bottom: AnyFilmSection
 
     @pydantic.model_validator(mode="after")
     def _sizes_fit(self) -> "SandwichSection":

@@ -76,10 +76,23 @@ class Section(pydantic.BaseModel):
             own[name] = _replaced_inside(getattr(self, name), inner)
         return self.model_copy(update=own) if own else self
 
-    @classmethod
-    def reason_not_varied(cls, name: str) -> str | None:
-        """Why a number cannot be varied, or None where it can."""
-        return cls.not_varied.get(name.rpartition(".")[2])
+    def reason_not_varied(self, name: str) -> str | None:
+        """Why a number cannot be varied, or None where it can.
+
+        Parameters
+        ----------
+        name : str
+            Dotted where it is within an inner section.
+
+        Returns
+        -------
+        str or None
+        """
+        first, _, rest = name.partition(".")
+        inner = getattr(self, first, None)
+        if rest and isinstance(inner, Section):
+            return inner.reason_not_varied(rest)
+        return self.not_varied.get(name.rpartition(".")[2])
 
 
 def _inner(name: str, value: Any) -> Iterator[tuple[str, Section]]:

@@ -44,6 +44,10 @@ def test_page_says_what_comes_out(page):
     assert table.temperature_instrument.attrs["units"] == "K"
     here = table.temperature_instrument.sel(altitude=72e3)
     assert [f"{float(value):.0f}" for value in here] == ["256", "301", "379"]
+    power = [f"{1e3 * float(value):.3g}" for value in table.wire_power.sel(altitude=72e3)]
+    assert power == ["0", "0.108", "0.297"]
+    through_wires = 1e-6 * (balance.temperatures[0] - balance.temperatures[1])
+    assert float(table.wire_power.sel(altitude=72e3)[1]) == pytest.approx(through_wires, rel=1e-9)
     # heat that the wires draw from the film is lost to the lift
     assert np.all(np.diff(table.lift_over_weight, axis=0) < 0.0)
     assert lf.payload(page["many"], earth.state(72e3), model).shape == (7,)

@@ -4,6 +4,7 @@ import gc
 import json
 import math
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -175,7 +176,8 @@ def _show(
     if "film" in summary:
         console.print(_origins_line(summary["film"]), soft_wrap=True)
     console.print(_results(prediction, summary))
-    console.print(_points_table(prediction))
+    for table in _points_tables(prediction):
+        console.print(table)
     for text in prediction.warnings:
         console.print(f"warning: {text}", markup=False, soft_wrap=True)
     if "uncertainty" in summary:
@@ -304,22 +306,46 @@ _COLUMNS = {
 }
 _NODE = ("of the {}\n[K]", ".1f")  # a temperature of one part of the flyer
 _ROOMY = 8  # columns that fit a terminal of 80 characters with two spaces between them
+_OWN = 5  # results of the flyer's or the force model's own that fit beside the coordinate
 
 
-def _points_table(prediction: "Prediction") -> Table | str:
-    """Table of the results at each coordinate asked for."""
-    from lightflyer.flight.outputs import outputs_of
+def _points_tables(prediction: "Prediction") -> Iterator[Table]:
+    """Tables of the results at each coordinate asked for, those that every flyer has first."""
+    from lightflyer.flight.outputs import node_outputs
 
     if not prediction.asked.size:
-        return ""
+        return
+    nodes = {
+        name: (_NODE[0].format(name.removeprefix("temperature_").replace("_", " ")), _NODE[1])
+        for name in node_outputs(prediction.setup.flyer)
+    }
+    shared, names = _COLUMNS | nodes, prediction.point_names
+    yield _points_table(prediction, {name: shared[name] for name in names if name in shared})
+    own = [name for name in names if name not in shared]
+    headings = {name: (_own_heading(prediction, name), ".4g") for name in own}
+    for first in range(0, len(own), _OWN):
+        part = own[first : first + _OWN]
+        yield _points_table(prediction, {name: headings[name] for name in part})
+
+
+def _own_heading(prediction: "Prediction", name: str) -> str:
+    from lightflyer.flight.outputs import outputs_of
+
+    _, unit = outputs_of(prediction.setup)[name].shown
+    words = name.replace("_", " ")
+    return f"{words}\n[{unit.replace('^2', '²')}]" if unit else words
+
+
+def _points_table(prediction: "Prediction", headings: dict[str, tuple[str, str]]) -> Table:
+    """Table of some results, each with its heading and format."""
+    from lightflyer.flight.outputs import outputs_of
+
     where, (_, factor) = prediction.coordinate, prediction.coordinate_key
-    known, names = outputs_of(prediction.setup.flyer), prediction.point_names
+    known = outputs_of(prediction.setup)
     columns = {
         f"{where.name}\n[{where.shown_unit}]": [f"{x * factor:.6g}" for x in prediction.asked]
     }
-    for name in names:
-        node = name.removeprefix("temperature_").replace("_", " ")
-        heading, form = _COLUMNS.get(name, (_NODE[0].format(node), _NODE[1]))
+    for name, (heading, form) in headings.items():
         values = (prediction.place(index).values[name] for index in range(prediction.asked.size))
         columns[heading] = [_cell(value * known[name].shown[0], form) for value in values]
     table = Table(box=None, padding=(0, 1), collapse_padding=len(columns) > _ROOMY, pad_edge=False)

@@ -1,5 +1,6 @@
 """One flyer in one place, and everything that follows, computed when it is first asked for."""
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
 
@@ -12,7 +13,12 @@ from lightflyer.flight.bands import Band, levitation_band
 from lightflyer.flight.levitation import Levitation, levitate
 from lightflyer.flight.loads import largest_payload, upward_force, weight
 from lightflyer.flight.setup import Setup
+from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.types import Numeric
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(sorted(names)) or "none"
 
 
 class Case:
@@ -55,6 +61,30 @@ class Case:
         return found
 
     @cached_property
+    def flows(self) -> dict[str, Any]:
+        """Flows of the flyer in the available light, by name."""
+        values = self.balance.unknowns[len(self.flyer.nodes) :]
+        return dict(zip(self.flyer.flows, values, strict=True))
+
+    @cached_property
+    def own_results(self) -> dict[str, Any]:
+        """Results of the force model's own in the available light, and flows, by name."""
+        model = self.setup.model
+        own = model.own_results(self.flyer, self.state, self.balance.unknowns)
+        declared = set(model.results) - set(self.flows)
+        if set(own) != declared:
+            raise ParameterError(
+                f"force model {type(model).__name__} declares the results "
+                f"{_listed(declared)} and computes {_listed(own)}"
+            )
+        return self.flows | own
+
+    @cached_property
+    def buoyancy(self) -> Any:
+        """Buoyancy in the available light [N]."""
+        return self.flyer.buoyancy(self.state, self.balance.unknowns)
+
+    @cached_property
     def levitation(self) -> Levitation:
         """Light, temperature and load at which the flyer just levitates."""
         found = levitate(self.flyer, self.state, self.setup.model, throw=False)
@@ -63,7 +93,7 @@ class Case:
 
     @cached_property
     def lift(self) -> Any:
-        """Vertical force in the available light [N]."""
+        """Vertical force in the available light, with buoyancy [N]."""
         return upward_force(self.flyer, self.state, self.setup.model, self.balance.unknowns)
 
     @cached_property

@@ -6,7 +6,7 @@ theirs from this list.
 
 import difflib
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -17,13 +17,20 @@ from lightflyer.environment.base import Coordinate
 from lightflyer.flight.case import Case
 from lightflyer.flight.setup import Setup
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.force.base import AbstractForceModel, ModelResult
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import dataset_unit, scale_and_offset
 
 
 def _always(_: AbstractFlyer) -> bool:
     return True
+
+
+def _is_buoyant(flyer: AbstractFlyer) -> bool:
+    kind = type(flyer)
+    own = AbstractFlyer.displaced_volume, AbstractFlyer.buoyancy
+    return (kind.displaced_volume, kind.buoyancy) != own
 
 
 def _has_film(flyer: AbstractFlyer) -> bool:
@@ -71,7 +78,8 @@ class Output:
     @property
     def attributes(self) -> dict[str, str]:
         """Attributes of a dataset's variable that holds its values."""
-        return {"units": dataset_unit(self.unit), "long_name": self.long_name}
+        described = {"units": dataset_unit(self.unit), "long_name": self.long_name}
+        return described | ({"shown_units": self.shown_unit} if self.shown_unit else {})
 
     @cached_property
     def shown(self) -> tuple[float, str]:
@@ -137,7 +145,7 @@ _POINT = (
     Output(
         "lift",
         "N",
-        "photophoretic force in the available light",
+        "upward force in the available light",
         lambda case: case.lift,
         shown_unit="µN",
     ),
@@ -160,6 +168,22 @@ _POINT = (
         "",
         "largest payload over the flyer's own mass",
         lambda case: case.payload / case.flyer.own_mass,
+    ),
+    Output(
+        "payload_per_area",
+        "kg/m^2",
+        "largest payload over the area seen from above",
+        lambda case: case.payload / case.flyer.area,
+        shown_unit="g/m^2",
+        json_unit="g/m^2",
+    ),
+    Output(
+        "buoyancy",
+        "N",
+        "buoyancy in the available light, a part of the lift",
+        lambda case: case.buoyancy,
+        shown_unit="µN",
+        exists=_is_buoyant,
     ),
 )
 
@@ -222,9 +246,6 @@ _DESIGN = (
 OUTPUTS: dict[str, Output] = {output.name: output for output in (*_POINT, *_BAND, *_DESIGN)}
 """Outputs that every flyer has, by name, and those of its film where there is one."""
 
-PREDICTED = tuple(output.name for output in _POINT)
-"""Names of the outputs that a prediction tabulates, besides those of the flyer's nodes."""
-
 
 def node_outputs(flyer: AbstractFlyer) -> dict[str, Output]:
     """Outputs of the nodes of a flyer that has several.
@@ -252,19 +273,71 @@ def node_outputs(flyer: AbstractFlyer) -> dict[str, Output]:
     return {output.name: output for output in found}
 
 
-def outputs_of(flyer: AbstractFlyer) -> dict[str, Output]:
-    """All outputs of a flyer by name.
+def model_outputs(setup: Setup) -> dict[str, Output]:
+    """Outputs of the force model's own, and the flows of the flyer.
 
     Parameters
     ----------
-    flyer : AbstractFlyer
+    setup : Setup
 
     Returns
     -------
     dict of str to Output
+        Empty for most models.
+
+    Raises
+    ------
+    ParameterError
+        If a result has the name of another output, or a unit that cannot be read.
     """
+    flows = {name: ModelResult("", name.replace("_", " ")) for name in setup.flyer.flows}
+    taken = OUTPUTS.keys() | node_outputs(setup.flyer).keys()
+    return {
+        name: _own_output(name, result, setup.model, taken)
+        for name, result in (flows | dict(setup.model.results)).items()
+    }
+
+
+def _own_output(
+    name: str, result: ModelResult, model: AbstractForceModel, taken: Collection[str]
+) -> Output:
+    about = f'force model {type(model).__name__}: result "{name}"'
+    if name in taken:
+        raise ParameterError(f"{about} has the name of an output that every flyer has")
+    for unit in filter(None, (result.unit, result.shown_unit)):
+        try:
+            _factor(result.unit, unit)
+        except ConfigurationError as error:
+            raise ParameterError(f"{about}: {error}") from None
+    return Output(
+        name,
+        result.unit,
+        result.long_name,
+        lambda case: case.own_results[name],
+        shown_unit=result.shown_unit,
+        json_unit=result.shown_unit,
+    )
+
+
+def outputs_of(setup: Setup) -> dict[str, Output]:
+    """All outputs of a flyer under its force model, by name.
+
+    Parameters
+    ----------
+    setup : Setup
+
+    Returns
+    -------
+    dict of str to Output
+
+    Raises
+    ------
+    ParameterError
+        If a result of the model's own has the name of another, or a unit that cannot be read.
+    """
+    flyer = setup.flyer
     shared = {name: output for name, output in OUTPUTS.items() if output.exists(flyer)}
-    return shared | node_outputs(flyer)
+    return shared | node_outputs(flyer) | model_outputs(setup)
 
 
 def check_outputs(names: Sequence[str], setup: Setup, given: Sequence[str]) -> None:
@@ -283,7 +356,7 @@ def check_outputs(names: Sequence[str], setup: Setup, given: Sequence[str]) -> N
     ConfigurationError
         Saying which output is unknown, with the nearest name; or what else it needs.
     """
-    known, coordinate = outputs_of(setup.flyer), setup.environment.coordinate
+    known, coordinate = outputs_of(setup), setup.environment.coordinate
     if not names:
         raise ConfigurationError(f"names no output; choose from {', '.join(known)}")
     for name in names:
@@ -329,7 +402,7 @@ def evaluate(
         An irradiance that no light gives is infinite, an edge that does not exist is NaN.
     converged : bool array, shape ()
     """
-    case, known = Case(setup, coordinate), outputs_of(setup.flyer)
+    case, known = Case(setup, coordinate), outputs_of(setup)
     outputs = {name: jnp.asarray(known[name].value(case), float) for name in names}
     return outputs, case.converged
 
@@ -351,12 +424,13 @@ def tabulate(setup: Setup, coordinate: Numeric, irradiance: Numeric) -> dict[str
         SI units; with ``"converged"`` and ``"residual"``. To be called under double precision, by
         way of an entry point.
     """
-    case, known = Case(setup, coordinate, irradiance), outputs_of(setup.flyer)
-    values = {name: known[name].value(case) for name in predicted_names(setup.flyer)}
+    case, known = Case(setup, coordinate, irradiance), outputs_of(setup)
+    values = {name: known[name].value(case) for name in predicted_names(setup)}
     values |= {"converged": case.converged, "residual": case.residual}
     return {name: value + jnp.zeros_like(coordinate) for name, value in values.items()}
 
 
-def predicted_names(flyer: AbstractFlyer) -> tuple[str, ...]:
-    """Names of the outputs that a prediction of a flyer tabulates."""
-    return (*PREDICTED, *node_outputs(flyer))
+def predicted_names(setup: Setup) -> tuple[str, ...]:
+    """Names of the outputs that a prediction tabulates: all that depend on the place alone."""
+    known = outputs_of(setup).items()
+    return tuple(name for name, output in known if output.needs_coordinate and not output.over_band)

@@ -1,4 +1,5 @@
 from .base import AbstractForceModel as AbstractForceModel
+from .base import ModelResult as ModelResult
 from .free_molecular import FreeMolecular as FreeMolecular
 from .free_molecular import LinearFreeMolecular as LinearFreeMolecular
 from .kinetic import Kinetic as Kinetic

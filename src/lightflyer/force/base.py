@@ -6,6 +6,9 @@ file with one final class over laws that are plain functions of plain numbers.
 """
 
 import abc
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, ClassVar
 
 import equinox as eqx
@@ -22,6 +25,25 @@ ANY_GAS = ("monatomic", "diatomic", "polyatomic")
 """Kinds of molecules, for a model that holds for all of them."""
 
 
+@dataclass(frozen=True)
+class ModelResult:
+    """A result of a force model's own, such as the velocity of the gas through a wall.
+
+    Attributes
+    ----------
+    unit : str
+        SI unit as flyer files write it, such as ``"m/s"``; empty for a pure number.
+    long_name : str
+        As in datasets and on axes.
+    shown_unit : str
+        Unit in tables, figures and JSON, such as ``"mPa"``; empty for the SI unit.
+    """
+
+    unit: str
+    long_name: str
+    shown_unit: str = ""
+
+
 class AbstractForceModel(Checked):
     r"""Heat loss to the gas and photophoretic force of one kind of flyer.
 
@@ -36,10 +58,15 @@ class AbstractForceModel(Checked):
         Classes of flyers that the model is for.
     molecules : tuple of str
         Kinds of gas that it is for, of :data:`ANY_GAS`.
+    results : mapping of str to ModelResult
+        Results of the model's own by name, which :meth:`own_results` computes. They are among the
+        outputs of predictions, sweeps, optimisations and sensitivities. A flow of the flyer is
+        among them without being declared; declared here, it gets a unit.
     """
 
     flyers: eqx.AbstractClassVar[tuple[type[AbstractFlyer], ...]]
     molecules: ClassVar[tuple[str, ...]] = ANY_GAS
+    results: ClassVar[Mapping[str, ModelResult]] = MappingProxyType({})
 
     @abc.abstractmethod
     def heat_loss(
@@ -95,6 +122,24 @@ class AbstractForceModel(Checked):
         """
         del flyer, state, unknowns
         return ()
+
+    def own_results(
+        self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> dict[str, Any]:
+        """Values of :attr:`results`, in balance.
+
+        Parameters
+        ----------
+        flyer, state, unknowns
+            As for :meth:`heat_loss`.
+
+        Returns
+        -------
+        dict of str to array, broadcast shape
+            In SI units, one for each of :attr:`results` that is not a flow of the flyer.
+        """
+        del flyer, state, unknowns
+        return {}
 
     def caveats(self, flyer: Any, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
         """Warnings, in words, where a flyer or its surroundings are outside the model's range.

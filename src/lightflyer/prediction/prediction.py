@@ -16,7 +16,14 @@ from lightflyer.flight.balance import require_converged
 from lightflyer.flight.cautions import cautions, cautions_of_force
 from lightflyer.flight.design import AbstractDesign, as_design
 from lightflyer.flight.looks import bands_of, crossing, peak
-from lightflyer.flight.outputs import json_name, outputs_of, predicted_names, tabulate
+from lightflyer.flight.outputs import (
+    json_name,
+    model_outputs,
+    node_outputs,
+    outputs_of,
+    predicted_names,
+    tabulate,
+)
 from lightflyer.flight.setup import Setup
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.batches import in_batches
@@ -38,11 +45,19 @@ AT_A_POINT = (
     "temperature",
     "lift",
     "lift_over_weight",
+    "buoyancy",
 )
-"""Outputs reported at each coordinate asked for, besides those of the flyer's nodes."""
+"""Outputs reported at each coordinate asked for, besides those of the flyer's nodes and of the
+force model."""
 
-AT_THE_BEST = ("payload", "relative_payload", "temperature", "lift_over_weight")
-"""Outputs reported at the coordinate of the largest payload."""
+AT_THE_BEST = (
+    "payload",
+    "relative_payload",
+    "payload_per_area",
+    "temperature",
+    "lift_over_weight",
+)
+"""Outputs reported at the coordinate of the largest payload, besides those of the force model."""
 
 _LOOKS = 3  # after the first table: each narrows the search a hundred and fifty times
 _MAP_POINTS = (91, 61)  # pressures and irradiances of the temperature map
@@ -86,7 +101,7 @@ class Evaluator:
         ending = np.where(failed, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
         require_converged("prediction", ending, table.pop("residual"))
         # in the order in which they are listed: JAX sorts them by name
-        return {name: table[name] for name in predicted_names(self.setup.flyer)}
+        return {name: table[name] for name in predicted_names(self.setup)}
 
     def column(self, coordinates: np.ndarray, name: str) -> np.ndarray:
         """One output at coordinates of shape (n, 1), as the search wants it."""
@@ -204,9 +219,19 @@ class Prediction:
     @property
     def point_names(self) -> tuple[str, ...]:
         """Names of the outputs reported at each coordinate asked for."""
-        nodes = predicted_names(self.setup.flyer)
-        known = (name for name in nodes if name in AT_A_POINT or name.startswith("temperature_"))
+        reported = {*AT_A_POINT, *node_outputs(self.setup.flyer), *self.model_names}
+        known = (name for name in predicted_names(self.setup) if name in reported)
         return tuple(name for name in known if name != self.coordinate.name)
+
+    @property
+    def best_names(self) -> tuple[str, ...]:
+        """Names of the outputs reported where the payload is largest."""
+        return (*AT_THE_BEST, *self.model_names)
+
+    @property
+    def model_names(self) -> tuple[str, ...]:
+        """Names of the outputs of the force model's own, and of the flyer's flows."""
+        return tuple(model_outputs(self.setup))
 
     def summary(self) -> dict[str, Any]:
         """The prediction as a JSON object, with a unit at the end of each name."""
@@ -223,7 +248,7 @@ class Prediction:
             f"{self.coordinate.name}_bands{unit}": bands,
             "pressure_band_pa": pressures,
             group: self._easiest_summary(),
-            "best": self.place_summary(self.best, AT_THE_BEST),
+            "best": self.place_summary(self.best, self.best_names),
             "at": [
                 self.place_summary(self.place(index), self.point_names)
                 for index in range(self.asked.size)
@@ -254,7 +279,7 @@ class Prediction:
             None for a number that is not finite.
         """
         key, factor = self.coordinate_key
-        known = outputs_of(self.setup.flyer)
+        known = outputs_of(self.setup)
         described: dict[str, Any] = {key: place.coordinate * factor}
         for name in names:
             json_key, scale = known[name].json

@@ -32,7 +32,7 @@ def to_dataset(prediction: "Prediction", configuration: str = "") -> "xr.Dataset
     """
     import xarray as xr
 
-    where, known = prediction.coordinate, outputs_of(prediction.setup.flyer)
+    where, known = prediction.coordinate, outputs_of(prediction.setup)
     variables: dict[str, Any] = {
         name: (
             where.name,
@@ -83,7 +83,7 @@ def write_csv(prediction: "Prediction", path: Path) -> None:
     prediction : Prediction
     path : Path
     """
-    where, known = prediction.coordinate, outputs_of(prediction.setup.flyer)
+    where, known = prediction.coordinate, outputs_of(prediction.setup)
     columns = {f"{where.name} [{dataset_unit(where.unit)}]": prediction.coordinates}
     for name, values in prediction.table.items():
         columns[f"{name} [{known[name].attributes['units']}]"] = values

@@ -52,7 +52,7 @@ class Front:
         """Objectives over the dimension ``design``, with the free numbers as coordinates."""
         import xarray as xr
 
-        known = outputs_of(self.problem.design.setup.flyer)
+        known = outputs_of(self.problem.design.setup)
         probability = {"units": "1", "long_name": PROBABILITY.replace("_", " ")}
         variables = {
             name: ("design", values, probability if name == PROBABILITY else known[name].attributes)

@@ -167,7 +167,7 @@ class Problem:
 
 
 def _unit_of(design: AbstractDesign, name: str) -> str:
-    return "" if name == PROBABILITY else outputs_of(design.setup.flyer)[name].unit
+    return "" if name == PROBABILITY else outputs_of(design.setup)[name].unit
 
 
 def read_problem(path: str | Path) -> Problem:

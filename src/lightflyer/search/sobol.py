@@ -400,7 +400,7 @@ def _of_output(
     )
     return Indices(
         output=output,
-        attributes=outputs_of(study.design.setup.flyer)[output].attributes,
+        attributes=outputs_of(study.design.setup)[output].attributes,
         groups=study.groups,
         measurable=tuple(
             all(study.design.field(name).quantity != _OWN_ERROR for name in group)

@@ -54,7 +54,7 @@ def sweep_labelled(
     )
     columns = found if isinstance(found, tuple) else (found,)
     dataset = xr.Dataset(dict(zip(outputs, columns, strict=True)))
-    known_outputs = outputs_of(design.setup.flyer)
+    known_outputs = outputs_of(design.setup)
     for name, column in dataset.items():
         column.attrs = known_outputs[str(name)].attributes
     dataset = dataset.assign_coords(arrays)

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lightflyer.flight.outputs import OUTPUTS
+from lightflyer.foundation.units import file_unit, scale_and_offset
 from lightflyer.sweeps.explore import unit_of
 
 if TYPE_CHECKING:
@@ -40,10 +40,9 @@ def scale_and_label(array: "xr.DataArray") -> tuple[float, str]:
     factor : float
     label : str
     """
-    name, unit = str(array.name), unit_of(array)
-    if name in OUTPUTS:
-        factor, unit = OUTPUTS[name].shown
-        unit = unit.replace("^2", "²")
+    name, unit, shown = str(array.name), unit_of(array), str(array.attrs.get("shown_units", ""))
+    if shown:
+        factor, unit = scale_and_offset(file_unit(unit), shown)[0], shown.replace("^2", "²")
     elif unit in _SCALES:
         factor, unit = _shown(unit, np.asarray(array.values, float))
     else:

@@ -168,7 +168,7 @@ class Study:
     @property
     def known_outputs(self) -> dict[str, Output]:
         """The study's outputs by name."""
-        known = outputs_of(self.design.setup.flyer)
+        known = outputs_of(self.design.setup)
         return {name: known[name] for name in self.outputs}
 
     def description(self) -> dict[str, str]:

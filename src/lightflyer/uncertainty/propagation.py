@@ -17,12 +17,7 @@ from lightflyer.flight.design import as_design
 from lightflyer.flight.outputs import outputs_of
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ParameterError
-from lightflyer.prediction.prediction import (
-    AT_THE_BEST,
-    Place,
-    Prediction,
-    predict_design,
-)
+from lightflyer.prediction.prediction import Place, Prediction, predict_design
 from lightflyer.uncertainty import monte_carlo
 from lightflyer.uncertainty.derivatives import Derivatives, derivatives
 from lightflyer.uncertainty.inputs import Inputs, draw, uncertain_inputs
@@ -259,7 +254,7 @@ class _Targets:
 
     def __init__(self, prediction: Prediction):
         self.prediction = prediction
-        self.known = outputs_of(prediction.setup.flyer)
+        self.known = outputs_of(prediction.setup)
         self.ends = (prediction.coordinates[0], prediction.coordinates[-1])
         self.points: list[float] = []
         self.targets: list[_Target] = []
@@ -326,7 +321,7 @@ def _targets(prediction: Prediction) -> tuple[list[_Target], np.ndarray]:
         found.add(f"{group}.temperature_k", values[hot], hot, 1.0, mover)
     found.at(prediction.best.coordinate)
     found.add_coordinate(f"best.{key}", "payload")
-    found.add_outputs("best", prediction.best, AT_THE_BEST, "payload")
+    found.add_outputs("best", prediction.best, prediction.best_names, "payload")
     given = ("pressure", "gas_temperature")
     names = tuple(name for name in prediction.point_names if name not in given)
     for number in range(prediction.asked.size):

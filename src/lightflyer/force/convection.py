@@ -1,0 +1,291 @@
+r"""Heat between a sphere and the gas around it or within it, as plain functions of plain numbers.
+
+Outside, the heat loss goes from free molecules to conduction and natural convection. The three
+limits are joined as resistances in series:
+
+.. math::
+    \frac{\theta}{Q} = \frac1{G_c}
+        + \frac{1}{G_1}\left[\frac1\alpha - 1 + s(y)\right], \qquad y = \frac{G_1}{G_c}
+
+with the conductance :math:`G_c` of dense gas, that of free molecules at complete accommodation
+:math:`G_1`, and the share :math:`s(y)` of the free-molecular resistance that is left where the gas
+is denser: one without collisions, and in dense gas what the temperature jump of a wall is.
+
+All take arrays that broadcast, in SI units, and are differentiable. The relative temperature
+excess of a surface is :math:`\theta = (T - T_c)/T_c`.
+"""
+
+import math
+
+import jax.numpy as jnp
+from jax import Array
+
+from lightflyer.force.laws import free_molecular_conductance
+from lightflyer.force.lu2023 import rayleigh_number
+from lightflyer.force.validity import Validity
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.types import Numeric
+from lightflyer.gas.base import AbstractGas
+
+_CONDUCTION = 2.0  # Nusselt number of a sphere in endless gas at rest, by the diameter
+_LAMINAR, _TURBULENT = 0.589, 0.150  # [Churchill1983]; [ChurchillChu1975], 0.387²
+_PRANDTL, _PRANDTL_POWER, _RAYLEIGH_POWER = 0.469, 9.0 / 16.0, -16.0 / 9.0  # [Churchill1983]
+_SHARPNESS = 6.0  # of the change from laminar to turbulent, as for plates in [Raithby1998]
+
+_INNER_SCALE, _INNER_LAMINAR, _INNER_TURBULENT = 2.5, 0.6, 0.325  # [CarlsonHorn1983]
+
+_JUMP = 1.95  # temperature jump over μ√(2RT)/p at complete accommodation [Sharipov2011]
+_JUMP_SHARE = 8.0 / 15.0 * _JUMP / math.sqrt(math.pi)
+r"""Share of the free-molecular resistance that the jump of a wall is in dense gas, s(∞) = 0.587.
+
+The jump's resistance with :math:`\kappa = \frac{15}4 R\mu` of a monatomic gas, over that of free
+molecules; Maxwell's own estimate is one half, for any gas.
+"""
+_JUMP_ONSET = 1.4
+"""Value of 1/y at which half of the change from 1 to s(∞) is done, inverted: it follows the solved
+kinetic equation to 1 % (studies/balloon)."""
+
+OUTER_RAYLEIGH = Validity(
+    "the Rayleigh number outside",
+    0.0,
+    1e12,
+    "the law of natural convection is known to about there, and its turbulent branch is used on",
+)
+"""Range of :func:`sphere_nusselt`: spheres to 1e11 [Churchill1983]_, cylinders to 1e12."""
+
+
+def _root_of(rayleigh: Numeric) -> tuple[Array, Array]:
+    """Fourth root, and whether there is nothing to take it of: it has no derivative at zero."""
+    still = rayleigh == 0.0
+    return jnp.sqrt(jnp.sqrt(jnp.where(still, 1.0, rayleigh))), still
+
+
+@entry_point
+def sphere_nusselt(rayleigh: Numeric, prandtl: Numeric, at_rest: Numeric = _CONDUCTION) -> Array:
+    r"""Nusselt number of natural convection around a sphere.
+
+    .. math::
+        \mathrm{Nu} = 2 + \left[(0.589\,\Psi^{1/4})^6 + (0.150\,\Psi^{1/3})^6\right]^{1/6},
+        \qquad \Psi = \mathrm{Ra}
+        \left[1 + \left(\tfrac{0.469}{\mathrm{Pr}}\right)^{9/16}\right]^{-16/9}
+
+    Parameters
+    ----------
+    rayleigh : array, shape (...)
+        By the diameter and the temperature difference of sphere and gas [1].
+    prandtl : array, shape (...)
+        [1].
+    at_rest : array, shape (...)
+        Nusselt number without convection: 2 in endless gas [1].
+
+    Returns
+    -------
+    array, broadcast shape
+        By the diameter [1].
+
+    Notes
+    -----
+    The first term is the correlation for laminar flow, of which measurements on spheres follow to
+    Ra = 1e11. The second is the limit of turbulent flow that plates and
+    horizontal cylinders share (Churchill and Chu 1975), taken for a sphere. It reaches the first at
+    Ra = 4e7 in air and is 1.9 times it at 1e11. Models of stratospheric balloons use
+    0.1 Ra^0.34 there, which is 3 % to 13 % more from 1e9 to 1e12.
+
+    References
+    ----------
+    [Churchill1983]_, [ChurchillChu1975]_; [CarlsonHorn1983]_ for balloons.
+
+    Examples
+    --------
+    >>> print(f"{sphere_nusselt(0.0, 0.71):.0f}, {sphere_nusselt(1e5, 0.71):.2f}")
+    2, 10.15
+    """
+    reduced = rayleigh * (1.0 + (_PRANDTL / prandtl) ** _PRANDTL_POWER) ** _RAYLEIGH_POWER
+    root, still = _root_of(reduced)
+    # of (turbulent/laminar)⁶, that is Ψ^(1/2)
+    ratio = (_TURBULENT / _LAMINAR) ** _SHARPNESS * root**2
+    moved = _LAMINAR * root * (1.0 + ratio) ** (1.0 / _SHARPNESS)
+    return at_rest + jnp.where(still, 0.0, moved)
+
+
+@entry_point
+def inner_sphere_nusselt(rayleigh: Numeric) -> Array:
+    r"""Nusselt number of natural convection within a spherical envelope.
+
+    .. math:: \mathrm{Nu} = \max\left[2.5\,(2 + 0.6\,\mathrm{Ra}^{1/4}),\
+        0.325\,\mathrm{Ra}^{1/3}\right]
+
+    Parameters
+    ----------
+    rayleigh : array, shape (...)
+        By the diameter and the temperature difference of envelope and gas [1].
+
+    Returns
+    -------
+    array, shape (...)
+        By the diameter [1].
+
+    Notes
+    -----
+    The factor of 2.5 was fitted to flights of helium balloons. Other models of balloons use
+    0.13 Ra^(1/3) [Farley2005]_, 2.5 times less: the law is known to no better than that. Not
+    differentiable at Ra = 1.35e8, where the branches meet.
+
+    References
+    ----------
+    [CarlsonHorn1983]_
+
+    Examples
+    --------
+    >>> print(f"{inner_sphere_nusselt(0.0):.0f}, {inner_sphere_nusselt(1e9):.0f}")
+    5, 325
+    """
+    root, still = _root_of(rayleigh)
+    laminar = _CONDUCTION + _INNER_LAMINAR * jnp.where(still, 0.0, root)
+    turbulent = _INNER_TURBULENT * jnp.where(still, 0.0, root ** (4.0 / 3.0))
+    return jnp.maximum(_INNER_SCALE * laminar, turbulent)
+
+
+def prandtl_number(temperature: Numeric, gas: AbstractGas) -> Array:
+    r"""Prandtl number, :math:`\mathrm{Pr} = \mu c_p/\kappa`.
+
+    Parameters
+    ----------
+    temperature : array, shape (...)
+        [K].
+    gas : AbstractGas
+
+    Returns
+    -------
+    array, shape (...)
+        [1].
+
+    Examples
+    --------
+    >>> from lightflyer.gas import AIR
+    >>> print(f"{prandtl_number(300.0, AIR):.3f}")
+    0.706
+    """
+    return (
+        gas.viscosity(temperature) * gas.heat_capacity(temperature) / gas.conductivity(temperature)
+    )
+
+
+def jump_share(density: Numeric) -> Array:
+    r"""Share of the free-molecular resistance that is left where molecules collide.
+
+    .. math:: s(y) = \frac{1 + 1.4\,s_\infty\,y}{1 + 1.4\,y}, \qquad s_\infty = 0.587
+
+    Parameters
+    ----------
+    density : array, shape (...)
+        :math:`y = G_1/G_c`, the conductance of free molecules at complete accommodation over that
+        of dense gas [1].
+
+    Returns
+    -------
+    array, shape (...)
+        From 1 without collisions to the temperature jump at a wall [1].
+
+    Notes
+    -----
+    Without it the limits would simply be in series, and the heat loss up to 13 % too small.
+
+    References
+    ----------
+    [Sharipov2011]_ for the jump.
+    """
+    return (1.0 + _JUMP_ONSET * _JUMP_SHARE * density) / (1.0 + _JUMP_ONSET * density)
+
+
+@entry_point
+def joined_conductance(free_molecular: Numeric, dense: Numeric, tac: Numeric) -> Array:
+    r"""Heat loss of a body in gas of any density, per relative temperature excess.
+
+    .. math:: \frac1G = \frac1{G_c} + \frac1{G_1}\left[\frac1\alpha - 1 + s(y)\right]
+
+    Parameters
+    ----------
+    free_molecular : array, shape (...)
+        That to free molecules at complete accommodation, :math:`G_1` [W].
+    dense : array, shape (...)
+        That to dense gas, :math:`G_c` [W].
+    tac : array, shape (...)
+        Thermal accommodation coefficient [1].
+
+    Returns
+    -------
+    array, broadcast shape
+        [W]; exact for free molecules, and to first order in the mean free path in dense gas.
+    """
+    resistance = 1.0 / tac - 1.0 + jump_share(free_molecular / dense)
+    return free_molecular * dense / (free_molecular + dense * resistance)
+
+
+@entry_point
+def sphere_conductance(
+    excess: Numeric,
+    *,
+    radius: Numeric,
+    tac: Numeric,
+    pressure: Numeric,
+    temperature: Numeric,
+    gravity: Numeric,
+    gas: AbstractGas,
+    wall_distance: Numeric | None = None,
+    convection: Numeric = 1.0,
+) -> Array:
+    r"""Heat that the gas around a sphere takes, per relative temperature excess.
+
+    Parameters
+    ----------
+    excess : array, shape (...)
+        Relative temperature excess of the sphere [1].
+    radius : array, shape (...)
+        Of the sphere [m].
+    tac : array, shape (...)
+        Thermal accommodation coefficient [1].
+    pressure, temperature, gravity : array, shape (...)
+        Of the gas [Pa], [K]; acceleration of free fall [m/s²].
+    gas : AbstractGas
+        Its properties are those at the mean of both temperatures in dense gas.
+    wall_distance : array, shape (...), optional
+        Radius of cold walls around [m]; they shorten the way of conduction.
+    convection : array, shape (...)
+        Factor of the Nusselt number, for the error of its law [1].
+
+    Returns
+    -------
+    array, broadcast shape
+        [W]; the heat is this times the excess.
+
+    Notes
+    -----
+    Conduction alone follows the linearised Shakhov equation of a monatomic gas at complete
+    accommodation to 1 % (studies/balloon).
+
+    Examples
+    --------
+    >>> from lightflyer.gas import AIR
+    >>> air = {"pressure": 5529.0, "temperature": 216.65, "gravity": 9.75, "gas": AIR}
+    >>> heat = 0.25 * sphere_conductance(0.25, radius=2.9, tac=0.9, **air)
+    >>> print(f"{heat:.0f} W")
+    4649 W
+    """
+    mean = temperature * (1.0 + 0.5 * excess)
+    rayleigh = rayleigh_number(
+        excess, radius=radius, pressure=pressure, temperature=temperature, gravity=gravity, gas=gas
+    )
+    at_rest: Numeric = _CONDUCTION
+    if wall_distance is not None:
+        at_rest = _CONDUCTION / (1.0 - radius / wall_distance)
+    nusselt = convection * sphere_nusselt(rayleigh, prandtl_number(mean, gas), at_rest)
+    dense = 2.0 * jnp.pi * radius * nusselt * gas.conductivity(mean) * temperature
+    free_molecular = free_molecular_conductance(
+        4.0 * jnp.pi * radius**2,
+        1.0,
+        pressure,
+        gas.mean_speed(temperature),
+        gas.heat_capacity_ratio,
+    )
+    return joined_conductance(free_molecular, dense, tac)

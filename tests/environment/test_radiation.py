@@ -285,3 +285,47 @@ def test_the_papers_light_is_what_it_was(disk):
     assert band.lower == pytest.approx(68021.70224, abs=1e-3)
     assert band.upper == pytest.approx(78047.16653, abs=1e-3)
     np.testing.assert_array_equal(earth.state(72e3).radiation.on_faces().beam_bottom, 0.0)
+
+
+def mean_over_sphere(function):
+    """Mean of a function of the tilt and azimuth of a face, over all directions of its normal."""
+    cosines, weights = np.polynomial.legendre.leggauss(400)
+    azimuths = np.linspace(0.0, 2.0 * np.pi, 90, endpoint=False)
+    tilt, azimuth = np.meshgrid(np.arccos(cosines), azimuths, indexing="ij")
+    return np.sum(weights[:, None] * np.asarray(function(tilt, azimuth))) / (2.0 * azimuths.size)
+
+
+@pytest.mark.parametrize("view", [1.0, 0.97, 0.5])
+def test_a_sphere_receives_the_mean_over_all_faces(view):
+    radiation = lf.environment.Radiation(
+        1000.0, 0.7, albedo=0.3, diffuse_above=50.0, infrared_above=20.0, infrared_below=240.0,
+        ground_view=view,
+    )  # fmt: skip
+
+    def faces(tilt, azimuth):
+        return radiation.on_faces(lf.environment.Attitude(tilt, azimuth))
+
+    def infrared(tilt, azimuth):
+        return radiation.infrared_excess(250.0, lf.environment.Attitude(tilt, azimuth))[0]
+
+    with lf.float64():
+        found = radiation.on_sphere()
+        beam = mean_over_sphere(lambda *angles: faces(*angles).beam_top)
+        diffuse = mean_over_sphere(lambda *angles: faces(*angles).diffuse_top)
+        assert float(found.beam) == pytest.approx(beam, rel=1e-4)
+        assert float(found.diffuse) == pytest.approx(diffuse, rel=1e-4)
+        heat = float(radiation.infrared_excess_on_sphere(250.0))
+        assert heat == pytest.approx(mean_over_sphere(infrared), rel=1e-4)
+
+
+def test_view_factor_of_a_sphere():
+    """A quarter of the solid angle where the planet fills a cone of 60 degrees to its axis."""
+    with lf.float64():
+        assert lf.environment.sphere_view_factor(0.75) == pytest.approx(0.25, rel=1e-14)
+        assert lf.environment.sphere_view_factor(1.0) == 0.5
+        assert lf.environment.sphere_view_factor(0.0) == 0.0
+    # every direction counts once: sphere and planet alike lose nothing
+    radiation = lf.environment.Radiation(1.0, infrared_above=300.0, infrared_below=300.0)
+    with lf.float64():
+        black = radiation.stefan_boltzmann * 200.0**4
+        assert float(radiation.infrared_excess_on_sphere(200.0)) == pytest.approx(300.0 - black)

@@ -14,3 +14,4 @@ from .radiation import Attitude as Attitude
 from .radiation import Radiation as Radiation
 from .radiation import sunlight as sunlight
 from .view_factor import ground_view_factor as ground_view_factor
+from .view_factor import sphere_view_factor as sphere_view_factor

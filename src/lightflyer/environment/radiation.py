@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.environment.view_factor import ground_view_factor
+from lightflyer.environment.view_factor import ground_view_factor, sphere_view_factor
 from lightflyer.foundation import constants
 from lightflyer.foundation.quantity import (
     RADIANS_PER_DEGREE,
@@ -34,6 +34,7 @@ that a black body of 250 K emits within the 15-µm band of carbon dioxide (14 µ
 it is less.
 """
 
+_OF_BEAM = 0.25  # of a sphere's surface is the cross section that it has in a beam
 _BLACK = "black surroundings at the gas temperature"
 
 
@@ -73,6 +74,21 @@ class FaceLight(NamedTuple):
     beam_bottom: Array
     diffuse_top: Numeric
     diffuse_bottom: Numeric
+
+
+class SphereLight(NamedTuple):
+    """Light that falls on a sphere, the mean over its surface, in two parts.
+
+    Attributes
+    ----------
+    beam : array, shape (...)
+        Irradiance of the beam and its reflection from below, per irradiance of the beam [1].
+    diffuse : array, shape (...)
+        Irradiance of the sky's light, which does not depend on the beam [W/m²].
+    """
+
+    beam: Array
+    diffuse: Array
 
 
 class Radiation(Checked):
@@ -234,6 +250,34 @@ class Radiation(Checked):
             diffuse_bottom=self.diffuse_above * (1.0 - bottom),
         )
 
+    def on_sphere(self) -> SphereLight:
+        """Light on a sphere, which intercepts a quarter of its surface of the beam.
+
+        Returns
+        -------
+        SphereLight
+        """
+        ground = sphere_view_factor(1.0 if self.ground_view is None else self.ground_view)
+        reflected = self.albedo * jnp.maximum(jnp.cos(self.zenith_angle), 0.0) * ground
+        return SphereLight(_OF_BEAM + reflected, self.diffuse_above * (1.0 - ground))
+
+    def infrared_excess_on_sphere(self, gas_temperature: Numeric) -> Array:
+        """Thermal irradiance of a sphere beyond that of black surroundings at gas temperature.
+
+        Parameters
+        ----------
+        gas_temperature : array, shape (...)
+            [K].
+
+        Returns
+        -------
+        array, shape (...)
+            Mean over the sphere's surface [W/m²].
+        """
+        ground = sphere_view_factor(1.0 if self.ground_view is None else self.ground_view)
+        above, below = self._infrared(gas_temperature)
+        return above + ground * (below - above)
+
     def infrared_excess(
         self, gas_temperature: Numeric, attitude: Attitude | None = None
     ) -> tuple[Array, Array]:
@@ -251,13 +295,18 @@ class Radiation(Checked):
         top, bottom : array, shape (...)
             [W/m²]; zero where both surroundings are None.
         """
+        above, below = self._infrared(gas_temperature)
+        top, bottom = self.views_of_ground(attitude)
+        return above + top * (below - above), above + bottom * (below - above)
+
+    def _infrared(self, gas_temperature: Numeric) -> tuple[Array, Array]:
+        """Exitance of sky and ground beyond that of a black body at gas temperature [W/m²]."""
         black = self.stefan_boltzmann * gas_temperature**4
         above, below = (
             jnp.zeros_like(black) if infrared is None else infrared - black
             for infrared in (self.infrared_above, self.infrared_below)
         )
-        top, bottom = self.views_of_ground(attitude)
-        return above + top * (below - above), above + bottom * (below - above)
+        return above, below
 
 
 def sunlight(

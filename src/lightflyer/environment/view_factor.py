@@ -60,3 +60,32 @@ def ground_view_factor(angle: Numeric, straight_down: Numeric) -> Array:
     cotangents = jnp.clip(-(far / near) * cosine / safe_sine, -1.0, 1.0)
     part = 0.5 * jnp.pi - jnp.arcsin(ratio) + whole * jnp.arccos(cotangents) - far * root
     return jnp.where(cut, part / jnp.pi, jnp.maximum(whole, 0.0))
+
+
+@entry_point
+def sphere_view_factor(straight_down: Numeric) -> Array:
+    r"""View factor from a whole sphere to the planet, the mean over its surface.
+
+    .. math:: F = \frac{1 - \cos\gamma}2
+
+    Parameters
+    ----------
+    straight_down : array, shape (...)
+        :math:`\sin^2\gamma`, the view factor of a face that looks straight down [1].
+
+    Returns
+    -------
+    array, shape (...)
+        [1]; one half above an endless plane.
+
+    Notes
+    -----
+    Differentiable but above an endless plane.
+
+    References
+    ----------
+    [Howell2010]_, sphere to sphere, the one much smaller than the other.
+    """
+    endless = straight_down >= 1.0
+    cosine = jnp.where(endless, 0.0, jnp.sqrt(jnp.where(endless, 1.0, 1.0 - straight_down)))
+    return 0.5 * (1.0 - cosine)

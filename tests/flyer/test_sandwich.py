@@ -113,7 +113,7 @@ def test_known_cases_of_sheets():
         nothing = perforated(0.5, 0.5, 0.2, 1.0)
         assert net_gains(nothing, nothing, 7.0, 3.0) == (0.0, 0.0)
         # perfect mirrors keep the light out, without dividing zero by zero
-        mirror = Sheet(0.0, 0.0, 0.0)
+        mirror = Sheet(0.0, 0.0, 0.0, 0.0)
         assert net_gains(mirror, mirror, 7.0, 3.0) == (0.0, 0.0)
 
 

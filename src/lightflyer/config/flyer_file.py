@@ -226,9 +226,11 @@ def build(parts: Mapping[str, Any]) -> Setup:
     """
     environment = parts["environment"]
     incidence = environment.incidence.value * RADIANS_PER_DEGREE
-    film = parts.get("film")
+    film, flyer = parts.get("film"), parts["flyer"]
+    passing = flyer.needs_transmittance
+    properties = None if film is None else film.build(incidence, passing=passing)
     return Setup(
-        flyer=parts["flyer"].build(None if film is None else film.build(incidence), incidence),
+        flyer=flyer.build(properties, incidence),
         environment=environment.build(),
         model=parts["force"].build(),
         search_range=environment.search_range,
@@ -315,7 +317,7 @@ class FileDesign(AbstractDesign):
         """See :meth:`AbstractDesign.open_parts`: films where optical data are missing."""
         found = {}
         for name, film in self.file.films().items():
-            for what, (lower, upper) in film.bounds(self._incidence).items():
+            for what, (lower, upper) in film.bounds(self._incidence, passing=self._passing).items():
                 ends = {**self._own_films, name: lower}, {**self._own_films, name: upper}
                 found[f"{name}.{what}"] = ends
         return found
@@ -326,8 +328,12 @@ class FileDesign(AbstractDesign):
         return tuple(
             text if name == "film" else f"{name}: {text}"
             for name, film in self.file.films().items()
-            for text in film.warnings(self._incidence)
+            for text in film.warnings(self._incidence, passing=self._passing)
         )
+
+    @property
+    def _passing(self) -> bool:
+        return self.file.flyer.needs_transmittance
 
     @property
     def _incidence(self) -> float:
@@ -340,7 +346,10 @@ class FileDesign(AbstractDesign):
             name
             for name in names
             if any(
-                film.changes_optics("incidence" if name == _INCIDENCE else _within(own, name))
+                film.changes_optics(
+                    "incidence" if name == _INCIDENCE else _within(own, name),
+                    passing=self._passing,
+                )
                 for own, film in films.items()
             )
         ]
@@ -350,7 +359,7 @@ class FileDesign(AbstractDesign):
         parts = self._replaced(values)
         incidence = parts["environment"].incidence.value * RADIANS_PER_DEGREE
         return {
-            name: _part_at(parts, name).build(incidence)
+            name: _part_at(parts, name).build(incidence, passing=self._passing)
             for name, film in self.file.films().items()
             if film.layered
         }

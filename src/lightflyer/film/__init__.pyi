@@ -1,7 +1,12 @@
 from .averages import Average as Average
+from .averages import Shares as Shares
 from .averages import absorptance as absorptance
 from .averages import emittance as emittance
 from .averages import emittance_curve as emittance_curve
+from .averages import heat_shares as heat_shares
+from .averages import infrared_transmittance as infrared_transmittance
+from .averages import light_shares as light_shares
+from .averages import transmittance as transmittance
 from .catalogue import material as material
 from .catalogue import material_names as material_names
 from .computed import ComputedFilm as ComputedFilm
@@ -9,6 +14,7 @@ from .curve import EmittanceCurve as EmittanceCurve
 from .figures import draw_layers as draw_layers
 from .figures import draw_spectra as draw_spectra
 from .figures import film_figures as film_figures
+from .layered_section import AnyFilmSection as AnyFilmSection
 from .layered_section import LayeredFilmSection as LayeredFilmSection
 from .materials import Extrapolation as Extrapolation
 from .materials import Material as Material

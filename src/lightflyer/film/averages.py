@@ -1,4 +1,9 @@
-"""Absorptance and emittance of a film, averaged over spectrum, angle and polarisation."""
+"""Shares of light and heat radiation on a film, averaged over spectrum, angle and polarisation.
+
+What a film absorbs, lets through and reflects; its emittance is what it absorbs of heat radiation.
+"""
+
+from typing import NamedTuple
 
 import equinox as eqx
 import numpy as np
@@ -10,7 +15,7 @@ from lightflyer.film.integration import (
     Grid,
     data_range,
     light_grid,
-    spectral_absorptance,
+    spectral_shares,
     thermal_grid,
     thermal_range,
     weighted,
@@ -25,16 +30,21 @@ __all__ = [
     "DIRECTIONS",
     "POINTS_PER_E_FOLD",
     "Average",
+    "Shares",
     "absorptance",
     "emittance",
     "emittance_curve",
+    "heat_shares",
+    "infrared_transmittance",
+    "light_shares",
     "thermal_coverage",
     "thermal_range",
+    "transmittance",
 ]
 
 
 class Average(eqx.Module):
-    """A film's mean absorptance or emittance over a spectrum.
+    """Mean over a spectrum of what a film absorbs, lets through or reflects.
 
     Attributes
     ----------
@@ -65,24 +75,38 @@ class Average(eqx.Module):
 
     @property
     def lower(self) -> Numeric:
-        """Value if the film absorbed nothing outside its data [1]."""
+        """Value if the share were zero outside the data [1]."""
         return (self.value if self.within is None else self.within) * self.covered
 
     @property
     def upper(self) -> Numeric:
-        """Value if the film absorbed everything outside its data [1]."""
+        """Value if the share were one outside the data [1]."""
         return self.lower + (1.0 - self.covered)
 
 
-def absorptance(
+class Shares(NamedTuple):
+    """What becomes of light or heat radiation on a film.
+
+    Attributes
+    ----------
+    absorptance, transmittance, reflectance : Average
+        Their values have the sum one. The absorptance for heat radiation is the emittance.
+    """
+
+    absorptance: Average
+    transmittance: Average
+    reflectance: Average
+
+
+def light_shares(
     film: Film,
     spectrum: Spectrum | None = None,
     incidence: Numeric = 0.0,
     *,
     side: Side = "top",
     diffuse: bool = False,
-) -> Average:
-    """Share of unpolarised light that a film absorbs.
+) -> Shares:
+    """Shares of unpolarised light that a film absorbs, lets through and reflects.
 
     Parameters
     ----------
@@ -98,7 +122,7 @@ def absorptance(
 
     Returns
     -------
-    Average
+    Shares
 
     Raises
     ------
@@ -119,18 +143,44 @@ def absorptance(
     grid = light_grid(film, spectrum, incidence, diffuse)
     computed = float(grid.weight.sum())
     covered = _light_share(spectrum, data_range(film), film.covered_range)
-    return _average(film, side, grid, np.array([computed]), np.array([covered]), ())
+    return _averages(film, side, grid, np.array([computed]), np.array([covered]), ())
 
 
-def emittance(
+def absorptance(
+    film: Film,
+    spectrum: Spectrum | None = None,
+    incidence: Numeric = 0.0,
+    *,
+    side: Side = "top",
+    diffuse: bool = False,
+) -> Average:
+    """Share of unpolarised light that a film absorbs; see :func:`light_shares`."""
+    return light_shares(film, spectrum, incidence, side=side, diffuse=diffuse).absorptance
+
+
+def transmittance(
+    film: Film,
+    spectrum: Spectrum | None = None,
+    incidence: Numeric = 0.0,
+    *,
+    diffuse: bool = False,
+) -> Average:
+    """Share of unpolarised light that passes a film; see :func:`light_shares`.
+
+    At the same angle it is the same from both sides.
+    """
+    return light_shares(film, spectrum, incidence, diffuse=diffuse).transmittance
+
+
+def heat_shares(
     film: Film,
     temperature: Numeric,
     *,
     side: Side = "top",
     normal: bool = False,
     points_per_e_fold: int = POINTS_PER_E_FOLD,
-) -> Average:
-    r"""Share of a black body's radiation that a face of a film emits.
+) -> Shares:
+    r"""Shares of a black body's radiation that a film absorbs, lets through and reflects.
 
     By Kirchhoff's law the spectral, directional emittance of a face is the absorptance for
     light that falls on it; the mean is weighted with Planck's spectrum.
@@ -139,17 +189,17 @@ def emittance(
     ----------
     film : Film
     temperature : array, shape (m,) or ()
-        Concrete [K].
+        Of the black body, concrete [K].
     side : {"top", "bottom"}
         The face.
     normal : bool
-        Whether to give the emittance along the normal, not the hemispherical one.
+        Whether the radiation comes along the normal, not from the half-space.
     points_per_e_fold : int
         Wavelengths per factor e in the integration.
 
     Returns
     -------
-    Average
+    Shares
         Arrays of the shape of ``temperature``.
 
     Raises
@@ -170,7 +220,37 @@ def emittance(
     grid = thermal_grid(film, temperatures, normal=normal, points_per_e_fold=points_per_e_fold)
     computed = _blackbody_share(thermal_range(film), temperatures)
     covered = thermal_coverage(film, temperatures)
-    return _average(film, side, grid, computed, covered, np.shape(temperature))
+    return _averages(film, side, grid, computed, covered, np.shape(temperature))
+
+
+def emittance(
+    film: Film,
+    temperature: Numeric,
+    *,
+    side: Side = "top",
+    normal: bool = False,
+    points_per_e_fold: int = POINTS_PER_E_FOLD,
+) -> Average:
+    """Share of a black body's radiation that a face of a film emits; see :func:`heat_shares`."""
+    return heat_shares(
+        film, temperature, side=side, normal=normal, points_per_e_fold=points_per_e_fold
+    ).absorptance
+
+
+def infrared_transmittance(
+    film: Film,
+    temperature: Numeric,
+    *,
+    normal: bool = False,
+    points_per_e_fold: int = POINTS_PER_E_FOLD,
+) -> Average:
+    """Share of a black body's radiation that passes a film; see :func:`heat_shares`.
+
+    It is the same from both sides.
+    """
+    return heat_shares(
+        film, temperature, normal=normal, points_per_e_fold=points_per_e_fold
+    ).transmittance
 
 
 def thermal_coverage(film: Film, temperature: Numeric) -> np.ndarray:
@@ -247,27 +327,31 @@ def _has_data(film: Film, wavelength: np.ndarray) -> np.ndarray:
     return np.all(covers, axis=0) if covers else np.ones(wavelength.shape, bool)
 
 
-def _average(
+def _averages(
     film: Film,
     side: Side,
     grid: Grid,
     computed: np.ndarray,
     covered: np.ndarray,
     shape: tuple[int, ...],
-) -> Average:
-    """Average on a grid; ``computed`` and ``covered`` are shares of the spectrum's power."""
-    spectral = spectral_absorptance(film, side, grid)
+) -> Shares:
+    """Averages on a grid; ``computed`` and ``covered`` are shares of the spectrum's power."""
     inside = _has_data(film, grid.wavelength)
-    within = None
+    known = None
     if not inside.all():
         weight = grid.weight * inside
         total = weight.sum(axis=1, keepdims=True)
-        normalised = np.divide(weight, total, where=total > 0.0, out=np.zeros_like(weight))
-        within = weighted(spectral, normalised).reshape(shape)
-    return Average(
-        value=weighted(spectral, grid.mean_weight).reshape(shape),
-        covered=covered.reshape(shape)[()],
-        extrapolated_share=np.maximum(computed - covered, 0.0).reshape(shape)[()],
-        extrapolated=film.extrapolated(grid.wavelength[0], grid.wavelength[-1]),
-        within=within,
-    )
+        known = np.divide(weight, total, where=total > 0.0, out=np.zeros_like(weight))
+    weight = grid.mean_weight
+    extrapolated = film.extrapolated(grid.wavelength[0], grid.wavelength[-1])
+
+    def average(spectral: Numeric) -> Average:
+        return Average(
+            value=weighted(spectral, weight).reshape(shape),
+            covered=covered.reshape(shape)[()],
+            extrapolated_share=np.maximum(computed - covered, 0.0).reshape(shape)[()],
+            extrapolated=extrapolated,
+            within=None if known is None else weighted(spectral, known).reshape(shape),
+        )
+
+    return Shares(*map(average, spectral_shares(film, side, grid)))

@@ -1,6 +1,7 @@
 """A film's properties from its layers, with measured values where there are any."""
 
 import dataclasses
+from functools import reduce
 from typing import Any
 
 import jax.numpy as jnp
@@ -8,11 +9,12 @@ import numpy as np
 
 from lightflyer.film.averages import (
     Average,
-    absorptance,
-    emittance,
+    Shares,
+    heat_shares,
+    light_shares,
     thermal_coverage,
 )
-from lightflyer.film.curve import EmittanceCurve, node_temperatures
+from lightflyer.film.curve import NODES, EmittanceCurve, node_temperatures
 from lightflyer.film.findings import gap_warnings, property_warnings
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.spectra import Spectrum
@@ -27,7 +29,17 @@ REPORT_TEMPERATURES = (200.0, 250.0, 300.0, 350.0, 400.0, 450.0, 500.0)
 
 _FACES: tuple[Side, Side] = ("top", "bottom")
 _LEAST_EMITTANCE = 1e-9
+_ABSORBED_LIGHT = ("absorptance", "absorptance_bottom")
+_IN_LIGHT, _IN_INFRARED = ("transmittance", "transmittance_bottom"), "infrared_transmittance"
 _COMPLETE = 1.0 - 1e-6  # share of a spectrum beyond which what is missing has no effect
+
+_PASSING = {
+    "absorptance": "transmittance",
+    "absorptance_bottom": "transmittance_bottom",
+    "emittance_top": "infrared_transmittance",
+    "emittance_bottom": "infrared_transmittance",
+}
+"""What passes, by the name of what the same radiation leaves in the film."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -38,12 +50,11 @@ class ComputedFilm:
     ----------
     film : Film
     properties : FilmProperties
-        Transmittances are not computed: zero unless measured.
     measured : dict of str to Measured
         The properties that were measured, by name; all others are computed.
     averages : dict of str to Average
-        The averages behind the computed absorptances, and emittances at the temperatures of
-        :func:`~lightflyer.film.curve.node_temperatures`, by name.
+        The averages behind the computed absorptances and transmittances, and for heat radiation
+        at the temperatures of :func:`~lightflyer.film.curve.node_temperatures`, by name.
     """
 
     film: Film
@@ -57,16 +68,58 @@ class ComputedFilm:
 
         ``"absorptance_without_data"`` and ``"emittance_without_data"``: the film at the lower
         bound, where it absorbs nothing at wavelengths without data, and at the upper one, where it
-        absorbs everything. Both faces are at the same bound.
+        absorbs everything. Both faces are at the same bound. ``"transmittance_without_data"`` and
+        ``"infrared_transmittance_without_data"``: nothing passes there, or everything that may.
         """
         found = {}
-        for what in ("absorptance", "emittance"):
-            mine = {name: mean for name, mean in self.averages.items() if name.startswith(what)}
-            if any(np.any(mean.covered < _COMPLETE) for mean in mine.values()):
-                lower = {name: _property(mean.lower) for name, mean in mine.items()}
-                upper = {name: _property(mean.upper) for name, mean in mine.items()}
-                found[f"{what}_without_data"] = (self._with(lower), self._with(upper))
+        for absorbing, passing in (("absorptance", "transmittance"),
+                                   ("emittance", "infrared_transmittance")):  # fmt: skip
+            if self._is_open(absorbing):
+                ends = self._at_absorbing_bounds(absorbing)
+                found[f"{absorbing}_without_data"] = (self._with(ends[0]), self._with(ends[1]))
+            if self._is_open(passing):
+                ends = self._at_passing_bounds(passing)
+                found[f"{passing}_without_data"] = (self._with(ends[0]), self._with(ends[1]))
         return found
+
+    def _is_open(self, what: str) -> bool:
+        means = (mean for name, mean in self.averages.items() if name.startswith(what))
+        return any(np.any(mean.covered < _COMPLETE) for mean in means)
+
+    def _at_absorbing_bounds(self, what: str) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Properties where nothing, and where everything, is absorbed that is not known.
+
+        Of what is not absorbed as much passes as by the data.
+        """
+        lower, upper = {}, {}
+        for name, mean in self.averages.items():
+            if name.startswith(what):
+                lower[name], upper[name] = _property(mean.lower), _property(mean.upper)
+                passing = self.averages.get(_PASSING[name])
+                if passing is None:  # measured, or no concern
+                    room = 1.0 - _numbers(_value_of(self.properties, _PASSING[name]))
+                    upper[name] = _property(np.minimum(mean.upper, room))
+                    continue
+                least, missing = passing.lower, 1.0 - mean.covered
+                share = _ratio(passing.value, 1.0 - mean.value)
+                lower[_PASSING[name]] = _property(least + missing * share)
+                upper[_PASSING[name]] = _property(least)
+        return lower, upper
+
+    def _at_passing_bounds(self, what: str) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Properties where nothing, and where everything, passes of what is not known."""
+        lower, upper = {}, {}
+        for name, mean in self.averages.items():
+            if name.startswith(what):
+                absorbed = [
+                    _numbers(_value_of(self.properties, absorbing))
+                    for absorbing, passing in _PASSING.items()
+                    if passing == name
+                ]
+                room = 1.0 - np.maximum.reduce(np.broadcast_arrays(*absorbed))
+                lower[name] = _property(mean.lower)
+                upper[name] = _property(np.minimum(mean.upper, room))
+        return lower, upper
 
     def _with(self, values: dict[str, Any]) -> FilmProperties:
         names = FilmProperties.__dataclass_fields__
@@ -92,6 +145,7 @@ class ComputedFilm:
         spectrum: Spectrum | None = None,
         incidence: float = 0.0,
         highest_temperature: float | None = None,
+        passing: bool = True,
     ) -> "ComputedFilm":
         """Compute what has not been measured.
 
@@ -106,6 +160,9 @@ class ComputedFilm:
             Angle between the light and the film's normal [rad].
         highest_temperature : float, optional
             Temperature that the film bears [K].
+        passing : bool
+            Whether it matters what passes the film; else transmittances that are not measured stay
+            zero.
 
         Returns
         -------
@@ -116,14 +173,11 @@ class ComputedFilm:
         ParameterError
             If a density is unknown, or a face emits no thermal radiation.
         """
-        averages = {
-            name: average
-            for name, average in _absorptances(film, spectrum, incidence, measured).items()
-            if name not in measured
-        }
-        for side in _FACES:
-            if f"emittance_{side}" not in measured:
-                averages[f"emittance_{side}"] = _radiating(film, side)
+        given: dict[str, Any] = dict(measured)
+        if not passing:
+            given |= dict.fromkeys((*_IN_LIGHT, _IN_INFRARED))
+        computed = _of_light(film, spectrum, incidence, given) | _of_heat(film, given)
+        averages = {name: mean for name, mean in computed.items() if name not in given}
         values: dict[str, Numeric] = {name: value.value for name, value in measured.items()}
         values |= {name: _property(average.value) for name, average in averages.items()}
         if "areal_density" not in values:
@@ -135,17 +189,20 @@ class ComputedFilm:
         """Value and origin of each property, as a JSON object in SI units."""
         entries: dict[str, Any] = {
             name: {"value": float(getattr(self.properties, name)), **self._origin(name)}
-            for name in ("areal_density", "absorptance", "absorptance_bottom")
-            if getattr(self.properties, name) is not None
+            for name in ("areal_density", "absorptance", "absorptance_bottom", *_IN_LIGHT)
+            if getattr(self.properties, name) is not None and self._reported(name)
         }
-        for side in _FACES:
-            name = f"emittance_{side}"
+        for name in filter(self._reported, ("emittance_top", "emittance_bottom", _IN_INFRARED)):
             value = getattr(self.properties, name)
             entries[name] = {"value": _over_temperatures(value), **self._origin(name)}
         for name in ("tac_top", "tac_bottom"):
             value = float(getattr(self.properties, name))
             entries[name] = {"value": value, **self._origin(name)}
         return {**entries, "extrapolated": self._extrapolated()}
+
+    def _reported(self, name: str) -> bool:
+        """Whether a property is of concern: a transmittance only if it is computed or measured."""
+        return "transmittance" not in name or name in self.averages or name in self.measured
 
     def _extrapolated(self) -> list[str]:
         found = [text for mean in self.averages.values() for text in mean.extrapolated]
@@ -158,7 +215,7 @@ class ComputedFilm:
             return {"origin": "computed"}
         mean = self.averages[name]
         bounds = {"lower": _property(mean.lower), "upper": _property(mean.upper)}
-        if not name.startswith("emittance"):
+        if np.ndim(mean.covered) == 0:
             covered: Any = float(mean.covered)
         else:
             covered = {f"{t:g}": float(thermal_coverage(self.film, t)) for t in REPORT_TEMPERATURES}
@@ -182,24 +239,152 @@ def _over_temperatures(value: Any) -> Any:
     return dict(zip(map("{:g}".format, REPORT_TEMPERATURES), map(float, values), strict=True))
 
 
-def _absorptances(
+def with_measured(optics: FilmProperties, given: dict[str, Any]) -> dict[str, Any]:
+    """Properties of a film of which some are measured, and others were computed.
+
+    Where an absorptance or emittance is another than the one beside which a transmittance was
+    computed, what passes keeps its share of what is not absorbed.
+
+    Parameters
+    ----------
+    optics : FilmProperties
+    given : dict of str to array
+        Measured properties by name; they may be traced.
+
+    Returns
+    -------
+    dict of str to object
+        Properties by name.
+    """
+    found = {name: getattr(optics, name) for name in FilmProperties.__dataclass_fields__}
+    for name in ("absorptance", "transmittance"):
+        if name in given:
+            found[f"{name}_bottom"] = None  # the top's then stands for both
+    found |= given
+    for absorbing, passing in zip(_ABSORBED_LIGHT, _IN_LIGHT, strict=True):
+        absorbed = {"absorptance", absorbing} & given.keys()
+        if absorbed and not {"transmittance", passing} & given.keys():
+            now = found["absorptance"] if found[absorbing] is None else found[absorbing]
+            share = _ratio(1.0 - now, 1.0 - _value_of(optics, absorbing))
+            found[passing] = _value_of(optics, passing) * share
+    if _IN_INFRARED not in given:
+        found[_IN_INFRARED] = _infrared_beside(optics, given)
+    return found
+
+
+def _infrared_beside(optics: FilmProperties, given: dict[str, Any]) -> Any:
+    """Infrared transmittance beside measured emittances."""
+    through = optics.infrared_transmittance
+    factors = [
+        _ratio(1.0 - _numbers(given[name], axis=True), 1.0 - _numbers(getattr(optics, name), True))
+        for name in ("emittance_top", "emittance_bottom")
+        if given.get(name) is not None
+    ]
+    if not factors:
+        return through
+    factor = reduce(_where(*factors).minimum, factors)
+    if isinstance(through, EmittanceCurve) and factor.shape[-1] == 1:
+        return EmittanceCurve(through.coefficients * factor)
+    nodes = _numbers(through, axis=True) * factor
+    return EmittanceCurve.through(nodes + np.zeros(NODES))
+
+
+def _where(*values: Any) -> Any:
+    """JAX's functions for traced values, NumPy's for others, as JAX's are in single precision."""
+    return jnp if is_traced(*values) else np
+
+
+def _ratio(over: Any, under: Any) -> Any:
+    """Quotient of two shares, zero where both are."""
+    return over / _where(over, under).where(under > 0.0, under, 1.0)
+
+
+def _numbers(value: Any, axis: bool = False) -> Any:
+    """A number as it is or with an axis behind, or the numbers at the nodes of a curve."""
+    if isinstance(value, EmittanceCurve):
+        return value.at_nodes
+    return _where(value).asarray(value)[..., None] if axis else value
+
+
+def _value_of(film: FilmProperties, name: str) -> Any:
+    """Property of a film; what is not given for the bottom face is that of the top."""
+    value = getattr(film, name)
+    return getattr(film, name.removesuffix("_bottom")) if value is None else value
+
+
+def _of_light(
     film: Film, spectrum: Spectrum | None, incidence: float, measured: dict[str, Measured]
 ) -> dict[str, Average]:
-    """Absorptance of the top face for the beam, and of the bottom face for diffuse light.
+    """Shares of the beam on the top face, and of diffuse light on the bottom face.
 
-    A measured absorptance of the top applies to both faces, as in a film without layers.
+    A measured absorptance or transmittance of the top applies to both faces, as in a film without
+    layers.
     """
-    if "absorptance" in measured:
+    wanted = [name for name in ("absorptance", "transmittance") if name not in measured]
+    if not wanted:
         return {}
-    return {
-        "absorptance": absorptance(film, spectrum, min(incidence, GRAZING)),
-        "absorptance_bottom": absorptance(film, spectrum, side="bottom", diffuse=True),
+    try:
+        top = light_shares(film, spectrum, min(incidence, GRAZING))
+        bottom = light_shares(film, spectrum, side="bottom", diffuse=True)
+    except ParameterError:  # no data at any wavelength of the light
+        if "absorptance" in wanted:
+            raise
+        return dict.fromkeys(_IN_LIGHT, _UNKNOWN)
+    found: dict[str, Average] = {}
+    if "absorptance" in wanted:
+        found |= {"absorptance": top.absorptance, "absorptance_bottom": bottom.absorptance}
+    if "transmittance" in wanted:
+        own = measured.get("absorptance_bottom", measured.get("absorptance"))
+        found["transmittance"] = _beside(top, measured.get("absorptance"))
+        found["transmittance_bottom"] = _beside(bottom, own)
+    return found
+
+
+_UNKNOWN = Average(value=0.0, covered=0.0)
+
+
+def _beside(shares: Shares, absorptance: Measured | None) -> Average:
+    """Transmittance beside a measured absorptance, or the computed one."""
+    if absorptance is None:
+        return shares.transmittance
+    return _scaled(shares.transmittance, _kept(shares, absorptance))
+
+
+def _kept(shares: Shares, absorptance: Measured) -> Any:
+    """How much less is not absorbed by a measured absorptance than by the computed one."""
+    return _ratio(1.0 - absorptance.value, 1.0 - shares.absorptance.value)
+
+
+def _scaled(mean: Average, factor: Any) -> Average:
+    within = None if mean.within is None else mean.within * factor
+    return dataclasses.replace(mean, value=mean.value * factor, within=within)
+
+
+def _of_heat(film: Film, measured: dict[str, Measured]) -> dict[str, Average]:
+    """Emittance of both faces, and infrared transmittance, at the nodes of a curve."""
+    given = [measured.get(f"emittance_{side}") for side in _FACES]
+    if None not in given and _IN_INFRARED in measured:
+        return {}
+    try:
+        shares = [heat_shares(film, node_temperatures(), side=side) for side in _FACES]
+    except ParameterError:  # no data at any wavelength of the radiation
+        if None in given:
+            raise
+        return {_IN_INFRARED: Average(np.zeros(NODES), covered=np.zeros(NODES))}
+    found = {
+        f"emittance_{side}": _radiating(share.absorptance, side)
+        for side, share, value in zip(_FACES, shares, given, strict=True)
+        if value is None
     }
+    factors = [_kept(share, value) for share, value in zip(shares, given, strict=True) if value]
+    mean = shares[0].transmittance
+    if factors:
+        mean = _scaled(mean, reduce(_where(*factors).minimum, factors))
+    return found | {_IN_INFRARED: mean}
 
 
-def _radiating(film: Film, side: Side) -> Average:
+def _radiating(mean: Average, side: Side) -> Average:
     """Emittance of a face at the nodes of a curve, if it is positive everywhere."""
-    mean = emittance(film, node_temperatures(), side=side)
     if not is_traced(mean.value) and np.min(mean.value) < _LEAST_EMITTANCE:
         raise ParameterError(
             f"emittance of the {side} face is {np.min(mean.value):.1g}: by their data its layers "

@@ -1,4 +1,8 @@
-r"""Emittance of a face as a smooth function of its temperature, for the heat balance."""
+r"""Emittance of a face as a smooth function of its temperature, for the heat balance.
+
+The infrared transmittance of a film is such a function too, of the temperature of a black body
+whose radiation passes.
+"""
 
 from functools import cache
 from typing import Any
@@ -53,14 +57,21 @@ class EmittanceCurve(eqx.Module):
 
         Parameters
         ----------
-        emittance : array, shape (NODES,)
+        emittance : array, shape (..., NODES)
             [1].
 
         Returns
         -------
         EmittanceCurve
         """
+        if np.ndim(emittance) > 1:
+            return cls(coefficients=emittance @ _to_coefficients().T)
         return cls(coefficients=_to_coefficients() @ emittance)
+
+    @property
+    def at_nodes(self) -> Numeric:
+        """The curve at :func:`node_temperatures`, shape (..., NODES) [1]."""
+        return self.coefficients @ _from_coefficients().T
 
     @entry_point
     def __call__(self, temperature: Numeric) -> Array:
@@ -135,6 +146,11 @@ def _to_coefficients() -> np.ndarray:
         terms = chebyshev.cheb2poly(np.eye(NODES)[degree])
         powers[: terms.size, degree] = terms
     return (powers @ to_chebyshev)[::-1]
+
+
+@cache
+def _from_coefficients() -> np.ndarray:
+    return np.vander(_nodes(), NODES)
 
 
 def node_temperatures() -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Wavelengths, directions and weights of a film's averages, and what it absorbs there."""
+"""Wavelengths, directions and weights of a film's averages, and what becomes of light there."""
 
 from typing import NamedTuple
 
@@ -46,6 +46,20 @@ class Grid(NamedTuple):
     def mean_weight(self) -> np.ndarray:
         """Weights of a mean over the grid, shape (m, w); each row's sum is one [1]."""
         return np.asarray(self.weight / self.weight.sum(axis=1, keepdims=True))
+
+
+class SpectralShares(NamedTuple):
+    """What becomes of light at each wavelength.
+
+    Attributes
+    ----------
+    absorptance, transmittance, reflectance : array, shape (w,)
+        [1]; their sum is one.
+    """
+
+    absorptance: Numeric
+    transmittance: Numeric
+    reflectance: Numeric
 
 
 def data_range(film: Film) -> tuple[float, float]:
@@ -153,8 +167,8 @@ def _hemisphere() -> tuple[np.ndarray, np.ndarray]:
     return cosine, weights * cosine
 
 
-def spectral_absorptance(film: Film, side: Side, grid: Grid) -> Numeric:
-    """Absorptance of unpolarised light, averaged over directions.
+def spectral_shares(film: Film, side: Side, grid: Grid) -> SpectralShares:
+    """What becomes of unpolarised light at each wavelength, averaged over directions.
 
     Parameters
     ----------
@@ -165,16 +179,16 @@ def spectral_absorptance(film: Film, side: Side, grid: Grid) -> Numeric:
 
     Returns
     -------
-    array, shape (w,)
-        [1]. Differentiable in the thicknesses and the directions.
+    SpectralShares
+        Differentiable in the thicknesses and the directions.
     """
     lit = film if side == "top" else film.flipped()
     if is_traced(lit.thickness, grid.cosine):
         n, k = lit.index(grid.wavelength)
         return _spectral(n, k, lit.thickness, grid.wavelength, grid.cosine, grid.share)
-    return np.concatenate([_spectral(*chunk) for chunk in _chunks(lit, grid)])[
-        : grid.wavelength.size
-    ]
+    chunks = [_spectral(*chunk) for chunk in _chunks(lit, grid)]
+    parts = zip(*chunks, strict=True)
+    return SpectralShares(*(np.concatenate(part)[: grid.wavelength.size] for part in parts))
 
 
 def _chunks(lit: Film, grid: Grid) -> list[tuple[np.ndarray, ...]]:
@@ -193,12 +207,16 @@ def _chunks(lit: Film, grid: Grid) -> list[tuple[np.ndarray, ...]]:
 @entry_point
 def _spectral(
     n: Numeric, k: Numeric, thickness: Numeric, wavelength: Numeric, cosine: Numeric, share: Numeric
-) -> Array:
-    """Absorptance of unpolarised light at each wavelength, weighted over directions."""
+) -> SpectralShares:
+    """Shares of unpolarised light at each wavelength, weighted over directions."""
     incidence = jnp.arccos(jnp.atleast_1d(cosine))[:, None]
     layers = thickness.reshape(-1, 1, 1)
     optics = transfer(n[:, None], k[:, None], layers, wavelength, incidence).unpolarised()
-    return jnp.atleast_1d(share) @ (1.0 - optics.reflectance - optics.transmittance)
+    absorbed = 1.0 - optics.reflectance - optics.transmittance
+    shares = jnp.atleast_1d(share)
+    return SpectralShares(
+        shares @ absorbed, shares @ optics.transmittance, shares @ optics.reflectance
+    )
 
 
 @entry_point

@@ -8,7 +8,7 @@ import pydantic
 from pydantic import Discriminator, Field, Tag, ValidationInfo
 
 from lightflyer.film.catalogue import material
-from lightflyer.film.computed import ComputedFilm
+from lightflyer.film.computed import ComputedFilm, with_measured
 from lightflyer.film.library import PAGES, canonical_name
 from lightflyer.film.materials import Extrapolation, Material, material_from_csv
 from lightflyer.film.properties import FilmProperties
@@ -172,8 +172,10 @@ class LayeredFilmSection(FilmSection):
         limits = [entry.highest_temperature for entry in known if entry.highest_temperature]
         return min(limits, default=None)
 
-    def computed(self, incidence: float = 0.0) -> ComputedFilm:
+    def computed(self, incidence: float = 0.0, *, passing: bool = True) -> ComputedFilm:
         """The film's properties with the origin of each, for light at an incidence [rad].
+
+        ``passing`` says whether transmittances matter.
 
         Raises
         ------
@@ -184,15 +186,18 @@ class LayeredFilmSection(FilmSection):
         if lacking:
             raise ConfigurationError(f"the film needs {lacking}")
         traced = is_traced(incidence, [layer.thickness.value for layer in self.layers])
-        return _compute(self, incidence) if traced else _computed(self, incidence)
+        compute = _compute if traced else _computed
+        return compute(self, incidence, passing)
 
-    def bounds(self, incidence: float = 0.0) -> dict[str, tuple[FilmProperties, FilmProperties]]:
+    def bounds(
+        self, incidence: float = 0.0, *, passing: bool = True
+    ) -> dict[str, tuple[FilmProperties, FilmProperties]]:
         """See :meth:`FilmSection.bounds`."""
-        return self.computed(incidence).bounds
+        return self.computed(incidence, passing=passing).bounds
 
-    def warnings(self, incidence: float = 0.0) -> tuple[str, ...]:
+    def warnings(self, incidence: float = 0.0, *, passing: bool = True) -> tuple[str, ...]:
         """See :meth:`FilmSection.warnings`."""
-        return self.computed(incidence).warnings
+        return self.computed(incidence, passing=passing).warnings
 
     def lacking(self) -> str | None:
         """See :meth:`FilmSection.lacking`: TACs and densities that nobody knows."""
@@ -210,32 +215,32 @@ class LayeredFilmSection(FilmSection):
         film._optics = properties
         return film
 
-    def build(self, incidence: float = 0.0) -> FilmProperties:
+    def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:
         """See :meth:`FilmSection.build`."""
         if self._optics is None:
-            return self.computed(incidence).properties
-        given: dict[str, Any] = {name: value.value for name, value in self.measured().items()}
-        if "absorptance" in given:
-            given.setdefault("absorptance_bottom", None)  # the top's then stands for both
-        parts = {name: getattr(self._optics, name) for name in FilmProperties.__dataclass_fields__}
-        return FilmProperties(**parts | given | {_LIMIT: self.limit()})
+            return self.computed(incidence, passing=passing).properties
+        given = {name: value.value for name, value in self.measured().items()}
+        return FilmProperties(**with_measured(self._optics, given) | {_LIMIT: self.limit()})
 
-    def changes_optics(self, name: str) -> bool:
+    def changes_optics(self, name: str, *, passing: bool = True) -> bool:
         """See :meth:`FilmSection.changes_optics`."""
-        return name.startswith("layers.") or (name == "incidence" and self.absorptance is None)
+        through = passing and self.transmittance is None
+        computed = self.absorptance is None or through
+        return name.startswith("layers.") or (name == "incidence" and computed)
 
-    def report(self, incidence: float = 0.0) -> dict[str, Any]:
+    def report(self, incidence: float = 0.0, *, passing: bool = True) -> dict[str, Any]:
         """Which value is computed and which measured, for a prediction's summary."""
-        return self.computed(incidence).report()
+        return self.computed(incidence, passing=passing).report()
 
 
-def _compute(section: LayeredFilmSection, incidence: float) -> ComputedFilm:
+def _compute(section: LayeredFilmSection, incidence: float, passing: bool) -> ComputedFilm:
     return ComputedFilm.of(
         section.film(),
         section.measured(),
         spectrum=section.light(),
         incidence=incidence,
         highest_temperature=section.limit(),
+        passing=passing,
     )
 
 

@@ -22,10 +22,13 @@ from lightflyer.foundation.quantity import (
 from lightflyer.foundation.types import Numeric
 
 _WHOLE = 1.0 + 1e-9  # all radiation, and rounding
-_CONSERVED = {
-    "transmittance": ("absorptance", "absorptance_bottom"),
-    "infrared_transmittance": ("emittance_top", "emittance_bottom"),
-}
+_CONSERVED = (
+    (("transmittance",), ("absorptance",)),
+    (("transmittance_bottom", "transmittance"), ("absorptance_bottom", "absorptance")),
+    (("infrared_transmittance",), ("emittance_top",)),
+    (("infrared_transmittance",), ("emittance_bottom",)),
+)
+"""What passes and what is absorbed, each by the name of the property and of its default."""
 
 
 def require_conservation(properties: Mapping[str, Any]) -> None:
@@ -41,15 +44,17 @@ def require_conservation(properties: Mapping[str, Any]) -> None:
     ------
     ParameterError
     """
-    for passing, absorbing in _CONSERVED.items():
-        through: Any = properties.get(passing)
-        for name in absorbing:
-            share: Any = properties.get(name)
-            if is_concrete(through, share) and np.any(through + share > _WHOLE):
-                raise ParameterError(
-                    f"{passing} = {np.max(through):g} and {name} = {np.max(share):g} exceed 1 "
-                    "together"
-                )
+    for passing, absorbing in _CONSERVED:
+        given = [
+            next((name for name in names if properties.get(name) is not None), "")
+            for names in (passing, absorbing)
+        ]
+        through, share = (properties.get(name) for name in given)  # type: Any, Any
+        if is_concrete(through, share) and np.any(through + share > _WHOLE):
+            raise ParameterError(
+                f"{given[0]} = {np.max(through):g} and {given[1]} = {np.max(share):g} exceed 1 "
+                "together"
+            )
 
 
 class FilmProperties(Checked):
@@ -70,12 +75,18 @@ class FilmProperties(Checked):
     absorptance_bottom : array or None
         Absorptance of the bottom face, for light reflected from below [1]; by default that of
         the top.
-    transmittance, infrared_transmittance : array
-        Share of light and of heat radiation that passes through the film [1]. They matter where
-        one film shades another.
+    transmittance : array
+        Share of the incoming light that passes through the film [1]. It matters where one film
+        shades another, as the infrared transmittance does.
+    infrared_transmittance : array or EmittanceCurve
+        Share of heat radiation that passes through the film, from either side [1]; a curve makes
+        it a function of the temperature of a black body that radiates.
     highest_temperature : array or None
         Temperature that the film bears [K]; None where it is not known. It changes no result:
         predictions warn, and optimisation stays, above it.
+    transmittance_bottom : array or None
+        Share of light on the bottom face that passes [1]; by default that of the top. It differs
+        where the light comes from other directions.
 
     Raises
     ------
@@ -98,6 +109,7 @@ class FilmProperties(Checked):
     transmittance: Fraction = 0.0
     infrared_transmittance: Fraction = 0.0
     highest_temperature: Temperature | None = None
+    transmittance_bottom: Fraction | None = None
 
     def __check_init__(self) -> None:
         for name in ("tac_top", "tac_bottom"):
@@ -142,6 +154,20 @@ class FilmProperties(Checked):
             emittance_at(self.emittance_top, temperature),
             emittance_at(self.emittance_bottom, temperature),
         )
+
+    def infrared_transmittance_at(self, temperature: Numeric) -> Numeric:
+        """Share of a black body's radiation that passes the film, by its temperature [1].
+
+        Parameters
+        ----------
+        temperature : array, shape (...)
+            [K].
+
+        Returns
+        -------
+        array
+        """
+        return emittance_at(self.infrared_transmittance, temperature)
 
     def emission_growth(self, temperature: Numeric, excess: Numeric) -> Numeric:
         r"""Growth of both faces' emission with temperature, over that of one black face.
@@ -218,6 +244,12 @@ class FilmProperties(Checked):
     def absorptance_below(self) -> Numeric:
         """Absorptance of the bottom face, or the top's where none is given [1]."""
         return self.absorptance if self.absorptance_bottom is None else self.absorptance_bottom
+
+    @property
+    def transmittance_below(self) -> Numeric:
+        """Transmittance for light on the bottom face, or the top's where none is given [1]."""
+        below = self.transmittance_bottom
+        return self.transmittance if below is None else below
 
 
 def _growth(excess: Numeric) -> Numeric:

@@ -43,6 +43,7 @@ class FilmSection(Alternative, abc.ABC):
     emittance_bottom: Emittance | None = None
     tac_correlation: Correlation = Measured(0.0)
     transmittance: Fraction | None = None
+    transmittance_bottom: Fraction | None = None
     infrared_transmittance: Fraction | None = None
     highest_temperature: Temperature | None = None
 
@@ -101,13 +102,17 @@ class FilmSection(Alternative, abc.ABC):
         both = all(getattr(self, name) or name in self.implied for name in FACES)
         return {(FACES[0], FACES[1]): shared} if both and shared else {}
 
-    def bounds(self, incidence: float = 0.0) -> dict[str, tuple[FilmProperties, FilmProperties]]:
+    def bounds(
+        self, incidence: float = 0.0, *, passing: bool = True
+    ) -> dict[str, tuple[FilmProperties, FilmProperties]]:
         """The film at the bounds of what missing data leave open.
 
         Parameters
         ----------
         incidence : float
             Angle between the light and the film's normal [rad].
+        passing : bool
+            Whether it matters what passes the film.
 
         Returns
         -------
@@ -115,32 +120,36 @@ class FilmSection(Alternative, abc.ABC):
             By what is open, such as ``"emittance_without_data"``: the film at the lower and at the
             upper bound. Empty where nothing is.
         """
-        del incidence
+        del incidence, passing
         return {}
 
-    def warnings(self, incidence: float = 0.0) -> tuple[str, ...]:
+    def warnings(self, incidence: float = 0.0, *, passing: bool = True) -> tuple[str, ...]:
         """What a reader of the film's properties must know, one line each.
 
         Parameters
         ----------
         incidence : float
             [rad].
+        passing : bool
+            Whether it matters what passes the film.
 
         Returns
         -------
         tuple of str
         """
-        del incidence
+        del incidence, passing
         return ()
 
     @abc.abstractmethod
-    def build(self, incidence: float = 0.0) -> FilmProperties:
+    def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:
         """The film's properties, without their uncertainties.
 
         Parameters
         ----------
         incidence : float
             Angle between the light and the film's normal [rad].
+        passing : bool
+            Whether it matters what passes the film.
 
         Returns
         -------
@@ -166,19 +175,21 @@ class FilmSection(Alternative, abc.ABC):
         del properties
         return self
 
-    def changes_optics(self, name: str) -> bool:
+    def changes_optics(self, name: str, *, passing: bool = True) -> bool:
         """Whether a number's change means computing the optics of layers anew.
 
         Parameters
         ----------
         name : str
             Dotted name within the section, or ``"incidence"``.
+        passing : bool
+            Whether it matters what passes the film.
 
         Returns
         -------
         bool
         """
-        del name
+        del name, passing
         return False
 
 
@@ -202,6 +213,6 @@ class MeasuredFilmSection(FilmSection):
             raise ConfigurationError(str(error)) from error
         return self
 
-    def build(self, incidence: float = 0.0) -> FilmProperties:  # noqa: ARG002
+    def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:  # noqa: ARG002
         """The film's properties, without their uncertainties; the same at any incidence."""
         return FilmProperties(**{name: value.value for name, value in self.stated().items()})

@@ -111,6 +111,7 @@ class DiskSection(FlyerSection):
     """``[flyer]``: a disk."""
 
     flyer_type: ClassVar[type[AbstractFlyer]] = Disk
+    needs_transmittance: ClassVar[bool] = False
 
     shape: Literal["disk"] = "disk"
     diameter: Length

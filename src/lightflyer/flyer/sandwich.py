@@ -14,7 +14,14 @@ from lightflyer.film.layered_section import AnyFilmSection
 from lightflyer.film.properties import FilmProperties, excess_of_growth
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.section import FlyerSection
-from lightflyer.flyer.sheets import DARK, Exitance, Sheet, net_gains, perforated
+from lightflyer.flyer.sheets import (
+    DARK,
+    Exitance,
+    Sheet,
+    net_gains,
+    sheet_in_infrared,
+    sheet_in_light,
+)
 from lightflyer.foundation.checks import is_concrete
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.quantity import (
@@ -172,21 +179,12 @@ class Sandwich(AbstractFlyer):
         return f"sandwich of {2.0 * float(np.asarray(self.radius)) / _CENTIMETRE:g} cm"
 
     def _sheets_in_light(self) -> tuple[Sheet, Sheet]:
-        top, bottom = (
-            perforated(
-                film.absorptance, film.absorptance_below, film.transmittance, self.open_fraction
-            )
-            for film in (self.top, self.bottom)
-        )
+        top, bottom = (sheet_in_light(film, self.open_fraction) for film in (self.top, self.bottom))
         return top, bottom
 
     def _sheets_in_infrared(self, state: EnvironmentState) -> tuple[Sheet, Sheet]:
         top, bottom = (
-            perforated(
-                *film.emittances_at(state.temperature),
-                film.infrared_transmittance,
-                self.open_fraction,
-            )
+            sheet_in_infrared(film, self.open_fraction, state.temperature)
             for film in (self.top, self.bottom)
         )
         return top, bottom

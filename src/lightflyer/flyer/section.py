@@ -21,6 +21,9 @@ class FlyerSection(Alternative, abc.ABC):
     needs_film: ClassVar[bool] = True
     """Whether the file needs a section ``[film]``; a flyer of several films holds its own."""
 
+    needs_transmittance: ClassVar[bool] = True
+    """Whether it matters what passes a film: where light or heat radiation then meets another."""
+
     default_model: ClassVar[str] = "lu2023"
     """Force model where the file has no ``[force]``."""
 

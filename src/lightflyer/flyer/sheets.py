@@ -16,6 +16,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.film.properties import FilmProperties
 from lightflyer.foundation.types import Numeric
 
 
@@ -27,23 +28,24 @@ class Sheet(NamedTuple):
     absorptance_top, absorptance_bottom : array, shape (...)
         Absorbed share of the radiation on each face [1]. For heat radiation these are the
         emittances too.
-    transmittance : array, shape (...)
-        Share that passes, through holes and film [1].
+    transmittance_top, transmittance_bottom : array, shape (...)
+        Share of the radiation on each face that passes, through holes and film [1].
     """
 
     absorptance_top: Numeric
     absorptance_bottom: Numeric
-    transmittance: Numeric
+    transmittance_top: Numeric
+    transmittance_bottom: Numeric
 
     @property
     def reflectance_top(self) -> Numeric:
         """Reflected share of the radiation on the top face [1]."""
-        return 1.0 - self.absorptance_top - self.transmittance
+        return 1.0 - self.absorptance_top - self.transmittance_top
 
     @property
     def reflectance_bottom(self) -> Numeric:
         """Reflected share of the radiation on the bottom face [1]."""
-        return 1.0 - self.absorptance_bottom - self.transmittance
+        return 1.0 - self.absorptance_bottom - self.transmittance_bottom
 
 
 class Exitance(NamedTuple):
@@ -68,6 +70,7 @@ def perforated(
     absorptance_bottom: Numeric,
     transmittance: Numeric,
     open_fraction: Numeric,
+    transmittance_bottom: Numeric | None = None,
 ) -> Sheet:
     r"""Effective properties of a film with holes.
 
@@ -78,18 +81,66 @@ def perforated(
     absorptance_top, absorptance_bottom : array, shape (...)
         Of the film's faces [1].
     transmittance : array, shape (...)
-        Of the film, the same from both sides [1].
+        Of the film, for radiation on its top face [1].
     open_fraction : array, shape (...)
         Share of the area that is holes, :math:`\beta` [1].
+    transmittance_bottom : array, shape (...), optional
+        For radiation on the bottom face [1]; by default the same.
 
     Returns
     -------
     Sheet
     """
     solid = 1.0 - open_fraction
+    below = transmittance if transmittance_bottom is None else transmittance_bottom
     return Sheet(
-        solid * absorptance_top, solid * absorptance_bottom, open_fraction + solid * transmittance
+        solid * absorptance_top,
+        solid * absorptance_bottom,
+        open_fraction + solid * transmittance,
+        open_fraction + solid * below,
     )
+
+
+def sheet_in_light(film: FilmProperties, open_fraction: Numeric) -> Sheet:
+    """Effective properties of a film with holes in light.
+
+    Parameters
+    ----------
+    film : FilmProperties
+    open_fraction : array, shape (...)
+        Share of the area that is holes [1].
+
+    Returns
+    -------
+    Sheet
+    """
+    return perforated(
+        film.absorptance,
+        film.absorptance_below,
+        film.transmittance,
+        open_fraction,
+        film.transmittance_below,
+    )
+
+
+def sheet_in_infrared(film: FilmProperties, open_fraction: Numeric, temperature: Numeric) -> Sheet:
+    """Effective properties of a film with holes for heat radiation.
+
+    Parameters
+    ----------
+    film : FilmProperties
+    open_fraction : array, shape (...)
+        Share of the area that is holes [1].
+    temperature : array, shape (...)
+        Of a black body with that radiation [K].
+
+    Returns
+    -------
+    Sheet
+        Its absorptances are its emittances.
+    """
+    top, bottom = film.emittances_at(temperature)
+    return perforated(top, bottom, film.infrared_transmittance_at(temperature), open_fraction)
 
 
 def net_gains(
@@ -122,16 +173,55 @@ def net_gains(
     holes of one sheet wherever it passed those of the other: holes that lie above each other let
     more of a vertical beam through.
     """
-    upward = bottom.transmittance * below + emitted_bottom.top
-    downward = top.transmittance * above + emitted_top.bottom
-    trapped = top.reflectance_bottom * bottom.reflectance_top
-    # between perfect mirrors no radiation enters and none is emitted
-    escape = jnp.where(trapped == 1.0, 1.0, 1.0 - trapped)
-    up = (upward + bottom.reflectance_top * downward) / escape
-    down = (downward + top.reflectance_bottom * upward) / escape
+    up, down = _between(top, bottom, above, below, emitted_top, emitted_bottom)
     gain_top = top.absorptance_top * above + top.absorptance_bottom * up
     gain_bottom = bottom.absorptance_bottom * below + bottom.absorptance_top * down
     return (
         gain_top - emitted_top.top - emitted_top.bottom,
         gain_bottom - emitted_bottom.top - emitted_bottom.bottom,
     )
+
+
+def leaving_downward(
+    top: Sheet,
+    bottom: Sheet,
+    above: Numeric,
+    below: Numeric,
+    emitted_top: Exitance = DARK,
+    emitted_bottom: Exitance = DARK,
+) -> Array:
+    """Radiation that leaves two parallel sheets downward, per area.
+
+    Parameters
+    ----------
+    top, bottom, above, below, emitted_top, emitted_bottom
+        As for :func:`net_gains`.
+
+    Returns
+    -------
+    array, broadcast shape
+        Passed, emitted and reflected by the lower sheet's bottom face [W/m²].
+    """
+    _, down = _between(top, bottom, above, below, emitted_top, emitted_bottom)
+    return (
+        bottom.transmittance_top * down + emitted_bottom.bottom + bottom.reflectance_bottom * below
+    )
+
+
+def _between(
+    top: Sheet,
+    bottom: Sheet,
+    above: Numeric,
+    below: Numeric,
+    emitted_top: Exitance,
+    emitted_bottom: Exitance,
+) -> tuple[Array, Array]:
+    """Radiosities upward and downward between two sheets [W/m²]."""
+    upward = bottom.transmittance_bottom * below + emitted_bottom.top
+    downward = top.transmittance_top * above + emitted_top.bottom
+    trapped = top.reflectance_bottom * bottom.reflectance_top
+    # between perfect mirrors no radiation enters and none is emitted
+    escape = jnp.where(trapped == 1.0, 1.0, 1.0 - trapped)
+    up = (upward + bottom.reflectance_top * downward) / escape
+    down = (downward + top.reflectance_bottom * upward) / escape
+    return up, down

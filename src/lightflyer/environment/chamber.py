@@ -101,9 +101,10 @@ class Chamber(AbstractEnvironment):
         ParameterError
             If a concrete pressure is not positive.
         """
-        require_positive(pressure=coordinate)
+        pressure = self.coordinate.quantity.number("pressure", coordinate)
+        require_positive(pressure=pressure)
         return EnvironmentState(
-            pressure=coordinate,
+            pressure=pressure,
             temperature=self.temperature,
             gravity=self.gravity,
             gas=self.gas,

@@ -134,8 +134,9 @@ class Earth(AbstractEnvironment):
         ParameterError
             If a concrete altitude is outside the atmosphere's range; traced ones give NaN.
         """
-        require_range("altitude [m]", coordinate, *self.atmosphere.altitude_range)
-        return _state(self, coordinate)
+        altitude = self.coordinate.quantity.number("altitude", coordinate)
+        require_range("altitude [m]", altitude, *self.atmosphere.altitude_range)
+        return _state(self, altitude)
 
 
 @entry_point

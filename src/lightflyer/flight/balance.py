@@ -34,6 +34,7 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.ahead import ahead
 from lightflyer.foundation.errors import ConvergenceError
 from lightflyer.foundation.precision import elementwise_entry_point, is_traced
+from lightflyer.foundation.quantity import require_record
 from lightflyer.foundation.rootfind import (
     Ending,
     RootStatus,
@@ -172,6 +173,9 @@ def require_suitable(
     flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
 ) -> None:
     """Raise :class:`ParameterError` unless the model is for the flyer and the gas."""
+    require_record("flyer", (AbstractFlyer,), flyer)
+    require_record("state", (EnvironmentState,), state)
+    require_record("model", (AbstractForceModel,), model)
     model.require_flyer(type(flyer))
     model.require_gas(state.gas)
 

@@ -20,6 +20,7 @@ from lightflyer.flight.loads import lift, weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.precision import entry_point, float64
+from lightflyer.foundation.quantity import require_record
 from lightflyer.foundation.rootfind import (
     Ending,
     RootStatus,
@@ -143,6 +144,7 @@ def levitation_bands(
     ConvergenceError
         If an edge has not converged and ``throw`` is true.
     """
+    require_record("environment", (AbstractEnvironment,), environment)
     coordinate = environment.coordinate
     low, high = coordinate.searched if search_range is None else search_range
     count = (
@@ -314,5 +316,14 @@ def _edges(
 @entry_point
 def _widest(bands: Band) -> Band:
     width = jnp.where(bands.exists, bands.upper - bands.lower, -jnp.inf)
-    widest = _first_largest(width)[None]
-    return jax.tree.map(lambda field: jnp.take_along_axis(field, widest, axis=0)[0], bands)
+    widest = _first_largest(width)
+    numbers = np.arange(width.shape[0], dtype=np.int32).reshape(-1, *[1] * widest.ndim)
+
+    def of_widest(field: Array) -> Array:
+        # chosen band by band: JAX cannot transpose a lookup within a caller's single precision
+        chosen = field[0]
+        for number, entry in zip(numbers[1:], field[1:], strict=True):
+            chosen = jnp.where(number == widest, entry, chosen)
+        return chosen
+
+    return jax.tree.map(of_widest, bands)

@@ -4,7 +4,12 @@ import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
-from lightflyer.flight.balance import Equilibrium, equilibrium, require_converged
+from lightflyer.flight.balance import (
+    Equilibrium,
+    equilibrium,
+    require_converged,
+    require_suitable,
+)
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.precision import elementwise_entry_point, entry_point
@@ -111,6 +116,7 @@ def lift(
     >>> print(f"{lf.lift(disk, state, lf.Lu2023()) / lf.weight(disk, state):.6f}")
     1.589948
     """
+    require_suitable(flyer, state, model)
     force, _, balance = _lift_and_payload(flyer, state, model)
     if throw:
         require_converged("heat balance", balance.ending, balance.residual)
@@ -151,6 +157,7 @@ def force_vector(
     ConvergenceError
         If the heat balance has not converged and ``throw`` is true.
     """
+    require_suitable(flyer, state, model)
     *components, balance = _force_vector(flyer, state, model)
     if throw:
         require_converged("heat balance", balance.ending, balance.residual)
@@ -205,6 +212,7 @@ def payload(
     -----
     Differentiable in every number of flyer, state and model.
     """
+    require_suitable(flyer, state, model)
     _, mass, balance = _lift_and_payload(flyer, state, model)
     if throw:
         require_converged("heat balance", balance.ending, balance.residual)

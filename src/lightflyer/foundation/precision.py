@@ -29,6 +29,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.foundation.batches import in_batches
+from lightflyer.foundation.errors import ParameterError
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -190,8 +191,37 @@ def _promoting(function: Callable[..., Any]) -> Callable[..., Any]:
 def _scoped(function: Callable[P, R], compiled: Callable[..., Any]) -> Callable[P, R]:
     @wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        plain = [_plain(function, arg) for arg in args]
+        named = {name: _plain(function, arg) for name, arg in kwargs.items()}
         with float64():
-            result: Any = compiled(*args, **kwargs)
+            result: Any = compiled(*plain, **named)
         return result if is_traced(result) else jax.tree.map(_to_numpy, result)
 
+    wrapper.is_entry_point = True  # type: ignore[attr-defined]
     return wrapper
+
+
+def is_entry_point(function: Any) -> bool:
+    """Whether a function was made public by one of the decorators here.
+
+    Parameters
+    ----------
+    function : object
+
+    Returns
+    -------
+    bool
+    """
+    return getattr(function, "is_entry_point", False) is True
+
+
+def _plain(function: Callable[..., Any], argument: Any) -> Any:
+    """An argument without what JAX does not take for an array: lists and xarray's are."""
+    if isinstance(argument, list) or hasattr(argument, "dims"):
+        return np.asarray(argument)
+    if isinstance(argument, str) or hasattr(argument, "magnitude"):
+        raise ParameterError(
+            f"{function.__name__.lstrip('_')}() takes numbers in SI units, not {argument!s:.60}; "
+            "constructors and files read units"
+        )
+    return argument

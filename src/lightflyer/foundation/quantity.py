@@ -8,17 +8,22 @@ The same alias annotates a field of a numeric class and of a section of the flye
     class DiskSection(Section):
         diameter: Length
 
-The class checks its concrete values against the range when it is made. The section reads a text
-with a unit, such as ``"2.0 ± 0.1 cm"``, into a :class:`~lightflyer.foundation.units.Measured` in
-that unit.
+The class takes numbers, arrays, lists, texts such as ``"2 cm"`` and quantities of Pint, and checks
+concrete values against the range when it is made. The section reads a text with a unit, such as
+``"2.0 ± 0.1 cm"``, into a :class:`~lightflyer.foundation.units.Measured` in that unit.
 """
 
+import dataclasses
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from typing import Annotated, Any, get_args, get_origin
+from functools import cache, partial
+from types import NoneType
+from typing import Annotated, Any, ClassVar, get_args, get_origin
 
 import equinox as eqx
+import numpy as np
+import pint
 import pydantic
 from pydantic_core import CoreSchema, core_schema
 
@@ -65,6 +70,56 @@ class Quantity:
         """
         require_range(name, value, self.lowest, self.highest, open_below=self.open_below)
 
+    def number(self, name: str, value: Any) -> Any:
+        """Number or array in the unit, from whatever a script gives.
+
+        Parameters
+        ----------
+        name : str
+            What the message calls the value.
+        value : float, array, sequence of float, str or pint.Quantity
+            Without a unit of its own it is in the unit already.
+
+        Returns
+        -------
+        float or array
+
+        Raises
+        ------
+        ParameterError
+            If it is no number of this kind, or has a ±, which an object cannot keep.
+        """
+        if isinstance(value, eqx.Module):
+            return value  # a number that depends on another, such as an emittance on temperature
+        if isinstance(value, str):
+            value = self._number_of_text(name, value)
+        if isinstance(value, Measured):
+            raise ParameterError(f"{name} = {value.value:g}{_NO_UNCERTAINTY}")
+        if hasattr(value, "magnitude"):
+            value = self._number_of_pint(name, value)
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            return value
+        if isinstance(value, list | tuple) or not hasattr(value, "dtype"):
+            value = _array_of(value)
+        elif hasattr(value, "dims"):
+            value = value.to_numpy()  # of xarray, whose names of dimensions JAX does not know
+        if not any(np.issubdtype(value.dtype, kind) for kind in (np.floating, np.integer)):
+            raise ParameterError(f"{name} must be {_a_number(self.unit)}")
+        return value
+
+    def _number_of_text(self, name: str, text: str) -> Any:
+        try:
+            measured = parse(text, self.unit)
+        except ConfigurationError as error:
+            raise ParameterError(f"{name} = {error}") from None
+        return measured.value if measured.uncertainty is None else measured
+
+    def _number_of_pint(self, name: str, value: Any) -> Any:
+        try:
+            return value.to(self.unit or "dimensionless").magnitude
+        except pint.PintError:
+            raise ParameterError(f"{name} = {value:g~P} does not convert to {self.unit}") from None
+
     def read(self, value: Any) -> Measured:
         """Number in the unit from a text, a bare number or a :class:`Measured`.
 
@@ -95,22 +150,46 @@ class Quantity:
         return core_schema.no_info_before_validator_function(self.read, handler(source))
 
 
+_NO_UNCERTAINTY = (
+    ": an object takes no ±; give uncertainties to a flyer file, or by name to lightflyer.propagate"
+)
+
+
+def _a_number(unit: str) -> str:
+    written = f', or a text such as "1 {unit}"' if unit else ""
+    return f"a number or an array of numbers{f' [{unit}]' if unit else ''}{written}"
+
+
+def _array_of(value: Any) -> np.ndarray:
+    try:
+        return np.asarray(value)
+    except ValueError:  # rows of unequal length
+        return np.asarray(value, object)
+
+
 HIGHEST_TAC = 1.3
 """Largest TAC accepted. None can exceed one, but measured values do by their systematic error."""
 
+HIGHEST_OPEN_FRACTION = 0.999
+"""Largest share of holes accepted: without film there is no flyer."""
+
 Length = Annotated[Numeric, Quantity("m", 0.0, open_below=True)]
+Distance = Annotated[Numeric, Quantity("m", 0.0)]
 Altitude = Annotated[Numeric, Quantity("m", 0.0)]
 Mass = Annotated[Numeric, Quantity("kg", 0.0)]
 ArealDensity = Annotated[Numeric, Quantity("kg/m^2", 0.0, open_below=True)]
 Density = Annotated[Numeric, Quantity("kg/m^3", 0.0, open_below=True)]
 Pressure = Annotated[Numeric, Quantity("Pa", 0.0, open_below=True)]
 Temperature = Annotated[Numeric, Quantity("K", 0.0, open_below=True)]
+MolarMass = Annotated[Numeric, Quantity("kg/mol", 0.0, open_below=True)]
+Power = Annotated[Numeric, Quantity("W", 0.0)]
+Tension = Annotated[Numeric, Quantity("N/m", 0.0, open_below=True)]
 Irradiance = Annotated[Numeric, Quantity("W/m^2", 0.0)]
 Acceleration = Annotated[Numeric, Quantity("m/s^2", 0.0, open_below=True)]
 Velocity = Annotated[Numeric, Quantity("m/s")]
 Conductivity = Annotated[Numeric, Quantity("W/(m*K)", 0.0)]
 Fraction = Annotated[Numeric, Quantity("", 0.0, 1.0)]
-OpenFraction = Annotated[Numeric, Quantity("", 0.0, 0.999)]
+OpenFraction = Annotated[Numeric, Quantity("", 0.0, HIGHEST_OPEN_FRACTION)]
 Emittance = Annotated[Numeric, Quantity("", 0.0, 1.0, open_below=True)]
 AccommodationCoefficient = Annotated[Numeric, Quantity("", 0.0, HIGHEST_TAC, open_below=True)]
 Coefficient = Annotated[Numeric, Quantity("", 0.0, open_below=True)]
@@ -176,14 +255,68 @@ def quantities_of(owner: type) -> dict[str, Quantity]:
     return found
 
 
+_MISSING = object()
+
+
+def _converter(name: str, annotation: Any) -> Callable[[Any], Any] | None:
+    """What makes a field's value of what a script gives; None for a field that takes anything."""
+    if get_origin(annotation) in (ClassVar, eqx.AbstractVar, eqx.AbstractClassVar):
+        return None
+    quantity = quantity_of(annotation)
+    if quantity is not None:
+        return partial(_as_number, name, quantity, NoneType in get_args(annotation))
+    kinds = [kind for kind in (annotation, *get_args(annotation)) if isinstance(kind, type)]
+    if kinds and all(issubclass(kind, eqx.Module | NoneType) for kind in kinds):
+        return partial(require_record, name, tuple(kinds))
+    return None
+
+
+def _as_number(name: str, quantity: Quantity, is_optional: bool, value: Any) -> Any:
+    return None if value is None and is_optional else quantity.number(name, value)
+
+
+def require_record(name: str, kinds: tuple[type, ...], value: Any) -> Any:
+    """Raise :class:`ParameterError` unless a value is of one of the classes.
+
+    Parameters
+    ----------
+    name : str
+        What the message calls the value.
+    kinds : tuple of type
+    value : object
+
+    Returns
+    -------
+    object
+        The value.
+    """
+    if isinstance(value, kinds):
+        return value
+    wanted = " or ".join("None" if kind is NoneType else kind.__name__ for kind in kinds)
+    raise ParameterError(f"{name} must be of class {wanted}, not {type(value).__name__}")
+
+
 class Checked(eqx.Module):
     """An immutable record whose concrete numbers are checked against their quantities.
+
+    A field annotated with a quantity takes what :meth:`Quantity.number` reads.
 
     Raises
     ------
     ParameterError
-        If a field annotated with a quantity is out of its range.
+        If a field annotated with a quantity is no number or out of its range, or one annotated
+        with a class of records is something else.
     """
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        for name, annotation in vars(cls).get("__annotations__", {}).items():
+            converter = _converter(name, annotation)
+            default = vars(cls).get(name, _MISSING)
+            if converter is None or isinstance(default, dataclasses.Field):
+                continue
+            given = {} if default is _MISSING else {"default": default}
+            setattr(cls, name, eqx.field(converter=converter, **given))
 
     def __check_init__(self) -> None:
         for name, quantity in quantities_of(type(self)).items():

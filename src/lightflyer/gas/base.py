@@ -136,5 +136,12 @@ def knudsen_number(
     >>> print(f"{knudsen_number(3.446, 215.4, 0.01, AIR):.4f}")
     0.0641
     """
-    require_positive(radius=radius)
-    return mean_free_path(pressure, temperature, gas) / (2.0 * radius)
+    require_positive(pressure=pressure, temperature=temperature, radius=radius)
+    return _knudsen_number(pressure, temperature, radius, gas)
+
+
+@entry_point
+def _knudsen_number(
+    pressure: Numeric, temperature: Numeric, radius: Numeric, gas: AbstractGas
+) -> Array:
+    return _mean_free_path(pressure, temperature, gas) / (2.0 * radius)

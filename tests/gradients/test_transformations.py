@@ -1,0 +1,123 @@
+"""Every public numeric function under jit, vmap and grad, in either of JAX's precisions.
+
+A script that knows nothing of double precision must get the same numbers, rounded.
+"""
+
+import importlib
+import inspect
+
+import jax
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.foundation.precision import is_entry_point
+
+FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+STATE = lf.Earth().state(72e3)
+CURVE = lf.film.EmittanceCurve.through(np.linspace(0.05, 0.09, lf.film.curve.NODES))
+AIRS = {"Air": lf.gas.AIR, "Lu2023Air": lf.gas.Lu2023Air(), "US1976Air": lf.gas.US1976Air()}
+MODELS = {
+    "FreeMolecular": lf.FreeMolecular(),
+    "LinearFreeMolecular": lf.force.LinearFreeMolecular(),
+    "Lu2023": lf.Lu2023(),
+    "Kinetic": lf.Kinetic(),
+}
+ATMOSPHERES = {
+    "US1976": lf.environment.US1976(),
+    "Lu2023Atmosphere": lf.environment.Lu2023Atmosphere(),
+}
+
+
+def disk(radius):
+    return lf.Disk(FILM, 0.01 * radius)
+
+
+def sandwich(radius):
+    top = lf.FilmProperties(3e-4, 0.02, 0.1, 0.1, 0.8, 0.8, transmittance=0.9)
+    return lf.Sandwich(top, FILM, 0.01 * radius, 1e-4, 0.5, 5e-5, 1e-4, 1.8)
+
+
+# a function of a number near one for each public function or method
+CASES = {
+    "flight.equilibrium": lambda x: lf.equilibrium(disk(x), STATE, lf.Lu2023()).temperature,
+    "flight.lift": lambda x: lf.lift(disk(x), STATE, lf.Lu2023()),
+    "flight.force_vector": lambda x: lf.flight.force_vector(disk(x), STATE, lf.Lu2023())[2],
+    "flight.payload": lambda x: lf.payload(disk(x), STATE, lf.Lu2023()),
+    "flight.weight": lambda x: lf.weight(disk(x), STATE),
+    "flight.levitate": lambda x: lf.levitate(disk(x), STATE, lf.Lu2023()).irradiance,
+    "flight.levitation_band": lambda x: lf.levitation_band(disk(x), lf.Earth(), lf.Lu2023()).upper,
+    "environment.ground_view_factor": lambda x: lf.environment.ground_view_factor(1.5 * x, 0.97),
+    "film.stack_optics": lambda x: lf.film.stack_optics(
+        np.array([3.5]), np.array([0.1]), x * np.array([5e-8]), 5e-7
+    ).transmittance[0],
+    "film.EmittanceCurve.__call__": lambda x: CURVE(300.0 * x),
+    "film.EmittanceCurve.growth": lambda x: CURVE.growth(300.0, 0.1 * x),
+    "gas.mean_free_path": lambda x: lf.gas.mean_free_path(3.0 * x, 230.0, lf.gas.AIR),
+    "gas.knudsen_number": lambda x: lf.gas.knudsen_number(3.0 * x, 230.0, 0.01, lf.gas.AIR),
+    "gas.AbstractGas.density": lambda x: lf.gas.AIR.density(3.0, 230.0 * x),
+    "gas.AbstractGas.mean_speed": lambda x: lf.gas.AIR.mean_speed(230.0 * x),
+    "force.Schafer2025.heat_loss": lambda x: lf.Schafer2025().heat_loss(
+        sandwich(x), STATE, (0.2, 0.4)
+    )[1],
+    "force.Schafer2025.force": lambda x: lf.Schafer2025().force(sandwich(x), STATE, (0.2, 0.4)),
+}
+for name, gas in AIRS.items():
+    for law in ("viscosity", "conductivity", "heat_capacity"):
+        CASES[f"gas.{name}.{law}"] = lambda x, gas=gas, law=law: getattr(gas, law)(230.0 * x)
+for name, model in MODELS.items():
+    CASES[f"force.{name}.heat_loss"] = lambda x, model=model: model.heat_loss(
+        disk(x), STATE, (0.4,)
+    )[0]
+    CASES[f"force.{name}.force"] = lambda x, model=model: model.force(disk(x), STATE, (0.4,))
+for name, atmosphere in ATMOSPHERES.items():
+    for law in ("pressure", "temperature", "molar_mass_ratio", "density", "viscosity",
+                "mean_free_path"):  # fmt: skip
+        if hasattr(atmosphere, law):
+            CASES[f"environment.{name}.{law}"] = lambda x, atmosphere=atmosphere, law=law: getattr(
+                atmosphere, law
+            )(70e3 * x)
+
+ELSEWHERE = {
+    "environment.NRLMSIS": "needs pymsis, is not traced; tests/environment",
+    "flight.outputs_of": "a list",
+    "flight.levitation_bands": "levitation_band is one of them",
+}
+ROOMS = ["environment", "film", "flight", "flyer", "force", "gas"]
+
+
+def public_numeric_names():
+    """Entry points of the rooms of physics, and the functions of flight that wrap one."""
+    for room in ROOMS:
+        package = importlib.import_module(f"lightflyer.{room}")
+        for name in package.__all__:
+            found = getattr(package, name)
+            if inspect.isclass(found):
+                for inner, method in vars(found).items():
+                    if is_entry_point(method):
+                        yield f"{room}.{name}.{inner}"
+            elif is_entry_point(found) or (room == "flight" and inspect.isfunction(found)):
+                yield f"{room}.{name}"
+
+
+def test_every_public_numeric_function_has_a_case():
+    missing = [
+        name
+        for name in public_numeric_names()
+        if name not in CASES and not any(name.startswith(known) for known in ELSEWHERE)
+    ]
+    assert not missing
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_transformations_in_either_precision(name):
+    function, points = CASES[name], np.array([0.95, 1.0])
+    plain = np.array([float(function(point)) for point in points])
+    with lf.float64():
+        slope = float(jax.grad(function)(1.0))
+        np.testing.assert_allclose(jax.jit(jax.vmap(function))(points), plain, rtol=1e-10)
+        step = 1e-4
+        difference = float(function(1.0 + step) - function(1.0 - step)) / (2.0 * step)
+        np.testing.assert_allclose(slope, difference, rtol=1e-5, atol=1e-9 * abs(plain[1]))
+    np.testing.assert_allclose(jax.jit(jax.vmap(function))(points), plain, rtol=1e-5)
+    np.testing.assert_allclose(jax.grad(function)(1.0), slope, rtol=1e-4)

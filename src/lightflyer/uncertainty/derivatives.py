@@ -105,7 +105,7 @@ def derivatives(inputs: Inputs, coordinate: np.ndarray) -> Derivatives:
     step = _COORDINATE_STEP * coordinate
     shifted = np.concatenate([coordinate, coordinate - step, coordinate + step])
     setup, tangents = inputs.setup_and_tangents()
-    value, change = _derivatives(setup, tangents, shifted)
+    value, change = _derivatives(setup, tuple(tangents), shifted)
     count = coordinate.size
     step = np.where(step > 0.0, step, np.nan)  # at sea level there is none
     return Derivatives(

@@ -15,7 +15,13 @@ from lightflyer.environment.section import EnvironmentSection
 from lightflyer.foundation import constants
 from lightflyer.foundation.checks import require_positive, require_range
 from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import Acceleration, Length, Pressure, Temperature
+from lightflyer.foundation.quantity import (
+    Acceleration,
+    Length,
+    Pressure,
+    Temperature,
+    quantity_of,
+)
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 from lightflyer.gas.air import AIR, GASES
@@ -23,6 +29,9 @@ from lightflyer.gas.base import AbstractGas
 
 DEFAULT_PRESSURES = tuple(digit * 10.0**decade for decade in range(-4, 6) for digit in (1.0, 3.0))
 """Pressures reported one by one where none are asked for, if in the chamber's range [Pa]."""
+
+_PRESSURE = quantity_of(Pressure)
+assert _PRESSURE is not None
 
 
 class Chamber(AbstractEnvironment):
@@ -102,7 +111,7 @@ class Chamber(AbstractEnvironment):
             If a concrete pressure is not positive.
         """
         pressure = self.coordinate.quantity.number("pressure", coordinate)
-        require_positive(pressure=pressure)
+        _PRESSURE.check("pressure", pressure)
         return EnvironmentState(
             pressure=pressure,
             temperature=self.temperature,

@@ -27,7 +27,7 @@ import pint
 import pydantic
 from pydantic_core import CoreSchema, core_schema
 
-from lightflyer.foundation.checks import allowed, require_range
+from lightflyer.foundation.checks import allowed, is_concrete, require_range
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured, parse
@@ -45,12 +45,19 @@ class Quantity:
         Possible range, both ends included.
     open_below : bool
         Whether ``lowest`` itself is excluded.
+    sizes : tuple of float
+        Smallest and largest size of a value other than zero that is plausible. A value beyond is
+        a slip of the unit or of the pen.
+    why : str
+        What ends the sizes, in words.
     """
 
     unit: str = ""
     lowest: float = -math.inf
     highest: float = math.inf
     open_below: bool = False
+    sizes: tuple[float, float] = (0.0, math.inf)
+    why: str = ""
 
     @property
     def allowed(self) -> str:
@@ -69,6 +76,32 @@ class Quantity:
             In the unit; None and traced values pass.
         """
         require_range(name, value, self.lowest, self.highest, open_below=self.open_below)
+        problem = self.implausible(value)
+        if problem:
+            raise ParameterError(f"{name} = {problem}")
+
+    def implausible(self, value: Any) -> str | None:
+        """Say in words why a concrete value cannot be meant, None where it can.
+
+        Parameters
+        ----------
+        value : array or None
+            In the unit; None and traced values pass.
+
+        Returns
+        -------
+        str or None
+        """
+        if self.sizes == (0.0, math.inf) or value is None or not is_concrete(value):
+            return None
+        smallest, largest = self.sizes
+        size = np.ravel(np.abs(value))
+        beyond = (size > largest) | ((size < smallest) & (size > 0.0))
+        if not np.any(beyond):
+            return None
+        bad, most = size[beyond][0], size[beyond][0] > largest
+        limit = f"at most {largest:g}" if most else f"at least {smallest:g}"
+        return f"{bad:g} must be {limit} {self.unit}: {self.why}"
 
     def number(self, name: str, value: Any) -> Any:
         """Number or array in the unit, from whatever a script gives.
@@ -137,10 +170,19 @@ class Quantity:
             If it is no number of this kind or out of range.
         """
         measured = value if isinstance(value, Measured) else parse(value, self.unit)
+        problem = self.implausible(measured.value)
+        if problem:
+            raise ConfigurationError(problem.partition(" ")[2])
         try:
             self.check("", measured.value)
         except ParameterError:
             raise ConfigurationError(f"must be {self.allowed}") from None
+        width = min(self.highest - self.lowest, self.sizes[1])
+        if measured.uncertainty is not None and measured.uncertainty > width:
+            raise ConfigurationError(
+                f"the uncertainty must be at most {width:g}{f' {self.unit}' if self.unit else ''}, "
+                "all that is possible"
+            )
         return measured
 
     def __get_pydantic_core_schema__(
@@ -173,21 +215,85 @@ HIGHEST_TAC = 1.3
 HIGHEST_OPEN_FRACTION = 0.999
 """Largest share of holes accepted: without film there is no flyer."""
 
-Length = Annotated[Numeric, Quantity("m", 0.0, open_below=True)]
-Distance = Annotated[Numeric, Quantity("m", 0.0)]
-Altitude = Annotated[Numeric, Quantity("m", 0.0)]
-Mass = Annotated[Numeric, Quantity("kg", 0.0)]
-ArealDensity = Annotated[Numeric, Quantity("kg/m^2", 0.0, open_below=True)]
-Density = Annotated[Numeric, Quantity("kg/m^3", 0.0, open_below=True)]
-Pressure = Annotated[Numeric, Quantity("Pa", 0.0, open_below=True)]
-Temperature = Annotated[Numeric, Quantity("K", 0.0, open_below=True)]
-MolarMass = Annotated[Numeric, Quantity("kg/mol", 0.0, open_below=True)]
-Power = Annotated[Numeric, Quantity("W", 0.0)]
-Tension = Annotated[Numeric, Quantity("N/m", 0.0, open_below=True)]
-Irradiance = Annotated[Numeric, Quantity("W/m^2", 0.0)]
-Acceleration = Annotated[Numeric, Quantity("m/s^2", 0.0, open_below=True)]
-Velocity = Annotated[Numeric, Quantity("m/s")]
-Conductivity = Annotated[Numeric, Quantity("W/(m*K)", 0.0)]
+_BETWEEN = "atoms are larger, flyers smaller"
+
+Length = Annotated[
+    Numeric,
+    Quantity("m", 0.0, open_below=True, sizes=(1e-10, 1e4), why=_BETWEEN),
+]
+Distance = Annotated[Numeric, Quantity("m", 0.0, sizes=(1e-10, 1e4), why=_BETWEEN)]
+Altitude = Annotated[
+    Numeric, Quantity("m", 0.0, sizes=(0.0, 1e9), why="the moon is nearer than that")
+]
+Mass = Annotated[
+    Numeric,
+    Quantity("kg", 0.0, sizes=(0.0, 1e4), why="no flyer carries more"),
+]
+ArealDensity = Annotated[
+    Numeric,
+    Quantity(
+        "kg/m^2",
+        0.0,
+        open_below=True,
+        sizes=(1e-7, 1e2),
+        why="graphene weighs more, 1 cm of steel less",
+    ),
+]
+Density = Annotated[
+    Numeric,
+    Quantity(
+        "kg/m^3",
+        0.0,
+        open_below=True,
+        sizes=(0.1, 2.3e4),
+        why="aerogels and osmium are between",
+    ),
+]
+Pressure = Annotated[
+    Numeric,
+    Quantity(
+        "Pa",
+        0.0,
+        open_below=True,
+        sizes=(1e-15, 1e7),
+        why="beyond there is no gas, or none that is ideal",
+    ),
+]
+Temperature = Annotated[
+    Numeric,
+    Quantity(
+        "K",
+        0.0,
+        open_below=True,
+        sizes=(1.0, 5e3),
+        why="no gas is colder, and its molecules fall apart above",
+    ),
+]
+MolarMass = Annotated[
+    Numeric,
+    Quantity("kg/mol", 0.0, open_below=True, sizes=(1e-3, 0.4), why="hydrogen and UF6 are between"),
+]
+Power = Annotated[Numeric, Quantity("W", 0.0, sizes=(0.0, 1e6), why="no flyer has more power")]
+Tension = Annotated[
+    Numeric,
+    Quantity("N/m", 0.0, open_below=True, sizes=(1e-9, 1e8), why="no film bears more"),
+]
+Irradiance = Annotated[
+    Numeric,
+    Quantity("W/m^2", 0.0, sizes=(1e-30, 1e8), why="the surface of the sun gives 6.3e7 W/m²"),
+]
+Acceleration = Annotated[
+    Numeric,
+    Quantity(
+        "m/s^2", 0.0, open_below=True, sizes=(1e-6, 1e3), why="asteroids and the sun are between"
+    ),
+]
+Velocity = Annotated[
+    Numeric, Quantity("m/s", sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth")
+]
+Conductivity = Annotated[
+    Numeric, Quantity("W/(m*K)", 0.0, sizes=(1e-6, 1e4), why="aerogels and graphene are between")
+]
 Fraction = Annotated[Numeric, Quantity("", 0.0, 1.0)]
 OpenFraction = Annotated[Numeric, Quantity("", 0.0, HIGHEST_OPEN_FRACTION)]
 Emittance = Annotated[Numeric, Quantity("", 0.0, 1.0, open_below=True)]

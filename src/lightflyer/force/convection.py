@@ -20,7 +20,7 @@ import math
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.force.laws import free_molecular_conductance
+from lightflyer.force.laws import free_molecular_conductance, in_series
 from lightflyer.force.lu2023 import rayleigh_number
 from lightflyer.force.validity import Validity
 from lightflyer.foundation.precision import entry_point
@@ -289,3 +289,58 @@ def sphere_conductance(
         gas.heat_capacity_ratio,
     )
     return joined_conductance(free_molecular, dense, tac)
+
+
+@entry_point
+def inner_sphere_conductance(
+    gas_excess: Numeric,
+    wall_excess: Numeric,
+    *,
+    radius: Numeric,
+    tac: Numeric,
+    pressure: Numeric,
+    temperature: Numeric,
+    gravity: Numeric,
+    gas: AbstractGas,
+    convection: Numeric = 1.0,
+) -> Array:
+    r"""Heat from the gas within a sphere to its wall, per difference of their excesses.
+
+    Parameters
+    ----------
+    gas_excess, wall_excess : array, shape (...)
+        Relative temperature excess of the gas within and of the wall, over ``temperature`` [1].
+    radius : array, shape (...)
+        Of the sphere [m].
+    tac : array, shape (...)
+        Thermal accommodation coefficient of the wall's inner face [1].
+    pressure, temperature, gravity : array, shape (...)
+        Of the gas within [Pa]; that of the surroundings [K]; acceleration of free fall [m/s²].
+    gas : AbstractGas
+        Within.
+    convection : array, shape (...)
+        Factor of the Nusselt number, for the error of its law [1].
+
+    Returns
+    -------
+    array, broadcast shape
+        [W]; the heat is this times the difference of the excesses.
+
+    Notes
+    -----
+    Molecules that fly from wall to wall make the gas as warm as the wall: in thin gas this is the
+    heat of gas that is kept mixed.
+    """
+    wall = temperature * (1.0 + wall_excess)
+    difference = (gas_excess - wall_excess) / (1.0 + wall_excess)
+    rayleigh = rayleigh_number(
+        difference, radius=radius, pressure=pressure, temperature=wall, gravity=gravity, gas=gas
+    )
+    mean = temperature * (1.0 + 0.5 * (gas_excess + wall_excess))
+    nusselt = convection * inner_sphere_nusselt(rayleigh)
+    dense = 2.0 * jnp.pi * radius * nusselt * gas.conductivity(mean) * temperature
+    free_molecular = free_molecular_conductance(
+        4.0 * jnp.pi * radius**2, tac, pressure, gas.mean_speed(mean), gas.heat_capacity_ratio
+    )
+    # that is per excess over the mean temperature
+    return in_series(dense, free_molecular * temperature / mean)

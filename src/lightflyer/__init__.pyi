@@ -1,4 +1,5 @@
 from . import calibration as calibration
+from . import comparison as comparison
 from . import environment as environment
 from . import film as film
 from . import flight as flight
@@ -12,6 +13,7 @@ from . import search as search
 from . import sweeps as sweeps
 from . import uncertainty as uncertainty
 from .calibration import calibrate as calibrate
+from .comparison import compare as compare
 from .config.flyer_file import FlyerFile as FlyerFile
 from .config.reader import read_flyer_file as read_flyer_file
 from .environment import Chamber as Chamber
@@ -27,10 +29,15 @@ from .flight import lift as lift
 from .flight import payload as payload
 from .flight import weight as weight
 from .flyer import AbstractFlyer as AbstractFlyer
+from .flyer import Balloon as Balloon
 from .flyer import Disk as Disk
+from .flyer import HollowBody as HollowBody
 from .flyer import Sandwich as Sandwich
 from .force import AbstractForceModel as AbstractForceModel
+from .force import Celenza2023 as Celenza2023
+from .force import BalloonConvection as BalloonConvection
 from .force import FreeMolecular as FreeMolecular
+from .force import HollowPump as HollowPump
 from .force import Kinetic as Kinetic
 from .force import Lu2023 as Lu2023
 from .force import Schafer2025 as Schafer2025

@@ -1,6 +1,10 @@
+from .balloon import Balloon as Balloon
+from .balloon import BalloonSection as BalloonSection
 from .base import AbstractFlyer as AbstractFlyer
 from .disk import Disk as Disk
 from .disk import DiskSection as DiskSection
+from .hollow import HollowBody as HollowBody
+from .hollow import HollowSection as HollowSection
 from .sandwich import Sandwich as Sandwich
 from .sandwich import SandwichSection as SandwichSection
 from .section import FlyerSection as FlyerSection

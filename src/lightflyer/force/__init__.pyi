@@ -1,7 +1,10 @@
+from .balloon import BalloonConvection as BalloonConvection
 from .base import AbstractForceModel as AbstractForceModel
 from .base import ModelResult as ModelResult
+from .celenza2023 import Celenza2023 as Celenza2023
 from .free_molecular import FreeMolecular as FreeMolecular
 from .free_molecular import LinearFreeMolecular as LinearFreeMolecular
+from .hollow_pump import HollowPump as HollowPump
 from .kinetic import Kinetic as Kinetic
 from .lu2023 import PRINTED as PRINTED
 from .lu2023 import REPORTED as REPORTED

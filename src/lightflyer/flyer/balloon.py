@@ -1,0 +1,331 @@
+"""A balloon: a spherical envelope of film, open or closed, around warm gas."""
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal, NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import pydantic
+from jax import Array
+
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.environment.radiation import Attitude
+from lightflyer.film.properties import FilmProperties, excess_of_growth
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.section import FlyerSection
+from lightflyer.foundation import constants
+from lightflyer.foundation.checks import is_concrete
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.quantity import Distance, Length, Mass, MolarMass, Power, Tension
+from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.units import Measured
+
+_MOLAR_GAS_CONSTANT = constants.BOLTZMANN * constants.AVOGADRO  # [J/(mol K)]
+
+MOLAR_MASSES: Mapping[str, float] = {"helium": 4.002602e-3, "hydrogen": 2.016e-3}
+"""Lift gases by the name they have in a flyer file [kg/mol]; [CIAAW2021]_."""
+
+AMBIENT = "ambient"
+"""Name in a flyer file of a filling with the gas that is around the balloon."""
+
+
+class Filling(NamedTuple):
+    """The gas that an envelope holds.
+
+    Attributes
+    ----------
+    volume : array, shape (...)
+        That it takes, at most that of the envelope [m³].
+    mass : array, shape (...)
+        [kg].
+    overpressure : array, shape (...)
+        Over the surroundings, at the height of the lower end [Pa]; zero while it is slack or open.
+    """
+
+    volume: Numeric
+    mass: Numeric
+    overpressure: Numeric
+
+
+class Balloon(AbstractFlyer):
+    r"""A spherical envelope of film around warm gas.
+
+    An **open** envelope has an opening at its lower end. Gas comes and goes through it, so that
+    the envelope is always full, at the pressure of the surroundings. A **closed** one holds a
+    given mass of gas: it is slack while the gas takes less than its volume, and under pressure
+    beyond.
+
+    Attributes
+    ----------
+    film : FilmProperties
+        Of the envelope. The top face looks out, the bottom face into the balloon; the
+        transmittances count.
+    radius : array
+        Of the full sphere [m].
+    opening_radius : array
+        Of the opening at the lower end, zero for none [m].
+    gas_mass : array or None
+        Of the gas in a closed envelope [kg]; None for an open one.
+    molar_mass : array or None
+        Of the gas within [kg/mol]; None for the gas that is around.
+    power : array
+        That a burner or instruments give the gas within [W].
+    payload : array
+        Mass carried beside the film's [kg].
+    attitude : Attitude or None
+        How the opening lies; None stands for straight down.
+    film_strength : array or None
+        Force per length that the film bears [N/m]; it changes no result but its warnings.
+
+    Raises
+    ------
+    ParameterError
+        If a concrete number is impossible, or does not fit the others.
+
+    References
+    ----------
+    [Bowman2020]_ for balloons of air, [CarlsonHorn1983]_ for balloons of helium.
+
+    Examples
+    --------
+    >>> film = FilmProperties(7.4e-3, 0.98, 0.95, 0.95, 0.9, 0.9)
+    >>> print(f"{Balloon(film, radius=2.9).own_mass:.3f} kg")
+    0.782 kg
+    """
+
+    nodes: ClassVar[tuple[str, ...]] = ("envelope", "gas")
+
+    film: FilmProperties
+    radius: Length
+    opening_radius: Distance = 0.0
+    gas_mass: Mass | None = None
+    molar_mass: MolarMass | None = None
+    power: Power = 0.0
+    payload: Mass = 0.0
+    attitude: Attitude | None = None
+    film_strength: Tension | None = None
+
+    def __check_init__(self) -> None:
+        super().__check_init__()  # first each number by itself
+        sizes = (self.radius, self.opening_radius)
+        problem = _contradiction(*sizes, self.gas_mass) if is_concrete(*sizes) else None
+        if problem:
+            raise ParameterError(problem)
+
+    @property
+    def area(self) -> Numeric:
+        """Area seen from above [m²]."""
+        return jnp.pi * self.radius**2
+
+    @property
+    def surface(self) -> Numeric:
+        """Area of the whole sphere, opening included [m²]."""
+        return 4.0 * jnp.pi * self.radius**2
+
+    @property
+    def volume(self) -> Numeric:
+        """Volume of the full envelope [m³]."""
+        return self.surface * self.radius / 3.0
+
+    @property
+    def open_share(self) -> Numeric:
+        """Share of the sphere that is opening [1]."""
+        return self.opening_radius**2 / (4.0 * self.radius**2)
+
+    @property
+    def film_area(self) -> Numeric:
+        """Area of the film, on one side [m²]."""
+        return self.surface * (1.0 - self.open_share)
+
+    @property
+    def own_mass(self) -> Numeric:
+        """Mass of the film [kg]; that of the gas within is part of the buoyancy."""
+        return self.film_area * self.film.areal_density
+
+    @property
+    def highest_temperature(self) -> Numeric | None:
+        """See :attr:`AbstractFlyer.highest_temperature`."""
+        return self.film.highest_temperature
+
+    def filling(self, state: EnvironmentState, excess: Numeric) -> Filling:
+        r"""Volume, mass and pressure of the gas within.
+
+        Parameters
+        ----------
+        state : EnvironmentState
+        excess : array, shape (...)
+            Relative temperature excess of the gas within [1].
+
+        Returns
+        -------
+        Filling
+        """
+        specific = self._gas_constant(state) * state.temperature * (1.0 + excess)
+        if self.gas_mass is None:
+            return Filling(self.volume, state.pressure * self.volume / specific, 0.0 * excess)
+        unbound = self.gas_mass * specific / state.pressure
+        full = jnp.maximum(unbound / self.volume - 1.0, 0.0)
+        return Filling(jnp.minimum(unbound, self.volume), self.gas_mass, full * state.pressure)
+
+    def buoyancy(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Numeric:
+        r"""See :meth:`AbstractFlyer.buoyancy`.
+
+        .. math:: g\,(\rho_c V - m)
+
+        which for an open balloon of the surrounding gas is
+        :math:`\rho_c\,g\,V\,\theta/(1+\theta)`, written so.
+        """
+        excess = unknowns[1]
+        density = state.gas.density(state.pressure, state.temperature)
+        if self.gas_mass is None:
+            heavier = state.gas.specific_gas_constant / self._gas_constant(state)
+            share = (1.0 - heavier + excess) / (1.0 + excess)
+            return density * self.volume * state.gravity * share
+        within = self.filling(state, excess)
+        return (density * within.volume - within.mass) * state.gravity
+
+    def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
+        """See :meth:`AbstractFlyer.beam_areas`."""
+        into_opening = state.radiation.on_faces(self.attitude).beam_bottom
+        absorbed = self._absorbed_light(state.radiation.on_sphere().beam, into_opening)
+        return absorbed, jnp.zeros_like(absorbed)
+
+    def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
+        """See :meth:`AbstractFlyer.heat_gains`."""
+        radiation, temperature = state.radiation, state.temperature
+        into_opening = radiation.on_faces(self.attitude).diffuse_bottom
+        diffuse = self._absorbed_light(radiation.on_sphere().diffuse, into_opening)
+        _, from_below = radiation.infrared_excess(temperature, self.attitude)
+        infrared = self._absorbed_infrared(
+            state, radiation.infrared_excess_on_sphere(temperature), from_below
+        )
+        absorbed = diffuse + infrared
+        return absorbed, self.power + jnp.zeros_like(absorbed)
+
+    def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
+        r"""See :meth:`AbstractFlyer.heat_losses`.
+
+        What the envelope emits beyond that at the gas temperature, less what comes back to it
+        within. The gas within neither emits nor absorbs.
+        """
+        excess = unknowns[0]
+        out, within = self.film.emission_growths(state.temperature, excess)
+        black = state.radiation.stefan_boltzmann * state.temperature**4
+        lost = -black * self._absorbed_infrared(state, 0.0, 0.0, out, within)
+        return lost, 0.0 * excess
+
+    def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
+        """See :meth:`AbstractFlyer.highest_excess`: the excess in vacuum by the outer face."""
+        outer = eqx.tree_at(lambda film: film.emittance_bottom, self.film, 0.0)
+        black = self.film_area * state.radiation.stefan_boltzmann * state.temperature**4
+        return jnp.abs(excess_of_growth(outer.emission_bound(state.temperature, power / black)))
+
+    def describe(self) -> str:
+        """See :meth:`AbstractFlyer.describe`."""
+        kind = "open" if self.gas_mass is None else "closed"
+        return f"{kind} balloon of {2.0 * float(np.asarray(self.radius)):g} m"
+
+    def _gas_constant(self, state: EnvironmentState) -> Numeric:
+        """Specific gas constant of the gas within [J/(kg K)]."""
+        if self.molar_mass is None:
+            return state.gas.specific_gas_constant
+        return _MOLAR_GAS_CONSTANT / self.molar_mass
+
+    def _absorbed_light(self, onto_sphere: Numeric, into_opening: Numeric) -> Array:
+        film = self.film
+        return self._absorbed(
+            (film.absorptance, film.absorptance_below),
+            (film.transmittance, film.transmittance_below),
+            onto_sphere,
+            into_opening,
+        )
+
+    def _absorbed_infrared(
+        self,
+        state: EnvironmentState,
+        onto_sphere: Numeric,
+        into_opening: Numeric,
+        *emitted: Numeric,
+    ) -> Array:
+        through = self.film.infrared_transmittance_at(state.temperature)
+        emittances = self.film.emittances_at(state.temperature)
+        return self._absorbed(emittances, (through, through), onto_sphere, into_opening, *emitted)
+
+    def _absorbed(
+        self,
+        absorptances: tuple[Numeric, Numeric],
+        transmittances: tuple[Numeric, Numeric],
+        onto_sphere: Numeric,
+        into_opening: Numeric,
+        emitted_out: Numeric = 0.0,
+        emitted_within: Numeric = 0.0,
+    ) -> Array:
+        """What the envelope absorbs, minus what it emits, of irradiances from outside [W].
+
+        Within, radiation is diffuse and everywhere the same, and what reaches the opening leaves.
+        """
+        (outer, inner), (inward, outward) = absorptances, transmittances
+        hole = self.open_share
+        solid = 1.0 - hole
+        # of the sphere's mean, what does not fall into the opening
+        onto_film = (onto_sphere - hole * into_opening) / solid
+        entering = hole * into_opening + solid * (inward * onto_film + emitted_within)
+        reflected = solid * (1.0 - inner - outward)
+        # within a perfect mirror without an opening there is nothing
+        kept = jnp.where(reflected == 1.0, 1.0, 1.0 - reflected)
+        gain = outer * onto_film + inner * entering / kept - emitted_out - emitted_within
+        return self.film_area * gain
+
+
+def _contradiction(
+    radius: Numeric, opening_radius: Numeric, gas_mass: Numeric | None
+) -> str | None:
+    """How numbers contradict each other, or None."""
+    if np.any(np.asarray(opening_radius) >= radius):
+        return "the opening must be smaller than the balloon"
+    if gas_mass is not None and np.any(np.asarray(opening_radius) > 0.0):
+        return "a closed balloon, which has a gas_mass, has no opening"
+    return None
+
+
+class BalloonSection(FlyerSection):
+    """``[flyer]``: a balloon, whose film is in ``[film]``."""
+
+    flyer_type: ClassVar[type[AbstractFlyer]] = Balloon
+    default_model: ClassVar[str] = "balloon"
+    not_varied: ClassVar[Mapping[str, str]] = {
+        "film_strength": "is a limit and changes no result",
+    }
+
+    shape: Literal["balloon"]
+    diameter: Length
+    opening_diameter: Distance = Measured(0.0)
+    gas: Literal["ambient", "helium", "hydrogen"] = AMBIENT
+    gas_mass: Mass | None = None
+    power: Power = Measured(0.0)
+    film_strength: Tension | None = None
+
+    @pydantic.model_validator(mode="after")
+    def _numbers_fit(self) -> "BalloonSection":
+        mass = None if self.gas_mass is None else self.gas_mass.value
+        problem = _contradiction(self.diameter.value, self.opening_diameter.value, mass)
+        if problem:
+            raise ConfigurationError(problem)
+        return self
+
+    def build(self, film: FilmProperties | None, incidence: float) -> Balloon:  # noqa: ARG002
+        """The balloon, of the given film."""
+        assert film is not None  # needs_film saw to it
+        mass, strength = self.gas_mass, self.film_strength
+        return Balloon(
+            film,
+            radius=0.5 * self.diameter.value,
+            opening_radius=0.5 * self.opening_diameter.value,
+            gas_mass=None if mass is None else mass.value,
+            molar_mass=MOLAR_MASSES.get(self.gas),
+            power=self.power.value,
+            payload=self.payload.value,
+            attitude=self.attitude(),
+            film_strength=None if strength is None else strength.value,
+        )

@@ -94,3 +94,11 @@ def test_sandwich_page():
     masses = lf.payload(names["sandwich"], names["state"], lf.Schafer2025())
     assert masses.shape == names["gaps"].shape
     assert np.all(masses > 0.0)
+
+
+def test_compare_page():
+    found = run_page("compare.md")["found"]
+    assert found.best.name == "4 cm"
+    assert found.best.prediction.best.values["payload"] == pytest.approx(6.45e-7, rel=1e-3)
+    there = found.dataset.payload_per_area.sel(altitude=72e3, method="nearest")
+    assert [f"{1e3 * float(value):.2g}" for value in there] == ["1.2", "1", "0.16"]

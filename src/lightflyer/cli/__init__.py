@@ -31,6 +31,11 @@ app.command(
     help="Predict where a flyer levitates, what it carries and how hot it gets.",
 )
 app.command(
+    "lightflyer.cli.compare:compare_command",
+    name="compare",
+    help="Compare several flyers over altitude or pressure.",
+)
+app.command(
     "lightflyer.cli.film:film_command",
     name="film",
     help="Compute absorptance, emittance and areal density of a film from its layers.",

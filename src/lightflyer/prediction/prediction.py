@@ -5,7 +5,7 @@ edges and optima are found by looking closer with the same function.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -351,7 +351,11 @@ def predict(
     return predict_design(as_design(what, environment, model), at)
 
 
-def predict_design(design: AbstractDesign, at: Sequence[float] | None = None) -> Prediction:
+def predict_design(
+    design: AbstractDesign,
+    at: Sequence[float] | None = None,
+    searched: tuple[float, float] | None = None,
+) -> Prediction:
     """Predict what a design does; see :func:`predict`.
 
     Parameters
@@ -359,12 +363,14 @@ def predict_design(design: AbstractDesign, at: Sequence[float] | None = None) ->
     design : AbstractDesign
     at : sequence of float, optional
         Coordinates to report one by one.
+    searched : tuple of float, optional
+        Ends of the coordinates to search, in place of the design's own.
 
     Returns
     -------
     Prediction
     """
-    setup = design.setup
+    setup = design.setup if searched is None else replace(design.setup, search_range=searched)
     evaluate, where = Evaluator(setup), setup.environment.coordinate
     coordinates = search_grid(setup, POINTS)
     asked = _asked(where, coordinates, at)

@@ -7,7 +7,7 @@ import numpy as np
 from lightflyer.flight.outputs import OUTPUTS
 from lightflyer.foundation.units import dataset_unit
 from lightflyer.prediction.figures import across
-from lightflyer.uncertainty.propagation import BANDS, PredictionUncertainty
+from lightflyer.uncertainty.propagation import PredictionUncertainty
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,11 +33,11 @@ def add_to_dataset(dataset: "xr.Dataset", uncertainty: PredictionUncertainty) ->
     about = {"units": dataset_unit(where.unit), "long_name": where.long_name}
     dataset.coords[name] = (name, uncertainty.coordinate, about)
     for end, table in (("low", uncertainty.low), ("high", uncertainty.high)):
-        for output in BANDS:
+        for output, values in table.items():
             about = dataset[output].attrs
             long_name = f"{about['long_name']}, {end} end of the 95 % band"
             attributes = {"units": about["units"], "long_name": long_name}
-            dataset[f"{output}_{end}"] = (name, table[output], attributes)
+            dataset[f"{output}_{end}"] = (name, values, attributes)
 
 
 def add_to_figures(figures: "dict[str, Figure]", uncertainty: PredictionUncertainty) -> None:

@@ -34,8 +34,16 @@ COVERAGE = (2.5, 97.5)
 BAND_POINTS = 121
 """Coordinates at which the bands of the figures are known."""
 
-BANDS = ("levitation_irradiance", "levitation_temperature", "temperature", "payload")
-"""Quantities that have bands in the figures."""
+BANDS = (
+    "levitation_irradiance",
+    "levitation_temperature",
+    "temperature",
+    "lift_over_weight",
+    "payload",
+    "relative_payload",
+    "payload_per_area",
+)
+"""Outputs that have bands over the coordinate, besides those of the force model's own."""
 
 _STANDARD_DEVIATIONS = 1.959963984540054  # of a normal distribution, for 95 %
 _POSITIVE = "levitation_irradiance"  # goes with the inverse of the TACs' difference
@@ -86,7 +94,7 @@ class PredictionUncertainty:
         The results that are edges of the band in which the flyer flies. First order has no 95 %
         band for them: how far they are from linear depends on the margin, which is uncertain too.
     low, high : dict of str to array, shape (n,)
-        95 % bands of :data:`BANDS`, in SI units.
+        95 % bands of :data:`BANDS` and of the force model's own results, in SI units.
     """
 
     prediction: Prediction
@@ -152,6 +160,7 @@ def propagate(
     prediction: Prediction | None = None,
     samples: int = DEFAULT_SAMPLES,
     seed: int = 0,
+    over: np.ndarray | None = None,
 ) -> PredictionUncertainty | None:
     """Uncertainty of a prediction from the ± of its design.
 
@@ -168,6 +177,9 @@ def propagate(
         Of Monte Carlo; 0 for first order alone.
     seed : int
         Of the random numbers: the same seed gives the same samples.
+    over : array, shape (n,), optional
+        Coordinates at which the bands are wanted, evenly spaced or, in a chamber, in equal ratios;
+        by default those around which the flyer flies.
 
     Returns
     -------
@@ -196,9 +208,14 @@ def propagate(
         return None
     prediction = predict_design(design) if prediction is None else prediction
     targets, points = _targets(prediction)
-    even = _even_grid(prediction)
     logarithmic = prediction.coordinate.logarithmic
-    grid = np.exp(even) if logarithmic else even
+    if over is None:
+        even = _even_grid(prediction)
+        grid = np.exp(even) if logarithmic else even
+    else:
+        grid = np.asarray(over, float)
+        even = np.log(grid) if logarithmic else grid
+    names = (*BANDS, *prediction.model_names)
     coordinates = np.concatenate([grid, points])
     slopes = derivatives(inputs, coordinates)
     sampled: dict[str, np.ndarray] = {}
@@ -208,14 +225,14 @@ def propagate(
         searched = prediction.coordinates[[0, -1]]
         ends = (bool(grid[0] <= searched[0]), bool(grid[-1] >= searched[1]))
         sampled = _sampled(targets, table, even, ends, logarithmic=logarithmic)
-        bands = _quantiles({name: table[name][:, :BAND_POINTS] for name in BANDS})
+        bands = _quantiles({name: table[name][:, : grid.size] for name in names})
     else:
-        bands = _normal_bands(slopes)
+        bands = _normal_bands(slopes, names, grid.size)
     return PredictionUncertainty(
         prediction=prediction,
         inputs=inputs,
         nominal={target.name: target.nominal for target in targets},
-        first_order={target.name: _spread(target, slopes) for target in targets},
+        first_order={target.name: _spread(target, slopes, grid.size) for target in targets},
         sampled=sampled,
         samples=samples,
         seed=seed,
@@ -357,9 +374,9 @@ def _normal_ends(value: Any, spread: Any, *, positive: bool) -> tuple[Any, Any]:
     return value / factor, value * factor
 
 
-def _spread(target: _Target, slopes: Derivatives) -> float:
+def _spread(target: _Target, slopes: Derivatives, before: int) -> float:
     """Standard uncertainty of a result to first order."""
-    point = BAND_POINTS + target.point
+    point = before + target.point
     if target.mover in ("lower", "upper"):
         moving = slopes.edge(point)
     elif target.mover and not target.at_end:
@@ -417,9 +434,9 @@ def _quantiles(table: Table) -> tuple[Table, Table]:
     return low, high
 
 
-def _normal_bands(slopes: Derivatives) -> tuple[Table, Table]:
+def _normal_bands(slopes: Derivatives, names: tuple[str, ...], count: int) -> tuple[Table, Table]:
     low, high = {}, {}
-    for name in BANDS:
-        value, spread = slopes.value[name][:BAND_POINTS], slopes.spreads(name)[:BAND_POINTS]
+    for name in names:
+        value, spread = slopes.value[name][:count], slopes.spreads(name)[:count]
         low[name], high[name] = _normal_ends(value, spread, positive=name == _POSITIVE)
     return low, high

@@ -1,0 +1,5 @@
+"""Comparison of several flyers: side by side over altitude or pressure."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,400 @@
+"""Comparison of several flyers over altitude, or over pressure in chambers.
+
+Each flyer is predicted in its own surroundings, with the bands of its own ±; all of them are then
+tabulated on one grid.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.comparison.footing import Difference, differing_models, differing_surroundings
+from lightflyer.environment.base import Coordinate
+from lightflyer.flight.design import AbstractDesign, as_design
+from lightflyer.flight.outputs import outputs_of
+from lightflyer.flight.setup import Setup
+from lightflyer.foundation.errors import ConfigurationError, LightflyerError, ParameterError
+from lightflyer.foundation.units import scale_and_offset
+from lightflyer.prediction.prediction import Evaluator, Prediction, Table, predict_design
+from lightflyer.uncertainty.propagation import (
+    DEFAULT_SAMPLES,
+    PredictionUncertainty,
+    propagate,
+    require_samples,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+FEWEST, MOST = 2, 9
+"""Numbers of flyers that can be told apart in one figure."""
+
+POINTS = 121
+"""Length of the common grid."""
+
+_LEAST_LIFT = 0.3  # lift over weight around which a flyer is worth drawing
+_AROUND = 0.05  # of the searched range, drawn beyond that on each side
+_LISTED = 12  # most coordinates that are listed
+_FEW_DECADES = 6  # of pressure, in each of which two are listed
+_STEPS = (1.0, 2.0, 5.0, 10.0)
+
+Progress = Callable[[str, int, int], None]
+"""Called with what is done next, how many steps are done, and how many there are."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One of the flyers of a comparison.
+
+    Attributes
+    ----------
+    name : str
+        The file's, or a description.
+    prediction : Prediction
+    uncertainty : PredictionUncertainty or None
+        None where no ± is stated.
+    table : dict of str to array, shape (n,)
+        Outputs on the common grid, in SI units.
+    listed : dict of str to array, shape (m,)
+        Outputs at the round coordinates of the comparison.
+    """
+
+    name: str
+    prediction: Prediction
+    uncertainty: PredictionUncertainty | None
+    table: Table
+    listed: Table
+
+    @property
+    def setup(self) -> Setup:
+        """The flyer, its environment and its force model."""
+        return self.prediction.setup
+
+    @property
+    def description(self) -> str:
+        """Flyer and force model in a few words."""
+        return f"{self.setup.flyer.describe()}, {type(self.setup.model).__name__}"
+
+    def band(self, output: str) -> tuple[np.ndarray, np.ndarray] | None:
+        """95 % band of an output on the common grid, in SI units; None where there is none.
+
+        Parameters
+        ----------
+        output : str
+
+        Returns
+        -------
+        low, high : array, shape (n,)
+        """
+        if self.uncertainty is None or output not in self.uncertainty.low:
+            return None
+        return self.uncertainty.low[output], self.uncertainty.high[output]
+
+    def best_band(self, output: str) -> tuple[float, float] | None:
+        """95 % band of an output where the payload is largest, in the unit of JSON.
+
+        Parameters
+        ----------
+        output : str
+
+        Returns
+        -------
+        low, high : float
+            By Monte Carlo, by first order where there are no samples.
+        """
+        if self.uncertainty is None:
+            return None
+        key, _ = outputs_of(self.setup)[output].json
+        found = self.uncertainty.summary()["results"].get(f"best.{key}")
+        if found is None:
+            return None
+        band = found.get("monte_carlo", found["first_order"])
+        return None if band["low"] is None or band["high"] is None else (band["low"], band["high"])
+
+    def summary(self) -> dict[str, Any]:
+        """The flyer as a JSON object."""
+        described = self.prediction.summary()
+        del described["at"]
+        _, scale = outputs_of(self.setup)["own_mass"].json
+        described = {
+            "name": self.name,
+            "flyer": self.setup.flyer.describe(),
+            "force_model": type(self.setup.model).__name__,
+            "own_mass_kg": float(self.setup.flyer.own_mass) * scale,
+        } | described
+        if self.uncertainty is not None:
+            described["uncertainty"] = self.uncertainty.summary()
+        return described
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Several flyers side by side.
+
+    Attributes
+    ----------
+    flyers : tuple of Compared
+    coordinates : array, shape (n,)
+        The common grid: altitudes [m] or pressures [Pa].
+    listed : array, shape (m,)
+        Round ones among them.
+    """
+
+    flyers: tuple[Compared, ...]
+    coordinates: np.ndarray
+    listed: np.ndarray
+
+    @property
+    def coordinate(self) -> Coordinate:
+        """The coordinate that all flyers share."""
+        return self.flyers[0].prediction.coordinate
+
+    @property
+    def best(self) -> Compared:
+        """The flyer of the largest payload."""
+        return max(self.flyers, key=lambda found: found.prediction.best.values["payload"])
+
+    @cached_property
+    def _setups(self) -> dict[str, Setup]:
+        return {found.name: found.setup for found in self.flyers}
+
+    @cached_property
+    def differing_surroundings(self) -> tuple[Difference, ...]:
+        """In what the surroundings differ."""
+        return differing_surroundings(self._setups)
+
+    @cached_property
+    def differing_models(self) -> tuple[Difference, ...]:
+        """In what the force models differ."""
+        return differing_models(self._setups)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a reader must know, one line each: a difference of footing, then each flyer's."""
+        footing = tuple(f"not on one footing: {found}" for found in self.differing_surroundings)
+        own = tuple(
+            f"{found.name}: {text}" for found in self.flyers for text in found.prediction.warnings
+        )
+        return footing + self._unequal_bands() + own
+
+    def _unequal_bands(self) -> tuple[str, ...]:
+        without = [found.name for found in self.flyers if found.uncertainty is None]
+        if not 0 < len(without) < len(self.flyers):
+            return ()
+        return (f"no band for {', '.join(without)}: no ± is stated",)
+
+    def summary(self) -> dict[str, Any]:
+        """The comparison as a JSON object, with a unit at the end of each name."""
+        key, factor = self.flyers[0].prediction.coordinate_key
+        return {
+            f"{self.coordinate.name}_range{key.removeprefix(self.coordinate.name)}": [
+                float(end) * factor for end in self.coordinates[[0, -1]]
+            ],
+            "best": self.best.name,
+            "flyers": [found.summary() for found in self.flyers],
+            "differing_surroundings": _as_json(self.differing_surroundings),
+            "differing_force_models": _as_json(self.differing_models),
+            "warnings": list(self.warnings),
+        }
+
+    @cached_property
+    def dataset(self) -> "xr.Dataset":
+        """The tables as a dataset with units; see :func:`~lightflyer.comparison.to_dataset`."""
+        from lightflyer.comparison.tables import to_dataset
+
+        return to_dataset(self)
+
+
+def _as_json(differences: Sequence[Difference]) -> dict[str, dict[str, str]]:
+    return {found.what: found.values for found in differences}
+
+
+def compare(
+    *what: Any,
+    names: Sequence[str] | None = None,
+    searched: tuple[float, float] | None = None,
+    samples: int = DEFAULT_SAMPLES,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Comparison:
+    """Compare flyers, each in its own surroundings, on one grid of altitudes or pressures.
+
+    Parameters
+    ----------
+    *what : path of a flyer file, FlyerFile, Setup or AbstractDesign
+        Two to nine of them.
+    names : sequence of str, optional
+        One for each; by default the names of files without ending, and descriptions.
+    searched : tuple of float, optional
+        Altitudes [m] or pressures [Pa] between which all are compared, in place of what the files
+        say; by default the grid reaches as far as any of them comes near to flying.
+    samples : int
+        Of Monte Carlo for the bands of those with ±; 0 for first order alone.
+    seed : int
+        Of the random numbers.
+    progress : callable, optional
+        Called before each step with what is done next, the steps done and how many there are.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    ConfigurationError
+        If a file cannot be used, some are described over altitude and others over pressure, or they
+        have no altitude in common.
+    ParameterError
+        If there are too few or too many, or the range is not within each of the surroundings'.
+    ConvergenceError
+        If a heat balance has not converged.
+
+    Examples
+    --------
+    >>> import lightflyer as lf
+    >>> light, heavy = (
+    ...     lf.FilmProperties(mass, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    ...     for mass in (1e-3, 2e-3)
+    ... )
+    >>> setups = [
+    ...     lf.Setup(lf.Disk(film, 0.01), lf.Earth(), lf.Lu2023()) for film in (light, heavy)
+    ... ]
+    >>> found = lf.compare(*setups, names=["light", "heavy"])
+    >>> found.best.name
+    'light'
+    """
+    require_samples(samples, seed)
+    designs = _named(what, names)
+    where = _common_coordinate(designs)
+    if searched is not None:
+        _require_range(where, searched)
+    told, count = progress or _silent, 2 * len(designs)
+    predictions: list[Prediction] = []
+    for name, design in designs.items():
+        told(f"{name}: prediction", len(predictions), count)
+        with _about(name):
+            predictions.append(predict_design(design, (), searched))
+    grid = _common_grid(predictions, searched)
+    flyers: list[Compared] = []
+    listed = _round_coordinates(where, float(grid[0]), float(grid[-1]))
+    for (name, design), prediction in zip(designs.items(), predictions, strict=True):
+        told(f"{name}: 95 % band", len(designs) + len(flyers), count)
+        with _about(name):
+            evaluate = Evaluator(prediction.setup)
+            uncertainty = propagate(
+                design, prediction=prediction, samples=samples, seed=seed, over=grid
+            )
+            tables = evaluate(grid), evaluate(listed)
+        flyers.append(Compared(name, prediction, uncertainty, *tables))
+    return Comparison(tuple(flyers), grid, listed)
+
+
+def _silent(doing: str, done: int, total: int) -> None:
+    del doing, done, total
+
+
+@contextmanager
+def _about(name: str) -> Iterator[None]:
+    """Let errors inside begin with the flyer that they are about."""
+    try:
+        yield
+    except LightflyerError as error:
+        raise type(error)(f"{name}: {error}") from None
+
+
+def _named(what: Sequence[Any], names: Sequence[str] | None) -> dict[str, AbstractDesign]:
+    """Designs by names that differ."""
+    if not FEWEST <= len(what) <= MOST:
+        raise ParameterError(f"compare takes {FEWEST} to {MOST} flyers, and here are {len(what)}")
+    designs = [as_design(one) for one in what]
+    if names is None:
+        names = [_name(one, design) for one, design in zip(what, designs, strict=True)]
+    elif len(names) != len(what) or len(set(names)) != len(names):
+        raise ParameterError(
+            f"names = {list(names)}: give one for each of the {len(what)} flyers, all different"
+        )
+    found: dict[str, AbstractDesign] = {}
+    for name, design in zip(names, designs, strict=True):
+        same = sum(other.rpartition(" (")[0] == name or other == name for other in found)
+        found[f"{name} ({same + 1})" if same else name] = design
+    return found
+
+
+def _name(one: Any, design: AbstractDesign) -> str:
+    return Path(one).stem if isinstance(one, str | Path) else design.setup.flyer.describe()
+
+
+def _common_coordinate(designs: dict[str, AbstractDesign]) -> Coordinate:
+    """The coordinate that all share."""
+    coordinates = {name: found.setup.environment.coordinate for name, found in designs.items()}
+    first, *others = coordinates.items()
+    for name, where in others:
+        if where.name != first[1].name:
+            raise ConfigurationError(
+                f"{first[0]} is described over {first[1].name} and {name} over {where.name}: "
+                "compare flyers in an atmosphere with one another, or flyers in chambers"
+            )
+    return first[1]
+
+
+def _require_range(where: Coordinate, searched: tuple[float, float]) -> None:
+    low, high = searched
+    if not low < high:
+        factor, _ = scale_and_offset(where.unit, where.shown_unit)
+        unit = where.shown_unit
+        raise ParameterError(
+            f"{where.name}: {low * factor:g} {unit} to {high * factor:g} {unit} is no range; the "
+            "first must be the lower one"
+        )
+
+
+def _common_grid(
+    predictions: Sequence[Prediction], searched: tuple[float, float] | None
+) -> np.ndarray:
+    """Even coordinates over the range asked for, or where any flyer comes near to flying."""
+    where = predictions[0].coordinate
+    if searched is None:
+        ends = np.array([_range_near_flight(prediction) for prediction in predictions])
+        ranges = np.array([prediction.coordinates[[0, -1]] for prediction in predictions])
+        low, high = (
+            max(ends[:, 0].min(), ranges[:, 0].max()),
+            min(ends[:, 1].max(), ranges[:, 1].min()),
+        )
+        if low >= high:
+            raise ConfigurationError(f"the flyers are searched over no {where.name} in common")
+    else:
+        low, high = searched
+    return np.geomspace(low, high, POINTS) if where.logarithmic else np.linspace(low, high, POINTS)
+
+
+def _round_coordinates(where: Coordinate, low: float, high: float) -> np.ndarray:
+    """A dozen round coordinates at most within a range."""
+    factor, _ = scale_and_offset(where.unit, where.shown_unit)
+    if where.logarithmic:
+        decades = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
+        digits = (1.0, 3.0) if decades.size <= _FEW_DECADES else (1.0,)
+        found = np.multiply.outer(10.0**decades, digits).ravel()
+    else:
+        span = (high - low) * factor
+        power = 10.0 ** np.floor(np.log10(span / _LISTED))
+        step = next(power * digit for digit in _STEPS if power * digit >= span / _LISTED)
+        first, last = np.ceil(low * factor / step), np.floor(high * factor / step)
+        found = np.arange(first, last + 1.0) * step / factor
+    inside = found[(found >= low) & (found <= high)]
+    return inside if inside.size else np.array([low, high])
+
+
+def _range_near_flight(prediction: Prediction) -> tuple[float, float]:
+    """Range in which lift comes near to the weight, or that around the best, and some more."""
+    coordinates = prediction.coordinates
+    near = np.flatnonzero(prediction.table["lift_over_weight"] >= _LEAST_LIFT)
+    best = int(np.searchsorted(coordinates, prediction.best.coordinate))
+    first, final = (near[0], near[-1]) if near.size else (best, best)
+    more = int(_AROUND * coordinates.size)
+    low, high = max(min(first, best) - more, 0), min(max(final, best) + more, coordinates.size - 1)
+    return float(coordinates[low]), float(coordinates[high])

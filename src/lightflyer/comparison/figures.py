@@ -1,0 +1,137 @@
+"""Figure of a comparison: payload, payload per area, lift over weight and temperature."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from lightflyer.flight.outputs import OUTPUTS
+from lightflyer.foundation.drawing import (
+    GREY,
+    PALETTE,
+    PURPLE,
+    SKY,
+    YELLOW,
+    new_figure,
+    plain_decades,
+)
+from lightflyer.foundation.units import scale_and_offset
+
+if TYPE_CHECKING:
+    from lightflyer.comparison.comparison import Compared, Comparison
+
+PANELS = ("payload", "payload_per_area", "lift_over_weight", "temperature")
+"""Outputs that are drawn."""
+
+_COLOURS = (*PALETTE, SKY, PURPLE, GREY, YELLOW)
+_STYLES = ("-", "--", "-.")
+_OPACITY = 0.15
+_MANY = 20.0  # ratio of the largest to the smallest best value from which on an axis has decades
+_DECADES = 1e-3  # of the largest value, down to which such an axis goes
+_SHARE = 0.1  # of the smallest best value, drawn below it
+_HEADROOM = 1.25
+_MARGIN = 20.0  # kelvins
+_LABELS = {
+    "payload": "largest payload",
+    "payload_per_area": "payload per area",
+    "lift_over_weight": "lift over weight",
+    "temperature": "temperature, available light",
+}
+_BELOW = 0.2  # of the largest payload, drawn below zero
+
+
+def comparison_figure(comparison: "Comparison") -> Figure:
+    """The figure of a comparison.
+
+    Parameters
+    ----------
+    comparison : Comparison
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Four panels over the common grid, one line a flyer; bands are 95 %.
+    """
+    rows = len(comparison.flyers) + 1
+    figure = new_figure(columns=2, rows=2, height=7.0 + 0.22 * rows)
+    handles = {}
+    for ax, output in zip(figure.axes, PANELS, strict=True):
+        handles = draw(comparison, output, ax)
+    figure.legend(
+        handles.values(), handles.keys(), loc="outside lower center", fontsize="small", ncols=1
+    )
+    return figure
+
+
+def draw(comparison: "Comparison", output: str, ax: Axes) -> dict[str, Any]:
+    """Draw one output of all flyers.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    output : str
+        One of :data:`PANELS`.
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    dict of str to artist
+        For a legend, by label.
+    """
+    where = comparison.coordinate
+    places = comparison.coordinates * scale_and_offset(where.unit, where.shown_unit)[0]
+    scale, unit = OUTPUTS[output].shown
+    handles: dict[str, Any] = {}
+    for index, found in enumerate(comparison.flyers):
+        colour, style = _COLOURS[index % len(_COLOURS)], _STYLES[index % len(_STYLES)]
+        label = f"{found.name}: {found.description}"
+        values = found.table[output] * scale
+        (handles[label],) = ax.plot(places, values, color=colour, ls=style, lw=1.8)
+        band = found.band(output)
+        if band is not None:
+            low, high = (end * scale for end in band)
+            ax.fill_between(places, low, high, color=colour, alpha=_OPACITY, lw=0, zorder=0)
+    if any(found.uncertainty is not None for found in comparison.flyers):
+        handles["95 % band"] = Patch(color=GREY, alpha=2.0 * _OPACITY, lw=0)
+    _limit(comparison, output, ax)
+    if where.logarithmic:
+        ax.set_xscale("log")
+        plain_decades(ax.xaxis)
+    ax.set_xlim(places[0], places[-1])
+    ax.set_xlabel(f"{where.long_name.rpartition(' ')[2]} [{where.shown_unit}]")
+    ax.set_ylabel(f"{_LABELS[output]} [{unit.replace('^2', '²')}]" if unit else _LABELS[output])
+    ax.grid(alpha=0.25)
+    return handles
+
+
+def _limit(comparison: "Comparison", output: str, ax: Axes) -> None:
+    """Scale and limits of an axis, so that every flyer's best is seen."""
+    scale, _ = OUTPUTS[output].shown
+    tops = np.array([_top(found, output) * scale for found in comparison.flyers])
+    if output == "temperature":
+        coldest = min(float(np.nanmin(found.table[output])) for found in comparison.flyers)
+        ax.set_ylim(coldest - _MARGIN, float(tops.max()) + _MARGIN)
+        return
+    if output == "lift_over_weight":
+        ax.axhline(1.0, color=GREY, lw=0.8)
+    positive = tops[tops > 0.0]
+    largest = float(tops.max())
+    if positive.size and largest > _MANY * float(positive.min()):
+        lowest = min(_DECADES * largest, _SHARE * float(positive.min()))
+        ax.set_yscale("log")
+        plain_decades(ax.yaxis)
+        ax.set_ylim(lowest, _HEADROOM * largest)
+    elif output == "lift_over_weight":
+        ax.set_ylim(0.0, _HEADROOM * max(largest, 1.0))
+    elif largest > 0.0:
+        ax.axhline(0.0, color=GREY, lw=0.8)
+        ax.set_ylim(-_BELOW * largest, _HEADROOM * largest)
+
+
+def _top(found: "Compared", output: str) -> float:
+    """Largest value of an output, or of its band."""
+    band = found.band(output)
+    values = found.table[output] if band is None else np.fmax(found.table[output], band[1])
+    return float(np.nanmax(values))

@@ -1,0 +1,74 @@
+"""``lightflyer compare``: tables, files and what it refuses."""
+
+import json
+
+import pytest
+import xarray as xr
+
+
+@pytest.fixture
+def files(run, tmp_path):
+    first, second = tmp_path / "narrow.toml", tmp_path / "wide.toml"
+    assert run("init", first)[0] == 0
+    text = first.read_text("utf-8").replace('diameter = "2 cm"', 'diameter = "4 cm"')
+    assert "4 cm" in text
+    second.write_text(text, encoding="utf-8")
+    return first, second
+
+
+def test_table_and_files(run, files, tmp_path):
+    with files[1].open("a", encoding="utf-8") as file:
+        file.write("\n")
+    text = files[1].read_text("utf-8")
+    files[1].write_text(text.replace("tac_bottom = 0.9", 'tac_bottom = "0.90 ± 0.03"'), "utf-8")
+    out = tmp_path / "out"
+    code, text, errors = run("compare", *files, "--out", out, "--samples", "100")
+    assert (code, errors) == (0, "")
+    lines = text.splitlines()
+    assert lines[0] == "A  narrow: disk of 2 cm, Lu2023"
+    table = lines[: next(i for i, line in enumerate(lines) if line.startswith("warning"))]
+    assert max(map(len, table)) <= 80
+    marked = [line for line in table if line.startswith(("A*", "B*"))]
+    assert len(marked) == 1
+    (uncertain,) = [line for line in table[2:] if line.startswith(("B ", "B*"))]
+    assert uncertain.count(" to ") == 2  # the band and where it levitates
+    summary = json.loads((out / "comparison.json").read_text("utf-8"))
+    best = max(summary["flyers"], key=lambda found: found["best"]["payload_mg"])
+    assert summary["best"] == best["name"]
+    assert marked[0].split()[1] == f"{best['best']['payload_mg']:.4g}"
+    with xr.open_dataset(out / "comparison.nc") as dataset:
+        assert {"payload", "payload_low", "payload_high", "temperature"} <= set(dataset)
+        assert list(dataset.flyer.values) == ["narrow", "wide"]
+    assert (out / "comparison.csv").is_file()
+    assert {"comparison.png", "comparison.svg"} <= {path.name for path in out.iterdir()}
+
+
+def test_json_within_a_range(run, files):
+    code, text, errors = run("compare", *files, "--altitudes", "65 km to 85 km", "--json")
+    assert (code, errors) == (0, "")
+    summary = json.loads(text)
+    assert summary["altitude_range_km"] == pytest.approx([65.0, 85.0])
+    assert summary["differing_surroundings"] == {}
+
+
+def test_mistakes_are_one_line_each(run, files, tmp_path):
+    chamber = tmp_path / "chamber.toml"
+    run("init", chamber, "--kind", "chamber")
+    broken = tmp_path / "broken.toml"
+    broken.write_text(files[0].read_text("utf-8").replace("2 cm", "-2 cm"), "utf-8")
+    for arguments, told in (
+        ((files[0],), "compare takes 2 to 9 flyers, and here are 1"),
+        ((files[0], chamber), "narrow is described over altitude and chamber over pressure"),
+        ((files[0], broken), "broken.toml:7: flyer.diameter"),
+        ((files[0], tmp_path / "none.toml"), "none.toml: cannot be read"),
+        ((*files, "--altitudes", "60 km"), '--altitudes "60 km": write a range'),
+        ((*files, "--altitudes", "60 to 70"), '"60" has no unit'),
+        ((*files, "--altitudes", "80 km to 60 km"), "the first must be the lower one"),
+        ((*files, "--pressures", "1 Pa to 3 Pa"), "narrow.toml is described over altitude"),
+        ((*files, "--samples", "7"), "samples = 7"),
+    ):
+        code, text, errors = run("compare", *arguments)
+        assert (code, text) == (2, "")
+        assert told in errors
+        assert errors.startswith("lightflyer: error: ")
+        assert errors.count("\n") == 1

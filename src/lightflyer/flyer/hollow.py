@@ -1,0 +1,389 @@
+"""Hollow bodies with a wall full of channels, which pumps gas in, and an outlet for the jet."""
+
+from typing import Any, ClassVar, Literal, get_args
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import pydantic
+from jax import Array
+
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.environment.radiation import Attitude
+from lightflyer.film.layered_section import AnyFilmSection
+from lightflyer.film.properties import FilmProperties
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.hollow_geometry import FORMS, Form, HollowForm
+from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.sheets import (
+    DARK,
+    Exitance,
+    Sheet,
+    leaving_downward,
+    net_gains,
+    sheet_in_infrared,
+    sheet_in_light,
+)
+from lightflyer.foundation.checks import is_concrete
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.quantity import (
+    Coefficient,
+    Conductivity,
+    Density,
+    Length,
+    Mass,
+    OpenFraction,
+)
+from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.units import Measured
+
+_CENTIMETRE = 1e-2
+
+
+class HollowBody(AbstractFlyer):
+    """A hollow body whose wall is two films held apart by the walls of open channels.
+
+    The inner film is to be warmer than the outer one. Gas creeps through the channels towards the
+    warmer side, and leaves as a jet through the outlet at the lower end.
+
+    Attributes
+    ----------
+    outer, inner : FilmProperties
+        Films of the wall where it is solid; their transmittances count. The top face of each looks
+        out of the body, the bottom face into it.
+    size : array
+        Diameter of the sphere, height and upper diameter of the cone, length of the rocket [m].
+    outlet_radius : array
+        Of the opening at the lower end; a rocket is as wide as its outlet [m].
+    open_fraction : array
+        Share of the wall's area that is channels [1].
+    channel_width : array
+        The shorter side of a channel's rectangular section [m].
+    wall_thickness : array
+        Distance from face to face of the wall, which is the length of the channels [m].
+    sheet_thickness : array
+        Thickness of the sheet that lines each channel [m].
+    sheet_conductivity : array
+        Its thermal conductivity [W/(m K)].
+    form : str
+        ``"cone"``, ``"sphere"`` or ``"rocket"``: see :mod:`lightflyer.flyer.hollow_geometry`.
+    channel_aspect : array
+        The longer side of a channel's section over the shorter [1].
+    sheet_density : array or None
+        Density of the sheet [kg/m³]; None neglects its mass.
+    payload : array
+        Mass carried beside the body's own [kg].
+    attitude : Attitude or None
+        How the body lies; None stands for its outlet straight down.
+
+    Raises
+    ------
+    ParameterError
+        If a concrete number is impossible, or does not fit the others.
+
+    References
+    ----------
+    [Celenza2023]_
+
+    Examples
+    --------
+    >>> film = FilmProperties(5e-4, 0.9, 0.8, 0.1, 0.9, 0.9)
+    >>> body = HollowBody(film, film, 0.1, 0.02, 0.5, 1e-4, 1e-4, 5e-8, 1.8, "sphere")
+    >>> print(f"{body.describe()}, {body.own_mass * 1e6:.2f} mg")
+    hollow sphere of 10 cm, 15.54 mg
+    """
+
+    nodes: ClassVar[tuple[str, ...]] = ("inner", "outer")
+
+    outer: FilmProperties
+    inner: FilmProperties
+    size: Length
+    outlet_radius: Length
+    open_fraction: OpenFraction
+    channel_width: Length
+    wall_thickness: Length
+    sheet_thickness: Length
+    sheet_conductivity: Conductivity
+    form: str = eqx.field(static=True, default="sphere")
+    channel_aspect: Coefficient = 10.0
+    sheet_density: Density | None = None
+    payload: Mass = 0.0
+    attitude: Attitude | None = None
+
+    def __check_init__(self) -> None:
+        super().__check_init__()  # first each number by itself
+        if self.form not in FORMS:
+            raise ParameterError(
+                f'form = "{self.form}" is unknown; choose from {", ".join(get_args(Form))}'
+            )
+        sizes = {name: getattr(self, name) for name in _SIZES}
+        problem = _contradiction(self.form, **sizes) if is_concrete(*sizes.values()) else None
+        if problem:
+            raise ParameterError(problem)
+
+    @property
+    def geometry(self) -> HollowForm:
+        """Functions of the body's shape."""
+        return FORMS[self.form]
+
+    @property
+    def area(self) -> Numeric:
+        """Area seen from above when level [m²]."""
+        return self.geometry.silhouette(self.size, self.outlet_radius, 1.0)
+
+    @property
+    def surface(self) -> Numeric:
+        """Area of the wall, channels included, on one side [m²]."""
+        return self.geometry.surface(self.size, self.outlet_radius)
+
+    @property
+    def outlet_area(self) -> Numeric:
+        """Area of the outlet [m²]."""
+        return jnp.pi * self.outlet_radius**2
+
+    @property
+    def volume(self) -> Numeric:
+        """Volume within the wall [m³]."""
+        return self.geometry.volume(self.size, self.outlet_radius)
+
+    @property
+    def solid_fraction(self) -> Numeric:
+        """Share of the wall's area that is film [1]."""
+        return 1.0 - self.open_fraction
+
+    @property
+    def sheet_fraction(self) -> Numeric:
+        """Share of the wall's area that the section of the channels' sheets takes [1]."""
+        lining = 2.0 * self.sheet_thickness / self.channel_width
+        # (1 + 2t/A)(1 + 2t/B) − 1
+        grown = lining * (1.0 + (1.0 + lining) / self.channel_aspect)
+        return self.open_fraction * grown
+
+    @property
+    def own_mass(self) -> Numeric:
+        """Mass of both films, and of the channels' sheets where their density is given [kg]."""
+        wall = self.solid_fraction * (self.outer.areal_density + self.inner.areal_density)
+        if self.sheet_density is not None:
+            between = self.wall_thickness - 2.0 * self.sheet_thickness
+            wall = wall + self.sheet_density * self.sheet_fraction * between
+        return self.surface * wall
+
+    @property
+    def highest_temperature(self) -> Numeric | None:
+        """See :attr:`AbstractFlyer.highest_temperature`: that of the film which bears less."""
+        limits = (film.highest_temperature for film in self._films)
+        known = [limit for limit in limits if limit is not None]
+        return min(known) if known else None
+
+    def buoyancy(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Numeric:
+        r"""See :meth:`AbstractFlyer.buoyancy`: that of the warm gas within.
+
+        .. math:: \rho_c\,g\,V\left(1 - T_c/T_i\right)
+        """
+        inner = unknowns[0]
+        density = state.gas.density(state.pressure, state.temperature)
+        return density * state.gravity * self.volume * inner / (1.0 + inner)
+
+    def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
+        """See :meth:`AbstractFlyer.beam_areas`."""
+        radiation = state.radiation
+        # without the reflection from the ground, which comes from a half-space
+        alone = eqx.tree_at(lambda radiation: radiation.albedo, radiation, 0.0)
+        direct, light = alone.on_faces(self.attitude), radiation.on_faces(self.attitude)
+        seen = self.geometry.silhouette(
+            self.size, self.outlet_radius, direct.beam_top - direct.beam_bottom
+        )
+        into_outlet = self.outlet_area * direct.beam_bottom
+        wall, outlet = self._from_half_spaces(
+            light.beam_top - direct.beam_top, light.beam_bottom - direct.beam_bottom
+        )
+        return self._absorbed(
+            self._sheets_in_light(), wall + seen - into_outlet, outlet + into_outlet
+        )
+
+    def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
+        """See :meth:`AbstractFlyer.heat_gains`."""
+        light = state.radiation.on_faces(self.attitude)
+        diffuse = self._absorbed(
+            self._sheets_in_light(),
+            *self._from_half_spaces(light.diffuse_top, light.diffuse_bottom),
+        )
+        infrared = self._absorbed(
+            self._sheets_in_infrared(state),
+            *self._from_half_spaces(
+                *state.radiation.infrared_excess(state.temperature, self.attitude)
+            ),
+        )
+        return tuple(visible + heat for visible, heat in zip(diffuse, infrared, strict=True))
+
+    def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
+        r"""See :meth:`AbstractFlyer.heat_losses`.
+
+        Emission beyond that at the gas temperature, less what comes back within wall and body, and
+        conduction :math:`A_t f k (T_i - T_o)/L` through the channels' sheets.
+        """
+        inner_excess, outer_excess = unknowns[:2]
+        black = state.radiation.stefan_boltzmann * state.temperature**4
+        inner, outer = self._absorbed(
+            self._sheets_in_infrared(state),
+            0.0,
+            0.0,
+            Exitance(*self.outer.emission_growths(state.temperature, outer_excess)),
+            Exitance(*self.inner.emission_growths(state.temperature, inner_excess)),
+        )
+        per_kelvin = self.sheet_fraction * self.sheet_conductivity / self.wall_thickness
+        difference = state.temperature * (inner_excess - outer_excess)
+        outward = self.surface * per_kelvin * difference
+        return -black * inner + outward, -black * outer - outward
+
+    def describe(self) -> str:
+        """See :meth:`AbstractFlyer.describe`."""
+        return f"hollow {self.form} of {float(np.asarray(self.size)) / _CENTIMETRE:g} cm"
+
+    def _from_half_spaces(self, above: Numeric, below: Numeric) -> tuple[Array, Array]:
+        """Power that falls on the wall and into the outlet, of the irradiances of flat faces [W].
+
+        A closed convex surface receives half of its area's worth from either side. The outlet,
+        which faces down, is a part of it.
+        """
+        onto_wall = 0.5 * (
+            (self.surface + self.outlet_area) * above + (self.surface - self.outlet_area) * below
+        )
+        return onto_wall, self.outlet_area * below
+
+    def _absorbed(
+        self,
+        sheets: tuple[Sheet, Sheet],
+        onto_wall: Numeric,
+        into_outlet: Numeric,
+        emitted_outer: Exitance = DARK,
+        emitted_inner: Exitance = DARK,
+    ) -> tuple[Array, Array]:
+        """What the inner and the outer film absorb, minus what they emit [W].
+
+        Channels pass what falls on them. Within the body radiation is diffuse and everywhere the
+        same; what reaches the outlet leaves.
+        """
+        above = onto_wall / self.surface
+        solid, emitted = self.solid_fraction, (emitted_outer, emitted_inner)
+        inward = self.open_fraction * above + solid * leaving_downward(
+            *sheets, above, 0.0, *emitted
+        )
+        kept = solid * leaving_downward(*sheets, 0.0, 1.0)
+        lost = self.outlet_area + self.surface * (1.0 - kept)
+        within = (into_outlet + self.surface * inward) / lost
+        outer, inner = net_gains(*sheets, above, within, *emitted)
+        return self.surface * solid * inner, self.surface * solid * outer
+
+    @property
+    def _films(self) -> tuple[FilmProperties, FilmProperties]:
+        return self.outer, self.inner
+
+    def _sheets_in_light(self) -> tuple[Sheet, Sheet]:
+        outer, inner = (sheet_in_light(film, 0.0) for film in self._films)
+        return outer, inner
+
+    def _sheets_in_infrared(self, state: EnvironmentState) -> tuple[Sheet, Sheet]:
+        outer, inner = (sheet_in_infrared(film, 0.0, state.temperature) for film in self._films)
+        return outer, inner
+
+
+_SIZES = (
+    "size",
+    "outlet_radius",
+    "open_fraction",
+    "channel_width",
+    "wall_thickness",
+    "sheet_thickness",
+    "channel_aspect",
+)
+
+
+def _contradiction(
+    form: str,
+    *,
+    size: Numeric,
+    outlet_radius: Numeric,
+    open_fraction: Numeric,
+    channel_width: Numeric,
+    wall_thickness: Numeric,
+    sheet_thickness: Numeric,
+    channel_aspect: Numeric,
+) -> str | None:
+    """How sizes contradict each other, or None."""
+    body = np.asarray(outlet_radius if form == "rocket" else 0.5 * np.asarray(size))
+    sheet = np.asarray(sheet_thickness)
+    lined = (1.0 + 2.0 * sheet / channel_width) * (
+        1.0 + 2.0 * sheet / (np.asarray(channel_aspect) * channel_width)
+    )
+    found = (
+        (form != "rocket" and np.any(np.asarray(outlet_radius) >= body),
+         f"the outlet must be smaller than the {form}"),
+        (np.any(np.asarray(open_fraction) <= 0.0),
+         "open_fraction must be positive: gas flows through the wall's channels"),
+        (np.any(np.asarray(channel_aspect) < 1.0),
+         "channel_aspect must be 1 at least: it is the longer side over the shorter"),
+        (np.any(np.asarray(wall_thickness) <= 2.0 * sheet),
+         "wall_thickness must exceed twice sheet_thickness: the wall has two faces"),
+        (np.any(np.asarray(wall_thickness) >= body),
+         f"wall_thickness must be smaller than the radius of the {form}"),
+        (np.any(np.asarray(channel_width) * channel_aspect >= 2.0 * body),
+         f"the channels must be narrower than the {form}"),
+        (np.any(np.asarray(open_fraction) * lined > 1.0),
+         "channels of this open_fraction and their sheets take more than the whole wall"),
+    )  # fmt: skip
+    return next((text for wrong, text in found if wrong), None)
+
+
+class HollowSection(FlyerSection):
+    """``[flyer]``: a hollow body, with its films in ``[flyer.outer]`` and ``[flyer.inner]``."""
+
+    flyer_type: ClassVar[type[AbstractFlyer]] = HollowBody
+    needs_film: ClassVar[bool] = False
+    default_model: ClassVar[str] = "hollow-pump"
+
+    shape: Literal["hollow"]
+    form: Form
+    size: Length
+    outlet_diameter: Length
+    open_fraction: OpenFraction
+    channel_width: Length
+    channel_aspect: Coefficient = Measured(10.0)
+    wall_thickness: Length
+    sheet_thickness: Length
+    sheet_conductivity: Conductivity
+    sheet_density: Density | None = None
+    outer: AnyFilmSection
+    inner: AnyFilmSection
+
+    @pydantic.model_validator(mode="after")
+    def _sizes_fit(self) -> "HollowSection":
+        same = (name for name in _SIZES if name != "outlet_radius")
+        problem = _contradiction(
+            self.form,
+            outlet_radius=0.5 * self.outlet_diameter.value,
+            **{name: getattr(self, name).value for name in same},
+        )
+        if problem:
+            raise ConfigurationError(problem)
+        return self
+
+    def build(self, film: FilmProperties | None, incidence: float) -> HollowBody:  # noqa: ARG002
+        """The body, of its own films."""
+        density = self.sheet_density
+        return HollowBody(
+            outer=self.outer.build(incidence),
+            inner=self.inner.build(incidence),
+            size=self.size.value,
+            outlet_radius=0.5 * self.outlet_diameter.value,
+            open_fraction=self.open_fraction.value,
+            channel_width=self.channel_width.value,
+            wall_thickness=self.wall_thickness.value,
+            sheet_thickness=self.sheet_thickness.value,
+            sheet_conductivity=self.sheet_conductivity.value,
+            form=self.form,
+            channel_aspect=self.channel_aspect.value,
+            sheet_density=None if density is None else density.value,
+            payload=self.payload.value,
+            attitude=self.attitude(),
+        )

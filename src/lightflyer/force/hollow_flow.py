@@ -1,0 +1,412 @@
+r"""Flow through a hollow body and its force, as published or with each of its corrections.
+
+The wall pumps gas in, and a jet leaves at the outlet. One quadratic equation has the velocity
+:math:`v` of the jet:
+
+.. math::
+    \tfrac12\rho_j a\,v|v| + \left(R + \frac{\rho_j A_o v_m}{\varphi g A_t}\right)v
+        = \Delta p_0 - \Delta p_r, \qquad a = 1 - (A_o/A_t)^2
+
+with the pressure :math:`\Delta p_0` at which the wall pumps no more, the conductance :math:`g` of
+its channels (:mod:`lightflyer.force.channels`), and the resistance :math:`R` of the outlet to slow
+or thin gas and the pressure :math:`\Delta p_r` that it holds by itself, both zero as published.
+"""
+
+import math
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.hollow import HollowBody
+from lightflyer.force import celenza2023_laws as published
+from lightflyer.force.base import ModelResult
+from lightflyer.force.channels import (
+    ROUND,
+    SLOT,
+    ChannelShape,
+    Coefficients,
+    channel_coefficients,
+    direct_share,
+    thermomolecular_exponent,
+    thermomolecular_pressure,
+)
+from lightflyer.force.laws import free_molecular_conductance, in_series
+from lightflyer.force.validity import Validity
+from lightflyer.foundation.types import Numeric
+from lightflyer.gas.base import mean_free_path
+
+_RAREFIED_DRAG = 1.264  # Stokes' drag of a broad disk over that of free molecules, 16/(4/√π + √π)
+_NO_LENGTH = 1e-9  # of a hole in a thin wall, over its width or radius
+
+
+class Corrections(NamedTuple):
+    """Corrections to the published model, each on or off.
+
+    Attributes
+    ----------
+    short_channels : bool
+        (1) The entrances of the channels resist. Published: channels much longer than wide.
+    projected_light : bool
+        (2) Light falls on the area seen from its source, and is absorbed as the films do.
+        Published: everything on the whole wall at normal incidence.
+    energy_balance : bool
+        (3) Both films radiate, the outer one is cooled by the gas, and gas that flows takes heat.
+        Published: the outer film is as warm as the gas, half of the absorbed light passes the wall.
+    viscous_outlet : bool
+        (4) Slow and thin gas is held back at the outlet. Published: Bernoulli.
+    rarefied_force : bool
+        (5) The drag of thin gas, and the recoil of free molecules. Published: Stokes.
+    channel_coefficients : bool
+        (6) The flow in channels by the kinetic equation. Published: two fits.
+    gas_properties : bool
+        (7) Conductivity and viscosity at the temperature of the gas, temperature jumps by the TACs.
+        Published: one conductivity, Sutherland's law, rounded constants.
+    jet_density : bool
+        (8) The jet is as warm as the inner film. Published: as the gas outside.
+    """
+
+    short_channels: bool = True
+    projected_light: bool = True
+    energy_balance: bool = True
+    viscous_outlet: bool = True
+    rarefied_force: bool = True
+    channel_coefficients: bool = True
+    gas_properties: bool = True
+    jet_density: bool = True
+
+
+AS_PUBLISHED = Corrections(*(False,) * len(Corrections._fields))
+"""No correction."""
+
+
+class PumpFlow(NamedTuple):
+    """Flow through a hollow body.
+
+    Attributes
+    ----------
+    jet_velocity : array, shape (...)
+        Mean velocity at the outlet, outward positive [m/s].
+    wall_velocity : array, shape (...)
+        Velocity of the gas that comes to the wall, inward positive [m/s].
+    pressure_difference : array, shape (...)
+        Pressure within over that outside [Pa].
+    jet_density : array, shape (...)
+        [kg/m³].
+    """
+
+    jet_velocity: Array
+    wall_velocity: Array
+    pressure_difference: Array
+    jet_density: Array
+
+
+class _Areas(NamedTuple):
+    wall: Numeric
+    outlet: Numeric
+
+
+def _areas(flyer: HollowBody, corrections: Corrections) -> _Areas:
+    rounded = 1.0 if corrections.gas_properties else published.PI / jnp.pi
+    return _Areas(rounded * flyer.surface, rounded * flyer.outlet_area)
+
+
+def _entrances(shape: ChannelShape, rarefaction: Array, open_fraction: Numeric = 0.0) -> Array:
+    """Conductance of both entrances of a channel, as in :func:`channel_conductance`."""
+    return (1.0 + shape.entrance * rarefaction) / (math.sqrt(math.pi) * (1.0 - open_fraction))
+
+
+class _Channels(NamedTuple):
+    """Flow per area of the wall, conductance × (stopping pressure − pressure difference)."""
+
+    conductance: Array  # [kg/(m² s Pa)]
+    stopping: Array  # [Pa]
+
+
+def _channels(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    corrections: Corrections,
+) -> _Channels:
+    inner, outer = unknowns
+    mean = mean_temperature(state, unknowns)
+    constant, viscosity, at = _transport(state, mean, corrections)
+    speed = jnp.sqrt(2.0 * constant * mean)
+    rarefaction = state.pressure * flyer.channel_width / (viscosity * jnp.sqrt(2.0 * constant * at))
+    length = flyer.wall_thickness / flyer.channel_width
+    ended = length if corrections.short_channels else None
+    if corrections.channel_coefficients:
+        coefficients = channel_coefficients(SLOT, rarefaction, ended)
+    else:
+        coefficients = Coefficients(
+            published.poiseuille_coefficient(rarefaction),
+            published.creep_coefficient(rarefaction),
+        )
+    exponent = coefficients.creep / coefficients.poiseuille
+    if corrections.short_channels:
+        entrances = _entrances(SLOT, rarefaction, flyer.open_fraction)
+        conductance = in_series(coefficients.poiseuille / length, entrances)
+        outside = _gas_outside(flyer, state, unknowns)
+        stopping = thermomolecular_pressure(exponent, state.pressure, inner, outside)
+    else:
+        conductance = coefficients.poiseuille / length
+        relative = (inner - outer) / (1.0 + 0.5 * (inner + outer))
+        stopping = exponent * state.pressure * relative
+    return _Channels(flyer.open_fraction * conductance / speed, stopping)
+
+
+def mean_temperature(state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
+    """Of both films [K]."""
+    inner, outer = unknowns
+    return state.temperature * (1.0 + 0.5 * (inner + outer))
+
+
+def _transport(
+    state: EnvironmentState, temperature: Array, corrections: Corrections
+) -> tuple[Numeric, Array, Numeric]:
+    """Gas constant, viscosity, and the temperature that the rarefaction is taken at."""
+    if corrections.gas_properties:
+        gas = state.gas
+        return gas.specific_gas_constant, gas.viscosity(temperature), temperature
+    cold = state.temperature
+    return published.SPEED_CONSTANT, published.viscosity(cold), cold
+
+
+def _gas_outside(flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
+    """Relative excess of the gas that comes to the wall from outside."""
+    inner, outer = unknowns
+    length = flyer.wall_thickness / flyer.channel_width
+    passing = flyer.open_fraction * direct_share(SLOT, length)
+    return share_at_wall(flyer, state) * ((1.0 - passing) * outer + passing * inner)
+
+
+def share_at_wall(flyer: HollowBody, state: EnvironmentState) -> Array:
+    """Share of the outer film's excess that the gas at it has: 0 to free molecules, 1 if dense."""
+    dense = 4.0 * jnp.pi * radius(flyer) * state.gas.conductivity(state.temperature)
+    free = free_molecular(state, flyer.surface)
+    return free / (free + dense * state.temperature)
+
+
+def radius(flyer: HollowBody) -> Array:
+    """Of the sphere that has the wall's area [m]."""
+    return jnp.sqrt(flyer.surface / (4.0 * jnp.pi))
+
+
+def free_molecular(state: EnvironmentState, area: Numeric) -> Array:
+    """Heat that free molecules take from a face with a TAC of one, per relative excess [W]."""
+    gas = state.gas
+    return free_molecular_conductance(
+        area, 1.0, state.pressure, gas.mean_speed(state.temperature), gas.heat_capacity_ratio
+    )
+
+
+def pump_flow(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    corrections: Corrections,
+) -> PumpFlow:
+    """Flow through a hollow body whose films have given temperatures.
+
+    Parameters
+    ----------
+    flyer : HollowBody
+    state : EnvironmentState
+    unknowns : tuple of array, shape (...)
+        Relative temperature excess of the inner and the outer film [1].
+    corrections : Corrections
+
+    Returns
+    -------
+    PumpFlow
+        Of broadcast shape.
+    """
+    inner, _ = unknowns
+    areas = _areas(flyer, corrections)
+    channels = _channels(flyer, state, unknowns, corrections)
+    density = _density(state, corrections)
+    jet_density = density / (1.0 + inner) if corrections.jet_density else density
+    resistance, held = _outlet(flyer, state, inner, jet_density, corrections)
+    ratio = areas.outlet / areas.wall
+    slope = resistance + jet_density * ratio / channels.conductance
+    kinetic = 0.5 * jet_density * (1.0 - ratio**2)
+    velocity = _quadratic_root(kinetic, slope, channels.stopping - held)
+    pressure = kinetic * velocity * jnp.abs(velocity) + resistance * velocity + held
+    wall_velocity = jet_density / density * ratio * velocity
+    return PumpFlow(velocity, wall_velocity, pressure, jet_density)
+
+
+def _density(state: EnvironmentState, corrections: Corrections) -> Array:
+    if corrections.gas_properties:
+        return state.gas.density(state.pressure, state.temperature)
+    return state.pressure / (published.DENSITY_CONSTANT * state.temperature)
+
+
+def _outlet(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    inner: Array,
+    density: Array,
+    corrections: Corrections,
+) -> tuple[Numeric, Numeric]:
+    """Resistance to slow gas [Pa s/m], and the pressure difference without flow [Pa]."""
+    if not corrections.viscous_outlet:
+        return 0.0, 0.0
+    hot = state.temperature * (1.0 + inner)
+    constant, viscosity, at = _transport(state, hot, corrections)
+    speed = jnp.sqrt(2.0 * constant * at)
+    rarefaction = state.pressure * flyer.outlet_radius / (viscosity * speed)
+    held = thermomolecular_pressure(
+        _outlet_exponent(flyer, state, corrections), state.pressure, inner, 0.0
+    )
+    return density * speed / _entrances(ROUND, rarefaction), held
+
+
+def _outlet_exponent(flyer: HollowBody, state: EnvironmentState, corrections: Corrections) -> Array:
+    """How far molecules pass the outlet without colliding: ½ to 0 [1]."""
+    constant, viscosity, at = _transport(state, state.temperature, corrections)
+    speed = jnp.sqrt(2.0 * constant * at)
+    rarefaction = state.pressure * flyer.outlet_radius / (viscosity * speed)
+    return thermomolecular_exponent(ROUND, rarefaction, _NO_LENGTH)
+
+
+def _quadratic_root(square: Array, slope: Array, drive: Array) -> Array:
+    """Root of ``square · v|v| + slope · v = drive`` without cancellation."""
+    root = jnp.sqrt(slope**2 + 4.0 * square * jnp.abs(drive))
+    return 2.0 * drive / (slope + root)
+
+
+def pump_force(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    corrections: Corrections,
+) -> Array:
+    r"""Force on a hollow body.
+
+    .. math::
+        F = \frac{C_1\,8D\mu\,v_w}{1 + 1.264/\delta_D} + C_2\,\rho_j A_o v^2
+            + \chi\,\frac{pA_o}2\,(1-\varphi)\left[\sqrt{T_i/T_c} - \sqrt{T_o/T_c}\right]
+
+    with the velocity :math:`v_w` of the gas that comes to the wall, the rarefaction
+    :math:`\delta_D` of half the size, and the share :math:`\chi` of free molecules at the outlet.
+
+    Parameters
+    ----------
+    flyer, state, unknowns, corrections
+        As for :func:`pump_flow`.
+
+    Returns
+    -------
+    array, broadcast shape
+        Towards the upper end positive [N].
+
+    Notes
+    -----
+    A body that pumps outward sucks gas in at its outlet from all sides, which leaves no jet.
+
+    Free molecules enter wall and outlet alike, so that theirs is the momentum of what leaves: from
+    the outer film, through the channels and through the outlet. The three have one vector area,
+    that of the outlet.
+    """
+    inner, outer = unknowns
+    flow = pump_flow(flyer, state, unknowns, corrections)
+    areas = _areas(flyer, corrections)
+    coefficients = published.FORM_COEFFICIENTS[flyer.form]
+    cold = state.temperature
+    constant, viscosity, _ = _transport(state, cold, corrections)
+    drag = coefficients.drag * 8.0 * flyer.size * viscosity * flow.wall_velocity
+    jet = coefficients.jet * flow.jet_density * areas.outlet
+    jet = jet * flow.jet_velocity * jnp.maximum(flow.jet_velocity, 0.0)
+    if not corrections.rarefied_force:
+        return drag + jet
+    per_length = state.pressure / (viscosity * jnp.sqrt(2.0 * constant * cold))
+    drag = drag / (1.0 + _RAREFIED_DRAG / (0.5 * flyer.size * per_length))
+    exponent = _outlet_exponent(flyer, state, corrections)
+    roots = jnp.sqrt(1.0 + inner) + jnp.sqrt(1.0 + outer)
+    recoil = state.pressure * areas.outlet * flyer.solid_fraction * (inner - outer) / roots
+    # half of it times the exponent over its value to free molecules, which is one half
+    return drag + jet + exponent * recoil
+
+
+FLOW_RESULTS: dict[str, ModelResult] = {
+    "jet_velocity": ModelResult("m/s", "velocity of the gas at the outlet"),
+    "wall_velocity": ModelResult("m/s", "velocity of the gas that comes to the wall", "mm/s"),
+    "pressure_difference": ModelResult("Pa", "pressure within over that outside", "mPa"),
+    "outlet_reynolds_number": ModelResult("", "Reynolds number of the outlet's diameter"),
+}
+"""Results of the models of hollow bodies."""
+
+
+def pump_results(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    corrections: Corrections,
+) -> dict[str, Array]:
+    """Values of :data:`FLOW_RESULTS`.
+
+    Parameters
+    ----------
+    flyer, state, unknowns, corrections
+        As for :func:`pump_flow`.
+
+    Returns
+    -------
+    dict of str to array, broadcast shape
+    """
+    flow = pump_flow(flyer, state, unknowns, corrections)
+    hot = state.temperature * (1.0 + unknowns[0])
+    _, viscosity, _ = _transport(state, hot, corrections)
+    reynolds = 2.0 * flow.jet_density * flow.jet_velocity * flyer.outlet_radius / viscosity
+    values = (flow.jet_velocity, flow.wall_velocity, flow.pressure_difference, reynolds)
+    return dict(zip(FLOW_RESULTS, values, strict=True))
+
+
+_THIN_OUTLET = Validity(
+    "the mean free path over outlet_radius",
+    0.0,
+    0.1,
+    "drag and jet coefficients were fitted to simulations of dense gas",
+)
+_LONG = Validity(
+    "wall_thickness over channel_width",
+    1.0,
+    math.inf,
+    "celenza2023 takes channels that are longer than wide",
+)
+_DEEP = Validity(
+    "wall_thickness over channel_width",
+    0.0,
+    1.0,
+    "light and heat radiation are taken to pass the channels without meeting their walls",
+)
+
+
+def caveats_of_pump(
+    flyer: HollowBody, state: EnvironmentState, corrections: Corrections
+) -> tuple[str, ...]:
+    """Warnings where a body or its surroundings are outside the range of a model.
+
+    Parameters
+    ----------
+    flyer : HollowBody
+    state : EnvironmentState
+        Both of concrete numbers.
+    corrections : Corrections
+
+    Returns
+    -------
+    tuple of str
+    """
+    path = mean_free_path(state.pressure, state.temperature, state.gas)
+    length = np.asarray(flyer.wall_thickness) / flyer.channel_width
+    looks = [(_THIN_OUTLET, path / flyer.outlet_radius)]
+    if not corrections.short_channels:
+        looks.append((_LONG, length))
+    if corrections.energy_balance or corrections.projected_light:
+        looks.append((_DEEP, length))
+    return tuple(text for range_, value in looks for text in range_.caveats(value, state.pressure))

@@ -1,0 +1,169 @@
+"""Heat that the gas takes from a hollow body, as published or with its corrections."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.hollow import HollowBody
+from lightflyer.force import celenza2023_laws as published
+from lightflyer.force.convection import sphere_conductance
+from lightflyer.force.gap import accommodation_between, gap_conductance
+from lightflyer.force.hollow_flow import (
+    Corrections,
+    free_molecular,
+    mean_temperature,
+    pump_flow,
+    radius,
+    share_at_wall,
+)
+from lightflyer.force.laws import in_series
+from lightflyer.foundation.types import Numeric
+
+_DISK_CONDUCTION = 4.0  # conductance of a disk's one face to a half-space, over κ and its radius
+_HELD = 1e9  # conductance that holds the outer film at the gas temperature, over the wall's
+
+
+class _WallHeat(NamedTuple):
+    """Conductances of the gas in the wall per relative excess [W]."""
+
+    closed: Array  # between the films
+    open: Array  # in the channels
+
+
+def _wall_heat(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    corrections: Corrections,
+) -> _WallHeat:
+    closed = flyer.solid_fraction - flyer.sheet_fraction
+    thickness, temperature = flyer.wall_thickness, state.temperature
+    if not corrections.gas_properties:
+        conductivity = published.conductivity(thickness, state.pressure, temperature)
+        power = flyer.surface * conductivity * temperature
+        hollow = thickness - 2.0 * flyer.sheet_thickness
+        return _WallHeat(power * closed / hollow, power * flyer.open_fraction / thickness)
+    gas = state.gas
+    conductivity = gas.conductivity(mean_temperature(state, unknowns))
+
+    def conductance(share: Numeric, tac: Numeric) -> Array:
+        return gap_conductance(
+            share * flyer.surface,
+            thickness,
+            tac,
+            pressure=state.pressure,
+            temperature=temperature,
+            mean_speed=gas.mean_speed(temperature),
+            heat_capacity_ratio=gas.heat_capacity_ratio,
+            conductivity=conductivity,
+        )
+
+    facing = accommodation_between(flyer.outer.tac_bottom, flyer.inner.tac_top)
+    # molecules come to the mouths of the channels from the gas, as if from walls with a TAC of one
+    return _WallHeat(conductance(closed, facing), conductance(flyer.open_fraction, 1.0))
+
+
+def pump_heat(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    corrections: Corrections,
+) -> tuple[Array, Array]:
+    """Heat that the gas takes from the inner and the outer film.
+
+    Parameters
+    ----------
+    flyer, state, unknowns, corrections
+        As for :func:`~lightflyer.force.hollow_flow.pump_flow`.
+
+    Returns
+    -------
+    inner, outer : array, broadcast shape
+        [W].
+
+    Notes
+    -----
+    The published model has neither radiation nor a direction of light. What is added here in its
+    stead makes up for the flyer's own: the sum of the losses is that of the published balance, for
+    the light that the flyer absorbs.
+    """
+    inner, outer = unknowns
+    wall = _wall_heat(flyer, state, unknowns, corrections)
+    if not corrections.energy_balance:
+        return _published_heat(flyer, state, unknowns, wall, corrections)
+    share = share_at_wall(flyer, state)
+    between = wall.closed * (inner - outer)
+    through = wall.open * (inner - share * outer)
+    taken_inner = between + through + _outlet_heat(flyer, state, unknowns, corrections)
+    around = sphere_conductance(
+        outer,
+        radius=radius(flyer),
+        tac=flyer.outer.tac_top * flyer.solid_fraction,
+        pressure=state.pressure,
+        temperature=state.temperature,
+        gravity=state.gravity,
+        gas=state.gas,
+        wall_distance=state.wall_distance,
+    )
+    taken_outer = around * outer - between - share * through
+    if not corrections.projected_light:
+        own, _ = flyer.heat_losses(state, unknowns)
+        gained = own - flyer.heat_gains(state)[0]
+        taken_inner = (taken_inner + gained) / _light_on_wall(flyer, state) - gained
+    return taken_inner, taken_outer
+
+
+def _outlet_heat(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    corrections: Corrections,
+) -> Array:
+    r"""Heat that leaves with the gas at the outlet, by flow and by diffusion against it [W].
+
+    .. math:: Q = \dot m c_p T_c\,\theta_i\,\left(1 - e^{-x}\right)^{-1},
+        \qquad x = \dot m c_p T_c/G
+    """
+    inner, _ = unknowns
+    flow = pump_flow(flyer, state, unknowns, corrections)
+    gas, temperature = state.gas, state.temperature
+    still = in_series(
+        free_molecular(state, flyer.outlet_area),
+        _DISK_CONDUCTION * flyer.outlet_radius * gas.conductivity(temperature) * temperature,
+    )
+    mass_flow = flow.jet_density * jnp.abs(flow.jet_velocity) * flyer.outlet_area
+    ratio = mass_flow * gas.heat_capacity(temperature) * temperature / still
+    small = ratio < 1e-6  # below it the first term of the series has all digits that matter
+    safe = jnp.where(small, 1.0, ratio)
+    return still * inner * jnp.where(small, 1.0 + 0.5 * ratio, safe / -jnp.expm1(-safe))
+
+
+def _published_heat(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    wall: _WallHeat,
+    corrections: Corrections,
+) -> tuple[Array, Array]:
+    inner, outer = unknowns
+    sheets = flyer.sheet_fraction * flyer.sheet_conductivity / flyer.wall_thickness
+    conductance = wall.closed + wall.open + flyer.surface * sheets * state.temperature
+    passed = conductance * (inner - outer) / published.THROUGH_WALL
+    if not corrections.projected_light:
+        passed = passed / _light_on_wall(flyer, state)
+    own, gains = flyer.heat_losses(state, unknowns), flyer.heat_gains(state)
+    return (
+        passed - own[0] + gains[0],
+        _HELD * conductance * outer - own[1] + gains[1],
+    )
+
+
+def _light_on_wall(flyer: HollowBody, state: EnvironmentState) -> Array:
+    """Light that falls on the wall at normal incidence over what the inner film absorbs [1]."""
+    absorbed, _ = flyer.beam_areas(state)
+    dark = absorbed == 0.0
+    return jnp.where(
+        dark, 1.0, flyer.surface * flyer.solid_fraction / jnp.where(dark, 1.0, absorbed)
+    )

@@ -1,6 +1,51 @@
-"""``python -m lightflyer``."""
+"""``lightflyer`` and ``python -m lightflyer``.
 
-from lightflyer.cli import main
+Ctrl-C ends the process at once, with one line. Raised as an exception it would come up wherever
+Python happens to be: in the middle of loading a library, which then fails in a way of its own, or
+in a callback of a library that swallows it. Files are written under another name first and a sweep
+keeps a journal, so nothing is lost that an orderly end would keep.
+"""
+
+import os
+import signal
+import sys
+import threading
+from typing import Any
+
+EXIT_INTERRUPTED = 130
+
+_GOES_ON = {"sweep": "what was computed is kept; the same command goes on from there"}
+_BEGINS_ANEW = "the same command begins anew"
+_ON_A_TERMINAL = b"\x1b[?25h\n"  # show the cursor, which a progress bar hides; leave the line of ^C
+
+
+def main() -> None:
+    """Run the command line of this process."""
+    if hasattr(signal, "sigwait"):
+        # a thread that waits answers during a compilation too, which Python's handlers outwait
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        threading.Thread(target=_wait, daemon=True).start()
+    else:
+        signal.signal(signal.SIGINT, _stop)
+    from lightflyer.cli import main as run  # takes a while
+
+    run()
+
+
+def _wait() -> None:
+    signal.sigwait({signal.SIGINT})
+    _stop()
+
+
+def _stop(*_: Any) -> None:
+    files = sys.modules.get("lightflyer.foundation.files")
+    if files is not None and hasattr(files, "remove_unfinished"):  # it may be half loaded
+        files.remove_unfinished()
+    what_next = _GOES_ON.get("".join(sys.argv[1:2]), _BEGINS_ANEW)
+    before = _ON_A_TERMINAL if os.isatty(2) else b""
+    os.write(2, before + f"lightflyer: interrupted; {what_next}\n".encode())
+    os._exit(EXIT_INTERRUPTED)
+
 
 if __name__ == "__main__":
     main()

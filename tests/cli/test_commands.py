@@ -238,13 +238,57 @@ def test_an_interrupt_leaves_no_partial_file(flyer_file, tmp_path):
     while not any(out.iterdir()) and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
-    process.communicate(timeout=60.0)
+    _, errors = process.communicate(timeout=60.0)
     names = {path.name for path in out.iterdir()}
     assert process.returncode in (130, 0)
     if process.returncode == 130:
         assert names == set()
+        assert errors == b"lightflyer: interrupted; the same command begins anew\n"
     else:  # it was faster than the signal
         assert len(names) == 6
+
+
+LONG = {
+    "optimise": """
+[optimise]
+maximise = "payload"
+starts = 200
+[optimise.over]
+"flyer.diameter" = { from = "0.5 cm", to = "10 cm" }
+"film.areal_density" = { from = "0.5 g/m^2", to = "2 g/m^2" }
+altitude = { from = "60 km", to = "90 km" }
+""",
+    "sweep": """
+[sweep]
+"flyer.diameter" = { from = "0.5 cm", to = "5 cm", points = 1000 }
+"film.areal_density" = { from = "0.5 g/m^2", to = "2 g/m^2", points = 1000 }
+altitude = { from = "60 km", to = "80 km", points = 1000 }
+[outputs]
+variables = ["payload", "levitation_irradiance"]
+""",
+}
+WHAT_NEXT = {
+    "optimise": "the same command begins anew",
+    "sweep": "what was computed is kept; the same command goes on from there",
+}
+
+
+@pytest.mark.parametrize("delay", [0.2, 0.6, 1.5, 3.0])
+@pytest.mark.parametrize("command", LONG)
+def test_an_interrupt_is_one_line_at_any_moment(flyer_file, tmp_path, command, delay):
+    study = tmp_path / "study.toml"
+    study.write_text(f'flyer = "{flyer_file()}"\n{LONG[command]}', encoding="utf-8")
+    arguments = [str(study), *(["--out", str(tmp_path / "out.zarr")] if command == "sweep" else [])]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "lightflyer", command, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    time.sleep(delay)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60.0)
+    assert process.returncode == 130, errors
+    assert errors.endswith(f"lightflyer: interrupted; {WHAT_NEXT[command]}\n".encode())
 
 
 def test_help_and_version_import_nothing_heavy():

@@ -7,10 +7,11 @@ import re
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TextIO
 
 from lightflyer.foundation.errors import ConfigurationError, OutputError
 from lightflyer.foundation.extras import extra
+from lightflyer.foundation.files import TEMPORARY, unfinished
 from lightflyer.foundation.text import read_text
 from lightflyer.lab.estimate import Estimate
 
@@ -170,16 +171,21 @@ def _put(table: Any, key: str, text: str, origin: str) -> None:
 
 def _replace(path: Path, text: str) -> None:
     """Replace the file if the text is a valid flyer file."""
-    from lightflyer.config.reader import read_flyer_file
-
     # beside the file, so that relative names of other files in it stay valid
     try:
-        handle, name = tempfile.mkstemp(prefix=".lightflyer-", suffix=".toml", dir=path.parent)
+        handle, name = tempfile.mkstemp(prefix=TEMPORARY, suffix=".toml", dir=path.parent)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
-    staged = Path(name)
+    with unfinished(Path(name)), os.fdopen(handle, "w", encoding="utf-8") as file:
+        _check_and_rename(file, Path(name), path, text)
+
+
+def _check_and_rename(file: TextIO, staged: Path, path: Path, text: str) -> None:
+    """Write the text to a temporary file, and rename that where it is a valid flyer file."""
+    from lightflyer.config.reader import read_flyer_file
+
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
+        with file:
             file.write(text)
         try:
             read_flyer_file(staged)

@@ -1,12 +1,47 @@
 """Files that are whole or not there."""
 
 import os
+import shutil
 import tempfile
+import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 from lightflyer.foundation.errors import OutputError
+
+TEMPORARY = ".lightflyer-"
+"""What the names of temporary files and folders begin with."""
+
+_UNFINISHED: set[Path] = set()
+_RENAMING = threading.Lock()
+
+
+@contextmanager
+def unfinished(path: Path) -> Iterator[None]:
+    """Have a file or folder removed if the process is interrupted within the block.
+
+    Parameters
+    ----------
+    path : Path
+        Temporary.
+    """
+    _UNFINISHED.add(path)
+    try:
+        yield
+    finally:
+        _UNFINISHED.discard(path)
+
+
+def remove_unfinished() -> None:
+    """Remove what is being written, before the process ends; nothing can be renamed afterwards."""
+    _RENAMING.acquire()
+    for path in sorted(_UNFINISHED, reverse=True):  # a folder after what lies in it
+        if path.name.startswith(TEMPORARY):
+            shutil.rmtree(path, ignore_errors=True)
+            path.unlink(missing_ok=True)
+        elif path.exists() and not any(path.iterdir()):
+            path.rmdir()
 
 
 @contextmanager
@@ -33,24 +68,26 @@ def output_directory(directory: Path) -> Iterator[Callable[[str], Path]]:
     made = not directory.exists()
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        staging = tempfile.TemporaryDirectory(prefix=".lightflyer-", dir=directory)
+        staging = tempfile.TemporaryDirectory(prefix=TEMPORARY, dir=directory)
     except OSError as error:
         raise OutputError(f"{directory}: cannot be written: {error.strerror}") from None
     names: list[str] = []
+    temporary = Path(staging.name)
 
     def stage(name: str) -> Path:
         names.append(name)
-        path = Path(staging.name) / name
+        path = temporary / name
         path.parent.mkdir(parents=True, exist_ok=True)
         return path
 
     finished = False
     try:
-        with staging:
+        with staging, unfinished(temporary), unfinished(directory) if made else nullcontext():
             yield stage
-            for name in names:
-                (directory / name).parent.mkdir(exist_ok=True)
-                os.replace(Path(staging.name) / name, directory / name)
+            with _RENAMING:
+                for name in names:
+                    (directory / name).parent.mkdir(exist_ok=True)
+                    os.replace(temporary / name, directory / name)
         finished = True
     except OSError as error:
         raise OutputError(f"{directory}: cannot be written: {error.strerror or error}") from None

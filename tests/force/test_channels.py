@@ -8,6 +8,7 @@ import lightflyer as lf
 from lightflyer.force.channels import (
     ROUND,
     SLOT,
+    Surroundings,
     channel_coefficients,
     channel_conductance,
     channel_table,
@@ -165,9 +166,11 @@ def test_no_flow_without_a_temperature_difference(shape):
     exponent = thermomolecular_exponent(shape, 0.7, 2.0)
     assert thermomolecular_pressure(exponent, 5.0, 0.3, 0.3) == 0.0
     # one temperature of the wall, whatever is around it
-    assert np.ptp(gas_at_faces(0.3, 0.3, np.array([0.0, 2.0]), 0.4), axis=0) == pytest.approx(0.0)
+    for common, difference in ((0.0, 0.3), (2.0, 5.0)):
+        warm, cold = gas_at_faces(0.3, 0.3, 0.6, 0.6, 0.4, Surroundings(common, difference))
+        assert warm == pytest.approx(float(cold), rel=1e-15)
     # a body much smaller than the mean free path, whatever its faces' temperatures
-    warm, cold = gas_at_faces(0.5, 0.1, 1e9, 0.3)
+    warm, cold = gas_at_faces(0.5, 0.1, 0.7, 0.6, 0.3, Surroundings(1e9, 2e9))
     assert abs(thermomolecular_pressure(0.5, 1.0, warm, cold)) < 1e-6
 
 
@@ -192,9 +195,22 @@ def test_a_share_of_molecules_through_a_thin_wall():
             (1.0 - beta) * lower + beta * above,
             (1.0 - beta) * upper + beta * below,
         )
-    np.testing.assert_allclose(gas_at_faces(lower, upper, 0.0, beta), [below, above], rtol=1e-12)
+    here = Surroundings(0.0, 0.0)
+    found = gas_at_faces(lower, upper, 1.0 - beta, 1.0 - beta, beta, here)
+    np.testing.assert_allclose(found, [below, above], rtol=1e-12)
     difference = (1.0 - beta) / (1.0 + beta) * (lower - upper)
     assert below - above == pytest.approx(difference, rel=1e-12)
+
+
+def test_heat_of_the_gas_at_faces_closes():
+    """Faces that differ in everything: what they give arrives far away."""
+    around = Surroundings(0.7, 1.9)
+    one, other = gas_at_faces(0.5, -0.2, 0.9, 0.4, 0.25, around)
+    given = 0.9 * (0.5 - one) + 0.4 * (-0.2 - other)
+    assert given == pytest.approx(float(around.common * (one + other)), rel=1e-12)
+    through = 0.9 * (0.5 - one) - 0.4 * (-0.2 - other)
+    expected = (2.0 * 0.25 + around.difference) * (one - other)
+    assert through == pytest.approx(float(expected), rel=1e-12)
 
 
 def test_straight_paths():

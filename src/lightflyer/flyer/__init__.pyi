@@ -5,6 +5,8 @@ from .disk import Disk as Disk
 from .disk import DiskSection as DiskSection
 from .hollow import HollowBody as HollowBody
 from .hollow import HollowSection as HollowSection
+from .plate import Plate as Plate
+from .plate import PlateSection as PlateSection
 from .sandwich import Sandwich as Sandwich
 from .sandwich import SandwichSection as SandwichSection
 from .section import FlyerSection as FlyerSection

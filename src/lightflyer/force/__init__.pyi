@@ -2,6 +2,7 @@ from .balloon import BalloonConvection as BalloonConvection
 from .base import AbstractForceModel as AbstractForceModel
 from .base import ModelResult as ModelResult
 from .celenza2023 import Celenza2023 as Celenza2023
+from .channel_pump import ChannelPump as ChannelPump
 from .free_molecular import FreeMolecular as FreeMolecular
 from .free_molecular import LinearFreeMolecular as LinearFreeMolecular
 from .hollow_pump import HollowPump as HollowPump

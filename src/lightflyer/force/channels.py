@@ -440,37 +440,68 @@ def pumped_flux(
     return open_fraction * conductance * pressure_difference / most_probable_speed
 
 
+class Surroundings(NamedTuple):
+    r"""Heat that gas at the two faces of a wall gives to the gas far away.
+
+    Over what free molecules would exchange with one face at complete accommodation, per
+    temperature difference. Conduction around a body in dense gas, infinite where the body is much
+    smaller than the mean free path.
+
+    Attributes
+    ----------
+    common : array, shape (...)
+        Of each side where the gas is equally warm at both faces [1].
+    difference : array, shape (...)
+        Of each side where it is as much warmer at one as it is colder at the other [1].
+    """
+
+    common: Numeric
+    difference: Numeric
+
+
 def gas_at_faces(
-    excess_one: Numeric, excess_other: Numeric, conductance_ratio: Numeric, passing: Numeric
+    excess_one: Numeric,
+    excess_other: Numeric,
+    exchange_one: Numeric,
+    exchange_other: Numeric,
+    passing: Numeric,
+    surroundings: Surroundings,
 ) -> tuple[Array, Array]:
     r"""Temperature of the gas that comes to the two faces of a wall with channels.
 
     .. math::
-        \theta^g_1 \pm \theta^g_2 = \frac{(1-\tau)\,(\theta_1 \pm \theta_2)}{1 + c \mp \tau}
+        e_1\,(\theta_1 - \vartheta_1) = \tau\,(\vartheta_1 - \vartheta_2)
+            + \tfrac12 c_+\,(\vartheta_1 + \vartheta_2)
+            + \tfrac12 c_-\,(\vartheta_1 - \vartheta_2)
+
+    and the same the other way round: what gas at temperature :math:`\vartheta` takes from a face,
+    it gives to the gas at the other face through the wall, and to the gas far away.
 
     Parameters
     ----------
     excess_one, excess_other : array, shape (...)
-        Relative temperature excess of the faces over the gas far away [1].
-    conductance_ratio : array, shape (...)
-        :math:`c`: heat that gas near the wall gives to the gas far away over what it exchanges with
-        the wall, both per temperature difference [1]. Conductance of the gas around the body, by
-        conduction and convection, over that of free molecules at the face. 0 for a wide wall in
-        dense gas, infinite for a body much smaller than the mean free path.
+        Relative temperature excess of the faces over the gas far away, :math:`\theta` [1].
+    exchange_one, exchange_other : array, shape (...)
+        Share of the molecules that come to a face and take its temperature, :math:`e` [1].
     passing : array, shape (...)
-        :math:`\tau`: share of the molecules that come to the wall and pass it as warm as they came
-        [1], such as the open fraction times :func:`direct_share`.
+        Share that passes the wall as warm as it came, :math:`\tau` [1], such as the open fraction
+        times :func:`direct_share`.
+    surroundings : Surroundings
+        :math:`c_+` and :math:`c_-`.
 
     Returns
     -------
     one, other : array, broadcast shape
-        Relative temperature excess of the gas [1].
-
-    Notes
-    -----
-    From the heat that the gas at each face exchanges with the face, with the gas at the other face
-    through the wall, and with the gas far away.
+        Relative temperature excess of the gas, :math:`\vartheta` [1].
     """
-    common = (1.0 - passing) * (excess_one + excess_other) / (1.0 + conductance_ratio - passing)
-    difference = (1.0 - passing) * (excess_one - excess_other) / (1.0 + conductance_ratio + passing)
-    return 0.5 * (common + difference), 0.5 * (common - difference)
+    common, difference = surroundings
+    here = passing + 0.5 * (difference + common)
+    there = passing + 0.5 * (difference - common)
+    # here² − there², without cancellation
+    determinant = exchange_one * exchange_other + here * (exchange_one + exchange_other)
+    determinant += common * (2.0 * passing + difference)
+    given_one, given_other = exchange_one * excess_one, exchange_other * excess_other
+    return (
+        ((exchange_other + here) * given_one + there * given_other) / determinant,
+        ((exchange_one + here) * given_other + there * given_one) / determinant,
+    )

@@ -1,0 +1,266 @@
+"""The nanocardboard plate: two films joined by the walls of open channels."""
+
+from typing import Any, ClassVar, Literal
+
+import jax.numpy as jnp
+import numpy as np
+import pydantic
+from jax import Array
+
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.environment.radiation import Attitude
+from lightflyer.film.layered_section import AnyFilmSection
+from lightflyer.film.properties import FilmProperties
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.sandwich import Sandwich
+from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.sheets import net_gains, sheet_in_light
+from lightflyer.foundation.checks import is_concrete
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.quantity import ArealDensity, Conductivity, Density, Length, Mass
+from lightflyer.foundation.types import Numeric
+
+_MILLIMETRE = 1e-3
+
+
+class Plate(AbstractFlyer):
+    r"""A plate of two films, whose open channels have walls that join the films.
+
+    Seen from above the channels are rectangles in rows, with film between them. Light passes the
+    upper film and warms the lower one. Gas creeps through the channels towards the warmer side,
+    and its pressure there lifts the plate.
+
+    Attributes
+    ----------
+    top, bottom : FilmProperties
+        Films of the upper and the lower face where they are solid; their transmittances count.
+        Each has a top and a bottom face.
+    radius : array
+        Of the plate, or of a disk of the same area [m].
+    channel_width, channel_length : array
+        Short and long side of a channel, along the faces [m].
+    spacing : array
+        Width of the film between two channels [m].
+    height : array
+        From face to face: length of the channels in the direction of the flow [m].
+    wall_thickness : array
+        Of the channels' walls [m].
+    wall_conductivity : array
+        Thermal conductivity of the walls [W/(m K)].
+    payload : array
+        Mass carried beside the plate's own [kg].
+    attitude : Attitude or None
+        How the plate lies; None stands for level.
+    wall_density : array or None
+        Density of the walls [kg/m³]; None neglects their mass.
+    areal_density : array or None
+        Of the whole plate, where it was weighed [kg/m²]; None takes films and walls together.
+
+    Raises
+    ------
+    ParameterError
+        If a concrete number is impossible, or does not fit the others.
+
+    References
+    ----------
+    [Cortes2020]_
+
+    Examples
+    --------
+    >>> film = FilmProperties(1.5e-4, 0.02, 0.1, 0.1, 0.8, 0.8, transmittance=0.9)
+    >>> plate = Plate(film, film, 4e-3, 50e-6, 500e-6, 50e-6, 100e-6, 50e-9, 1.8, wall_density=3e3)
+    >>> print(f"{plate.describe()}, {plate.open_fraction:.4f}, {plate.own_mass * 1e9:.2f} µg")
+    plate of 8 mm, 0.4545, 23.30 µg
+    """
+
+    nodes: ClassVar[tuple[str, ...]] = ("top", "bottom")
+
+    top: FilmProperties
+    bottom: FilmProperties
+    radius: Length
+    channel_width: Length
+    channel_length: Length
+    spacing: Length
+    height: Length
+    wall_thickness: Length
+    wall_conductivity: Conductivity
+    payload: Mass = 0.0
+    attitude: Attitude | None = None
+    wall_density: Density | None = None
+    areal_density: ArealDensity | None = None
+
+    def __check_init__(self) -> None:
+        super().__check_init__()  # first each number by itself
+        sizes = (
+            self.radius,
+            self.channel_width,
+            self.channel_length,
+            self.spacing,
+            self.wall_thickness,
+        )
+        problem = _contradiction(*sizes) if is_concrete(*sizes) else None
+        if problem:
+            raise ParameterError(problem)
+
+    @property
+    def area(self) -> Numeric:
+        """Area of the outline, channels included [m²]."""
+        return jnp.pi * self.radius**2
+
+    @property
+    def cell_area(self) -> Numeric:
+        """Area of one channel with the film around it [m²]."""
+        return (self.channel_width + self.spacing) * (self.channel_length + self.spacing)
+
+    @property
+    def open_fraction(self) -> Numeric:
+        """Share of the area that is channels [1]."""
+        return self.channel_width * self.channel_length / self.cell_area
+
+    @property
+    def solid_fraction(self) -> Numeric:
+        """Share of the area that is film [1]."""
+        return 1.0 - self.open_fraction
+
+    @property
+    def wall_fraction(self) -> Numeric:
+        """Share of the area that the walls' cross section takes [1]."""
+        around = 2.0 * (self.channel_width + self.channel_length)
+        return around * self.wall_thickness / self.cell_area
+
+    @property
+    def sheets(self) -> Sandwich:
+        """The two films and what holds them apart, without what flows through."""
+        return Sandwich(
+            top=self.top,
+            bottom=self.bottom,
+            radius=self.radius,
+            gap=self.height,
+            open_fraction=self.open_fraction,
+            hole_radius=0.5 * self.channel_width,
+            support_fraction=self.wall_fraction,
+            support_conductivity=self.wall_conductivity,
+            payload=self.payload,
+            attitude=self.attitude,
+            support_density=self.wall_density,
+        )
+
+    @property
+    def own_mass(self) -> Numeric:
+        """Mass of films and walls, or what was weighed [kg]."""
+        if self.areal_density is not None:
+            return self.area * self.areal_density
+        return self.sheets.own_mass
+
+    @property
+    def highest_temperature(self) -> Numeric | None:
+        """See :attr:`AbstractFlyer.highest_temperature`: that of the film which bears less."""
+        return self.sheets.highest_temperature
+
+    def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
+        """See :meth:`AbstractFlyer.beam_areas`.
+
+        Light on the top face that enters a channel leaves it at the other end.
+        """
+        light = state.radiation.on_faces(self.attitude)
+        solid = self.solid_fraction * self.area
+        top, bottom = (sheet_in_light(film, 0.0) for film in (self.top, self.bottom))
+        above = net_gains(top, bottom, light.beam_top, 0.0)
+        top, bottom = (sheet_in_light(film, self.open_fraction) for film in (self.top, self.bottom))
+        below = net_gains(top, bottom, 0.0, light.beam_bottom)
+        return (
+            solid * above[0] + self.area * below[0],
+            solid * above[1] + self.area * below[1],
+        )
+
+    def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
+        """See :meth:`AbstractFlyer.heat_gains`."""
+        return self.sheets.heat_gains(state)
+
+    def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
+        """See :meth:`AbstractFlyer.heat_losses`, and :meth:`Sandwich.heat_losses`.
+
+        Radiation, and conduction through the walls of the channels.
+        """
+        return self.sheets.heat_losses(state, unknowns)
+
+    def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
+        """See :meth:`AbstractFlyer.highest_excess`: the excess in vacuum by the outer faces."""
+        return self.sheets.highest_excess(state, power)
+
+    def describe(self) -> str:
+        """See :meth:`AbstractFlyer.describe`."""
+        return f"plate of {2.0 * float(np.asarray(self.radius)) / _MILLIMETRE:g} mm"
+
+
+def _contradiction(
+    radius: Numeric,
+    channel_width: Numeric,
+    channel_length: Numeric,
+    spacing: Numeric,
+    wall_thickness: Numeric,
+) -> str | None:
+    """How sizes contradict each other, or None."""
+    if np.any(np.asarray(channel_length) < channel_width):
+        return "channel_length is the long side of a channel: at least its channel_width"
+    if np.any(np.asarray(channel_length) + spacing > 2.0 * np.asarray(radius)):
+        return "channel_length and spacing together must not exceed the plate's diameter"
+    if np.any(2.0 * np.asarray(wall_thickness) >= spacing):
+        return "wall_thickness must be less than half of spacing: neighbouring walls would meet"
+    return None
+
+
+class PlateSection(FlyerSection):
+    """``[flyer]``: a plate, with its films in ``[flyer.top]`` and ``[flyer.bottom]``."""
+
+    flyer_type: ClassVar[type[AbstractFlyer]] = Plate
+    needs_film: ClassVar[bool] = False
+    default_model: ClassVar[str] = "channel-pump"
+
+    shape: Literal["plate"]
+    diameter: Length
+    channel_width: Length
+    channel_length: Length
+    spacing: Length
+    height: Length
+    wall_thickness: Length
+    wall_conductivity: Conductivity
+    wall_density: Density | None = None
+    areal_density: ArealDensity | None = None
+    top: AnyFilmSection
+    bottom: AnyFilmSection
+
+    @pydantic.model_validator(mode="after")
+    def _sizes_fit(self) -> "PlateSection":
+        problem = _contradiction(
+            0.5 * self.diameter.value,
+            self.channel_width.value,
+            self.channel_length.value,
+            self.spacing.value,
+            self.wall_thickness.value,
+        )
+        if problem:
+            raise ConfigurationError(problem)
+        return self
+
+    def build(self, film: FilmProperties | None, incidence: float) -> Plate:  # noqa: ARG002
+        """The plate, of its own films."""
+        optional = {
+            name: getattr(self, name).value
+            for name in ("wall_density", "areal_density")
+            if getattr(self, name) is not None
+        }
+        return Plate(
+            top=self.top.build(incidence),
+            bottom=self.bottom.build(incidence),
+            radius=0.5 * self.diameter.value,
+            channel_width=self.channel_width.value,
+            channel_length=self.channel_length.value,
+            spacing=self.spacing.value,
+            height=self.height.value,
+            wall_thickness=self.wall_thickness.value,
+            wall_conductivity=self.wall_conductivity.value,
+            payload=self.payload.value,
+            attitude=self.attitude(),
+            **optional,
+        )

@@ -6,6 +6,8 @@ in a callback of a library that swallows it. Files are written under another nam
 keeps a journal, so nothing is lost that an orderly end would keep.
 """
 
+import codecs
+import io
 import os
 import signal
 import sys
@@ -13,6 +15,19 @@ import threading
 from typing import Any
 
 EXIT_INTERRUPTED = 130
+
+_SPELLED_OUT = "lightflyer.spelled_out"
+_ASCII = {
+    "±": "+-", "²": "^2", "³": "^3", "µ": "u", "μ": "u", "°": "deg ", "·": "*", "×": "x", "−": "-",
+    "–": "-", "—": "-", "…": "...", "≤": "<=", "≥": ">=", "≈": "~", "→": "->", "α": "alpha",
+    "β": "beta", "δ": "delta", "ε": "eps", "λ": "lambda", "σ": "sigma", "Δ": "Delta", "ω": "omega",
+    "χ": "chi", "ν": "nu", "φ": "phi", "ρ": "rho", "τ": "tau", "√": "sqrt", "∞": "inf", "½": "1/2",
+    "‘": "'", "’": "'", "“": '"', "”": '"', "─": "-", "━": "-", "═": "=", "│": "|", "┃": "|",
+    "╭": "+", "╮": "+", "╰": "+", "╯": "+", "┏": "+", "┓": "+", "┗": "+", "┛": "+", "┳": "+",
+    "┻": "+", "╇": "+", "╈": "+", "┡": "+", "┩": "+", "╪": "+", "┼": "+", "├": "+", "┤": "+",
+    "┬": "+", "┴": "+", "└": "+", "┘": "+", "┌": "+", "┐": "+", "█": "#", "•": "*",
+    "\N{NO-BREAK SPACE}": " ", "\N{NARROW NO-BREAK SPACE}": " ",
+}  # fmt: skip
 
 _GOES_ON = {"sweep": "what was computed is kept; the same command goes on from there"}
 _BEGINS_ANEW = "the same command begins anew"
@@ -27,9 +42,20 @@ def main() -> None:
         threading.Thread(target=_wait, daemon=True).start()
     else:
         signal.signal(signal.SIGINT, _stop)
+    codecs.register_error(_SPELLED_OUT, _spell_out)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors=_SPELLED_OUT)
     from lightflyer.cli import main as run  # takes a while
 
     run()
+
+
+def _spell_out(error: UnicodeError) -> tuple[str, int]:
+    """What a terminal or a pipe that does not know a character gets in its place."""
+    assert isinstance(error, UnicodeEncodeError)
+    text = error.object[error.start : error.end]
+    return "".join(_ASCII.get(character, "?") for character in text), error.end
 
 
 def _wait() -> None:

@@ -13,6 +13,7 @@ from rich.table import Table
 
 from lightflyer.cli.lab._points import open_interval_text
 from lightflyer.cli.lab._shared import optional_share, quantity, show_warnings
+from lightflyer.cli.output import printer
 
 if TYPE_CHECKING:
     from lightflyer.calibration.bayes import Posterior
@@ -108,7 +109,7 @@ def calibrate_command(
     if json_output:
         print(json.dumps(_summary(fit, drawn), allow_nan=False))  # noqa: T201
         return
-    console = Console(highlight=False)
+    console = printer()
     if flyer is None:
         warmth = design.environment.temperature.value
         console.print(
@@ -195,7 +196,7 @@ def _show(console: Console, fit: "Calibration", drawn: "Posterior | None") -> No
         )
     console.print(table)
     for text in _explained(fit):
-        console.print(text, markup=False, soft_wrap=True)
+        console.print(text, soft_wrap=True)
     if drawn is not None:
         _show_posterior(console, drawn)
     show_warnings(console, fit.warnings)

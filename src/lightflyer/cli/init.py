@@ -3,8 +3,7 @@
 from importlib import resources
 from pathlib import Path
 
-from rich.console import Console
-
+from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import OutputError, ParameterError
 
 _PREFIX, _SUFFIX = "flyer-", ".toml"
@@ -49,6 +48,6 @@ def init(path: Path = Path("flyer.toml"), /, *, kind: str = "earth", force: bool
         raise OutputError(f"{path}: already exists; --force overwrites it") from None
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
-    Console().print(
+    printer().print(
         f"wrote {path}\nnext: lightflyer predict {path} --out prediction", highlight=False
     )

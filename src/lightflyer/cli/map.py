@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
-from rich.console import Console
 
+from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def map_command(
     fields = [find_name(dataset, name, among="fields") for name in (x, y) if name is not None]
     if len(set(fields)) < len(fields):
         raise ConfigurationError(f"--x and --y are both {fields[0]}")
-    console = Console(highlight=False)
+    console = printer()
     if not dataset.attrs.get("complete", True):
         console.print("the sweep is not finished; missing designs are left blank", soft_wrap=True)
     sliced, chosen = choose_slice(dataset, output, fields, _asked(at))

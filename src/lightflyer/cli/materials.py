@@ -4,8 +4,9 @@ import json
 from typing import Annotated, Any
 
 from cyclopts import Parameter
-from rich.console import Console
 from rich.table import Table
+
+from lightflyer.cli.output import printer
 
 
 def materials_command(
@@ -41,7 +42,7 @@ def materials_command(
     if json_output:
         print(json.dumps({"materials": described}, allow_nan=False, ensure_ascii=False))  # noqa: T201
         return
-    console = Console(highlight=False)
+    console = printer()
     for entry in described:
         console.print(_table(entry))
     console.print('a CSV file works too: material = "mine.csv", columns wavelength [um],n,k')

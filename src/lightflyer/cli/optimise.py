@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
+
+from lightflyer.cli.output import printer
 
 if TYPE_CHECKING:
     from lightflyer.search.front import Front
@@ -39,7 +40,7 @@ def optimise_command(
     from lightflyer.search import optimise, pareto, read_problem
 
     problem = read_problem(study_file)
-    console, written = Console(highlight=False), []
+    console, written = printer(), []
     if len(problem.objectives) > 1:
         front = pareto(problem)
         summary = front.summary()
@@ -107,7 +108,7 @@ def _show_optimum(console: Console, problem: "Problem", optimum: "Optimum") -> N
     )
     _show_elasticities(console, optimum)
     for text in optimum.warnings:
-        console.print(f"warning: {text}", markup=False, soft_wrap=True)
+        console.print(f"warning: {text}", soft_wrap=True)
 
 
 def _show_constraint(
@@ -143,11 +144,11 @@ def _show_front(console: Console, front: "Front") -> None:
     columns = []
     for part in problem.objectives:
         unit = problem.unit_of(part.name)
-        table.add_column(escape(f"{part.name}\n[{unit or '1'}] ({part.word})"), justify="right")
+        table.add_column(f"{part.name}\n[{unit or '1'}] ({part.word})", justify="right")
         columns.append(front.objectives[part.name])
     for bounds in problem.bounds:
         unit = bounds.field.quantity.unit
-        table.add_column(escape(f"{bounds.field.name}\n[{unit or '1'}]"), justify="right")
+        table.add_column(f"{bounds.field.name}\n[{unit or '1'}]", justify="right")
         columns.append(front.designs[bounds.field.name])
     count = len(columns[0])
     step = max(1, count // _ROWS)
@@ -157,4 +158,4 @@ def _show_front(console: Console, front: "Front") -> None:
     shown = "" if step == 1 else f"; one in {step} is shown"
     console.print(f"{count} designs on the front, {front.evaluations} computed{shown}")
     for text in front.warnings:
-        console.print(f"warning: {text}", markup=False, soft_wrap=True)
+        console.print(f"warning: {text}", soft_wrap=True)

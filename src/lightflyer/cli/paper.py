@@ -2,9 +2,10 @@
 
 from pathlib import Path
 
-from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
+
+from lightflyer.cli.output import printer
 
 
 def paper_command(*, out: Path = Path("paper"), data: Path | None = None) -> None:
@@ -25,7 +26,7 @@ def paper_command(*, out: Path = Path("paper"), data: Path | None = None) -> Non
     from lightflyer.paper.claims import claims
     from lightflyer.paper.reproduce import STEPS, reproduce
 
-    console = Console(highlight=False)
+    console = printer()
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("computing", total=STEPS)
         results = reproduce(out, points, lambda text: bar.update(task, advance=1, description=text))

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
+
+from lightflyer.cli.output import printer
 
 if TYPE_CHECKING:
     from lightflyer.search.sobol import Indices
@@ -44,7 +45,7 @@ def sensitivity_command(
     if json_output:
         print(json.dumps(summary, allow_nan=False))  # noqa: T201
         return
-    console = Console(highlight=False)
+    console = printer()
     for found in results:
         _show(console, found)
     for group in study.groups:
@@ -57,7 +58,7 @@ def sensitivity_command(
                 soft_wrap=True,
             )
     for text in study.design.sampling_warnings:
-        console.print(f"warning: {text}", markup=False, soft_wrap=True)
+        console.print(f"warning: {text}", soft_wrap=True)
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
 
@@ -86,7 +87,7 @@ def _show(console: Console, found: "Indices") -> None:
         soft_wrap=True,
     )
     table = Table(box=None, padding=(0, 1, 0, 0))  # so that it fits into 80 columns
-    ends = (escape(f"at its\n{end} %\n[{found.unit or '1'}]") for end in ("2.5", "97.5"))
+    ends = (f"at its\n{end} %\n[{found.unit or '1'}]" for end in ("2.5", "97.5"))
     shares = ("share of\nvariance\n[%]", "with inter-\nactions\n[%]")
     headings = ("input", *shares, "elasticity", *ends)
     for heading in headings:

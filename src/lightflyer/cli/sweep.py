@@ -19,6 +19,7 @@ from rich.progress import (
 from rich.table import Table
 from rich.text import Text
 
+from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 
 if TYPE_CHECKING:
@@ -88,8 +89,8 @@ def sweep_command(
     if json_output:
         print(json.dumps(_summary(out, study, report, dataset), allow_nan=False))  # noqa: T201
         return
-    _show(Console(highlight=False), study, report, dataset)
-    Console(highlight=False).print(f"wrote {out}", soft_wrap=True)
+    _show(printer(), study, report, dataset)
+    printer().print(f"wrote {out}", soft_wrap=True)
 
 
 def _require_reasonable(study: "Study", out: Path) -> None:
@@ -140,7 +141,7 @@ class _Progress:
     """Progress bars on standard error, where that is a terminal."""
 
     def __init__(self) -> None:
-        console = Console(stderr=True)
+        console = printer(stderr=True)
         self._bar = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -213,7 +214,7 @@ def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.
         shown = f"no design has a {name}" if best is None else f"largest {name}: {best}"
         console.print(shown, soft_wrap=True)
     for text in _warnings(study, best):
-        console.print(f"warning: {text}", markup=False, soft_wrap=True)
+        console.print(f"warning: {text}", soft_wrap=True)
 
 
 def _warnings(study: "Study", best: "BestDesign | None") -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Literal
 
-from rich.console import Console
+from lightflyer.cli.output import printer
 
 
 def example_command(
@@ -34,7 +34,7 @@ def example_command(
                 stage(file).write_bytes(content)
             else:
                 stage(file).write_text(content, encoding="utf-8")
-    console = Console(highlight=False)
+    console = printer()
     for file in files.files:
         console.print(f"wrote {out / file}", soft_wrap=True)
     for command in files.commands:

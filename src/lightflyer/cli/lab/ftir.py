@@ -19,6 +19,7 @@ from lightflyer.cli.lab._shared import (
     updating,
     write_record,
 )
+from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def ftir_command(
     if json_output:
         print_json(document)
         return
-    console = Console(highlight=False)
+    console = printer()
     _show_read(console, [*spectra, *mirrors])
     _show(console, result)
     show_warnings(console, warnings)
@@ -174,7 +175,7 @@ def _show_read(console: Console, spectra: "Sequence[MeasuredSpectrum]") -> None:
         ends = one.wavenumber[[0, -1]] / PER_CENTIMETRE
         console.print(
             f"read {len(one.wavenumber)} points of {one.quantity} from {one.source}, "
-            f"{ends[0]:.5g} to {ends[1]:.5g} cm⁻¹", markup=False, soft_wrap=True,
+            f"{ends[0]:.5g} to {ends[1]:.5g} cm⁻¹", soft_wrap=True,
         )  # fmt: skip
         show_rejected(console, one.rejected)
 

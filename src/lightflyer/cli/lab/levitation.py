@@ -22,6 +22,7 @@ from lightflyer.cli.lab._shared import (
     updating,
     write_record,
 )
+from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -129,7 +130,7 @@ def levitation_command(
     if json_output:
         print_json(document)
         return
-    console = Console(highlight=False)
+    console = printer()
     show_read(console, tables)
     _show(console, curves)
     if fit is not None:
@@ -194,12 +195,12 @@ def _show_fit(console: Console, fit: "Calibration") -> None:
             f"calibrated {name} {fit.values[row]:.4g}: given inputs "
             f"{open_interval_text(*fit.intervals[row])}, in total "
             f"{open_interval_text(*fit.total_intervals[row])}",
-            markup=False, soft_wrap=True,
+            soft_wrap=True,
         )  # fmt: skip
     inputs = ", ".join(fit.contributions) or "nothing else"
     console.print(
         f"given inputs: the points' scatter alone; in total: also the ± of {inputs}",
-        markup=False, soft_wrap=True,
+        soft_wrap=True,
     )  # fmt: skip
 
 
@@ -231,5 +232,5 @@ def _show(console: Console, curves: "Sequence[LevitationCurve]") -> None:
         console.print(
             f"{one.first} needs {_PERCENT * one.reduction.value:.1f} % less light than "
             f"{one.second} ({low:.1f} to {high:.1f} %)",
-            markup=False, soft_wrap=True,
+            soft_wrap=True,
         )  # fmt: skip

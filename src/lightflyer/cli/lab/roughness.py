@@ -17,6 +17,7 @@ from lightflyer.cli.lab._shared import (
     show_warnings,
     write_record,
 )
+from lightflyer.cli.output import printer
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -98,7 +99,7 @@ def roughness_command(
     if json_output:
         print_json(document)
         return
-    console = Console(highlight=False)
+    console = printer()
     _show(console, results)
     show_warnings(console, document["warnings"])
     finish(console, written, [], None)
@@ -114,7 +115,7 @@ def _show(console: Console, results: "Sequence[Roughness]") -> None:
     from lightflyer.lab.surface import mean_parameters
 
     for one in results:
-        console.print(_about_map(one), markup=False, soft_wrap=True)
+        console.print(_about_map(one), soft_wrap=True)
         table = [(name, one.parameters[key]) for key, name in _NAMES.items()]
         everything = one.parameters_all["rms_height"]
         console.print(estimate_table([*table, ("Sq without a mask", everything)]))

@@ -23,6 +23,7 @@ from lightflyer.cli.lab._shared import (
     updating,
     write_record,
 )
+from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -153,7 +154,7 @@ def tac_command(
     if json_output:
         print_json(document)
         return
-    console = Console(highlight=False)
+    console = printer()
     show_read(console, [run.table for run in runs])
     _show(console, fits)
     show_warnings(console, warnings)
@@ -266,7 +267,7 @@ def _show(console: Console, fits: "Sequence[TacFit]") -> None:
             f"{fit.run.source}: heater at {fit.mean_temperature:.2f} K, coefficient of variation "
             f"{_PERCENT * fit.temperature_variation:.2g} %; {fit.rows_used} rows used, "
             f"{fit.rows_dropped} dropped for their temperature",
-            markup=False, soft_wrap=True,
+            soft_wrap=True,
         )  # fmt: skip
         console.print(_parameters_table(fit))
         others = ", ".join(
@@ -277,7 +278,7 @@ def _show(console: Console, fits: "Sequence[TacFit]") -> None:
             f"reading {fit.reading}; the same rows give α = {others}\n"
             f"rows scatter by {_PERCENT * fit.scatter:.2g} % about the fit; correlation of α with "
             f"δ {related[0, 1]:.2f}, with C {related[0, 2]:.2f}",
-            markup=False, soft_wrap=True,
+            soft_wrap=True,
         )  # fmt: skip
     if len(fits) > 1:
         console.print(_runs_table(fits))

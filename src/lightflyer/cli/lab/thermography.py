@@ -20,6 +20,7 @@ from lightflyer.cli.lab._shared import (
     updating,
     write_record,
 )
+from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -129,7 +130,7 @@ def thermography_command(
     if json_output:
         print_json(document)
         return
-    console = Console(highlight=False)
+    console = printer()
     show_read(console, tables)
     _show(console, result)
     finish(console, written, updated, update)

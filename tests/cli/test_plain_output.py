@@ -1,0 +1,52 @@
+"""What commands print: names as they are, in any encoding."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import lightflyer
+
+CLI = Path(lightflyer.__file__).parent / "cli"
+
+
+def test_brackets_in_names_are_no_markup(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    code, out, _ = run("init", "o[red]x.toml")
+    assert code == 0
+    assert "wrote o[red]x.toml" in out
+    code, out, _ = run("predict", "o[red]x.toml", "--out", "run [/b] x :smile:")
+    assert code == 0
+    assert "run [/b] x :smile:" in out
+    code, out, _ = run("predict", "a[/b].toml")
+    assert code == 2
+    code, out, _ = run("materials")
+    assert "[um]" in out
+
+
+def test_one_place_makes_consoles():
+    for path in CLI.rglob("*.py"):
+        if path.name != "output.py":
+            assert not re.search(r"\bConsole\(", path.read_text(encoding="utf-8")), path
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])
+def test_any_encoding_of_the_terminal(tmp_path, encoding):
+    flyer = tmp_path / "flyer.toml"
+    environment = os.environ | {"PYTHONIOENCODING": encoding}
+
+    def run(*arguments):
+        return subprocess.run(
+            [sys.executable, "-m", "lightflyer", *arguments, str(flyer)],
+            capture_output=True,
+            env=environment,
+            check=True,
+        ).stdout.decode(encoding)
+
+    run("init")
+    printed = run("predict")
+    assert {"ascii": "W/m^2", "cp1252": "W/m²", "utf-8": "W/m²"}[encoding] in printed
+    assert "?" not in printed

@@ -130,7 +130,8 @@ def levitate(
 def _levitate(
     flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
 ) -> Levitation:
-    if len(flyer.nodes) == 1 and not flyer.flows:
+    buoyant = type(flyer).buoyancy is not AbstractFlyer.buoyancy
+    if len(flyer.nodes) == 1 and not flyer.flows and not buoyant:
         return _by_temperature(flyer, state, model)
     return _by_irradiance(flyer, state, model)
 
@@ -210,6 +211,8 @@ def _by_irradiance(
     flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
 ) -> Levitation:
     """Several unknowns: the irradiance that carries the load, with a heat balance in each step.
+
+    And one, where warm gas lifts: it may carry the load though it is no warmer than the gas around.
 
     The brightest light looked at absorbs what the flyer would lose if all of it were at the
     highest temperature: at any stronger one some node is hotter. The force need not grow all the

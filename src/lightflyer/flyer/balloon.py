@@ -17,7 +17,7 @@ from lightflyer.flyer.section import FlyerSection
 from lightflyer.foundation import constants
 from lightflyer.foundation.checks import is_concrete
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.quantity import Distance, Length, Mass, MolarMass, Power, Tension
+from lightflyer.foundation.quantity import Distance, Length, Mass, MolarMass, Tension
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 
@@ -56,6 +56,9 @@ class Balloon(AbstractFlyer):
     given mass of gas: it is slack while the gas takes less than its volume, and under pressure
     beyond.
 
+    The gas within is as warm as the envelope: without a source of heat of its own, no difference
+    lasts. It neither absorbs light nor emits.
+
     Attributes
     ----------
     film : FilmProperties
@@ -69,8 +72,6 @@ class Balloon(AbstractFlyer):
         Of the gas in a closed envelope [kg]; None for an open one.
     molar_mass : array or None
         Of the gas within [kg/mol]; None for the gas that is around.
-    power : array
-        That a burner or instruments give the gas within [W].
     payload : array
         Mass carried beside the film's [kg].
     attitude : Attitude or None
@@ -94,14 +95,13 @@ class Balloon(AbstractFlyer):
     0.782 kg
     """
 
-    nodes: ClassVar[tuple[str, ...]] = ("envelope", "gas")
+    nodes: ClassVar[tuple[str, ...]] = ("envelope",)
 
     film: FilmProperties
     radius: Length
     opening_radius: Distance = 0.0
     gas_mass: Mass | None = None
     molar_mass: MolarMass | None = None
-    power: Power = 0.0
     payload: Mass = 0.0
     attitude: Attitude | None = None
     film_strength: Tension | None = None
@@ -176,7 +176,7 @@ class Balloon(AbstractFlyer):
         which for an open balloon of the surrounding gas is
         :math:`\rho_c\,g\,V\,\theta/(1+\theta)`, written so.
         """
-        excess = unknowns[1]
+        (excess,) = unknowns
         density = state.gas.density(state.pressure, state.temperature)
         if self.gas_mass is None:
             heavier = state.gas.specific_gas_constant / self._gas_constant(state)
@@ -188,8 +188,7 @@ class Balloon(AbstractFlyer):
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
         """See :meth:`AbstractFlyer.beam_areas`."""
         into_opening = state.radiation.on_faces(self.attitude).beam_bottom
-        absorbed = self._absorbed_light(state.radiation.on_sphere().beam, into_opening)
-        return absorbed, jnp.zeros_like(absorbed)
+        return (self._absorbed_light(state.radiation.on_sphere().beam, into_opening),)
 
     def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
         """See :meth:`AbstractFlyer.heat_gains`."""
@@ -200,20 +199,18 @@ class Balloon(AbstractFlyer):
         infrared = self._absorbed_infrared(
             state, radiation.infrared_excess_on_sphere(temperature), from_below
         )
-        absorbed = diffuse + infrared
-        return absorbed, self.power + jnp.zeros_like(absorbed)
+        return (diffuse + infrared,)
 
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
         r"""See :meth:`AbstractFlyer.heat_losses`.
 
         What the envelope emits beyond that at the gas temperature, less what comes back to it
-        within. The gas within neither emits nor absorbs.
+        within.
         """
-        excess = unknowns[0]
+        (excess,) = unknowns
         out, within = self.film.emission_growths(state.temperature, excess)
         black = state.radiation.stefan_boltzmann * state.temperature**4
-        lost = -black * self._absorbed_infrared(state, 0.0, 0.0, out, within)
-        return lost, 0.0 * excess
+        return (-black * self._absorbed_infrared(state, 0.0, 0.0, out, within),)
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """See :meth:`AbstractFlyer.highest_excess`: the excess in vacuum by the outer face."""
@@ -303,7 +300,6 @@ class BalloonSection(FlyerSection):
     opening_diameter: Distance = Measured(0.0)
     gas: Literal["ambient", "helium", "hydrogen"] = AMBIENT
     gas_mass: Mass | None = None
-    power: Power = Measured(0.0)
     film_strength: Tension | None = None
 
     @pydantic.model_validator(mode="after")
@@ -324,7 +320,6 @@ class BalloonSection(FlyerSection):
             opening_radius=0.5 * self.opening_diameter.value,
             gas_mass=None if mass is None else mass.value,
             molar_mass=MOLAR_MASSES.get(self.gas),
-            power=self.power.value,
             payload=self.payload.value,
             attitude=self.attitude(),
             film_strength=None if strength is None else strength.value,

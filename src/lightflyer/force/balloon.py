@@ -1,6 +1,5 @@
-r"""The balloon's model: convection around and within; the gas pushes by its buoyancy alone."""
+r"""The balloon's model: natural convection around it; the gas pushes by its buoyancy alone."""
 
-import math
 from collections.abc import Iterator, Mapping
 from typing import ClassVar, Literal
 
@@ -12,11 +11,7 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.balloon import Balloon
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel, ModelResult
-from lightflyer.force.convection import (
-    OUTER_RAYLEIGH,
-    inner_sphere_conductance,
-    sphere_conductance,
-)
+from lightflyer.force.convection import OUTER_RAYLEIGH, sphere_conductance
 from lightflyer.force.lu2023 import rayleigh_number
 from lightflyer.force.section import ForceSection
 from lightflyer.foundation.precision import entry_point
@@ -24,32 +19,30 @@ from lightflyer.foundation.quantity import StandardErrors
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 
-_OUTER_SCATTER = 0.15
+_SCATTER = 0.15
 """Standard uncertainty of the law outside, relative [1]: what laws of turbulent convection differ
 by, see :func:`~lightflyer.force.convection.sphere_nusselt`."""
 
-_INNER_SCATTER = 0.5 * math.log(2.5)
-"""Standard uncertainty of the law within, of its logarithm [1]: two in use differ 2.5 times."""
+
+_ROUNDING = 1e-9
 
 
 class BalloonConvection(AbstractForceModel):
-    r"""Heat that a balloon's envelope exchanges with the gas outside and inside.
+    r"""Heat that the gas around takes from a balloon's envelope.
 
-    .. math::
-        Q_\mathrm{envelope} = G_o\,\theta_e - G_i\,(\theta_g - \theta_e), \qquad
-        Q_\mathrm{gas} = G_i\,(\theta_g - \theta_e)
+    .. math:: Q = G(\theta)\,\theta
 
-    with the conductances of :mod:`lightflyer.force.convection`.
+    with the conductance of a sphere (:func:`~lightflyer.force.convection.sphere_conductance`).
 
     A sphere of one temperature is not pushed by the gas: the buoyancy of the gas within, which is
     the flyer's, is all of the lift.
 
     Attributes
     ----------
-    outer_error, inner_error : array or None
-        Deviation of the truth from the laws of convection outside and inside, in their standard
-        errors [1]: 15 % and a factor of 1.6. A flyer file gives both as 0 ± 1, so that they are
-        part of a prediction's uncertainty. None stands for zero.
+    convection_error : array or None
+        Deviation of the truth from the law of convection, in its standard errors of 15 % [1]. A
+        flyer file gives it as 0 ± 1, so that it is part of a prediction's uncertainty. None
+        stands for zero.
 
     Notes
     -----
@@ -57,12 +50,9 @@ class BalloonConvection(AbstractForceModel):
     envelope has one temperature. In sunlight its upper side is warmer than the lower one, which
     radiation and convection within even out in part.
 
-    Without a source of heat in the gas within, it is as warm as the envelope, whatever the law of
-    convection there.
-
     References
     ----------
-    [Churchill1983]_, [CarlsonHorn1983]_
+    [Churchill1983]_, [ChurchillChu1975]_
     """
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Balloon,)
@@ -73,28 +63,27 @@ class BalloonConvection(AbstractForceModel):
         "film_tension": ModelResult("N/m", "force per length in the film at the top"),
     }
 
-    outer_error: StandardErrors | None = None
-    inner_error: StandardErrors | None = None
+    convection_error: StandardErrors | None = None
 
     @entry_point
     def heat_loss(
         self, flyer: Balloon, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
         """See :meth:`AbstractForceModel.heat_loss`."""
-        envelope, gas = unknowns
-        inner = inner_sphere_conductance(
-            gas,
-            envelope,
+        (excess,) = unknowns
+        error = self.convection_error
+        conductance = sphere_conductance(
+            excess,
             radius=flyer.radius,
-            tac=flyer.film.tac_bottom,
+            tac=flyer.film.tac_top,
             pressure=state.pressure,
             temperature=state.temperature,
             gravity=state.gravity,
             gas=state.gas,
-            convection=_factor(self.inner_error, _INNER_SCATTER),
+            wall_distance=state.wall_distance,
+            convection=1.0 if error is None else jnp.exp(_SCATTER * error),
         )
-        outward = inner * (gas - envelope)
-        return self._outer_heat(flyer, state, envelope) - outward, outward
+        return ((1.0 - flyer.open_share) * conductance * excess,)
 
     @entry_point
     def force(self, flyer: Balloon, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
@@ -106,7 +95,7 @@ class BalloonConvection(AbstractForceModel):
         self, flyer: Balloon, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> dict[str, Array]:
         """See :meth:`AbstractForceModel.own_results`."""
-        within = flyer.filling(state, unknowns[1])
+        within = flyer.filling(state, unknowns[0])
         outside = state.gas.density(state.pressure, state.temperature)
         # what gas of other weight adds over the height that it fills, at most the balloon's
         lighter = outside - within.mass / within.volume
@@ -134,31 +123,8 @@ class BalloonConvection(AbstractForceModel):
         )
         return (
             *OUTER_RAYLEIGH.caveats(rayleigh, state.pressure),
-            *_of_filling(flyer, state, self.own_results(flyer, state, (excess, excess))),
-            *_of_power(flyer),
+            *_of_filling(flyer, state, self.own_results(flyer, state, (excess,))),
         )
-
-    def _outer_heat(self, flyer: Balloon, state: EnvironmentState, excess: Array) -> Array:
-        share = 1.0 - flyer.open_share
-        return (
-            excess
-            * share
-            * sphere_conductance(
-                excess,
-                radius=flyer.radius,
-                tac=flyer.film.tac_top,
-                pressure=state.pressure,
-                temperature=state.temperature,
-                gravity=state.gravity,
-                gas=state.gas,
-                wall_distance=state.wall_distance,
-                convection=_factor(self.outer_error, _OUTER_SCATTER),
-            )
-        )
-
-
-def _factor(error: Numeric | None, scatter: float) -> Numeric:
-    return 1.0 if error is None else jnp.exp(error * scatter)
 
 
 def _of_filling(
@@ -181,26 +147,14 @@ def _of_filling(
         )
 
 
-def _of_power(flyer: Balloon) -> Iterator[str]:
-    if flyer.molar_mass is not None and np.any(np.asarray(flyer.power) > 0.0):
-        yield (
-            "the heat from the gas within to the envelope is that of the gas around, and the gas "
-            "within is another one"
-        )
-
-
-_ROUNDING = 1e-9
-
-
 class BalloonForceSection(ForceSection):
-    """``[force]``: convection and buoyancy of a balloon; the laws' own errors count."""
+    """``[force]``: convection and buoyancy of a balloon; the law's own error counts."""
 
     model_type: ClassVar[type[AbstractForceModel]] = BalloonConvection
 
     model: Literal["balloon"]
-    outer_error: StandardErrors = Measured(0.0, 1.0)
-    inner_error: StandardErrors = Measured(0.0, 1.0)
+    convection_error: StandardErrors = Measured(0.0, 1.0)
 
     def build(self) -> BalloonConvection:
         """The force model."""
-        return BalloonConvection(self.outer_error.value, self.inner_error.value)
+        return BalloonConvection(self.convection_error.value)

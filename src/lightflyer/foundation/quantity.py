@@ -273,7 +273,6 @@ MolarMass = Annotated[
     Numeric,
     Quantity("kg/mol", 0.0, open_below=True, sizes=(1e-3, 0.4), why="hydrogen and UF6 are between"),
 ]
-Power = Annotated[Numeric, Quantity("W", 0.0, sizes=(0.0, 1e6), why="no flyer has more power")]
 Tension = Annotated[
     Numeric,
     Quantity("N/m", 0.0, open_below=True, sizes=(1e-9, 1e8), why="no film bears more"),

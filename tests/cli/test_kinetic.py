@@ -37,6 +37,7 @@ def test_one_json_and_a_figure(run, tmp_path):
         "tac_bottom": 0.9,
         "top_temperature": 1.0,
         "bottom_temperature": 1.0,
+        "open_fraction": 0.0,
         "gas": "monatomic",
         "boundary": 4.0,
     }
@@ -48,9 +49,11 @@ def test_one_json_and_a_figure(run, tmp_path):
 def test_table_of_a_hot_disk(run, monkeypatch):
     meshes = [cases.Resolution(order, 0.7, Quadrature(3, 3, 3)) for order in (3, 2)]
     monkeypatch.setattr(cases, "meshes", lambda knudsen, *, linear: meshes)
-    code, text, _ = run(*CASE, "--temperature-ratio", "2", "--gas", "diatomic")
+    ratios = ("--temperature-ratio", "2", "--top-temperature-ratio", "1.5")
+    code, text, _ = run(*CASE, *ratios, "--open-fraction", "0.3", "--gas", "diatomic")
     assert code == 0
-    assert "Kn 2, TAC 0.8 top, 0.9 bottom, diatomic, T_h/T_c 2, open" in text
+    heading = "TAC 0.8 top, 0.9 bottom, open fraction 0.3, diatomic, T_h/T_c 1.5 and 2, open"
+    assert heading in text
     assert "force" in text
     assert "heat, bottom" in text
 
@@ -61,6 +64,8 @@ def test_table_of_a_hot_disk(run, monkeypatch):
         (("--boundary", "0.5"), "--boundary = 0.5 is not at least 1.5"),
         (("--temperature-ratio", "3"), "--temperature-ratio = 3 is not between 1 and 2.5"),
         (("--temperature-ratio", "2", "--top-temperature", "1"), "--top-temperature"),
+        (("--open-fraction", "1"), "--open-fraction = 1 is not between 0 and 0.999"),
+        (("--top-temperature-ratio", "2"), "--top-temperature-ratio needs --temperature-ratio"),
         (("--gas", "argon"), "argon"),
         (("--top-temperature", "inf"), "--top-temperature = inf is not a finite number"),
     ],

@@ -29,12 +29,14 @@ def kinetic_command(
     top_temperature: float | None = None,
     bottom_temperature: float | None = None,
     temperature_ratio: float | None = None,
+    top_temperature_ratio: float | None = None,
+    open_fraction: float = 0.0,
     gas: Literal["monatomic", "diatomic"] = "monatomic",
     boundary: float | None = None,
     out: Path | None = None,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> None:
-    """Solve the kinetic equation around a hot thin disk.
+    """Solve the kinetic equation around a hot thin disk, or one with holes.
 
     Without --temperature-ratio, solve the linear problem of small temperature differences.
 
@@ -54,6 +56,10 @@ def kinetic_command(
     temperature_ratio
         Temperature of both faces over that of the gas far away, 1 to 2.5, for the non-linear
         problem.
+    top_temperature_ratio
+        The same for the upper face, if it differs.
+    open_fraction
+        Share of the molecules arriving at a face that pass to its other side, 0 to 0.999.
     gas
         Molecules without or with rotation; nitrogen and air are diatomic.
     boundary
@@ -70,6 +76,8 @@ def kinetic_command(
             "--top-temperature and --bottom-temperature belong to the linear problem and cannot be "
             "combined with --temperature-ratio"
         )
+    if temperature_ratio is None and top_temperature_ratio is not None:
+        raise ParameterError("--top-temperature-ratio needs --temperature-ratio, of the lower face")
     from lightflyer.foundation.files import output_directory
     from lightflyer.kinetic import solve
 
@@ -87,7 +95,8 @@ def kinetic_command(
             tac_bottom,
             top_temperature=1.0 if top_temperature is None else top_temperature,
             bottom_temperature=1.0 if bottom_temperature is None else bottom_temperature,
-            temperature_ratio=temperature_ratio,
+            temperature_ratio=_of_both_faces(temperature_ratio, top_temperature_ratio),
+            open_fraction=open_fraction,
             gas=gas,
             boundary=boundary,
             progress=progress if sys.stderr.isatty() else None,
@@ -99,6 +108,10 @@ def kinetic_command(
         print(json.dumps(solution.to_json(), allow_nan=False))  # noqa: T201
     else:
         _show(solution, out)
+
+
+def _of_both_faces(ratio: float | None, top: float | None) -> float | tuple[float, float] | None:
+    return ratio if ratio is None or top is None else (top, ratio)
 
 
 def _show(solution: "Solution", out: Path | None) -> None:

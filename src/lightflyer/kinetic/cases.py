@@ -62,6 +62,8 @@ class Case:
     gas : GasModel
     boundary : float
         Half-width of the cylindrical reservoir [disk radii], infinite in open space.
+    open_fraction : float
+        Share of the molecules arriving at a face that pass the disk.
     """
 
     rarefaction: float
@@ -70,6 +72,7 @@ class Case:
     linear: bool
     gas: GasModel
     boundary: float
+    open_fraction: float = 0.0
 
     @property
     def perturbation(self) -> tuple[float, float]:
@@ -79,7 +82,9 @@ class Case:
 
     def free_molecular(self) -> FreeMolecularDisk:
         """Force and heat without collisions."""
-        return FreeMolecularDisk(self.tac, self.temperature, self.linear, self.gas.has_rotation)
+        return FreeMolecularDisk(
+            self.tac, self.temperature, self.linear, self.gas.has_rotation, self.open_fraction
+        )
 
 
 @dataclass(frozen=True)
@@ -138,14 +143,14 @@ def solve_case(
     """
     mesh = resolution.mesh(case.rarefaction, case.boundary)
     operators = assemble(mesh, case.rarefaction, resolution.quadrature)
-    system = LinearSystem(operators, case.gas, 0.5 * sum(case.tac))
-    walls = Walls(case.tac, case.perturbation)
+    system = LinearSystem(operators, case.gas, 0.5 * sum(case.tac), case.open_fraction)
+    walls = Walls(case.tac, case.perturbation, open_fraction=case.open_fraction)
     if case.linear:
         fields, iterations = system.solve(walls)
         faces = [face_result(system, walls, fields[face], face) for face in (0, 1)]
     else:
         problem = NonlinearProblem(system, case.rarefaction, resolution.quadrature)
-        disk = HotDisk(case.tac, case.temperature)
+        disk = HotDisk(case.tac, case.temperature, case.open_fraction)
         if start is None:
             start = system.solve(walls)[0]
         fields, iterations = problem.solve(disk, start, tolerance, progress)

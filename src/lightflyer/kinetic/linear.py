@@ -1,6 +1,7 @@
 """Linear problem: two faces of any TAC and temperature, split into even and odd fields."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,15 +19,28 @@ _MOST_ITERATIONS = 200
 
 @dataclass(frozen=True)
 class Walls:
-    """The two faces, in pairs top, bottom; temperatures and velocity are perturbations."""
+    """The two faces, in pairs top, bottom; temperatures and velocity are perturbations.
+
+    TACs are those of the solid part; the share ``open_fraction`` of the molecules that arrive at a
+    face passes the disk.
+    """
 
     tac: tuple[float, float]
     temperature: tuple[float, float]
     velocity: float = 0.0
+    open_fraction: float = 0.0
+
+    @property
+    def solid(self) -> float:
+        """Share of the molecules arriving at a face that meet it."""
+        return 1.0 - self.open_fraction
 
 
 class LinearSystem:
-    """Linear problem on a mesh for a gas, factorised at a mean TAC.
+    """Linear problem on a mesh for a gas, factorised for one disk and solved for any.
+
+    A disk with holes lets a share of the molecules pass to its other side. To even fields that is
+    specular reflection, to odd ones the opposite of it.
 
     Parameters
     ----------
@@ -34,21 +48,33 @@ class LinearSystem:
     gas : GasModel
     mean_tac : float
         TAC at which the factors, which precondition, are exact.
+    open_fraction : float
+        Open fraction at which they are.
     """
 
-    def __init__(self, operators: Operators, gas: GasModel, mean_tac: float) -> None:
-        self.operators, self.gas, self.mean_tac = operators, gas, mean_tac
+    def __init__(
+        self, operators: Operators, gas: GasModel, mean_tac: float, open_fraction: float = 0.0
+    ) -> None:
+        self.operators, self.gas = operators, gas
+        self.mean_tac, self.open_fraction = mean_tac, open_fraction
+        self.accommodated = (1.0 - open_fraction) * mean_tac
         self.n = operators.mesh.size
         self.fields = 9 if gas.has_rotation else 6
         self.size = self.n * self.fields
-        same = operators.own + operators.reflected
-        even, odd = (self._matrix(same + sign * operators.other) for sign in (1.0, -1.0))
+        same, other = operators.own + operators.reflected, operators.other
+        even = self._matrix(same + other)
+        odd = self._matrix(same - other - 2.0 * open_fraction * operators.reflected)
         self.exchange = self._exchange()
         unit = np.eye(self.size)
         self.factors = tuple(
-            lu_factor(unit - matrix - mean_tac * self.exchange, check_finite=False)
+            lu_factor(unit - matrix - self.accommodated * self.exchange, check_finite=False)
             for matrix in (even, odd)
         )
+
+    @cached_property
+    def _beyond(self) -> np.ndarray:
+        """Fields seen beyond the disk, mirrored."""
+        return self._matrix(self.operators.reflected)
 
     def _sources(self) -> tuple[np.ndarray, np.ndarray]:
         """Matrices from a node's fields to the six translational and three rotational sources."""
@@ -97,7 +123,7 @@ class LinearSystem:
         return matrix.reshape(self.size, self.size)
 
     def _emission(self, temperature: float, velocity: float, tac: float) -> np.ndarray:
-        """Emission of a face by its own temperature and velocity, shape (n · fields,)."""
+        """Emission of a solid face by its temperature and velocity, shape (n · fields,)."""
         operators = self.operators
         emitted = np.zeros((self.n, self.fields))
         emitted[:, :6] = tac * temperature * operators.temperature
@@ -129,10 +155,11 @@ class LinearSystem:
             If GMRES does not converge.
         """
         top, bottom = walls.tac
-        mean, half = 0.5 * (top + bottom), 0.5 * (top - bottom)
-        shift = mean - self.mean_tac
+        mean, half = 0.5 * (top + bottom), 0.5 * walls.solid * (top - bottom)
+        shift = walls.solid * mean - self.accommodated
+        opened = walls.open_fraction - self.open_fraction
         emission = [
-            self._emission(temperature, velocity, tac)
+            walls.solid * self._emission(temperature, velocity, tac)
             for tac, temperature, velocity in zip(
                 walls.tac, walls.temperature, (walls.velocity, -walls.velocity), strict=True
             )
@@ -153,10 +180,12 @@ class LinearSystem:
             # the factorised part gives back the pair itself
             e, o = pair.reshape(2, -1)
             changed = self.exchange @ np.stack([shift * e + half * o, shift * o + half * e], 1)
+            if opened != 0.0:
+                changed[:, 1] -= 2.0 * opened * (self._beyond @ o)
             return pair - precondition(changed.T.ravel())
 
         start = precondition(np.concatenate([even, odd]))
-        if shift == 0.0 and half == 0.0:
+        if shift == half == opened == 0.0:
             solution, iterations = start, 1
         else:
             solution, iterations = _gmres(apply, start)
@@ -213,7 +242,10 @@ def _gmres(apply: Any, right: np.ndarray) -> tuple[np.ndarray, int]:
 
 @dataclass(frozen=True)
 class FaceResult:
-    """Normal pressure on a face [p₀] and heat flux out of it [p₀√(2RT₀)], at its nodes."""
+    """Normal pressure on a face [p₀] and heat flux out of it [p₀√(2RT₀)], at its nodes.
+
+    They are over the whole area, holes included.
+    """
 
     pressure: np.ndarray
     heat: np.ndarray
@@ -247,4 +279,4 @@ def face_result(system: LinearSystem, walls: Walls, fields: np.ndarray, face: in
     heat = tac * ((sigma + temperature) / _SQRT_PI - energy) + 0.625 * moved - 2.5 * velocity
     if system.gas.has_rotation:
         heat = heat + tac * (temperature / (2.0 * _SQRT_PI) - arriving[:, 3])
-    return FaceResult(2.0 * pressure, heat)
+    return FaceResult(2.0 * walls.solid * pressure, walls.solid * heat)

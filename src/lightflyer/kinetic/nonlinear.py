@@ -32,10 +32,14 @@ _THIN_GAS = 1.0  # δ up to which the linear problem's factors precondition as w
 
 @dataclass(frozen=True)
 class HotDisk:
-    """Two faces, top and bottom: TAC and temperature over the gas's far away."""
+    """Two faces, top and bottom: TAC and temperature over the gas's far away.
+
+    Of the molecules that arrive at a face, the share ``open_fraction`` passes the disk.
+    """
 
     tac: tuple[float, float]
     temperature: tuple[float, float]
+    open_fraction: float = 0.0
 
 
 class NonlinearProblem:
@@ -68,11 +72,12 @@ class NonlinearProblem:
         self.factors = system.factors
 
     def _half(self, fields: np.ndarray, face: int, sigma: np.ndarray, disk: HotDisk) -> tuple:
+        solid, tac = 1.0 - disk.open_fraction, float(disk.tac[face])
         return (
             fields[face],
             fields[1 - face],
             sigma,
-            float(disk.tac[face]),
+            np.array([solid * tac, solid * (1.0 - tac), disk.open_fraction]),
             float(disk.temperature[face]),
         )
 
@@ -107,7 +112,8 @@ class NonlinearProblem:
         about = assemble(operators.mesh, self.rarefaction, self.quadrature, base)
         diagonal = np.arange(operators.mesh.size)
         about.own[diagonal, diagonal] += operators.corrections
-        self.factors = LinearSystem(about, gas, self.system.mean_tac).factors
+        system = LinearSystem(about, gas, self.system.mean_tac, disk.open_fraction)
+        self.factors = system.factors
 
     def solve(
         self,
@@ -186,7 +192,8 @@ class NonlinearProblem:
         heat = tac * (emitted - arriving[:, 2])
         if self.system.gas.has_rotation:
             heat = heat + tac * (0.5 * emitted - arriving[:, 3])
-        return FaceResult(2.0 * pressure, heat)
+        solid = 1.0 - disk.open_fraction
+        return FaceResult(2.0 * solid * pressure, solid * heat)
 
 
 def _damped(old: np.ndarray, new: np.ndarray) -> np.ndarray:

@@ -100,55 +100,63 @@ def _ray(point, direction, rarefaction, setup, mesh, gas, half, cuts, brought):
         point[0], point[1], direction, longest, optical_scale, mesh, cuts
     )
     disk = crossing < 1.0
+    reflected, transmitted = half[3][1], half[3][2]
     brought[:] = 0.0
-    depth, share = 0.0, 1.0
-    for piece in range(number - 1):
-        start, width = cuts[piece], cuts[piece + 1] - cuts[piece]
-        if width < SHORTEST:
-            continue
-        below = start >= hit
-        if below and disk and share == 1.0:
-            x, y = point[0] + hit * direction[0], hit * direction[1]
-            eta = np.sqrt(max(0.0, 1.0 - x * x - y * y))
-            _add_wall(brought, eta, half, depth, setup, mesh, eta_basis, hot[0], cold[0])
-            share = 1.0 - half[3]
+    first, depth, share = 0, 0.0, 1.0
+    at_disk, depth_at_disk = -1, 0.0
+    # up to the disk and on as reflected; then once more from the disk on, as transmitted
+    for through in range(2):
+        for piece in range(first, number - 1):
+            start, width = cuts[piece], cuts[piece + 1] - cuts[piece]
+            if width < SHORTEST:
+                continue
+            below = start >= hit
+            if below and disk and at_disk < 0:
+                x, y = point[0] + hit * direction[0], hit * direction[1]
+                eta = np.sqrt(max(0.0, 1.0 - x * x - y * y))
+                _add_wall(brought, eta, half, depth, setup, mesh, eta_basis, hot[0], cold[0])
+                at_disk, depth_at_disk, share = piece, depth, reflected
             if share == 0.0:
-                return
-        fields = half[1] if below and not disk else half[0]
-        vertical = direction[2] if below else -direction[2]
-        for k in range(points):
-            s = start + width * rule[0, k]
-            x, y, z = point[0] + s * direction[0], s * direction[1], point[1] + s * direction[2]
-            xi, eta = spheroidal(x * x + y * y, z)
-            i, j = bases_at(xi, eta, mesh, xi_basis, eta_basis)
-            interpolate(fields, i, j, eta_size, xi_basis, eta_basis, state)
-            # u²: the radial velocity is kept divided by √(1−η²)
-            state[9] = state[1] * state[1] * (1.0 - eta * eta) + state[2] * state[2]
-            radial = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
-            temperature = max(LOWEST, 1.0 + state[3])
-            frequencies[k] = rarefaction * (1.0 + state[0]) * temperature ** gas[3]
-            thetas[k] = _local_source(state, gas, radial, vertical, coefficients[k])
-        piece_integrals(depth, width, thetas, frequencies, setup[3:], buffer, hot)
-        depth = piece_integrals(depth, width, ones, frequencies, setup[3:], buffer, cold)
-        for k in range(points):
-            w = share * width * rule[1, k] * frequencies[k]
-            _add_piece(brought, w, hot[k], cold[k], coefficients[k], gas[4])
-        if depth > LARGEST_DEPTH:
+                break
+            other = below and (through == 1 or not disk)
+            fields = half[1] if other else half[0]
+            vertical = direction[2] if below else -direction[2]
+            for k in range(points):
+                s = start + width * rule[0, k]
+                x, y, z = point[0] + s * direction[0], s * direction[1], point[1] + s * direction[2]
+                xi, eta = spheroidal(x * x + y * y, z)
+                i, j = bases_at(xi, eta, mesh, xi_basis, eta_basis)
+                interpolate(fields, i, j, eta_size, xi_basis, eta_basis, state)
+                # u²: the radial velocity is kept divided by √(1−η²)
+                state[9] = state[1] * state[1] * (1.0 - eta * eta) + state[2] * state[2]
+                radial = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
+                temperature = max(LOWEST, 1.0 + state[3])
+                frequencies[k] = rarefaction * (1.0 + state[0]) * temperature ** gas[3]
+                thetas[k] = _local_source(state, gas, radial, vertical, coefficients[k])
+            piece_integrals(depth, width, thetas, frequencies, setup[3:], buffer, hot)
+            depth = piece_integrals(depth, width, ones, frequencies, setup[3:], buffer, cold)
+            for k in range(points):
+                w = share * width * rule[1, k] * frequencies[k]
+                _add_piece(brought, w, hot[k], cold[k], coefficients[k], gas[4])
+            if depth > LARGEST_DEPTH:
+                break
+        if at_disk < 0 or transmitted == 0.0:
             return
+        first, depth, share = at_disk, depth_at_disk, transmitted
 
 
 @kernel
 def _add_wall(brought, eta, half, depth, setup, mesh, eta_basis, hot, cold):
     """Add the diffuse emission of a face at a point, less that of the gas at rest."""
-    _, _, sigma, tac, temperature = half
+    _, _, sigma, shares, temperature = half
     table, scale = setup[5:]
     density = interpolate_on_face(sigma, eta, mesh, eta_basis)
     maxwellian_integrals(depth, temperature, table, scale, hot)
     maxwellian_integrals(depth, 1.0, table, scale, cold)
     for k in range(_POWERS):
-        brought[k] += tac * (density * hot[k + 1] - cold[k + 1])
+        brought[k] += shares[0] * (density * hot[k + 1] - cold[k + 1])
     for k in range(2):
-        brought[_POWERS + k] += tac * (density * temperature * hot[k + 1] - cold[k + 1])
+        brought[_POWERS + k] += shares[0] * (density * temperature * hot[k + 1] - cold[k + 1])
 
 
 @kernel
@@ -234,7 +242,8 @@ def evaluate(points, on_face, rarefaction, setup, mesh, gas, half, out):
     gas : tuple
         Factors of the two heat fluxes, exchange rate, −ω, whether molecules rotate.
     half : tuple
-        Own fields, the other half's (mirrored), σ on the face, its TAC and temperature.
+        Own fields, the other half's (mirrored), σ on the face; the shares of the arriving
+        molecules that leave it diffusely, specularly and on its other side; its temperature.
     out : array, shape (m, 6 or 9) or, on a face, (m, 4)
         Filled with fields, or with number, normal momentum, energy and rotational energy less
         those of the gas at rest.

@@ -2,7 +2,8 @@
 
 Below the disk's plane everything is mirrored. A ray that has crossed z = 0 goes on through the
 mirror image of the lower half, with the height of its direction reversed. With the fields of the
-other half it is a ray that missed the disk, with those of its own half one that the disk reflected.
+other half it is a ray that missed the disk or passed its holes, with those of its own half one that
+the disk reflected.
 """
 
 import numpy as np

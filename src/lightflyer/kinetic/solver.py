@@ -10,6 +10,7 @@ import numpy as np
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.extras import extra
+from lightflyer.foundation.quantity import HIGHEST_OPEN_FRACTION
 from lightflyer.kinetic.model_gases import gas_model
 
 if TYPE_CHECKING:
@@ -31,6 +32,8 @@ FURTHEST_DEPTH = 150.0
 @dataclass(frozen=True)
 class Solution:
     r"""Force and heat of a disk relative to their free-molecular values, and the flow.
+
+    The free-molecular values are those of the same disk, holes included.
 
     Attributes
     ----------
@@ -92,6 +95,7 @@ class Solution:
             "tac_top": case.tac[0],
             "tac_bottom": case.tac[1],
             **heated,
+            "open_fraction": case.open_fraction,
             "gas": case.gas.name,
             "boundary": self.boundary if np.isfinite(self.boundary) else None,
         }
@@ -105,9 +109,10 @@ class Solution:
         heated = f"linear, perturbation {both}" if case.linear else f"T_h/T_c {both}"
         is_open = np.isinf(self.boundary)
         where = "open space" if is_open else f"reservoir at {self.boundary:g} radii"
+        holes = f"open fraction {case.open_fraction:g}, " if case.open_fraction else ""
         return (
             f"Kn {self.knudsen:g}, TAC {case.tac[0]:g} top, {case.tac[1]:g} bottom, "
-            f"{case.gas.name}, {heated}, {where}"
+            f"{holes}{case.gas.name}, {heated}, {where}"
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -152,11 +157,12 @@ def solve(
     top_temperature: float = 1.0,
     bottom_temperature: float = 1.0,
     temperature_ratio: float | tuple[float, float] | None = None,
+    open_fraction: float = 0.0,
     gas: str = "monatomic",
     boundary: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Solution:
-    r"""Solve the kinetic equation around a thin disk with Maxwell walls.
+    r"""Solve the kinetic equation around a thin disk with Maxwell walls, or one with holes.
 
     Without ``temperature_ratio`` the linearised Shakhov equation is solved (of Rykov's type for a
     diatomic gas), with it the non-linear one with a viscosity :math:`\mu \propto T^\omega`. Results
@@ -172,6 +178,9 @@ def solve(
         Temperature perturbation of each face in the linear problem.
     temperature_ratio : float or (float, float), optional
         T_h/T_c of both faces, or of the top and bottom face, from 1 to 2.5.
+    open_fraction : float
+        Share of the molecules arriving at a face that pass to its other side unchanged, from 0 to
+        0.999: holes much smaller than the mean free path. The TACs are those of the rest.
     gas : {"monatomic", "diatomic"}
     boundary : float, optional
         Half-width and half-height of a cylindrical reservoir at T_c [disk radii], at least 1.5
@@ -209,6 +218,7 @@ def solve(
         (tac_top, tac_bottom),
         (top_temperature, bottom_temperature),
         temperature_ratio,
+        open_fraction,
         gas,
         boundary,
     )
@@ -240,12 +250,14 @@ def _case(
     tac: tuple[float, float],
     perturbation: tuple[float, float],
     temperature_ratio: float | tuple[float, float] | None,
+    open_fraction: float,
     gas: str,
     boundary: float | None,
 ) -> "Case":
     require_range("knudsen", knudsen, *KNUDSEN_RANGE)
     for name, value in zip(("tac_top", "tac_bottom"), tac, strict=True):
         require_range(name, value, 0.0, 1.0, open_below=True)
+    require_range("open_fraction", open_fraction, 0.0, HIGHEST_OPEN_FRACTION)
     if boundary is not None:
         require_range("boundary", boundary, SMALLEST_BOUNDARY)
         _require_resolved(knudsen, boundary)
@@ -271,6 +283,7 @@ def _case(
         linear=linear,
         gas=model,
         boundary=np.inf if boundary is None else float(boundary),
+        open_fraction=float(open_fraction),
     )
 
 

@@ -8,6 +8,8 @@ if importlib.metadata.version("jaxlib").startswith("0.10."):
         "XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
     )
 
+os.environ.setdefault("LIGHTFLYER_CACHE", "off")  # tests of it choose a folder of their own
+
 import jax
 import numpy as np
 import pytest

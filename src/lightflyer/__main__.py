@@ -47,7 +47,9 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors=_SPELLED_OUT)
     from lightflyer.cli import main as run  # takes a while
+    from lightflyer.cli.compiled import keep_compiled
 
+    keep_compiled(sys.argv[1:])
     run()
 
 

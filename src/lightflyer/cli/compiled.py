@@ -1,0 +1,70 @@
+"""Compiled programs, kept from one command to the next.
+
+Most of a prediction's time is compiling. JAX keeps what it compiled in a folder where one is
+named, under a key that contains the program, the compiler's version and its settings: an upgrade
+finds nothing of the old version's, and the least used is removed first. Code for one processor
+may not run on another, so each has a folder of its own, for home directories that several
+machines share.
+"""
+
+import hashlib
+import os
+import platform
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+SETTING = "LIGHTFLYER_CACHE"
+"""Environment variable: ``off``, or the folder to keep compiled programs in."""
+
+_LARGEST = 500_000_000  # bytes
+_COMPILES_NOTHING = {"init", "materials", "--help", "-h", "--version"}
+
+
+def keep_compiled(arguments: Sequence[str]) -> None:
+    """Have JAX keep compiled programs; to be called before JAX is loaded.
+
+    Nothing is kept where the folder cannot be made or written. What the environment says for JAX
+    itself (``JAX_COMPILATION_CACHE_DIR``) takes precedence.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        Of the command line.
+    """
+    setting = os.environ.get(SETTING, "")
+    asked = {"JAX_COMPILATION_CACHE_DIR", "JAX_ENABLE_COMPILATION_CACHE"} & os.environ.keys()
+    if setting.lower() == "off" or asked or not arguments or _COMPILES_NOTHING & set(arguments):
+        return
+    import platformdirs
+
+    folder = Path(setting or platformdirs.user_cache_dir("lightflyer")) / _processor()
+    is_new = not folder.exists()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return
+    if not os.access(folder, os.W_OK):
+        return
+    os.environ |= {
+        "JAX_COMPILATION_CACHE_DIR": str(folder),
+        "JAX_COMPILATION_CACHE_MAX_SIZE": str(_LARGEST),
+        "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
+        "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1",
+    }
+    if is_new:
+        print(  # noqa: T201
+            f"lightflyer: compiled programs are kept in {folder.parent}, so that the next command "
+            f"starts faster; {SETTING}=off keeps none",
+            file=sys.stderr,
+        )
+
+
+def _processor() -> str:
+    """Name of a folder for this kind of processor."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+        known = sorted({line for line in lines if line.startswith(("model name", "flags"))})
+    except OSError:
+        known = [platform.machine(), platform.processor()]
+    return hashlib.sha256("\n".join(known).encode()).hexdigest()[:12]

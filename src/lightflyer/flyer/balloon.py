@@ -24,10 +24,7 @@ from lightflyer.foundation.units import Measured
 _MOLAR_GAS_CONSTANT = constants.BOLTZMANN * constants.AVOGADRO  # [J/(mol K)]
 
 MOLAR_MASSES: Mapping[str, float] = {"helium": 4.002602e-3, "hydrogen": 2.016e-3}
-"""Lift gases by the name they have in a flyer file [kg/mol]; [CIAAW2021]_."""
-
-AMBIENT = "ambient"
-"""Name in a flyer file of a filling with the gas that is around the balloon."""
+"""Lift gases by the name they have in a flyer file [kg/mol]; [Prohaska2022]_."""
 
 
 class Filling(NamedTuple):
@@ -298,7 +295,7 @@ class BalloonSection(FlyerSection):
     shape: Literal["balloon"]
     diameter: Length
     opening_diameter: Distance = Measured(0.0)
-    gas: Literal["ambient", "helium", "hydrogen"] = AMBIENT
+    gas: Literal["ambient", "helium", "hydrogen"] = "ambient"
     gas_mass: Mass | None = None
     film_strength: Tension | None = None
 

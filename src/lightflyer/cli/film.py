@@ -1,4 +1,4 @@
-"""``lightflyer film``: absorptance, emittance and areal density of a film from its layers."""
+"""``lightflyer film``: optics and areal density of a film from its layers."""
 
 import gc
 import json
@@ -31,10 +31,11 @@ def film_command(
     at: str | None = None,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> None:
-    """Compute absorptance, emittance and areal density of a film from its layers.
+    """Compute absorptance, transmittance, emittance and areal density of a film from its layers.
 
-    Where the file states ± of thicknesses or densities, values have 95 % intervals from them.
-    Shares of a spectrum without optical data are printed with bounds, apart from the intervals.
+    Transmittances matter where a film shades another, as in a sandwich. Where the file states ± of
+    thicknesses or densities, values have 95 % intervals from them. Shares of a spectrum without
+    optical data are printed with bounds, apart from the intervals.
 
     Parameters
     ----------
@@ -208,6 +209,10 @@ def _show_layers(console: Console, section: "LayeredFilmSection", summary: "Film
             interval = _interval(summary, f"{kind}_absorptance_{side}")
             console.print(f"absorptance       {mean.value:.4f}{interval} of {light}, {side}"
                           f"{_bounded(mean)}", soft_wrap=True)  # fmt: skip
+        passing = summary.passing[kind]
+        interval = _interval(summary, f"{kind}_transmittance")
+        console.print(f"transmittance     {passing.value:.4f}{interval} of {light}"
+                      f"{_bounded(passing)}", soft_wrap=True)  # fmt: skip
 
 
 def _interval(summary: "FilmSummary", name: str) -> str:
@@ -236,7 +241,8 @@ def _table(title: str, headings: Sequence[str]) -> Table:
 
 def _emittances(summary: "FilmSummary") -> Table:
     table = _table("emittance", ("at\n[K]", "hemispherical\ntop", "\nbottom", "normal\ntop",
-                                 "\nbottom", "absorptance\n/ emittance"))  # fmt: skip
+                                 "\nbottom", "absorptance\n/ emittance",
+                                 "infrared\ntransmittance"))  # fmt: skip
     values = summary.values()
     names = ("emittance_top", "emittance_bottom", "emittance_normal_top", "emittance_normal_bottom")
     for row, temperature in enumerate(summary.temperatures):
@@ -244,6 +250,7 @@ def _emittances(summary: "FilmSummary") -> Table:
             f"{temperature:g}",
             *(f"{values[name][row]:.4f}" for name in names),
             f"{values['selectivity'][row]:.2f}",
+            f"{values['infrared_transmittance'][row]:.4f}",
         )
     return table
 
@@ -254,9 +261,11 @@ def _intervals(summary: "FilmSummary") -> Table | None:
         return None
     title = "95 % intervals from the stated ± of thicknesses and densities"
     table = _table(title, ("at\n[K]", "hemispherical\ntop", "\nbottom",
-                           "absorptance\n/ emittance"))  # fmt: skip
-    columns = [summary.interval(name) for name in ("emittance_top", "emittance_bottom",
-                                                   "selectivity")]  # fmt: skip
+                           "absorptance\n/ emittance", "infrared\ntransmittance"))  # fmt: skip
+    columns = [
+        summary.interval(name)
+        for name in ("emittance_top", "emittance_bottom", "selectivity", "infrared_transmittance")
+    ]
     for row, temperature in enumerate(summary.temperatures):
         ends = [column[:, row] for column in columns if column is not None]
         table.add_row(f"{temperature:g}", *(f"{low:.4g} to {high:.4g}" for low, high in ends))
@@ -268,13 +277,18 @@ def _missing(summary: "FilmSummary") -> Table | None:
     top, bottom = summary.thermal["top"], summary.thermal["bottom"]
     if (1.0 - top.covered).max() < _LEAST_SHARE:
         return None
-    title = "radiation without optical data, and bounds if nothing or everything is absorbed there"
+    title = (
+        "radiation without optical data, and bounds if nothing or everything is absorbed, or "
+        "passes, there"
+    )
     table = _table(title, ("at\n[K]", "outside\nthe data", "of which\nextrapolated",
-                           "hemispherical\ntop", "\nbottom"))  # fmt: skip
+                           "hemispherical\ntop", "\nbottom",
+                           "infrared\ntransmittance"))  # fmt: skip
     for row, temperature in enumerate(summary.temperatures):
         table.add_row(
             f"{temperature:g}", f"{1.0 - top.covered[row]:.1%}",
             f"{top.extrapolated_share[row]:.1%}",
-            *(f"{one.lower[row]:.3f} to {one.upper[row]:.3f}" for one in (top, bottom)),
+            *(f"{one.lower[row]:.3f} to {one.upper[row]:.3f}"
+              for one in (top, bottom, summary.passing["thermal"])),
         )  # fmt: skip
     return table

@@ -119,13 +119,13 @@ def _asked(at: str | None, where: "Coordinate") -> list[float] | None:
 
 
 def _film_origins(file: "FlyerFile") -> dict[str, Any]:
-    """Line on the origin of the properties of a film of layers."""
-    from lightflyer.film.layered_section import LayeredFilmSection
-
-    if not isinstance(file.film, LayeredFilmSection):
-        return {}
+    """Origin of the properties of each film of layers, by the film's name in the file."""
     incidence = math.radians(file.environment.incidence.value)
-    return {"film": file.film.report(incidence)}
+    return {
+        name: film.report(incidence, passing=file.flyer.needs_transmittance)
+        for name, film in file.films().items()
+        if film.layered
+    }
 
 
 def _write(
@@ -173,8 +173,8 @@ def _show(
     own_mass, payload = float(flyer.own_mass) * _MILLIGRAMS, float(flyer.payload) * _MILLIGRAMS
     console.print(f"{flyer.describe()}, {own_mass:.4g} mg, payload {payload:g} mg")
     console.print("; ".join(prediction.assumptions), markup=False, soft_wrap=True)
-    if "film" in summary:
-        console.print(_origins_line(summary["film"]), soft_wrap=True)
+    for name in filter(summary.__contains__, file.films()):
+        console.print(_origins_line(name, summary[name]), soft_wrap=True)
     console.print(_results(prediction, summary))
     for table in _points_tables(prediction):
         console.print(table)
@@ -227,14 +227,14 @@ def _span(band: dict[str, Any] | None) -> str:
     return f"{band['low']:.4g} to {high}"
 
 
-def _origins_line(film: dict[str, Any]) -> str:
+def _origins_line(section: str, film: dict[str, Any]) -> str:
     """Which properties of the film are measured and which computed, in words."""
     parts = [
         f"{name} {_film_value(entry['value'])}{_plus_minus(entry)} ({entry['origin']})"
         for name, entry in film.items()
         if name != "extrapolated"
     ]
-    return "film: " + ", ".join(parts)
+    return f"{section}: " + ", ".join(parts)
 
 
 def _plus_minus(entry: dict[str, Any]) -> str:

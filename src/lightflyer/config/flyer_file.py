@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from functools import cache, cached_property, reduce
+from itertools import combinations
 from typing import Annotated, Any
 
 import jax
@@ -290,10 +291,14 @@ class FileDesign(AbstractDesign):
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
         """See :attr:`AbstractDesign.correlations`."""
-        found = {}
+        found, materials = {}, {}
         for name, film in self.file.films().items():
             for (first, second), value in film.correlations.items():
                 found[(f"{name}.{first}", f"{name}.{second}")] = value
+            materials |= {f"{name}.{key}": made for key, made in film.implied_materials.items()}
+        for one, other in combinations(materials, 2):  # the same material has the same error
+            if materials[one] == materials[other] and (one, other) not in found:
+                found[(one, other)] = 1.0
         return found
 
     def why_not_varied(self, name: str) -> str | None:

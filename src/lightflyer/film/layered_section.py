@@ -145,6 +145,12 @@ class LayeredFilmSection(FilmSection):
         }
 
     @property
+    def implied_materials(self) -> dict[str, str]:
+        """See :attr:`FilmSection.implied_materials`."""
+        surfaces = self._surfaces()
+        return {name: surfaces[name].material for name in self.implied}
+
+    @property
     def correlations(self) -> dict[tuple[str, str], float]:
         """See :attr:`FilmSection.correlations`; the same material has the same error."""
         materials = {layer.material for layer in self._surfaces().values()}
@@ -229,7 +235,7 @@ class LayeredFilmSection(FilmSection):
         return name.startswith("layers.") or (name == "incidence" and computed)
 
     def report(self, incidence: float = 0.0, *, passing: bool = True) -> dict[str, Any]:
-        """Which value is computed and which measured, for a prediction's summary."""
+        """See :meth:`FilmSection.report`."""
         return self.computed(incidence, passing=passing).report()
 
 

@@ -128,6 +128,13 @@ PAGES: dict[str, Entry] = {
         _CRC,
         highest_temperature=933.0,
     ),
+    "Cr": Entry(
+        "chromium, opaque: Brendel and Bormann's model of measurements",
+        (Page("main", "Cr", "Rakic-BB"),),
+        7150.0,
+        _CRC,
+        highest_temperature=2180.0,
+    ),
     "Si": Entry(
         "silicon crystal, 300 K",
         (Page("main", "Si", "Franta-300K"),),
@@ -192,6 +199,7 @@ ALIASES = {
     "silver": "Ag",
     "aluminium": "Al",
     "aluminum": "Al",
+    "chromium": "Cr",
     "silicon": "Si",
     "amorphous silicon": "a-Si",
     "silica": "SiO2",

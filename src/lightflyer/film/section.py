@@ -96,6 +96,11 @@ class FilmSection(Alternative, abc.ABC):
         return {}
 
     @property
+    def implied_materials(self) -> dict[str, str]:
+        """Material of each number of :attr:`implied`, by the name of the key."""
+        return {}
+
+    @property
     def correlations(self) -> dict[tuple[str, str], float]:
         """Correlation of the errors of two numbers, by their names."""
         shared = self.tac_correlation.value
@@ -139,6 +144,24 @@ class FilmSection(Alternative, abc.ABC):
         """
         del incidence, passing
         return ()
+
+    def report(self, incidence: float = 0.0, *, passing: bool = True) -> dict[str, Any]:
+        """Value and origin of each property of a film of layers, as a JSON object in SI units.
+
+        Parameters
+        ----------
+        incidence : float
+            [rad].
+        passing : bool
+            Whether it matters what passes the film.
+
+        Returns
+        -------
+        dict
+            Empty where nothing is computed.
+        """
+        del incidence, passing
+        return {}
 
     @abc.abstractmethod
     def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:

@@ -1,13 +1,13 @@
 """Optics and mass of a film in one object, as the command ``film`` reports them."""
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from scipy.special import ndtri
 
-from lightflyer.film.averages import POINTS_PER_E_FOLD, Average, absorptance, emittance
+from lightflyer.film.averages import POINTS_PER_E_FOLD, Average, Shares, heat_shares, light_shares
 from lightflyer.film.findings import film_warnings
 from lightflyer.film.materials import MICROMETRE
 from lightflyer.film.spectra import Spectrum, am0
@@ -30,7 +30,7 @@ _SIDES: tuple[Side, Side] = ("top", "bottom")
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class FilmSummary:
-    """Areal density, absorptances, emittances and spectrum of a film.
+    """Areal density, absorptances, transmittances, emittances and spectrum of a film.
 
     Attributes
     ----------
@@ -45,6 +45,9 @@ class FilmSummary:
         Hemispherical emittance of each face, arrays over ``temperatures``.
     thermal_normal : dict of str to Average
         The same along the normal.
+    passing : dict of str to Average
+        Transmittance, the same from both sides: ``"solar"`` and ``"lamp"`` at normal incidence,
+        ``"thermal"`` hemispherical, an array over ``temperatures``.
     temperatures : array, shape (m,)
         [K].
     wavelength : array, shape (w,)
@@ -64,6 +67,7 @@ class FilmSummary:
     lamp: dict[str, Average]
     thermal: dict[str, Average]
     thermal_normal: dict[str, Average]
+    passing: dict[str, Average]
     temperatures: np.ndarray
     wavelength: np.ndarray
     optics: StackOptics
@@ -142,7 +146,7 @@ class FilmSummary:
     def values(self) -> dict[str, Any]:
         """Numbers and arrays over the temperatures, by name with the unit at its end."""
         averages = {"solar": self.solar, "lamp": self.lamp, "thermal": self.thermal,
-                    "thermal_normal": self.thermal_normal}  # fmt: skip
+                    "thermal_normal": self.thermal_normal, "passing": self.passing}  # fmt: skip
         return _values(self.film, self.light, averages)
 
     def interval(self, name: str) -> np.ndarray | None:
@@ -205,6 +209,7 @@ class FilmSummary:
             found |= {f"lamp_absorptance_{side}": mean for side, mean in self.lamp.items()}
         found |= {f"emittance_{side}": mean for side, mean in self.thermal.items()}
         found |= {f"emittance_normal_{side}": mean for side, mean in self.thermal_normal.items()}
+        found |= _named(self.passing, self.light)
         return {name: _covered(average, self._described) for name, average in found.items()}
 
 
@@ -230,19 +235,38 @@ def _averages(
 ) -> dict[str, dict[str, Average]]:
     """Averages by the names of the summary's fields."""
 
-    def heat(normal: bool) -> dict[str, Average]:
+    def heat(normal: bool) -> dict[str, Shares]:
         return {
-            side: emittance(
+            side: heat_shares(
                 film, temperatures, side=side, normal=normal, points_per_e_fold=points_per_e_fold
             )
             for side in _SIDES
         }
 
-    solar: dict[str, Average] = {side: absorptance(film, side=side) for side in _SIDES}
-    lamp: dict[str, Average] = solar
+    def absorbed(shares: Mapping[str, Shares]) -> dict[str, Average]:
+        return {side: share.absorptance for side, share in shares.items()}
+
+    solar = {side: light_shares(film, side=side) for side in _SIDES}
+    lamp, hemispherical = solar, heat(False)
     if light is not am0():
-        lamp = {side: absorptance(film, light, side=side) for side in _SIDES}
-    return {"solar": solar, "lamp": lamp, "thermal": heat(False), "thermal_normal": heat(True)}
+        lamp = {side: light_shares(film, light, side=side) for side in _SIDES}
+    through = {"solar": solar, "lamp": lamp, "thermal": hemispherical}
+    absorbed_solar = absorbed(solar)
+    return {
+        "solar": absorbed_solar,
+        "lamp": absorbed_solar if lamp is solar else absorbed(lamp),
+        "thermal": absorbed(hemispherical),
+        "thermal_normal": absorbed(heat(True)),
+        "passing": {name: shares["top"].transmittance for name, shares in through.items()},
+    }
+
+
+def _named(passing: Mapping[str, Average], light: Spectrum) -> dict[str, Average]:
+    """Transmittances by their names among the values."""
+    found = {"solar_transmittance": passing["solar"]}
+    if light is not am0():
+        found["lamp_transmittance"] = passing["lamp"]
+    return found | {"infrared_transmittance": passing["thermal"]}
 
 
 def _values(film: Film, light: Spectrum, averages: dict[str, dict[str, Average]]) -> dict[str, Any]:
@@ -255,6 +279,7 @@ def _values(film: Film, light: Spectrum, averages: dict[str, dict[str, Average]]
     for side, thermal in averages["thermal"].items():
         entries[f"emittance_{side}"] = thermal.value
         entries[f"emittance_normal_{side}"] = averages["thermal_normal"][side].value
+    entries |= {name: mean.value for name, mean in _named(averages["passing"], light).items()}
     return entries | {"selectivity": _selectivity(averages["lamp"], averages["thermal"])}
 
 

@@ -1,0 +1,243 @@
+"""What passes a film: against tmm, by conservation, and beside measured values."""
+
+import jax
+import numpy as np
+import pytest
+import tmm
+
+import lightflyer as lf
+from lightflyer.film import (
+    ComputedFilm,
+    EmittanceCurve,
+    Film,
+    Layer,
+    Spectrum,
+    cold_white_led,
+    heat_shares,
+    infrared_transmittance,
+    light_shares,
+    material,
+    planck,
+    tabulated_material,
+    transmittance,
+)
+from lightflyer.film.computed import with_measured
+from lightflyer.film.properties import FilmProperties
+
+TACS = {"tac_top": lf.Measured(0.8), "tac_bottom": lf.Measured(0.8)}
+
+
+def flat(n, k):
+    table = np.array([1e-7, 4e-3]), np.array([n, n]), np.array([k, k])
+    return tabulated_material(f"flat {n} {k}", *table, density=1000.0)
+
+
+@pytest.fixture(scope="module")
+def film():
+    """Layers of which each absorbs, with data everywhere."""
+    return Film((Layer(flat(3.0, 0.4), 3e-8), Layer(flat(1.6, 0.02), 1e-6)))
+
+
+@pytest.fixture(scope="module")
+def computed():
+    """Germanium on mylar, whose data end at 15 µm."""
+    return ComputedFilm.of(Film((Layer(material("Ge"), 2e-8), Layer(material("PET"), 5e-7))), TACS)
+
+
+def by_tmm(film, side, wavelengths, weights, angles, shares):
+    """Absorbed, passed and reflected, with what each layer absorbs summed up."""
+    layers = film.layers if side == "top" else film.layers[::-1]
+    d = [np.inf, *(layer.thickness for layer in layers), np.inf]
+    index = [1.0, *(complex(*layer.material.index(1e-5)) for layer in layers), 1.0]
+    total = np.zeros(3)
+    for wavelength, weight in zip(wavelengths, weights, strict=True):
+        for angle, share in zip(angles, shares, strict=True):
+            for polarisation in "sp":
+                data = tmm.coh_tmm(polarisation, index, d, angle, wavelength)
+                inside = sum(tmm.absorp_in_each_layer(data)[1:-1])
+                total += 0.5 * weight * share * np.array([inside, data["T"], data["R"]])
+    return total
+
+
+@pytest.mark.parametrize("side", ["top", "bottom"])
+def test_shares_of_light_are_those_of_tmm(film, side):
+    wavelengths = np.array([0.4e-6, 0.5e-6, 0.8e-6, 1.1e-6])
+    weights = np.array([0.05, 0.2, 0.3, 0.15])  # trapezoids of an even spectrum
+    light = Spectrum("even", wavelengths, np.ones(4))
+    mean = light_shares(film, light, 0.6, side=side)
+    expected = by_tmm(film, side, wavelengths, weights / weights.sum(), [0.6], [1.0])
+    np.testing.assert_allclose([one.value for one in mean], expected, rtol=1e-12)
+    assert sum(one.value for one in mean) == pytest.approx(1.0, abs=1e-12)
+    cosines, shares = np.polynomial.legendre.leggauss(16)
+    cosines = 0.5 * (cosines + 1.0)
+    diffuse = light_shares(film, light, side=side, diffuse=True)
+    directions = np.arccos(cosines), shares * cosines
+    expected = by_tmm(film, side, wavelengths, weights / weights.sum(), *directions)
+    np.testing.assert_allclose([one.value for one in diffuse], expected, rtol=1e-12)
+
+
+def test_shares_of_heat_radiation_by_an_independent_integration(film):
+    cosines, shares = np.polynomial.legendre.leggauss(8)
+    cosines = 0.5 * (cosines + 1.0)
+    wavelengths = np.geomspace(2e-6, 90e-6, 60)
+    weights = np.gradient(np.log(wavelengths)) * wavelengths * planck(wavelengths, 400.0)
+    directions = np.arccos(cosines), shares * cosines
+    expected = by_tmm(film, "bottom", wavelengths, weights / weights.sum(), *directions)
+    mean = heat_shares(film, 400.0, side="bottom")
+    np.testing.assert_allclose([one.value for one in mean], expected, rtol=5e-3)
+    several = heat_shares(film, np.array([150.0, 300.0, 900.0]), points_per_e_fold=400)
+    np.testing.assert_allclose(sum(one.value for one in several), 1.0, atol=1e-12)
+
+
+def test_as_much_passes_one_way_as_the_other(film):
+    """Reciprocity holds whatever absorbs, but only at the same angles."""
+    for options in ({"incidence": 0.9}, {"diffuse": True}):
+        both = [light_shares(film, side=side, **options) for side in ("top", "bottom")]
+        passed, absorbed = (
+            [getattr(one, name).value for one in both] for name in ("transmittance", "absorptance")
+        )
+        assert passed[0] == pytest.approx(passed[1], rel=1e-12)
+        assert absorbed[0] != pytest.approx(absorbed[1], rel=0.1)
+    assert transmittance(film).value > transmittance(film, diffuse=True).value
+    both = [
+        heat_shares(film, 300.0, side=side, points_per_e_fold=400) for side in ("top", "bottom")
+    ]
+    assert both[0].transmittance.value == pytest.approx(both[1].transmittance.value, rel=1e-12)
+
+
+def test_a_slab_without_absorption_passes_what_airy_says():
+    n, d = 1.8, 3e-7
+    slab = Film((Layer(flat(n, 0.0), d),))
+    wavelengths = np.linspace(0.5e-6, 0.9e-6, 2001)
+    light = Spectrum("even", wavelengths, np.ones_like(wavelengths))
+    finesse = ((n * n - 1.0) / n) ** 2 / 4.0
+    airy = 1.0 / (1.0 + finesse * np.sin(2.0 * np.pi * n * d / wavelengths) ** 2)
+    expected = np.trapezoid(airy, wavelengths) / np.ptp(wavelengths)
+    assert transmittance(slab, light).value == pytest.approx(expected, rel=1e-12)
+    assert infrared_transmittance(slab, 300.0).value > 0.9  # far thinner than the wavelength
+
+
+def test_transmittance_is_differentiable_in_thickness():
+    def passed(d):
+        film = Film((Layer(flat(3.0, 0.4), d), Layer(flat(1.6, 0.02), 1e-6)))
+        return transmittance(film).value
+
+    with lf.float64():
+        slope = float(jax.grad(passed)(3e-8))
+    assert slope == pytest.approx((passed(3.01e-8) - passed(2.99e-8)) / 2e-10, rel=1e-5)
+    assert slope < 0.0
+
+
+def test_a_film_of_layers_passes_the_beam_diffuse_light_and_heat(computed):
+    found = computed.properties
+    top, below = light_shares(computed.film), light_shares(computed.film, diffuse=True)
+    assert found.transmittance == top.transmittance.value
+    assert found.transmittance_bottom == pytest.approx(below.transmittance.value, rel=1e-12)
+    assert found.transmittance_below == found.transmittance_bottom
+    expected = infrared_transmittance(computed.film, 320.0).value
+    assert found.infrared_transmittance_at(320.0) == pytest.approx(expected, abs=2e-5)
+    report = computed.report()
+    assert report["transmittance"]["origin"] == "computed"
+    assert report["infrared_transmittance"]["covered"]["350"] == pytest.approx(0.664, abs=1e-3)
+    assert any(text.startswith("infrared_transmittance is computed") for text in computed.warnings)
+
+
+def test_nothing_passes_where_it_does_not_matter(computed):
+    alone = ComputedFilm.of(computed.film, TACS, passing=False)
+    assert alone.properties.transmittance == 0.0 == alone.properties.infrared_transmittance
+    assert alone.properties.absorptance == computed.properties.absorptance
+    assert set(alone.bounds) == {"absorptance_without_data", "emittance_without_data"}
+    assert not any("transmittance" in text for text in alone.warnings)
+    assert "transmittance" not in alone.report()
+
+
+def shares_of(film):
+    """What each face absorbs and passes, in light and at the nodes of its curves."""
+    nodes = [
+        one.at_nodes if isinstance(one, EmittanceCurve) else one
+        for one in (film.emittance_top, film.emittance_bottom, film.infrared_transmittance)
+    ]
+    return [
+        film.absorptance + film.transmittance,
+        film.absorptance_below + film.transmittance_below,
+        nodes[0] + nodes[2],
+        nodes[1] + nodes[2],
+    ]
+
+
+def test_bounds_of_missing_data_keep_energy(computed):
+    bounds = computed.bounds
+    what = ("absorptance", "transmittance", "emittance", "infrared_transmittance")
+    assert list(bounds) == [f"{one}_without_data" for one in what]
+    for lower, upper in bounds.values():
+        for total in (*shares_of(lower), *shares_of(upper)):
+            assert np.all(total <= 1.0 + 1e-9)
+    missing = 1.0 - computed.averages["absorptance"].covered
+    least, most = bounds["transmittance_without_data"]
+    assert most.transmittance - least.transmittance == pytest.approx(missing, rel=1e-9)
+    least, most = bounds["absorptance_without_data"]
+    assert most.absorptance - least.absorptance == pytest.approx(missing, rel=1e-9)
+    # what is not absorbed passes in the same share as where there are data
+    assert least.transmittance > computed.properties.transmittance > most.transmittance
+
+
+def test_what_passes_keeps_its_share_beside_a_measured_absorptance(computed):
+    """So that no more than all is absorbed and passed."""
+    own = computed.properties
+    share = own.transmittance / (1.0 - own.absorptance)
+    measured = TACS | {"absorptance": lf.Measured(0.9), "emittance_top": lf.Measured(0.5)}
+    film = ComputedFilm.of(computed.film, measured).properties
+    assert film.transmittance == pytest.approx(0.1 * share, rel=1e-12)
+    assert film.absorptance_bottom is None
+    assert np.all(np.array(shares_of(film)[:2]) <= 1.0)
+    ratio = film.infrared_transmittance.at_nodes / own.infrared_transmittance.at_nodes
+    np.testing.assert_allclose(ratio, 0.5 / (1.0 - own.emittance_top.at_nodes), rtol=1e-9)
+    black = ComputedFilm.of(computed.film, TACS | {"absorptance": lf.Measured(1.0)}).properties
+    assert black.transmittance == 0.0
+    # the same where a measured number moves and the optics of layers stay
+    for given in ({"absorptance": 0.95}, {"absorptance": 0.95, "emittance_top": 0.6}):
+        moved = FilmProperties(**with_measured(film, TACS_ALONE | given))
+        assert moved.transmittance == pytest.approx(0.05 * share, rel=1e-12)
+        assert np.all([np.all(total <= 1.0 + 1e-9) for total in shares_of(moved)])
+    assert moved.infrared_transmittance.at_nodes == pytest.approx(
+        0.8 * film.infrared_transmittance.at_nodes, rel=1e-9
+    )
+
+
+TACS_ALONE = {"tac_top": 0.8, "tac_bottom": 0.8}
+
+
+def test_a_measured_transmittance_replaces_both(computed):
+    measured = TACS | {
+        "transmittance": lf.Measured(0.2),
+        "infrared_transmittance": lf.Measured(0.3),
+    }
+    found = ComputedFilm.of(computed.film, measured)
+    assert found.properties.transmittance_below == 0.2
+    assert found.properties.infrared_transmittance == 0.3
+    upper = found.bounds["absorptance_without_data"][1]
+    assert upper.absorptance <= 0.8
+    assert np.all(found.bounds["emittance_without_data"][1].emittance_top.at_nodes <= 0.7 + 1e-12)
+
+
+def test_layers_without_data_in_the_light_pass_an_unknown_share():
+    infrared = tabulated_material(
+        "infrared only", np.array([5e-6, 5e-5]), np.full(2, 1.5), np.full(2, 0.1), density=1000.0
+    )
+    film = Film((Layer(infrared, 1e-6),))
+    measured = TACS | {"absorptance": lf.Measured(0.3)}
+    found = ComputedFilm.of(film, measured, spectrum=cold_white_led())
+    assert any(
+        text.startswith("transmittance is computed from data for 0 %") for text in found.warnings
+    )
+    lower, upper = found.bounds["transmittance_without_data"]
+    assert (lower.transmittance, upper.transmittance) == pytest.approx((0.0, 0.7), abs=1e-9)
+
+
+def test_more_than_arrives_is_refused():
+    numbers = (1e-3, 0.3, 0.1, 0.1, 0.8, 0.9)
+    FilmProperties(*numbers, transmittance=0.6, absorptance_bottom=0.5, transmittance_bottom=0.5)
+    with pytest.raises(lf.ParameterError, match=r"transmittance = 0.6 and absorptance_bottom"):
+        FilmProperties(*numbers, transmittance=0.6, absorptance_bottom=0.5)
+    with pytest.raises(lf.ParameterError, match=r"transmittance_bottom = 0.8 and absorptance = 0"):
+        FilmProperties(*numbers, transmittance=0.6, transmittance_bottom=0.8)

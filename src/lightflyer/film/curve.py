@@ -4,7 +4,6 @@ The infrared transmittance of a film is such a function too, of the temperature 
 whose radiation passes.
 """
 
-from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -69,35 +68,6 @@ class EmittanceCurve(eqx.Module):
             return cls(coefficients=emittance @ _to_coefficients().T)
         return cls(coefficients=_to_coefficients() @ emittance)
 
-    @classmethod
-    def together(cls, curves: Sequence["EmittanceCurve"], dimensions: int) -> "EmittanceCurve":
-        """Several curves as one that is evaluated in a single loop, which compiles faster.
-
-        Parameters
-        ----------
-        curves : sequence of EmittanceCurve
-        dimensions : int
-            Of the temperatures at which they will be evaluated.
-
-        Returns
-        -------
-        EmittanceCurve
-            Its values have a leading axis, one entry for each curve.
-        """
-        leading = [np.ndim(curve.coefficients) - 1 for curve in curves]
-        most = max(dimensions, *leading)
-
-        def stacked(leaves: Sequence[Numeric], own: int) -> Array:
-            parts = jnp.broadcast_arrays(*(jnp.asarray(leaf, float) for leaf in leaves))
-            shape = (1,) * (most + own - parts[0].ndim) + parts[0].shape
-            return jnp.stack([part.reshape(shape) for part in parts])
-
-        return cls(
-            coefficients=stacked([curve.coefficients for curve in curves], 1),
-            lowest=stacked([curve.lowest for curve in curves], 0),
-            highest=stacked([curve.highest for curve in curves], 0),
-        )
-
     @property
     def at_nodes(self) -> Numeric:
         """The curve at :func:`node_temperatures`, shape (..., NODES) [1]."""
@@ -139,9 +109,9 @@ class EmittanceCurve(eqx.Module):
             value, slope = carry
             return (value * x + coefficient, slope * y + value), None
 
+        zero = jnp.zeros_like(x + y)
         # a loop, not unrolled: it runs inside every heat balance and has to compile quickly
         powers = jnp.moveaxis(jnp.asarray(self.coefficients), -1, 0)
-        zero = jnp.zeros_like(x + y + 0.0 * powers[0])
         (value, slope), _ = jax.lax.scan(step, (zero, zero), powers)
         return value, slope
 

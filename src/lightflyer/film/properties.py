@@ -203,16 +203,11 @@ class FilmProperties(Checked):
         top, bottom : array, broadcast shape
             [1].
         """
-        faces = (self.emittance_top, self.emittance_bottom)
-        if all(isinstance(face, EmittanceCurve) for face in faces):
-            dimensions = np.ndim(temperature + excess)
-            top, bottom = EmittanceCurve.together(faces, dimensions).growth(temperature, excess)
-            return top, bottom
         top, bottom = (
             face.growth(temperature, excess)
             if isinstance(face, EmittanceCurve)
             else face * _growth(excess)
-            for face in faces
+            for face in (self.emittance_top, self.emittance_bottom)
         )
         return top, bottom
 

@@ -178,8 +178,10 @@ def _transport(
 def _gas_outside(flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
     """Relative excess of the gas that comes to the wall from outside."""
     inner, outer = unknowns
-    length = flyer.wall_thickness / flyer.channel_width
-    passing = flyer.open_fraction * direct_share(SLOT, length)
+    straight = direct_share(SLOT, flyer.wall_thickness / flyer.channel_width)
+    # those that meet no other molecule on the way
+    path = mean_free_path(state.pressure, state.temperature, state.gas)
+    passing = flyer.open_fraction * straight / (1.0 + flyer.wall_thickness / path)
     return share_at_wall(flyer, state) * ((1.0 - passing) * outer + passing * inner)
 
 

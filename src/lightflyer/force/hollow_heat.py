@@ -8,6 +8,7 @@ from jax import Array
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.hollow import HollowBody
 from lightflyer.force import celenza2023_laws as published
+from lightflyer.force.channels import slot_transmission
 from lightflyer.force.convection import sphere_conductance
 from lightflyer.force.gap import accommodation_between, gap_conductance
 from lightflyer.force.hollow_flow import (
@@ -61,8 +62,18 @@ def _wall_heat(
         )
 
     facing = accommodation_between(flyer.outer.tac_bottom, flyer.inner.tac_top)
-    # molecules come to the mouths of the channels from the gas, as if from walls with a TAC of one
-    return _WallHeat(conductance(closed, facing), conductance(flyer.open_fraction, 1.0))
+    # the cells between the channels are as far apart as the channels take less than the wall
+    cell = flyer.channel_width * flyer.solid_fraction / flyer.open_fraction
+    return _WallHeat(
+        conductance(closed, accommodation_between(facing, _passing(thickness / cell))),
+        # molecules come to the mouths of the channels from the gas
+        conductance(flyer.open_fraction, _passing(thickness / flyer.channel_width)),
+    )
+
+
+def _passing(length: Numeric) -> Array:
+    """Share of free molecules that pass a slot with walls that keep no heat [1]."""
+    return slot_transmission(length).through
 
 
 def pump_heat(

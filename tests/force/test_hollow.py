@@ -1,0 +1,407 @@
+"""Force and heat of hollow bodies: published numbers, limits, and the equations in NumPy."""
+
+import re
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.optimize import brentq, fsolve
+
+import lightflyer as lf
+from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation
+from lightflyer.flight.balance import light_and_gains, node_losses
+from lightflyer.force import celenza2023_laws as published
+from lightflyer.force.channels import SLOT, channel_coefficients, direct_share, slot_transmission
+from lightflyer.force.convection import sphere_conductance
+from lightflyer.force.hollow_flow import Corrections, pump_flow
+
+MODEL = lf.HollowPump()
+SIGMA = 5.670374419e-8
+OFF = dict.fromkeys(Corrections._fields, False)
+
+
+def make(form="sphere", size=0.1, outlet_radius=0.03, **changed):
+    outer = lf.FilmProperties(5e-4, 0.0, 0.8, 0.1, 0.9, 0.8, transmittance=1.0)
+    inner = lf.FilmProperties(5e-4, 0.9, 0.15, 0.08, 0.7, 0.9)
+    numbers = {
+        "open_fraction": 0.5, "channel_width": 4e-4, "wall_thickness": 2e-4,
+        "sheet_thickness": 5e-8, "sheet_conductivity": published.SHEET_CONDUCTIVITY,
+        "sheet_density": published.SHEET_DENSITY,
+    }  # fmt: skip
+    return lf.HollowBody(
+        outer, inner, size=size, outlet_radius=outlet_radius, form=form, **(numbers | changed)
+    )
+
+
+def published_state(altitude_km):
+    """The published surroundings: the paper's polynomial with other constants, and its light."""
+    atmosphere = Lu2023Atmosphere()
+    ratio = (9.81 / 287.0) / (9.8 / 287.05)
+    pressure = 101300.0 * (atmosphere.pressure(altitude_km * 1e3) / 101325.0) ** ratio
+    light = Radiation(1000.0 + 3.8 * altitude_km)
+    temperature = atmosphere.temperature(altitude_km * 1e3)
+    return EnvironmentState(pressure, temperature, 9.8, lf.gas.AIR, light)
+
+
+def state_at(pressure, temperature=220.0, **radiation):
+    return EnvironmentState(pressure, temperature, 9.7, lf.gas.AIR, Radiation(**radiation))
+
+
+def settled(body, state, model):
+    """Temperatures in balance by SciPy, and the force."""
+    with lf.float64():
+        powers = np.asarray(light_and_gains(body, state, state.radiation.irradiance))
+
+        def imbalance(unknowns):
+            lost = np.asarray(node_losses(body, state, model, tuple(unknowns)))
+            return (lost - powers) / np.abs(powers).max()
+
+        unknowns = fsolve(imbalance, fsolve(imbalance, [0.1, 0.0]), xtol=1e-13)
+        assert np.max(np.abs(imbalance(unknowns))) < 1e-9
+        temperatures = state.temperature * (1.0 + unknowns)
+        return temperatures, float(model.force(body, state, tuple(unknowns)))
+
+
+@pytest.mark.parametrize(
+    ("altitude", "force", "difference"), [(70.0, 4.244468e-5, None), (55.0, 1.06838e-4, 1.303)]
+)
+def test_published_force_of_a_cone(altitude, force, difference):
+    cone = make("cone", 0.1, 0.0202, channel_width=263e-6, wall_thickness=2.121e-6)
+    (inner, outer), lifted = settled(cone, published_state(altitude), lf.Celenza2023())
+    assert lifted == pytest.approx(force, rel=1e-5)
+    if difference is not None:
+        assert inner - outer == pytest.approx(difference, abs=0.0005)
+    assert outer == pytest.approx(published_state(altitude).temperature, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("form", "outlet_radius", "mass"),
+    [("rocket", 4.972650, 1.009), ("cone", 4.972650, 0.770), ("sphere", 3.683375, 0.534)],
+)
+def test_published_masses_at_80_km(form, outlet_radius, mass):
+    """At the point of the published grid that carries most, with channels not wider than long."""
+    body = make(
+        form, 10.0, outlet_radius, channel_width=1.1634590884e-3, wall_thickness=1.176811952e-3
+    )
+    _, force = settled(body, published_state(80.0), lf.Celenza2023())
+    with lf.float64():
+        assert force / 9.8 - float(body.own_mass) == pytest.approx(mass, abs=0.0005)
+
+
+def test_without_corrections_it_is_the_published_model():
+    body, state = make("rocket"), state_at(3.0, irradiance=1200.0, zenith_angle=0.4, albedo=0.3)
+    with lf.float64():
+        for unknowns in ((0.4, 0.1), (-0.1, 0.2)):
+            for ask in ("heat_loss", "force"):
+                found, expected = (
+                    getattr(model, ask)(body, state, unknowns)
+                    for model in (lf.HollowPump(**OFF), lf.Celenza2023())
+                )
+                np.testing.assert_allclose(found, expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize("name", OFF)
+def test_each_correction_does_something(name):
+    """Alone, and to a body in which all of them matter."""
+    body, state = make(wall_thickness=4e-4), published_state(75.0)
+    plain, corrected = lf.HollowPump(**OFF), lf.HollowPump(**(OFF | {name: True}))
+    with lf.float64():
+        answers = [
+            [model.force(body, state, (0.5, 0.1)), model.heat_loss(body, state, (0.5, 0.1))[0]]
+            for model in (plain, corrected)
+        ]
+    assert np.max(np.abs(np.array(answers[1]) / answers[0] - 1.0)) > 1e-3
+
+
+@pytest.mark.parametrize("unknowns", [(0.4, 0.4), (0.6, 0.1), (0.0, 0.3)])
+@pytest.mark.parametrize("form", ["cone", "sphere", "rocket"])
+def test_limit_of_free_molecules(form, unknowns):
+    body, pressure = make(form), 1e-9
+    with lf.float64():
+        force = float(MODEL.force(body, state_at(pressure), unknowns))
+    inner, outer = np.sqrt(1.0 + np.array(unknowns))
+    expected = 0.5 * pressure * np.pi * 0.03**2 * 0.5 * (inner - outer)
+    assert force == pytest.approx(expected, rel=1e-6, abs=1e-20)
+    flow = pump_flow(body, state_at(pressure), unknowns, Corrections())
+    assert abs(float(flow.jet_velocity)) < 1e-4  # of some 300 m/s
+
+
+def test_slow_flow_through_the_outlet():
+    """Sampson's law: v = Δp r/(3πμ)."""
+    body = make(outlet_radius=0.03, wall_thickness=1e-3)
+    state = state_at(1e6, 300.0)
+    with lf.float64():
+        flow = pump_flow(body, state, (1e-12, 0.0), Corrections())
+        viscosity = float(lf.gas.AIR.viscosity(300.0))
+        velocity, pressure = float(flow.jet_velocity), float(flow.pressure_difference)
+    assert velocity > 0.0
+    assert velocity == pytest.approx(pressure * 0.03 / (3.0 * np.pi * viscosity), rel=1e-6)
+
+
+@pytest.mark.parametrize("model", [MODEL, lf.Celenza2023()])
+def test_no_force_in_an_isothermal_world(model):
+    state = state_at(np.array([1e-3, 1.0, 100.0]), irradiance=0.0)
+    body = make()
+    with lf.float64():
+        assert not np.any(light_and_gains(body, state, 0.0))
+        assert not np.any(node_losses(body, state, model, (0.0, 0.0)))
+        assert not np.any(model.force(body, state, (0.0, 0.0)))
+
+
+def test_walls_as_warm_as_each_other_hardly_pump():
+    """Only what the gas at the outer one is colder than it, less and less in dense gas."""
+    state, shares = state_at(np.array([10.0, 100.0, 1000.0, 1e4])), []
+    with lf.float64():
+        for outer in (0.3, 0.0):
+            flow = pump_flow(make(size=10.0), state, (0.3, outer), Corrections())
+            shares.append(np.asarray(flow.jet_velocity))
+    assert np.all(np.abs(shares[0]) < [0.01, 0.002, 0.001, 0.001] * shares[1])
+
+
+def by_hand(body, pressure, temperature, irradiance):
+    """Temperatures and force of a sphere by SciPy, for its films, with exact view factors."""
+    air, phi, solid = lf.gas.AIR, 0.5, 0.5
+    radius, r, width, thick = 0.05, 0.03, 4e-4, 2e-4
+    wall = 4.0 * np.pi * radius**2 - 2.0 * np.pi * radius * (radius - np.sqrt(radius**2 - r**2))
+    outlet, length = np.pi * r**2, thick / width
+    constant, ratio = air.specific_gas_constant, air.heat_capacity_ratio
+    sheet = phi * ((1.0 + 1e-7 / width) * (1.0 + 1e-8 / width) - 1.0)
+    free = 0.125 * (ratio + 1.0) / (ratio - 1.0) * pressure
+    free *= float(air.mean_speed(temperature))  # [W/m²] per relative excess
+    facing = 1.0 / (1.0 / 0.8 + 1.0 / 0.7 - 1.0)  # TACs of the faces within the wall
+    through = float(slot_transmission(length).through)
+    closed_through = 1.0 / (1.0 / facing + 1.0 / through - 1.0)  # cells as wide as the channels
+    path = float(lf.gas.mean_free_path(pressure, temperature, air))
+    passing = phi * float(direct_share(SLOT, length)) / (1.0 + thick / path)
+    sphere = np.sqrt(wall / (4.0 * np.pi))
+    around_dense = 4.0 * np.pi * sphere * float(air.conductivity(temperature)) * temperature
+    near = free * wall / (free * wall + around_dense)
+    density = pressure / (constant * temperature)
+
+    def flow(inner, outer):
+        mean, hot = 0.5 * (inner + outer), inner
+        speed = np.sqrt(2.0 * constant * mean)
+        delta = pressure * width / (float(air.viscosity(mean)) * speed)
+        poiseuille, creep = map(float, channel_coefficients(SLOT, delta, length)[:2])
+        entrances = np.sqrt(np.pi) * solid / (1.0 + np.pi**1.5 / 16.0 * delta)
+        conductance = phi / speed / (length / poiseuille + entrances)  # [kg/(m² s Pa)]
+        theta_i, theta_o = inner / temperature - 1.0, outer / temperature - 1.0
+        gas_outside = near * ((1.0 - passing) * theta_o + passing * theta_i)
+        warm = np.log((1.0 + theta_i) / (1.0 + gas_outside))
+        stopping = 2.0 * pressure * np.sinh(0.5 * creep / poiseuille * warm)
+        jet = pressure / (constant * hot)
+        speed_hot = np.sqrt(2.0 * constant * hot)
+        delta_hot = pressure * r / (float(air.viscosity(hot)) * speed_hot)
+        kappa = 2.0 / (3.0 * np.sqrt(np.pi))
+        resistance = np.sqrt(np.pi) * jet * speed_hot / (1.0 + kappa * delta_hot)
+        held = 2.0 * pressure * np.sinh(0.5 * exponent * np.log(hot / temperature))
+        area_ratio = outlet / wall
+
+        def imbalance(velocity):
+            difference = 0.5 * jet * velocity**2 * (1.0 - area_ratio**2) + resistance * velocity
+            return conductance * (stopping - held - difference) * wall - jet * velocity * outlet
+
+        velocity = brentq(imbalance, 0.0, 1e4, xtol=1e-14, rtol=1e-14)
+        return velocity, jet
+
+    from lightflyer.force.channels import ROUND, thermomolecular_exponent
+
+    cold_speed = np.sqrt(2.0 * constant * temperature)
+    cold_viscosity = float(air.viscosity(temperature))
+    delta_cold = pressure * r / (cold_viscosity * cold_speed)
+    exponent = float(thermomolecular_exponent(ROUND, delta_cold, 1e-9))
+
+    def radiation(inner, outer):
+        """Net losses per area: wall of two grey plates with channels around a diffuse body."""
+        black = SIGMA * temperature**4
+        hot, warm = SIGMA * inner**4, SIGMA * outer**4
+        exchanged = solid * (hot - warm) / (1.0 / 0.1 + 1.0 / 0.15 - 1.0)
+        # within: radiosity of the inner film, from channels and outlet comes that of the gas
+        seen = (solid * 0.08 * hot + (phi + outlet / wall) * black) / (
+            1.0 - solid * 0.92 + outlet / wall
+        )
+        return (
+            solid * 0.08 * (hot - seen) + exchanged,
+            solid * 0.8 * (warm - black) - exchanged,
+        )
+
+    def imbalance(temperatures):
+        inner, outer = temperatures
+        theta_i, theta_o = inner / temperature - 1.0, outer / temperature - 1.0
+        mean = 0.5 * (inner + outer)
+        conducted = float(air.conductivity(mean)) * temperature / thick
+
+        def gap(share, tac):
+            return share / (1.0 / (free * tac) + 1.0 / conducted)
+
+        closed = gap(solid - sheet, closed_through) + sheet * 1.8 / thick * temperature
+        open_ = gap(phi, through)
+        velocity, jet = flow(inner, outer)
+        still = 1.0 / (
+            1.0 / (free * outlet)
+            + 1.0 / (4.0 * r * float(air.conductivity(temperature)) * temperature)
+        )
+        moved = jet * velocity * outlet * float(air.heat_capacity(temperature)) * temperature
+        left = moved * theta_i / (1.0 - np.exp(-moved / still))
+        around = sphere_conductance(
+            theta_o, radius=sphere, tac=0.9 * solid, pressure=pressure, temperature=temperature,
+            gravity=9.7, gas=air,
+        )  # fmt: skip
+        own_i, own_o = radiation(inner, outer)
+        # light: through the outer film and the channels, the rest is reflected
+        within = phi * np.pi * radius**2 / (wall * (1.0 - solid * 0.1) + outlet)
+        light = irradiance * solid * 0.9 * (np.pi * radius**2 + within * wall)
+        between = closed * (theta_i - theta_o)
+        through_channels = open_ * (theta_i - near * theta_o)
+        return [
+            wall * (own_i + between + through_channels) + left - light,
+            wall * (own_o - between - near * through_channels) + float(around) * theta_o,
+        ]
+
+    (inner, outer), _, flag, _ = fsolve(imbalance, [350.0, 300.0], xtol=1e-13, full_output=True)
+    assert flag == 1
+    velocity, jet = flow(inner, outer)
+    delta_size = pressure * radius / (cold_viscosity * cold_speed)
+    drag = 1.30 * 8.0 * 0.1 * cold_viscosity * jet * velocity * outlet / (wall * density)
+    force = drag / (1.0 + 1.264 / delta_size) + 0.89 * jet * outlet * velocity**2
+    force += (
+        exponent
+        * pressure
+        * outlet
+        * solid
+        * (np.sqrt(inner / temperature) - np.sqrt(outer / temperature))
+    )
+    return (inner, outer), velocity, force
+
+
+PRESSURES = np.array([0.3, 3.0, 60.0])
+
+
+@pytest.fixture(scope="module")
+def in_balance():
+    """The body at all pressures, by the package."""
+    state = state_at(PRESSURES, 230.0, irradiance=1200.0)
+    return state, lf.equilibrium(make(), state, MODEL)
+
+
+@pytest.mark.parametrize("index", range(3))
+def test_balance_flow_and_force_against_the_equations_in_numpy(in_balance, index):
+    body, (state, found) = make(), in_balance
+    with lf.float64():
+        temperatures, velocity, force = by_hand(body, PRESSURES[index], 230.0, 1200.0)
+        own = MODEL.own_results(body, state, found.unknowns)
+        lifted = np.asarray(MODEL.force(body, state, found.unknowns))
+        warm = np.asarray(body.buoyancy(state, found.unknowns))
+        volume = float(body.volume)
+    np.testing.assert_allclose(
+        [there[index] for there in found.temperatures], temperatures, rtol=1e-9
+    )
+    assert float(own["jet_velocity"][index]) == pytest.approx(velocity, rel=1e-8)
+    assert lifted[index] == pytest.approx(force, rel=1e-8)
+    density = PRESSURES[index] / (lf.gas.AIR.specific_gas_constant * 230.0)
+    expected = density * 9.7 * volume * (1.0 - 230.0 / temperatures[0])
+    assert warm[index] == pytest.approx(expected, rel=1e-8)
+
+
+def test_energy_closes(in_balance):
+    _, found = in_balance
+    lost = found.gas_power + found.radiated_power
+    np.testing.assert_allclose(lost, found.absorbed_power, rtol=1e-10)
+
+
+def test_what_the_wall_pumps_leaves_at_the_outlet(in_balance):
+    """Mass and momentum: the channels' law and Bernoulli's with Sampson's, of one pressure."""
+    state, found = in_balance
+    body = make()
+    with lf.float64():
+        flow = pump_flow(body, state, found.unknowns, Corrections())
+        surface, outlet = float(body.surface), float(body.outlet_area)
+        came = state.gas.density(state.pressure, 230.0) * flow.wall_velocity * surface
+        left = flow.jet_density * flow.jet_velocity * outlet
+    np.testing.assert_allclose(came, left, rtol=1e-13)
+
+
+def test_a_dark_outside_pumps_outward():
+    """Gas comes in at the outlet then: it pushes down, and leaves no jet."""
+    body = make()
+    dark = eqx.tree_at(
+        lambda body: (body.outer.absorptance, body.outer.transmittance), body, (0.9, 0.0)
+    )
+    # cold within, which a cold ground would see to
+    state = state_at(1.0, irradiance=1200.0)
+    with lf.float64():
+        flow = pump_flow(dark, state, (0.0, 0.4), Corrections())
+        thick = state_at(30.0)
+        denser = pump_flow(dark, thick, (0.0, 0.4), Corrections())
+        force = float(MODEL.force(dark, thick, (0.0, 0.4)))
+    assert float(flow.jet_velocity) < 0.0
+    assert float(denser.wall_velocity) < 0.0
+    assert force < 0.0
+
+
+POINT = np.array([0.1, 0.03, 0.5, 4e-4, 2e-4, 0.9, 0.1, 0.8, 3.0, 215.0, 1360.0])
+
+
+def build(x):
+    size, outlet, phi, width, thick, absorptance, emittance, tac, pressure, temperature, light = x
+    outer = lf.FilmProperties(5e-4, 0.02, 0.8, emittance, 0.9, tac, transmittance=0.9)
+    inner = lf.FilmProperties(5e-4, absorptance, emittance, 0.05, tac, 0.9)
+    body = lf.HollowBody(
+        outer, inner, size, outlet, phi, width, thick, 5e-8, 1.8, "cone", payload=1e-9
+    )
+    return body, state_at(pressure, temperature, irradiance=light, zenith_angle=0.3, albedo=0.2)
+
+
+# of a model without correlations of the gas, which are a quarter as long to compile
+SHORT = lf.HollowPump(gas_properties=False)
+
+
+def outcome(x):
+    """Lift, in logarithms."""
+    body, state = build(x)
+    unknowns = lf.equilibrium(body, state, SHORT).unknowns
+    return jnp.log(SHORT.force(body, state, unknowns) + body.buoyancy(state, unknowns))
+
+
+def answers(x, unknowns=(0.5, 0.2)):
+    """Force and losses at given temperatures, of order one."""
+    body, state = build(x)
+    losses = node_losses(body, state, MODEL, unknowns)
+    return jnp.log(jnp.stack([MODEL.force(body, state, unknowns), losses[0]]))
+
+
+@pytest.mark.parametrize("function", [outcome, answers])
+def test_derivatives_jit_and_vmap(function):
+    step = 1e-5
+    shifts = step * np.diag(POINT)
+    moved = np.concatenate([POINT + shifts, POINT - shifts])
+    with lf.float64():
+        values = np.asarray(jax.jit(jax.vmap(function))(jnp.asarray(moved)))
+        slopes = np.asarray(jax.jit(jax.jacrev(function))(jnp.asarray(POINT)))
+        plain = function(POINT)
+    differences = (values[: POINT.size] - values[POINT.size :]) / (2.0 * step)
+    np.testing.assert_allclose(slopes * POINT, differences.T, rtol=1e-5, atol=1e-7)
+    np.testing.assert_allclose(plain, 0.5 * (values[POINT.size - 1] + values[-1]), rtol=1e-6)
+
+
+def test_what_is_outside_the_models_range():
+    thin, dense = state_at(0.5), state_at(np.array([30.0, 100.0]))
+    assert MODEL.caveats(make(), dense, 300.0) == ()
+    (outlet,) = MODEL.caveats(make(), thin, 300.0)
+    assert re.match(r"the mean free path over outlet_radius is \S+ at 0.5 Pa, above 0.1", outlet)
+    (long,) = MODEL.caveats(make(wall_thickness=8e-4), dense, 300.0)
+    assert "light and heat radiation" in long
+    (short,) = lf.Celenza2023().caveats(make(), dense, 300.0)
+    assert "below 1: celenza2023 takes channels that are longer than wide" in short
+
+
+def test_published_model_is_for_air():
+    class Argon(type(lf.gas.AIR)):
+        name = "argon"
+        molecules = "monatomic"
+
+    state = EnvironmentState(3.0, 220.0, 9.7, Argon(), Radiation())
+    with pytest.raises(lf.ParameterError, match="Celenza2023 is not for argon"):
+        lf.lift(make(), state, lf.Celenza2023())

@@ -225,3 +225,19 @@ def test_published_flight():
     band = lf.levitation_band(flyer, earth, MODEL, (10e3, 30e3))
     assert band.upper == pytest.approx(20.3e3, abs=1.2e3)
     assert earth.state(band.upper).pressure == pytest.approx(5570.0, rel=0.2)
+
+
+def test_hollow_sphere_that_pumps_nothing_is_a_balloon():
+    """The wall of channels, almost without any, beside the film: where no flow carries or cools."""
+    wall = lf.FilmProperties(5e-4, 0.9, 0.8, 0.8, 0.9, 0.9)
+    hollow = lf.HollowBody(wall, wall, 6.0, 0.1, 1e-7, 1e-4, 2e-4, 5e-8, 1.8, "sphere")
+    balloon = lf.Balloon(lf.FilmProperties(1e-3, 0.9, 0.8, 0.8, 0.9, 0.9), 3.0, 0.1)
+    pump = lf.HollowPump()
+    for pressure in (5500.0, 10.0):
+        state = state_at(pressure, 220.0, irradiance=1300.0, albedo=0.3, infrared_below=240.0)
+        warm = lf.equilibrium(balloon, state, MODEL).temperature
+        assert lf.equilibrium(hollow, state, pump).temperatures == pytest.approx(
+            (warm, warm), rel=2e-3
+        )
+        lifted = lf.lift(balloon, state, MODEL)
+        assert lf.lift(hollow, state, pump) == pytest.approx(lifted, rel=0.01)

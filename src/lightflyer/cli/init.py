@@ -33,8 +33,8 @@ def init(path: Path = Path("flyer.toml"), /, *, kind: str = "earth", force: bool
     path
         Where to write it.
     kind
-        What it describes: earth (a disk over Earth), chamber (the disk in a vacuum chamber) or
-        sandwich (two perforated membranes over Earth).
+        What it describes: earth (a disk over Earth), chamber (the disk in a vacuum chamber),
+        sandwich (two perforated membranes over Earth) or balloon (a solar balloon over Earth).
     force
         Overwrite an existing file.
     """

@@ -23,11 +23,11 @@ from lightflyer.flyer.plate import Plate
 from lightflyer.force.base import AbstractForceModel, ModelResult
 from lightflyer.force.channels import (
     SLOT,
+    channel_coefficients,
     channel_conductance,
     direct_share,
     gas_at_faces,
     slot_transmission,
-    thermomolecular_exponent,
     thermomolecular_pressure,
 )
 from lightflyer.force.disk_gas import disk_surroundings, recoil_ratio
@@ -37,7 +37,9 @@ from lightflyer.force.schafer2025_table import internal_factors
 from lightflyer.force.section import ForceSection
 from lightflyer.force.validity import Validity
 from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.quantity import StandardErrors
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.units import Measured
 from lightflyer.gas.base import AbstractGas
 
 _PATH = 2.0 / np.sqrt(np.pi)  # length over the mean free path, per δ of the length
@@ -45,6 +47,9 @@ _DISK_DRAG = 16.0 / np.pi  # Stokes' drag of a disk 16μau, over its area, times
 _RECOIL = np.sqrt(
     np.pi
 )  # normal momentum of molecules that leave a wall, over their mass flux and v
+
+_FORCE_ERROR = 0.10  # relative: creep by the Shakhov equation, entrances, porous disk at δ of 2
+_HEAT_ERROR = 0.05  # relative: series of gas near and far, beside solved kinetic equations
 
 _SLOTS = Validity(
     "channel_length over channel_width",
@@ -85,6 +90,24 @@ class Inside(NamedTuple):
     rarefaction: Array
     length: Array
     conductance: Array
+
+
+class Outside(NamedTuple):
+    """Gas around a plate, where it conducts and flows.
+
+    Attributes
+    ----------
+    viscosity : array, shape (...)
+        At the mean temperature of plate and gas far away [Pa s].
+    rarefaction : array, shape (...)
+        Of the plate's radius, with it [1].
+    internal : array, shape (...)
+        What internal motion adds to conduction, over what it adds to free molecules' heat [1].
+    """
+
+    viscosity: Array
+    rarefaction: Array
+    internal: Array
 
 
 class Exchange(NamedTuple):
@@ -186,11 +209,18 @@ def outer_resistance(
 class ChannelPump(AbstractForceModel):
     r"""Force and heat loss of a plate whose channels pump gas towards its warmer face.
 
+    Attributes
+    ----------
+    force_error, heat_error : array or None
+        Deviation of the truth from the model, in the model's own standard errors: 10 % of the force
+        and 5 % of the heat that the gas takes [1]. A flyer file gives both as 0 ± 1, so that they
+        are part of a prediction's uncertainty. None stands for zero.
+
     Notes
     -----
     A channel is a slot (:mod:`lightflyer.force.channels`); it pumps between the temperatures of the
     gas at both faces. The gas takes heat from the faces and gives it to the gas far away, and
-    through the channels to the other face. To free molecules nothing is pumped, and the force is
+    through the channels to the other face. Free molecules are not pumped, and the force is
     exactly the recoil of molecules from faces and channels. In dense gas it is the pump's alone.
 
     The gas in the channels and between the films has the properties at the plate's mean
@@ -215,28 +245,32 @@ class ChannelPump(AbstractForceModel):
         }
     )
 
+    force_error: StandardErrors | None = None
+    heat_error: StandardErrors | None = None
+
     @entry_point
     def heat_loss(
         self, flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
         """See :meth:`AbstractForceModel.heat_loss`."""
         top, bottom = unknowns
-        inside = _inside(flyer, state, unknowns)
-        exchange, (gas_top, gas_bottom) = _gas_at_plate(flyer, state, inside, unknowns)
+        plate = _plate_in_gas(flyer, state, unknowns)
         free = _free_conductance(flyer.area, state, state.temperature)
-        upward = inside.conductance * (bottom - top)
+        free *= _off(self.heat_error, _HEAT_ERROR)
+        upward = plate.inside.conductance * (bottom - top)
         return (
-            free * exchange.top * (top - gas_top) - upward,
-            free * exchange.bottom * (bottom - gas_bottom) + upward,
+            free * plate.exchange.top * (top - plate.gas_top) - upward,
+            free * plate.exchange.bottom * (bottom - plate.gas_bottom) + upward,
         )
 
     @entry_point
     def force(self, flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         """See :meth:`AbstractForceModel.force`."""
-        inside = _inside(flyer, state, unknowns)
-        exchange, gas = _gas_at_plate(flyer, state, inside, unknowns)
-        flow = _flow(flyer, state, inside, gas, unknowns)
-        (top, bottom), (gas_top, gas_bottom) = (_growths(pair) for pair in (unknowns, gas))
+        plate = _plate_in_gas(flyer, state, unknowns)
+        exchange = plate.exchange
+        top, bottom, gas_top, gas_bottom = map(
+            _growth, (*unknowns, plate.gas_top, plate.gas_bottom)
+        )
         leaving_top, leaving_bottom = (
             face * own + exchange.reflected(face) * near + exchange.passing * far
             for face, own, near, far in (
@@ -244,18 +278,17 @@ class ChannelPump(AbstractForceModel):
                 (exchange.bottom, bottom, gas_bottom, gas_top),
             )
         )
-        ratio = recoil_ratio(_outer_rarefaction(flyer, state, unknowns))
+        ratio = recoil_ratio(plate.outside.rarefaction, flyer.height / flyer.radius)
         recoil = 0.5 * state.pressure * ratio * (leaving_bottom - leaving_top)
-        return flyer.area * (flow.difference + recoil)
+        pressure = _flow(flyer, state, plate).difference + recoil
+        return flyer.area * pressure * _off(self.force_error, _FORCE_ERROR)
 
     @entry_point
     def own_results(
         self, flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> dict[str, Any]:
         """See :meth:`AbstractForceModel.own_results`."""
-        inside = _inside(flyer, state, unknowns)
-        _, gas = _gas_at_plate(flyer, state, inside, unknowns)
-        flow = _flow(flyer, state, inside, gas, unknowns)
+        flow = _flow(flyer, state, _plate_in_gas(flyer, state, unknowns))
         return {
             "flow_velocity": flow.velocity,
             "pressure_difference": flow.difference,
@@ -301,10 +334,26 @@ def _inside(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) 
     return Inside(temperature, rarefaction, length, (between + within) / warmer)
 
 
-def _gas_at_plate(
-    flyer: Plate, state: EnvironmentState, inside: Inside, unknowns: tuple[Array, ...]
-) -> tuple[Exchange, tuple[Array, Array]]:
-    """What becomes of molecules that come to a plate, and how warm they are at both faces."""
+class PlateInGas(NamedTuple):
+    """All about the gas that temperatures decide, before anything flows.
+
+    Attributes
+    ----------
+    inside, outside : Inside, Outside
+    exchange : Exchange
+    gas_top, gas_bottom : array, shape (...)
+        Relative temperature excess of the gas that comes to the faces [1].
+    """
+
+    inside: Inside
+    outside: Outside
+    exchange: Exchange
+    gas_top: Array
+    gas_bottom: Array
+
+
+def _plate_in_gas(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> PlateInGas:
+    inside, outside = _inside(flyer, state, unknowns), _outside(flyer, state, unknowns)
     straight = direct_share(SLOT, inside.length)
     straight /= 1.0 + _PATH * inside.rarefaction * inside.length
     opening, film = flyer.open_fraction, flyer.solid_fraction
@@ -313,48 +362,55 @@ def _gas_at_plate(
         film * flyer.bottom.tac_bottom + opening * (1.0 - straight),
         opening * straight,
     )
-    mean = _outer_temperature(state, unknowns)
-    free, dense = internal_factors(
-        state.gas.heat_capacity_ratio,
-        state.gas.specific_gas_constant,
-        state.gas.viscosity(mean),
-        state.gas.conductivity(mean),
-    )
-    around = disk_surroundings(_outer_rarefaction(flyer, state, unknowns), dense / free)
-    top, bottom = unknowns
-    return exchange, gas_at_faces(
+    (top, bottom), around = unknowns, disk_surroundings(outside.rarefaction, outside.internal)
+    gas_top, gas_bottom = gas_at_faces(
         top, bottom, exchange.top, exchange.bottom, exchange.passing, around
     )
+    return PlateInGas(inside, outside, exchange, gas_top, gas_bottom)
 
 
-def _flow(
-    flyer: Plate,
-    state: EnvironmentState,
-    inside: Inside,
-    gas: tuple[Array, Array],
-    unknowns: tuple[Array, ...],
-) -> ThroughFlow:
-    top, bottom = gas
-    exponent = thermomolecular_exponent(SLOT, inside.rarefaction, inside.length)
-    conductance = channel_conductance(SLOT, inside.rarefaction, inside.length, flyer.open_fraction)
+def _outside(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Outside:
+    gas = state.gas
+    mean = state.temperature * (1.0 + 0.25 * (unknowns[0] + unknowns[1]))
+    viscosity = gas.viscosity(mean)
+    free, dense = internal_factors(
+        gas.heat_capacity_ratio, gas.specific_gas_constant, viscosity, gas.conductivity(mean)
+    )
+    speed = _most_probable_speed(gas, state.temperature)
+    return Outside(viscosity, state.pressure * flyer.radius / (viscosity * speed), dense / free)
+
+
+def _flow(flyer: Plate, state: EnvironmentState, plate: PlateInGas) -> ThroughFlow:
+    inside = plate.inside
+    coefficients = channel_coefficients(SLOT, inside.rarefaction, inside.length)
+    conductance = channel_conductance(
+        SLOT, inside.rarefaction, inside.length, flyer.open_fraction, coefficients
+    )
     density = state.gas.density(state.pressure, state.temperature)
     speed = _most_probable_speed(state.gas, inside.temperature)
     return through_flow(
-        thermomolecular_pressure(exponent, state.pressure, bottom, top),
+        thermomolecular_pressure(
+            coefficients.exponent, state.pressure, plate.gas_bottom, plate.gas_top
+        ),
         density * speed / (flyer.open_fraction * conductance),
         outer_resistance(
             flyer.radius,
             state.pressure,
-            state.gas.viscosity(_outer_temperature(state, unknowns)),
+            plate.outside.viscosity,
             _most_probable_speed(state.gas, state.temperature),
         ),
         density,
     )
 
 
-def _growths(excesses: tuple[Array, ...]) -> tuple[Array, ...]:
+def _off(errors: Numeric | None, relative: float) -> Numeric:
+    """Factor of a result that is off by some of its standard errors."""
+    return 1.0 if errors is None else 1.0 + relative * errors
+
+
+def _growth(excess: Array) -> Array:
     """√(1 + θ) − 1, without cancellation."""
-    return tuple(excess / (jnp.sqrt(1.0 + excess) + 1.0) for excess in excesses)
+    return excess / (jnp.sqrt(1.0 + excess) + 1.0)
 
 
 def _most_probable_speed(gas: AbstractGas, temperature: Numeric) -> Array:
@@ -366,17 +422,6 @@ def _free_conductance(area: Numeric, state: EnvironmentState, temperature: Numer
     gas = state.gas
     speed = gas.mean_speed(temperature)
     return free_molecular_conductance(area, 1.0, state.pressure, speed, gas.heat_capacity_ratio)
-
-
-def _outer_temperature(state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-    """Mean of the plate and the gas far away [K]."""
-    return state.temperature * (1.0 + 0.25 * (unknowns[0] + unknowns[1]))
-
-
-def _outer_rarefaction(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-    viscosity = state.gas.viscosity(_outer_temperature(state, unknowns))
-    speed = _most_probable_speed(state.gas, state.temperature)
-    return state.pressure * flyer.radius / (viscosity * speed)
 
 
 def _reynolds_number(flyer: Plate, state: EnvironmentState, velocity: Array) -> Array:
@@ -400,18 +445,19 @@ def _highest_reynolds_number(flyer: Plate, state: EnvironmentState, hottest: Arr
     conductance = _inside(flyer, state, (hottest, hottest)).conductance
     difference = jnp.minimum(hottest, jnp.maximum(*map(jnp.abs, power)) / conductance)
     faces = (hottest - difference, hottest)
-    inside = _inside(flyer, state, faces)
-    _, gas = _gas_at_plate(flyer, state, inside, faces)
-    return _reynolds_number(flyer, state, _flow(flyer, state, inside, gas, faces).velocity)
+    flow = _flow(flyer, state, _plate_in_gas(flyer, state, faces))
+    return _reynolds_number(flyer, state, flow.velocity)
 
 
 class ChannelPumpSection(ForceSection):
-    """``[force]``: channels as a pump, for a plate."""
+    """``[force]``: channels as a pump, for a plate; its own error counts unless told otherwise."""
 
     model_type: ClassVar[type[AbstractForceModel]] = ChannelPump
 
     model: Literal["channel-pump"]
+    force_error: StandardErrors = Measured(0.0, 1.0)
+    heat_error: StandardErrors = Measured(0.0, 1.0)
 
     def build(self) -> ChannelPump:
         """The force model."""
-        return ChannelPump()
+        return ChannelPump(self.force_error.value, self.heat_error.value)

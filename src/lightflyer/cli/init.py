@@ -34,7 +34,8 @@ def init(path: Path = Path("flyer.toml"), /, *, kind: str = "earth", force: bool
         Where to write it.
     kind
         What it describes: earth (a disk over Earth), chamber (the disk in a vacuum chamber),
-        sandwich (two perforated membranes over Earth) or balloon (a solar balloon over Earth).
+        sandwich (two perforated membranes over Earth), plate (nanocardboard in the chamber) or
+        balloon (a solar balloon over Earth).
     force
         Overwrite an existing file.
     """

@@ -12,6 +12,7 @@ from lightflyer.film import (
     Film,
     Layer,
     Spectrum,
+    area_weighted,
     cold_white_led,
     heat_shares,
     infrared_transmittance,
@@ -241,3 +242,26 @@ def test_more_than_arrives_is_refused():
         FilmProperties(*numbers, transmittance=0.6, absorptance_bottom=0.5)
     with pytest.raises(lf.ParameterError, match=r"transmittance_bottom = 0.8 and absorptance = 0"):
         FilmProperties(*numbers, transmittance=0.6, transmittance_bottom=0.8)
+
+
+def test_a_patterned_film_is_the_mean_over_its_area(computed):
+    plain = FilmProperties(5e-4, 0.1, 0.2, 0.3, 0.7, 0.9, highest_temperature=600.0)
+    mixed = area_weighted([computed.properties, plain], [0.3, 0.7])
+    own = computed.properties
+    assert mixed.areal_density == pytest.approx(0.3 * own.areal_density + 0.7 * 5e-4, rel=1e-12)
+    assert mixed.absorptance_below == pytest.approx(0.3 * own.absorptance_below + 0.07, rel=1e-12)
+    assert mixed.transmittance_below == pytest.approx(0.3 * own.transmittance_below, rel=1e-12)
+    assert mixed.tac_bottom == pytest.approx(0.3 * 0.8 + 0.7 * 0.9)
+    assert mixed.highest_temperature == 600.0
+    top, bottom = mixed.emittances_at(320.0)
+    own_top, own_bottom = own.emittances_at(320.0)
+    assert float(top) == pytest.approx(0.3 * float(own_top) + 0.7 * 0.2, rel=1e-12)
+    assert float(bottom) == pytest.approx(0.3 * float(own_bottom) + 0.7 * 0.3, rel=1e-12)
+    same = area_weighted([own, own], [0.5, 0.5])
+    np.testing.assert_allclose(same.emittance_top.at_nodes, own.emittance_top.at_nodes, rtol=1e-9)
+    with lf.float64():
+        slope = jax.grad(lambda x: area_weighted([own, plain], [x, 1.0 - x]).absorptance)(0.3)
+    assert float(slope) == pytest.approx(own.absorptance - 0.1, rel=1e-12)
+    for shares in ([0.5], [0.5, 0.6]):
+        with pytest.raises(lf.ParameterError, match="shares"):
+            area_weighted([own, plain], shares)

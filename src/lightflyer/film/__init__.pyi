@@ -21,6 +21,7 @@ from .materials import Material as Material
 from .materials import material_from_csv as material_from_csv
 from .materials import tabulated_material as tabulated_material
 from .properties import FilmProperties as FilmProperties
+from .properties import area_weighted as area_weighted
 from .section import FilmSection as FilmSection
 from .section import MeasuredFilmSection as MeasuredFilmSection
 from .spectra import Spectrum as Spectrum

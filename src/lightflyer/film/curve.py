@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.precision import entry_point, is_traced
 from lightflyer.foundation.types import Numeric
 
 LOWEST_TEMPERATURE, HIGHEST_TEMPERATURE = 100.0, 1500.0
@@ -175,6 +175,24 @@ def emittance_at(emittance: Numeric, temperature: Numeric) -> Numeric:
         [1].
     """
     return emittance(temperature) if isinstance(emittance, EmittanceCurve) else emittance
+
+
+def coefficients_of(emittance: Numeric) -> Numeric:
+    """Coefficients of a curve, or of the curve that a constant is, shape (..., NODES) [1].
+
+    Parameters
+    ----------
+    emittance : array or EmittanceCurve
+        [1].
+
+    Returns
+    -------
+    array
+    """
+    if isinstance(emittance, EmittanceCurve):
+        return emittance.coefficients
+    constant = emittance if is_traced(emittance) else np.asarray(emittance)
+    return constant[..., None] * np.eye(NODES)[-1]
 
 
 def emittance_bounds(emittance: Numeric) -> tuple[Numeric, Numeric]:

@@ -1,14 +1,19 @@
 """The optical, surface and mass properties of a film, however they were obtained."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.film.curve import EmittanceCurve, emittance_at, emittance_bounds
+from lightflyer.film.curve import (
+    EmittanceCurve,
+    coefficients_of,
+    emittance_at,
+    emittance_bounds,
+)
 from lightflyer.foundation.checks import is_concrete
 from lightflyer.foundation.errors import ParameterError, ParameterWarning
 from lightflyer.foundation.quantity import (
@@ -250,6 +255,71 @@ class FilmProperties(Checked):
         """Transmittance for light on the bottom face, or the top's where none is given [1]."""
         below = self.transmittance_bottom
         return self.transmittance if below is None else below
+
+
+def area_weighted(films: Sequence[FilmProperties], shares: Sequence[Numeric]) -> FilmProperties:
+    """Properties of a patterned film, of whose area each of several films has a share.
+
+    Parameters
+    ----------
+    films : sequence of FilmProperties
+        Such as a film with an absorber, and the same without it.
+    shares : sequence of array, shape (...)
+        Of the area, one for each film [1].
+
+    Returns
+    -------
+    FilmProperties
+        Means over the area; the highest temperature is that of the film which bears least.
+
+    Raises
+    ------
+    ParameterError
+        If there is not one share a film, or the shares do not add up to one.
+
+    Notes
+    -----
+    For patches wide against the wavelength, and so near each other that they are equally warm.
+
+    Examples
+    --------
+    >>> clear = FilmProperties(3e-4, 0.02, 0.1, 0.1, 0.8, 0.8, transmittance=0.9)
+    >>> dark = FilmProperties(4e-4, 0.60, 0.2, 0.2, 0.8, 0.8, transmittance=0.3)
+    >>> print(f"{area_weighted([dark, clear], [0.25, 0.75]).absorptance:.3f}")
+    0.165
+    """
+    total = sum(shares)
+    if len(films) != len(shares):
+        raise ParameterError(f"{len(films)} films need as many shares, not {len(shares)}")
+    if is_concrete(total) and np.any(np.abs(np.asarray(total) - 1.0) > _WHOLE - 1.0):
+        raise ParameterError(f"the shares add up to {np.max(total):g}, not to 1")
+
+    def mean(values: Sequence[Any]) -> Any:
+        if any(isinstance(value, EmittanceCurve) for value in values):
+            rows = map(coefficients_of, values)
+            parts = (share * row.T for share, row in zip(shares, rows, strict=True))
+            return EmittanceCurve(sum(parts).T)  # curves that differ along leading axes too
+        return sum(share * value for share, value in zip(shares, values, strict=True))
+
+    limits = [film.highest_temperature for film in films if film.highest_temperature is not None]
+    return FilmProperties(
+        absorptance_bottom=mean([film.absorptance_below for film in films]),
+        transmittance_bottom=mean([film.transmittance_below for film in films]),
+        highest_temperature=min(limits, default=None),
+        **{name: mean([getattr(film, name) for film in films]) for name in _AVERAGED},
+    )
+
+
+_AVERAGED = (
+    "areal_density",
+    "absorptance",
+    "emittance_top",
+    "emittance_bottom",
+    "tac_top",
+    "tac_bottom",
+    "transmittance",
+    "infrared_transmittance",
+)
 
 
 def _growth(excess: Numeric) -> Numeric:

@@ -39,6 +39,7 @@ def cautions(setup: Setup, coordinate: Numeric, temperature: Numeric) -> tuple[s
     state = setup.environment.state(np.asarray(coordinate, float))
     return (
         *setup.model.caveats(setup.flyer, state, temperature),
+        *setup.flyer.caveats(state, temperature),
         *_of_heat(setup.flyer.highest_temperature, temperature),
     )
 

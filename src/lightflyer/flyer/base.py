@@ -149,6 +149,23 @@ class AbstractFlyer(Checked):
             return 0.0
         return state.gas.density(state.pressure, state.temperature) * volume * state.gravity
 
+    def caveats(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+        """Warnings, in words, where the flyer's own description does not hold, such as its optics.
+
+        Parameters
+        ----------
+        state : EnvironmentState
+            Concrete numbers, at one place or many.
+        temperature : array, shape (...)
+            Of the flyer's hottest node there, concrete [K].
+
+        Returns
+        -------
+        tuple of str
+        """
+        del state, temperature
+        return ()
+
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         r"""Bound of the size of the excesses when the flyer absorbs a power.
 

@@ -13,6 +13,7 @@ from lightflyer.environment.radiation import Attitude
 from lightflyer.film.layered_section import AnyFilmSection
 from lightflyer.film.properties import FilmProperties, excess_of_growth
 from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.diffraction import narrow_holes
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.sheets import (
     DARK,
@@ -55,7 +56,7 @@ class Sandwich(AbstractFlyer):
     open_fraction : array
         Share of each membrane's area that is holes [1].
     hole_radius : array
-        Radius of the holes [m]. No result depends on it, but it says where models hold.
+        Radius of the holes [m]. It says where models, and geometric optics, hold.
     support_fraction : array
         Share of the area that the supports' cross section takes [1].
     support_conductivity : array
@@ -173,6 +174,11 @@ class Sandwich(AbstractFlyer):
         black = state.radiation.stefan_boltzmann * state.temperature**4
         emitted = power / (self.area * self.solid_fraction * black)
         return jnp.abs(excess_of_growth(outer.emission_bound(state.temperature, emitted)))
+
+    def caveats(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+        """See :meth:`AbstractFlyer.caveats`: holes that are too narrow for geometric optics."""
+        coldest = np.minimum(np.min(state.temperature), np.min(temperature))
+        return tuple(narrow_holes(self.hole_radius, coldest))
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

@@ -34,8 +34,8 @@ def init(path: Path = Path("flyer.toml"), /, *, kind: str = "earth", force: bool
         Where to write it.
     kind
         What it describes: earth (a disk over Earth), chamber (the disk in a vacuum chamber),
-        sandwich (two perforated membranes over Earth), plate (nanocardboard in the chamber) or
-        balloon (a solar balloon over Earth).
+        sandwich (two perforated membranes over Earth), plate (nanocardboard in the chamber),
+        balloon (a solar balloon over Earth) or hollow (a sphere that pumps gas, over Earth).
     force
         Overwrite an existing file.
     """

@@ -291,7 +291,8 @@ class FileDesign(AbstractDesign):
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
         """See :attr:`AbstractDesign.correlations`."""
-        found, materials = {}, {}
+        found: dict[tuple[str, str], float] = {}
+        materials: dict[str, str] = {}
         for name, film in self.file.films().items():
             for (first, second), value in film.correlations.items():
                 found[(f"{name}.{first}", f"{name}.{second}")] = value

@@ -246,7 +246,7 @@ def _averages(
     def absorbed(shares: Mapping[str, Shares]) -> dict[str, Average]:
         return {side: share.absorptance for side, share in shares.items()}
 
-    solar = {side: light_shares(film, side=side) for side in _SIDES}
+    solar: dict[str, Shares] = {side: light_shares(film, side=side) for side in _SIDES}
     lamp, hemispherical = solar, heat(False)
     if light is not am0():
         lamp = {side: light_shares(film, light, side=side) for side in _SIDES}

@@ -11,11 +11,13 @@ from scipy.optimize import fsolve
 import lightflyer as lf
 from lightflyer.flight.loads import upward_force
 from lightflyer.force.gap import accommodation_between, gap_conductance
-from lightflyer.force.schafer2025 import rarefaction
+from lightflyer.force.sandwich import rarefaction
 from lightflyer.force.schafer2025_table import internal_factors, perforated_disk_fit
 
-MODEL = lf.Schafer2025()
+MODEL, WIDE = lf.Schafer2025(), lf.Schafer2025(transmission="wide")
 SIGMA = 5.670374419e-8
+# membranes between which nothing is conducted
+APART = {"support_fraction": 0.0, "inner": (1e-15, 1e-15)}
 # rows of the published table: β, δ, force, heat of the cold face and of the hot face, at 4/3
 PUBLISHED = (
     (0.2, 0.1, 0.182767, 0.000167, 0.446396),
@@ -43,9 +45,9 @@ class Helium(lf.gas.AbstractGas):
         return 2.5 * self.specific_gas_constant + 0.0 * temperature
 
 
-def make(gap=1e-4, support_fraction=1e-4, **changed):
-    top = lf.FilmProperties(3e-4, 0.02, 0.10, 0.20, 0.7, 0.8, transmittance=0.9)
-    bottom = lf.FilmProperties(4e-4, 0.60, 0.30, 0.05, 0.9, 0.6)
+def make(gap=1e-4, support_fraction=1e-4, inner=(0.8, 0.9), **changed):
+    top = lf.FilmProperties(3e-4, 0.02, 0.10, 0.20, 0.7, inner[0], transmittance=0.9)
+    bottom = lf.FilmProperties(4e-4, 0.60, 0.30, 0.05, inner[1], 0.6)
     numbers = {"radius": 0.01, "open_fraction": 0.5, "hole_radius": 3e-5} | changed
     return lf.Sandwich(
         top, bottom, gap=gap, support_fraction=support_fraction, support_conductivity=1.8, **numbers
@@ -70,8 +72,7 @@ def test_model_gives_the_published_force_and_heat(row):
     with lf.float64():
         pressure = pressure_of(delta)
     area, excess = np.pi * 0.01**2, 1.0 / 3.0
-    # a gap so wide, and supports so thin, that nothing is conducted between the membranes
-    flyer = make(gap=1e9, support_fraction=0.0, open_fraction=beta)
+    flyer = make(**APART, open_fraction=beta)
     state = state_at(pressure, 300.0, Helium())
     found = MODEL.force(flyer, state, (0.0, excess))
     assert found == pytest.approx(force * pressure * area * excess, rel=0.006, abs=0.0)
@@ -92,7 +93,7 @@ def test_rarefaction_is_that_of_the_mean_free_path():
 @pytest.mark.parametrize("beta", [0.0, 0.3, 0.9, 0.99])
 def test_limit_of_free_molecules_is_exact(beta):
     """Hertz and Knudsen: each solid face for itself, whatever the other does."""
-    flyer, unknowns = make(gap=1e20, support_fraction=0.0, open_fraction=beta), (0.2, 0.7)
+    flyer, unknowns = make(**APART, open_fraction=beta), (0.2, 0.7)
     pressure, temperature = 1e-9, 220.0
     state = state_at(pressure, temperature)
     solid = (1.0 - beta) * np.pi * 0.01**2
@@ -108,7 +109,7 @@ def test_limit_of_free_molecules_is_exact(beta):
 
 def test_dense_gas_takes_heat_by_conduction_and_force_as_its_inverse():
     """Beyond the table; heat in proportion to the gas's own conductivity."""
-    flyer = make(gap=1e9, support_fraction=0.0, open_fraction=0.0)
+    flyer = make(**APART, open_fraction=0.0)
     thin, dense = (state_at(pressure, 220.0) for pressure in (1e5, 1e6))
     forces = [MODEL.force(flyer, state, (0.0, 0.1)) / state.pressure for state in (thin, dense)]
     assert forces[0] / forces[1] == pytest.approx(10.0, rel=0.01)
@@ -221,9 +222,35 @@ def test_gas_in_the_gap():
     free = 6.0 * air.mean_speed(250.0) * 1e-4 / (8.0 * 250.0) * tac / (2.0 - tac)
     state = state_at(1e-4, 250.0)
     between = MODEL.heat_loss(_plain(1e-4, tac), state, (0.0, 0.1))[0]
-    without = MODEL.heat_loss(_plain(1e9, tac), state, (0.0, 0.1))[0]
+    without = MODEL.heat_loss(_plain(1e-4, 1e-15), state, (0.0, 0.1))[0]
     solid = 0.5 * np.pi * 0.01**2
     assert without - between == pytest.approx(solid * free * 25.0, rel=1e-4)
+
+
+@pytest.mark.parametrize("beta", [0.0, 0.3, 0.9])
+def test_wide_gap_gives_the_free_molecules_of_two_sheets(beta):
+    """Through a hole one sees the other membrane, s of the area, or the sky beyond."""
+    flyer, excess = make(inner=(1.0, 1.0), open_fraction=beta, support_fraction=0.0), (0.2, 0.7)
+    pressure, solid, area = 1e-9, 1.0 - beta, np.pi * 0.01**2
+    state = state_at(pressure)
+    growth = np.sqrt(1.0 + np.array(excess)) - 1.0
+    emitted = solid * (growth + beta * growth[::-1])
+    force = 0.5 * pressure * area * (emitted[1] - emitted[0])
+    assert WIDE.force(flyer, state, excess) == pytest.approx(force, rel=1e-9, abs=0.0)
+    speed = lf.gas.US1976_AIR.mean_speed(220.0)
+    carried = 6.0 * speed * pressure * area / 8.0
+    outside = carried * solid * (np.array(excess) + beta * np.array(excess))
+    exchanged = carried * solid**2 * (excess[1] - excess[0])
+    expected = outside + np.array([-exchanged, exchanged])
+    found = WIDE.heat_loss(flyer, state, excess)
+    assert np.asarray(found) == pytest.approx(expected, rel=1e-7, abs=0.0)
+
+
+def test_wide_gap_is_weaker_than_aligned_holes_in_dense_gas_too():
+    state, flyer = state_at(30.0), make(inner=(1.0, 1.0), open_fraction=0.5)
+    aligned, wide = (model.force(flyer, state, (0.0, 0.2)) for model in (MODEL, WIDE))
+    # 0.25/0.5 of the drive, and at most as much resistance to the flow as with a third open
+    assert 0.3 * aligned < wide < 0.5 * aligned
 
 
 def _plain(gap, tac):
@@ -446,9 +473,13 @@ def test_what_is_outside_the_models_range():
     assert re.match(r"hole_radius over the mean free path is \S+ at 500 Pa, above 1", holes)
     assert re.match(r"gap over the mean free path is \S+ at 500 Pa, above 1", gap)
     assert len(MODEL.caveats(flyer, state_at(110.0), 300.0)) == 2  # but for the holes
-    wide, open_ = MODEL.caveats(make(gap=3e-4, open_fraction=0.97), state_at(3.0), 300.0)
+    flyer = make(gap=3e-4, open_fraction=0.97)
+    open_, wide = MODEL.caveats(flyer, state_at(3.0), 300.0)
+    assert open_.startswith("open_fraction is 0.97 at 3 Pa, above 0.95")
     assert wide.startswith("gap is 10 times hole_radius: fewer molecules pass both membranes")
-    assert open_.startswith("open_fraction = 0.97 exceeds 0.95")
+    assert WIDE.caveats(flyer, state_at(3.0), 300.0) == (open_,)
+    (narrow,) = WIDE.caveats(make(gap=5e-5, hole_radius=3e-5), state_at(3.0), 300.0)
+    assert narrow.startswith("gap is 1.67 times hole_radius: transmission = wide is for")
 
 
 def test_published_device_levitates_as_far_as_its_supports_let_it():

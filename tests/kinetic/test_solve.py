@@ -233,7 +233,7 @@ def test_gas_that_passes_the_holes_goes_round_the_disk(linear):
     density = 1.0 if linear else (1.0 + side["pressure"]) / (1.0 + side["temperature"])
     outwards = 2.0 * np.pi * size * size * 2.0 * weights @ (density * side["velocity_radial"])
     passed = through(1e-9, 1.0)
-    assert passed < -0.01  # towards the hot face, and so down
+    assert passed < -0.003  # towards the hot face, and so down
     net = outwards + through(size, size) - through(-size, size)
     assert abs(net) < 3e-3 * abs(passed)
     assert passed == pytest.approx(through(-1e-9, 1.0), rel=3e-3)

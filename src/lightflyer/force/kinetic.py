@@ -1,36 +1,28 @@
 r"""The force from kinetic theory: no fitted constants."""
 
-import math
 from typing import Any, ClassVar, Literal
 
-import jax.numpy as jnp
+import equinox as eqx
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
+from lightflyer.flyer.sandwich import Sandwich
+from lightflyer.force import kinetic_disk, kinetic_sandwich
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.force.free_molecular import disk_conductance
-from lightflyer.force.kinetic_table import KineticFit, kinetic_fit
-from lightflyer.force.laws import maxwell_force
+from lightflyer.force.passage import Transmission, require_transmission
 from lightflyer.force.section import ForceSection
-from lightflyer.force.validity import Validity
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import StandardErrors
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
-from lightflyer.gas.base import knudsen_number
-
-_DENSE = "the kinetic table ends there, and the force is extrapolated by a power law"
-_HEATING = "the kinetic table ends there, and its ratios are held"
-_TAC = "the kinetic table ends there, and its ratios are held"
-_WALL = "the table of walls ends there, and their effect is held"
-_APART = 0.3  # TACs further apart change the heat by 1 % at Kn 0.1, which the table leaves out
-_DIFFERENCE = "the kinetic table is for small differences"
 
 
 class Kinetic(AbstractForceModel):
-    r"""Force and heat loss of a thin disk from the solved kinetic equation.
+    r"""Force and heat loss of a disk or a sandwich from the solved kinetic equation.
+
+    For a disk
 
     .. math::
         F = \hat F\,\frac{pA}{2}\,\Delta\alpha\left[\sqrt{T_h/T_c}-1\right], \qquad
@@ -69,64 +61,45 @@ class Kinetic(AbstractForceModel):
     [Shakhov1968]_, [Rykov1975]_; the page on the kinetic force says how far to trust it.
     """
 
-    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
+    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk, Sandwich)
     molecules: ClassVar[tuple[str, ...]] = ("monatomic", "diatomic")
 
     force_error: StandardErrors | None = None
     heat_error: StandardErrors | None = None
+    transmission: Transmission = eqx.field(static=True, default="aligned")
+
+    def __check_init__(self) -> None:
+        super().__check_init__()
+        require_transmission(self.transmission)
 
     @entry_point
     def heat_loss(
-        self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
+        self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
         """See :meth:`AbstractForceModel.heat_loss`."""
-        (excess,) = unknowns
-        fit, knudsen = _fit_and_knudsen_number(flyer, state)
-        ratio = fit.heat_ratio(knudsen, 1.0 + excess, flyer.film.tac_mean)
-        if state.wall_distance is not None:
-            ratio *= fit.wall_factors(knudsen, state.wall_distance / flyer.radius)[1]
-        if self.heat_error is not None:
-            ratio *= 1.0 + self.heat_error * fit.relative_heat_error(knudsen)
-        return (ratio * disk_conductance(flyer, state) * excess,)
+        if isinstance(flyer, Sandwich):
+            return kinetic_sandwich.heat_loss(
+                flyer, state, unknowns, self.transmission, self.heat_error
+            )
+        return kinetic_disk.heat_loss(flyer, state, unknowns, self.heat_error)
 
     @entry_point
-    def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
+    def force(self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         """See :meth:`AbstractForceModel.force`."""
-        (excess,) = unknowns
-        fit, knudsen = _fit_and_knudsen_number(flyer, state)
-        ratio = fit.force_ratio(knudsen, 1.0 + excess, flyer.film.tac_mean)
-        if state.wall_distance is not None:
-            ratio *= fit.wall_factors(knudsen, state.wall_distance / flyer.radius)[0]
-        if self.force_error is not None:
-            ratio *= 1.0 + self.force_error * fit.relative_force_error(knudsen, ratio)
-        free = maxwell_force(flyer.area, flyer.film.tac_difference, state.pressure, excess)
-        return ratio * free
-
-    def caveats(
-        self, flyer: Disk, state: EnvironmentState, temperature: Numeric
-    ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.caveats`."""
-        fit, knudsen = _fit_and_knudsen_number(flyer, state)
-        hottest = 1.0 / (1.0 - fit.heating_limit)
-        film, pressure = flyer.film, state.pressure
-        looks = [
-            (Validity("the Knudsen number", fit.knudsen_range[0], math.inf, _DENSE), knudsen),
-            (Validity("T_h/T_c", 1.0, hottest, _HEATING), temperature / state.temperature),
-            (Validity("the mean TAC", *fit.tac_range, _TAC), film.tac_mean),
-            (Validity("the difference of the TACs", -_APART, _APART, _DIFFERENCE),
-             film.tac_difference),
-        ]  # fmt: skip
-        if state.wall_distance is not None:
-            near = Validity(
-                "the walls' distance over the radius", fit.nearest_wall, math.inf, _WALL
+        if isinstance(flyer, Sandwich):
+            return kinetic_sandwich.force(
+                flyer, state, unknowns, self.transmission, self.force_error
             )
-            looks.append((near, state.wall_distance / flyer.radius))
-        return tuple(text for range_, value in looks for text in range_.caveats(value, pressure))
+        return kinetic_disk.force(flyer, state, unknowns, self.force_error)
 
-
-def _fit_and_knudsen_number(disk: Disk, state: EnvironmentState) -> tuple[KineticFit, Any]:
-    knudsen = knudsen_number(state.pressure, state.temperature, disk.radius, state.gas)
-    return kinetic_fit(state.gas.molecules), jnp.asarray(knudsen)
+    def caveats(self, flyer: Any, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+        """See :meth:`AbstractForceModel.caveats`."""
+        if isinstance(flyer, Sandwich):
+            return kinetic_sandwich.caveats(flyer, state, temperature, self.transmission)
+        found = kinetic_disk.caveats(flyer, state, temperature)
+        if self.transmission != "aligned":
+            found += (f"transmission = {self.transmission} has no effect: a disk has no holes",)
+        return found
 
 
 class KineticSection(ForceSection):
@@ -137,7 +110,8 @@ class KineticSection(ForceSection):
     model: Literal["kinetic"]
     force_error: StandardErrors = Measured(0.0, 1.0)
     heat_error: StandardErrors = Measured(0.0, 1.0)
+    transmission: Transmission = "aligned"
 
     def build(self) -> Kinetic:
         """The force model."""
-        return Kinetic(self.force_error.value, self.heat_error.value)
+        return Kinetic(self.force_error.value, self.heat_error.value, self.transmission)

@@ -186,14 +186,14 @@ class KineticFit:
         """
         position, below = self._position(knudsen)
         others = self._others(ratio, tac)
-        slope = jnp.clip(_polynomial(self.force_slope, *others), *_STEEPEST)
-        fitted = _polynomial(self.force, *others, position) + slope * below
+        slope = jnp.clip(polynomial(self.force_slope, *others), *_STEEPEST)
+        fitted = polynomial(self.force, *others, position) + slope * below
         return 1.0 / (1.0 + jnp.exp(fitted) / knudsen)
 
     def heat_ratio(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Array:
         r"""Heat loss over the free-molecular one, :math:`\hat Q` [1]; as :meth:`force_ratio`."""
         position, _ = self._position(knudsen)
-        fitted = _polynomial(self.heat, *self._others(ratio, tac), position)
+        fitted = polynomial(self.heat, *self._others(ratio, tac), position)
         return 1.0 / (1.0 + jnp.exp(fitted) * tac / knudsen)
 
     def relative_force_error(self, knudsen: Numeric, force_ratio: Numeric) -> Array:
@@ -207,12 +207,12 @@ class KineticFit:
         -------
         array, broadcast shape
         """
-        of_table = jnp.exp(_polynomial(self.force_error, self._position(knudsen)[0]))
+        of_table = jnp.exp(polynomial(self.force_error, self._position(knudsen)[0]))
         return jnp.hypot(of_table, COLLISION_ERROR * (1.0 - force_ratio))
 
     def relative_heat_error(self, knudsen: Numeric) -> Array:
         """Relative standard error of the heat loss; as :meth:`relative_force_error`."""
-        of_table = jnp.exp(_polynomial(self.heat_error, self._position(knudsen)[0]))
+        of_table = jnp.exp(polynomial(self.heat_error, self._position(knudsen)[0]))
         return jnp.hypot(of_table, HEAT_EQUATION_ERROR)
 
     def wall_factors(self, knudsen: Numeric, distance: Numeric) -> tuple[Array, Array]:
@@ -232,8 +232,8 @@ class KineticFit:
         nearness = 1.0 / jnp.maximum(distance, self.nearest_wall)
         force, heat = self.force_wall, self.heat_wall
         return (
-            jnp.exp(nearness * _polynomial(force, nearness, position)),
-            jnp.exp(nearness * _polynomial(heat, nearness, position)),
+            jnp.exp(nearness * polynomial(force, nearness, position)),
+            jnp.exp(nearness * polynomial(heat, nearness, position)),
         )
 
     def _position(self, knudsen: Numeric) -> tuple[Array, Array]:
@@ -241,29 +241,33 @@ class KineticFit:
         low, high = np.log(self.knudsen_range)
         logarithm = jnp.log(knudsen)
         inside = jnp.clip(logarithm, low, high)
-        return _scaled(inside, low, high), jnp.minimum(logarithm - low, 0.0)
+        return scaled(inside, low, high), jnp.minimum(logarithm - low, 0.0)
+
+    def heating(self, ratio: Numeric) -> Array:
+        """(T_h − T_c)/T_h of a temperature ratio, within the table's range [1]."""
+        return jnp.clip(1.0 - 1.0 / ratio, _COLDEST, self.heating_limit)
 
     def _others(self, ratio: Numeric, tac: Numeric) -> tuple[Array, Array]:
-        heating = jnp.clip(1.0 - 1.0 / ratio, _COLDEST, self.heating_limit)
-        return heating, jnp.clip(tac, *self.tac_range)
+        return self.heating(ratio), jnp.clip(tac, *self.tac_range)
 
 
-def _scaled(value: Any, low: float, high: float) -> Any:
+def scaled(value: Any, low: float, high: float) -> Any:
+    """Place of a value between two ends, from −1 to 1."""
     return (2.0 * value - low - high) / (high - low)
 
 
-def _polynomial(coefficients: Any, *variables: Any) -> Any:
+def polynomial(coefficients: Any, *variables: Any) -> Any:
     """Polynomial in several variables by Horner's rule; the first one's powers come last."""
     if not variables:
         return coefficients
     first, *others = variables
     result: Any = 0.0
     for coefficient in reversed(coefficients):
-        result = result * first + _polynomial(coefficient, *others)
+        result = result * first + polynomial(coefficient, *others)
     return result
 
 
-def _least_squares(
+def least_squares(
     values: np.ndarray,
     variables: tuple[np.ndarray, ...],
     powers: Sequence[tuple[int, ...]],
@@ -278,11 +282,12 @@ def _least_squares(
     fitted = np.linalg.lstsq(basis * weights[:, None], values * weights, rcond=None)[0]
     coefficients = np.zeros(np.max(powers, axis=0) + 1)
     coefficients[tuple(np.transpose(powers))] = fitted
-    return _as_tuples(coefficients)
+    return as_tuples(coefficients)
 
 
-def _as_tuples(array: np.ndarray) -> Any:
-    return tuple(map(_as_tuples, array)) if array.ndim else float(array)
+def as_tuples(array: np.ndarray) -> Any:
+    """An array as nested tuples of float, which can be hashed."""
+    return tuple(map(as_tuples, array)) if array.ndim else float(array)
 
 
 @lru_cache
@@ -316,7 +321,7 @@ def fit(table: Table, walls: WallTable) -> KineticFit:
     low, high = np.log(knudsen_range)
 
     def position(knudsen: np.ndarray) -> np.ndarray:
-        return np.asarray(_scaled(np.log(knudsen), low, high))
+        return np.asarray(scaled(np.log(knudsen), low, high))
 
     where = position(table.knudsen)
     heating = 1.0 - 1.0 / table.temperature_ratio
@@ -326,7 +331,7 @@ def fit(table: Table, walls: WallTable) -> KineticFit:
         """Fit of the logarithm of what the gas takes away, times the Knudsen number."""
         errors = np.clip(bounds / (ratio * (1.0 - ratio)), *_WEIGHTS)
         values = np.log((1.0 / ratio - 1.0) * table.knudsen / scale)
-        return _least_squares(values, variables, _POWERS, errors)
+        return least_squares(values, variables, _POWERS, errors)
 
     force = resistance(table.force_ratio, table.force_ratio_error, 1.0)
     powers = np.arange(1, len(force[0][0]))
@@ -334,25 +339,25 @@ def fit(table: Table, walls: WallTable) -> KineticFit:
     by_distance = (1.0 / walls.boundary, position(walls.knudsen))
 
     def wall(factor: np.ndarray) -> Any:
-        return _least_squares(np.log(factor) * walls.boundary, by_distance, _WALL_POWERS)
+        return least_squares(np.log(factor) * walls.boundary, by_distance, _WALL_POWERS)
 
     return KineticFit(
         knudsen_range=knudsen_range,
         force=force,
         heat=resistance(table.heat_ratio, table.heat_ratio_error, table.tac),
-        force_slope=_as_tuples(slope * 2.0 / (high - low)),
+        force_slope=as_tuples(slope * 2.0 / (high - low)),
         heating_limit=float(heating.max()),
         tac_range=(float(table.tac.min()), float(table.tac.max())),
-        force_error=_error_fit(table.force_ratio_error / table.force_ratio, where),
-        heat_error=_error_fit(table.heat_ratio_error / table.heat_ratio, where),
+        force_error=error_fit(table.force_ratio_error / table.force_ratio, where),
+        heat_error=error_fit(table.heat_ratio_error / table.heat_ratio, where),
         force_wall=wall(walls.force_factor),
         heat_wall=wall(walls.heat_factor),
         nearest_wall=float(walls.boundary.min()),
     )
 
 
-def _error_fit(bounds: np.ndarray, position: np.ndarray) -> Any:
+def error_fit(bounds: np.ndarray, position: np.ndarray) -> Any:
     """Logarithm of the largest relative standard error at each Knudsen number, smoothed."""
     places = np.unique(position)
     largest = np.array([bounds[position == place].max() for place in places])
-    return _least_squares(np.log(largest / _NORMAL_95), (places,), _ERROR_POWERS)
+    return least_squares(np.log(largest / _NORMAL_95), (places,), _ERROR_POWERS)

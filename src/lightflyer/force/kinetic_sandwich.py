@@ -1,0 +1,119 @@
+"""The kinetic model of a sandwich: what it makes of its table of a disk with holes."""
+
+import math
+from typing import Any
+
+from jax import Array
+
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.sandwich import Sandwich
+from lightflyer.force.kinetic_disk import APART, DIFFERENCE, HEATING, TAC, WALL
+from lightflyer.force.kinetic_sandwich_table import (
+    HIGHEST_OPEN_FRACTION,
+    Ratios,
+    SandwichFit,
+    sandwich_fit,
+)
+from lightflyer.force.laws import free_molecular_conductance
+from lightflyer.force.passage import Passage, Transmission, passage
+from lightflyer.force.sandwich import between_membranes, caveats_of_sandwich, rarefaction_of
+from lightflyer.force.validity import Validity
+from lightflyer.foundation.types import Numeric
+
+_DENSE = "the table of kinetic ends there, and the force is extrapolated by a power law"
+_OPEN = "the table of kinetic ends there, and its fit goes on"
+
+
+def heat_loss(
+    flyer: Sandwich,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    transmission: Transmission,
+    error: Numeric | None,
+) -> tuple[Array, ...]:
+    """See :meth:`AbstractForceModel.heat_loss`; ``error`` in standard errors."""
+    top, bottom = unknowns
+    passed = passage_of(flyer, transmission)
+    fit, ratios = _ratios(flyer, state, unknowns, passed)
+    free = free_molecular_conductance(
+        flyer.area,
+        1.0,
+        state.pressure,
+        state.gas.mean_speed(state.temperature),
+        state.gas.heat_capacity_ratio,
+    )
+    if error is not None:
+        free *= 1.0 + error * fit.relative_heat_error(rarefaction_of(flyer, state))
+    even = (1.0 - ratios.heat) / passed.even
+    odd = (1.0 - ratios.heat_difference) / passed.thin_share
+    from_top, from_bottom = passed.heat((top, bottom), even, odd)
+    upward = between_membranes(flyer, state, passed) * (bottom - top)
+    return free * from_top - upward, free * from_bottom + upward
+
+
+def force(
+    flyer: Sandwich,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    transmission: Transmission,
+    error: Numeric | None,
+) -> Array:
+    """See :meth:`AbstractForceModel.force`; ``error`` in standard errors."""
+    passed = passage_of(flyer, transmission)
+    fit, ratios = _ratios(flyer, state, unknowns, passed)
+    by_temperature, by_tac = ratios.force, ratios.tac_force
+    if error is not None:
+        delta = rarefaction_of(flyer, state)
+        by_temperature *= 1.0 + error * fit.relative_force_error(delta, by_temperature)
+        by_tac *= 1.0 + error * fit.relative_force_error(delta, by_tac)
+    apart, unlike = passed.recoil(*unknowns)
+    driven = by_temperature * apart + by_tac * unlike
+    return 0.5 * state.pressure * flyer.area * driven
+
+
+def caveats(
+    flyer: Sandwich, state: EnvironmentState, temperature: Numeric, transmission: Transmission
+) -> tuple[str, ...]:
+    """See :meth:`AbstractForceModel.caveats`."""
+    fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
+    passed, pressure = passage_of(flyer, transmission), state.pressure
+    hottest = 1.0 / (1.0 - fit.disk.heating_limit)
+    looks = [
+        (Validity("the rarefaction parameter", 0.0, fit.rarefaction_range[1], _DENSE), delta),
+        (Validity("T_h/T_c", 1.0, hottest, HEATING), temperature / state.temperature),
+        (Validity("the mean TAC", *fit.tac_range, TAC), passed.tac),
+        (Validity("the difference of the outer TACs", -APART, APART, DIFFERENCE),
+         flyer.bottom.tac_bottom - flyer.top.tac_top),
+        (Validity("open_fraction", 0.0, HIGHEST_OPEN_FRACTION, _OPEN), flyer.open_fraction),
+    ]  # fmt: skip
+    if state.wall_distance is not None:
+        near = Validity("the walls' distance over the radius", fit.nearest_wall, math.inf, WALL)
+        looks.append((near, state.wall_distance / flyer.radius))
+        looks.append((Validity("the rarefaction parameter", *fit.wall_range, WALL), delta))
+    return (
+        *(text for range_, value in looks for text in range_.caveats(value, pressure)),
+        *caveats_of_sandwich(flyer, state, transmission),
+    )
+
+
+def passage_of(flyer: Sandwich, transmission: Transmission) -> Passage:
+    """Passage of molecules through a sandwich with the TACs of its four faces."""
+    return passage(
+        transmission,
+        flyer.open_fraction,
+        (flyer.top.tac_top, flyer.bottom.tac_bottom),
+        (flyer.top.tac_bottom, flyer.bottom.tac_top),
+    )
+
+
+def _ratios(
+    flyer: Sandwich, state: EnvironmentState, unknowns: tuple[Array, ...], passed: Passage
+) -> tuple[SandwichFit, Ratios]:
+    """Force and heat over free molecules, in open space or a chamber."""
+    fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
+    mean = 1.0 + 0.5 * (unknowns[0] + unknowns[1])
+    ratios = fit.ratios(delta, passed.open_fraction, passed.tac, passed.even, mean)
+    if state.wall_distance is None:
+        return fit, ratios
+    walls: Any = fit.wall_factors(delta, passed.open_fraction, state.wall_distance / flyer.radius)
+    return fit, Ratios(*(ratio * wall for ratio, wall in zip(ratios, walls, strict=True)))

@@ -1,0 +1,252 @@
+"""The kinetic force model of a sandwich: limits, the solver, the disk, and the calculus."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.force import kinetic_sandwich_table as tables
+from lightflyer.force.kinetic_table import kinetic_fit
+from lightflyer.force.sandwich import rarefaction
+from lightflyer.kinetic.cases import COARSE, Case, solve_case
+from lightflyer.kinetic.model_gases import DIATOMIC
+
+COLD = 220.0
+ALIGNED, WIDE = lf.Kinetic(), lf.Kinetic(transmission="wide")
+INSULATED = (1e-15, 1e-15)  # inner faces between which nothing is conducted
+
+
+def make(tac=(0.8, 0.9), inner=(0.8, 0.7), **changed):
+    top = lf.FilmProperties(3e-4, 0.02, 0.10, 0.20, tac[0], inner[0], transmittance=0.9)
+    bottom = lf.FilmProperties(4e-4, 0.60, 0.30, 0.05, inner[1], tac[1])
+    numbers = {
+        "radius": 0.01,
+        "gap": 1e-4,
+        "open_fraction": 0.5,
+        "hole_radius": 5e-5,
+        "support_fraction": 1e-4,
+        "support_conductivity": 1.8,
+    }
+    return lf.Sandwich(top, bottom, **(numbers | changed))
+
+
+def state_at(pressure, **more):
+    radiation = lf.environment.Radiation(irradiance=more.pop("irradiance", 1361.0))
+    return lf.environment.EnvironmentState(
+        pressure, COLD, 9.7, lf.gas.US1976_AIR, radiation, **more
+    )
+
+
+def pressure_of(delta):
+    with lf.float64():
+        return delta / float(rarefaction(0.01, 1.0, COLD, lf.gas.US1976_AIR))
+
+
+@pytest.mark.parametrize("beta", [0.0, 0.3, 0.9, 0.99])
+def test_limit_of_free_molecules_is_exact(beta):
+    """Maxwell walls: each outer face for itself, with its own TAC."""
+    flyer, pressure = make(inner=INSULATED, open_fraction=beta, support_fraction=0.0), 1e-9
+    excess, area = np.array([0.2, 0.7]), np.pi * 0.01**2
+    shares = (1.0 - beta) * np.array([0.8, 0.9])
+    pushed = shares * (np.sqrt(1.0 + excess) - 1.0)
+    force = 0.5 * pressure * area * (pushed[1] - pushed[0])
+    state = state_at(pressure)
+    assert ALIGNED.force(flyer, state, tuple(excess)) == pytest.approx(force, rel=1e-6, abs=0.0)
+    speed = lf.gas.US1976_AIR.mean_speed(COLD)
+    heat = 6.0 / 8.0 * speed * pressure * area * shares * excess
+    found = ALIGNED.heat_loss(flyer, state, tuple(excess))
+    assert np.asarray(found) == pytest.approx(heat, rel=1e-6, abs=0.0)
+
+
+@pytest.mark.parametrize(
+    ("delta", "beta", "tac", "face"),
+    [(0.8, 0.5, (0.7, 0.9), 0), (0.8, 0.5, (0.7, 0.9), 1), (5.0, 0.3, (0.85, 0.75), 1),
+     (15.0, 0.85, (0.9, 0.9), 1)],
+)  # fmt: skip
+def test_the_solver_between_the_tables_points(delta, beta, tac, face):
+    """One face hot, by the linear equation: the force to 1 %, the heat to 0.5 %."""
+    faces = (1.0, 0.0) if face == 0 else (0.0, 1.0)
+    case = Case(delta, tac, faces, linear=True, gas=DIATOMIC, boundary=np.inf, open_fraction=beta)
+    solved = solve_case(case, COARSE)
+    flyer = make(tac, INSULATED, open_fraction=beta, support_fraction=0.0)
+    pressure, small = pressure_of(delta), 1e-6
+    state, excess = state_at(pressure), tuple(small * value for value in faces)
+    scale = pressure * np.pi * 0.01**2 * small
+    assert ALIGNED.force(flyer, state, excess) / scale == pytest.approx(solved.force, rel=0.012)
+    scale *= np.sqrt(2.0 * lf.gas.US1976_AIR.specific_gas_constant * COLD)
+    found = np.asarray(ALIGNED.heat_loss(flyer, state, excess)) / scale
+    assert found[face] == pytest.approx(solved.heat[face], rel=0.005)
+    assert found[1 - face] == pytest.approx(solved.heat[1 - face], abs=0.01 * solved.heat[face])
+
+
+@pytest.mark.parametrize("excess", [1e-3, 0.8])
+@pytest.mark.parametrize("delta", [0.5, 3.0, 12.0])
+def test_without_holes_it_is_a_disk(delta, excess):
+    """Both membranes as warm: the disk of the same outer faces, force and heat.
+
+    The heat is even in the difference of the TACs, which the disk's table leaves out.
+    """
+    state, tac = state_at(pressure_of(delta)), (0.78, 0.82)
+    sandwich = make(tac, open_fraction=0.0)
+    disk = lf.Disk(lf.FilmProperties(1e-3, 0.7, 0.1, 0.1, *tac), 0.01)
+    alone, both = ALIGNED.force(disk, state, (excess,)), (excess, excess)
+    assert ALIGNED.force(sandwich, state, both) == pytest.approx(alone, rel=1e-10, abs=0.0)
+    (heat,) = ALIGNED.heat_loss(disk, state, (excess,))
+    found = sum(ALIGNED.heat_loss(sandwich, state, both))
+    assert found == pytest.approx(heat, rel=2e-3, abs=0.0)
+
+
+def test_no_force_in_an_isothermal_world():
+    flyer = make()
+    for model in (ALIGNED, WIDE):
+        for pressure in (1e-3, 1.0, 100.0):
+            state = state_at(pressure, irradiance=0.0)
+            found = lf.equilibrium(flyer, state, model)
+            assert found.temperatures == (COLD, COLD)
+            assert abs(lf.lift(flyer, state, model)) <= 1e-12 * pressure * flyer.area
+
+
+@pytest.mark.parametrize("model", [ALIGNED, WIDE])
+def test_energy_closes(model):
+    """What the light brings leaves by radiation and to the gas, to 1e-10."""
+    flyer, state = make(), state_at(5.0)
+    found = lf.equilibrium(flyer, state, model)
+    excess = tuple(temperature / COLD - 1.0 for temperature in found.temperatures)
+    with lf.float64():
+        gains = sum(1361.0 * area for area in flyer.beam_areas(state))
+        gains += sum(flyer.heat_gains(state))
+        lost = sum(flyer.heat_losses(state, excess)) + sum(model.heat_loss(flyer, state, excess))
+    assert float(lost) == pytest.approx(float(gains), rel=1e-10)
+
+
+def test_turned_over_the_force_is_reversed():
+    state = state_at(10.0)
+    up = ALIGNED.force(make((0.7, 0.9)), state, (0.1, 0.5))
+    down = ALIGNED.force(make((0.9, 0.7)), state, (0.5, 0.1))
+    assert up == pytest.approx(-down, rel=1e-12)
+
+
+def test_outer_faces_count():
+    """A bottom that accommodates better is pushed up, even if both faces are as warm."""
+    state = state_at(10.0)
+    assert ALIGNED.force(make((0.8, 0.8)), state, (0.3, 0.3)) == 0.0
+    assert ALIGNED.force(make((0.7, 0.9)), state, (0.3, 0.3)) > 0.0
+
+
+@pytest.mark.parametrize("gas", ["diatomic", "monatomic"])
+def test_fit_follows_the_table(gas):
+    table = tables.sandwich_table(gas)
+    kept = (table.rarefaction <= 35.0) & (table.open_fraction <= 0.95)
+    share = (1.0 - table.open_fraction) * table.tac
+    with lf.float64():
+        found = jax.jit(tables.sandwich_fit(gas).ratios)(
+            table.rarefaction, table.open_fraction, table.tac, share, 1.0
+        )
+    for name, most in (
+        ("force", 4e-3), ("tac_force", 1.4e-2), ("heat", 6e-3), ("heat_difference", 8e-3)
+    ):  # fmt: skip
+        misfit = np.asarray(getattr(found, name)) / getattr(table, f"{name}_ratio") - 1.0
+        assert np.all(np.abs(misfit[kept]) < most), name
+
+
+def test_fit_predicts_rows_it_was_not_shown():
+    """At an open fraction within the table, from all others."""
+    table = tables.sandwich_table("diatomic")
+    rest = (tables.sandwich_hot_table(), tables.sandwich_wall_table(), kinetic_fit("diatomic"))
+    rows = table.open_fraction != 0.4
+    shown = tables.SandwichTable(*(column[rows] for column in vars(table).values()))
+    kept = ~rows & (table.rarefaction <= 20.0)
+    delta, tac = table.rarefaction[kept], table.tac[kept]
+    with lf.float64():
+        found = jax.jit(tables.fit(shown, *rest).ratios)(delta, 0.4, tac, 0.6 * tac, 1.0)
+    assert np.asarray(found.force) == pytest.approx(table.force_ratio[kept], rel=5e-3)
+    assert np.asarray(found.tac_force) == pytest.approx(table.tac_force_ratio[kept], rel=1.5e-2)
+    assert np.asarray(found.heat) == pytest.approx(table.heat_ratio[kept], rel=5e-3)
+
+
+def test_holes_only_lessen_the_accommodated_share_where_both_faces_are_as_warm():
+    """Passing is reflection where both sides are alike: only s·α counts.
+
+    The table's faces differ by 0.1 in TAC, of which the heat feels the square.
+    """
+    table = tables.sandwich_table("diatomic")
+    at = (table.rarefaction == 4.0).nonzero()[0]
+    by_share = {}
+    for row in at:
+        share = round((1.0 - table.open_fraction[row]) * table.tac[row], 6)
+        by_share.setdefault(share, []).append(table.heat_ratio[row])
+    pairs = [values for values in by_share.values() if len(values) > 1]
+    assert len(pairs) >= 2
+    for values in pairs:
+        assert max(values) / min(values) == pytest.approx(1.0, rel=1.5e-3)
+
+
+def test_walls_press_the_more_the_nearer():
+    """A chamber raises the force; far walls change nothing."""
+    flyer, delta = make(), 2.2
+    forces = [
+        ALIGNED.force(flyer, state_at(pressure_of(delta), wall_distance=distance), (0.0, 0.2))
+        for distance in (0.03, 0.1, 1e4)
+    ]
+    opened = ALIGNED.force(flyer, state_at(pressure_of(delta)), (0.0, 0.2))
+    assert forces[0] > forces[1] > forces[2]
+    assert forces[2] == pytest.approx(opened, rel=1e-4)
+    # the solver itself, within a reservoir and in open space
+    near, free = (
+        solve_case(Case(delta, (0.9, 0.8), (0.0, 1.0), True, DIATOMIC, place, 0.5), COARSE).force
+        for place in (3.0, np.inf)
+    )
+    assert forces[0] / opened == pytest.approx(near / free, rel=0.015)
+
+
+def test_error_of_the_model():
+    flyer, state = make(), state_at(10.0)
+    low, high = (
+        lf.Kinetic(force_error=sign).force(flyer, state, (0.1, 0.3)) for sign in (-1.0, 1.0)
+    )
+    middle = ALIGNED.force(flyer, state, (0.1, 0.3))
+    assert low < middle < high
+    assert (high - low) / (2.0 * middle) == pytest.approx(0.165 * (1.0 - 0.3), rel=0.4)
+    warm = lf.Kinetic(heat_error=1.0).heat_loss(flyer, state, (0.1, 0.3))
+    assert sum(warm) > sum(ALIGNED.heat_loss(flyer, state, (0.1, 0.3)))
+
+
+def test_what_is_outside_the_models_range():
+    flyer = make()
+    assert ALIGNED.caveats(flyer, state_at(1.0), 300.0) == ()
+    told = ALIGNED.caveats(make((0.3, 0.9)), state_at(500.0), 700.0)
+    for words in (
+        "rarefaction parameter",
+        "T_h/T_c",
+        "difference of the outer TACs",
+        "hole_radius",
+    ):
+        assert any(words in text for text in told), words
+    disk = lf.Disk(lf.FilmProperties(1e-3, 0.7, 0.1, 0.1, 0.8, 0.9), 0.01)
+    assert WIDE.caveats(disk, state_at(1.0), 300.0) == (
+        "transmission = wide has no effect: a disk has no holes",
+    )
+
+
+def test_derivatives_and_batches():
+    state = state_at(pressure_of(3.0))
+
+    def payload(beta, tac):
+        flyer = eqx.tree_at(lambda f: (f.open_fraction, f.bottom.tac_bottom), make(), (beta, tac))
+        return 1e6 * lf.payload(flyer, state, ALIGNED)
+
+    with lf.float64():
+        for index, step in ((0, 1e-5), (1, 1e-5)):
+            at = [0.4, 0.8]
+            slope = jax.jit(jax.grad(payload, index))(*at)
+            ends = []
+            for sign in (-1.0, 1.0):
+                moved = list(at)
+                moved[index] += sign * step
+                ends.append(payload(*moved))
+            finite = (ends[1] - ends[0]) / (2.0 * step)
+            assert float(slope) == pytest.approx(float(finite), rel=1e-5)
+        many = jax.jit(jax.vmap(payload, (0, None)))(jnp.array([0.2, 0.4, 0.6]), 0.8)
+        assert float(many[1]) == pytest.approx(float(payload(0.4, 0.8)), rel=1e-9)

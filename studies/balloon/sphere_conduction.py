@@ -3,7 +3,7 @@
     python studies/balloon/sphere_conduction.py
 
 Prints, for each rarefaction δ = pa/(μ√(2RT)), the heat loss over that to free molecules, what
-`lightflyer.force.convection` makes of it, and what the two limits in series would be; a minute.
+`lightflyer.force.convection` makes of it, and what the two limits in series would be; three minutes.
 
 Every ray has an impact parameter and a speed. Along it the perturbation relaxes towards a
 local state that depends on density, temperature and heat flux, which are moments of the
@@ -82,7 +82,8 @@ def sweep(radii, impacts, speeds, delta, density, temperature, heat, wall, far, 
 
 def mesh(delta, count):
     """Radii from the wall outward in equal ratios of their steps."""
-    first, outermost = min(0.02, 0.05 / delta), 1.0 + max(12.0 / delta, 6.0)
+    first = min(4.0, 10.0 / delta) / count
+    outermost = 1.0 + max(12.0 / delta, 6.0)
 
     def excess(ratio):
         return first * (ratio ** (count - 1) - 1.0) / (ratio - 1.0) - (outermost - 1.0)
@@ -118,7 +119,7 @@ def angles(radii, impacts, hits):
     return weights
 
 
-def heat_ratio(delta, nodes=200, hits=70, speeds=16):
+def heat_ratio(delta, nodes=400, hits=140, speeds=24):
     """Heat loss of a sphere over that to free molecules, at complete accommodation."""
     radii = mesh(delta, nodes)
     inside = np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, hits + 1)[:-1])

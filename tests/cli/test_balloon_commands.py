@@ -35,7 +35,10 @@ def flyer_file(run, tmp_path):
 
 def test_predict_a_balloon(run, flyer_file, tmp_path):
     out = tmp_path / "out"
-    code, text, errors = run("predict", flyer_file, "--out", out, "--at", "18 km", "--samples", "0")
+    certain = 'model = "balloon"\nconvection_error = "0"'
+    text = flyer_file.read_text(encoding="utf-8").replace('model = "balloon"', certain)
+    flyer_file.write_text(text, encoding="utf-8")
+    code, text, errors = run("predict", flyer_file, "--out", out, "--at", "18 km")
     assert (code, errors) == (0, "")
     assert text.startswith("open balloon of 5.8 m")
     summary = json.loads((out / "prediction.json").read_text())
@@ -56,6 +59,19 @@ def test_predict_a_balloon(run, flyer_file, tmp_path):
         "levitation-irradiance.png",
         "payload.png",
     }
+
+
+def test_helium_needs_no_light(run, flyer_file, tmp_path):
+    text = flyer_file.read_text(encoding="utf-8")
+    changed = text.replace('"1.7 kg"', '"1.7 ± 0.1 kg"\ngas = "helium"')
+    assert changed != text
+    flyer_file.write_text(changed, encoding="utf-8")
+    code, text, errors = run("predict", flyer_file, "--out", tmp_path / "out", "--samples", "0")
+    assert (code, errors) == (0, "")
+    assert "least irradiance  0.0 W/m²" in text
+    summary = json.loads((tmp_path / "out" / "prediction.json").read_text())
+    least = summary["uncertainty"]["results"]["minimum_irradiance.value_w_m2"]
+    assert (least["first_order"]["low"], least["first_order"]["high"]) == (0.0, 0.0)
 
 
 def test_many_balloons(run, flyer_file, tmp_path):

@@ -189,7 +189,7 @@ def jump_share(density: Numeric) -> Array:
 
     Notes
     -----
-    Without it the limits would simply be in series, and the heat loss up to 13 % too small.
+    Without it the limits would simply be in series, and the heat loss up to 12 % too small.
 
     References
     ----------

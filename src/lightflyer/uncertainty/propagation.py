@@ -355,7 +355,8 @@ def _even_grid(prediction: Prediction) -> np.ndarray:
     low, high = best - 3 * _MARGIN, best + 3 * _MARGIN
     if prediction.easiest is not None:
         least = prediction.easiest.values["levitation_irradiance"]
-        near = np.flatnonzero(prediction.table["levitation_irradiance"] < _LIGHT_SPAN * least)
+        needed = prediction.table["levitation_irradiance"]
+        near = np.flatnonzero(needed < (_LIGHT_SPAN * least or np.inf))
         low, high = min(low, near[0] - _MARGIN), max(high, near[-1] + _MARGIN)
     if prediction.coordinate.logarithmic:
         low, high = 0, last
@@ -370,8 +371,10 @@ def _normal_ends(value: Any, spread: Any, *, positive: bool) -> tuple[Any, Any]:
     if not positive:
         return value - half, value + half
     with np.errstate(invalid="ignore", divide="ignore"):
-        factor = np.exp(half / value)
-    return value / factor, value * factor
+        factor = np.exp(np.divide(half, value))
+        # what needs no light, needs none to first order
+        low, high = (np.where(value == 0.0, 0.0, end) for end in (value / factor, value * factor))
+    return low, high
 
 
 def _spread(target: _Target, slopes: Derivatives, before: int) -> float:

@@ -1,0 +1,106 @@
+"""Figures of the study."""
+
+from pathlib import Path
+
+import claim
+import findings
+import numpy as np
+
+import lightflyer as lf
+from lightflyer.force.outer_flow import CREEPING, through_flow_coefficient
+from lightflyer.foundation import drawing as plot
+
+IMAGES = Path(__file__).parents[2] / "docs" / "images"
+EDGE = 3.0  # of the drawn part of the flow, in radii
+LEVELS = np.linspace(-2.95, -0.05, 30)  # of the stream function; −0.5 ends at the rim
+
+
+def draw_all(results):
+    """Write the figures of the docs."""
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    draw_flow(IMAGES / "outer-flow.png")
+    draw_claim(results["claim"], IMAGES / "claim-25-km.png")
+
+
+def draw_flow(path):
+    """Streamlines in creeping and in fast flow, and the force over the Reynolds number."""
+    figure = plot.new_figure(columns=2, width=5.2, height=4.6)
+    lines, force = figure.axes
+    table = findings.read("streamlines")
+    for reynolds, side in zip(np.unique(table["reynolds"]), (-1.0, 1.0), strict=True):
+        _streamlines(lines, table, reynolds, side)
+    lines.plot([-1.0, 1.0], [0.0, 0.0], color="black", lw=3)
+    lines.axvline(0.0, color=plot.GREY, lw=0.8)
+    lines.set(
+        xlim=(-EDGE, EDGE), ylim=(-EDGE, EDGE), aspect="equal", xlabel="r / a", ylabel="z / a"
+    )
+    _force(force)
+    plot.save(figure, [path])
+
+
+def _streamlines(axes, table, reynolds, side):
+    here = table["reynolds"] == reynolds
+    axes.tricontour(
+        side * table["r"][here], table["z"][here], table["psi"][here],
+        levels=LEVELS, colors=plot.BLUE, linestyles="solid",
+        linewidths=1.0,
+    )  # fmt: skip
+    axes.text(
+        0.5 * side * EDGE, 0.94 * EDGE, f"Re = {reynolds:g}", ha="center", va="top",
+        bbox={"color": "white"},
+    )  # fmt: skip
+
+
+def _force(axes):
+    reynolds, value, _ = findings.coefficients()
+    smooth = np.geomspace(0.01, 2000.0, 300)
+    with lf.float64():
+        formula = np.asarray(through_flow_coefficient(smooth))
+    axes.plot(smooth, formula, color=plot.BLUE, label="formula")
+    axes.plot(reynolds, value, "o", color="black", ms=5, label="Navier–Stokes equations (OpenFOAM)")
+    axes.axhline(CREEPING, color=plot.GREEN, ls="--", lw=1, label="Stokes: 16")
+    axes.plot(smooth, np.pi * smooth, color=plot.VERMILION, ls=":", label="jet: F = ρu²πa²")
+    axes.set(
+        xscale="log", yscale="log", xlabel="Reynolds number ρau/μ", ylabel="force over μau",
+        ylim=(8.0, 8e3), xlim=(0.01, 2000.0),
+    )  # fmt: skip
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize=8)
+
+
+def draw_claim(found, path):
+    """What the device carries over the temperature difference of its membranes."""
+    figure = plot.new_figure(width=6.4, height=4.6)
+    axes = figure.axes[0]
+    difference = np.geomspace(0.02, 100.0, 200)
+    with lf.float64():
+        around = claim.Surroundings()
+        lines = (
+            ("endless sheet: no flow around it", plot.VERMILION, "--",
+             around.slab(difference, claim.OPEN_FRACTION)),
+            ("flow, as fast as effusion through all of it", plot.ORANGE, "-",
+             around.flow(around.effusion(difference))),
+            ("flow, transmitting disk", plot.BLUE, "-",
+             around.flow(around.transmitting_disk(difference, claim.OPEN_FRACTION))),
+        )  # fmt: skip
+    for label, colour, style, force in lines:
+        axes.plot(
+            difference, claim.mass(force, around.gravity), color=colour, ls=style, label=label
+        )
+    sunlight, warm = found["available_difference_k"], found["by_warm_air_mg"]
+    axes.axvspan(
+        sunlight["low"], sunlight["high"], color=plot.YELLOW, alpha=0.4, lw=0,
+        label="difference in sunlight (95 %)",
+    )  # fmt: skip
+    axes.axhspan(
+        warm["low"], warm["high"], color=plot.GREY, alpha=0.4, lw=0,
+        label="lift of the air that the device warms (95 %)",
+    )  # fmt: skip
+    axes.axhline(found["claimed_mg"], color="black", ls=":", label="published payload, 285 mg")
+    axes.set(
+        xscale="log", yscale="log", xlim=(0.02, 100.0), ylim=(1e-4, 1e4),
+        xlabel="temperature difference of the membranes [K]", ylabel="force over weight of 1 mg",
+    )  # fmt: skip
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize=8, loc="lower right")
+    plot.save(figure, [path])

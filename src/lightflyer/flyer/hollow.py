@@ -90,7 +90,7 @@ class HollowBody(AbstractFlyer):
     >>> film = FilmProperties(5e-4, 0.9, 0.8, 0.1, 0.9, 0.9)
     >>> body = HollowBody(film, film, 0.1, 0.02, 0.5, 1e-4, 1e-4, 5e-8, 1.8, "sphere")
     >>> print(f"{body.describe()}, {body.own_mass * 1e6:.2f} mg")
-    hollow sphere of 10 cm, 15.54 mg
+    hollow sphere of 10 cm, 15.05 mg
     """
 
     nodes: ClassVar[tuple[str, ...]] = ("inner", "outer")

@@ -201,3 +201,20 @@ def test_a_layer_of_ones_own(run, film_file, tmp_path):
     code, _, errors = run("predict", path)
     assert code == 2
     assert "needs tac_bottom" in errors
+
+
+def test_what_passes_is_printed_with_interval_and_bounds(run, film_file):
+    code, text, errors = run("film", film_file(), "--json")
+    assert (code, errors) == (0, "")
+    found = json.loads(text)
+    passing = found["solar_transmittance"]
+    assert 0.0 < passing < 1.0 - found["solar_absorptance_top"]
+    low, high = found["interval_95"]["solar_transmittance"]
+    assert low < passing < high
+    bounds = found["bounds"]["infrared_transmittance"]
+    for temperature, value in found["infrared_transmittance"].items():
+        assert bounds["lower"][temperature] <= value <= bounds["upper"][temperature]
+        assert value + found["emittance_top"][temperature] < 1.0
+    text = run("film", film_file())[1]
+    assert f"transmittance     {passing:.4f} (" in text
+    assert "infrared" in text

@@ -292,9 +292,9 @@ def channel_coefficients(
     --------
     >>> for shape in (SLOT, ROUND):
     ...     found = channel_coefficients(shape, 1.0)
-    ...     print(f"{shape.name}: {found.poiseuille:.3f}, {found.creep:.3f}")
-    slot: 1.554, 0.365
-    round hole: 1.476, 0.397
+    ...     print(f"{shape.name}: {found.poiseuille:.2f}, {found.creep:.2f}")
+    slot: 1.55, 0.37
+    round hole: 1.48, 0.40
     """
     return shape.coefficients(rarefaction, length)
 

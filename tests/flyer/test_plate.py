@@ -137,7 +137,11 @@ def test_file_becomes_a_plate_with_its_model(flyer_file):
     assert isinstance(setup.model, lf.ChannelPump)
     assert (setup.flyer.radius, setup.flyer.height) == pytest.approx((4e-3, 1e-4))
     assert setup.flyer.areal_density is None
-    assert file.uncertainties() == {"flyer.bottom.absorptance": pytest.approx(0.05)}
+    assert file.uncertainties() == {  # that of the file, and the model's own
+        "flyer.bottom.absorptance": pytest.approx(0.05),
+        "force.force_error": 1.0,
+        "force.heat_error": 1.0,
+    }
     moved = file.design().build({"flyer.spacing": 1e-4, "flyer.top.tac_top": 0.5}).flyer
     assert (moved.spacing, moved.top.tac_top) == (1e-4, 0.5)
 

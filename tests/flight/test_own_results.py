@@ -186,3 +186,20 @@ def test_flows_and_buoyancy_are_outputs(setup):
     )
     assert float(table.buoyancy) == pytest.approx(weight_of_gas, rel=1e-9)
     assert float(table.lift) == pytest.approx(weight_of_gas, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "shown"),
+    [
+        ("payload", 3e-7, "0.3 mg"),
+        ("payload", -2.5e-3, "-2500 mg"),
+        ("payload", 0.3, "300 g"),
+        ("payload", 1700.0, "1700 kg"),
+        ("lift", 3e-6, "3 µN"),
+        ("lift", 56.11, "56.11 N"),
+        ("temperature", 5e4, "50000 K"),
+    ],
+)
+def test_units_suit_the_values(name, value, shown):
+    factor, unit = lf.flight.OUTPUTS[name].shown_for([value, 0.1 * value, np.inf, np.nan])
+    assert f"{value * factor:g} {unit}" == shown

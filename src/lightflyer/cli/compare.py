@@ -141,20 +141,21 @@ def _show(console: Console, comparison: "Comparison") -> None:
 
 def _best_table(comparison: "Comparison") -> Table:
     """Largest payload of each flyer; the best of all is marked."""
-    unit = comparison.coordinate.shown_unit
+    unit, (scale, mass) = comparison.coordinate.shown_unit, comparison.shown("payload")
     table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
     table.add_column("")
-    headings = ("best payload\n[mg]", "95 % band\n[mg]", f"at\n[{unit}]", "per area\n[g/m²]",
-                "of own\nmass", "hottest\n[K]", f"levitates\n[{unit}]")  # fmt: skip
+    headings = (f"best payload\n[{mass}]", f"95 % band\n[{mass}]", f"at\n[{unit}]",
+                "per area\n[g/m²]", "of own\nmass", "hottest\n[K]",
+                f"levitates\n[{unit}]")  # fmt: skip
     for heading in headings:
         table.add_column(escape(heading), justify="right", no_wrap=True)
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         mark = "*" if found is comparison.best and found.prediction.bands else " "
-        table.add_row(f"{letter}{mark}", *_best_cells(found))
+        table.add_row(f"{letter}{mark}", *_best_cells(found, scale))
     return table
 
 
-def _best_cells(found: "Compared") -> tuple[str, ...]:
+def _best_cells(found: "Compared", scale: float) -> tuple[str, ...]:
     from lightflyer.flight.outputs import OUTPUTS
 
     prediction, digits = found.prediction, _digits(found)
@@ -167,8 +168,8 @@ def _best_cells(found: "Compared") -> tuple[str, ...]:
         low, high = (format(edge * factor, digits) for edge in prediction.bands[widest])
         flies = f"{low} to {high}" + (" …" if len(prediction.bands) > 1 else "")
     return (
-        format(shown["payload"], ".4g"),
-        "–" if band is None else f"{band[0]:.3g} to {band[1]:.3g}",
+        format(values["payload"] * scale, ".4g"),
+        "–" if band is None else f"{band[0] * scale:.3g} to {band[1] * scale:.3g}",
         format(prediction.best.coordinate * factor, digits),
         format(shown["payload_per_area"], ".3g"),
         format(shown["relative_payload"], ".3g"),
@@ -183,12 +184,10 @@ def _digits(found: "Compared") -> str:
 
 def _payloads_table(comparison: "Comparison") -> Table:
     """Payload of each flyer at round coordinates; the largest is marked."""
-    from lightflyer.flight.outputs import OUTPUTS
-
-    where, scale = comparison.coordinate, OUTPUTS["payload"].shown[0]
+    where, (scale, mass) = comparison.coordinate, comparison.shown("payload")
     _, factor = comparison.flyers[0].prediction.coordinate_key
     table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
-    heading = escape(f"{where.name} [{where.shown_unit}]; payload [mg]")
+    heading = escape(f"{where.name} [{where.shown_unit}]; payload [{mass}]")
     table.add_column(heading, justify="right", no_wrap=True)
     for letter, _ in zip(_LETTERS, comparison.flyers, strict=False):
         table.add_column(letter, justify="right")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
+from rich.measure import Measurement
 from rich.table import Table
 
 from lightflyer.foundation.errors import ConfigurationError
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from lightflyer.environment.base import Coordinate
     from lightflyer.prediction.prediction import Prediction
     from lightflyer.uncertainty.propagation import PredictionUncertainty
-
-_MILLIGRAMS = 1e6
 
 
 def predict_command(
@@ -170,8 +169,8 @@ def _show(
     console: Console, file: "FlyerFile", prediction: "Prediction", summary: dict[str, Any]
 ) -> None:
     flyer = prediction.setup.flyer
-    own_mass, payload = float(flyer.own_mass) * _MILLIGRAMS, float(flyer.payload) * _MILLIGRAMS
-    console.print(f"{flyer.describe()}, {own_mass:.4g} mg, payload {payload:g} mg")
+    own_mass, payload = _mass(float(flyer.own_mass)), _mass(float(flyer.payload), "g")
+    console.print(f"{flyer.describe()}, {own_mass}, payload {payload}")
     console.print("; ".join(prediction.assumptions), markup=False, soft_wrap=True)
     for name in filter(summary.__contains__, file.films()):
         console.print(_origins_line(name, summary[name]), soft_wrap=True)
@@ -189,23 +188,9 @@ def _show(
 
 def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
     """The 95 % bands of all results but those asked for one by one."""
-    table = Table(box=None, padding=(0, 1, 0, 0))  # so that it fits into 80 columns
-    table.add_column("95 % band of", no_wrap=True)
-    for heading in ("value", "first order", "Monte Carlo", "samples"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    shown = ""
-    for name, result in uncertainty["results"].items():
-        group, _, entry = name.rpartition(".")
-        if name.startswith("at["):
-            continue
-        if group != shown:
-            table.add_row(group)
-            shown = group
-        sampled = result.get("monte_carlo")
-        share = f"{100.0 * sampled['share_of_samples']:.0f} %" if sampled else "–"
-        cells = (f"{result['value']:.4g}", _span(result["first_order"]), _span(sampled), share)
-        table.add_row(f"  {entry}" if group else entry, *cells)
-    console.print(table)
+    table = _bands_table(uncertainty["results"], shares=True)
+    fits = _measure(table).maximum <= _NARROW
+    console.print(table if fits else _bands_table(uncertainty["results"], shares=False))
     correlation = uncertainty["tac_correlation"]
     note = "" if correlation is None else f", TAC errors correlated by {correlation:g}"
     sources = []
@@ -215,6 +200,32 @@ def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
         names = ", ".join(uncertainty["between_bounds"])
         sources.append(f"the bounds of {names}")
     console.print(f"from {', and '.join(sources)}")
+
+
+def _bands_table(results: dict[str, Any], *, shares: bool) -> Table:
+    """Table of bands, perhaps with the shares of the samples that have such a result."""
+    table = Table(box=None, padding=(0, 1, 0, 0))  # so that it fits into 80 columns
+    table.add_column("95 % band of", no_wrap=True)
+    for heading in ("value", "first order", "Monte Carlo", *(["samples"] if shares else [])):
+        table.add_column(heading, justify="right", no_wrap=True)
+    shown = ""
+    for name, result in results.items():
+        group, _, entry = name.rpartition(".")
+        if name.startswith("at["):
+            continue
+        if group != shown:
+            table.add_row(group)
+            shown = group
+        sampled = result.get("monte_carlo")
+        share = f"{100.0 * sampled['share_of_samples']:.0f} %" if sampled else "–"
+        cells = [f"{result['value']:.4g}", _span(result["first_order"]), _span(sampled)]
+        table.add_row(f"  {entry}" if group else entry, *cells, *([share] if shares else []))
+    return table
+
+
+def _measure(table: Table) -> Measurement:
+    """Width of a table on an unbounded terminal."""
+    return Measurement.get(_UNBOUNDED, _UNBOUNDED.options, table)
 
 
 def _span(band: dict[str, Any] | None) -> str:
@@ -287,11 +298,19 @@ def _pressures(prediction: "Prediction", summary: dict[str, Any], bands: int) ->
     return f" ({'widest at ' if bands > 1 else ''}{low:.3g} Pa to {high:.3g} Pa)"
 
 
+def _mass(kilograms: float, form: str = ".4g") -> str:
+    """A mass with a unit that suits it."""
+    from lightflyer.flight.outputs import OUTPUTS
+
+    factor, unit = OUTPUTS["own_mass"].shown_for(kilograms)
+    return f"{kilograms * factor:{form}} {unit}"
+
+
 def _payload(best: dict[str, float], place: str) -> str:
-    payload = best["payload"] * _MILLIGRAMS
+    payload = best["payload"]
     if payload < 0.0:
-        return f"none: {-payload:.4g} mg short of lifting itself {place}"
-    return f"{payload:.4g} mg, {best['relative_payload']:.3g} of its own mass, {place}"
+        return f"none: {_mass(-payload)} short of lifting itself {place}"
+    return f"{_mass(payload)}, {best['relative_payload']:.3g} of its own mass, {place}"
 
 
 # Heading and format of the columns that every flyer has.
@@ -301,11 +320,13 @@ _COLUMNS = {
     "levitation_irradiance": ("to levitate\n[W/m²]", ".1f"),
     "levitation_temperature": ("then\n[K]", ".1f"),
     "temperature": ("in the light\n[K]", ".1f"),
-    "lift": ("lift\n[µN]", ".4g"),
+    "lift": ("lift\n[{}]", ".4g"),
     "lift_over_weight": ("lift /\nweight", ".3f"),
 }
 _NODE = ("of the {}\n[K]", ".1f")  # a temperature of one part of the flyer
 _ROOMY = 8  # columns that fit a terminal of 80 characters with two spaces between them
+_NARROW = 80  # columns of a narrow terminal
+_UNBOUNDED = Console(width=1000)  # on which tables are measured
 _OWN = 5  # results of the flyer's or the force model's own that fit beside the coordinate
 
 
@@ -319,21 +340,25 @@ def _points_tables(prediction: "Prediction") -> Iterator[Table]:
         name: (_NODE[0].format(name.removeprefix("temperature_").replace("_", " ")), _NODE[1])
         for name in node_outputs(prediction.setup.flyer)
     }
-    shared, names = _COLUMNS | nodes, prediction.point_names
-    yield _points_table(prediction, {name: shared[name] for name in names if name in shared})
-    own = [name for name in names if name not in shared]
-    headings = {name: (_own_heading(prediction, name), ".4g") for name in own}
-    for first in range(0, len(own), _OWN):
-        part = own[first : first + _OWN]
+    names = prediction.point_names
+    first = [name for name in names if name in _COLUMNS or name in nodes]
+    table = _points_table(prediction, {name: (_COLUMNS | nodes)[name] for name in first})
+    if _measure(table).minimum > _NARROW:
+        first = [name for name in names if name in _COLUMNS]
+        table = _points_table(prediction, {name: _COLUMNS[name] for name in first})
+    yield table
+    rest = [name for name in names if name not in first]
+    headings = {name: nodes.get(name, (_own_heading(prediction, name), ".4g")) for name in rest}
+    for start in range(0, len(rest), _OWN):
+        part = rest[start : start + _OWN]
         yield _points_table(prediction, {name: headings[name] for name in part})
 
 
 def _own_heading(prediction: "Prediction", name: str) -> str:
     from lightflyer.flight.outputs import outputs_of
 
-    _, unit = outputs_of(prediction.setup)[name].shown
-    words = name.replace("_", " ")
-    return f"{words}\n[{unit.replace('^2', '²')}]" if unit else words
+    words, known = name.replace("_", " "), outputs_of(prediction.setup)[name]
+    return f"{words}\n[{{}}]" if known.shown[1] else words
 
 
 def _points_table(prediction: "Prediction", headings: dict[str, tuple[str, str]]) -> Table:
@@ -346,8 +371,10 @@ def _points_table(prediction: "Prediction", headings: dict[str, tuple[str, str]]
         f"{where.name}\n[{where.shown_unit}]": [f"{x * factor:.6g}" for x in prediction.asked]
     }
     for name, (heading, form) in headings.items():
-        values = (prediction.place(index).values[name] for index in range(prediction.asked.size))
-        columns[heading] = [_cell(value * known[name].shown[0], form) for value in values]
+        values = prediction.at[name]
+        scale, unit = known[name].shown_for(values)
+        title = heading.format(unit.replace("^2", "²"))
+        columns[title] = [_cell(value * scale, form) for value in values]
     table = Table(box=None, padding=(0, 1), collapse_padding=len(columns) > _ROOMY, pad_edge=False)
     for heading, cells in columns.items():
         # headings may wrap between words, numbers never

@@ -16,7 +16,7 @@ import numpy as np
 from lightflyer.comparison.footing import Difference, differing_models, differing_surroundings
 from lightflyer.environment.base import Coordinate
 from lightflyer.flight.design import AbstractDesign, as_design
-from lightflyer.flight.outputs import outputs_of
+from lightflyer.flight.outputs import OUTPUTS, outputs_of
 from lightflyer.flight.setup import Setup
 from lightflyer.foundation.errors import ConfigurationError, LightflyerError, ParameterError
 from lightflyer.foundation.units import scale_and_offset
@@ -96,7 +96,7 @@ class Compared:
         return self.uncertainty.low[output], self.uncertainty.high[output]
 
     def best_band(self, output: str) -> tuple[float, float] | None:
-        """95 % band of an output where the payload is largest, in the unit of JSON.
+        """95 % band of an output where the payload is largest, in SI units.
 
         Parameters
         ----------
@@ -109,12 +109,14 @@ class Compared:
         """
         if self.uncertainty is None:
             return None
-        key, _ = outputs_of(self.setup)[output].json
+        key, scale = outputs_of(self.setup)[output].json
         found = self.uncertainty.summary()["results"].get(f"best.{key}")
         if found is None:
             return None
         band = found.get("monte_carlo", found["first_order"])
-        return None if band["low"] is None or band["high"] is None else (band["low"], band["high"])
+        if band["low"] is None or band["high"] is None:
+            return None
+        return band["low"] / scale, band["high"] / scale
 
     def summary(self) -> dict[str, Any]:
         """The flyer as a JSON object."""
@@ -158,6 +160,22 @@ class Comparison:
     def best(self) -> Compared:
         """The flyer of the largest payload."""
         return max(self.flyers, key=lambda found: found.prediction.best.values["payload"])
+
+    def shown(self, output: str) -> tuple[float, str]:
+        """Factor from an output's SI unit, and the unit, that suit the best of all flyers.
+
+        Parameters
+        ----------
+        output : str
+
+        Returns
+        -------
+        factor : float
+        unit : str
+        """
+        return OUTPUTS[output].shown_for(
+            [found.prediction.best.values[output] for found in self.flyers]
+        )
 
     @cached_property
     def _setups(self) -> dict[str, Setup]:

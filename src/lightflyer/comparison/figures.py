@@ -7,7 +7,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from lightflyer.flight.outputs import OUTPUTS
 from lightflyer.foundation.drawing import (
     GREY,
     PALETTE,
@@ -82,7 +81,7 @@ def draw(comparison: "Comparison", output: str, ax: Axes) -> dict[str, Any]:
     """
     where = comparison.coordinate
     places = comparison.coordinates * scale_and_offset(where.unit, where.shown_unit)[0]
-    scale, unit = OUTPUTS[output].shown
+    scale, unit = comparison.shown(output)
     handles: dict[str, Any] = {}
     for index, found in enumerate(comparison.flyers):
         colour, style = _COLOURS[index % len(_COLOURS)], _STYLES[index % len(_STYLES)]
@@ -108,7 +107,7 @@ def draw(comparison: "Comparison", output: str, ax: Axes) -> dict[str, Any]:
 
 def _limit(comparison: "Comparison", output: str, ax: Axes) -> None:
     """Scale and limits of an axis, so that every flyer's best is seen."""
-    scale, _ = OUTPUTS[output].shown
+    scale, _ = comparison.shown(output)
     tops = np.array([_top(found, output) * scale for found in comparison.flyers])
     if output == "temperature":
         coldest = min(float(np.nanmin(found.table[output])) for found in comparison.flyers)

@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import Any
 
 import jax.numpy as jnp
+import numpy as np
 
 from lightflyer.environment.base import Coordinate
 from lightflyer.flight.case import Case
@@ -21,6 +22,11 @@ from lightflyer.force.base import AbstractForceModel, ModelResult
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import dataset_unit, scale_and_offset
+
+_LARGER = {"mg": ("mg", "g", "kg"), "µN": ("µN", "mN", "N")}
+"""Units for larger values, by the one that is shown otherwise."""
+
+_MANY = 1e4  # digits before the point, as a number, from which a larger unit is shown
 
 
 def _always(_: AbstractFlyer) -> bool:
@@ -85,6 +91,29 @@ class Output:
     def shown(self) -> tuple[float, str]:
         """Factor from the SI unit to the one shown, and that unit."""
         return _factor(self.unit, self.shown_unit), self.shown_unit or self.unit
+
+    def shown_for(self, values: Any) -> tuple[float, str]:
+        """Factor and unit that suit some values.
+
+        Parameters
+        ----------
+        values : array, shape (...)
+            In SI units; what is not finite does not count.
+
+        Returns
+        -------
+        factor : float
+            From the SI unit.
+        unit : str
+            That of :attr:`shown`, or a larger one where these values have many digits in it.
+        """
+        size = np.abs(np.asarray(values, float))
+        largest = float(np.max(size, where=np.isfinite(size), initial=0.0))
+        units = _LARGER.get(self.shown_unit, (self.shown_unit,))
+        factors = [_factor(self.unit, unit) for unit in units]
+        suitable = (index for index, factor in enumerate(factors) if largest * factor < _MANY)
+        index = next(suitable, len(units) - 1)
+        return factors[index], units[index] or self.unit
 
     @cached_property
     def json(self) -> tuple[str, float]:

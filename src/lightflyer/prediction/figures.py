@@ -36,13 +36,19 @@ def across(prediction: Prediction) -> float:
     return scale_and_offset(where.unit, where.shown_unit)[0]
 
 
+def shown_for_best(prediction: Prediction, output: str) -> tuple[float, str]:
+    """Factor from an output's SI unit, and the unit, that suit its value at the best."""
+    return OUTPUTS[output].shown_for(prediction.best.values[output])
+
+
 def _shown_range(prediction: Prediction) -> tuple[float, float]:
     """Range worth drawing, in the unit shown: where flight takes not many times the light."""
     coordinates = prediction.coordinates
     needed = prediction.table["levitation_irradiance"]
     if prediction.easiest is not None:
         least = prediction.easiest.values["levitation_irradiance"]
-        near = np.flatnonzero(needed < IRRADIANCE_SPAN * least)
+        # what warm gas lifts in the dark is drawn wherever light can lift it
+        near = np.flatnonzero(needed < (IRRADIANCE_SPAN * least or np.inf))
         ends = coordinates[[near[0], near[-1]]]
     else:
         best = int(np.searchsorted(coordinates, prediction.best.coordinate))
@@ -121,7 +127,11 @@ def irradiance(prediction: Prediction, ax: Axes) -> Axes:
         ax.plot(point, least, "o", color=BLUE, ms=5)
         where = f"{least:.0f} W/m²\nat {point:.3g} {prediction.coordinate.shown_unit}"
         ax.annotate(where, (point, least), (0, -28), textcoords="offset points", ha="center")
-        ax.set_ylim(0.4 * least, IRRADIANCE_SPAN * max(least, available) / 2)
+        if least > 0.0:
+            ax.set_ylim(0.4 * least, IRRADIANCE_SPAN * max(least, available) / 2)
+        else:  # which no logarithmic axis can show
+            ax.set_yscale("linear")
+            ax.set_ylim(0.0, 2.0 * available)
     ax.legend(loc="lower left")
     return ax
 
@@ -172,7 +182,7 @@ def payload(prediction: Prediction, ax: Axes) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    factor, (scale, unit) = across(prediction), OUTPUTS["payload"].shown
+    factor, (scale, unit) = across(prediction), shown_for_best(prediction, "payload")
     values = prediction.best.values
     best, point = values["payload"] * scale, factor * prediction.best.coordinate
     own_mass = float(prediction.setup.flyer.own_mass) * scale

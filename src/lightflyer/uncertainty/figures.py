@@ -4,9 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lightflyer.flight.outputs import OUTPUTS
 from lightflyer.foundation.units import dataset_unit
-from lightflyer.prediction.figures import across
+from lightflyer.prediction.figures import across, shown_for_best
 from lightflyer.uncertainty.propagation import PredictionUncertainty
 
 if TYPE_CHECKING:
@@ -55,7 +54,7 @@ def add_to_figures(figures: "dict[str, Figure]", uncertainty: PredictionUncertai
     _shade(temperature, "available light", "temperature", uncertainty)
     payload = figures["payload"].axes[0]
     _shade(payload, "", "payload", uncertainty)
-    scale, _ = OUTPUTS["payload"].shown
+    scale, _ = shown_for_best(uncertainty.prediction, "payload")
     bottom, top = payload.get_ylim()
     highest = _HEADROOM * scale * float(np.nanmax(uncertainty.high["payload"]))
     payload.set_ylim(bottom, max(top, highest))
@@ -63,7 +62,7 @@ def add_to_figures(figures: "dict[str, Figure]", uncertainty: PredictionUncertai
 
 def _shade(ax: "Axes", label: str, output: str, uncertainty: PredictionUncertainty) -> None:
     """Shade a band in the colour of its line, the first whose label ends so."""
-    scale, _ = OUTPUTS[output].shown
+    scale, _ = shown_for_best(uncertainty.prediction, output)
     low, high = uncertainty.low[output] * scale, uncertainty.high[output] * scale
     # a lower end without an upper one: some samples need more light than there is a number for
     ceiling = np.where(np.isfinite(low) & ~np.isfinite(high), _FAR, high)

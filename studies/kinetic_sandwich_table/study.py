@@ -59,6 +59,21 @@ HOT_CHECKS = (  # between the points of the table: gas, rarefaction, open fracti
 )
 HALF_STEP = 0.08  # of T/T_c between a hot face and the mean
 
+# simulations in helium whose force is known: rarefaction, half-width of a reservoir that is as
+# large as theirs at δ = 1, and larger in denser gas, where theirs is not known
+PUBLISHED = (
+    (0.1, 3.0),
+    (1.0, 3.0),
+    (2.0, 3.0),
+    (2.0, 4.0),
+    (5.0, 4.0),
+    (5.0, 6.0),
+    (10.0, 6.0),
+    (10.0, 10.0),
+)
+PUBLISHED_OPEN_FRACTIONS = (0.2, 0.6, 0.9)
+PUBLISHED_RATIO = 4.0 / 3.0  # of the hot bottom face, of complete accommodation
+
 NAMES = ("force", "tac_force", "heat", "heat_difference", "heat_cross")
 
 Found = dict[str, dict[str, Any]]
@@ -147,6 +162,24 @@ def hot_group(gas: str, rarefaction: float, open_fraction: float, ratio: float) 
     }
 
 
+def published_group(
+    rarefaction: float, boundary: float, open_fraction: float
+) -> dict[str, list[float]]:
+    """Force and heat of the hot face as published: over p A ΔT/T and p √(2RT) A ΔT/T."""
+    case = Case(
+        rarefaction=rarefaction,
+        tac=(1.0, 1.0),
+        temperature=(1.0, PUBLISHED_RATIO),
+        linear=False,
+        gas=gas_model("monatomic"),
+        boundary=boundary,
+        open_fraction=open_fraction,
+    )
+    outcome = solve_case(case, COARSE)
+    excess = PUBLISHED_RATIO - 1.0
+    return {"published": [outcome.force / excess, outcome.heat[1] / excess]}
+
+
 def linear_tasks() -> Iterator[tuple[str, Any]]:
     """Key and function of each group of the linear problem in open space."""
     levels = (("medium", MEDIUM), ("coarse", COARSE))
@@ -173,6 +206,13 @@ def hot_tasks() -> Iterator[tuple[str, Any]]:
         yield key, partial(hot_group, *place)
 
 
+def published_tasks() -> Iterator[tuple[str, Any]]:
+    """Cases of the published simulations of a disk with holes."""
+    for (rarefaction, boundary), open_fraction in product(PUBLISHED, PUBLISHED_OPEN_FRACTIONS):
+        key = f"published {rarefaction:g} {boundary:g} {open_fraction:g}"
+        yield key, partial(published_group, rarefaction, boundary, open_fraction)
+
+
 def fine_tasks() -> Iterator[tuple[str, Any]]:
     """Dense gas on a mesh finer than that of the table."""
     gas, tac = CHECKED["gas"], (CHECKED["tac"],)
@@ -186,6 +226,7 @@ PARTS = {
     "hot": hot_tasks,
     "boundary": boundary_tasks,
     "fine": fine_tasks,
+    "published": published_tasks,
 }
 
 

@@ -40,6 +40,8 @@ class Kinetic(AbstractForceModel):
         Deviation of the truth from the table, in the model's own standard errors [1]: those
         of the table and of the kinetic equation itself. A flyer file gives both as 0 ± 1, so
         that they are part of a prediction's uncertainty. None stands for zero.
+    transmission : {"aligned", "wide"}
+        How holes and gap of a sandwich let molecules pass; of no effect on a disk.
 
     Notes
     -----
@@ -52,6 +54,11 @@ class Kinetic(AbstractForceModel):
     The table is for small differences of the faces' TACs. At 0.5 and 1 and Kn = 0.1 the heat loss
     comes out 2 % too large and the force 1.4 % too small; at 0.8 and 0.9 the heat is right to
     0.2 %.
+
+    A sandwich is one thin disk with holes whose faces are at the temperatures of its membranes, with
+    a table of its own (:mod:`lightflyer.force.kinetic_sandwich_table`) up to a rarefaction of 100,
+    Kn = 0.0044; without holes it is the disk. ``transmission`` says how its holes and its gap let
+    molecules pass, :func:`lightflyer.force.passage.passage`.
 
     Where the surroundings have a wall (:attr:`EnvironmentState.wall_distance`), force and heat
     are those in a chamber of that radius.

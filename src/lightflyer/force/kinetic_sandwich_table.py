@@ -68,6 +68,9 @@ _WALL_POWERS = [(near, hole, place) for near in range(4) for hole in range(5) fo
 _HOT_POWERS = [  # through every point of the table
     (heat, hole, place) for heat in range(2) for hole in range(3) for place in range(3)
 ]
+_FIT_ERROR = (0.003, 0.002)
+"""Relative standard error of force and heat by the fit: half the largest misfit up to δ = 60."""
+
 _RELATIVE = (False, True, True, False)  # whose value without holes is the disk's
 _LEAST_WEIGHT = 1e-4  # of a row in thin gas, where the resistance hardly matters
 _SLOPES = (-1.0, 1.0)  # of the logarithm of a resistance that are believed beyond the table
@@ -351,12 +354,13 @@ class SandwichFit:
         array, broadcast shape
         """
         of_table = jnp.exp(polynomial(self.force_error, self._place(rarefaction)[0]))
-        return jnp.hypot(of_table, COLLISION_ERROR * (1.0 - force_ratio))
+        of_numbers = jnp.hypot(of_table, _FIT_ERROR[0])
+        return jnp.hypot(of_numbers, COLLISION_ERROR * (1.0 - force_ratio))
 
     def relative_heat_error(self, rarefaction: Numeric) -> Array:
         """Relative standard error of the heat loss; as :meth:`relative_force_error`."""
         of_table = jnp.exp(polynomial(self.heat_error, self._place(rarefaction)[0]))
-        return jnp.hypot(of_table, HEAT_EQUATION_ERROR)
+        return jnp.hypot(jnp.hypot(of_table, _FIT_ERROR[1]), HEAT_EQUATION_ERROR)
 
     def wall_factors(
         self, rarefaction: Numeric, open_fraction: Numeric, distance: Numeric

@@ -1,0 +1,73 @@
+"""Force on a disk with holes: our solver in open space and in reservoirs beside simulations.
+
+    python studies/kinetic_sandwich_table/figure.py
+
+Writes docs/images/kinetic-sandwich.png from the package's tables and points.jsonl.
+"""
+
+import json
+from pathlib import Path
+
+import jax
+import numpy as np
+
+import lightflyer as lf
+from lightflyer.force.kinetic_sandwich_table import sandwich_fit
+from lightflyer.force.schafer2025_table import (
+    FREE_FORCE,
+    TEMPERATURE_EXCESS,
+    perforated_disk_table,
+)
+from lightflyer.foundation import drawing as plot
+
+HERE = Path(__file__).parent
+IMAGES = HERE.parents[1] / "docs" / "images"
+OPEN_FRACTIONS = (0.2, 0.6, 0.9)
+COLOURS = ("C0", "C1", "C2")
+MEAN_RATIO = 1.0 + 0.5 * TEMPERATURE_EXCESS  # one face hot
+
+
+def open_space(delta, beta):
+    """Force ratio of the model's table for a monatomic gas and complete accommodation."""
+    with lf.float64():
+        ratios = jax.jit(sandwich_fit("monatomic").ratios)
+        return np.asarray(ratios(delta, beta, 1.0, 1.0 - beta, MEAN_RATIO).force)
+
+
+def main():
+    """Draw the figure and print the ratios of both."""
+    table = perforated_disk_table()
+    lines = (HERE / "points.jsonl").read_text().splitlines()
+    solved = [json.loads(line) for line in lines if line.startswith('["published')]
+    figure = plot.new_figure(width=6.4, height=4.4)
+    (ax,) = figure.axes
+    delta = np.geomspace(0.03, 200.0, 200)
+    for beta, colour in zip(OPEN_FRACTIONS, COLOURS, strict=True):
+        row = table.force_ratio[table.open_fraction == beta][0]
+        ours = open_space(table.rarefaction, beta)
+        print(f"β {beta:g}: open space over published", np.round(ours / row, 3))
+        ax.loglog(delta, open_space(delta, beta), color=colour, label=f"β = {beta:g}")
+        ax.loglog(table.rarefaction, row, "o", color=colour, markersize=4.0)
+        for key, result in solved:
+            _, there, _, share = key.split()
+            if float(share) == beta:
+                ratio = result["published"][0] / ((1.0 - beta) * FREE_FORCE)
+                ax.loglog(float(there), ratio, "x", color=colour, markersize=6.0)
+    for key, result in solved:
+        _, there, boundary, share = key.split()
+        row = table.force_ratio[table.open_fraction == float(share)][0]
+        published = row[table.rarefaction == float(there)][0]
+        ratio = result["published"][0] / ((1.0 - float(share)) * FREE_FORCE) / published
+        print(f"δ {there}, D {boundary}, β {share}: ours over published {ratio:.3f}")
+    ax.plot([], [], "o", color="grey", markersize=4.0, label="simulations")
+    ax.plot([], [], "-", color="grey", label="kinetic equation, open space")
+    ax.plot([], [], "x", color="grey", label="kinetic equation, reservoirs at 3 to 10 radii")
+    ax.set_xlabel("rarefaction δ [1]")
+    ax.set_ylabel("force over that of free molecules [1]")
+    ax.set_ylim(3e-3, 1.2)
+    ax.legend(fontsize="small")
+    plot.save(figure, [IMAGES / "kinetic-sandwich.png"])
+
+
+if __name__ == "__main__":
+    main()

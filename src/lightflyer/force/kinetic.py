@@ -55,10 +55,10 @@ class Kinetic(AbstractForceModel):
     comes out 2 % too large and the force 1.4 % too small; at 0.8 and 0.9 the heat is right to
     0.2 %.
 
-    A sandwich is one thin disk with holes whose faces are at the temperatures of its membranes, with
-    a table of its own (:mod:`lightflyer.force.kinetic_sandwich_table`) up to a rarefaction of 100,
-    Kn = 0.0044; without holes it is the disk. ``transmission`` says how its holes and its gap let
-    molecules pass, :func:`lightflyer.force.passage.passage`.
+    A sandwich is one thin disk with holes whose faces are at the temperatures of its membranes,
+    with a table of its own (:mod:`lightflyer.force.kinetic_sandwich_table`) up to a rarefaction of
+    100, Kn = 0.0044; without holes it is the disk. ``transmission`` says how its holes and its gap
+    let molecules pass, :func:`lightflyer.force.passage.passage`.
 
     Where the surroundings have a wall (:attr:`EnvironmentState.wall_distance`), force and heat
     are those in a chamber of that radius.

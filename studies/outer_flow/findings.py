@@ -14,6 +14,7 @@ from lightflyer.foundation.table import shipped_table
 HERE = Path(__file__).parent
 SHOWN = 90  # points outward of which the stream function is kept
 ORDER = 1.5  # of the error over the cells' size, in creeping flow
+REGULAR = 50.0  # Reynolds number up to which it is; a jet is not resolved as regularly
 MOST_OPEN = 0.75  # denser gas is needed for more
 SLOW = 0.5  # Reynolds number up to which the square law is looked at
 PERCENT = 100.0
@@ -36,8 +37,10 @@ def coefficients():
         order = np.argsort(table["cells_around"][here])[-2:]
         cells = table["cells_around"][here][order]
         force = table["force_over_mu_a_u"][here][order]
-        step = (force[1] - force[0]) / ((cells[1] / cells[0]) ** ORDER - 1.0)
-        found.append((reynolds, force[1] + step, abs(step)))
+        step = force[1] - force[0]
+        if reynolds <= REGULAR:
+            step /= (cells[1] / cells[0]) ** ORDER - 1.0
+        found.append((reynolds, force[1] + step * (reynolds <= REGULAR), abs(step)))
     return np.array(found).T
 
 

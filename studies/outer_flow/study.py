@@ -21,9 +21,10 @@ from mesh import Mesh
 HERE = Path(__file__).parent
 
 REYNOLDS = (0.01, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
-CELLS = {"coarse": (60, 50), "medium": (90, 76), "fine": (120, 100)}
+CELLS = {"coarse": (60, 50), "medium": (90, 76), "fine": (120, 100), "finest": (180, 150)}
 FAR, FAR_IN_CREEP, NEAR = 300.0, 1000.0, 100.0  # radius of the domain, over the disk's
 UNSTEADY = 1000.0  # the jet is steady on the finer meshes only
+FINEST = (0.1, 10.0, 100.0, 500.0)  # those on a third mesh
 CHECKED = (0.1, 10.0, 100.0)  # those in a smaller domain
 DRAWN = (0.1, 100.0)  # those whose streamlines are kept
 
@@ -39,8 +40,7 @@ def plan():
         for reynolds in REYNOLDS:
             if cells != "fine" and (cells == "coarse") == (reynolds >= UNSTEADY):
                 continue
-            far = FAR_IN_CREEP if reynolds < 1.0 else FAR
-            cases[f"{cells}-{reynolds:g}"] = pumped(reynolds, cells, far)
+            cases[f"{cells}-{reynolds:g}"] = pumped(reynolds, cells, distance(reynolds))
     for grashof in GRASHOF:
         for velocity in PUMPED:
             cases[f"warm-coarse-{grashof:g}-{velocity:g}"] = warm(grashof, velocity)
@@ -50,7 +50,14 @@ def plan():
     cases["warm-fine"] = warm(middle, 0.0, "fine")
     for reynolds in CHECKED:
         cases[f"near-{reynolds:g}"] = pumped(reynolds, "fine", NEAR)
+    for reynolds in FINEST:
+        cases[f"finest-{reynolds:g}"] = pumped(reynolds, "finest", distance(reynolds))
     return cases
+
+
+def distance(reynolds):
+    """Radius of the domain."""
+    return FAR_IN_CREEP if reynolds < 1.0 else FAR
 
 
 def pumped(reynolds, cells, far):

@@ -35,8 +35,8 @@ from .flyer import HollowBody as HollowBody
 from .flyer import Plate as Plate
 from .flyer import Sandwich as Sandwich
 from .force import AbstractForceModel as AbstractForceModel
-from .force import Celenza2023 as Celenza2023
 from .force import BalloonConvection as BalloonConvection
+from .force import Celenza2023 as Celenza2023
 from .force import ChannelPump as ChannelPump
 from .force import FreeMolecular as FreeMolecular
 from .force import HollowPump as HollowPump

@@ -3,7 +3,8 @@
     python studies/balloon/sphere_conduction.py
 
 Prints, for each rarefaction δ = pa/(μ√(2RT)), the heat loss over that to free molecules, what
-`lightflyer.force.convection` makes of it, and what the two limits in series would be; three minutes.
+`lightflyer.force.convection` makes of it, and what the two limits in series would be. It takes
+three minutes.
 
 Every ray has an impact parameter and a speed. Along it the perturbation relaxes towards a
 local state that depends on density, temperature and heat flux, which are moments of the

@@ -75,5 +75,5 @@ def test_zero_is_no_size():
     quantity = Quantity("m", 0.0, sizes=(1e-3, 1.0), why="reasons")
     quantity.check("gap", 0.0)
     quantity.check("gap", np.array([0.0, 0.5]))
-    with pytest.raises(lf.ParameterError, match="gap = 0.0001 must be at least 0.001 m: reasons"):
+    with pytest.raises(lf.ParameterError, match=r"gap = 0.0001 must be at least 0.001 m: reasons"):
         quantity.check("gap", 1e-4)

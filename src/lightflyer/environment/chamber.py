@@ -19,6 +19,7 @@ from lightflyer.foundation.quantity import (
     Acceleration,
     Length,
     Pressure,
+    Quantity,
     Temperature,
     quantity_of,
 )
@@ -30,8 +31,7 @@ from lightflyer.gas.base import AbstractGas
 DEFAULT_PRESSURES = tuple(digit * 10.0**decade for decade in range(-4, 6) for digit in (1.0, 3.0))
 """Pressures reported one by one where none are asked for, if in the chamber's range [Pa]."""
 
-_PRESSURE = quantity_of(Pressure)
-assert _PRESSURE is not None
+_PRESSURE = quantity_of(Pressure) or Quantity()
 
 
 class Chamber(AbstractEnvironment):

@@ -82,6 +82,11 @@ ELSEWHERE = {
     "environment.NRLMSIS": "needs pymsis, is not traced; tests/environment",
     "flight.outputs_of": "a list",
     "flight.levitation_bands": "levitation_band is one of them",
+    "environment.sphere_view_factor": "tests/environment",
+    "force.BalloonConvection": "tests/force/test_balloon_model.py",
+    "force.Celenza2023": "tests/force/test_hollow.py",
+    "force.ChannelPump": "tests/force/test_channel_pump.py",
+    "force.HollowPump": "tests/force/test_hollow.py",
 }
 ROOMS = ["environment", "film", "flight", "flyer", "force", "gas"]
 

@@ -123,6 +123,7 @@ CHANGED = {
     "film.tac_top": 0.7,
     "film.tac_bottom": 0.95,
     "film.transmittance": 0.1,
+    "film.transmittance_bottom": 0.15,
     "film.infrared_transmittance": 0.2,
     "environment.irradiance": 1000.0,
     "environment.incidence": 30.0,

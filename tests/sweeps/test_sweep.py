@@ -22,6 +22,7 @@ POINT_OUTPUTS = [
     "lift_over_weight",
     "payload",
     "relative_payload",
+    "payload_per_area",
     "levitation_irradiance",
     "levitation_temperature",
     "own_mass",
@@ -62,7 +63,11 @@ def test_each_design_is_what_its_flyer_file_predicts(film_section, table):
         )
         found = lf.predict(written, at=part.altitude.values).at
         # differences of nearly equal numbers are as exact as these
-        larger = {"payload": part.own_mass.values.max(), "relative_payload": 1.0}
+        larger = {
+            "payload": part.own_mass.values.max(),
+            "relative_payload": 1.0,
+            "payload_per_area": part.own_mass.values.max() / 1e-4,
+        }
         for name, values in found.items():
             expected = np.where(np.isfinite(values), values, np.nan)
             smallest = 1e-9 * larger.get(name, 1e-11)

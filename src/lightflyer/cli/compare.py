@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 from rich.console import Console
-from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
+from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def compare_command(
     if json_output:
         print(json.dumps(comparison.summary(), allow_nan=False))  # noqa: T201
         return
-    console = Console(highlight=False)
+    console = printer()
     _show(console, comparison)
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
@@ -79,7 +79,7 @@ def _bar() -> Progress:
     """Progress on standard error, where that is a terminal."""
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
     hidden = not sys.stderr.isatty()
-    return Progress(*columns, console=Console(stderr=True), transient=True, disable=hidden)
+    return Progress(*columns, console=printer(stderr=True), transient=True, disable=hidden)
 
 
 def _range(
@@ -130,13 +130,13 @@ def _write(out: Path, comparison: "Comparison") -> list[Path]:
 
 def _show(console: Console, comparison: "Comparison") -> None:
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
-        console.print(f"{letter}  {found.name}: {found.description}", markup=False, soft_wrap=True)
+        console.print(f"{letter}  {found.name}: {found.description}", soft_wrap=True)
     console.print(_best_table(comparison))
     console.print(_payloads_table(comparison))
     for difference in comparison.differing_models:
-        console.print(str(difference), markup=False, soft_wrap=True)
+        console.print(str(difference), soft_wrap=True)
     for text in comparison.warnings:
-        console.print(f"warning: {text}", markup=False, soft_wrap=True)
+        console.print(f"warning: {text}", soft_wrap=True)
 
 
 def _best_table(comparison: "Comparison") -> Table:
@@ -148,7 +148,7 @@ def _best_table(comparison: "Comparison") -> Table:
                 "per area\n[g/m²]", "of own\nmass", "hottest\n[K]",
                 f"levitates\n[{unit}]")  # fmt: skip
     for heading in headings:
-        table.add_column(escape(heading), justify="right", no_wrap=True)
+        table.add_column(heading, justify="right", no_wrap=True)
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         mark = "*" if found is comparison.best and found.prediction.bands else " "
         table.add_row(f"{letter}{mark}", *_best_cells(found, scale))
@@ -187,7 +187,7 @@ def _payloads_table(comparison: "Comparison") -> Table:
     where, (scale, mass) = comparison.coordinate, comparison.shown("payload")
     _, factor = comparison.flyers[0].prediction.coordinate_key
     table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
-    heading = escape(f"{where.name} [{where.shown_unit}]; payload [{mass}]")
+    heading = f"{where.name} [{where.shown_unit}]; payload [{mass}]"
     table.add_column(heading, justify="right", no_wrap=True)
     for letter, _ in zip(_LETTERS, comparison.flyers, strict=False):
         table.add_column(letter, justify="right")

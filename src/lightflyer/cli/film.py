@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
+from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ def film_command(
     if json_output:
         print(json.dumps(described, allow_nan=False, ensure_ascii=False))  # noqa: T201
         return
-    console = Console(highlight=False)
+    console = printer()
     _show(console, section, summary, points)
     show_warnings(console, warnings)
     if summary.uncertainty is None:

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
-from rich.console import Console
 from rich.table import Table
 
+from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def kinetic_command(
 
     # a folder that cannot be written is found before, not after, a long solution
     opened = nullcontext() if out is None else output_directory(out)
-    with opened as stage, Console(stderr=True).status("") as status, _named_as_options():
+    with opened as stage, printer(stderr=True).status("") as status, _named_as_options():
 
         def progress(residual: float) -> None:
             status.update(f"solving the non-linear equation, residual {residual:.1e}")
@@ -116,7 +116,7 @@ def _of_both_faces(ratio: float | None, top: float | None) -> float | tuple[floa
 
 def _show(solution: "Solution", out: Path | None) -> None:
     described = solution.to_json()
-    console = Console(highlight=False)
+    console = printer()
     console.print(solution.title, soft_wrap=True)
     console.print(_table(described))
     count = described["iterations"]

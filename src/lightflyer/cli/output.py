@@ -3,7 +3,7 @@
 from rich.console import Console
 
 
-def printer(*, stderr: bool = False) -> Console:
+def printer(*, stderr: bool = False, width: int | None = None) -> Console:
     """Console that shows texts as they are.
 
     Names of files and of quantities may contain brackets, which Rich would take for markup, and
@@ -13,9 +13,11 @@ def printer(*, stderr: bool = False) -> Console:
     ----------
     stderr : bool
         Print to the standard error stream.
+    width : int, optional
+        Columns; by default those of the terminal.
 
     Returns
     -------
     rich.console.Console
     """
-    return Console(stderr=stderr, markup=False, emoji=False, highlight=False)
+    return Console(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)

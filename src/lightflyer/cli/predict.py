@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 from rich.console import Console
-from rich.markup import escape
 from rich.measure import Measurement
 from rich.table import Table
 
+from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def predict_command(
     if json_output:
         print(json.dumps(summary, allow_nan=False))  # noqa: T201
         return
-    console = Console(highlight=False)
+    console = printer()
     _show(console, file, prediction, summary)
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
@@ -171,14 +171,14 @@ def _show(
     flyer = prediction.setup.flyer
     own_mass, payload = _mass(float(flyer.own_mass)), _mass(float(flyer.payload), "g")
     console.print(f"{flyer.describe()}, {own_mass}, payload {payload}")
-    console.print("; ".join(prediction.assumptions), markup=False, soft_wrap=True)
+    console.print("; ".join(prediction.assumptions), soft_wrap=True)
     for name in filter(summary.__contains__, file.films()):
         console.print(_origins_line(name, summary[name]), soft_wrap=True)
     console.print(_results(prediction, summary))
     for table in _points_tables(prediction):
         console.print(table)
     for text in prediction.warnings:
-        console.print(f"warning: {text}", markup=False, soft_wrap=True)
+        console.print(f"warning: {text}", soft_wrap=True)
     if "uncertainty" in summary:
         _show_bands(console, summary["uncertainty"])
     elif file.uncertainties():
@@ -326,7 +326,7 @@ _COLUMNS = {
 _NODE = ("of the {}\n[K]", ".1f")  # a temperature of one part of the flyer
 _ROOMY = 8  # columns that fit a terminal of 80 characters with two spaces between them
 _NARROW = 80  # columns of a narrow terminal
-_UNBOUNDED = Console(width=1000)  # on which tables are measured
+_UNBOUNDED = printer(width=1000)  # on which tables are measured
 _OWN = 5  # results of the flyer's or the force model's own that fit beside the coordinate
 
 
@@ -379,7 +379,7 @@ def _points_table(prediction: "Prediction", headings: dict[str, tuple[str, str]]
     for heading, cells in columns.items():
         # headings may wrap between words, numbers never
         words = max(map(len, [*heading.split(), *cells]))
-        table.add_column(escape(heading), justify="right", min_width=words)
+        table.add_column(heading, justify="right", min_width=words)
     for row in zip(*columns.values(), strict=True):
         table.add_row(*row)
     return table

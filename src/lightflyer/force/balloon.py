@@ -91,6 +91,7 @@ class BalloonConvection(AbstractForceModel):
         del flyer
         return 0.0 * (unknowns[0] + state.pressure)
 
+    @entry_point
     def own_results(
         self, flyer: Balloon, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> dict[str, Array]:

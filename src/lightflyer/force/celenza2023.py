@@ -66,6 +66,7 @@ class Celenza2023(AbstractForceModel):
         """See :meth:`AbstractForceModel.force`."""
         return pump_force(flyer, state, unknowns, AS_PUBLISHED)
 
+    @entry_point
     def own_results(
         self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> dict[str, Array]:

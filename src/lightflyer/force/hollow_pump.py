@@ -90,6 +90,7 @@ class HollowPump(AbstractForceModel):
         """See :meth:`AbstractForceModel.force`."""
         return pump_force(flyer, state, unknowns, self.corrections)
 
+    @entry_point
     def own_results(
         self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> dict[str, Array]:

@@ -26,6 +26,7 @@ RESULTS = HERE / "results.json"
 ALTITUDES_KM = tuple(range(20, 101, 5))
 OBJECTIVES = ("payload", "payload_per_area")
 STARTS, SAMPLES, SEED = 6, 500, 0
+MANY_SEEDS = {"hollow sphere, corrected": 8, "hollow rocket, corrected": 8}  # several optima
 PERCENTILES = (2.5, 97.5)
 REPORTED = (*OBJECTIVES, "relative_payload", "lift_over_weight", "temperature", "pressure")
 
@@ -115,7 +116,7 @@ def bounds(low, high):
     return {"from": low, "to": high} | ({"scale": "log"} if isinstance(low, str) else {})
 
 
-def problem_of(kind, largest, objective, altitude_km):
+def problem_of(kind, largest, objective, altitude_km, seed=SEED):
     """What is maximised for a kind."""
     over = {name: bounds(*ends) for name, ends in kind.free.items()}
     over |= {kind.size: bounds(SMALLEST, f"{largest} m"), "altitude": f"{altitude_km} km"}
@@ -129,7 +130,7 @@ def problem_of(kind, largest, objective, altitude_km):
         maximise=objective,
         over=over,
         starts=STARTS,
-        seed=SEED,
+        seed=seed,
         beyond_range=True,
         constraints={"temperature": {"at_most": f"{kind.hottest} K"}},
     )
@@ -145,7 +146,12 @@ def best_of(kind, function, largest, objective, altitude_km):
         "altitude_km": altitude_km,
     }
     try:
-        found = find_optimum(function)
+        case = (largest, objective, altitude_km)
+        searches = [
+            find_optimum(function.of(problem_of(kind, *case, seed)))
+            for seed in range(SEED, SEED + MANY_SEEDS.get(kind.name, 1))
+        ]
+        found = max(searches, key=lambda search: search.value)
         fixed = {name: value for name, value in found.problem.fixed.items() if name != "altitude"}
         design = fixed | found.design
         row |= {
@@ -187,6 +193,7 @@ def buoyancy_share(setup, altitude):
 def fingerprint(kind):
     """Of all that a row rests on."""
     about = repr((kind, SMALLEST, STARTS, SAMPLES, SEED))
+    about += str(MANY_SEEDS.get(kind.name, ""))
     return hashlib.sha256(about.encode()).hexdigest()[:12]
 
 
@@ -227,7 +234,7 @@ def compute(kind):
     missing = [case for case in cases(kind) if case not in done]
     function = Objectives(problem_of(kind, *missing[0])) if missing else None
     for case in missing:
-        row = best_of(kind, function.of(problem_of(kind, *case)), *case)
+        row = best_of(kind, function, *case)
         write([*read(), row | {"of": fingerprint(kind)}])
         told = row.get("trouble") or f"{1e6 * row['payload']:.4g} mg, {row['design']}"
         print(kind.name, *case, told, row["seconds"], flush=True)

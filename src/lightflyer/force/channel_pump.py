@@ -35,11 +35,11 @@ from lightflyer.force.gap import accommodation_between, gap_conductance
 from lightflyer.force.laws import free_molecular_conductance, in_series
 from lightflyer.force.schafer2025_table import internal_factors
 from lightflyer.force.section import ForceSection
-from lightflyer.force.validity import Validity
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import StandardErrors
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
+from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import AbstractGas
 
 _PATH = 2.0 / np.sqrt(np.pi)  # length over the mean free path, per δ of the length

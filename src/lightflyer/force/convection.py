@@ -22,9 +22,9 @@ from jax import Array
 
 from lightflyer.force.laws import free_molecular_conductance, in_series
 from lightflyer.force.lu2023 import rayleigh_number
-from lightflyer.force.validity import Validity
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import AbstractGas
 
 _CONDUCTION = 2.0  # Nusselt number of a sphere in endless gas at rest, by the diameter

@@ -11,9 +11,9 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.laws import accommodated_force, free_molecular_conductance, linear_force
 from lightflyer.force.section import ForceSection
-from lightflyer.force.validity import Validity
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import knudsen_number
 
 # by the kinetic force, collisions take 1 % at Kn 10

@@ -34,8 +34,8 @@ from lightflyer.force.channels import (
     thermomolecular_pressure,
 )
 from lightflyer.force.laws import free_molecular_conductance, in_series
-from lightflyer.force.validity import Validity
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import mean_free_path
 
 _RAREFIED_DRAG = 1.264  # Stokes' drag of a broad disk over that of free molecules, 16/(4/√π + √π)

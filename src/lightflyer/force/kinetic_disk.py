@@ -11,8 +11,8 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic_table import KineticFit, kinetic_fit
 from lightflyer.force.laws import maxwell_force
-from lightflyer.force.validity import Validity
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import knudsen_number
 
 _DENSE = "the kinetic table ends there, and the force is extrapolated by a power law"

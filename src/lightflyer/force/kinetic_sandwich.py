@@ -17,8 +17,8 @@ from lightflyer.force.kinetic_sandwich_table import (
 from lightflyer.force.laws import free_molecular_conductance
 from lightflyer.force.passage import Passage, Transmission, passage
 from lightflyer.force.sandwich import between_membranes, caveats_of_sandwich, rarefaction_of
-from lightflyer.force.validity import Validity
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.validity import Validity
 
 _DENSE = "the table of kinetic ends there, and the force is extrapolated by a power law"
 _OPEN = "the table of kinetic ends there, and its fit goes on"

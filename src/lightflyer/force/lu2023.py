@@ -19,11 +19,11 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.laws import free_molecular_conductance, in_series
 from lightflyer.force.section import ForceSection
-from lightflyer.force.validity import Validity
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import Coefficient
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
+from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import AbstractGas
 
 _THERMAL_CREEP = 1.14  # κ_s of [Lu2023] Eq. (20)

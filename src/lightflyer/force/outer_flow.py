@@ -18,8 +18,8 @@ through it face on. The rest is fitted to solutions of the Navier–Stokes equat
 import jax.numpy as jnp
 from jax import Array, lax
 
-from lightflyer.force.validity import Validity
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.validity import Validity
 
 CREEPING = 16.0
 """Force on a disk in creeping flow, face on, over μ, radius and velocity; [HappelBrenner1983]."""

@@ -10,8 +10,8 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force.gap import gap_conductance
 from lightflyer.force.passage import Passage, Transmission
-from lightflyer.force.validity import Validity
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import AbstractGas, mean_free_path
 
 WIDE_GAP = 2.0

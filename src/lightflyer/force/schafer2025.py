@@ -21,9 +21,9 @@ from lightflyer.force.schafer2025_table import (
     perforated_disk_fit,
 )
 from lightflyer.force.section import ForceSection
-from lightflyer.force.validity import Validity
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import AbstractGas
 
 _DENSE = Validity(

@@ -1,4 +1,4 @@
-"""Ranges in which a force model is known to hold, and what to say outside of them."""
+"""Ranges in which a model is known to hold, and what to say outside of them."""
 
 from collections.abc import Iterator
 from typing import NamedTuple

@@ -15,3 +15,14 @@ from .radiation import Radiation as Radiation
 from .radiation import sunlight as sunlight
 from .view_factor import ground_view_factor as ground_view_factor
 from .view_factor import sphere_view_factor as sphere_view_factor
+from .wind.base import AbstractWind as AbstractWind
+from .wind.uniform import SumOfWinds as SumOfWinds
+from .wind.uniform import UniformWind as UniformWind
+from .planet import EARTH_PLANET as EARTH_PLANET
+from .planet import Planet as Planet
+from .sun import AbstractSun as AbstractSun
+from .sun import EarthSun as EarthSun
+from .sun import SunInSky as SunInSky
+from .sun import SunPosition as SunPosition
+from .sun import sun_from_earth as sun_from_earth
+from .sun import sun_in_sky as sun_in_sky

@@ -3,6 +3,7 @@
 import abc
 import datetime
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
 import equinox as eqx
@@ -26,6 +27,7 @@ from lightflyer.environment.radiation import (
     sunlight,
 )
 from lightflyer.environment.section import EnvironmentSection
+from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.foundation import constants
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ConfigurationError
@@ -80,6 +82,8 @@ class Earth(AbstractEnvironment):
     radiation : Radiation
         Sunlight and thermal surroundings; default :func:`sunlight`. What it leaves open of the
         view to the ground is :func:`earth_view` of the altitude.
+    wind : AbstractWind or None
+        Wind where a place is given; None for gas at rest.
 
     Examples
     --------
@@ -92,6 +96,7 @@ class Earth(AbstractEnvironment):
     gas: AbstractGas = AIR
     gravity: Acceleration | None = None
     radiation: Radiation = sunlight()
+    wind: AbstractWind | None = None
 
     @property
     def coordinate(self) -> Coordinate:
@@ -115,7 +120,7 @@ class Earth(AbstractEnvironment):
         """See :meth:`AbstractEnvironment.assumptions`."""
         return self.radiation.describe("(R/(R+h))² at altitude h")
 
-    def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:  # noqa: ARG002
+    def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
         """Surroundings at an altitude.
 
         Parameters
@@ -123,7 +128,7 @@ class Earth(AbstractEnvironment):
         coordinate : array, shape (...)
             Geometric altitude [m].
         place : Place, optional
-            Has no effect: the atmosphere is that of one place and time, and the light is given.
+            Where and when: for an atmosphere that depends on it, and for the wind.
 
         Returns
         -------
@@ -136,20 +141,23 @@ class Earth(AbstractEnvironment):
         """
         altitude = self.coordinate.quantity.number("altitude", coordinate)
         require_range("altitude [m]", altitude, *self.atmosphere.altitude_range)
-        return _state(self, altitude)
+        state = _state(self, altitude, place)
+        if self.wind is None or place is None:
+            return state
+        return replace(state, wind=self.wind.velocity(altitude, place))
 
 
 @entry_point
-def _state(earth: Earth, altitude: Numeric) -> EnvironmentState:
-    ratio = earth.atmosphere.molar_mass_ratio(altitude)
+def _state(earth: Earth, altitude: Numeric, place: Place | None) -> EnvironmentState:
+    ratio = earth.atmosphere.molar_mass_ratio(altitude, place)
     gas = eqx.tree_at(
         lambda gas: gas.specific_gas_constant,
         earth.gas,
         earth.gas.specific_gas_constant / ratio,
     )
     return EnvironmentState(
-        pressure=earth.atmosphere.pressure(altitude),
-        temperature=earth.atmosphere.temperature(altitude),
+        pressure=earth.atmosphere.pressure(altitude, place),
+        temperature=earth.atmosphere.temperature(altitude, place),
         gravity=earth_gravity(altitude) if earth.gravity is None else earth.gravity,
         gas=gas,
         radiation=earth.radiation.seen_from(earth_view(altitude)),

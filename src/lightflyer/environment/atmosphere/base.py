@@ -7,14 +7,17 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.environment.base import Place
 from lightflyer.foundation.types import Numeric
 
 
 class AbstractAtmosphere(eqx.Module):
-    """Temperature, pressure and composition over altitude.
+    """Temperature, pressure and composition over altitude, and over place and time where known.
 
-    Methods take altitudes [m] of any shape, work under JAX's transformations and return NaN
-    outside :attr:`altitude_range`; environments raise there where the altitude is concrete.
+    Methods take altitudes [m] of any shape and a place whose fields broadcast with them. They work
+    under JAX's transformations and return NaN outside :attr:`altitude_range`; environments raise
+    there where the altitude is concrete. An atmosphere of one place and time, and one that is the
+    same everywhere, does not look at the place.
     """
 
     @property
@@ -23,15 +26,15 @@ class AbstractAtmosphere(eqx.Module):
         """Lowest and highest geometric altitude described [m]."""
 
     @abc.abstractmethod
-    def temperature(self, altitude: Numeric) -> Any:
+    def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:
         """Kinetic temperature [K]."""
 
     @abc.abstractmethod
-    def pressure(self, altitude: Numeric) -> Any:
+    def pressure(self, altitude: Numeric, place: Place | None = None) -> Any:
         """Pressure [Pa]."""
 
     @abc.abstractmethod
-    def molar_mass_ratio(self, altitude: Numeric) -> Any:
+    def molar_mass_ratio(self, altitude: Numeric, place: Place | None = None) -> Any:
         """Mean molar mass over its value at sea level [1]."""
 
     def _nan_outside(self, altitude: Numeric, value: Numeric) -> Array:

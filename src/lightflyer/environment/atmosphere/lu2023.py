@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
+from lightflyer.environment.base import Place
 from lightflyer.foundation import constants
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
@@ -65,13 +66,13 @@ class Lu2023Atmosphere(AbstractAtmosphere):
         return 0.0, _TOP
 
     @entry_point
-    def temperature(self, altitude: Numeric) -> Any:
+    def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
         """Temperature [K]."""
         altitude_km = altitude / _METRES_PER_KILOMETRE
         return self._nan_outside(altitude, 1.0 / jnp.polyval(_INVERSE_TEMPERATURE, altitude_km))
 
     @entry_point
-    def pressure(self, altitude: Numeric) -> Any:
+    def pressure(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
         """Pressure [Pa]."""
         altitude_km = altitude / _METRES_PER_KILOMETRE
         integral = _METRES_PER_KILOMETRE * jnp.polyval(_INTEGRAL, altitude_km)
@@ -79,6 +80,6 @@ class Lu2023Atmosphere(AbstractAtmosphere):
         return self._nan_outside(altitude, constants.SEA_LEVEL_PRESSURE * jnp.exp(-exponent))
 
     @entry_point
-    def molar_mass_ratio(self, altitude: Numeric) -> Any:
+    def molar_mass_ratio(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
         """One: the paper's gas does not change with altitude."""
         return jnp.ones_like(altitude)

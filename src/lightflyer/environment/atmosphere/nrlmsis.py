@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
+from lightflyer.environment.base import Place
 from lightflyer.foundation import constants
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import MissingExtraError
@@ -121,16 +122,16 @@ class NRLMSIS(AbstractAtmosphere):
         return 0.0, _TOP
 
     @entry_point
-    def temperature(self, altitude: Numeric) -> Any:
+    def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
         """Temperature [K]."""
         return self._nan_outside(altitude, self.kinetic_temperature(altitude))
 
     @entry_point
-    def pressure(self, altitude: Numeric) -> Any:
+    def pressure(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
         """Pressure [Pa], the sum of the species' number densities times kT."""
         return self._nan_outside(altitude, jnp.exp(self.log_pressure(altitude)))
 
     @entry_point
-    def molar_mass_ratio(self, altitude: Numeric) -> Any:
+    def molar_mass_ratio(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
         """Mean molar mass over that of the standard's sea-level air [1]."""
         return self._nan_outside(altitude, self.molar_mass(altitude))

@@ -9,6 +9,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
+from lightflyer.environment.base import Place
 from lightflyer.foundation import constants
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.spline import Spline
@@ -176,17 +177,17 @@ class US1976(AbstractAtmosphere):
         return 0.0, _TOP
 
     @entry_point
-    def temperature(self, altitude: Numeric) -> Any:
+    def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
         """Kinetic temperature [K]."""
         return self._nan_outside(altitude, _temperature(altitude))
 
     @entry_point
-    def pressure(self, altitude: Numeric) -> Any:
+    def pressure(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
         """Pressure [Pa]."""
         return self._nan_outside(altitude, _pressure(altitude))
 
     @entry_point
-    def molar_mass_ratio(self, altitude: Numeric) -> Any:
+    def molar_mass_ratio(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
         """Mean molar mass over its value at sea level [1]."""
         return self._nan_outside(altitude, _molar_mass_ratio(altitude))
 

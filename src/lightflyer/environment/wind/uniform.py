@@ -1,0 +1,92 @@
+"""A wind that is the same everywhere, and the sum of winds."""
+
+import jax.numpy as jnp
+import numpy as np
+
+from lightflyer.environment.base import Place, Wind
+from lightflyer.environment.wind.base import AbstractWind, span
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.quantity import Checked, Velocity, require_record
+from lightflyer.foundation.types import Numeric
+
+
+class UniformWind(Checked, AbstractWind):
+    """A wind of the same east, north and up everywhere and always.
+
+    At a pole a wind towards the east or north has no direction; there it turns with the longitude
+    of the place.
+
+    Attributes
+    ----------
+    east, north, up : array
+        Velocity of the gas over ground [m/s]; by default the gas is at rest.
+
+    Examples
+    --------
+    >>> wind = UniformWind(east="-60 m/s", up=0.05)
+    >>> print(wind.describe()[0])
+    wind: -60 m/s east, 0 m/s north, 0.05 m/s up, everywhere
+    """
+
+    east: Velocity = 0.0
+    north: Velocity = 0.0
+    up: Velocity = 0.0
+
+    def velocity(self, altitude: Numeric, place: Place) -> Wind:
+        """See :meth:`AbstractWind.velocity`."""
+        return _uniform((self.east, self.north, self.up), (altitude, *place))
+
+    def describe(self) -> tuple[str, ...]:
+        """See :meth:`AbstractWind.describe`."""
+        parts = (self.east, self.north, self.up)
+        if not np.any(np.concatenate([np.ravel(part) for part in parts])):
+            return ("wind: none",)
+        return (
+            f"wind: {span(self.east)} m/s east, {span(self.north)} m/s north, "
+            f"{span(self.up)} m/s up, everywhere",
+        )
+
+
+class SumOfWinds(AbstractWind):
+    """Several winds on top of each other, such as a gradient wind and a wind upwards.
+
+    Parameters
+    ----------
+    *winds : AbstractWind
+
+    Examples
+    --------
+    >>> wind = SumOfWinds(UniformWind(east=-60.0), UniformWind(up=0.05))
+    >>> print(wind.velocity(70e3, Place(0.5, 0.0, 0.0)).up)
+    0.05
+    """
+
+    winds: tuple[AbstractWind, ...]
+
+    def __init__(self, *winds: AbstractWind):
+        for wind in winds:
+            require_record("a wind", (AbstractWind,), wind)
+        self.winds = winds
+
+    def velocity(self, altitude: Numeric, place: Place) -> Wind:
+        """See :meth:`AbstractWind.velocity`."""
+        found = [wind.velocity(altitude, place) for wind in self.winds]
+        return Wind(*(sum(parts) for parts in zip(*found, strict=True)))
+
+    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
+        """See :meth:`AbstractWind.margins`: those of all."""
+        return {
+            name: margin
+            for wind in self.winds
+            for name, margin in wind.margins(altitude, place).items()
+        }
+
+    def describe(self) -> tuple[str, ...]:
+        """See :meth:`AbstractWind.describe`: one after another."""
+        return tuple(text for wind in self.winds for text in wind.describe())
+
+
+@entry_point
+def _uniform(parts: tuple[Numeric, ...], where: tuple[Numeric, ...]) -> Wind:
+    shape = jnp.broadcast_shapes(*(jnp.shape(value) for value in (*parts, *where)))
+    return Wind(*(jnp.broadcast_to(part, shape) for part in parts))

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import equinox as eqx
 from jax import Array
 
+from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
+from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.quantity import Checked, Mass
 from lightflyer.foundation.types import Numeric
 
@@ -148,6 +150,58 @@ class AbstractFlyer(Checked):
         if isinstance(volume, float) and volume == 0.0:
             return 0.0
         return state.gas.density(state.pressure, state.temperature) * volume * state.gravity
+
+    def drag(
+        self,
+        state: EnvironmentState,
+        unknowns: tuple[Array, ...],
+        speed: Numeric,
+        direction: Direction = "broadside",
+    ) -> Array:
+        """Drag of the gas on the flyer that moves through it.
+
+        Parameters
+        ----------
+        state : EnvironmentState
+        unknowns : tuple of array, shape (...)
+            Relative temperature excess of each node [1], then the flows.
+        speed : array, shape (...)
+            Of the flyer relative to the gas, of either sign [m/s].
+        direction : {"broadside", "edgewise"}
+            Whether it moves along its axis or across it.
+
+        Returns
+        -------
+        array, broadcast shape
+            Force against the motion, of the sign of the speed [N]. It comes on top of the force of
+            the gas on the flyer at rest.
+
+        Raises
+        ------
+        ConfigurationError
+            If the class has no law of drag.
+        """
+        del state, unknowns, speed, direction
+        raise ConfigurationError(
+            f"{type(self).__name__} has no law of drag: give its class a method drag()"
+        )
+
+    def drag_caveats(self, state: EnvironmentState, speed: Numeric) -> tuple[str, ...]:
+        """Warnings, in words, where :meth:`drag` is outside its range or an estimate.
+
+        Parameters
+        ----------
+        state : EnvironmentState
+            Concrete numbers, at one place or many.
+        speed : array, shape (...)
+            As for :meth:`drag`; concrete [m/s].
+
+        Returns
+        -------
+        tuple of str
+        """
+        del state, speed
+        return ()
 
     def caveats(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
         """Warnings, in words, where the flyer's own description does not hold, such as its optics.

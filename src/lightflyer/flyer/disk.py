@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.drag.disk import Direction, disk_drag, edgewise_disk_drag
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.film.properties import FilmProperties
@@ -97,6 +98,21 @@ class Disk(AbstractFlyer):
         root = jnp.sqrt(jnp.sqrt(jnp.maximum(1.0 + bound, 0.0)))
         # solves (1 + θ)⁴ = 1 + bound without cancellation
         return jnp.abs(bound / ((root + 1.0) * (root**2 + 1.0)))
+
+    def drag(
+        self,
+        state: EnvironmentState,
+        unknowns: tuple[Array, ...],
+        speed: Numeric,
+        direction: Direction = "broadside",
+    ) -> Array:
+        """See :meth:`AbstractFlyer.drag` and :mod:`lightflyer.drag.disk`."""
+        film, (excess,) = self.film, unknowns[:1]
+        faces = (film.tac_top, film.tac_bottom)
+        gas = (self.radius, state.pressure, state.temperature, state.gas)
+        if direction == "edgewise":
+            return edgewise_disk_drag(speed, *gas, faces)
+        return disk_drag(speed, *gas, faces, (excess, excess))
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

@@ -27,6 +27,12 @@ TOTAL_SOLAR_IRRADIANCE: Final = 1361.0
 Over the year it varies by 3.4 % about this mean.
 """
 
+ASTRONOMICAL_UNIT: Final = 149_597_870_700.0
+"""Astronomical unit [m]; exact, [IAU2012]_ resolution B2."""
+
+SOLAR_RADIUS: Final = 6.957e8
+"""Nominal radius of the sun [m]; [IAU2015]_ resolution B3."""
+
 SOLAR_CONSTANT_LU2023: Final = 1360.0
 """Sunlight above the atmosphere as [Lu2023]_ rounds it [W/m²]."""
 

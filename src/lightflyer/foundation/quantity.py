@@ -307,6 +307,15 @@ Latitude = Annotated[Numeric, Quantity("deg", -90.0, 90.0)]
 Longitude = Annotated[Numeric, Quantity("deg", -180.0, 360.0)]
 PolarAngle = Annotated[Numeric, Quantity("rad", 0.0, math.pi)]
 Angle = Annotated[Numeric, Quantity("rad", -2.0 * math.pi, 2.0 * math.pi)]
+PlanetRadius = Annotated[
+    Numeric,
+    Quantity("m", 0.0, open_below=True, sizes=(1e5, 1e8), why="Ceres and Jupiter are between"),
+]
+RotationRate = Annotated[
+    Numeric, Quantity("rad/s", sizes=(1e-9, 1e-2), why="Venus and Jupiter are between")
+]
+Flattening = Annotated[Numeric, Quantity("", 0.0, 0.5)]
+AngularRadius = Annotated[Numeric, Quantity("rad", 0.0, 0.1)]
 SolarFlux = Annotated[Numeric, Quantity("", 40.0, 500.0)]
 GeomagneticIndex = Annotated[Numeric, Quantity("", 0.0, 400.0)]
 

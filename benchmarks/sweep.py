@@ -24,6 +24,7 @@ import numpy as np
 from scipy.optimize import differential_evolution
 
 import lightflyer as lf
+from lightflyer.foundation.progress import reported_to
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.optimiser import find_optimum
 from lightflyer.search.problem import as_problem
@@ -104,14 +105,12 @@ def throughput(folder, designs, repeats):
 class Clock:
     """Notes when chunks are done."""
 
-    def prepared(self, done, total):
-        pass
-
-    def begin(self, found, total):
+    def __init__(self):
         self.done = []
 
-    def advance(self, designs):
-        self.done.append(time.perf_counter())
+    def __call__(self, step):
+        if step.unit == "designs" and step.done:
+            self.done.append(time.perf_counter())
 
     @property
     def per_chunk(self):
@@ -144,7 +143,8 @@ def cluster(folder, designs, repeats):
     def sweep(address):
         shutil.rmtree(folder / "cluster.zarr", ignore_errors=True)
         clock = Clock()
-        sweep_into(asked, folder / "cluster.zarr", scheduler=address, progress=clock)
+        with reported_to(clock):
+            sweep_into(asked, folder / "cluster.zarr", scheduler=address)
         return clock.per_chunk
 
     clusters = start_clusters(folder)
@@ -195,7 +195,8 @@ def thread(folder, designs):
     evaluate = Evaluator(asked)
     evaluate(0, BATCH)  # compiles
     before = time.process_time()
-    sweep_into(asked, folder, evaluator=evaluate, progress=clock, workers=1)
+    with reported_to(clock):
+        sweep_into(asked, folder, evaluator=evaluate, workers=1)
     print(json.dumps([clock.per_chunk, time.process_time() - before]))
 
 

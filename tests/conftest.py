@@ -9,6 +9,7 @@ if importlib.metadata.version("jaxlib").startswith("0.10."):
     )
 
 os.environ.setdefault("LIGHTFLYER_CACHE", "off")  # tests of it choose a folder of their own
+os.environ.setdefault("LIGHTFLYER_PROGRESS", "off")  # a slow machine would see it anywhere
 
 import jax
 import numpy as np

@@ -24,6 +24,7 @@ import numpy as np
 from lightflyer.calibration.calibration import Calibration
 from lightflyer.foundation.errors import ConvergenceError, MissingExtraError, ParameterError
 from lightflyer.foundation.precision import float64
+from lightflyer.foundation.progress import report
 
 SCATTER = "scatter"
 """Name of the scatter of log-irradiance among the draws, where it is estimated."""
@@ -136,7 +137,6 @@ def posterior(
     samples: int = 2000,
     warmup: int = 300,
     seed: int = 0,
-    progress: bool = False,
 ) -> Posterior:
     """Draw from the posterior of a calibration's parameters, by NUTS.
 
@@ -150,8 +150,6 @@ def posterior(
         Draws of each chain that adapt the sampler and are discarded.
     seed : int
         Seed of the draws; the same seed gives the same draws on the same machine.
-    progress : bool
-        Show a progress bar on standard error.
 
     Returns
     -------
@@ -187,8 +185,9 @@ def posterior(
             num_samples=-(-samples // CHAINS),
             num_chains=CHAINS,
             chain_method="vectorized",
-            progress_bar=progress,
+            progress_bar=False,
         )
+        report(f"drawing {samples:,} samples from the posterior")
         mcmc.run(jax.random.PRNGKey(seed), extra_fields=("diverging",))
         found = {k: np.asarray(v) for k, v in mcmc.get_samples(group_by_chain=True).items()}
         divergences = int(np.sum(mcmc.get_extra_fields()["diverging"]))

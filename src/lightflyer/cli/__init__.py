@@ -12,6 +12,7 @@ from typing import Any
 import cyclopts
 
 import lightflyer
+from lightflyer.cli.progress import Display, working
 from lightflyer.foundation.errors import LightflyerError, ParameterWarning
 
 EXIT_FAILURE = 2
@@ -90,13 +91,14 @@ app.command(
 class _Warnings:
     """Prints each warning once, however often the same flyer is built."""
 
-    def __init__(self) -> None:
+    def __init__(self, display: Display) -> None:
+        self._display = display
         self._shown: set[str] = set()
 
     def __call__(self, message: Warning | str, *_: Any, **__: Any) -> None:
         if str(message) not in self._shown:
             self._shown.add(str(message))
-            print(f"lightflyer: warning: {message}", file=sys.stderr)  # noqa: T201
+            self._display.note(f"lightflyer: warning: {message}")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -107,19 +109,20 @@ def main(arguments: Sequence[str] | None = None) -> None:
     arguments : sequence of str, optional
         What follows the program's name; by default as the process was started.
     """
-    with warnings.catch_warnings():
-        warnings.simplefilter("always", ParameterWarning)
-        warnings.showwarning = _Warnings()
-        try:
-            app(sys.argv[1:] if arguments is None else arguments, exit_on_error=False)
-        except cyclopts.CycloptsError:
-            sys.exit(EXIT_FAILURE)  # cyclopts has said why
-        except LightflyerError as error:
-            for line in str(error).splitlines():
-                print(f"lightflyer: error: {line}", file=sys.stderr)  # noqa: T201
-            sys.exit(EXIT_FAILURE)
-        except KeyboardInterrupt:
-            sys.exit(EXIT_INTERRUPTED)
-        except BrokenPipeError:
-            sys.stderr.close()  # whoever read the output has gone; nothing is left to say
-            sys.exit(0)
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    try:
+        with working(next(iter(given), app.name[0])) as display, warnings.catch_warnings():
+            warnings.simplefilter("always", ParameterWarning)
+            warnings.showwarning = _Warnings(display)
+            app(given, exit_on_error=False)
+    except cyclopts.CycloptsError:
+        sys.exit(EXIT_FAILURE)  # cyclopts has said why
+    except LightflyerError as error:
+        for line in str(error).splitlines():
+            print(f"lightflyer: error: {line}", file=sys.stderr)  # noqa: T201
+        sys.exit(EXIT_FAILURE)
+    except KeyboardInterrupt:
+        sys.exit(EXIT_INTERRUPTED)
+    except BrokenPipeError:
+        sys.stderr.close()  # whoever read the output has gone; nothing is left to say
+        sys.exit(0)

@@ -2,7 +2,6 @@
 
 import json
 import math
-import sys
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,7 +12,7 @@ from rich.table import Table
 
 from lightflyer.cli.lab._points import open_interval_text
 from lightflyer.cli.lab._shared import optional_share, quantity, show_warnings
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import print_json, printer
 
 if TYPE_CHECKING:
     from lightflyer.calibration.bayes import Posterior
@@ -107,7 +106,7 @@ def calibrate_command(
     drawn = _draw(fit, samples, seed) if posterior else None
     written = [] if out is None else _write(out, fit, drawn)
     if json_output:
-        print(json.dumps(_summary(fit, drawn), allow_nan=False))  # noqa: T201
+        print_json(_summary(fit, drawn))
         return
     console = printer()
     if flyer is None:
@@ -125,7 +124,7 @@ def calibrate_command(
 def _draw(fit: "Calibration", samples: int, seed: int) -> "Posterior":
     from lightflyer.calibration.bayes import posterior
 
-    return posterior(fit, samples=samples, seed=seed, progress=sys.stderr.isatty())
+    return posterior(fit, samples=samples, seed=seed)
 
 
 def _summary(fit: "Calibration", drawn: "Posterior | None") -> dict[str, Any]:
@@ -188,7 +187,7 @@ def _show(console: Console, fit: "Calibration", drawn: "Posterior | None") -> No
         table.add_column(heading, justify="left" if heading == "parameter" else "right")
     for row, name in enumerate(fit.names):
         table.add_row(
-            name.replace("[", "\\["),
+            name,
             f"{fit.values[row]:.4g}",
             open_interval_text(*fit.intervals[row]),
             open_interval_text(*fit.total_intervals[row]),
@@ -243,7 +242,7 @@ def _show_posterior(console: Console, drawn: "Posterior") -> None:
     for name, found in drawn.summary()["parameters"].items():
         low, high = found["interval_95"]
         table.add_row(
-            name.replace("[", "\\["),
+            name,
             f"{found['mean']:.4g}",
             f"{found['standard_deviation']:.2g}",
             f"{low:.4g} to {high:.4g}",

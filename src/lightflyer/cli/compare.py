@@ -1,16 +1,14 @@
 """``lightflyer compare``: several flyers side by side."""
 
 import json
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import print_json, printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -54,18 +52,10 @@ def compare_command(
     for path in flyer_files:
         read_flyer_file(path)  # every mistake in a file is told before anything is computed
     searched = _range(altitudes, pressures, flyer_files)
-    with _bar() as bar:
-        task = bar.add_task("", total=2 * len(flyer_files))
-        comparison = compare(
-            *flyer_files,
-            searched=searched,
-            samples=samples,
-            seed=seed,
-            progress=lambda doing, done, _: bar.update(task, description=doing, completed=done),
-        )
+    comparison = compare(*flyer_files, searched=searched, samples=samples, seed=seed)
     written = _write(out, comparison) if out is not None else []
     if json_output:
-        print(json.dumps(comparison.summary(), allow_nan=False))  # noqa: T201
+        print_json(comparison.summary())
         return
     console = printer()
     _show(console, comparison)
@@ -73,13 +63,6 @@ def compare_command(
         console.print(f"wrote {path}", soft_wrap=True)
     if out is None:
         console.print("add --out FOLDER to write the figure and data")
-
-
-def _bar() -> Progress:
-    """Progress on standard error, where that is a terminal."""
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
-    hidden = not sys.stderr.isatty()
-    return Progress(*columns, console=printer(stderr=True), transient=True, disable=hidden)
 
 
 def _range(

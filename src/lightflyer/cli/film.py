@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import print_json, printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def film_command(
         described["at"] = points
     written = [] if out is None else _write(out, summary, described)
     if json_output:
-        print(json.dumps(described, allow_nan=False, ensure_ascii=False))  # noqa: T201
+        print_json(described)
         return
     console = printer()
     _show(console, section, summary, points)

@@ -2,7 +2,6 @@
 
 import gc
 import json
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from inspect import signature
@@ -12,8 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 from rich.table import Table
 
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import print_json, printer
 from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.progress import report
 
 if TYPE_CHECKING:
     from lightflyer.kinetic import Solution
@@ -83,12 +83,7 @@ def kinetic_command(
 
     # a folder that cannot be written is found before, not after, a long solution
     opened = nullcontext() if out is None else output_directory(out)
-    with opened as stage, printer(stderr=True).status("") as status, _named_as_options():
-
-        def progress(residual: float) -> None:
-            status.update(f"solving the non-linear equation, residual {residual:.1e}")
-
-        status.update("solving the kinetic equation (compiled once, at its first use)")
+    with opened as stage, _named_as_options():
         solution = solve(
             kn,
             tac_top,
@@ -99,13 +94,12 @@ def kinetic_command(
             open_fraction=open_fraction,
             gas=gas,
             boundary=boundary,
-            progress=progress if sys.stderr.isatty() else None,
         )
         if stage is not None:
-            status.update("drawing the flow")
+            report("drawing the flow")
             _write(stage, solution)
     if json_output:
-        print(json.dumps(solution.to_json(), allow_nan=False))  # noqa: T201
+        print_json(solution.to_json())
     else:
         _show(solution, out)
 

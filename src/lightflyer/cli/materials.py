@@ -1,12 +1,11 @@
 """``lightflyer materials``: the library of materials for layers."""
 
-import json
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 from rich.table import Table
 
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import print_json, printer
 
 
 def materials_command(
@@ -40,7 +39,7 @@ def materials_command(
         for one in found
     ]
     if json_output:
-        print(json.dumps({"materials": described}, allow_nan=False, ensure_ascii=False))  # noqa: T201
+        print_json({"materials": described})
         return
     console = printer()
     for entry in described:

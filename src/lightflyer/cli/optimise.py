@@ -8,7 +8,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import print_json, printer
 
 if TYPE_CHECKING:
     from lightflyer.search.front import Front
@@ -54,7 +54,7 @@ def optimise_command(
         if not json_output:
             _show_optimum(console, problem, optimum)
     if json_output:
-        print(json.dumps(summary, allow_nan=False))  # noqa: T201
+        print_json(summary)
         return
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)

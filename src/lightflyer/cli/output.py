@@ -1,6 +1,27 @@
 """Where commands print: plain text, whatever is in it."""
 
+import json
+import sys
+from collections.abc import Callable
+from typing import Any
+
 from rich.console import Console
+
+BEFORE_RESULTS: list[Callable[[], None]] = []
+"""What is called before anything is printed to the standard output stream."""
+
+
+def _clear() -> None:
+    for call in BEFORE_RESULTS:
+        call()
+
+
+class _Results(Console):
+    """The standard output stream, before which progress is cleared away."""
+
+    def print(self, *objects: Any, **settings: Any) -> None:
+        _clear()
+        super().print(*objects, **settings)
 
 
 def printer(*, stderr: bool = False, width: int | None = None) -> Console:
@@ -20,4 +41,17 @@ def printer(*, stderr: bool = False, width: int | None = None) -> Console:
     -------
     rich.console.Console
     """
-    return Console(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)
+    kind = Console if stderr else _Results
+    return kind(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)
+
+
+def print_json(document: dict[str, Any]) -> None:
+    """Print one JSON object on one line.
+
+    Parameters
+    ----------
+    document : dict
+    """
+    _clear()
+    readable = (sys.stdout.encoding or "").lower().startswith("utf")  # else escapes lose nothing
+    print(json.dumps(document, allow_nan=False, ensure_ascii=not readable))  # noqa: T201

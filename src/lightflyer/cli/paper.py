@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from rich.progress import Progress
 from rich.table import Table
 
 from lightflyer.cli.output import printer
@@ -24,12 +23,10 @@ def paper_command(*, out: Path = Path("paper"), data: Path | None = None) -> Non
     points = None if data is None else read_points(data, strict=True)
 
     from lightflyer.paper.claims import claims
-    from lightflyer.paper.reproduce import STEPS, reproduce
+    from lightflyer.paper.reproduce import reproduce
 
     console = printer()
-    with Progress(console=console, transient=True) as bar:
-        task = bar.add_task("computing", total=STEPS)
-        results = reproduce(out, points, lambda text: bar.update(task, advance=1, description=text))
+    results = reproduce(out, points)
     table = Table(box=None, padding=(0, 1))
     for heading in ("#", "claim", "verdict", "by"):
         table.add_column(heading, justify="right" if heading == "#" else "left")

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.measure import Measurement
 from rich.table import Table
 
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import print_json, printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def predict_command(
         loading.join()
         written = _write(out, file, flyer_file, (prediction, summary, uncertainty), csv=csv)
     if json_output:
-        print(json.dumps(summary, allow_nan=False))  # noqa: T201
+        print_json(summary)
         return
     console = printer()
     _show(console, file, prediction, summary)

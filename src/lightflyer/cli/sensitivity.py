@@ -9,7 +9,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import print_json, printer
 
 if TYPE_CHECKING:
     from lightflyer.search.sobol import Indices
@@ -43,7 +43,7 @@ def sensitivity_command(
     summary = {found.output: found.summary() for found in results}
     written = [] if out is None else _write(out, summary, results)
     if json_output:
-        print(json.dumps(summary, allow_nan=False))  # noqa: T201
+        print_json(summary)
         return
     console = printer()
     for found in results:

@@ -1,25 +1,14 @@
 """``lightflyer sweep``: compute the outputs of many designs into a folder."""
 
-import json
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    Task,
-    TextColumn,
-    TimeRemainingColumn,
-)
 from rich.table import Table
-from rich.text import Text
 
-from lightflyer.cli.output import printer
+from lightflyer.cli.amounts import duration, in_words, with_prefix
+from lightflyer.cli.output import print_json, printer
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 
 if TYPE_CHECKING:
@@ -29,9 +18,6 @@ if TYPE_CHECKING:
     from lightflyer.sweeps.run import SweepReport
     from lightflyer.sweeps.study import Study
 
-_SCALE = 1000.0
-_PREFIXES = ("", "thousand", "million", "billion", "trillion")
-_SECONDS = (("years", 31557600.0), ("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0))
 _BEST = ("relative_payload", "payload", "band_width", "lift_over_weight")
 
 
@@ -76,18 +62,16 @@ def sweep_command(
     study = read_study(study_file)
     if not yes:
         _require_reasonable(study, out)
-    with _Progress() as progress:
-        report = sweep_into(
-            study,
-            out,
-            scheduler=scheduler,
-            workers=workers,
-            chunk=CHUNK if chunk is None else chunk,
-            progress=progress,
-        )
+    report = sweep_into(
+        study,
+        out,
+        scheduler=scheduler,
+        workers=workers,
+        chunk=CHUNK if chunk is None else chunk,
+    )
     dataset = open_sweep(out)
     if json_output:
-        print(json.dumps(_summary(out, study, report, dataset), allow_nan=False))  # noqa: T201
+        print_json(_summary(out, study, report, dataset))
         return
     _show(printer(), study, report, dataset)
     printer().print(f"wrote {out}", soft_wrap=True)
@@ -99,82 +83,11 @@ def _require_reasonable(study: "Study", out: Path) -> None:
     if study.size <= LARGEST:
         return
     found = estimate(study, out)
-    size, free = (_amount(count, "B") for count in (found.size, found.free))
+    size, free = (with_prefix(count, "B") for count in (found.size, found.free))
     raise ConfigurationError(
-        f"the study has {_words(found.designs)} designs: about {_duration(found.seconds)} on this "
+        f"the study has {in_words(found.designs)} designs: about {duration(found.seconds)} on this "
         f"machine and {size} on the disk, which has {free} free; start it with --yes"
     )
-
-
-def _words(number: float) -> str:
-    """A large number in words, to three digits."""
-    power = 0
-    while number >= _SCALE and power < len(_PREFIXES) - 1:
-        number, power = number / _SCALE, power + 1
-    return f"{number:.3g} {_PREFIXES[power]}".rstrip()
-
-
-def _amount(number: float, unit: str) -> str:
-    prefixes = ("", "k", "M", "G", "T", "P")
-    power = 0
-    while number >= _SCALE and power < len(prefixes) - 1:
-        number, power = number / _SCALE, power + 1
-    return f"{number:.3g} {prefixes[power]}{unit}"
-
-
-def _duration(seconds: float) -> str:
-    for name, length in _SECONDS:
-        if seconds >= 2.0 * length:
-            return f"{seconds / length:.0f} {name}"
-    return f"{seconds:.0f} seconds"
-
-
-class _RateColumn(ProgressColumn):
-    """Designs a second."""
-
-    def render(self, task: Task) -> Text:
-        speed = task.finished_speed or task.speed
-        return Text("" if not speed else f"{_words(speed)} designs/s")
-
-
-class _Progress:
-    """Progress bars on standard error, where that is a terminal."""
-
-    def __init__(self) -> None:
-        console = printer(stderr=True)
-        self._bar = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            _RateColumn(),
-            TimeRemainingColumn(),
-            console=console,
-            transient=True,
-            disable=not sys.stderr.isatty(),
-        )
-        self._films: Any = None
-        self._designs: Any = None
-
-    def __enter__(self) -> "_Progress":
-        self._bar.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.stop()
-
-    def prepared(self, done: int, total: int) -> None:
-        """See :class:`lightflyer.sweeps.run.Progress`."""
-        if self._films is None:
-            self._films = self._bar.add_task("films", total=total)
-        self._bar.update(self._films, completed=done)
-
-    def begin(self, found: int, total: int) -> None:
-        """See :class:`lightflyer.sweeps.run.Progress`."""
-        self._designs = self._bar.add_task("designs", total=total, completed=found)
-
-    def advance(self, designs: int) -> None:
-        """See :class:`lightflyer.sweeps.run.Progress`."""
-        self._bar.advance(self._designs, designs)
 
 
 def _summary(
@@ -236,7 +149,7 @@ def _report_line(report: "SweepReport") -> str:
     if report.damaged:
         chunks = "chunk" if report.damaged == 1 else "chunks"
         parts.append(f"{report.damaged} damaged {chunks} computed again")
-    rate = _words(report.computed / max(report.seconds, 1e-9))
+    rate = in_words(report.computed / max(report.seconds, 1e-9))
     parts.append(f"{report.computed:,} computed in {report.seconds:.1f} s ({rate} a second)")
     return ", ".join(parts)
 

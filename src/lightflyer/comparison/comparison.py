@@ -4,7 +4,7 @@ Each flyer is predicted in its own surroundings, with the bands of its own ±; a
 tabulated on one grid.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,6 +19,7 @@ from lightflyer.flight.design import AbstractDesign, as_design
 from lightflyer.flight.outputs import OUTPUTS, outputs_of
 from lightflyer.flight.setup import Setup
 from lightflyer.foundation.errors import ConfigurationError, LightflyerError, ParameterError
+from lightflyer.foundation.progress import report
 from lightflyer.foundation.units import scale_and_offset
 from lightflyer.prediction.prediction import Evaluator, Prediction, Table, predict_design
 from lightflyer.uncertainty.propagation import (
@@ -42,9 +43,6 @@ _AROUND = 0.05  # of the searched range, drawn beyond that on each side
 _LISTED = 12  # most coordinates that are listed
 _FEW_DECADES = 6  # of pressure, in each of which two are listed
 _STEPS = (1.0, 2.0, 5.0, 10.0)
-
-Progress = Callable[[str, int, int], None]
-"""Called with what is done next, how many steps are done, and how many there are."""
 
 
 @dataclass(frozen=True)
@@ -238,7 +236,6 @@ def compare(
     searched: tuple[float, float] | None = None,
     samples: int = DEFAULT_SAMPLES,
     seed: int = 0,
-    progress: Progress | None = None,
 ) -> Comparison:
     """Compare flyers, each in its own surroundings, on one grid of altitudes or pressures.
 
@@ -255,8 +252,6 @@ def compare(
         Of Monte Carlo for the bands of those with ±; 0 for first order alone.
     seed : int
         Of the random numbers.
-    progress : callable, optional
-        Called before each step with what is done next, the steps done and how many there are.
 
     Returns
     -------
@@ -291,17 +286,17 @@ def compare(
     where = _common_coordinate(designs)
     if searched is not None:
         _require_range(where, searched)
-    told, count = progress or _silent, 2 * len(designs)
+    count = 2 * len(designs)
     predictions: list[Prediction] = []
     for name, design in designs.items():
-        told(f"{name}: prediction", len(predictions), count)
+        report(f"{name}: prediction", len(predictions), count)
         with _about(name):
             predictions.append(predict_design(design, (), searched))
     grid = _common_grid(predictions, searched)
     flyers: list[Compared] = []
     listed = _round_coordinates(where, float(grid[0]), float(grid[-1]))
     for (name, design), prediction in zip(designs.items(), predictions, strict=True):
-        told(f"{name}: 95 % band", len(designs) + len(flyers), count)
+        report(f"{name}: 95 % band", len(designs) + len(flyers), count)
         with _about(name):
             evaluate = Evaluator(prediction.setup)
             uncertainty = propagate(
@@ -310,10 +305,6 @@ def compare(
             tables = evaluate(grid), evaluate(listed)
         flyers.append(Compared(name, prediction, uncertainty, *tables))
     return Comparison(tuple(flyers), grid, listed)
-
-
-def _silent(doing: str, done: int, total: int) -> None:
-    del doing, done, total
 
 
 @contextmanager

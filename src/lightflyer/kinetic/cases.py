@@ -1,6 +1,5 @@
 """Cases of the disk problem, and their solution on one mesh."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -116,7 +115,6 @@ def solve_case(
     *,
     tolerance: float = 1e-6,
     start: np.ndarray | None = None,
-    progress: Callable[[float], None] | None = None,
 ) -> Outcome:
     """Solve a case on one mesh.
 
@@ -129,8 +127,6 @@ def solve_case(
     start : array, optional
         Fields of a neighbouring non-linear case on the same mesh to start from, by default those
         of the linear problem.
-    progress : callable, optional
-        Called with the residual of each non-linear iteration.
 
     Returns
     -------
@@ -153,7 +149,7 @@ def solve_case(
         disk = HotDisk(case.tac, case.temperature, case.open_fraction)
         if start is None:
             start = system.solve(walls)[0]
-        fields, iterations = problem.solve(disk, start, tolerance, progress)
+        fields, iterations = problem.solve(disk, start, tolerance)
         faces = [problem.face_result(fields, face, disk) for face in (0, 1)]
     force, heat = _totals(mesh, faces)
     if not np.isfinite(force):

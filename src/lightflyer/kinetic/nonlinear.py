@@ -5,13 +5,13 @@ Knudsen number. In thin gas it is the linear problem's factors, in dense gas tho
 linearised about the temperatures of the hot gas.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import lu_solve
 
 from lightflyer.foundation.errors import ConvergenceError
+from lightflyer.foundation.progress import report
 from lightflyer.kinetic import nonlinear_kernel
 from lightflyer.kinetic.linear import FaceResult, LinearSystem
 from lightflyer.kinetic.operators import (
@@ -120,7 +120,6 @@ class NonlinearProblem:
         disk: HotDisk,
         start: np.ndarray,
         tolerance: float,
-        progress: Callable[[float], None] | None = None,
     ) -> tuple[np.ndarray, int]:
         """Iterate to a fixed point.
 
@@ -130,8 +129,6 @@ class NonlinearProblem:
         start : array, shape (2, n, fields)
         tolerance : float
             Largest preconditioned residual of a field.
-        progress : callable, optional
-            Called with the residual of each iteration.
 
         Returns
         -------
@@ -154,8 +151,7 @@ class NonlinearProblem:
             missing = self.evaluate(fields, disk) - fields
             step = self._precondition(missing)
             residual = float(np.abs(step).max())
-            if progress is not None:
-                progress(residual)
+            report(f"solving the non-linear equation, residual {residual:.1e}")
             if residual < tolerance:
                 return fields + step, iteration
             if not np.isfinite(residual):

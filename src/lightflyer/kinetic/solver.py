@@ -1,7 +1,6 @@
 """The disk problem: force and heat relative to their free-molecular values, with errors."""
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +9,7 @@ import numpy as np
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.extras import extra
+from lightflyer.foundation.progress import report
 from lightflyer.foundation.quantity import HIGHEST_OPEN_FRACTION
 from lightflyer.kinetic.model_gases import gas_model
 
@@ -160,7 +160,6 @@ def solve(
     open_fraction: float = 0.0,
     gas: str = "monatomic",
     boundary: float | None = None,
-    progress: Callable[[float], None] | None = None,
 ) -> Solution:
     r"""Solve the kinetic equation around a thin disk with Maxwell walls, or one with holes.
 
@@ -185,8 +184,6 @@ def solve(
     boundary : float, optional
         Half-width and half-height of a cylindrical reservoir at T_c [disk radii], at least 1.5
         and up to 338 Kn; by default open space.
-    progress : callable, optional
-        Called with the residual of each non-linear iteration.
 
     Returns
     -------
@@ -225,9 +222,8 @@ def solve(
     from lightflyer.kinetic.cases import SMALLEST_ERROR, meshes, solve_case
 
     began = time.perf_counter()
-    fine, coarse = (
-        solve_case(case, mesh, progress=progress) for mesh in meshes(knudsen, linear=case.linear)
-    )
+    report("solving the kinetic equation (compiled once, at its first use)")
+    fine, coarse = (solve_case(case, mesh) for mesh in meshes(knudsen, linear=case.linear))
     found, other = _ratios(case, fine), _ratios(case, coarse)
     errors = {
         name: _difference(found[name], other[name], least) for name, least in SMALLEST_ERROR.items()

@@ -1,9 +1,9 @@
 """Recompute the paper and write the report."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 from lightflyer.calibration.points import Points
+from lightflyer.foundation import progress
 from lightflyer.foundation.drawing import save
 from lightflyer.foundation.files import output_directory
 from lightflyer.paper import report
@@ -13,17 +13,9 @@ from lightflyer.paper.figures import measured_figures, paper_figure
 from lightflyer.paper.results import check_values, column_values, common_values
 from lightflyer.paper.tables import table_1, table_s2, tac_pairs, to_csv
 
-STEPS = 2 * len(COLUMNS) + 2 * len(FIGURES) + 1
-"""Number of times that :func:`reproduce` reports progress."""
 
-
-def compute(progress: Callable[[str], None] = lambda _: None) -> report.Results:
+def compute() -> report.Results:
     """Compute the numbers of the report.
-
-    Parameters
-    ----------
-    progress : callable
-        Called with a text after each step; there are two for each column.
 
     Returns
     -------
@@ -31,16 +23,14 @@ def compute(progress: Callable[[str], None] = lambda _: None) -> report.Results:
     """
     results, common = report.Results(), common_values()
     for column in COLUMNS:
+        progress.report(f"check values, {column.title}")
         results.checks[column.key] = check_values(column)
-        progress(f"check values, {column.title}")
+        progress.report(f"claims, {column.title}")
         results.columns[column.key] = {**common, **column_values(column)}
-        progress(f"claims, {column.title}")
     return results
 
 
-def reproduce(
-    out: Path, points: Points | None = None, progress: Callable[[str], None] = lambda _: None
-) -> report.Results:
+def reproduce(out: Path, points: Points | None = None) -> report.Results:
     """Write report, figures and data into a folder: everything, or nothing on failure.
 
     Parameters
@@ -49,8 +39,6 @@ def reproduce(
         Gets ``report.html``, ``report.md``, ``report.json``, ``figures/`` and ``data/``.
     points : Points, optional
         The user's own measured points.
-    progress : callable
-        Called with a text after each of :data:`STEPS` steps.
 
     Returns
     -------
@@ -61,27 +49,25 @@ def reproduce(
     OutputError
         If the folder cannot be written.
     """
-    results = compute(progress)
+    results = compute()
     with output_directory(out) as stage:
         images = {}
         figures = {}
         for name, (title, curves_of) in FIGURES.items():
+            progress.report(f"computing {title}")
             curves = curves_of()
             stage(f"data/{name}.csv").write_text("\n".join(rows(curves)) + "\n", encoding="utf-8")
-            progress(title)
             figures[name] = paper_figure(name, curves, points)
         if points is not None:
             figures |= measured_figures(points)
         for name, figure in figures.items():
+            progress.report(f"drawing {name}")
             images[name] = stage(f"figures/{name}.png")
             save(figure, [images[name], stage(f"figures/{name}.svg")])
-            if name in FIGURES:
-                progress(f"drawing {name}")
         stage("data/table-1.csv").write_text(to_csv(table_1()), encoding="utf-8")
         stage("data/table-s2.csv").write_text(to_csv(table_s2()), encoding="utf-8")
         stage("data/tac-pairs.csv").write_text(to_csv(tac_pairs()), encoding="utf-8")
         stage("report.json").write_text(report.dump(results), encoding="utf-8")
         stage("report.md").write_text(report.as_markdown(results), encoding="utf-8")
         stage("report.html").write_text(report.as_html(results, images), encoding="utf-8")
-        progress("report")
     return results

@@ -11,6 +11,7 @@ from lightflyer.flight.outputs import outputs_of
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import LightflyerError
 from lightflyer.foundation.extras import extra
+from lightflyer.foundation.progress import Counted
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import PROBABILITY, Problem, as_problem
 from lightflyer.search.range_check import cautions_about
@@ -169,6 +170,7 @@ def _search(problem: Problem, population: int, generations: int) -> tuple[np.nda
     from pymoo.optimize import minimize
 
     function, count = ObjectiveFunction(problem), len(problem.objectives)
+    counted = Counted("computing generations of designs", generations)
 
     class Vectorised(core.Problem):  # type: ignore[name-defined]
         def __init__(self) -> None:
@@ -176,6 +178,7 @@ def _search(problem: Problem, population: int, generations: int) -> tuple[np.nda
             super().__init__(n_var=sides, n_obj=count, n_ieq_constr=limits, xl=0.0, xu=1.0)
 
         def _evaluate(self, points: np.ndarray, out: dict[str, Any], *_: Any, **__: Any) -> None:
+            counted.add()
             scores = function.scores_of_many(points)
             losses = np.where(np.isfinite(scores), -scores, _NO_VALUE)
             out["F"], out["G"] = losses[:, :count], losses[:, count:]

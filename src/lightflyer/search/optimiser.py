@@ -22,6 +22,7 @@ from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.batches import in_batches
 from lightflyer.foundation.errors import ConfigurationError, LightflyerError
+from lightflyer.foundation.progress import report
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import Problem, as_problem
 from lightflyer.search.range_check import cautions_about, require_within_range
@@ -220,7 +221,11 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
             "several objectives have no single optimum; call pareto for their front"
         )
     starts, scale = _screen(function)
-    searches = [_search(function, start, scale) for start in starts]
+    searches: list[_Found] = []
+    for start in starts:
+        report("climbing from several starts", len(searches), len(starts))
+        searches.append(_search(function, start, scale))
+    report("sensitivities of the optimum")
     satisfying = [found for found in searches if found.violation <= FEASIBLE]
     if not satisfying:
         least = min(searches, key=lambda found: found.violation)
@@ -243,6 +248,7 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
 def _screen(function: ObjectiveFunction) -> tuple[np.ndarray, float]:
     """Good starts that are apart, and the scale of the objective."""
     problem = function.problem
+    report("screening designs (compiling the model first)")
     points = qmc.Sobol(len(problem.bounds), rng=problem.seed).random(SCREENED)
     scores = function.scores_of_many(points)
     known = np.isfinite(scores).all(axis=1)

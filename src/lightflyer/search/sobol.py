@@ -23,6 +23,7 @@ from lightflyer.flight.outputs import check_outputs, outputs_of
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.extras import extra
+from lightflyer.foundation.progress import Counted
 from lightflyer.foundation.quantity import StandardErrors, quantity_of
 from lightflyer.foundation.units import file_unit
 from lightflyer.search.sobol_estimates import REPLICATES, indices_with_intervals
@@ -474,5 +475,7 @@ def _elasticities(study: SensitivityStudy, nominal: float, change: np.ndarray) -
 
 def _evaluate(study: SensitivityStudy, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     designs = Study(study.design, (Dimension(SAMPLE, values),), study.fixed, study.outputs)
-    outputs, _ = Evaluator(designs)(0, designs.size)
+    evaluate = Evaluator(designs)
+    evaluate.counted = Counted("computing designs", designs.size, "designs")
+    outputs, _ = evaluate(0, designs.size)
     return outputs

@@ -2,7 +2,6 @@
 
 import itertools
 import threading
-from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
@@ -14,6 +13,7 @@ from lightflyer.flight.outputs import evaluate
 from lightflyer.foundation.batches import in_batches
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.precision import float64, jit_with_options
+from lightflyer.foundation.progress import Counted
 from lightflyer.sweeps.study import Study
 
 BATCH = 16_384
@@ -47,16 +47,16 @@ class Evaluator:
     Parameters
     ----------
     study : Study
-    on_prepared : callable, optional
-        Called with the number of films of layers that are computed and their total, where there
-        are any.
     """
 
-    def __init__(self, study: Study, on_prepared: Callable[[int, int], None] | None = None):
+    counted: Counted | None = None
+    """Counts the designs as they are computed, in this process."""
+
+    def __init__(self, study: Study):
         self.study = study
         searched = any(output.over_band for output in study.known_outputs.values())
         self.batch = BATCH_OVER_BAND if searched else BATCH
-        self._prepared, self._strides = _prepare(study, on_prepared)
+        self._prepared, self._strides = _prepare(study)
 
     def __call__(self, start: int, stop: int) -> tuple[Table, int]:
         """Outputs of the designs from ``start`` up to ``stop``.
@@ -74,13 +74,22 @@ class Evaluator:
         """
         study = self.study
         kernel = _kernel(study.design, study.outputs, tuple(study.fixed.items()))
-        outputs, converged = in_batches(
-            lambda designs: kernel(*self.inputs(designs)), (np.arange(start, stop),), self.batch
-        )
+
+        def compute(designs: np.ndarray) -> tuple[Table, np.ndarray]:
+            found = kernel(*self.inputs(designs))
+            if self.counted is not None:
+                self.counted.add(len(designs))
+            return found
+
+        outputs, converged = in_batches(compute, (np.arange(start, stop),), self.batch)
         failed = ~converged
         for values in outputs.values():
             values[failed | ~np.isfinite(values)] = np.nan
         return outputs, int(np.count_nonzero(failed))
+
+    def __getstate__(self) -> dict[str, Any]:
+        # another process counts for itself
+        return {name: value for name, value in vars(self).items() if name != "counted"}
 
     def inputs(self, designs: np.ndarray) -> tuple[Table, Any]:
         """Varied numbers of some designs, and what is prepared for them.
@@ -154,7 +163,7 @@ def _kernel(
     return _Kernel(design, names, dict(fixed))
 
 
-def _prepare(study: Study, on_prepared: Callable[[int, int], None] | None) -> tuple[Any, list[int]]:
+def _prepare(study: Study) -> tuple[Any, list[int]]:
     """All different films of layers of a study, stacked, and the strides of their numbers."""
     design = study.design
     changing = [design.costly(list(dimension.values)) for dimension in study.dimensions]
@@ -171,7 +180,7 @@ def _prepare(study: Study, on_prepared: Callable[[int, int], None] | None) -> tu
             f"the study has {total} different films of layers, each of which takes a fraction of "
             f"a second to compute; at most {MOST_PREPARED}"
         )
-    found = []
+    found, counted = [], Counted("computing films of layers", total)
     for places in itertools.product(*map(range, lengths)):
         values = fixed | {
             name: float(dimension.values[name][place])
@@ -179,8 +188,7 @@ def _prepare(study: Study, on_prepared: Callable[[int, int], None] | None) -> tu
             for name in names
         }
         found.append(design.prepare(values))
-        if on_prepared:
-            on_prepared(len(found), total)
+        counted.add()
     stacked = jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *found)
     strides = [
         int(np.prod(lengths[number + 1 :])) if length > 1 else 0

@@ -6,12 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flight.design import as_design
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ConfigurationError, LightflyerError
+from lightflyer.foundation.progress import Counted
 from lightflyer.sweeps.chunks import CHUNK, Chunks
 from lightflyer.sweeps.evaluation import Evaluator
 from lightflyer.sweeps.scheduler import Task, connected, processors, run_here, run_on_dask
@@ -56,27 +57,6 @@ class SweepReport:
     seconds: float
 
 
-class Progress(Protocol):
-    """Receives the progress of a sweep."""
-
-    def prepared(self, done: int, total: int) -> None:
-        """Number of films of layers that are computed, and of all."""
-
-    def begin(self, found: int, total: int) -> None:
-        """Number of designs that were already computed, and of all."""
-
-    def advance(self, designs: int) -> None:
-        """Number of further designs that are committed."""
-
-
-class _NoProgress:
-    """Shows nothing."""
-
-    def prepared(self, done: int, total: int) -> None: ...
-    def begin(self, found: int, total: int) -> None: ...
-    def advance(self, designs: int) -> None: ...
-
-
 def sweep_into(
     study: Study,
     folder: str | Path,
@@ -84,7 +64,6 @@ def sweep_into(
     scheduler: str | None = None,
     workers: int | None = None,
     chunk: int = CHUNK,
-    progress: Progress | None = None,
     evaluator: Callable[[int, int], Any] | None = None,
 ) -> SweepReport:
     """Compute a study into a folder, or the part of it that is missing there.
@@ -100,7 +79,6 @@ def sweep_into(
         Threads of this process.
     chunk : int
         Designs in a chunk of a new folder, at most.
-    progress : Progress, optional
     evaluator : callable, optional
         In place of the study's own :class:`~lightflyer.sweeps.evaluation.Evaluator`.
 
@@ -115,18 +93,21 @@ def sweep_into(
     ConfigurationError
         If the scheduler does not answer.
     """
-    folder, progress = Path(folder), progress or _NoProgress()
+    folder = Path(folder)
     with ExitStack() as stack:
         # first, so that no folder is made for a scheduler that does not answer
         client = stack.enter_context(connected(scheduler)) if scheduler else None
         store = stack.enter_context(open_store(folder, study, chunk))
         missing, chunks = store.missing, store.chunks
         left = sum(_length(chunks, number) for number in missing)
-        progress.begin(study.size - left, study.size)
         start, computed = time.perf_counter(), 0
         if missing:
-            evaluate = evaluator or Evaluator(study, progress.prepared)
-            task = Task(evaluate, folder.resolve(), chunks, store.token)
+            own = Evaluator(study) if evaluator is None else None
+            counted = Counted("computing designs", study.size, "designs", done=study.size - left)
+            counts_itself = scheduler is None and own is not None
+            if scheduler is None and own is not None:
+                own.counted = counted  # as its batches end, long before the first chunk
+            task = Task(evaluator or own, folder.resolve(), chunks, store.token)
             results = (
                 run_on_dask(task, missing, client, scheduler)
                 if scheduler
@@ -135,7 +116,8 @@ def sweep_into(
             for number, record, failures in results:
                 store.commit(number, record, failures)
                 computed += _length(chunks, number)
-                progress.advance(_length(chunks, number))
+                if not counts_itself:
+                    counted.add(_length(chunks, number))
         if store.missing:
             raise LightflyerError(
                 f"{folder}: {len(store.missing)} chunks were not computed; the same command "

@@ -17,6 +17,7 @@ from lightflyer.flight.design import as_design
 from lightflyer.flight.outputs import outputs_of
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.progress import report
 from lightflyer.prediction.prediction import Place, Prediction, predict_design
 from lightflyer.uncertainty import monte_carlo
 from lightflyer.uncertainty.derivatives import Derivatives, derivatives
@@ -217,9 +218,11 @@ def propagate(
         even = np.log(grid) if logarithmic else grid
     names = (*BANDS, *prediction.model_names)
     coordinates = np.concatenate([grid, points])
+    report("bands to first order")
     slopes = derivatives(inputs, coordinates)
     sampled: dict[str, np.ndarray] = {}
     if samples:
+        report("bands by Monte Carlo")
         drawn = draw(inputs, samples, seed)
         table = monte_carlo.tabulate_samples(inputs, drawn, coordinates)
         searched = prediction.coordinates[[0, -1]]

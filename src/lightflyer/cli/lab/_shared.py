@@ -296,8 +296,3 @@ def finish(
         console.print(f"{flyer}: {text}", soft_wrap=True, markup=False)
     if not written:
         console.print("add --out FOLDER to write a record and a figure")
-
-
-def print_json(document: dict[str, Any]) -> None:
-    """Print one JSON object."""
-    print(json.dumps(document, allow_nan=False, ensure_ascii=False))  # noqa: T201

@@ -12,14 +12,13 @@ from lightflyer.cli.lab._shared import (
     Json,
     finish,
     optional_share,
-    print_json,
     quantity,
     show_rejected,
     show_warnings,
     updating,
     write_record,
 )
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import print_json, printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:

@@ -12,12 +12,11 @@ from lightflyer.cli.lab._shared import (
     estimate_table,
     finish,
     optional_share,
-    print_json,
     quantity,
     show_warnings,
     write_record,
 )
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import print_json, printer
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -14,7 +14,6 @@ from lightflyer.cli.lab._shared import (
     finish,
     interval_text,
     optional_share,
-    print_json,
     quantity,
     read_summary,
     share,
@@ -23,7 +22,7 @@ from lightflyer.cli.lab._shared import (
     updating,
     write_record,
 )
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import print_json, printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:

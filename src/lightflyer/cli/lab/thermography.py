@@ -11,7 +11,6 @@ from lightflyer.cli.lab._shared import (
     difference,
     estimate_table,
     finish,
-    print_json,
     quantity,
     read_summary,
     share,
@@ -20,7 +19,7 @@ from lightflyer.cli.lab._shared import (
     updating,
     write_record,
 )
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import print_json, printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:

@@ -1,0 +1,135 @@
+"""What a terminal shows while a command works.
+
+On a terminal there is a line that moves, from the second second on. Elsewhere there is a line now
+and then. Both go to the standard error stream and end before results are printed.
+"""
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from lightflyer.cli.output import BEFORE_RESULTS
+from lightflyer.foundation.progress import Step, reported_to
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+SWITCH = "LIGHTFLYER_PROGRESS"
+"""Environment variable; ``off`` shows nothing."""
+
+_QUIET = 1.0  # seconds before a terminal shows anything
+_FIRST, _EVERY = 10.0, 30.0  # seconds between lines where there is no terminal
+
+
+class Display:
+    """Shows the steps that are reported, and for how long the command has worked.
+
+    Parameters
+    ----------
+    command : str
+        What is shown before the first step.
+    """
+
+    def __init__(self, command: str) -> None:
+        self._step = Step(command)
+        self._since = time.monotonic()
+        self._over = threading.Event()
+        self._lock = threading.Lock()
+        self._bar: Progress | None = None
+        self._thread: threading.Thread | None = None
+
+    def start(self) -> None:
+        """Begin to watch the time; nothing is shown yet."""
+        if os.environ.get(SWITCH, "").lower() in ("off", "0", "no"):
+            return
+        show = self._move if sys.stderr.isatty() else self._tell
+        self._thread = threading.Thread(target=show, daemon=True)
+        self._thread.start()
+
+    def __call__(self, step: Step) -> None:
+        """Take a step that is reported."""
+        with self._lock:
+            another = step.doing != self._step.doing
+            self._step = step
+            if self._bar is not None:
+                self._update(self._bar, another=another)
+
+    def stop(self) -> None:
+        """Clear the line, before something is printed."""
+        self._over.set()
+        with self._lock:
+            if self._bar is not None:
+                self._bar.stop()
+                self._bar = None
+
+    def note(self, text: str) -> None:
+        """Print a line to the standard error stream, above what moves."""
+        with self._lock:
+            if self._bar is not None:
+                self._bar.console.print(text, soft_wrap=True)
+                return
+        print(text, file=sys.stderr)  # noqa: T201
+
+    def _move(self) -> None:
+        if self._over.wait(_QUIET):
+            return
+        from lightflyer.cli.progress_bar import new_bar  # Rich is not needed for a quick command
+
+        bar = new_bar()
+        with self._lock:
+            if self._over.is_set():
+                return
+            self._bar = bar
+            self._update(bar, another=True)
+            bar.start()
+
+    def _update(self, bar: "Progress", *, another: bool) -> None:
+        step = self._step
+        if another:
+            for number in bar.task_ids:
+                bar.remove_task(number)
+            number = bar.add_task(
+                step.doing, total=step.total, completed=step.done or 0, unit=step.unit
+            )
+            bar.tasks[bar.task_ids.index(number)].start_time = self._since  # of the whole command
+        else:
+            bar.update(bar.task_ids[-1], total=step.total, completed=step.done or 0)
+
+    def _tell(self) -> None:
+        pause = _FIRST
+        while not self._over.wait(pause):
+            print(f"lightflyer: {self._line()}", file=sys.stderr, flush=True)  # noqa: T201
+            pause = _EVERY
+
+    def _line(self) -> str:
+        step, seconds = self._step, time.monotonic() - self._since
+        of = "" if step.total is None else f" {step.done or 0:,} of {step.total:,} {step.unit}"
+        return f"{step.doing}{of.rstrip()}, {seconds:.0f} s"
+
+
+@contextmanager
+def working(command: str) -> Iterator[Display]:
+    """Show the progress of what is done within the block.
+
+    Parameters
+    ----------
+    command : str
+        Its name.
+
+    Yields
+    ------
+    Display
+    """
+    display = Display(command)
+    BEFORE_RESULTS.append(display.stop)
+    try:
+        with reported_to(display):
+            display.start()
+            yield display
+    finally:
+        display.stop()
+        BEFORE_RESULTS.remove(display.stop)

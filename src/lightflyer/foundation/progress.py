@@ -1,0 +1,92 @@
+"""What long work says about where it is.
+
+Work reports its steps here and knows nothing of who listens. The command line listens and shows
+them; from Python nobody does unless :func:`reported_to` is used.
+"""
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+
+class Step(NamedTuple):
+    """Where long work is.
+
+    Attributes
+    ----------
+    doing : str
+        What is done, such as ``"searching from several starts"``.
+    done, total : int or None
+        How much of it, where that is known.
+    unit : str
+        What is counted, such as ``"designs"``; empty where a rate would say nothing.
+    """
+
+    doing: str
+    done: int | None = None
+    total: int | None = None
+    unit: str = ""
+
+
+Listener = Callable[[Step], None]
+
+_LISTENERS: list[Listener] = []
+
+
+def report(doing: str, done: int | None = None, total: int | None = None, unit: str = "") -> None:
+    """Say where the work is; costs nothing where nobody listens.
+
+    Parameters
+    ----------
+    doing, done, total, unit
+        As in :class:`Step`.
+    """
+    if _LISTENERS:
+        _LISTENERS[-1](Step(doing, done, total, unit))
+
+
+@contextmanager
+def reported_to(listener: Listener) -> Iterator[None]:
+    """Have the steps of long work reported to a function within the block.
+
+    Parameters
+    ----------
+    listener : callable
+        Takes a :class:`Step`; may be called from any thread.
+
+    Examples
+    --------
+    >>> with reported_to(lambda step: print(f"{step.doing}: {step.done} of {step.total}")):
+    ...     report("drawing samples", 1, 4)
+    drawing samples: 1 of 4
+    """
+    _LISTENERS.append(listener)
+    try:
+        yield
+    finally:
+        _LISTENERS.remove(listener)
+
+
+class Counted:
+    """Work whose parts are counted as they end, in whatever thread.
+
+    Parameters
+    ----------
+    doing, total, unit
+        As in :class:`Step`.
+    done : int
+        How much of it was done before.
+    """
+
+    def __init__(self, doing: str, total: int, unit: str = "", done: int = 0) -> None:
+        self._step = Step(doing, done, total, unit)
+        self._lock = threading.Lock()
+        report(*self._step)
+
+    def add(self, count: int = 1) -> None:
+        """Count further parts, and report them."""
+        with self._lock:
+            _, done, total, _ = self._step
+            self._step = self._step._replace(done=min((done or 0) + count, total or 0))
+            report(*self._step)

@@ -91,6 +91,33 @@ class SphereLight(NamedTuple):
     diffuse: Array
 
 
+class Exitances(NamedTuple):
+    """What the sky and the ground send towards a flyer, evenly from all their directions.
+
+    Attributes
+    ----------
+    sky, ground : array, shape (...)
+        Irradiance of a face that sees nothing else.
+    """
+
+    sky: Numeric
+    ground: Numeric
+
+    def seen(self, view_of_ground: Numeric) -> Array:
+        """Irradiance of what sees so much of the ground, and of the sky the rest.
+
+        Parameters
+        ----------
+        view_of_ground : array, shape (...)
+            View factor [1].
+
+        Returns
+        -------
+        array, broadcast shape
+        """
+        return self.sky + view_of_ground * (self.ground - self.sky)
+
+
 class Radiation(Checked):
     r"""The beam of light, diffuse light, and heat radiation from above and below.
 
@@ -242,13 +269,60 @@ class Radiation(Checked):
                 self.azimuth - attitude.azimuth
             )
         top, bottom = self.views_of_ground(attitude)
-        reflected = self.albedo * jnp.maximum(height, 0.0)
+        reflected = self.diffuse_light()[0].ground
         return FaceLight(
             beam_top=jnp.maximum(facing, 0.0) + reflected * top,
             beam_bottom=jnp.maximum(-facing, 0.0) + reflected * bottom,
             diffuse_top=self.diffuse_above * (1.0 - top),
             diffuse_bottom=self.diffuse_above * (1.0 - bottom),
         )
+
+    def diffuse_light(self) -> tuple[Exitances, Exitances]:
+        """Light from sky and ground.
+
+        Returns
+        -------
+        reflected : Exitances
+            The beam's reflection from the ground, per irradiance of the beam [1].
+        diffuse : Exitances
+            The sky's light, which does not depend on the beam [W/m²].
+        """
+        reflected = self.albedo * jnp.maximum(jnp.cos(self.zenith_angle), 0.0)
+        return Exitances(0.0, reflected), Exitances(self.diffuse_above, 0.0)
+
+    def infrared_exitances(self, gas_temperature: Numeric) -> Exitances:
+        """Exitances of sky and ground beyond that of a black body at the gas temperature.
+
+        Parameters
+        ----------
+        gas_temperature : array, shape (...)
+            [K].
+
+        Returns
+        -------
+        Exitances
+            [W/m²]; zero where the surroundings are None.
+        """
+        black = self.stefan_boltzmann * gas_temperature**4
+        return Exitances(
+            *(
+                jnp.zeros_like(black) if infrared is None else infrared - black
+                for infrared in (self.infrared_above, self.infrared_below)
+            )
+        )
+
+    @property
+    def sphere_view_of_ground(self) -> Array:
+        """View factor from a sphere to the ground [1]."""
+        return sphere_view_factor(1.0 if self.ground_view is None else self.ground_view)
+
+    @property
+    def edge_of_ground(self) -> Array:
+        r"""Cosine of the half-angle :math:`\gamma` of the ground's disk [1].
+
+        Also the sine of the angle between the horizontal and the ground's edge.
+        """
+        return 1.0 - 2.0 * self.sphere_view_of_ground
 
     def on_sphere(self) -> SphereLight:
         """Light on a sphere, which intercepts a quarter of its surface of the beam.
@@ -257,9 +331,9 @@ class Radiation(Checked):
         -------
         SphereLight
         """
-        ground = sphere_view_factor(1.0 if self.ground_view is None else self.ground_view)
-        reflected = self.albedo * jnp.maximum(jnp.cos(self.zenith_angle), 0.0) * ground
-        return SphereLight(_OF_BEAM + reflected, self.diffuse_above * (1.0 - ground))
+        ground = self.sphere_view_of_ground
+        reflected, diffuse = self.diffuse_light()
+        return SphereLight(_OF_BEAM + reflected.seen(ground), diffuse.seen(ground))
 
     def infrared_excess_on_sphere(self, gas_temperature: Numeric) -> Array:
         """Thermal irradiance of a sphere beyond that of black surroundings at gas temperature.
@@ -274,9 +348,7 @@ class Radiation(Checked):
         array, shape (...)
             Mean over the sphere's surface [W/m²].
         """
-        ground = sphere_view_factor(1.0 if self.ground_view is None else self.ground_view)
-        above, below = self._infrared(gas_temperature)
-        return above + ground * (below - above)
+        return self.infrared_exitances(gas_temperature).seen(self.sphere_view_of_ground)
 
     def infrared_excess(
         self, gas_temperature: Numeric, attitude: Attitude | None = None
@@ -295,18 +367,9 @@ class Radiation(Checked):
         top, bottom : array, shape (...)
             [W/m²]; zero where both surroundings are None.
         """
-        above, below = self._infrared(gas_temperature)
+        exitances = self.infrared_exitances(gas_temperature)
         top, bottom = self.views_of_ground(attitude)
-        return above + top * (below - above), above + bottom * (below - above)
-
-    def _infrared(self, gas_temperature: Numeric) -> tuple[Array, Array]:
-        """Exitance of sky and ground beyond that of a black body at gas temperature [W/m²]."""
-        black = self.stefan_boltzmann * gas_temperature**4
-        above, below = (
-            jnp.zeros_like(black) if infrared is None else infrared - black
-            for infrared in (self.infrared_above, self.infrared_below)
-        )
-        return above, below
+        return exitances.seen(top), exitances.seen(bottom)
 
 
 def sunlight(

@@ -9,11 +9,11 @@ import pydantic
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
-from lightflyer.environment.radiation import Attitude
+from lightflyer.environment.radiation import Attitude, Exitances, Radiation
 from lightflyer.film.layered_section import AnyFilmSection
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.flyer.hollow_geometry import FORMS, Form, HollowForm
+from lightflyer.flyer.hollow_geometry import FORMS, Form, HollowForm, seen_below_horizon
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.sheets import (
     DARK,
@@ -187,34 +187,32 @@ class HollowBody(AbstractFlyer):
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
         """See :meth:`AbstractFlyer.beam_areas`."""
         radiation = state.radiation
-        # without the reflection from the ground, which comes from a half-space
+        # without the reflection from the ground, which comes from all its directions
         alone = eqx.tree_at(lambda radiation: radiation.albedo, radiation, 0.0)
-        direct, light = alone.on_faces(self.attitude), radiation.on_faces(self.attitude)
+        direct = alone.on_faces(self.attitude)
         seen = self.geometry.silhouette(
             self.size, self.outlet_radius, direct.beam_top - direct.beam_bottom
         )
         into_outlet = self.outlet_area * direct.beam_bottom
-        wall, outlet = self._from_half_spaces(
-            light.beam_top - direct.beam_top, light.beam_bottom - direct.beam_bottom
-        )
+        reflected, _ = radiation.diffuse_light()
+        wall, outlet = self._from_sky_and_ground(radiation, reflected)
         return self._absorbed(
             self._sheets_in_light(), wall + seen - into_outlet, outlet + into_outlet
         )
 
     def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
         """See :meth:`AbstractFlyer.heat_gains`."""
-        light = state.radiation.on_faces(self.attitude)
-        diffuse = self._absorbed(
-            self._sheets_in_light(),
-            *self._from_half_spaces(light.diffuse_top, light.diffuse_bottom),
+        radiation = state.radiation
+        _, light = radiation.diffuse_light()
+        infrared = radiation.infrared_exitances(state.temperature)
+        gains = (
+            self._absorbed(sheets, *self._from_sky_and_ground(radiation, exitances))
+            for sheets, exitances in (
+                (self._sheets_in_light(), light),
+                (self._sheets_in_infrared(state), infrared),
+            )
         )
-        infrared = self._absorbed(
-            self._sheets_in_infrared(state),
-            *self._from_half_spaces(
-                *state.radiation.infrared_excess(state.temperature, self.attitude)
-            ),
-        )
-        return tuple(visible + heat for visible, heat in zip(diffuse, infrared, strict=True))
+        return tuple(visible + heat for visible, heat in zip(*gains, strict=True))
 
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
         r"""See :meth:`AbstractFlyer.heat_losses`.
@@ -240,16 +238,27 @@ class HollowBody(AbstractFlyer):
         """See :meth:`AbstractFlyer.describe`."""
         return f"hollow {self.form} of {float(np.asarray(self.size)) / _CENTIMETRE:g} cm"
 
-    def _from_half_spaces(self, above: Numeric, below: Numeric) -> tuple[Array, Array]:
-        """Power that falls on the wall and into the outlet, of the irradiances of flat faces [W].
+    def _from_sky_and_ground(
+        self, radiation: Radiation, exitances: Exitances
+    ) -> tuple[Array, Array]:
+        r"""Power that falls on the wall and into the outlet [W].
 
-        A closed convex surface receives half of its area's worth from either side. The outlet,
-        which faces down, is a part of it.
+        A closed convex surface receives half of its area's worth from a half-space: from the
+        ground less, by what its silhouette shows to the directions between horizon and ground,
+
+        .. math:: P = M\left[\tfrac12(A_t + A_o) - 2\int_0^{\cos\gamma}\bar S\,dx\right]
+
+        and from the sky the rest. The outlet is a flat part of it.
         """
-        onto_wall = 0.5 * (
-            (self.surface + self.outlet_area) * above + (self.surface - self.outlet_area) * below
+        tilt = None if self.attitude is None else self.attitude.tilt
+        _, outlet = radiation.views_of_ground(self.attitude)
+        beside = seen_below_horizon(
+            self.geometry, self.size, self.outlet_radius, tilt, radiation.edge_of_ground
         )
-        return onto_wall, self.outlet_area * below
+        closed = self.surface + self.outlet_area
+        of_ground = 0.5 * closed - 2.0 * beside
+        into_outlet = self.outlet_area * exitances.seen(outlet)
+        return closed * exitances.seen(of_ground / closed) - into_outlet, into_outlet
 
     def _absorbed(
         self,

@@ -17,6 +17,7 @@ from collections.abc import Callable
 from typing import Literal, NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from lightflyer.foundation.types import Numeric
@@ -83,8 +84,21 @@ def _cap(radius: Numeric, outlet: Numeric) -> Array:
 
 
 def _sphere_silhouette(size: Numeric, outlet: Numeric, cosine: Numeric) -> Array:
-    del outlet  # from the side 3 % lack for an outlet of half the diameter
-    return 0.25 * jnp.pi * size**2 + 0.0 * cosine
+    """Disc of the sphere; where the outlet cuts its outline, with a part of the rim's ellipse."""
+    radius, flat, sine = 0.5 * size, jnp.abs(cosine), _sine(cosine)
+    height = jnp.sqrt(radius**2 - outlet**2)  # of the centre above the outlet
+    cut = radius * sine > height
+    # where they are not met, numbers that divide and take roots without harm
+    across, along = jnp.where(cut, sine, 1.0), jnp.where(cut, flat, 0.5)
+    off_disc = _segment(jnp.where(cut, height / (radius * across), 0.5))
+    off_rim = _segment(jnp.where(cut, height * along / (outlet * across), 0.5))
+    lacking = radius**2 * off_disc - outlet**2 * along * off_rim
+    return jnp.pi * radius**2 - jnp.where(cut, lacking, 0.0)
+
+
+def _segment(distance: Numeric) -> Array:
+    """Area of a circle of radius one beyond a chord, by the chord's distance from the centre."""
+    return jnp.arccos(distance) - distance * jnp.sqrt(1.0 - distance**2)
 
 
 def _rocket_surface(size: Numeric, outlet: Numeric) -> Array:
@@ -106,6 +120,63 @@ def _sine(cosine: Numeric) -> Array:
     square = 1.0 - jnp.asarray(cosine, float) ** 2
     along = square <= 0.0
     return jnp.where(along, 0.0, jnp.sqrt(jnp.where(along, 1.0, square)))
+
+
+class _Ring(NamedTuple):
+    """Directions of a quadrature over the ring between the horizon and the edge of the ground."""
+
+    depth: np.ndarray  # sine of the angle below the horizon, over that of the edge
+    azimuth: np.ndarray  # cosine of the angle to the direction of the tilt
+    weight: np.ndarray
+
+
+def _ring(depths: int, azimuths: int) -> _Ring:
+    node, weight = np.polynomial.legendre.leggauss(depths)
+    angle = np.pi * (np.arange(azimuths) + 0.5) / azimuths  # both sides are alike
+    return _Ring(
+        np.repeat(0.5 * (1.0 + node), azimuths),
+        np.tile(np.cos(angle), depths),
+        np.repeat(0.5 * weight, azimuths) / azimuths,
+    )
+
+
+_RING_OF_UPRIGHT, _RING_OF_TILTED = _ring(4, 1), _ring(2, 12)
+
+
+def seen_below_horizon(
+    form: HollowForm, size: Numeric, outlet: Numeric, tilt: Numeric | None, edge: Numeric
+) -> Array:
+    r"""Silhouette towards the directions between the horizon and the edge of the ground.
+
+    .. math:: \int_0^{\cos\gamma} \bar S(x)\,dx
+
+    with the half-angle :math:`\gamma` of the ground's disk, and the mean :math:`\bar S` over all
+    azimuths of the silhouette towards directions that are :math:`\arcsin x` below the horizon.
+
+    Parameters
+    ----------
+    form : HollowForm
+    size, outlet : array, shape (...)
+        [m].
+    tilt : array, shape (...), or None
+        Between the axis and the vertical [rad]; None stands for an upright body.
+    edge : array, shape (...)
+        :math:`\cos\gamma` [1].
+
+    Returns
+    -------
+    array, broadcast shape
+        [m²]; by a quadrature.
+    """
+    ring = _RING_OF_UPRIGHT if tilt is None else _RING_OF_TILTED
+    size, outlet, edge = (jnp.asarray(number)[..., None] for number in (size, outlet, edge))
+    below = edge * ring.depth
+    cosine = -below
+    if tilt is not None:
+        upright = jnp.asarray(tilt)[..., None]
+        level = jnp.sqrt(1.0 - below**2)
+        cosine = level * ring.azimuth * jnp.sin(upright) - below * jnp.cos(upright)
+    return jnp.sum(edge * ring.weight * form.silhouette(size, outlet, cosine), axis=-1)
 
 
 FORMS: dict[str, HollowForm] = {

@@ -290,6 +290,19 @@ Acceleration = Annotated[
 Velocity = Annotated[
     Numeric, Quantity("m/s", sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth")
 ]
+Speed = Annotated[
+    Numeric, Quantity("m/s", 0.0, sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth")
+]
+Duration = Annotated[
+    Numeric,
+    Quantity("s", 0.0, open_below=True, sizes=(1.0, 1e10), why="no mission lasts three centuries"),
+]
+SpecificHeat = Annotated[
+    Numeric,
+    Quantity(
+        "J/(kg*K)", 0.0, open_below=True, sizes=(10.0, 2e4), why="gold and hydrogen are between"
+    ),
+]
 Conductivity = Annotated[
     Numeric, Quantity("W/(m*K)", 0.0, sizes=(1e-6, 1e4), why="aerogels and graphene are between")
 ]
@@ -315,7 +328,8 @@ RotationRate = Annotated[
     Numeric, Quantity("rad/s", sizes=(1e-9, 1e-2), why="Venus and Jupiter are between")
 ]
 Flattening = Annotated[Numeric, Quantity("", 0.0, 0.5)]
-AngularRadius = Annotated[Numeric, Quantity("rad", 0.0, 0.1)]
+AngularRadius = Annotated[Numeric, Quantity("rad", 0.0, 0.1, open_below=True)]
+Refractivity = Annotated[Numeric, Quantity("", 0.0, 1e-2)]
 SolarFlux = Annotated[Numeric, Quantity("", 40.0, 500.0)]
 GeomagneticIndex = Annotated[Numeric, Quantity("", 0.0, 400.0)]
 

@@ -106,7 +106,10 @@ def test_every_gas_of_a_flyer_file_stays_physical_over_all_temperatures_a_search
         assert np.all(gas.heat_capacity(temperature) > 0.0)
 
 
-@pytest.mark.parametrize("gas", lf.gas.GASES.values(), ids=list(lf.gas.GASES))
+AIRS = {name: gas for name, gas in lf.gas.GASES.items() if name.endswith("air")}
+
+
+@pytest.mark.parametrize("gas", AIRS.values(), ids=list(AIRS))
 def test_all_airs_agree_about_air(gas):
     # CODATA-grade air at 300 K: 18.54 uPa s, 26.4 mW/(m K)
     assert gas.viscosity(300.0) == pytest.approx(18.54e-6, rel=0.02)

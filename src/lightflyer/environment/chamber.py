@@ -25,8 +25,9 @@ from lightflyer.foundation.quantity import (
 )
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
-from lightflyer.gas.air import AIR, GASES
+from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
+from lightflyer.gas.known import GASES
 
 DEFAULT_PRESSURES = tuple(digit * 10.0**decade for decade in range(-4, 6) for digit in (1.0, 3.0))
 """Pressures reported one by one where none are asked for, if in the chamber's range [Pa]."""

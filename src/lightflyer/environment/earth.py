@@ -44,8 +44,9 @@ from lightflyer.foundation.quantity import (
 )
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
-from lightflyer.gas.air import AIR, GASES, LU2023_AIR
+from lightflyer.gas.air import AIR, LU2023_AIR
 from lightflyer.gas.base import AbstractGas
+from lightflyer.gas.known import GASES
 
 HIGHEST_SEARCHED = 150e3
 """Top of the default search [m]: above, the gas carries no film."""

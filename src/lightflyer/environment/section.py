@@ -16,7 +16,7 @@ from lightflyer.foundation.quantity import (
 )
 from lightflyer.foundation.section import Alternative
 from lightflyer.foundation.units import Measured
-from lightflyer.gas.air import GASES
+from lightflyer.gas.known import GASES
 
 _SEARCH = "says where bands are searched"
 

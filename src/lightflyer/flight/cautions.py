@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.environment.base import EnvironmentState
 from lightflyer.flight.balance import equilibrium
 from lightflyer.flight.bands import levitation_band
 from lightflyer.flight.design import AbstractDesign
@@ -40,6 +41,7 @@ def cautions(setup: Setup, coordinate: Numeric, temperature: Numeric) -> tuple[s
     return (
         *setup.model.caveats(setup.flyer, state, temperature),
         *setup.flyer.caveats(state, temperature),
+        *_of_gas(state, temperature),
         *_of_heat(setup.flyer.highest_temperature, temperature),
     )
 
@@ -89,6 +91,12 @@ def cautions_of_design(design: AbstractDesign, values: Mapping[str, float]) -> t
             places = np.linspace(band.lower, band.upper, _LOOKS)
     found = cautions_at(setup, places) if np.size(places) else ()
     return (*design.warnings, *found)
+
+
+def _of_gas(state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+    """Cautions about the gas, from its own temperature to that of the flyer."""
+    ends = np.stack(np.broadcast_arrays(state.temperature, temperature))
+    return state.gas.caveats(ends, state.pressure)
 
 
 def _of_heat(highest: Numeric | None, temperature: Numeric) -> Iterator[str]:

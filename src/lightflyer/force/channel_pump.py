@@ -3,10 +3,10 @@ r"""Through-flow, heat and force of a plate with channels, from free molecules t
 The channels pump gas at the velocity u through the plate, the gas outside resists:
 
 .. math::
-    \Delta p_0 - \Delta p = R_w u, \qquad \Delta p = R_o u + \rho\,u|u|
+    \Delta p_0 - \Delta p = R_w u, \qquad \Delta p = \frac{F(u)}{\pi a^2}
 
-:math:`\Delta p` is the force that flow exerts on the plate, per area. To it comes the recoil of
-molecules that leave one face faster than the other.
+:math:`F` is the force of the flow around the plate, from creeping to a jet. To it comes the recoil
+of molecules that leave one face faster than the other.
 """
 
 from collections.abc import Iterator, Mapping
@@ -33,6 +33,7 @@ from lightflyer.force.channels import (
 from lightflyer.force.disk_gas import disk_surroundings, recoil_ratio
 from lightflyer.force.gap import accommodation_between, gap_conductance
 from lightflyer.force.laws import free_molecular_conductance, in_series
+from lightflyer.force.outer_flow import FLOW_RANGE, pumped_velocity, through_flow_force
 from lightflyer.force.schafer2025_table import internal_factors
 from lightflyer.force.section import ForceSection
 from lightflyer.foundation.precision import entry_point
@@ -67,8 +68,7 @@ _SLOW = Validity(
     "the Reynolds number of the flow (radius)",
     0.0,
     1.0,
-    "channel-pump adds the momentum of a jet to Stokes' law there, and neglects that flow "
-    "carries heat",
+    "channel-pump neglects that the flow carries heat",
 )
 
 
@@ -147,35 +147,43 @@ class ThroughFlow(NamedTuple):
 
 
 def through_flow(
-    stopping: Numeric, wall_resistance: Numeric, outer_resistance: Numeric, density: Numeric
+    stopping: Numeric,
+    wall_resistance: Numeric,
+    outer_resistance: Numeric,
+    *,
+    radius: Numeric,
+    density: Numeric,
+    viscosity: Numeric,
 ) -> ThroughFlow:
     r"""Velocity at which the pump of a wall and the gas outside are in balance.
 
-    .. math:: \rho\,u|u| + (R_o + R_w)\,u = \Delta p_0
+    .. math:: R_w u + \frac{F(u)}{\pi a^2} = \Delta p_0
+
+    with the force :math:`F` of the flow around a disk (:mod:`lightflyer.force.outer_flow`), whose
+    creeping limit is that of the resistance outside.
 
     Parameters
     ----------
     stopping : array, shape (...)
         :math:`\Delta p_0` [Pa].
     wall_resistance, outer_resistance : array, shape (...)
-        :math:`R_w` and :math:`R_o` [Pa s/m].
-    density : array, shape (...)
-        Of the gas [kg/m³].
+        :math:`R_w` and, of slow flow, :math:`R_o` [Pa s/m].
+    radius, density, viscosity : array, shape (...)
+        Of the plate [m]; of the gas outside [kg/m³], [Pa s].
 
     Returns
     -------
     ThroughFlow
-
-    Notes
-    -----
-    The jet's momentum :math:`\rho u^2` per area adds to Stokes' law. That is right in both limits,
-    and between them up to 40 % too large, around a Reynolds number of 5.
     """
-    resistance = outer_resistance + wall_resistance
-    # of the quadratic equation, without cancellation
-    root = jnp.sqrt(resistance**2 + 4.0 * density * jnp.abs(stopping))
-    velocity = 2.0 * stopping / (resistance + root)
-    return ThroughFlow(velocity, stopping, stopping - wall_resistance * velocity)
+    outside = {
+        "radius": radius,
+        "density": density,
+        "viscosity": viscosity,
+        "creeping": jnp.pi * radius * outer_resistance / viscosity,
+    }
+    velocity = pumped_velocity(1.0 / wall_resistance, stopping, **outside)
+    force = through_flow_force(velocity=velocity, **outside)
+    return ThroughFlow(velocity, stopping, force / (jnp.pi * radius**2))
 
 
 def outer_resistance(
@@ -226,7 +234,7 @@ class ChannelPump(AbstractForceModel):
     The gas in the channels and between the films has the properties at the plate's mean
     temperature; the gas outside conducts and flows as at the mean of plate and surroundings.
 
-    :meth:`caveats` says where channels are not slots or too short, and where inertia counts.
+    :meth:`caveats` says where channels are not slots or too short, and where the flow is fast.
     """
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Plate,)
@@ -288,12 +296,13 @@ class ChannelPump(AbstractForceModel):
         self, flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> dict[str, Any]:
         """See :meth:`AbstractForceModel.own_results`."""
-        flow = _flow(flyer, state, _plate_in_gas(flyer, state, unknowns))
+        plate = _plate_in_gas(flyer, state, unknowns)
+        flow = _flow(flyer, state, plate)
         return {
             "flow_velocity": flow.velocity,
             "pressure_difference": flow.difference,
             "stopping_pressure": flow.stopping,
-            "reynolds_number": _reynolds_number(flyer, state, flow.velocity),
+            "reynolds_number": _reynolds_number(flyer, state, plate, flow),
         }
 
     def caveats(
@@ -319,7 +328,7 @@ def _inside(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) 
         pressure=pressure,
         temperature=temperature,
         mean_speed=gas.mean_speed(temperature),
-        heat_capacity_ratio=gas.heat_capacity_ratio,
+        heat_capacity_ratio=gas.heat_capacity_ratio_at(temperature),
         conductivity=gas.conductivity(temperature),
     )
     # molecules that fly straight through meet no wall
@@ -374,7 +383,10 @@ def _outside(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...])
     mean = state.temperature * (1.0 + 0.25 * (unknowns[0] + unknowns[1]))
     viscosity = gas.viscosity(mean)
     free, dense = internal_factors(
-        gas.heat_capacity_ratio, gas.specific_gas_constant, viscosity, gas.conductivity(mean)
+        gas.heat_capacity_ratio_at(mean),
+        gas.specific_gas_constant,
+        viscosity,
+        gas.conductivity(mean),
     )
     speed = _most_probable_speed(gas, state.temperature)
     return Outside(viscosity, state.pressure * flyer.radius / (viscosity * speed), dense / free)
@@ -387,6 +399,7 @@ def _flow(flyer: Plate, state: EnvironmentState, plate: PlateInGas) -> ThroughFl
         SLOT, inside.rarefaction, inside.length, flyer.open_fraction, coefficients
     )
     density = state.gas.density(state.pressure, state.temperature)
+    viscosity = plate.outside.viscosity
     speed = _most_probable_speed(state.gas, inside.temperature)
     return through_flow(
         thermomolecular_pressure(
@@ -396,10 +409,12 @@ def _flow(flyer: Plate, state: EnvironmentState, plate: PlateInGas) -> ThroughFl
         outer_resistance(
             flyer.radius,
             state.pressure,
-            plate.outside.viscosity,
+            viscosity,
             _most_probable_speed(state.gas, state.temperature),
         ),
-        density,
+        radius=flyer.radius,
+        density=density,
+        viscosity=viscosity,
     )
 
 
@@ -420,13 +435,15 @@ def _most_probable_speed(gas: AbstractGas, temperature: Numeric) -> Array:
 def _free_conductance(area: Numeric, state: EnvironmentState, temperature: Numeric) -> Array:
     """Heat of free molecules to black faces, per relative temperature difference [W]."""
     gas = state.gas
-    speed = gas.mean_speed(temperature)
-    return free_molecular_conductance(area, 1.0, state.pressure, speed, gas.heat_capacity_ratio)
+    speed, ratio = gas.mean_speed(temperature), gas.heat_capacity_ratio_at(temperature)
+    return free_molecular_conductance(area, 1.0, state.pressure, speed, ratio)
 
 
-def _reynolds_number(flyer: Plate, state: EnvironmentState, velocity: Array) -> Array:
+def _reynolds_number(
+    flyer: Plate, state: EnvironmentState, plate: PlateInGas, flow: ThroughFlow
+) -> Array:
     density = state.gas.density(state.pressure, state.temperature)
-    return density * flyer.radius * jnp.abs(velocity) / state.gas.viscosity(state.temperature)
+    return density * flyer.radius * jnp.abs(flow.velocity) / plate.outside.viscosity
 
 
 def _caveats(flyer: Plate, state: EnvironmentState, temperature: Numeric) -> Iterator[str]:
@@ -434,7 +451,9 @@ def _caveats(flyer: Plate, state: EnvironmentState, temperature: Numeric) -> Ite
     yield from _SLOTS.caveats(flyer.channel_length / width, state.pressure)
     yield from _SHORT.caveats(flyer.height / width, state.pressure)
     hottest = jnp.asarray(temperature) / state.temperature - 1.0
-    yield from _SLOW.caveats(_highest_reynolds_number(flyer, state, hottest), state.pressure)
+    reynolds = _highest_reynolds_number(flyer, state, hottest)
+    for range_ in (_SLOW, FLOW_RANGE):
+        yield from range_.caveats(reynolds, state.pressure)
 
 
 @entry_point
@@ -445,8 +464,8 @@ def _highest_reynolds_number(flyer: Plate, state: EnvironmentState, hottest: Arr
     conductance = _inside(flyer, state, (hottest, hottest)).conductance
     difference = jnp.minimum(hottest, jnp.maximum(*map(jnp.abs, power)) / conductance)
     faces = (hottest - difference, hottest)
-    flow = _flow(flyer, state, _plate_in_gas(flyer, state, faces))
-    return _reynolds_number(flyer, state, flow.velocity)
+    plate = _plate_in_gas(flyer, state, faces)
+    return _reynolds_number(flyer, state, plate, _flow(flyer, state, plate))
 
 
 class ChannelPumpSection(ForceSection):

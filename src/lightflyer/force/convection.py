@@ -286,7 +286,7 @@ def sphere_conductance(
         1.0,
         pressure,
         gas.mean_speed(temperature),
-        gas.heat_capacity_ratio,
+        gas.heat_capacity_ratio_at(mean),
     )
     return joined_conductance(free_molecular, dense, tac)
 
@@ -340,7 +340,11 @@ def inner_sphere_conductance(
     nusselt = convection * inner_sphere_nusselt(rayleigh)
     dense = 2.0 * jnp.pi * radius * nusselt * gas.conductivity(mean) * temperature
     free_molecular = free_molecular_conductance(
-        4.0 * jnp.pi * radius**2, tac, pressure, gas.mean_speed(mean), gas.heat_capacity_ratio
+        4.0 * jnp.pi * radius**2,
+        tac,
+        pressure,
+        gas.mean_speed(mean),
+        gas.heat_capacity_ratio_at(mean),
     )
     # that is per excess over the mean temperature
     return in_series(dense, free_molecular * temperature / mean)

@@ -26,13 +26,16 @@ _SMALL_DIFFERENCES = Validity(
 )
 
 
-def disk_conductance(disk: Disk, state: EnvironmentState) -> Array:
+def disk_conductance(disk: Disk, state: EnvironmentState, excess: Numeric) -> Array:
     """Free-molecular heat loss of both faces per relative temperature excess [W].
 
     Parameters
     ----------
     disk : Disk
     state : EnvironmentState
+    excess : array, shape (...)
+        Relative temperature excess [1]; of effect only where the gas has a heat capacity ratio
+        that depends on temperature.
 
     Returns
     -------
@@ -43,7 +46,7 @@ def disk_conductance(disk: Disk, state: EnvironmentState) -> Array:
         disk.film.tac_mean,
         state.pressure,
         state.gas.mean_speed(state.temperature),
-        state.gas.heat_capacity_ratio,
+        state.gas.heat_capacity_ratio_at(state.temperature * (1.0 + 0.5 * excess)),
     )
 
 
@@ -71,7 +74,7 @@ class FreeMolecular(AbstractForceModel):
     ) -> tuple[Array, ...]:
         """See :meth:`AbstractForceModel.heat_loss`."""
         (excess,) = unknowns
-        return (disk_conductance(flyer, state) * excess,)
+        return (disk_conductance(flyer, state, excess) * excess,)
 
     @entry_point
     def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
@@ -112,7 +115,7 @@ class LinearFreeMolecular(AbstractForceModel):
     ) -> tuple[Array, ...]:
         """See :meth:`AbstractForceModel.heat_loss`."""
         (excess,) = unknowns
-        return (disk_conductance(flyer, state) * excess,)
+        return (disk_conductance(flyer, state, excess) * excess,)
 
     @entry_point
     def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:

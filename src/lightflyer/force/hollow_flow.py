@@ -199,10 +199,9 @@ def radius(flyer: HollowBody) -> Array:
 
 def free_molecular(state: EnvironmentState, area: Numeric) -> Array:
     """Heat that free molecules take from a face with a TAC of one, per relative excess [W]."""
-    gas = state.gas
-    return free_molecular_conductance(
-        area, 1.0, state.pressure, gas.mean_speed(state.temperature), gas.heat_capacity_ratio
-    )
+    speed = state.gas.mean_speed(state.temperature)
+    ratio = state.gas.heat_capacity_ratio_at(state.temperature)
+    return free_molecular_conductance(area, 1.0, state.pressure, speed, ratio)
 
 
 def pump_flow(

@@ -57,7 +57,7 @@ def _wall_heat(
             pressure=state.pressure,
             temperature=temperature,
             mean_speed=gas.mean_speed(temperature),
-            heat_capacity_ratio=gas.heat_capacity_ratio,
+            heat_capacity_ratio=gas.heat_capacity_ratio_at(temperature),
             conductivity=conductivity,
         )
 

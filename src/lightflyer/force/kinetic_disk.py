@@ -34,7 +34,7 @@ def heat_loss(
         ratio *= fit.wall_factors(knudsen, state.wall_distance / disk.radius)[1]
     if error is not None:
         ratio *= 1.0 + error * fit.relative_heat_error(knudsen)
-    return (ratio * disk_conductance(disk, state) * excess,)
+    return (ratio * disk_conductance(disk, state, excess) * excess,)
 
 
 def force(

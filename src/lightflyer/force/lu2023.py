@@ -157,8 +157,9 @@ def heat_conductances(
     """
     stretch = 1.0 + 0.5 * reading.heat_weight * excess
     speed = gas.mean_speed(temperature) / jnp.sqrt(stretch)
+    ratio = gas.heat_capacity_ratio_at(_mean_temperature(temperature, excess))
     free_molecular = free_molecular_conductance(
-        2.0 * jnp.pi * radius**2, tac_mean, pressure, speed, gas.heat_capacity_ratio
+        2.0 * jnp.pi * radius**2, tac_mean, pressure, speed, ratio
     )
     rayleigh = rayleigh_number(
         excess, radius=radius, pressure=pressure, temperature=temperature, gravity=gravity, gas=gas
@@ -211,7 +212,8 @@ def creep_stiffness(
     creep = 16.0 * viscosity * 6.0 * _THERMAL_CREEP * kinematic
     flux = creep_temperature * gas.conductivity(mean)
     thermal = flux / (radius * pressure * gas.mean_speed(mean))
-    internal_modes = (gas.heat_capacity_ratio - 1.0) / (gas.heat_capacity_ratio + 1.0)
+    ratio = gas.heat_capacity_ratio_at(mean)
+    internal_modes = (ratio - 1.0) / (ratio + 1.0)
     return creep * thermal * internal_modes / tac_mean
 
 

@@ -61,7 +61,7 @@ def between_membranes(flyer: Sandwich, state: EnvironmentState, passed: Passage)
         pressure=state.pressure,
         temperature=state.temperature,
         mean_speed=state.gas.mean_speed(state.temperature),
-        heat_capacity_ratio=state.gas.heat_capacity_ratio,
+        heat_capacity_ratio=state.gas.heat_capacity_ratio_at(state.temperature),
         conductivity=state.gas.conductivity(state.temperature),
     )
 

@@ -45,6 +45,7 @@ def perforated_disk_conductances(
     pressure: Numeric,
     temperature: Numeric,
     gas: AbstractGas,
+    mean_temperature: Numeric | None = None,
 ) -> HeatRatios:
     r"""Heat that the gas takes from the faces of a thin disk with holes.
 
@@ -58,6 +59,9 @@ def perforated_disk_conductances(
         [1].
     pressure, temperature : array, shape (...)
         Of the gas [Pa], [K].
+    mean_temperature : array, shape (...), optional
+        Of gas and faces, which decides the heat capacity of free molecules [K]; by default the
+        gas's.
     gas : AbstractGas
         Of any kind: the table is for gas without internal motion, to which
         :func:`~lightflyer.force.schafer2025_table.internal_factors` adds it.
@@ -72,7 +76,7 @@ def perforated_disk_conductances(
     [Schafer2025]_
     """
     factors = internal_factors(
-        gas.heat_capacity_ratio,
+        gas.heat_capacity_ratio_at(temperature if mean_temperature is None else mean_temperature),
         gas.specific_gas_constant,
         gas.viscosity(temperature),
         gas.conductivity(temperature),
@@ -134,12 +138,13 @@ class Schafer2025(AbstractForceModel):
         """See :meth:`AbstractForceModel.heat_loss`."""
         top, bottom = unknowns
         passed = self._passage(flyer)
+        mean = state.temperature * (1.0 + 0.25 * (top + bottom))
         free = free_molecular_conductance(
             flyer.area,
             1.0,
             state.pressure,
             state.gas.mean_speed(state.temperature),
-            state.gas.heat_capacity_ratio,
+            state.gas.heat_capacity_ratio_at(mean),
         )
 
         def returned(open_fraction: Numeric, sign: float) -> Array:
@@ -151,6 +156,7 @@ class Schafer2025(AbstractForceModel):
                 pressure=state.pressure,
                 temperature=state.temperature,
                 gas=state.gas,
+                mean_temperature=mean,
             )
             solid = 1.0 - open_fraction
             return (1.0 - (found.own + sign * found.cross) / (free * solid)) / solid

@@ -1,5 +1,4 @@
 from .air import AIR as AIR
-from .air import GASES as GASES
 from .air import LU2023_AIR as LU2023_AIR
 from .air import US1976_AIR as US1976_AIR
 from .air import Air as Air
@@ -8,3 +7,8 @@ from .air import US1976Air as US1976Air
 from .base import AbstractGas as AbstractGas
 from .base import knudsen_number as knudsen_number
 from .base import mean_free_path as mean_free_path
+from .carbon_dioxide import CARBON_DIOXIDE as CARBON_DIOXIDE
+from .carbon_dioxide import FROZEN_CARBON_DIOXIDE as FROZEN_CARBON_DIOXIDE
+from .carbon_dioxide import CarbonDioxide as CarbonDioxide
+from .carbon_dioxide import FrozenCarbonDioxide as FrozenCarbonDioxide
+from .known import GASES as GASES

@@ -12,6 +12,7 @@ from lightflyer.foundation import constants
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
 from lightflyer.gas.base import AbstractGas
+from lightflyer.gas.followed import Followed
 
 
 def _power(base: Numeric, exponent: float, unit: float = 1.0) -> Array:
@@ -105,31 +106,14 @@ _MIDDLE = 600.0  # [K]
 _DEGREE = 12
 
 
-def _followed(formula: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """Coefficients of a polynomial in T/(T + middle) that follows a formula, highest power first.
-
-    The formulas have seven exponentials and powers; a heat balance, which evaluates them in every
-    step, would take a quarter longer.
-    """
-    ends = np.array([_COLDEST, _HOTTEST])
-    fit = np.polynomial.Chebyshev.interpolate(
-        lambda share: formula(_MIDDLE * share / (1.0 - share)),
-        _DEGREE,
-        domain=ends / (ends + _MIDDLE),
-    )
-    return fit.convert(kind=np.polynomial.Polynomial).coef[::-1]
+def _followed(formula: Callable[[np.ndarray], np.ndarray]) -> Followed:
+    return Followed.of(formula, (_COLDEST, _HOTTEST), _MIDDLE, _DEGREE)
 
 
 # of the transport properties without the root of T, with which they continue beyond the range
 _VISCOSITY_FIT = _followed(lambda kelvin: reference_viscosity(kelvin) / np.sqrt(kelvin))
 _CONDUCTIVITY_FIT = _followed(lambda kelvin: reference_conductivity(kelvin) / np.sqrt(kelvin))
 _HEAT_CAPACITY_FIT = _followed(reference_heat_capacity)
-
-
-def _evaluated(fit: np.ndarray, temperature: Numeric) -> Array:
-    """Polynomial of :func:`_followed`; beyond the range of the sources its value at the end."""
-    within = jnp.clip(temperature, _COLDEST, _HOTTEST)
-    return jnp.polyval(jnp.asarray(fit), within / (within + _MIDDLE))
 
 
 class Air(AbstractGas):
@@ -177,17 +161,17 @@ class Air(AbstractGas):
     @entry_point
     def viscosity(self, temperature: Numeric) -> Array:
         """Dynamic viscosity [Pa s]."""
-        return jnp.sqrt(temperature) * _evaluated(_VISCOSITY_FIT, temperature)
+        return jnp.sqrt(temperature) * _VISCOSITY_FIT(temperature)
 
     @entry_point
     def conductivity(self, temperature: Numeric) -> Array:
         """Thermal conductivity [W/(m K)]."""
-        return jnp.sqrt(temperature) * _evaluated(_CONDUCTIVITY_FIT, temperature)
+        return jnp.sqrt(temperature) * _CONDUCTIVITY_FIT(temperature)
 
     @entry_point
     def heat_capacity(self, temperature: Numeric) -> Array:
         """Isobaric heat capacity of the ideal gas, vibrations included [J/(kg K)]."""
-        return self.specific_gas_constant * _evaluated(_HEAT_CAPACITY_FIT, temperature)
+        return self.specific_gas_constant * _HEAT_CAPACITY_FIT(temperature)
 
 
 class US1976Air(AbstractGas):
@@ -290,6 +274,3 @@ US1976_AIR = US1976Air()
 
 LU2023_AIR = Lu2023Air()
 """Air as in the paper."""
-
-GASES: dict[str, AbstractGas] = {gas.name: gas for gas in (AIR, US1976_AIR, LU2023_AIR)}
-"""Gases by the name they have in a flyer file."""

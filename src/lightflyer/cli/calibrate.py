@@ -1,6 +1,5 @@
 """``lightflyer calibrate``: force coefficients from measured levitation points."""
 
-import json
 import math
 from importlib import resources
 from pathlib import Path
@@ -10,9 +9,10 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.lab._points import open_interval_text
 from lightflyer.cli.lab._shared import optional_share, quantity, show_warnings
-from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.output import print_json, printer, write_json
 
 if TYPE_CHECKING:
     from lightflyer.calibration.bayes import Posterior
@@ -36,6 +36,7 @@ def calibrate_command(
     samples: int = 2000,
     seed: int = 0,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Fit force coefficients and film properties to measured levitation points.
 
@@ -72,7 +73,7 @@ def calibrate_command(
     keep_ground_effect
         Fit points also where the floor is nearer than the sample's diameter.
     out
-        Folder for the fit (JSON), the residuals (CSV) and their figure (PNG, SVG), and the draws
+        Folder for the fit (JSON), the residuals (CSV) and their figure, and the draws
         from the posterior (CSV).
     posterior
         Also draw from the posterior by NUTS, at the inputs as given, without their ±; needs
@@ -83,7 +84,10 @@ def calibrate_command(
         Seed of the draws from the posterior.
     json_output
         Print one JSON object instead of a table.
+    figures
+        How figures are written.
     """
+    figures.check(out)
     from lightflyer.calibration.calibration import calibrate
     from lightflyer.calibration.points import read_points
     from lightflyer.config.reader import read_flyer_file
@@ -104,7 +108,7 @@ def calibrate_command(
         scale_errors=scale_errors,
     )
     drawn = _draw(fit, samples, seed) if posterior else None
-    written = [] if out is None else _write(out, fit, drawn)
+    written = [] if out is None else _write(out, fit, drawn, figures)
     if json_output:
         print_json(_summary(fit, drawn))
         return
@@ -131,22 +135,20 @@ def _summary(fit: "Calibration", drawn: "Posterior | None") -> dict[str, Any]:
     return fit.summary() | ({} if drawn is None else {"posterior": drawn.summary()})
 
 
-def _write(out: Path, fit: "Calibration", drawn: "Posterior | None") -> list[Path]:
+def _write(
+    out: Path, fit: "Calibration", drawn: "Posterior | None", figures: FigureOptions
+) -> list[Path]:
     from lightflyer.calibration.figures import calibration_figure
-    from lightflyer.foundation.drawing import save
     from lightflyer.foundation.files import output_directory
 
-    names = ["calibration.json", "residuals.csv", "residuals.png", "residuals.svg"]
-    if drawn is not None:
-        names.append("posterior.csv")
+    names = ["calibration.json", "residuals.csv"]
     with output_directory(out) as stage:
-        paths = [stage(name) for name in names]
-        text = json.dumps(_summary(fit, drawn), indent=2)
-        paths[0].write_text(text + "\n", encoding="utf-8")
-        paths[1].write_text(_residuals_csv(fit), encoding="utf-8")
-        save(calibration_figure(fit), paths[2:4])
+        write_json(stage("calibration.json"), _summary(fit, drawn))
+        stage("residuals.csv").write_text(_residuals_csv(fit), encoding="utf-8")
+        names += figures.write(stage, lambda: {"residuals": calibration_figure(fit)})
         if drawn is not None:
-            paths[4].write_text(_draws_csv(drawn), encoding="utf-8")
+            names.append("posterior.csv")
+            stage("posterior.csv").write_text(_draws_csv(drawn), encoding="utf-8")
     return [out / name for name in names]
 
 

@@ -1,6 +1,5 @@
 """``lightflyer compare``: several flyers side by side."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -8,7 +7,8 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ def compare_command(
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
     samples: int = 500,
     seed: int = 0,
+    figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Compare flyers: payload, lift and temperature side by side, each in its own surroundings.
 
@@ -38,14 +39,17 @@ def compare_command(
     pressures
         The same for chambers, such as "1 Pa to 100 Pa".
     out
-        Folder to write the figure (PNG, SVG), the tables (NetCDF, CSV) and the summary (JSON) into.
+        Folder to write the figure, the tables (NetCDF, CSV) and the summary (JSON) into.
     json_output
         Print one JSON object instead of tables.
     samples
         Monte Carlo samples for the bands of files with ±; 0 for first order alone.
     seed
         Of the samples.
+    figures
+        How figures are written.
     """
+    figures.check(out)
     from lightflyer.comparison.comparison import compare
     from lightflyer.config.reader import read_flyer_file
 
@@ -53,7 +57,7 @@ def compare_command(
         read_flyer_file(path)  # every mistake in a file is told before anything is computed
     searched = _range(altitudes, pressures, flyer_files)
     comparison = compare(*flyer_files, searched=searched, samples=samples, seed=seed)
-    written = _write(out, comparison) if out is not None else []
+    written = _write(out, comparison, figures) if out is not None else []
     if json_output:
         print_json(comparison.summary())
         return
@@ -94,20 +98,18 @@ def _range(
     return low, high
 
 
-def _write(out: Path, comparison: "Comparison") -> list[Path]:
+def _write(out: Path, comparison: "Comparison", figures: FigureOptions) -> list[Path]:
     from lightflyer.comparison.figures import comparison_figure
     from lightflyer.comparison.tables import to_dataset, write_csv
-    from lightflyer.foundation.drawing import save
     from lightflyer.foundation.files import output_directory
 
-    names = [f"comparison.{ending}" for ending in ("nc", "csv", "json", "png", "svg")]
-    tables, table, summary, *figures = names
+    names = [f"comparison.{ending}" for ending in ("nc", "csv", "json")]
+    tables, table, summary = names
     with output_directory(out) as stage:
         to_dataset(comparison).to_netcdf(stage(tables), engine="h5netcdf")
         write_csv(comparison, stage(table))
-        text = json.dumps(comparison.summary(), indent=2, allow_nan=False)
-        stage(summary).write_text(text + "\n", encoding="utf-8")
-        save(comparison_figure(comparison), [stage(figure) for figure in figures])
+        write_json(stage(summary), comparison.summary())
+        names += figures.write(stage, lambda: {"comparison": comparison_figure(comparison)})
     return [out / name for name in names]
 
 

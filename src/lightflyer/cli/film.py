@@ -1,7 +1,6 @@
 """``lightflyer film``: optics and areal density of a film from its layers."""
 
 import gc
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,7 +9,8 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ def film_command(
     temperatures: str = _TEMPERATURES,
     at: str | None = None,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Compute absorptance, transmittance, emittance and areal density of a film from its layers.
 
@@ -43,7 +44,7 @@ def film_command(
     film_file
         TOML file whose section [film] has layers, such as a flyer file.
     out
-        Folder for figures (PNG, SVG) and the summary (JSON).
+        Folder for figures and the summary (JSON).
     temperatures
         Temperatures of the film at which to give its emittance.
     at
@@ -51,7 +52,10 @@ def film_command(
         absorptance.
     json_output
         Print one JSON object instead of tables.
+    figures
+        How figures are written.
     """
+    figures.check(out)
     gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
     from lightflyer.cli.lab._shared import show_warnings
     from lightflyer.config.reader import read_film_file
@@ -74,7 +78,7 @@ def film_command(
     described = summary.to_json() | {"origin": _origins(section), "warnings": warnings}
     if at is not None:
         described["at"] = points
-    written = [] if out is None else _write(out, summary, described)
+    written = [] if out is None else _write(out, summary, described, figures)
     if json_output:
         print_json(described)
         return
@@ -147,19 +151,16 @@ def _origins(section: "LayeredFilmSection") -> dict[str, Any]:
     }
 
 
-def _write(out: Path, summary: "FilmSummary", described: dict[str, Any]) -> list[Path]:
+def _write(
+    out: Path, summary: "FilmSummary", described: dict[str, Any], figures: FigureOptions
+) -> list[Path]:
     from lightflyer.film.figures import film_figures
-    from lightflyer.foundation import drawing as plot
     from lightflyer.foundation import files as output
 
     names = ["film.json"]
     with output.output_directory(out) as stage:
-        text = json.dumps(described, indent=2, allow_nan=False, ensure_ascii=False)
-        stage("film.json").write_text(text + "\n", encoding="utf-8")
-        for name, figure in film_figures(summary).items():
-            files = [f"{name}.png", f"{name}.svg"]
-            plot.save(figure, [stage(file) for file in files])
-            names += files
+        write_json(stage("film.json"), described)
+        names += figures.write(stage, lambda: film_figures(summary))
     return [out / name for name in names]
 
 

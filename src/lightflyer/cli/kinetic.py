@@ -1,7 +1,6 @@
 """``lightflyer kinetic``: force and heat of a thin disk from the kinetic equation."""
 
 import gc
-import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from inspect import signature
@@ -11,14 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 from rich.table import Table
 
-from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.progress import report
 
 if TYPE_CHECKING:
     from lightflyer.kinetic import Solution
-
-_FILES = ("kinetic.json", "flow.png", "flow.svg")
 
 
 def kinetic_command(
@@ -35,6 +33,7 @@ def kinetic_command(
     boundary: float | None = None,
     out: Path | None = None,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Solve the kinetic equation around a hot thin disk, or one with holes.
 
@@ -69,7 +68,10 @@ def kinetic_command(
         Folder for a figure of temperature and streamlines and the result (JSON).
     json_output
         Print one JSON object instead of a table.
+    figures
+        How figures are written.
     """
+    figures.check(out)
     gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
     if temperature_ratio is not None and (top_temperature, bottom_temperature) != (None, None):
         raise ParameterError(
@@ -82,6 +84,7 @@ def kinetic_command(
     from lightflyer.kinetic import solve
 
     # a folder that cannot be written is found before, not after, a long solution
+    written: list[str] = []
     opened = nullcontext() if out is None else output_directory(out)
     with opened as stage, _named_as_options():
         solution = solve(
@@ -97,18 +100,18 @@ def kinetic_command(
         )
         if stage is not None:
             report("drawing the flow")
-            _write(stage, solution)
+            written = _write(stage, solution, figures)
     if json_output:
         print_json(solution.to_json())
     else:
-        _show(solution, out)
+        _show(solution, [] if out is None else [out / name for name in written])
 
 
 def _of_both_faces(ratio: float | None, top: float | None) -> float | tuple[float, float] | None:
     return ratio if ratio is None or top is None else (top, ratio)
 
 
-def _show(solution: "Solution", out: Path | None) -> None:
+def _show(solution: "Solution", written: list[Path]) -> None:
     described = solution.to_json()
     console = printer()
     console.print(solution.title, soft_wrap=True)
@@ -119,11 +122,10 @@ def _show(solution: "Solution", out: Path | None) -> None:
         "numerical and excludes that of the model",
         soft_wrap=True,
     )
-    if out is None:
+    for path in written:
+        console.print(f"wrote {path}", soft_wrap=True)
+    if not written:
         console.print("add --out FOLDER to write a figure of the flow")
-        return
-    for name in _FILES:
-        console.print(f"wrote {out / name}", soft_wrap=True)
 
 
 @contextmanager
@@ -138,14 +140,11 @@ def _named_as_options() -> Iterator[None]:
         raise ParameterError(f"{option}{space}{rest}" if known else str(error)) from None
 
 
-def _write(stage: Callable[[str], Path], solution: "Solution") -> None:
-    from lightflyer.foundation import drawing as plot
+def _write(stage: Callable[[str], Path], solution: "Solution", figures: FigureOptions) -> list[str]:
     from lightflyer.kinetic.figures import flow_figure
 
-    record, *figures = (stage(name) for name in _FILES)
-    described = solution.to_json() | {"inputs": solution.inputs}
-    record.write_text(json.dumps(described, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    plot.save(flow_figure(solution), figures)
+    write_json(stage("kinetic.json"), solution.to_json() | {"inputs": solution.inputs})
+    return ["kinetic.json", *figures.write(stage, lambda: {"flow": flow_figure(solution)})]
 
 
 def _table(described: dict[str, Any]) -> Table:

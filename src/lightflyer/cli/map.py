@@ -5,11 +5,15 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import xarray as xr
+    from matplotlib.figure import Figure
 
 
 def map_command(
@@ -22,6 +26,7 @@ def map_command(
     at: str | None = None,
     pareto: Annotated[bool, Parameter(negative=())] = False,
     out: Path = Path("map"),
+    figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Draw an output of a sweep over one or two of its fields.
 
@@ -41,8 +46,11 @@ def map_command(
     pareto
         Also draw Pareto fronts of the output against altitude, irradiance and temperature.
     out
-        Folder to write the figures (PNG, SVG) into.
+        Folder to write the figures into.
+    figures
+        How figures are written.
     """
+    figures.check(out)
     from lightflyer.sweeps.explore import choose_slice, find_name
     from lightflyer.sweeps.run import open_sweep
 
@@ -55,7 +63,8 @@ def map_command(
     if not dataset.attrs.get("complete", True):
         console.print("the sweep is not finished; missing designs are left blank", soft_wrap=True)
     sliced, chosen = choose_slice(dataset, output, fields, _asked(at))
-    written = _write(out, dataset, sliced, [*fields, output], pareto=pareto)
+    names = [*fields, output]
+    written = _write(out, lambda: _draw(dataset, sliced, names, pareto=pareto), figures)
     for name, (amount, unit) in chosen.items():
         console.print(f"at {name} {amount:.6g} {unit}".rstrip())
     for path in written:
@@ -75,11 +84,10 @@ def _asked(at: str | None) -> dict[str, str]:
     return asked
 
 
-def _write(
-    out: Path, dataset: "xr.Dataset", sliced: "xr.Dataset", names: list[str], *, pareto: bool
-) -> list[Path]:
+def _draw(
+    dataset: "xr.Dataset", sliced: "xr.Dataset", names: list[str], *, pareto: bool
+) -> "dict[str, Figure]":
     from lightflyer.foundation import drawing as plot
-    from lightflyer.foundation.files import output_directory
     from lightflyer.sweeps import figures as sweep_figures
 
     *fields, output = names
@@ -97,10 +105,14 @@ def _write(
                 f"compare {output} with"
             )
         figures[f"{output}-pareto"] = fronts
-    written = []
+    return figures
+
+
+def _write(
+    out: Path, draw: "Callable[[], dict[str, Figure]]", figures: FigureOptions
+) -> list[Path]:
+    from lightflyer.foundation.files import output_directory
+
     with output_directory(out) as stage:
-        for name, drawn in figures.items():
-            files = [f"{name}.png", f"{name}.svg"]
-            plot.save(drawn, [stage(file) for file in files])
-            written += [out / file for file in files]
-    return written
+        names = figures.write(stage, draw)
+    return [out / name for name in names]

@@ -1,6 +1,5 @@
 """``lightflyer optimise``: the best design of a study."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -8,7 +7,8 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.output import print_json, printer, write_json
 
 if TYPE_CHECKING:
     from lightflyer.search.front import Front
@@ -25,6 +25,7 @@ def optimise_command(
     *,
     out: Path | None = None,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Find the best design within bounds and constraints.
 
@@ -33,10 +34,13 @@ def optimise_command(
     study_file
         TOML file with flyer = "flyer.toml" and the sections [optimise] and [optimise.over].
     out
-        Folder to write the result (JSON) into and, with several objectives, its figure (PNG, SVG).
+        Folder to write the result (JSON) into and, with several objectives, its figure.
     json_output
         Print one JSON object instead of tables.
+    figures
+        How figures are written.
     """
+    figures.check(out)
     from lightflyer.search import optimise, pareto, read_problem
 
     problem = read_problem(study_file)
@@ -44,13 +48,13 @@ def optimise_command(
     if len(problem.objectives) > 1:
         front = pareto(problem)
         summary = front.summary()
-        written = _write(out, summary, front)
+        written = _write(out, summary, front, figures)
         if not json_output:
             _show_front(console, front)
     else:
         optimum = optimise(problem)
         summary = optimum.summary()
-        written = _write(out, summary, None)
+        written = _write(out, summary, None, figures)
         if not json_output:
             _show_optimum(console, problem, optimum)
     if json_output:
@@ -60,22 +64,20 @@ def optimise_command(
         console.print(f"wrote {path}", soft_wrap=True)
 
 
-def _write(out: Path | None, summary: dict[str, Any], front: "Front | None") -> list[Path]:
+def _write(
+    out: Path | None, summary: dict[str, Any], front: "Front | None", figures: FigureOptions
+) -> list[Path]:
     if out is None:
         return []
     from lightflyer.foundation.files import output_directory
 
     names = ["optimum.json"]
     with output_directory(out) as stage:
-        text = json.dumps(summary, indent=2, allow_nan=False)
-        stage("optimum.json").write_text(text + "\n", encoding="utf-8")
+        write_json(stage("optimum.json"), summary)
         if front is not None:
-            from lightflyer.foundation import drawing as plot
             from lightflyer.search.figures import front_figure
 
-            files = ["front.png", "front.svg"]
-            plot.save(front_figure(front), [stage(file) for file in files])
-            names += files
+            names += figures.write(stage, lambda: {"front": front_figure(front)})
     return [out / name for name in names]
 
 

@@ -3,6 +3,7 @@
 import json
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -55,3 +56,15 @@ def print_json(document: dict[str, Any]) -> None:
     _clear()
     readable = (sys.stdout.encoding or "").lower().startswith("utf")  # else escapes lose nothing
     print(json.dumps(document, allow_nan=False, ensure_ascii=not readable))  # noqa: T201
+
+
+def write_json(path: Path, document: Any) -> None:
+    """Write a JSON file that people can read.
+
+    Parameters
+    ----------
+    path : Path
+    document : dict or list
+    """
+    text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False)
+    path.write_text(text + "\n", encoding="utf-8")

@@ -13,10 +13,13 @@ from rich.console import Console
 from rich.measure import Measurement
 from rich.table import Table
 
-from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from lightflyer.config.flyer_file import FlyerFile
     from lightflyer.environment.base import Coordinate
     from lightflyer.prediction.prediction import Prediction
@@ -33,6 +36,7 @@ def predict_command(
     csv: Annotated[bool, Parameter(negative=())] = False,
     samples: int = 500,
     seed: int = 0,
+    figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Predict where a flyer levitates, what it carries and how hot it gets.
 
@@ -42,7 +46,7 @@ def predict_command(
         TOML file that describes flyer, film, environment and force model; "lightflyer init"
         writes one.
     out
-        Folder to write figures (PNG, SVG), the dataset (NetCDF) and the summary (JSON) into.
+        Folder to write figures, the dataset (NetCDF) and the summary (JSON) into.
     at
         Altitudes such as "68 km,72 km", or in a chamber pressures such as "3 Pa,30 mTorr", to
         report one by one.
@@ -54,8 +58,13 @@ def predict_command(
         Monte Carlo samples for the bands of a file with ±; 0 for first order alone.
     seed
         Of the samples.
+    figures
+        How figures are written.
     """
     gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
+    figures.check(out)
+    if csv and out is None:
+        raise ConfigurationError("--csv: the table needs a folder; add --out FOLDER")
     from lightflyer.config.reader import read_flyer_file
     from lightflyer.prediction.prediction import predict_design
 
@@ -78,7 +87,8 @@ def predict_command(
     written = []
     if out is not None and loading is not None:
         loading.join()
-        written = _write(out, file, flyer_file, (prediction, summary, uncertainty), csv=csv)
+        results = prediction, summary, uncertainty
+        written = _write(out, file, flyer_file, results, figures, csv=csv)
     if json_output:
         print_json(summary)
         return
@@ -132,10 +142,10 @@ def _write(
     file: "FlyerFile",
     flyer_file: Path,
     results: "tuple[Prediction, Any, PredictionUncertainty | None]",
+    options: FigureOptions,
     *,
     csv: bool,
 ) -> list[Path]:
-    from lightflyer.foundation.drawing import save
     from lightflyer.foundation.files import output_directory
     from lightflyer.prediction.figures import prediction_figures
     from lightflyer.prediction.tables import to_dataset, write_csv
@@ -144,24 +154,25 @@ def _write(
     dataset = to_dataset(prediction, flyer_file.read_text(encoding="utf-8-sig"))
     dataset.attrs["uncertainties"] = json.dumps(file.uncertainties())
     dataset.attrs["summary"] = json.dumps(summary)
-    figures = prediction_figures(prediction)
     if uncertainty is not None:
         from lightflyer.uncertainty.figures import add_to_dataset, add_to_figures
 
         add_to_dataset(dataset, uncertainty)
-        add_to_figures(figures, uncertainty)
+
+    def draw() -> "dict[str, Figure]":
+        figures = prediction_figures(prediction)
+        if uncertainty is not None:
+            add_to_figures(figures, uncertainty)
+        return figures
+
     names = ["prediction.nc", "prediction.json"]
     with output_directory(out) as stage:
         dataset.to_netcdf(stage("prediction.nc"), engine="h5netcdf")
-        text = json.dumps(summary, indent=2, allow_nan=False)
-        stage("prediction.json").write_text(text + "\n", encoding="utf-8")
+        write_json(stage("prediction.json"), summary)
         if csv:
             names.append("prediction.csv")
             write_csv(prediction, stage("prediction.csv"))
-        for name, figure in figures.items():
-            files = [f"{name}.png", f"{name}.svg"]
-            save(figure, [stage(file) for file in files])
-            names += files
+        names += options.write(stage, draw)
     return [out / name for name in names]
 
 

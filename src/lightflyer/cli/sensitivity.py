@@ -1,6 +1,5 @@
 """``lightflyer sensitivity``: which uncertain property matters most."""
 
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -9,7 +8,8 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.output import print_json, printer, write_json
 
 if TYPE_CHECKING:
     from lightflyer.search.sobol import Indices
@@ -23,6 +23,7 @@ def sensitivity_command(
     *,
     out: Path | None = None,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Rank uncertain properties by their effect, and say what to measure next.
 
@@ -32,16 +33,19 @@ def sensitivity_command(
         TOML file with flyer = "flyer.toml" and the sections [sensitivity] and [sensitivity.at];
         uncertainties are those of [sensitivity.inputs], by default those of the flyer file.
     out
-        Folder to write the result (JSON) and a tornado figure (PNG, SVG) for each output into.
+        Folder to write the result (JSON) and a tornado figure for each output into.
     json_output
         Print one JSON object instead of tables.
+    figures
+        How figures are written.
     """
+    figures.check(out)
     from lightflyer.search import read_sensitivity_study, sensitivity
 
     study = read_sensitivity_study(study_file)
     results = sensitivity(study)
     summary = {found.output: found.summary() for found in results}
-    written = [] if out is None else _write(out, summary, results)
+    written = [] if out is None else _write(out, summary, results, figures)
     if json_output:
         print_json(summary)
         return
@@ -63,19 +67,18 @@ def sensitivity_command(
         console.print(f"wrote {path}", soft_wrap=True)
 
 
-def _write(out: Path, summary: dict[str, Any], results: "list[Indices]") -> list[Path]:
-    from lightflyer.foundation import drawing as plot
+def _write(
+    out: Path, summary: dict[str, Any], results: "list[Indices]", figures: FigureOptions
+) -> list[Path]:
     from lightflyer.foundation.files import output_directory
     from lightflyer.search.figures import tornado_figure
 
     names = ["sensitivity.json"]
     with output_directory(out) as stage:
-        text = json.dumps(summary, indent=2, allow_nan=False)
-        stage("sensitivity.json").write_text(text + "\n", encoding="utf-8")
-        for found in results:
-            files = [f"{found.output}-tornado.{suffix}" for suffix in ("png", "svg")]
-            plot.save(tornado_figure(found), [stage(file) for file in files])
-            names += files
+        write_json(stage("sensitivity.json"), summary)
+        names += figures.write(
+            stage, lambda: {f"{found.output}-tornado": tornado_figure(found) for found in results}
+        )
     return [out / name for name in names]
 
 

@@ -1,6 +1,5 @@
 """Options, tables and records that the commands of the lab bench share."""
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -9,6 +8,8 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
+from lightflyer.cli.figure_files import FigureOptions
+from lightflyer.cli.output import write_json
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -207,10 +208,11 @@ def write_record(
     name: str,
     document: dict[str, Any],
     dataset: "xr.Dataset",
-    figures: Callable[[], dict[str, "Figure"]],
+    draw: Callable[[], dict[str, "Figure"]],
     update: Callable[[], list[str]],
+    figures: FigureOptions,
 ) -> tuple[list[Path], list[str]]:
-    """Write the record (JSON, NetCDF) and figures (PNG, SVG) of a measurement, or nothing.
+    """Write the record (JSON, NetCDF) and figures of a measurement, or nothing.
 
     Parameters
     ----------
@@ -221,10 +223,11 @@ def write_record(
     document : dict
         JSON record.
     dataset : xarray.Dataset
-    figures : callable
-        Returns the figures by file name without suffix.
+    draw : callable
+        Returns the figures by file name without ending.
     update : callable
         Updates the flyer file after all files are prepared; if it fails, nothing is written.
+    figures : FigureOptions
 
     Returns
     -------
@@ -234,18 +237,13 @@ def write_record(
     """
     if out is None:
         return [], update()
-    from lightflyer.foundation import drawing as plot
     from lightflyer.foundation.files import output_directory
 
     names = [f"{name}.json", f"{name}.nc"]
     with output_directory(out) as stage:
-        text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False)
-        stage(names[0]).write_text(text + "\n", encoding="utf-8")
+        write_json(stage(names[0]), document)
         dataset.to_netcdf(stage(names[1]), engine="h5netcdf")
-        for title, figure in figures().items():
-            files = [f"{title}.png", f"{title}.svg"]
-            plot.save(figure, [stage(file) for file in files])
-            names += files
+        names += figures.write(stage, draw)
         updated = update()
     return [out / name for name in names], updated
 

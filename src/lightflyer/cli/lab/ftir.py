@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from rich.console import Console
 from rich.table import Table
 
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.lab._shared import (
     Files,
     Json,
@@ -44,6 +45,7 @@ def ftir_command(
     update: Path | None = None,
     face: Literal["top", "bottom", "both"] = "both",
     json_output: Json = False,
+    figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Average infrared spectra over a band and over Planck's spectrum, for the emissivity.
 
@@ -69,14 +71,17 @@ def ftir_command(
     film
         TOML file with the layers of a film; draws its computed spectrum.
     out
-        Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
+        Folder to write the record (JSON, NetCDF) and the figure into.
     update
         Flyer file to write the emissivity over the band into; needs --reflectance.
     face
         Face of that film.
     json_output
         Print one JSON object instead of tables.
+    figures
+        How figures are written.
     """
+    figures.check(out)
     from lightflyer.config.update import emittance_keys
     from lightflyer.lab.ftir import reduce_ftir, to_dataset
     from lightflyer.lab.spectrum_data import read_spectrum
@@ -109,6 +114,7 @@ def ftir_command(
     written, updated = write_record(
         out, "ftir", document, to_dataset(result), lambda: _figures(result, computed),
         updating(update, values, "ftir", [*files, *([reflectance] if reflectance else [])]),
+        figures,
     )  # fmt: skip
     if json_output:
         print_json(document)

@@ -8,6 +8,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.lab._points import open_interval_text
 from lightflyer.cli.lab._shared import (
     Files,
@@ -52,6 +53,7 @@ def levitation_command(
     out: Path | None = None,
     update: Path | None = None,
     json_output: Json = False,
+    figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Find the minimum irradiance of samples and its pressure; compare samples and launchpads.
 
@@ -89,13 +91,16 @@ def levitation_command(
     pressure_unit
         Unit of the figure's axis.
     out
-        Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
+        Folder to write the record (JSON, NetCDF) and the figure into.
     update
         Flyer file to write the calibrated force coefficients into, with the ± of points and
         instruments; the file's own ± are not counted twice.
     json_output
         Print one JSON object instead of tables.
+    figures
+        How figures are written.
     """
+    figures.check(out)
     from lightflyer.lab import levitation
     from lightflyer.lab.levitation_data import read_lift_offs
 
@@ -125,6 +130,7 @@ def levitation_command(
         out, "levitation", document, levitation.to_dataset(curves, [t.source for t in tables]),
         lambda: _figures(curves, pressure_unit, models),
         updating(update, values, "levitation", files),
+        figures,
     )  # fmt: skip
     if json_output:
         print_json(document)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from rich.console import Console
 
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.lab._shared import (
     Files,
     Json,
@@ -47,6 +48,7 @@ def roughness_command(
     seed: int = 0,
     out: Path | None = None,
     json_output: Json = False,
+    figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Level height maps, mask particles and holes, and find the roughness of the surface.
 
@@ -76,10 +78,13 @@ def roughness_command(
     seed
         Seed of the resampling for the intervals.
     out
-        Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
+        Folder to write the record (JSON, NetCDF) and the figure into.
     json_output
         Print one JSON object instead of tables.
+    figures
+        How figures are written.
     """
+    figures.check(out)
     from lightflyer.lab.height_map import read_height_map
     from lightflyer.lab.surface import roughness, summary, to_dataset
 
@@ -93,7 +98,13 @@ def roughness_command(
     results = [roughness(one, **options) for one in maps]
     document = summary(results)
     written, _ = write_record(
-        out, "roughness", document, to_dataset(results), lambda: _figures(results), lambda: []
+        out,
+        "roughness",
+        document,
+        to_dataset(results),
+        lambda: _figures(results),
+        lambda: [],
+        figures,
     )
     if json_output:
         print_json(document)

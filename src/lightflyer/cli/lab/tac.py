@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from rich.console import Console
 from rich.table import Table
 
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.lab._shared import (
     Files,
     Json,
@@ -60,6 +61,7 @@ def tac_command(
     update: Path | None = None,
     face: Literal["top", "bottom", "both"] | None = None,
     json_output: Json = False,
+    figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Fit accommodation coefficient, area ratio and offset to a heater's power against pressure.
 
@@ -108,14 +110,17 @@ def tac_command(
         Relative standard uncertainty of the heat loss in dense gas by the law: walls, thickness of
         the heater, natural convection. Default: 5 %, assumed.
     out
-        Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
+        Folder to write the record (JSON, NetCDF) and the figure into.
     update
         Flyer file to write the coefficient into, with its total uncertainty; needs --face.
     face
         Face of that film which has the measured surface.
     json_output
         Print one JSON object instead of tables.
+    figures
+        How figures are written.
     """
+    figures.check(out)
     from lightflyer.gas import GASES
     from lightflyer.lab import tac, tac_record
     from lightflyer.lab.tac_accuracy import TacAccuracy, unstated_accuracies
@@ -149,6 +154,7 @@ def tac_command(
     written, updated = write_record(
         out, "tac", document, tac_record.to_dataset(fits, warnings), lambda: _figures(fits),
         updating(update, values, f"tac, {reading} reading", files),
+        figures,
     )  # fmt: skip
     if json_output:
         print_json(document)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 from rich.console import Console
 
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.lab._shared import (
     Json,
     difference,
@@ -53,6 +54,7 @@ def thermography_command(
     update: Path | None = None,
     face: Literal["top", "bottom", "both"] = "both",
     json_output: Json = False,
+    figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Find reflectance, transmittance and emissivity from apparent temperatures.
 
@@ -97,14 +99,17 @@ def thermography_command(
     seed
         Seed of the draws.
     out
-        Folder to write the record (JSON, NetCDF) and the figure (PNG, SVG) into.
+        Folder to write the record (JSON, NetCDF) and the figure into.
     update
         Flyer file to write the emissivity (the absorptance for a light meter) into.
     face
         Face of that film.
     json_output
         Print one JSON object instead of tables.
+    figures
+        How figures are written.
     """
+    figures.check(out)
     from lightflyer.lab import thermography
 
     texts = {"hotplate": hotplate, "lower": lower, "upper": upper, "ambient": ambient}
@@ -125,6 +130,7 @@ def thermography_command(
         lambda: _figures(result),
         updating(update, _values(result, face, light_meter=light_meter),
                  f"thermography, {result.meaning}", files),
+        figures,
     )  # fmt: skip
     if json_output:
         print_json(document)

@@ -12,6 +12,8 @@ from lightflyer.flyer.diffraction import (
     MEDIAN_WAVELENGTH_BY_TEMPERATURE,
     MEDIAN_WAVELENGTH_OF_SUNLIGHT,
     diffraction_deficit,
+    narrow_channels,
+    narrow_holes,
 )
 
 
@@ -34,6 +36,31 @@ def test_limits_of_wide_and_narrow_holes():
     falling = diffraction_deficit(np.geomspace(1e-7, 1e-4, 200), 10e-6)
     assert np.all((falling > 0.0) & (falling < 1.0))
     assert falling[-1] < LARGEST_DEFICIT < falling[0]
+
+
+def test_what_is_missing_goes_with_the_edge_of_a_channel():
+    """A square has as much edge for its area as the circle within it."""
+    for width in (3e-6, 30e-6):
+        square = [text.partition(" are ")[2] for text in narrow_channels(width, width, 250.0)]
+        assert square == [text.partition(" are ")[2] for text in narrow_holes(width / 2, 250.0)]
+    # of a long slot it is half of that of a square
+    assert len(list(narrow_channels(40e-6, 40e-6, 250.0))) == 1
+    assert not list(narrow_channels(40e-6, 1.0, 250.0))
+
+
+def narrow_bodies():
+    clear = lf.FilmProperties(2e-4, 0.05, 0.1, 0.1, 0.8, 0.8, transmittance=0.9)
+    dark = lf.FilmProperties(3e-4, 0.9, 0.1, 0.1, 0.8, 0.8)
+    plate = lf.Plate(clear, dark, 4e-3, 10e-6, 500e-6, 50e-6, 100e-6, 50e-9, 1.8)
+    sphere = lf.HollowBody(clear, dark, 0.1, 0.02, 0.5, 10e-6, 10e-6, 5e-8, 1.8)
+    return {"plate": plate, "sphere": sphere}
+
+
+@pytest.mark.parametrize("name", ["plate", "sphere"])
+def test_channels_of_a_wall_that_are_narrow(name):
+    flyer = narrow_bodies()[name]
+    (text,) = flyer.caveats(lf.Earth().state(np.array([60e3, 75e3])), 300.0)
+    assert text.startswith("channels of 10 µm are narrow for heat radiation")
 
 
 @pytest.mark.parametrize(("radius", "said"), [(5e-4, []), (1e-5, ["heat radiation"]),

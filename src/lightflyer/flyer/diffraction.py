@@ -60,7 +60,7 @@ def diffraction_deficit(hole_radius: Numeric, wavelength: Numeric) -> np.ndarray
 
 
 def narrow_holes(hole_radius: Numeric, temperature: Numeric) -> Iterator[str]:
-    """Warnings of holes that light or heat radiation does not pass as rays.
+    """Warnings of round holes that light or heat radiation does not pass as rays.
 
     Parameters
     ----------
@@ -73,14 +73,43 @@ def narrow_holes(hole_radius: Numeric, temperature: Numeric) -> Iterator[str]:
     ------
     str
     """
-    radius, coldest = float(np.min(hole_radius)), float(np.min(temperature))
-    infrared = MEDIAN_WAVELENGTH_BY_TEMPERATURE / coldest
+    radius = float(np.min(hole_radius))
+    yield from _narrow(f"holes of {2.0 * radius / _MICROMETRE:.3g} µm", radius, temperature)
+
+
+def narrow_channels(width: Numeric, length: Numeric, temperature: Numeric) -> Iterator[str]:
+    """Warnings of channels of rectangular section that are too narrow, as of :func:`narrow_holes`.
+
+    What is missing goes, in wide channels, with the edge for the area: a rectangle lacks what a
+    round hole of the same ratio lacks.
+
+    Parameters
+    ----------
+    width, length : array, shape (...)
+        Sides of the section [m].
+    temperature : array, shape (...)
+        Of the coldest body whose radiation passes, concrete [K].
+
+    Yields
+    ------
+    str
+    """
+    sides = np.broadcast_arrays(np.asarray(width, float), np.asarray(length, float))
+    radius = sides[0] * sides[1] / (sides[0] + sides[1])
+    narrowest = float(sides[0].ravel()[np.argmin(radius)])
+    yield from _narrow(
+        f"channels of {narrowest / _MICROMETRE:.3g} µm", float(np.min(radius)), temperature
+    )
+
+
+def _narrow(what: str, radius: float, temperature: Numeric) -> Iterator[str]:
+    infrared = MEDIAN_WAVELENGTH_BY_TEMPERATURE / float(np.min(temperature))
     kinds = {"light": MEDIAN_WAVELENGTH_OF_SUNLIGHT, "heat radiation": infrared}
     for name, wavelength in kinds.items():
         deficit = float(diffraction_deficit(radius, wavelength))
         if deficit > LARGEST_DEFICIT:
             yield (
-                f"holes of {2.0 * radius / _MICROMETRE:.3g} µm are narrow for {name}, half of "
-                f"which has wavelengths beyond {wavelength / _MICROMETRE:.2g} µm: by diffraction "
-                f"about {100.0 * deficit:.2g} % less passes them than open_fraction says"
+                f"{what} are narrow for {name}, half of which has wavelengths beyond "
+                f"{wavelength / _MICROMETRE:.2g} µm: by diffraction about {100.0 * deficit:.2g} % "
+                "less passes them than open_fraction says"
             )

@@ -13,6 +13,7 @@ from lightflyer.environment.radiation import Attitude, Exitances, Radiation
 from lightflyer.film.layered_section import AnyFilmSection
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.diffraction import narrow_channels
 from lightflyer.flyer.hollow_geometry import FORMS, Form, HollowForm, seen_below_horizon
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.sheets import (
@@ -233,6 +234,12 @@ class HollowBody(AbstractFlyer):
         difference = state.temperature * (inner_excess - outer_excess)
         outward = self.surface * per_kelvin * difference
         return -black * inner + outward, -black * outer - outward
+
+    def caveats(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+        """See :meth:`AbstractFlyer.caveats`: channels too narrow for geometric optics."""
+        coldest = np.minimum(np.min(state.temperature), np.min(temperature))
+        length = self.channel_aspect * self.channel_width
+        return tuple(narrow_channels(self.channel_width, length, coldest))
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

@@ -12,6 +12,7 @@ from lightflyer.environment.radiation import Attitude
 from lightflyer.film.layered_section import AnyFilmSection
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.diffraction import narrow_channels
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.sheets import net_gains, sheet_in_light
@@ -187,6 +188,11 @@ class Plate(AbstractFlyer):
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """See :meth:`AbstractFlyer.highest_excess`: the excess in vacuum by the outer faces."""
         return self.sheets.highest_excess(state, power)
+
+    def caveats(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+        """See :meth:`AbstractFlyer.caveats`: channels too narrow for geometric optics."""
+        coldest = np.minimum(np.min(state.temperature), np.min(temperature))
+        return tuple(narrow_channels(self.channel_width, self.channel_length, coldest))
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
@@ -17,11 +18,14 @@ from lightflyer.force.kinetic_sandwich_table import (
 from lightflyer.force.laws import free_molecular_conductance
 from lightflyer.force.passage import Passage, Transmission, passage
 from lightflyer.force.sandwich import between_membranes, caveats_of_sandwich, rarefaction_of
+from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.validity import Validity
 
 _DENSE = "the table of kinetic ends there, and the force is extrapolated by a power law"
 _OPEN = "the table of kinetic ends there, and its fit goes on"
+_HELD = "it is held at what it does to the gas's resistance at the table's end"
+_LITTLE = 0.02  # of the order of the model's own error
 
 
 def heat_loss(
@@ -85,6 +89,7 @@ def caveats(
         (Validity("the difference of the outer TACs", -APART, APART, DIFFERENCE),
          flyer.bottom.tac_bottom - flyer.top.tac_top),
         (Validity("open_fraction", 0.0, HIGHEST_OPEN_FRACTION, _OPEN), flyer.open_fraction),
+        (_held_heating(fit), _effect_of_heating(flyer, state, jnp.asarray(temperature), passed)),
     ]  # fmt: skip
     if state.wall_distance is not None:
         near = Validity("the walls' distance over the radius", fit.nearest_wall, math.inf, WALL)
@@ -94,6 +99,32 @@ def caveats(
         *(text for range_, value in looks for text in range_.caveats(value, pressure)),
         *caveats_of_sandwich(flyer, state, transmission),
     )
+
+
+def _held_heating(fit: SandwichFit) -> Validity:
+    low, high = fit.hot_range
+    name = (
+        f"what heat does to force or heat loss outside its table, rarefactions {low:g} to {high:g},"
+    )
+    return Validity(name, 0.0, _LITTLE, _HELD)
+
+
+@entry_point
+def _effect_of_heating(
+    flyer: Sandwich, state: EnvironmentState, temperature: Numeric, passed: Passage
+) -> Array:
+    """Relative change of force or heat by heating at most, where its table does not reach [1]."""
+    fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
+    hot, cold = (
+        fit.ratios(delta, passed.open_fraction, passed.tac, passed.even, ratio)
+        for ratio in (temperature / state.temperature, 1.0)
+    )
+    changes = [
+        jnp.abs(one / other - 1.0)
+        for one, other in ((hot.force, cold.force), (hot.heat, cold.heat))
+    ]
+    low, high = fit.hot_range
+    return jnp.where((delta < low) | (delta > high), jnp.maximum(*changes), 0.0)
 
 
 def passage_of(flyer: Sandwich, transmission: Transmission) -> Passage:

@@ -1,4 +1,5 @@
 from .atmosphere.base import AbstractAtmosphere as AbstractAtmosphere
+from .atmosphere.global_nrlmsis import GlobalNRLMSIS as GlobalNRLMSIS
 from .atmosphere.lu2023 import Lu2023Atmosphere as Lu2023Atmosphere
 from .atmosphere.nrlmsis import NRLMSIS as NRLMSIS
 from .atmosphere.us1976 import US1976 as US1976

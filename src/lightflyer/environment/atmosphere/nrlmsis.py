@@ -1,7 +1,7 @@
 """NRLMSIS 2.1: the atmosphere of a given day and place."""
 
 import datetime
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -9,9 +9,15 @@ import numpy as np
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.foundation import constants
-from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import MissingExtraError
 from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.quantity import (
+    GeomagneticIndex,
+    Latitude,
+    Longitude,
+    SolarFlux,
+    quantity_of,
+)
 from lightflyer.foundation.spline import Spline
 from lightflyer.foundation.types import Numeric
 
@@ -21,40 +27,91 @@ _SPACING = 500.0
 # First and last column of pymsis that hold number densities, and its temperature column.
 _FIRST_SPECIES, _LAST_SPECIES, _MASS_DENSITY, _TEMPERATURE = 1, 9, 0, 10
 
+_KINDS = (SolarFlux, GeomagneticIndex, Latitude, Longitude)
+_SOLAR_FLUX, _GEOMAGNETIC_INDEX, _LATITUDE, _LONGITUDE = map(quantity_of, _KINDS)
 
-def _profile(
-    date: datetime.datetime,
-    latitude: float,
-    longitude: float,
-    indices: tuple[float, float, float],
-    altitudes: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Temperature [K], pressure [Pa] and molar-mass ratio at ``altitudes`` [m]."""
+
+class Indices(NamedTuple):
+    """Activity of the sun and of the geomagnetic field, as NRLMSIS takes it.
+
+    Attributes
+    ----------
+    f107 : float
+        Solar flux at 10.7 cm of the previous day [sfu].
+    f107a : float
+        Its mean over 81 days [sfu].
+    ap : float
+        Daily geomagnetic index.
+    """
+
+    f107: float
+    f107a: float
+    ap: float
+
+    @classmethod
+    def of(cls, f107: float, f107a: float | None, ap: float) -> "Indices":
+        """Checked indices; a mean that is None is taken for that of the day."""
+        f107a = f107 if f107a is None else f107a
+        _SOLAR_FLUX.check("f107", f107)
+        _SOLAR_FLUX.check("f107a", f107a)
+        _GEOMAGNETIC_INDEX.check("ap", ap)
+        return cls(f107, f107a, ap)
+
+
+def evaluate(
+    date: np.datetime64,
+    latitude: np.ndarray,
+    longitude: np.ndarray,
+    indices: Indices,
+    altitude: np.ndarray,
+) -> np.ndarray:
+    """NRLMSIS 2.1 at columns of one time.
+
+    Parameters
+    ----------
+    date : numpy.datetime64
+        UTC.
+    latitude, longitude : array, shape (n,), (m,)
+        [deg].
+    indices : Indices
+    altitude : array, shape (k,)
+        [m].
+
+    Returns
+    -------
+    array, shape (3, m, n, k)
+        Temperature [K], pressure [Pa], the sum of the species' number densities times kT, and
+        molar mass over that of the standard's sea-level air.
+
+    Raises
+    ------
+    MissingExtraError
+        If pymsis is not installed.
+    """
     try:
         import pymsis
     except ImportError as error:
         raise MissingExtraError(
             "the NRLMSIS atmosphere needs pymsis: pip install 'lightflyer[nrlmsis]'"
         ) from error
-    f107, f107a, ap = indices
     # All three indices are given, so pymsis has no reason to download any.
     result = pymsis.calculate(
-        np.datetime64(date.replace(tzinfo=None)),
+        [date],
         longitude,
         latitude,
-        altitudes / 1e3,
-        f107s=f107,
-        f107as=f107a,
-        aps=[[ap] * 7],
+        altitude / 1e3,
+        f107s=[indices.f107],
+        f107as=[indices.f107a],
+        aps=[[indices.ap] * 7],
         version=_VERSION,
-    ).reshape(altitudes.size, -1)
-    temperature = result[:, _TEMPERATURE].astype(float)
+    ).reshape(longitude.size, latitude.size, altitude.size, -1)
+    temperature = result[..., _TEMPERATURE].astype(float)
     # pymsis marks species that are absent at an altitude by NaN
-    species = result[:, _FIRST_SPECIES : _LAST_SPECIES + 1].astype(float)
-    number_density = np.nansum(species, axis=1)
+    species = result[..., _FIRST_SPECIES : _LAST_SPECIES + 1].astype(float)
+    number_density = np.nansum(species, axis=-1)
     pressure = number_density * constants.BOLTZMANN * temperature
-    molar_mass = result[:, _MASS_DENSITY] / number_density * constants.AVOGADRO * 1e3
-    return temperature, pressure, molar_mass / constants.MOLAR_MASS_AIR
+    molar_mass = result[..., _MASS_DENSITY] / number_density * constants.AVOGADRO * 1e3
+    return np.stack([temperature, pressure, molar_mass / constants.MOLAR_MASS_AIR])
 
 
 class NRLMSIS(AbstractAtmosphere):
@@ -101,17 +158,19 @@ class NRLMSIS(AbstractAtmosphere):
         ap: float,
         f107a: float | None = None,
     ):
-        f107a = f107 if f107a is None else f107a
-        require_range("latitude", latitude, -90.0, 90.0)
-        require_range("longitude", longitude, -180.0, 360.0)
-        require_range("f107", f107, 40.0, 500.0)
-        require_range("f107a", f107a, 40.0, 500.0)
-        require_range("ap", ap, 0.0, 400.0)
+        _LATITUDE.check("latitude", latitude)
+        _LONGITUDE.check("longitude", longitude)
+        indices = Indices.of(f107, f107a, ap)
         if date.tzinfo is not None:
             date = date.astimezone(datetime.UTC)
         altitudes = np.arange(0.0, _TOP + _SPACING, _SPACING)
-        profile = _profile(date, latitude, longitude, (f107, f107a, ap), altitudes)
-        temperature, pressure, ratio = profile
+        temperature, pressure, ratio = evaluate(
+            np.datetime64(date.replace(tzinfo=None)),
+            np.array([latitude]),
+            np.array([longitude]),
+            indices,
+            altitudes,
+        )[:, 0, 0]
         self.kinetic_temperature = Spline.through(altitudes, temperature)
         self.log_pressure = Spline.through(altitudes, np.log(pressure))
         self.molar_mass = Spline.through(altitudes, ratio)

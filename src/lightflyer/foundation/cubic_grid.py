@@ -1,0 +1,151 @@
+"""Tables on rectangular grids, interpolated by local cubics with a continuous derivative."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from numpy.typing import ArrayLike
+
+_ORDER = 4  # coefficients of a cubic, and nodes that one piece looks at
+_PARABOLA = 3  # nodes that make one
+
+
+class Axis(eqx.Module):
+    """Nodes along one dimension of a table, and the cubic Hermite pieces between them.
+
+    The slope at a node is that of the parabola through it and its two neighbours; at an end of
+    the axis, of the parabola through the last three nodes. Three nodes make one parabola, two a
+    line, one a constant.
+
+    Parameters
+    ----------
+    nodes : array, shape (n,)
+        Increasing.
+    period : float, optional
+        Length after which the axis repeats itself; at least three nodes.
+
+    Attributes
+    ----------
+    nodes : array, shape (n,)
+    first : array, shape (pieces,)
+        First of the nodes that a piece looks at; on an axis with a period, the next after the
+        last is the first again.
+    powers : array, shape (pieces, window, 4)
+        Weight of each of these nodes, in powers of the position within the piece, 0 to 1.
+    period : float or None
+    """
+
+    nodes: Any
+    first: Any
+    powers: Any
+    period: float | None = eqx.field(static=True)
+
+    def __init__(self, nodes: ArrayLike, period: float | None = None):
+        nodes = np.asarray(nodes, float)
+        reach = nodes
+        if period is not None:
+            reach = np.concatenate([nodes[-1:] - period, nodes, nodes[:2] + period])
+        window = min(_ORDER, reach.size)
+        pieces = np.arange(max(reach.size - 1, 1))
+        first = np.clip(pieces - 1, 0, reach.size - window)
+        powers = np.array([_piece(reach, piece, window) for piece in pieces])
+        if period is not None:
+            own = slice(1, nodes.size + 1)
+            first, powers = (first[own] - 1) % nodes.size, powers[own]
+        self.nodes, self.first, self.powers, self.period = nodes, first, powers, period
+
+    def weights(self, x: Any) -> tuple[Array, Array]:
+        """Nodes that count at a position, and by how much.
+
+        Parameters
+        ----------
+        x : array, shape (...)
+            Beyond the ends of an axis without a period the outer pieces continue.
+
+        Returns
+        -------
+        index : array of int, shape (..., window)
+        weight : array, shape (..., window)
+        """
+        nodes, powers = jnp.asarray(self.nodes), jnp.asarray(self.powers)
+        if self.period is not None:
+            x = nodes[0] + jnp.mod(x - nodes[0], self.period)
+        pieces, window = powers.shape[:2]
+        piece = jnp.clip(jnp.searchsorted(nodes, x, side="right") - 1, 0, pieces - 1)
+        following = nodes[(piece + 1) % nodes.size]
+        if self.period is not None:
+            following = jnp.where(piece + 1 < nodes.size, following, nodes[0] + self.period)
+        width = following - nodes[piece] if nodes.size > 1 else 1.0
+        along = (x - nodes[piece]) / width
+        power = jnp.stack([along**0, along, along**2, along**3], axis=-1)
+        weight = jnp.sum(powers[piece] * power[..., None, :], axis=-1)
+        first = jnp.asarray(self.first)[piece].astype(int)
+        return (first[..., None] + jnp.arange(window)) % nodes.size, weight
+
+
+def _piece(nodes: np.ndarray, piece: int, window: int) -> np.ndarray:
+    """Weights of the nodes around a piece in powers of the position, shape (window, 4)."""
+    powers = np.zeros((window, _ORDER))
+    if window == 1:
+        powers[0, 0] = 1.0
+        return powers
+    start = int(np.clip(piece - 1, 0, nodes.size - window))
+    left, right = np.eye(window)[[piece - start, piece + 1 - start]]
+    near, width = nodes[start : start + window], nodes[piece + 1] - nodes[piece]
+    slope_left, slope_right = (width * _slope(near, piece - start + end) for end in (0, 1))
+    powers[:, 0] = left
+    powers[:, 1] = slope_left
+    powers[:, 2] = 3.0 * (right - left) - 2.0 * slope_left - slope_right
+    powers[:, 3] = 2.0 * (left - right) + slope_left + slope_right
+    return powers
+
+
+def _slope(nodes: np.ndarray, at: int) -> np.ndarray:
+    """Weights of the nodes in the derivative at one of them, of the parabola around it."""
+    count = min(_PARABOLA, nodes.size)
+    first = int(np.clip(at - 1, 0, nodes.size - count))
+    weights = np.zeros(nodes.size)
+    for node in range(first, first + count):
+        others = [other for other in range(first, first + count) if other != node]
+        terms = [np.prod([nodes[at] - nodes[k] for k in others if k != gone]) for gone in others]
+        weights[node] = sum(terms) / np.prod([nodes[node] - nodes[k] for k in others])
+    return weights
+
+
+def interpolate(table: Any, axes: Sequence[Axis], position: Sequence[Any]) -> Array:
+    """Value of a table between its nodes, once continuously differentiable.
+
+    Parameters
+    ----------
+    table : array, shape (n1, ..., nk, ...)
+        One dimension for each axis; further ones hold several quantities at once.
+    axes : sequence of Axis
+    position : sequence of array, shape (...)
+        Coordinate along each axis; they broadcast.
+
+    Returns
+    -------
+    array, shape (..., ...)
+        Beyond an axis the outer pieces continue.
+
+    Examples
+    --------
+    >>> axis = Axis([0.0, 1.0, 3.0, 4.0])
+    >>> print(f"{interpolate(axis.nodes**2, [axis], [2.0]):.2f}")
+    4.00
+    """
+    found = [axis.weights(x) for axis, x in zip(axes, jnp.broadcast_arrays(*position), strict=True)]
+    spread = []
+    for number, (index, _) in enumerate(found):
+        shape = [1] * len(found)
+        shape[number] = index.shape[-1]
+        spread.append(index.reshape(*index.shape[:-1], *shape))
+    values = jnp.asarray(table)[tuple(spread)]
+    for _, weight in found:
+        leading = weight.ndim - 1
+        shape = [*weight.shape, *[1] * (values.ndim - weight.ndim)]
+        values = jnp.sum(weight.reshape(shape) * values, axis=leading)
+    return values

@@ -37,7 +37,26 @@ def cautions(setup: Setup, coordinate: Numeric, temperature: Numeric) -> tuple[s
     tuple of str
         One line each; empty where all is within range.
     """
-    state = setup.environment.state(np.asarray(coordinate, float))
+    return cautions_in(setup, setup.environment.state(np.asarray(coordinate, float)), temperature)
+
+
+def cautions_in(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+    """Cautions about a flyer in some surroundings.
+
+    Parameters
+    ----------
+    setup : Setup
+        One flyer: every number a scalar.
+    state : EnvironmentState
+        Concrete, at one place or many.
+    temperature : array, shape (n,)
+        Of the flyer's hottest node there [K].
+
+    Returns
+    -------
+    tuple of str
+        See :func:`cautions`.
+    """
     return (
         *setup.model.caveats(setup.flyer, state, temperature),
         *setup.flyer.caveats(state, temperature),

@@ -2,14 +2,26 @@
 
 import abc
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
+import numpy as np
 
+from lightflyer.environment.planet import Planet
 from lightflyer.environment.radiation import Radiation
-from lightflyer.foundation.quantity import Checked, Quantity
+from lightflyer.foundation.clock import seconds_of, written
+from lightflyer.foundation.quantity import (
+    RADIANS_PER_DEGREE,
+    Checked,
+    Latitude,
+    Longitude,
+    Quantity,
+    quantity_of,
+)
 from lightflyer.foundation.types import Numeric
 from lightflyer.gas.base import AbstractGas
+
+_DEGREES = tuple(quantity_of(kind) or Quantity() for kind in (Latitude, Longitude))
 
 
 class Wind(NamedTuple):
@@ -40,6 +52,45 @@ class Place(NamedTuple):
     latitude: Numeric
     longitude: Numeric
     time: Numeric
+
+    @classmethod
+    def at(cls, date: Any, latitude: Numeric, longitude: Numeric) -> "Place":
+        """A place from a date and degrees.
+
+        Parameters
+        ----------
+        date : datetime.datetime, numpy.datetime64, str, or number
+            UTC where it has no time zone; a number is the seconds themselves.
+        latitude, longitude : array, shape (...)
+            [deg].
+
+        Returns
+        -------
+        Place
+
+        Examples
+        --------
+        >>> print(Place.at("2026-06-21T12:00Z", 45.0, -120.5).describe())
+        at 45° N, 120.5° W on 2026-06-21 12:00 UTC
+        """
+        for quantity, name, degrees in zip(
+            _DEGREES, ("latitude", "longitude"), (latitude, longitude), strict=True
+        ):
+            quantity.check(name, degrees)
+        return cls(latitude * RADIANS_PER_DEGREE, longitude * RADIANS_PER_DEGREE, seconds_of(date))
+
+    def describe(self) -> str:
+        """Where and when in words, of one concrete place.
+
+        Returns
+        -------
+        str
+        """
+        latitude, longitude = (float(np.asarray(angle)) / RADIANS_PER_DEGREE for angle in self[:2])
+        return (
+            f"at {abs(latitude):.4g}° {'N' if latitude >= 0.0 else 'S'}, "
+            f"{abs(longitude):.5g}° {'E' if longitude >= 0.0 else 'W'} on {written(self.time)}"
+        )
 
 
 class EnvironmentState(eqx.Module):
@@ -130,6 +181,11 @@ class AbstractEnvironment(Checked):
     """True if the light can be turned up and down, as a lamp can and the sun cannot."""
 
     radiation: eqx.AbstractVar[Radiation]
+
+    @property
+    def planet(self) -> Planet | None:
+        """The planet over which places are; None in a chamber."""
+        return None
 
     @property
     @abc.abstractmethod

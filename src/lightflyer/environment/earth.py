@@ -19,6 +19,7 @@ from lightflyer.environment.base import (
     EnvironmentState,
     Place,
 )
+from lightflyer.environment.planet import EARTH_PLANET, Planet
 from lightflyer.environment.radiation import (
     EARTH_ALBEDO,
     EARTH_INFRARED,
@@ -27,6 +28,7 @@ from lightflyer.environment.radiation import (
     sunlight,
 )
 from lightflyer.environment.section import EnvironmentSection
+from lightflyer.environment.sky import VIEW_OF_PLANET, AbstractSky
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.foundation import constants
 from lightflyer.foundation.checks import require_range
@@ -85,6 +87,11 @@ class Earth(AbstractEnvironment):
         view to the ground is :func:`earth_view` of the altitude.
     wind : AbstractWind or None
         Wind where a place is given; None for gas at rest.
+    sky : AbstractSky or None
+        Light and heat radiation where a place is given; None leaves them to ``radiation``.
+    place : Place or None
+        Where and when, in place of none: with a sky, ``radiation`` becomes that of the place, as
+        a flyer above the horizon's shadow has it.
 
     Examples
     --------
@@ -98,6 +105,19 @@ class Earth(AbstractEnvironment):
     gravity: Acceleration | None = None
     radiation: Radiation = sunlight()
     wind: AbstractWind | None = None
+    sky: AbstractSky | None = None
+    place: Place | None = None
+
+    def __post_init__(self) -> None:
+        if self.sky is None or self.place is None:
+            return
+        full = self.sky.radiation(self.atmosphere.altitude_range[1], self.place)
+        self.radiation = replace(full, visible=None, ground_view=None, lit_ground=None)
+
+    @property
+    def planet(self) -> Planet:
+        """See :attr:`AbstractEnvironment.planet`."""
+        return EARTH_PLANET
 
     @property
     def coordinate(self) -> Coordinate:
@@ -119,7 +139,11 @@ class Earth(AbstractEnvironment):
 
     def assumptions(self) -> tuple[str, ...]:
         """See :meth:`AbstractEnvironment.assumptions`."""
-        return self.radiation.describe("(R/(R+h))² at altitude h")
+        told = self.radiation.describe(VIEW_OF_PLANET)
+        if self.sky is None or self.place is None:
+            return told
+        light, *_ = told
+        return (f"{light}, {self.place.describe()}", *self.sky.assumptions())
 
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
         """Surroundings at an altitude.
@@ -129,7 +153,8 @@ class Earth(AbstractEnvironment):
         coordinate : array, shape (...)
             Geometric altitude [m].
         place : Place, optional
-            Where and when: for an atmosphere that depends on it, and for the wind.
+            Where and when: for an atmosphere that depends on it, for the wind and the sky; by
+            default Earth's own.
 
         Returns
         -------
@@ -142,6 +167,7 @@ class Earth(AbstractEnvironment):
         """
         altitude = self.coordinate.quantity.number("altitude", coordinate)
         require_range("altitude [m]", altitude, *self.atmosphere.altitude_range)
+        place = self.place if place is None else place
         state = _state(self, altitude, place)
         if self.wind is None or place is None:
             return state
@@ -151,6 +177,9 @@ class Earth(AbstractEnvironment):
 @entry_point
 def _state(earth: Earth, altitude: Numeric, place: Place | None) -> EnvironmentState:
     ratio = earth.atmosphere.molar_mass_ratio(altitude, place)
+    radiation = earth.radiation
+    if earth.sky is not None and place is not None:
+        radiation = earth.sky.radiation(altitude, place)
     gas = eqx.tree_at(
         lambda gas: gas.specific_gas_constant,
         earth.gas,
@@ -161,7 +190,7 @@ def _state(earth: Earth, altitude: Numeric, place: Place | None) -> EnvironmentS
         temperature=earth.atmosphere.temperature(altitude, place),
         gravity=earth_gravity(altitude) if earth.gravity is None else earth.gravity,
         gas=gas,
-        radiation=earth.radiation.seen_from(earth_view(altitude)),
+        radiation=radiation.seen_from(earth_view(altitude)),
     )
 
 

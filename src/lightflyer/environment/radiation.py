@@ -1,22 +1,25 @@
 """Light and heat radiation that reach a flyer."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.environment.horizon import facing_share
 from lightflyer.environment.view_factor import ground_view_factor, sphere_view_factor
 from lightflyer.foundation import constants
 from lightflyer.foundation.quantity import (
     RADIANS_PER_DEGREE,
     Angle,
+    AngularRadius,
     Checked,
     Fraction,
     Irradiance,
     PolarAngle,
 )
+from lightflyer.foundation.text import span
 from lightflyer.foundation.types import Numeric
 
 EARTH_ALBEDO = 0.29
@@ -36,12 +39,6 @@ it is less.
 
 _OF_BEAM = 0.25  # of a sphere's surface is the cross section that it has in a beam
 _BLACK = "black surroundings at the gas temperature"
-
-
-def _span(values: Any) -> str:
-    """A number, or the range of an array."""
-    low, high = np.min(values), np.max(values)
-    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
 
 
 class Attitude(Checked):
@@ -143,6 +140,15 @@ class Radiation(Checked):
     stefan_boltzmann : array
         Stefan-Boltzmann constant [W/(m² K⁴)]; a field only because the paper's computed
         values rest on a rounded one.
+    visible : array or None
+        Share of the source that the flyer sees past a horizon [1]; None stands for all of it. The
+        ground is lit by all of it.
+    angular_radius : array or None
+        Of the source's disk [rad]; None stands for a point. A disk that passes through the plane
+        of a face lights both faces of a flyer, so that light is smooth in the direction.
+    lit_ground : array or None
+        Mean cosine of the light's incidence on the ground that is seen [1]; None stands for the
+        cosine at the flyer's nadir, zero where the source is below the horizontal.
 
     Raises
     ------
@@ -163,6 +169,14 @@ class Radiation(Checked):
     infrared_below: Irradiance | None = None
     ground_view: Fraction | None = None
     stefan_boltzmann: Numeric = constants.STEFAN_BOLTZMANN
+    visible: Fraction | None = None
+    angular_radius: AngularRadius | None = None
+    lit_ground: Fraction | None = None
+
+    @property
+    def visible_irradiance(self) -> Numeric:
+        """Irradiance of what the flyer sees of the source, on a surface that faces it [W/m²]."""
+        return self._seen(self.irradiance)
 
     def seen_from(self, ground_view: Numeric) -> "Radiation":
         """The same, with this view factor to the ground where none is given.
@@ -209,14 +223,16 @@ class Radiation(Checked):
         view factor of the ground: 1
         """
         angle = np.asarray(self.zenith_angle) / RADIANS_PER_DEGREE
-        light = f"light: {_span(self.irradiance)} W/m², {_span(angle)}° from the vertical"
+        light = f"light: {span(self.irradiance)} W/m², {span(angle)}° from the vertical"
+        if self.visible is not None and np.any(np.asarray(self.visible) < 1.0):
+            light += f", of which a share of {span(self.visible)} is visible"
         if np.any(self.diffuse_above):
-            light += f", and diffuse {_span(self.diffuse_above)} W/m² from above"
+            light += f", and diffuse {span(self.diffuse_above)} W/m² from above"
         reflects = bool(np.any(self.albedo))
-        reflected = f"{_span(self.albedo)} of it (albedo), from below" if reflects else "none"
+        reflected = f"{span(self.albedo)} of it (albedo), from below" if reflects else "none"
         told = [light, f"reflected light: {reflected}", f"infrared: {self._describe_infrared()}"]
         if reflects or not (self.infrared_above is None and self.infrared_below is None):
-            seen = view if self.ground_view is None else _span(self.ground_view)
+            seen = view if self.ground_view is None else span(self.ground_view)
             told.append(f"view factor of the ground: {seen}")
         return tuple(told)
 
@@ -225,7 +241,7 @@ class Radiation(Checked):
         if all(infrared is None for infrared in given.values()):
             return _BLACK
         return ", ".join(
-            f"from {side} {_BLACK if infrared is None else f'{_span(infrared)} W/m²'}"
+            f"from {side} {_BLACK if infrared is None else f'{span(infrared)} W/m²'}"
             for side, infrared in given.items()
         )
 
@@ -271,11 +287,20 @@ class Radiation(Checked):
         top, bottom = self.views_of_ground(attitude)
         reflected = self.diffuse_light()[0].ground
         return FaceLight(
-            beam_top=jnp.maximum(facing, 0.0) + reflected * top,
-            beam_bottom=jnp.maximum(-facing, 0.0) + reflected * bottom,
+            beam_top=self._beam(facing) + reflected * top,
+            beam_bottom=self._beam(-facing) + reflected * bottom,
             diffuse_top=self.diffuse_above * (1.0 - top),
             diffuse_bottom=self.diffuse_above * (1.0 - bottom),
         )
+
+    def _beam(self, cosine: Array) -> Array:
+        """Irradiance of a face at this cosine of incidence, per irradiance of the beam [1]."""
+        if self.angular_radius is None:
+            return self._seen(jnp.maximum(cosine, 0.0))
+        return self._seen(facing_share(cosine, self.angular_radius))
+
+    def _seen(self, light: Numeric) -> Numeric:
+        return light if self.visible is None else self.visible * light
 
     def diffuse_light(self) -> tuple[Exitances, Exitances]:
         """Light from sky and ground.
@@ -287,8 +312,9 @@ class Radiation(Checked):
         diffuse : Exitances
             The sky's light, which does not depend on the beam [W/m²].
         """
-        reflected = self.albedo * jnp.maximum(jnp.cos(self.zenith_angle), 0.0)
-        return Exitances(0.0, reflected), Exitances(self.diffuse_above, 0.0)
+        lit = self.lit_ground
+        lit = jnp.maximum(jnp.cos(self.zenith_angle), 0.0) if lit is None else lit
+        return Exitances(0.0, self.albedo * lit), Exitances(self.diffuse_above, 0.0)
 
     def infrared_exitances(self, gas_temperature: Numeric) -> Exitances:
         """Exitances of sky and ground beyond that of a black body at the gas temperature.
@@ -333,7 +359,7 @@ class Radiation(Checked):
         """
         ground = self.sphere_view_of_ground
         reflected, diffuse = self.diffuse_light()
-        return SphereLight(_OF_BEAM + reflected.seen(ground), diffuse.seen(ground))
+        return SphereLight(self._seen(_OF_BEAM) + reflected.seen(ground), diffuse.seen(ground))
 
     def infrared_excess_on_sphere(self, gas_temperature: Numeric) -> Array:
         """Thermal irradiance of a sphere beyond that of black surroundings at gas temperature.

@@ -269,6 +269,7 @@ Temperature = Annotated[
         why="no gas is colder, and its molecules fall apart above",
     ),
 ]
+TemperatureOffset = Annotated[Numeric, Quantity("K", -100.0, 100.0)]
 MolarMass = Annotated[
     Numeric,
     Quantity("kg/mol", 0.0, open_below=True, sizes=(1e-3, 0.4), why="hydrogen and UF6 are between"),

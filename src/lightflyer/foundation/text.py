@@ -1,6 +1,9 @@
-"""Reading a user's text file, with one line for each way it can fail."""
+"""Text in and out: a user's file with one line for each way it can fail, numbers in words."""
 
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from lightflyer.foundation.errors import ConfigurationError
 
@@ -28,3 +31,18 @@ def read_text(path: Path) -> str:
     except UnicodeDecodeError as error:
         line = 1 + error.object[: error.start].count(b"\n")
         raise ConfigurationError(f"{path}:{line}: is not a text file (UTF-8)") from None
+
+
+def span(values: Any) -> str:
+    """A number, or the range of an array, to four digits.
+
+    Parameters
+    ----------
+    values : array
+
+    Returns
+    -------
+    str
+    """
+    low, high = np.min(values), np.max(values)
+    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"

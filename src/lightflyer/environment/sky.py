@@ -1,0 +1,216 @@
+"""The sky of a place: sun, reflected light and heat radiation by altitude, place and time."""
+
+import abc
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from lightflyer.environment.base import Place
+from lightflyer.environment.ground import AbstractGround, UniformGround
+from lightflyer.environment.horizon import (
+    EARTH_LIMB,
+    Limb,
+    horizon_depression,
+    lit_ground,
+    visible_share,
+)
+from lightflyer.environment.planet import EARTH_PLANET, Planet
+from lightflyer.environment.radiation import SKY_INFRARED, Radiation
+from lightflyer.environment.sun import AbstractSun, EarthSun, SunInSky
+from lightflyer.foundation import constants
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.quantity import Checked, Irradiance
+from lightflyer.foundation.text import span
+from lightflyer.foundation.types import Numeric
+
+VIEW_OF_PLANET = "(R/(R+h))² at altitude h"
+"""View factor of the ground, in words."""
+
+_TURN = 2.0 * jnp.pi
+_PASSES = 6  # towards a sunrise; each takes off all but a few percent of what is left
+
+
+class AbstractSky(eqx.Module):
+    """Light and heat radiation by altitude, place and time. Subclasses are final."""
+
+    @abc.abstractmethod
+    def radiation(self, altitude: Numeric, place: Place) -> Radiation:
+        """Light and heat radiation.
+
+        Parameters
+        ----------
+        altitude : array, shape (...)
+            Geometric altitude [m].
+        place : Place
+            Broadcasts with the altitude.
+
+        Returns
+        -------
+        Radiation
+            With the view factor to the ground.
+        """
+
+    @abc.abstractmethod
+    def assumptions(self) -> tuple[str, ...]:
+        """What is assumed about light and heat radiation, in short texts with units."""
+
+
+class LightHours(NamedTuple):
+    """When the sun is above a flyer's horizon, on the day around a time.
+
+    Attributes
+    ----------
+    first, noon, last : array, shape (...)
+        The sun's centre rises past the horizon, stands highest, and sets [s since 2000-01-01
+        12:00 UTC]. The first and the last are NaN where the sun does not rise or set.
+    share : array, shape (...)
+        Of a day with the sun as at noon, with light [1]; one without night, zero without day.
+    """
+
+    first: Array
+    noon: Array
+    last: Array
+    share: Array
+
+
+class Daylight(AbstractSky, Checked):
+    """Sunlight by the ephemeris, and what a planet reflects and radiates.
+
+    The sun is an evenly bright disk that the limb hides smoothly. After sunset on the ground it
+    lights a flyer from below. The ground is lit by the sun's height over each part of it in sight
+    and reflects diffusely; a tilted face sees it evenly bright. Between limb and space, air
+    neither dims nor scatters light, and the direction of light is that without refraction.
+
+    Attributes
+    ----------
+    sun : AbstractSun
+    planet : Planet
+        Its size and shape decide the horizon.
+    limb : Limb
+        The edge that hides the sun.
+    ground : AbstractGround
+        Albedo and heat radiation from below.
+    irradiance : array
+        Sunlight at one astronomical unit [W/m²].
+    infrared_above : array or None
+        Heat radiation from above [W/m²]; None for black surroundings at the gas temperature.
+
+    Examples
+    --------
+    An hour after sunset on the equator, 75 km above, the sun stands 15° below the horizontal; half
+    an hour after sunset it still lights the lower face.
+
+    >>> from lightflyer.environment import Place
+    >>> sky = Daylight()
+    >>> equinox = Place(latitude=0.0, longitude=0.0, time=764_186_400.0)
+    >>> hours = sky.light_hours(75e3, equinox)
+    >>> print(f"{(hours.last - hours.first) / 3600.0:.2f} h of light")
+    13.07 h of light
+    """
+
+    sun: AbstractSun = EarthSun()
+    planet: Planet = EARTH_PLANET
+    limb: Limb = EARTH_LIMB
+    ground: AbstractGround = UniformGround()
+    irradiance: Irradiance = constants.TOTAL_SOLAR_IRRADIANCE
+    infrared_above: Irradiance | None = SKY_INFRARED
+
+    @entry_point
+    def radiation(self, altitude: Numeric, place: Place) -> Radiation:
+        """See :meth:`AbstractSky.radiation`."""
+        sun = self.sun.seen_from(place)
+        angular_radius = jnp.arcsin(constants.SOLAR_RADIUS / sun.distance)
+        ground_view = (self.planet.radius / (self.planet.radius + altitude)) ** 2
+        elevation = 0.5 * jnp.pi - sun.zenith_angle + self._depression(altitude, place, sun)
+        astronomical_units = sun.distance / constants.ASTRONOMICAL_UNIT
+        return Radiation(
+            irradiance=self.irradiance / astronomical_units**2,
+            zenith_angle=sun.zenith_angle,
+            azimuth=sun.azimuth,
+            albedo=self.ground.albedo(place),
+            infrared_above=self.infrared_above,
+            infrared_below=self.ground.infrared(place),
+            ground_view=ground_view,
+            visible=visible_share(elevation, angular_radius),
+            angular_radius=angular_radius,
+            lit_ground=lit_ground(sun.zenith_angle, ground_view),
+        )
+
+    def _depression(self, altitude: Numeric, place: Place, sun: SunInSky) -> Array:
+        radius = self.planet.curvature_radius(place.latitude, sun.azimuth)
+        return horizon_depression(self.limb, altitude, radius)
+
+    @entry_point
+    def light_hours(self, altitude: Numeric, place: Place) -> LightHours:
+        """First and last light of the day around a time.
+
+        Parameters
+        ----------
+        altitude : array, shape (...)
+            Geometric altitude [m].
+        place : Place
+            Noon is the nearest to its time.
+
+        Returns
+        -------
+        LightHours
+
+        Notes
+        -----
+        The sun's centre is on the horizon at first and last light; the edges of its disk are
+        about a minute before and after it at the equator. Differentiable where the sun rises.
+        """
+        moving = self.planet.rotation_rate
+
+        def at(time: Array, side: float) -> tuple[Array, Array, Array]:
+            """What is left to noon or to the horizon on one side of it [s]; sets at, rises at."""
+            here = place._replace(time=time)
+            sun = self.sun.position(time)
+            east = jnp.arctan2(sun.direction[..., 1], sun.direction[..., 0])
+            angle = jnp.mod(place.longitude - east + jnp.pi, _TURN) - jnp.pi  # past noon
+            cosine = self._cosine_of_half_day(altitude, here)
+            half_day = jnp.arccos(jnp.clip(cosine, -1.0, 1.0))
+            return (side * half_day - angle) / moving, cosine, half_day
+
+        def search(side: float, start: Array) -> Array:
+            return jax.lax.fori_loop(0, _PASSES, lambda _, t: t + at(t, side)[0], start)
+
+        start = place.time + jnp.zeros(
+            jnp.broadcast_shapes(*(jnp.shape(part) for part in (altitude, *place)))
+        )
+        noon = search(0.0, start)
+        _, cosine, half_day = at(noon, 0.0)
+        first, last = (noon + side * half_day / moving for side in (-1.0, 1.0))
+        rises = jnp.abs(cosine) < 1.0
+        first, last = (
+            jnp.where(rises, search(side, begin), jnp.nan)
+            for side, begin in ((-1.0, first), (1.0, last))
+        )
+        return LightHours(first, noon, last, half_day / jnp.pi)
+
+    def _cosine_of_half_day(self, altitude: Numeric, place: Place) -> Array:
+        """Cosine of the angle by which the planet turns from noon to sunset; beyond ±1 it never."""
+        position = self.sun.position(place.time)
+        depression = self._depression(altitude, place, self.sun.seen_from(place))
+        sine = position.direction[..., 2]
+        across = jnp.cos(place.latitude) * jnp.sqrt(1.0 - sine**2)
+        return -(jnp.sin(depression) + jnp.sin(place.latitude) * sine) / across
+
+    def assumptions(self) -> tuple[str, ...]:
+        """See :meth:`AbstractSky.assumptions`."""
+        heat = (
+            "black surroundings at the gas temperature"
+            if self.infrared_above is None
+            else f"{span(self.infrared_above)} W/m²"
+        )
+        height = jnp.asarray(self.limb.height) / 1e3
+        return (
+            f"light: the sun by date and place, {span(self.irradiance)} W/m² at 1 au",
+            f"horizon: limb of {self.planet.name} at {span(height)} km, with refraction",
+            *self.ground.describe(),
+            f"infrared from above: {heat}",
+            f"view factor of the ground: {VIEW_OF_PLANET}",
+        )

@@ -15,10 +15,10 @@ from lightflyer.force.channels import (
     direct_share,
     gas_at_faces,
     pumped_flux,
-    slot_transmission,
     thermomolecular_exponent,
     thermomolecular_pressure,
 )
+from lightflyer.gas.passing import slot_transmission
 
 BOTH = pytest.mark.parametrize("shape", [SLOT, ROUND], ids=lambda shape: shape.name)
 LENGTHS = np.array([0.05, 0.5, 1.0, 2.0, 5.0])

@@ -13,9 +13,10 @@ import lightflyer as lf
 from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation
 from lightflyer.flight.balance import light_and_gains, node_losses
 from lightflyer.force import celenza2023_laws as published
-from lightflyer.force.channels import SLOT, channel_coefficients, direct_share, slot_transmission
+from lightflyer.force.channels import SLOT, channel_coefficients, direct_share
 from lightflyer.force.convection import sphere_conductance
 from lightflyer.force.hollow_flow import Corrections, pump_flow
+from lightflyer.gas.passing import slot_transmission
 
 MODEL = lf.HollowPump()
 SIGMA = 5.670374419e-8

@@ -27,7 +27,6 @@ from lightflyer.force.channels import (
     channel_conductance,
     direct_share,
     gas_at_faces,
-    slot_transmission,
     thermomolecular_pressure,
 )
 from lightflyer.force.disk_gas import disk_surroundings, recoil_ratio
@@ -42,6 +41,7 @@ from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import AbstractGas
+from lightflyer.gas.passing import slot_transmission
 
 _PATH = 2.0 / np.sqrt(np.pi)  # length over the mean free path, per δ of the length
 _DISK_DRAG = 16.0 / np.pi  # Stokes' drag of a disk 16μau, over its area, times a/(μu)

@@ -45,6 +45,7 @@ from jax import Array
 from lightflyer.force.schafer2025_table import Curves
 from lightflyer.foundation.table import shipped_table
 from lightflyer.foundation.types import Numeric
+from lightflyer.gas.passing import coaxial_share, slot_transmission
 
 _ROOT_PI = math.sqrt(math.pi)
 _SLIP = 1.018  # viscous slip σ_P of the Shakhov equation, diffuse walls, [SharipovSeleznev1998]
@@ -137,9 +138,7 @@ class _Round(ChannelShape):
         )
 
     def direct_share(self, length: Numeric) -> Array:
-        # of coaxial discs: 1 + l²/2 − l√(1 + l²/4), without cancellation
-        half = 0.5 * length
-        return 1.0 / (jnp.sqrt(1.0 + half**2) + half) ** 2
+        return coaxial_share(length)
 
 
 SLOT: ChannelShape = _Slot()
@@ -159,53 +158,6 @@ def _slot_ends(length: Numeric) -> tuple[Array, Array]:
 def _end_stretch(length: Numeric) -> Array:
     """Equivalent length of a tube to free molecules over its length, [Santeler1986]."""
     return 1.0 + 1.0 / (3.0 + 3.0 * length / 7.0)
-
-
-class Transmission(NamedTuple):
-    """Shares of the molecules that enter a channel.
-
-    Attributes
-    ----------
-    through, back : array, shape (...)
-        That leave by the other end, and by the same; together one.
-    """
-
-    through: Array
-    back: Array
-
-
-def slot_transmission(length: Numeric) -> Transmission:
-    r"""Share of free molecules that pass a slot with diffuse walls.
-
-    .. math::
-        W = \frac{1 + s - l}{2} - \frac{\tfrac32\,(l - \operatorname{arsinh} l)^2}
-            {l^3 + 3l^2 + 4 - (l^2 + 4)\,s}, \qquad s = \sqrt{1 + l^2}
-
-    Parameters
-    ----------
-    length : array, shape (...)
-        :math:`l`, the slot's length over its width [1]; positive, to 10⁵.
-
-    Returns
-    -------
-    Transmission
-
-    References
-    ----------
-    [Berman1965]_; within 0.4 % of Clausing's integral equation for lengths up to 50.
-    """
-    root = jnp.sqrt(1.0 + length**2)
-    excess = length**2 / (root + 1.0)  # root − 1
-    # shorter than this the second term is below the last digit of the first
-    short = jnp.asarray(length) < 1e-4
-    safe = jnp.where(short, 1.0, length)
-    root_safe = jnp.sqrt(1.0 + safe**2)
-    collided = 1.5 * (safe - jnp.arcsinh(safe)) ** 2
-    collided /= safe**3 + 3.0 * safe**2 + 4.0 - (safe**2 + 4.0) * root_safe
-    collided = jnp.where(short, 0.0, collided)
-    return Transmission(
-        0.5 * (1.0 + 1.0 / (root + length)) - collided, 0.5 * (length - excess) + collided
-    )
 
 
 @lru_cache

@@ -8,7 +8,6 @@ from jax import Array
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.hollow import HollowBody
 from lightflyer.force import celenza2023_laws as published
-from lightflyer.force.channels import slot_transmission
 from lightflyer.force.convection import sphere_conductance
 from lightflyer.force.gap import accommodation_between, gap_conductance
 from lightflyer.force.hollow_flow import (
@@ -21,6 +20,7 @@ from lightflyer.force.hollow_flow import (
 )
 from lightflyer.force.laws import in_series
 from lightflyer.foundation.types import Numeric
+from lightflyer.gas.passing import slot_transmission
 
 _DISK_CONDUCTION = 4.0  # conductance of a disk's one face to a half-space, over κ and its radius
 _HELD = 1e9  # conductance that holds the outer film at the gas temperature, over the wall's

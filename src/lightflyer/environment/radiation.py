@@ -1,5 +1,6 @@
 """Light and heat radiation that reach a flyer."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import equinox as eqx
@@ -176,7 +177,7 @@ class Radiation(Checked):
     @property
     def visible_irradiance(self) -> Numeric:
         """Irradiance of what the flyer sees of the source, on a surface that faces it [W/m²]."""
-        return self._seen(self.irradiance)
+        return self.visible_part(self.irradiance)
 
     def seen_from(self, ground_view: Numeric) -> "Radiation":
         """The same, with this view factor to the ground where none is given.
@@ -296,11 +297,30 @@ class Radiation(Checked):
     def _beam(self, cosine: Array) -> Array:
         """Irradiance of a face at this cosine of incidence, per irradiance of the beam [1]."""
         if self.angular_radius is None:
-            return self._seen(jnp.maximum(cosine, 0.0))
-        return self._seen(facing_share(cosine, self.angular_radius))
+            return self.visible_part(jnp.maximum(cosine, 0.0))
+        return self.visible_part(facing_share(cosine, self.angular_radius))
 
-    def _seen(self, light: Numeric) -> Numeric:
+    def visible_part(self, light: Numeric) -> Numeric:
+        """What is left of the light of all the source where only part of it is visible.
+
+        Parameters
+        ----------
+        light : array, shape (...)
+
+        Returns
+        -------
+        array, broadcast shape
+        """
         return light if self.visible is None else self.visible * light
+
+    def beam_alone(self) -> "Radiation":
+        """The same with all of the source visible, and without its reflection from the ground.
+
+        Returns
+        -------
+        Radiation
+        """
+        return replace(self, albedo=0.0, visible=None)
 
     def diffuse_light(self) -> tuple[Exitances, Exitances]:
         """Light from sky and ground.
@@ -359,7 +379,7 @@ class Radiation(Checked):
         """
         ground = self.sphere_view_of_ground
         reflected, diffuse = self.diffuse_light()
-        return SphereLight(self._seen(_OF_BEAM) + reflected.seen(ground), diffuse.seen(ground))
+        return SphereLight(self.visible_part(_OF_BEAM) + reflected.seen(ground), diffuse.seen(ground))
 
     def infrared_excess_on_sphere(self, gas_temperature: Numeric) -> Array:
         """Thermal irradiance of a sphere beyond that of black surroundings at gas temperature.

@@ -189,8 +189,7 @@ class HollowBody(AbstractFlyer):
         """See :meth:`AbstractFlyer.beam_areas`."""
         radiation = state.radiation
         # without the reflection from the ground, which comes from all its directions
-        alone = eqx.tree_at(lambda radiation: radiation.albedo, radiation, 0.0)
-        direct = alone.on_faces(self.attitude)
+        direct = radiation.beam_alone().on_faces(self.attitude)
         seen = self.geometry.silhouette(
             self.size, self.outlet_radius, direct.beam_top - direct.beam_bottom
         )
@@ -198,7 +197,9 @@ class HollowBody(AbstractFlyer):
         reflected, _ = radiation.diffuse_light()
         wall, outlet = self._from_sky_and_ground(radiation, reflected)
         return self._absorbed(
-            self._sheets_in_light(), wall + seen - into_outlet, outlet + into_outlet
+            self._sheets_in_light(),
+            wall + radiation.visible_part(seen - into_outlet),
+            outlet + radiation.visible_part(into_outlet),
         )
 
     def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:

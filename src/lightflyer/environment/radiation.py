@@ -379,7 +379,8 @@ class Radiation(Checked):
         """
         ground = self.sphere_view_of_ground
         reflected, diffuse = self.diffuse_light()
-        return SphereLight(self.visible_part(_OF_BEAM) + reflected.seen(ground), diffuse.seen(ground))
+        beam = self.visible_part(_OF_BEAM) + reflected.seen(ground)
+        return SphereLight(beam, diffuse.seen(ground))
 
     def infrared_excess_on_sphere(self, gas_temperature: Numeric) -> Array:
         """Thermal irradiance of a sphere beyond that of black surroundings at gas temperature.

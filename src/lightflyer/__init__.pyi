@@ -8,6 +8,7 @@ from . import force as force
 from . import gas as gas
 from . import kinetic as kinetic
 from . import lab as lab
+from . import mission as mission
 from . import prediction as prediction
 from . import search as search
 from . import sweeps as sweeps
@@ -53,6 +54,9 @@ from .foundation.errors import ParameterWarning as ParameterWarning
 from .foundation.precision import entry_point as entry_point
 from .foundation.precision import float64 as float64
 from .foundation.units import Measured as Measured
+from .mission import Ensemble as Ensemble
+from .mission import Release as Release
+from .mission import fly as fly
 from .prediction import predict as predict
 from .search import optimise as optimise
 from .search import pareto as pareto

@@ -1,0 +1,12 @@
+from .attitude import AbstractAttitudeRule as AbstractAttitudeRule
+from .attitude import FollowSun as FollowSun
+from .attitude import Level as Level
+from .attitude import Own as Own
+from .dynamics import Inertia as Inertia
+from .ending import MissionEnd as MissionEnd
+from .facts import facts_of as facts_of
+from .fleet import Ensemble as Ensemble
+from .integration import Track as Track
+from .mission import fly as fly
+from .mission import trajectory as trajectory
+from .release import Release as Release

@@ -1,0 +1,246 @@
+"""Many flights at once: flyers within their uncertainties, other winds, other releases."""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.environment.base import Place
+from lightflyer.flight.design import AbstractDesign
+from lightflyer.flight.setup import Setup
+from lightflyer.foundation.precision import entry_point, float64
+from lightflyer.foundation.progress import report
+from lightflyer.foundation.quantity import Checked, Distance, Duration, Speed
+from lightflyer.foundation.types import Numeric
+from lightflyer.mission.attitude import AbstractAttitudeRule
+from lightflyer.mission.integration import Accuracy, Limits, Start, Track, track
+from lightflyer.mission.motion import Craft, planet_of
+from lightflyer.mission.position import directions, latitude_and_longitude, unit_vector
+from lightflyer.mission.wind_error import WindError, draw_wind_errors
+from lightflyer.uncertainty.inputs import Inputs, draw, uncertain_inputs
+
+BATCH = 256
+"""Flights that are integrated together: a step costs each of them what the slowest needs."""
+
+_A_DAY = 86_400.0
+_WIND, _RELEASE = 1, 2  # added to the seed, so that one does not follow the other
+_ANOTHER = 7  # any number of flights that no table of a flyer happens to have as its length
+
+
+class Ensemble(Checked):
+    """What is varied at random from flight to flight, beside the design's own uncertainties.
+
+    Attributes
+    ----------
+    members : int
+    seed : int
+    wind, vertical_wind : array
+        Standard uncertainty of each horizontal component of the wind, and of the vertical one
+        [m/s].
+    wind_correlation_time : array
+        Time over which an error of the wind stays what it is [s].
+    altitude, distance, time : array
+        Standard uncertainty of the release: of its altitude [m], of its place northward and
+        eastward [m], and of its time [s].
+    """
+
+    members: int = eqx.field(static=True, default=200)
+    seed: int = eqx.field(static=True, default=0)
+    wind: Speed = 0.0
+    vertical_wind: Speed = 0.0
+    wind_correlation_time: Duration = _A_DAY
+    altitude: Distance = 0.0
+    distance: Distance = 0.0
+    time: Numeric = 0.0
+
+
+class Flights(eqx.Module):
+    """Flights that are computed together.
+
+    Attributes
+    ----------
+    setup : Setup
+        Numbers that are the same in all flights; None in place of the others.
+    varied : Setup
+        The others, each with a leading axis.
+    starts : Start
+        Numbers have a leading axis.
+    wind_errors : WindError or None
+        Fields have a leading axis.
+    rule : AbstractAttitudeRule
+    """
+
+    setup: Setup
+    varied: Setup
+    starts: Start
+    wind_errors: WindError | None
+    rule: AbstractAttitudeRule
+
+    @property
+    def count(self) -> int:
+        """Number of flights."""
+        return len(self.starts.altitude)
+
+
+def flights_of(
+    design: AbstractDesign, rule: AbstractAttitudeRule, start: Start, ensemble: Ensemble
+) -> tuple[Flights, tuple[str, ...]]:
+    """The flyer itself and the members of an ensemble.
+
+    Parameters
+    ----------
+    design : AbstractDesign
+    rule : AbstractAttitudeRule
+    start : Start
+    ensemble : Ensemble
+
+    Returns
+    -------
+    flights : Flights
+        The first is the flyer as it is stated.
+    varied : tuple of str
+        Names of the design's numbers that differ between them.
+    """
+    inputs = uncertain_inputs(design)
+    setup, varied = _separated(design, inputs, ensemble)
+    errors = _wind_errors(ensemble)
+    starts = _starts(start, ensemble, float(planet_of(setup.environment).radius))
+    return Flights(setup, varied, starts, errors, rule), () if inputs is None else (*inputs.names,)
+
+
+def same_flights(setup: Setup, rule: AbstractAttitudeRule, starts: Start) -> Flights:
+    """Flights of one flyer that is released at several places or times.
+
+    Parameters
+    ----------
+    setup : Setup
+    rule : AbstractAttitudeRule
+    starts : Start
+        Numbers have a leading axis.
+
+    Returns
+    -------
+    Flights
+    """
+    nothing = jax.tree.map(lambda _: None, setup)
+    return Flights(setup, nothing, starts, None, rule)
+
+
+def _wind_errors(ensemble: Ensemble) -> WindError | None:
+    """Errors of the wind; none in the first flight, nor where nothing is uncertain."""
+    if not np.any(ensemble.wind) and not np.any(ensemble.vertical_wind):
+        return None
+    errors = draw_wind_errors(
+        1 + ensemble.members,
+        float(ensemble.wind),
+        float(ensemble.vertical_wind),
+        float(ensemble.wind_correlation_time),
+        ensemble.seed + _WIND,
+    )
+    stated = np.arange(1 + ensemble.members)[:, None] == 0
+    return WindError(np.where(stated, 0.0, errors.amplitudes), errors.frequencies, errors.phases)
+
+
+def _separated(
+    design: AbstractDesign, inputs: Inputs | None, ensemble: Ensemble
+) -> tuple[Setup, Setup]:
+    """Setup without the numbers that the inputs move, and those alone, over the samples."""
+    if inputs is None:
+        setup = design.setup
+        return setup, jax.tree.map(lambda _: None, setup)
+    samples = np.vstack([inputs.values, draw(inputs, ensemble.members, ensemble.seed)])
+    with float64():
+        shapes = [
+            jax.eval_shape(inputs.build, jax.ShapeDtypeStruct(shape, float))
+            for shape in ((inputs.values.size,), (inputs.values.size, _ANOTHER))
+        ]
+        moved = jax.tree.map(lambda one, many: one.shape != many.shape, *shapes)
+        _, constant = eqx.partition(inputs.build(inputs.values), moved)
+
+        def moving(values: Any) -> Setup:
+            found, _ = eqx.partition(inputs.build(values), moved)
+            return jax.tree.map(jnp.asarray, found)
+
+        return constant, jax.tree.map(np.asarray, jax.vmap(moving)(samples))
+
+
+def _starts(start: Start, ensemble: Ensemble, radius: float) -> Start:
+    """Releases within their uncertainties, on a planet of some radius [m]."""
+    generator = np.random.default_rng(ensemble.seed + _RELEASE)
+    normal = np.pad(generator.standard_normal((4, ensemble.members)), ((0, 0), (1, 0)))
+    away = float(ensemble.distance) / radius * normal[:2]
+    place = _moved(start.place, away[0], away[1])
+    return Start(
+        altitude=float(start.altitude) + float(ensemble.altitude) * normal[2],
+        place=Place(*place, float(start.place.time) + float(ensemble.time) * normal[3]),
+    )
+
+
+@entry_point
+def _moved(place: Place, north: Any, east: Any) -> tuple[Array, Array]:
+    """Latitudes and longitudes some angles to the north and east of a place."""
+    to_east, to_north = directions(place.latitude, place.longitude)
+    here = unit_vector(place.latitude, place.longitude)
+    return latitude_and_longitude(here + north[:, None] * to_north + east[:, None] * to_east)
+
+
+@entry_point
+def _tracks(flights: Flights, limits: Limits, elapsed: Any, accuracy: Accuracy) -> Track:
+    def one(varied: Setup, start: Start, wind_error: WindError | None) -> Track:
+        setup = eqx.combine(varied, flights.setup)
+        return track(Craft(setup, flights.rule, wind_error), start, limits, elapsed, accuracy)
+
+    return jax.vmap(one)(flights.varied, flights.starts, flights.wind_errors)
+
+
+def fly_all(flights: Flights, limits: Limits, elapsed: np.ndarray, accuracy: Accuracy) -> Track:
+    """Trajectories of flights.
+
+    Parameters
+    ----------
+    flights : Flights
+    limits : Limits
+    elapsed : array, shape (times,)
+        Times to keep [s].
+    accuracy : Accuracy
+
+    Returns
+    -------
+    Track
+        Fields have a leading axis of length ``flights.count``.
+    """
+    size = min(BATCH, flights.count)
+    starts = range(0, flights.count, size)
+    found: list[Track] = []
+
+    def compute(start: int) -> Track:
+        return _tracks(_taken(flights, start, size), limits, elapsed, accuracy)
+
+    report("flying", 0, flights.count, "flights")
+    found.append(compute(0))  # and is compiled once
+    with ThreadPoolExecutor(_processors()) as pool:
+        for start, tracks in zip(starts[1:], pool.map(compute, starts[1:]), strict=True):
+            report("flying", start, flights.count, "flights")
+            found.append(tracks)
+    report("flying", flights.count, flights.count, "flights")
+    return jax.tree.map(lambda *parts: np.concatenate(parts)[: flights.count], *found)
+
+
+def _taken(flights: Flights, start: int, size: int) -> Flights:
+    """Some of the flights, filled up with the last one."""
+    rows = np.minimum(np.arange(start, start + size), flights.count - 1)
+    parts = (flights.varied, flights.starts, flights.wind_errors)
+    varied, starts, errors = jax.tree.map(lambda leaf: np.asarray(leaf)[rows], parts)
+    return Flights(flights.setup, varied, starts, errors, flights.rule)
+
+
+def _processors() -> int:
+    """Processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -1,0 +1,346 @@
+"""A mission: where a flyer goes, how long it stays up, and what ends it."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import jax
+import numpy as np
+
+import lightflyer
+from lightflyer.environment.base import AbstractEnvironment, Place
+from lightflyer.flight.balance import ENERGY_TOLERANCE, require_converged
+from lightflyer.flight.design import AbstractDesign, as_design
+from lightflyer.flight.setup import Setup
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.foundation.precision import entry_point, float64
+from lightflyer.foundation.quantity import Duration, Quantity, quantity_of
+from lightflyer.foundation.rootfind import Ending
+from lightflyer.mission.assumptions import assumptions_of, described
+from lightflyer.mission.attitude import AbstractAttitudeRule, Own
+from lightflyer.mission.cautions import cautions_along, why_no_data
+from lightflyer.mission.dataset import Several, add_several, add_survival, dataset_of
+from lightflyer.mission.dynamics import Inertia, track_with_inertia
+from lightflyer.mission.ending import MissionEnd
+from lightflyer.mission.fleet import Ensemble, flights_of, fly_all, same_flights
+from lightflyer.mission.integration import TOLERANCE, Accuracy, Limits, Start, Track, track
+from lightflyer.mission.moments import VARIABLES, Course, Variable, moments, node_variables
+from lightflyer.mission.motion import Craft, planet_of
+from lightflyer.mission.position import latitude_and_longitude
+from lightflyer.mission.release import Release, limits_of, require_release_inside
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MOST_TIMES = 1440
+"""Times that are kept where nobody asks for a spacing."""
+
+MOST_TIMES_OF_ENSEMBLE = 288
+"""The same beside an ensemble, each of whose members keeps its track."""
+
+_places = entry_point(latitude_and_longitude)
+_DURATION = quantity_of(Duration) or Quantity()
+_ROUNDING = 1e-9
+_SHORTEST = 60.0  # seconds between times that are kept where nobody asks for a spacing
+
+
+def fly(
+    what: Any,
+    environment: AbstractEnvironment | None = None,
+    model: AbstractForceModel | None = None,
+    *,
+    release: Release,
+    duration: Any,
+    attitude: AbstractAttitudeRule | None = None,
+    every: Any = None,
+    ensemble: Ensemble | None = None,
+    launches: Sequence[float] = (),
+    lowest: Any = None,
+    highest: Any = None,
+    inertia: Inertia | None = None,
+    tolerance: float = TOLERANCE,
+) -> "xr.Dataset":
+    """Fly a mission: a trajectory in time, altitude, latitude and longitude.
+
+    The flyer is in thermal equilibrium at each moment, and moves through the air at the velocity
+    at which drag balances lift and weight. It goes with the wind.
+
+    Parameters
+    ----------
+    what : AbstractFlyer, Setup, FlyerFile, path of a flyer file, or AbstractDesign
+    environment, model : optional
+        Where ``what`` is a flyer. The sun moves if the environment has a sky, such as
+        ``Earth(sky=...)``; otherwise the light stays what the environment states.
+    release : Release
+    duration : float
+        [s], or a text such as ``"36 h"``.
+    attitude : AbstractAttitudeRule, optional
+        How the flyer lies; by default as it states itself.
+    every : float, optional
+        Time between the moments that are kept [s].
+    ensemble : Ensemble, optional
+        Flights within every ± of the design, and within those of wind and release.
+    launches : sequence of float, optional
+        Further releases of the same flyer, so many seconds after the first.
+    lowest, highest : float, optional
+        Altitudes at which the mission ends [m]; by default the ends of the environment.
+    inertia : Inertia, optional
+        Integrate velocity and temperature too, as a check that both follow at once.
+    tolerance : float
+        Error of a step of the integration.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``elapsed``, the time since the release. The attributes name what ended the mission,
+        what is assumed and warnings; see the documentation's page on missions.
+
+    Raises
+    ------
+    ParameterError
+        If the release is not within the environment, or the model is not for the flyer.
+    ConfigurationError
+        If this kind of flyer has no law of drag.
+
+    Examples
+    --------
+    >>> import lightflyer as lf
+    >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    >>> flown = lf.fly(
+    ...     lf.Disk(film, radius=0.005), lf.Earth(), lf.Lu2023(), duration="6 h",
+    ...     release=lf.Release("75 km", latitude=45.0, longitude=0.0, time="2026-06-21T12:00Z"),
+    ... )
+    >>> flown.attrs["end"]
+    'its time was over, still flying'
+    """
+    mission = _Mission(as_design(what, environment, model), attitude or Own(), release)
+    limits = limits_of(mission.setup.environment, lowest, highest)
+    require_release_inside(release, limits)
+    several = ensemble is not None or len(launches) > 0
+    elapsed = times_of(duration, every, several=several)
+    plan = _Plan(limits, elapsed, Accuracy.lasting(float(elapsed[-1]), tolerance))
+    members = None if ensemble is None else _members(mission, plan, ensemble)
+    released = _launches(mission, plan, launches) if launches or members is None else None
+    first = _first(members or released)
+    if inertia is not None:
+        course = (plan.limits, plan.elapsed, plan.accuracy)
+        first = _track_with_inertia(
+            Craft(mission.setup, mission.rule), mission.start, course, inertia
+        )
+    dataset = _flown(mission, plan, first)
+    if members is not None:
+        add_several(dataset, members)
+        add_survival(dataset, members)
+    if launches and released is not None:
+        add_several(dataset, released)
+    dataset.attrs |= _record(mission, ensemble, inertia)
+    return dataset
+
+
+def trajectory(
+    flyer: AbstractFlyer,
+    environment: AbstractEnvironment,
+    model: AbstractForceModel,
+    release: Release,
+    elapsed: Any,
+    *,
+    attitude: AbstractAttitudeRule | None = None,
+    tolerance: float = TOLERANCE,
+) -> Track:
+    """Way of one flyer as plain arrays, for gradients and transformations of JAX.
+
+    Parameters
+    ----------
+    flyer, environment, model, release, attitude, tolerance
+        As for :func:`fly`; their numbers may be traced.
+    elapsed : array, shape (times,)
+        Times since the release to keep [s], increasing from zero, concrete.
+
+    Returns
+    -------
+    Track
+
+    Notes
+    -----
+    Differentiable backwards (``jax.grad``) in every number of flyer, environment, model and
+    release. The tolerance holds for the trajectory; its gradient is good to about 1e-5.
+
+    Examples
+    --------
+    >>> import jax, lightflyer as lf
+    >>> def end(emittance):
+    ...     film = lf.FilmProperties(1e-3, 0.75, emittance, emittance, tac_top=0.8, tac_bottom=0.9)
+    ...     release = lf.Release(75e3, latitude=45.0, longitude=0.0, time=0.0)
+    ...     disk = lf.Disk(film, radius=0.01)
+    ...     way = lf.mission.trajectory(disk, lf.Earth(), lf.Lu2023(), release, [0.0, 3600.0])
+    ...     return way.end_altitude
+    >>> with lf.float64():
+    ...     print(f"{jax.grad(end)(0.08) / 1e3:.0f} km")  # more emittance, less lift
+    -14 km
+    """
+    limits = limits_of(environment, None, None)
+    times = np.asarray(elapsed, float)
+    accuracy = Accuracy.lasting(float(times[-1]), tolerance)
+    craft = Craft(Setup(flyer, environment, model), attitude or Own())
+    return _trajectory(craft, release, limits, times, accuracy)
+
+
+@entry_point
+def _trajectory(
+    craft: Craft, release: Release, limits: Limits, elapsed: Any, accuracy: Accuracy
+) -> Track:
+    return track(craft, release.start(), limits, elapsed, accuracy)
+
+
+@dataclass(frozen=True)
+class _Mission:
+    """Who flies, how it lies, and from where."""
+
+    design: AbstractDesign
+    rule: AbstractAttitudeRule
+    release: Release
+
+    @property
+    def setup(self) -> Setup:
+        return self.design.setup
+
+    @property
+    def start(self) -> Start:
+        with float64():
+            return self.release.start()
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """How far, and how exactly."""
+
+    limits: Limits
+    elapsed: np.ndarray
+    accuracy: Accuracy
+
+
+def times_of(duration: Any, every: Any = None, *, several: bool = False) -> np.ndarray:
+    """Times that a mission keeps.
+
+    Parameters
+    ----------
+    duration : float or str
+        [s], or a text such as ``"36 h"``.
+    every : float or str, optional
+        Time between them.
+    several : bool
+        Whether there are many flights to keep.
+
+    Returns
+    -------
+    array, shape (times,)
+        From zero to the duration, evenly spaced [s].
+
+    Raises
+    ------
+    ParameterError
+        If a time is not positive.
+    """
+    length = _seconds("duration", duration)
+    if every is None:
+        spacing = max(_SHORTEST, length / (MOST_TIMES_OF_ENSEMBLE if several else MOST_TIMES))
+    else:
+        spacing = _seconds("every", every)
+    return np.linspace(0.0, length, 1 + max(1, math.ceil(length / spacing - _ROUNDING)))
+
+
+def _seconds(name: str, value: Any) -> float:
+    number = float(_DURATION.number(name, value))
+    _DURATION.check(name, number)
+    return number
+
+
+def _members(mission: _Mission, plan: _Plan, ensemble: Ensemble) -> Several:
+    flights, _ = flights_of(mission.design, mission.rule, mission.start, ensemble)
+    track = fly_all(flights, plan.limits, plan.elapsed, plan.accuracy)
+    return Several("ensemble_", "member", {}, track)
+
+
+def _launches(mission: _Mission, plan: _Plan, launches: Sequence[float]) -> Several:
+    """The release itself, and the later ones."""
+    delays = np.array([0.0, *(float(delay) for delay in launches)])
+    start = mission.start
+    here = jax.tree.map(lambda value: np.full(delays.size, value), start)
+    later = Place(here.place.latitude, here.place.longitude, here.place.time + delays)
+    flights = same_flights(mission.setup, mission.rule, Start(here.altitude, later))
+    label = Variable("s", "delay of the release")
+    return Several(
+        "launch_",
+        "launch",
+        {"launch_delay": (delays, label)},
+        fly_all(flights, plan.limits, plan.elapsed, plan.accuracy),
+    )
+
+
+def _first(several: Several | None) -> Track:
+    assert several is not None  # one of the two is always flown
+    return jax.tree.map(lambda leaf: leaf[0], several.track)
+
+
+@entry_point
+def _track_with_inertia(
+    craft: Craft, start: Start, plan: tuple[Limits, Any, Accuracy], inertia: Inertia
+) -> Track:
+    return track_with_inertia(craft, start, *plan, inertia)
+
+
+def _flown(mission: _Mission, plan: _Plan, track: Track) -> "xr.Dataset":
+    """The flight over time, with what the flyer is like at each moment."""
+    craft, released = Craft(mission.setup, mission.rule), float(mission.release.time)
+    known = np.isfinite(track.altitude)
+    course = Course(
+        plan.elapsed,
+        np.where(known, track.altitude, track.end_altitude),
+        np.where(known[:, None], track.position, track.end_position),
+        released,
+    )
+    values = moments(craft, course)
+    residual = values.pop("residual")[known]
+    missed = residual > ENERGY_TOLERANCE
+    ending = np.where(missed, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
+    require_converged("heat balance along the way", ending, residual)
+    latitude, longitude = _places(course.position[known])
+    place = Place(latitude, longitude, released + plan.elapsed[known])
+    shown = {name: value[known] for name, value in values.items()} | {
+        "altitude": course.altitude[known]
+    }
+    found = {name: np.where(known, value, np.nan) for name, value in values.items()}
+    variables = VARIABLES | node_variables(mission.setup.flyer.nodes)
+    dataset = dataset_of(plan.elapsed, released, track, found, variables)
+    dataset.attrs["end"] = _end(mission.setup.environment, released, track)
+    dataset.attrs["warnings"] = "; ".join(
+        dict.fromkeys((*mission.design.warnings, *cautions_along(craft, place, shown)))
+    )
+    return dataset
+
+
+def _end(environment: AbstractEnvironment, released: float, track: Track) -> str:
+    """Why the flight ended, in words."""
+    end = MissionEnd(int(track.ending))
+    if end is not MissionEnd.NO_DATA:
+        return end.describe()
+    latitude, longitude = _places(track.end_position)
+    place = Place(latitude, longitude, released + float(track.end_elapsed))
+    return why_no_data(environment, float(track.end_altitude), place)
+
+
+def _record(
+    mission: _Mission, ensemble: Ensemble | None, inertia: Inertia | None
+) -> dict[str, Any]:
+    """What decides the results, for the dataset's attributes."""
+    setup = mission.setup
+    return {
+        "title": "lightflyer mission",
+        "lightflyer_version": lightflyer.__version__,
+        "flyer": setup.flyer.describe(),
+        "force_model": described(setup.model),
+        "planet_radius_km": float(planet_of(setup.environment).radius) / 1e3,
+        "assumptions": "; ".join(assumptions_of(setup, mission.rule, ensemble, inertia)),
+    }

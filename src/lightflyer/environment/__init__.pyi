@@ -1,6 +1,7 @@
 from .atmosphere.base import AbstractAtmosphere as AbstractAtmosphere
 from .atmosphere.global_nrlmsis import GlobalNRLMSIS as GlobalNRLMSIS
 from .atmosphere.lu2023 import Lu2023Atmosphere as Lu2023Atmosphere
+from .atmosphere.mars import MarsAtmosphere as MarsAtmosphere
 from .atmosphere.nrlmsis import NRLMSIS as NRLMSIS
 from .atmosphere.us1976 import US1976 as US1976
 from .base import AbstractEnvironment as AbstractEnvironment
@@ -9,6 +10,7 @@ from .base import EnvironmentState as EnvironmentState
 from .base import Place as Place
 from .base import Wind as Wind
 from .chamber import Chamber as Chamber
+from .dust import Dust as Dust
 from .earth import Earth as Earth
 from .earth import lu2023_earth as lu2023_earth
 from .ground import AbstractGround as AbstractGround
@@ -19,8 +21,17 @@ from .horizon import facing_share as facing_share
 from .horizon import horizon_depression as horizon_depression
 from .horizon import lit_ground as lit_ground
 from .horizon import visible_share as visible_share
+from .mars import MARS_SKY as MARS_SKY
+from .mars import Mars as Mars
+from .mars import air_of_mars as air_of_mars
+from .mars import mars_sunlight as mars_sunlight
+from .mars import season_irradiance as season_irradiance
+from .mars_sun import MarsSun as MarsSun
+from .mars_sun import solar_longitude as solar_longitude
+from .mars_sun import sun_from_mars as sun_from_mars
 from .planet import EARTH_PLANET as EARTH_PLANET
 from .planet import Planet as Planet
+from .planet import MARS_PLANET as MARS_PLANET
 from .radiation import Attitude as Attitude
 from .radiation import Radiation as Radiation
 from .radiation import sunlight as sunlight
@@ -36,5 +47,8 @@ from .sun import sun_in_sky as sun_in_sky
 from .view_factor import ground_view_factor as ground_view_factor
 from .view_factor import sphere_view_factor as sphere_view_factor
 from .wind.base import AbstractWind as AbstractWind
+from .wind.gradient import GradientWind as GradientWind
+from .wind.gradient import balanced_rotation as balanced_rotation
+from .wind.gridded import GriddedWind as GriddedWind
 from .wind.uniform import SumOfWinds as SumOfWinds
 from .wind.uniform import UniformWind as UniformWind

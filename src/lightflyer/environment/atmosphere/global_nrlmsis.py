@@ -23,7 +23,9 @@ from lightflyer.foundation.quantity import RADIANS_PER_DEGREE
 from lightflyer.foundation.types import Numeric
 
 _DAY = 86400.0
-_TROPICAL_YEAR = 365.2425 * _DAY  # of the calendar, on average
+TROPICAL_YEAR = 365.2425 * _DAY
+"""Length of a year of the Gregorian calendar, on average [s]."""
+
 _DAYS_OF_MODEL = 365  # the period of the model's seasons, in days of the year
 _NOON = 0.5  # of a day: the time of day at which time is zero
 _TURN = 2.0 * np.pi
@@ -181,7 +183,7 @@ class GlobalNRLMSIS(AbstractAtmosphere):
             self.coefficients, (self.latitudes, self.altitudes), (place.latitude, altitude)
         )
         terms = _basis(
-            _TURN * place.time / _TROPICAL_YEAR,
+            _TURN * place.time / TROPICAL_YEAR,
             _TURN * (place.time / _DAY + _NOON),
             place.longitude,
         )
@@ -227,7 +229,7 @@ class GlobalNRLMSIS(AbstractAtmosphere):
             [1].
         """
         mean = _WAVES[0]
-        yearly = np.stack(_yearly(_TURN * seasons / _TROPICAL_YEAR, mean.harmonics, np), axis=-1)
+        yearly = np.stack(_yearly(_TURN * seasons / TROPICAL_YEAR, mean.harmonics, np), axis=-1)
         fields = self.coefficients[1:-1, :, :, : 2 * mean.harmonics + 1] @ yearly.T
         latitude = _LATITUDES * RADIANS_PER_DEGREE
         return latitude, _ALTITUDES, *np.moveaxis(fields, (2, 3), (0, 1))

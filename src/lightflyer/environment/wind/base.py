@@ -1,12 +1,14 @@
 """Base class of winds."""
 
 import abc
-from typing import Any
 
 import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.environment.base import Place, Wind
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.precision import is_traced
 from lightflyer.foundation.types import Numeric
 
 
@@ -32,16 +34,16 @@ class AbstractWind(eqx.Module):
         Returns
         -------
         Wind
-            NaN outside :meth:`margins` where the arguments are traced.
+            Where the arguments are traced, NaN where a margin is below -1.
 
         Raises
         ------
         ParameterError
-            If concrete arguments are outside :meth:`margins`.
+            If arguments are concrete and a margin is negative.
         """
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
-        """How far inside its range the wind is, for what integrates along a path.
+        """How far the wind still reaches, for what integrates along a path.
 
         Parameters
         ----------
@@ -52,26 +54,26 @@ class AbstractWind(eqx.Module):
         Returns
         -------
         dict of str to array
-            By what ends there, in words, the distance to the end, as a share of the range or so:
-            positive inside, negative outside. Empty for a wind without ends, the default.
+            By what is beyond the end, in words, the distance to the end: positive where there is
+            wind, negative where there is none. The unit is the distance by which the wind is
+            continued beyond the end, so that a path can be followed up to it. Empty for a wind
+            without ends, the default.
         """
         return {}
+
+    def _within(self, altitude: Numeric, place: Place, wind: Wind) -> Wind:
+        """A wind where there is one: else an error, or NaN where that cannot be known yet."""
+        margins = self.margins(altitude, place)
+        for beyond, margin in margins.items():
+            if not is_traced(margin) and np.any(np.less(margin, 0.0)):
+                raise ParameterError(beyond)
+        if not is_traced(margins):
+            return wind
+        reaches = jnp.array(True)
+        for margin in margins.values():
+            reaches = reaches & (margin >= -1.0)
+        return Wind(*(jnp.where(reaches, part, jnp.nan) for part in wind))
 
     @abc.abstractmethod
     def describe(self) -> tuple[str, ...]:
         """What is assumed about the wind, in short texts with units."""
-
-
-def span(values: Any) -> str:
-    """A number, or the range of an array, in words.
-
-    Parameters
-    ----------
-    values : array
-
-    Returns
-    -------
-    str
-    """
-    low, high = np.min(values), np.max(values)
-    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"

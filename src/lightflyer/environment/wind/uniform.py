@@ -4,9 +4,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.environment.base import Place, Wind
-from lightflyer.environment.wind.base import AbstractWind, span
+from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import Checked, Velocity, require_record
+from lightflyer.foundation.text import span
 from lightflyer.foundation.types import Numeric
 
 

@@ -1,0 +1,243 @@
+"""Reading winds on a grid from an xarray dataset: names, units, order, gaps."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.quantity import RADIANS_PER_DEGREE
+from lightflyer.foundation.units import scale_and_offset
+
+EPOCH = np.datetime64("2000-01-01T12:00:00", "ns")
+"""Origin of :attr:`lightflyer.environment.Place.time`."""
+
+LARGEST = 30_000_000
+"""Most grid points that are taken into memory, about 1 GB."""
+
+_NAMES = {
+    "time": ("time", "valid_time"),
+    "altitude": ("altitude", "height"),
+    "pressure": ("pressure", "pressure_level", "level", "plev", "isobaricInhPa"),
+    "latitude": ("latitude", "lat"),
+    "longitude": ("longitude", "lon"),
+}
+_MERIDIANS = 36  # for a wind that is the same at every longitude
+_DEGREES = ("degrees", "degree", "deg", "°")
+_OMEGA = "Pa/s"
+
+
+class WindGrid(NamedTuple):
+    """Winds on a grid, in SI units, with increasing coordinates.
+
+    Attributes
+    ----------
+    time : array, shape (t,)
+        [s since 2000-01-01 12:00 UTC]; one entry for a wind that does not change.
+    level : array, shape (z,)
+        Altitude [m], or the negative logarithm of the pressure in Pa.
+    by_pressure : bool
+        Which of the two.
+    latitude, longitude : array, shape (y,), (x,)
+        [rad].
+    around : bool
+        Whether the longitudes go round the whole planet.
+    east, north, up : array, shape (t, z, y, x)
+        [m/s]; ``up`` is zero where the dataset has none.
+    """
+
+    time: np.ndarray
+    level: np.ndarray
+    by_pressure: bool
+    latitude: np.ndarray
+    longitude: np.ndarray
+    around: bool
+    east: np.ndarray
+    north: np.ndarray
+    up: np.ndarray
+
+
+def open_dataset(path: str | Path) -> Any:
+    """Open a NetCDF file.
+
+    Parameters
+    ----------
+    path : str or path
+
+    Returns
+    -------
+    xarray.Dataset
+
+    Raises
+    ------
+    ConfigurationError
+        If it cannot be read.
+    """
+    import xarray
+
+    try:
+        with xarray.open_dataset(path) as dataset:
+            return dataset.load()
+    except (OSError, ValueError) as error:
+        reason = str(error).partition("\n")[0]
+        raise ConfigurationError(f"{path}: cannot be read as NetCDF: {reason}") from None
+
+
+def read_grid(dataset: Any) -> WindGrid:
+    """Check a dataset and take the winds from it.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Variables ``u``, ``v`` and, if there is one, ``w``, the wind towards east, north and up.
+
+    Returns
+    -------
+    WindGrid
+
+    Raises
+    ------
+    ConfigurationError
+        In one line, what is missing, in a wrong unit, not in order or too large.
+    """
+    _require_variables(dataset)
+    names = _dimensions(dataset)
+    by_pressure = "pressure" in names
+    level = "pressure" if by_pressure else "altitude"
+    order = [names.get(kind) for kind in ("time", level, "latitude", "longitude")]
+    readers = (_seconds, _minus_log if by_pressure else _metres, _degrees, _degrees)
+    axes, sorting = [], []
+    for name, reader in zip(order, readers, strict=True):
+        values = np.zeros(1) if name is None else reader(dataset[name], name)
+        sorting.append(np.argsort(values, kind="stable"))
+        axes.append(values[sorting[-1]])
+        if np.any(~np.isfinite(values)) or np.any(np.diff(axes[-1]) <= 0.0):
+            raise ConfigurationError(f"winds: {name} has missing or repeated entries")
+    fields = [_field(dataset, name, order, sorting) for name in ("u", "v", "w")]
+    if order[-1] is None:  # a mean over longitude
+        axes[-1] = np.arange(_MERIDIANS) / _MERIDIANS * 2.0 * np.pi
+        fields = [np.repeat(field, _MERIDIANS, axis=-1) for field in fields]
+    time, height, latitude, longitude = axes
+    return _around(WindGrid(time, height, by_pressure, latitude, longitude, False, *fields))
+
+
+def _require_variables(dataset: Any) -> None:
+    missing = [name for name in ("u", "v") if name not in getattr(dataset, "data_vars", ())]
+    if missing:
+        there = ", ".join(str(name) for name in getattr(dataset, "data_vars", ())) or "none"
+        raise ConfigurationError(
+            f"winds: needs the variables u and v (towards east and north); there are: {there}"
+        )
+    size = dataset["u"].size
+    if size > LARGEST:
+        raise ConfigurationError(
+            f"winds: u has {size:,} points, more than {LARGEST:,}; select the times and levels "
+            "that are needed, or coarsen it"
+        )
+
+
+def _dimensions(dataset: Any) -> dict[str, str]:
+    """The dataset's own name of each dimension that its winds have."""
+    found: dict[str, str] = {}
+    for dimension in dataset["u"].dims:
+        kinds = [kind for kind, names in _NAMES.items() if dimension in names]
+        if not kinds:
+            raise ConfigurationError(
+                f"winds: u has the dimension {dimension}, which is none of time, altitude or "
+                "pressure, latitude, longitude; rename it or select one entry"
+            )
+        found[kinds[0]] = str(dimension)
+    if "latitude" not in found:
+        raise ConfigurationError("winds: u has no dimension latitude")
+    if ("altitude" in found) == ("pressure" in found):
+        raise ConfigurationError("winds: u needs one dimension altitude or pressure, not both")
+    for name in found.values():
+        if name not in dataset.coords:
+            raise ConfigurationError(f"winds: the dimension {name} has no coordinates")
+    return found
+
+
+def _unit(array: Any, name: str, example: str) -> str:
+    unit = str(array.attrs.get("units", ""))
+    if not unit:
+        raise ConfigurationError(
+            f'winds: {name} has no units; set dataset["{name}"].attrs["units"] = "{example}"'
+        )
+    return unit
+
+
+def _scaled(array: Any, name: str, target: str) -> np.ndarray:
+    unit = _unit(array, name, target)
+    try:
+        scale, offset = scale_and_offset(unit, target)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"winds: units of {name}: {error}") from None
+    return scale * np.asarray(array.values, float) + offset
+
+
+def _degrees(array: Any, name: str) -> np.ndarray:
+    unit = str(array.attrs.get("units", "degrees"))
+    if not unit.startswith(_DEGREES):
+        raise ConfigurationError(f'winds: units of {name}: "{unit}" is none of degrees')
+    return np.asarray(array.values, float) * RADIANS_PER_DEGREE
+
+
+def _metres(array: Any, name: str) -> np.ndarray:
+    return _scaled(array, name, "m")
+
+
+def _minus_log(array: Any, name: str) -> np.ndarray:
+    values = _scaled(array, name, "Pa")
+    if not np.all(values > 0.0):
+        raise ConfigurationError(f"winds: {name} must be positive")
+    return -np.log(values)
+
+
+def _seconds(array: Any, name: str) -> np.ndarray:
+    if not np.issubdtype(array.dtype, np.datetime64):
+        raise ConfigurationError(
+            f"winds: {name} must be dates (UTC); give it units such as "
+            '"hours since 2024-06-21" and open it by xarray, which decodes them'
+        )
+    return (array.values.astype("datetime64[ns]") - EPOCH) / np.timedelta64(1, "s")
+
+
+def _field(dataset: Any, name: str, order: list[Any], sorting: list[np.ndarray]) -> np.ndarray:
+    if name not in dataset.data_vars:
+        return np.zeros([indices.size for indices in sorting])
+    array = dataset[name]
+    if set(array.dims) != set(dataset["u"].dims):
+        raise ConfigurationError(f"winds: {name} and u have different dimensions")
+    if _unit(array, name, "m/s").replace("s-1", "/s").replace(" ", "") == _OMEGA:
+        raise ConfigurationError(
+            f"winds: {name} is in Pa/s, a change of pressure; convert it to m/s upwards (divide by "
+            "minus density times gravity) or drop it"
+        )
+    array = array.transpose(*[dimension for dimension in order if dimension is not None])
+    values = _scaled(array, name, "m/s")
+    missing = int(np.sum(~np.isfinite(values)))
+    if missing:
+        raise ConfigurationError(
+            f"winds: {name} has {missing:,} missing values of {values.size:,}; fill them or select "
+            "the part without"
+        )
+    missing_axes = tuple(axis for axis, dimension in enumerate(order) if dimension is None)
+    values = np.expand_dims(values, missing_axes)
+    return values[np.ix_(*sorting)]
+
+
+def _around(grid: WindGrid) -> WindGrid:
+    """The same, knowing whether its longitudes close, each meridian once."""
+    longitude, turn = grid.longitude, 2.0 * np.pi
+    if np.any(np.abs(grid.latitude) > np.pi / 2 * (1.0 + 1e-9)):
+        raise ConfigurationError("winds: latitude must be between -90 and 90 degrees")
+    if longitude.size == 1:
+        raise ConfigurationError("winds: longitude needs two entries or more")
+    spacing = np.diff(longitude).max()
+    width = longitude[-1] - longitude[0]
+    if width > turn + 1e-6:
+        raise ConfigurationError("winds: longitude goes more than once round the planet")
+    if width > turn - 1e-6:  # 0° and 360° are both there
+        east, north, up = (field[..., :-1] for field in (grid.east, grid.north, grid.up))
+        return grid._replace(longitude=longitude[:-1], around=True, east=east, north=north, up=up)
+    return grid._replace(around=bool(width + 1.01 * spacing >= turn))

@@ -1,0 +1,210 @@
+"""Gradient wind: the zonal wind that balances the pressure of a model atmosphere."""
+
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.polynomial import legendre
+
+from lightflyer.environment.atmosphere.global_nrlmsis import TROPICAL_YEAR, GlobalNRLMSIS
+from lightflyer.environment.base import Place, Wind
+from lightflyer.environment.planet import EARTH_PLANET
+from lightflyer.environment.wind.base import AbstractWind
+from lightflyer.foundation import constants
+from lightflyer.foundation.cubic_grid import Axis, interpolate
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.quantity import RADIANS_PER_DEGREE, require_record
+from lightflyer.foundation.types import Numeric
+
+HIGHEST = 100e3
+"""Altitude above which tides, waves and ions drive more of the wind than the balance holds [m]."""
+
+NEAREST_EQUATOR = 15.0 * RADIANS_PER_DEGREE
+"""Latitude below which the Coriolis force is too weak for the balance [rad]."""
+
+CLOSE_TO_EQUATOR = 20.0 * RADIANS_PER_DEGREE
+"""Latitude below which the balance is doubtful [rad]."""
+
+_LATITUDES = np.arange(12.5, 92.6, 2.5) * RADIANS_PER_DEGREE
+_SPACING = 2e3
+_ALTITUDES = np.arange(0.0, HIGHEST + 1.0, _SPACING)
+_SEASONS = np.arange(24) / 24 * TROPICAL_YEAR
+_DEGREE = 12  # of the Legendre series in latitude: beyond, the model has nothing
+
+_EQUATOR = "latitude within 15° of the equator, where there is no gradient wind"
+_ABOVE = "altitude above 100 km, where the gradient wind ends"
+
+# Gravity on the ellipsoid at equator and pole [m/s²], and the ratio of the centrifugal force to
+# gravity at the equator; [NIMA2000]_ tables 3.3 and 3.4.
+_GRAVITY_EQUATOR, _GRAVITY_POLE = 9.7803253359, 9.8321849378
+_CENTRIFUGAL = 0.00344978650684
+
+
+def balanced_rotation(forcing: Numeric, sine_latitude: Numeric, rotation_rate: Numeric) -> Any:
+    r"""Angular velocity of a zonal wind in gradient balance.
+
+    .. math::
+
+        \omega = -\frac{\Omega A}{1 + \sqrt{1 - A}}, \qquad
+        A = \frac{F}{\Omega^2 \sin\varphi}, \qquad
+        F = \frac{1}{d \cos\varphi} \left(\frac{1}{\rho} \frac{\partial p}{\partial y} +
+            \frac{\partial \Phi}{\partial y}\right)
+
+    is the regular one of the two solutions of :math:`u^2 \tan\varphi/d + 2 \Omega u \sin\varphi +
+    \rho^{-1} \partial p/\partial y + \partial \Phi/\partial y = 0` for the wind
+    :math:`u = \omega d \cos\varphi`, at the distance d of the ellipsoid's normal from the place to
+    the polar axis. For small A it is the geostrophic wind.
+
+    Parameters
+    ----------
+    forcing : array, shape (...)
+        F [1/s²].
+    sine_latitude : array, shape (...)
+        [1].
+    rotation_rate : array
+        Of the planet, Ω [rad/s].
+
+    Returns
+    -------
+    array, broadcast shape
+        Relative to the planet, positive towards the east [rad/s]; NaN where no wind is in balance
+        (A > 1), and at the equator.
+
+    References
+    ----------
+    [Andrews1987]_ Eq. (3.4.1c), [Lieberman1999]_.
+
+    Examples
+    --------
+    >>> planet = 7.292115e-5
+    >>> print(f"{balanced_rotation(1e-10, 0.7, planet) / planet:.4f}")
+    -0.0135
+    """
+    return _balanced_rotation(forcing, sine_latitude, rotation_rate)
+
+
+@entry_point
+def _balanced_rotation(forcing: Numeric, sine_latitude: Numeric, rotation_rate: Numeric) -> Any:
+    ratio = forcing / (rotation_rate**2 * sine_latitude)
+    return -rotation_rate * ratio / (1.0 + jnp.sqrt(1.0 - ratio))
+
+
+def _geopotential_slope(sine: np.ndarray, altitude: np.ndarray) -> np.ndarray:
+    """Derivative of the geopotential at an altitude in the sine of the latitude [m²/s²].
+
+    Gravity on the ellipsoid by Somigliana's formula, above by its Taylor series; [NIMA2000]_
+    Eqs. (4-1) and (4-3).
+    """
+    flattening, equator = EARTH_PLANET.flattening, EARTH_PLANET.equatorial_radius
+    squeezed = flattening * (2.0 - flattening)
+    excess = (1.0 - flattening) * _GRAVITY_POLE / _GRAVITY_EQUATOR - 1.0
+    root = 1.0 - squeezed * sine**2
+    gravity = _GRAVITY_EQUATOR * (1.0 + excess * sine**2) / np.sqrt(root)
+    slope = gravity * sine * (2.0 * excess / (1.0 + excess * sine**2) + squeezed / root)
+    linear = 1.0 + flattening + _CENTRIFUGAL - 2.0 * flattening * sine**2
+    height = altitude - linear * altitude**2 / equator + altitude**3 / equator**2
+    return slope * height + gravity * 4.0 * flattening * sine * altitude**2 / equator
+
+
+def _rotations(atmosphere: GlobalNRLMSIS) -> np.ndarray:
+    """Angular velocity of the balanced wind, shape (seasons, latitudes, altitudes) [rad/s]."""
+    latitude, altitude, temperature, log_pressure, ratio = atmosphere.zonal_means(_SEASONS)
+    chosen = np.searchsorted(altitude, _ALTITUDES)
+    temperature, log_pressure, ratio = (
+        field[:, :, chosen] for field in (temperature, log_pressure, ratio)
+    )
+    nodes = np.concatenate([-_LATITUDES[::-1], _LATITUDES])
+    sine = np.sin(nodes)[:, None]
+    fit = np.linalg.pinv(legendre.legvander(np.sin(latitude), _DEGREE))
+    of_node = legendre.legvander(sine[:, 0], _DEGREE) @ fit
+    slope_of = np.stack([legendre.legval(sine[:, 0], legendre.legder(row)) for row in fit.T], -1)
+    gas_constant = constants.GAS_CONSTANT_US1976 / (constants.MOLAR_MASS_AIR * (of_node @ ratio))
+    push = gas_constant * (of_node @ temperature) * (slope_of @ log_pressure)
+    push = push + _geopotential_slope(sine, _ALTITUDES)
+    along, across = (EARTH_PLANET.curvature_radius(nodes, angle) for angle in (0.0, np.pi / 2))
+    distances = (along[:, None] + _ALTITUDES) * (across[:, None] + _ALTITUDES)
+    return balanced_rotation(push / distances, sine, EARTH_PLANET.rotation_rate)
+
+
+class GradientWind(AbstractWind):
+    r"""Zonal wind in balance with the pressure of NRLMSIS 2.1, without any wind data.
+
+    The pressure is the mean over longitude and time of day. In the north-south direction its
+    gradient is balanced by the Coriolis force and, the cyclostrophic term, the centrifugal force
+    of the wind around the planet's axis: :func:`balanced_rotation`. There is no wind towards the
+    north or up.
+
+    Parameters
+    ----------
+    atmosphere : GlobalNRLMSIS
+
+    Raises
+    ------
+    ParameterError
+        If it is another atmosphere.
+
+    Notes
+    -----
+    Valid from 15° of latitude to the poles, 0 to 100 km. It is a climatology of the mean over
+    longitude: tides, planetary waves, gravity waves and the weather are left out; they change the
+    wind by 10 m/s to 50 m/s, the more the higher. Closer than 20° to the equator, and above 85 km,
+    it tells little more than the sign. Under JAX's transformations the wind continues by 2.5° and
+    2 km beyond its ends, and is NaN further on.
+
+    Examples
+    --------
+    The middle of July at 45° N, 60 km:
+
+    >>> wind = GradientWind(GlobalNRLMSIS(f107=150.0, ap=4.0))
+    >>> july = 774_360_000.0
+    >>> print(f"{wind.velocity(60e3, Place(0.785, 0.0, july)).east:.0f} m/s")
+    -64 m/s
+    """
+
+    rotations: Any
+    seasons: Axis
+    latitudes: Axis
+    altitudes: Axis
+
+    def __init__(self, atmosphere: GlobalNRLMSIS):
+        require_record("atmosphere", (GlobalNRLMSIS,), atmosphere)
+        self.rotations = _rotations(atmosphere)
+        self.seasons = Axis(_SEASONS, TROPICAL_YEAR)
+        self.latitudes = Axis(np.concatenate([-_LATITUDES[::-1], _LATITUDES]))
+        self.altitudes = Axis(_ALTITUDES)
+
+    def velocity(self, altitude: Numeric, place: Place) -> Wind:
+        """See :meth:`AbstractWind.velocity`."""
+        return self._within(altitude, place, _velocity(self, altitude, place))
+
+    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
+        """See :meth:`AbstractWind.margins`."""
+        return _margins(altitude, place)
+
+    def describe(self) -> tuple[str, ...]:
+        """See :meth:`AbstractWind.describe`."""
+        return (
+            "wind: gradient wind of NRLMSIS 2.1, mean over longitude and day; no tides, waves or "
+            "weather, nothing towards the north or up",
+        )
+
+
+@entry_point
+def _velocity(wind: GradientWind, altitude: Numeric, place: Place) -> Wind:
+    rotation = interpolate(
+        wind.rotations,
+        (wind.seasons, wind.latitudes, wind.altitudes),
+        (place.time, place.latitude, altitude),
+    )
+    distance = EARTH_PLANET.curvature_radius(place.latitude, jnp.pi / 2) + altitude
+    east = rotation * distance * jnp.cos(place.latitude)
+    return Wind(east, jnp.zeros_like(east), jnp.zeros_like(east))
+
+
+@entry_point
+def _margins(altitude: Numeric, place: Place) -> dict[str, Numeric]:
+    from_equator = jnp.abs(place.latitude) - NEAREST_EQUATOR
+    return {
+        _EQUATOR: from_equator / (NEAREST_EQUATOR - _LATITUDES[0]),
+        _ABOVE: (HIGHEST - altitude) / _SPACING,
+    }

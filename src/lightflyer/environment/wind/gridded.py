@@ -1,0 +1,256 @@
+"""Wind from data on a grid: a reanalysis, a forecast, a climatology."""
+
+from pathlib import Path
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.environment.atmosphere.base import AbstractAtmosphere
+from lightflyer.environment.base import Place, Wind
+from lightflyer.environment.wind.base import AbstractWind
+from lightflyer.environment.wind.dataset import EPOCH, WindGrid, open_dataset, read_grid
+from lightflyer.foundation.cubic_grid import Axis, interpolate
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.quantity import RADIANS_PER_DEGREE
+from lightflyer.foundation.types import Numeric
+
+_TURN = 2.0 * np.pi
+# By how much a wind is continued beyond the ends of its data for what integrates along a path.
+_HOUR = 3600.0
+_TWO_KILOMETRES = 2e3
+_LOG_PRESSURE = 0.3  # of the same order
+_ONE_DEGREE = RADIANS_PER_DEGREE
+
+
+class GriddedWind(AbstractWind):
+    """Wind from a dataset, interpolated in time, height, latitude and longitude.
+
+    Horizontal winds are interpolated as vectors in space. So a pole, where east and north turn
+    with the longitude, is a place like any other, and so is the date line. Interpolation is by
+    local cubics with a continuous derivative.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Variables ``u`` and ``v``, the wind towards east and north, and if there is one ``w``, the
+        wind upwards, each with ``units`` that convert to m/s. Dimensions: ``latitude`` and
+        ``longitude`` in degrees; ``altitude`` (geometric, above sea level) or ``pressure``, with
+        units; ``time`` as dates in UTC. Without ``time`` the wind does not change, without
+        ``longitude`` it is the same all around. Usual other names of dimensions are known, such as
+        ``lat``, ``level``, ``valid_time``.
+    atmosphere : AbstractAtmosphere, optional
+        Finds the altitudes of pressure levels; needed for these only.
+
+    Raises
+    ------
+    ConfigurationError
+        In one line, if a variable, a dimension or a unit is missing or wrong, if data are missing
+        in between, or the dataset has more than 30 million points.
+
+    Notes
+    -----
+    Where longitudes go all around and latitudes reach a pole to within their spacing, the wind is
+    defined up to the pole and across; a row at the pole itself counts by its mean vector. Under
+    JAX's transformations the wind stays as it is at the end of its data for 1 h, 1° and 2 km (30 %
+    of the pressure) beyond, and is NaN further on.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> heights = ("altitude", [40e3, 60e3, 80e3], {"units": "m"})
+    >>> places = {"altitude": heights, "latitude": [-60.0, 0.0, 60.0]}
+    >>> names, unit = tuple(places), {"units": "m/s"}
+    >>> u, v = (names, np.full((3, 3), -40.0), unit), (names, np.zeros((3, 3)), unit)
+    >>> wind = GriddedWind(xr.Dataset({"u": u, "v": v}, places))
+    >>> print(wind.describe()[0])
+    wind: data, constant in time, 40 km to 80 km, nothing upwards
+    """
+
+    table: Any
+    axes: tuple[Axis, Axis, Axis, Axis]
+    atmosphere: AbstractAtmosphere | None
+    reaches: tuple[tuple[float, float], ...] = eqx.field(static=True)
+    rises: bool = eqx.field(static=True)
+
+    def __init__(self, dataset: Any, atmosphere: AbstractAtmosphere | None = None):
+        grid = read_grid(dataset)
+        if grid.by_pressure and atmosphere is None:
+            raise ConfigurationError(
+                "winds: on pressure levels need an atmosphere, which knows their altitudes"
+            )
+        self.atmosphere = atmosphere if grid.by_pressure else None
+        self.rises = bool(np.any(grid.up))
+        table = _as_vectors(grid)
+        low, high = grid.latitude[0], grid.latitude[-1]
+        nodes = grid.latitude
+        if grid.around:
+            spacing = float(np.diff(nodes).max()) * 1.01
+            if -np.pi / 2 > low - spacing:
+                table, nodes, low = *_over_south_pole(table, nodes), -np.pi / 2
+            if np.pi / 2 < high + spacing:
+                turned, mirrored = _over_south_pole(table[:, :, ::-1], -nodes[::-1])
+                table, nodes, high = turned[:, :, ::-1], -mirrored[::-1], np.pi / 2
+        self.table = table
+        around = _TURN if grid.around else None
+        self.axes = (Axis(grid.time), Axis(grid.level), Axis(nodes), Axis(grid.longitude, around))
+        ends = [(float(values[0]), float(values[-1])) for values in (grid.time, grid.level)]
+        west, east = float(grid.longitude[0]), float(grid.longitude[-1])
+        self.reaches = (*ends, (float(low), float(high)), (west, east))
+
+    @classmethod
+    def from_file(
+        cls, path: str | Path, atmosphere: AbstractAtmosphere | None = None
+    ) -> "GriddedWind":
+        """Wind from a NetCDF file.
+
+        Parameters
+        ----------
+        path : str or path
+        atmosphere : AbstractAtmosphere, optional
+            As of the class.
+
+        Returns
+        -------
+        GriddedWind
+
+        Raises
+        ------
+        ConfigurationError
+            If the file cannot be read or used; the message names it.
+        """
+        dataset = open_dataset(path)
+        try:
+            return cls(dataset, atmosphere)
+        except ConfigurationError as error:
+            raise ConfigurationError(f"{path}: {error}") from None
+
+    def velocity(self, altitude: Numeric, place: Place) -> Wind:
+        """See :meth:`AbstractWind.velocity`."""
+        return self._within(altitude, place, _velocity(self, altitude, place))
+
+    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
+        """See :meth:`AbstractWind.margins`."""
+        return _margins(self, altitude, place)
+
+    def describe(self) -> tuple[str, ...]:
+        """See :meth:`AbstractWind.describe`."""
+        return (f"wind: data, {self._period()}, {self._heights()}{self._upwards()}",)
+
+    def _period(self) -> str:
+        begin, end = (_date(value) for value in self.reaches[0])
+        return "constant in time" if begin == end else f"{begin} to {end} UTC"
+
+    def _heights(self) -> str:
+        low, high = self.reaches[1]
+        if self.atmosphere is None:
+            return f"{low / 1e3:.4g} km to {high / 1e3:.4g} km"
+        return f"{np.exp(-low):.4g} Pa to {np.exp(-high):.4g} Pa"
+
+    def _upwards(self) -> str:
+        return "" if self.rises else ", nothing upwards"
+
+
+def _date(seconds: float) -> str:
+    return str(np.datetime_as_string(EPOCH + np.timedelta64(round(seconds), "s"), unit="m"))
+
+
+def _as_vectors(grid: WindGrid) -> np.ndarray:
+    """Three components in space of the horizontal wind, and the wind upwards, on the grid."""
+    latitude, longitude = grid.latitude[:, None], grid.longitude
+    east, north = _directions(latitude, longitude, np)
+    horizontal = grid.east[..., None] * east + grid.north[..., None] * north
+    return np.concatenate([horizontal, grid.up[..., None]], axis=-1)
+
+
+def _directions(latitude: Any, longitude: Any, xp: Any = jnp) -> tuple[Any, Any]:
+    """Unit vectors east and north in the frame of the planet, shape (..., 3)."""
+    latitude, longitude = xp.broadcast_arrays(latitude, longitude)
+    sine, cosine = xp.sin(longitude), xp.cos(longitude)
+    height = xp.sin(latitude)
+    east = xp.stack([-sine, cosine, xp.zeros_like(sine)], axis=-1)
+    north = xp.stack([-height * cosine, -height * sine, xp.cos(latitude)], axis=-1)
+    return east, north
+
+
+def _over_south_pole(table: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Table and latitudes with two rows more, beyond the pole, where it is met from behind."""
+    at_pole = bool(np.isclose(latitude[0], -np.pi / 2))
+    if at_pole:  # one wind, whatever the longitude
+        table = table.copy()
+        table[:, :, 0] = table[:, :, 0].mean(axis=2, keepdims=True)
+    count = table.shape[3]
+    rows = table[:, :, int(at_pole) :][:, :, :2]
+    behind = 0.5 * sum(np.roll(rows, turn, axis=3) for turn in (count // 2, (count + 1) // 2))
+    nodes = -np.pi - latitude[int(at_pole) :][:2]
+    return np.concatenate([behind[:, :, ::-1], table], axis=2), np.append(nodes[::-1], latitude)
+
+
+def _level(wind: GriddedWind, altitude: Numeric, place: Place) -> Any:
+    if wind.atmosphere is None:
+        return altitude
+    return -jnp.log(wind.atmosphere.pressure(altitude, place))
+
+
+def _longitude(wind: GriddedWind, longitude: Numeric) -> Any:
+    """The turn of a longitude that is next to the data."""
+    middle = 0.5 * sum(wind.reaches[3])
+    return middle + jnp.mod(longitude - middle + np.pi, _TURN) - np.pi
+
+
+@entry_point
+def _velocity(wind: GriddedWind, altitude: Numeric, place: Place) -> Wind:
+    level = _level(wind, altitude, place)
+    longitude = _longitude(wind, place.longitude)
+    position = [place.time, level, place.latitude, longitude]
+    for axis, (low, high) in enumerate(wind.reaches):
+        if wind.axes[axis].period is None:
+            position[axis] = jnp.clip(position[axis], low, high)
+    found = interpolate(wind.table, wind.axes, position)
+    east, north = _directions(place.latitude, place.longitude)
+    horizontal = found[..., :3]
+    return Wind(
+        jnp.sum(horizontal * east, axis=-1), jnp.sum(horizontal * north, axis=-1), found[..., 3]
+    )
+
+
+@entry_point
+def _margins(wind: GriddedWind, altitude: Numeric, place: Place) -> dict[str, Array]:
+    level = _level(wind, altitude, place)
+    time, heights, latitudes, longitudes = wind.reaches
+    found: dict[str, Array] = {}
+    if time[0] != time[1]:
+        found[f"time before {_date(time[0])} UTC, where the data of the wind begin"] = (
+            place.time - time[0]
+        ) / _HOUR
+        found[f"time after {_date(time[1])} UTC, where the data of the wind end"] = (
+            time[1] - place.time
+        ) / _HOUR
+    below, above = _edges(wind, heights)
+    leeway = _TWO_KILOMETRES if wind.atmosphere is None else _LOG_PRESSURE
+    found[f"below {below}, where the data of the wind begin"] = (level - heights[0]) / leeway
+    found[f"above {above}, where the data of the wind end"] = (heights[1] - level) / leeway
+    if latitudes[0] > -np.pi / 2 or latitudes[1] < np.pi / 2:
+        low, high = np.divide(latitudes, RADIANS_PER_DEGREE)
+        inside = jnp.minimum(place.latitude - latitudes[0], latitudes[1] - place.latitude)
+        found[f"latitude outside the data of the wind, {low:.4g}° to {high:.4g}°"] = (
+            inside / _ONE_DEGREE
+        )
+    if wind.axes[3].period is None:
+        low, high = np.divide(longitudes, RADIANS_PER_DEGREE)
+        longitude = _longitude(wind, place.longitude)
+        inside = jnp.minimum(longitude - longitudes[0], longitudes[1] - longitude)
+        found[f"longitude outside the data of the wind, {low:.4g}° to {high:.4g}°"] = (
+            inside / _ONE_DEGREE
+        )
+    return found
+
+
+def _edges(wind: GriddedWind, heights: tuple[float, float]) -> tuple[str, str]:
+    """The lowest and the highest level in words."""
+    if wind.atmosphere is None:
+        return f"{heights[0] / 1e3:.4g} km", f"{heights[1] / 1e3:.4g} km"
+    return f"the {np.exp(-heights[0]):.4g} Pa level", f"the {np.exp(-heights[1]):.4g} Pa level"

@@ -14,7 +14,9 @@ from .dust import Dust as Dust
 from .earth import Earth as Earth
 from .earth import lu2023_earth as lu2023_earth
 from .ground import AbstractGround as AbstractGround
+from .ground import Knocke1988Ground as Knocke1988Ground
 from .ground import UniformGround as UniformGround
+from .ground_grid import GriddedGround as GriddedGround
 from .horizon import EARTH_LIMB as EARTH_LIMB
 from .horizon import Limb as Limb
 from .horizon import facing_share as facing_share
@@ -30,8 +32,8 @@ from .mars_sun import MarsSun as MarsSun
 from .mars_sun import solar_longitude as solar_longitude
 from .mars_sun import sun_from_mars as sun_from_mars
 from .planet import EARTH_PLANET as EARTH_PLANET
-from .planet import Planet as Planet
 from .planet import MARS_PLANET as MARS_PLANET
+from .planet import Planet as Planet
 from .radiation import Attitude as Attitude
 from .radiation import Radiation as Radiation
 from .radiation import sunlight as sunlight

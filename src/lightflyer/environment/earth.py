@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal
 import equinox as eqx
 import pydantic
 
+from lightflyer.environment.altitude import AltitudeSection, altitude_coordinate
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
 from lightflyer.environment.atmosphere.nrlmsis import NRLMSIS
@@ -27,7 +28,6 @@ from lightflyer.environment.radiation import (
     Radiation,
     sunlight,
 )
-from lightflyer.environment.section import EnvironmentSection
 from lightflyer.environment.sky import VIEW_OF_PLANET, AbstractSky
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.foundation import constants
@@ -36,7 +36,6 @@ from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import (
     Acceleration,
-    Altitude,
     Fraction,
     GeomagneticIndex,
     Irradiance,
@@ -56,7 +55,6 @@ HIGHEST_SEARCHED = 150e3
 DEFAULT_ALTITUDES = tuple(1e3 * kilometres for kilometres in range(50, 101, 5))
 """Altitudes reported one by one where none are asked for [m]: the mesosphere."""
 
-_SPACING = 1000.0  # metres, which resolves the layers of every atmosphere
 _TABLE = "decides the atmosphere's whole table; give each {} a study of its own"
 
 
@@ -122,19 +120,8 @@ class Earth(AbstractEnvironment):
     @property
     def coordinate(self) -> Coordinate:
         """Geometric altitude, over the atmosphere's range."""
-        low, high = self.atmosphere.altitude_range
-        return Coordinate(
-            name="altitude",
-            unit="m",
-            long_name="geometric altitude",
-            lowest=low,
-            highest=high,
-            searched=(low, min(high, HIGHEST_SEARCHED)),
-            logarithmic=False,
-            shown_unit="km",
-            points=DEFAULT_ALTITUDES,
-            easiest_keys=("minimum_irradiance", "value_w_m2"),
-            step=_SPACING,
+        return altitude_coordinate(
+            self.atmosphere.altitude_range, HIGHEST_SEARCHED, DEFAULT_ALTITUDES
         )
 
     def assumptions(self) -> tuple[str, ...]:
@@ -169,17 +156,16 @@ class Earth(AbstractEnvironment):
         require_range("altitude [m]", altitude, *self.atmosphere.altitude_range)
         place = self.place if place is None else place
         state = _state(self, altitude, place)
-        if self.wind is None or place is None:
-            return state
-        return replace(state, wind=self.wind.velocity(altitude, place))
+        if place is not None and self.sky is not None:
+            state = replace(state, radiation=self.sky.radiation(altitude, place))
+        if place is not None and self.wind is not None:
+            state = replace(state, wind=self.wind.velocity(altitude, place))
+        return state
 
 
 @entry_point
 def _state(earth: Earth, altitude: Numeric, place: Place | None) -> EnvironmentState:
     ratio = earth.atmosphere.molar_mass_ratio(altitude, place)
-    radiation = earth.radiation
-    if earth.sky is not None and place is not None:
-        radiation = earth.sky.radiation(altitude, place)
     gas = eqx.tree_at(
         lambda gas: gas.specific_gas_constant,
         earth.gas,
@@ -190,7 +176,7 @@ def _state(earth: Earth, altitude: Numeric, place: Place | None) -> EnvironmentS
         temperature=earth.atmosphere.temperature(altitude, place),
         gravity=earth_gravity(altitude) if earth.gravity is None else earth.gravity,
         gas=gas,
-        radiation=radiation.seen_from(earth_view(altitude)),
+        radiation=earth.radiation.seen_from(earth_view(altitude)),
     )
 
 
@@ -222,25 +208,15 @@ def lu2023_earth(
     )
 
 
-class EarthSection(EnvironmentSection):
+class EarthSection(AltitudeSection):
     """``[environment]``: Earth; each atmosphere is an alternative of its own."""
 
-    search_keys: ClassVar[tuple[str, str]] = ("altitude_min", "altitude_max")
     default_gas: ClassVar[str] = AIR.name
     default_gravity: ClassVar[float | None] = None
 
     kind: Literal["earth"] = "earth"
     albedo: Fraction = Measured(EARTH_ALBEDO)
     surroundings: Literal["earth", "gas"] = "earth"
-    altitude_min: Altitude | None = None
-    altitude_max: Altitude | None = None
-
-    @pydantic.model_validator(mode="after")
-    def _ordered(self) -> "EarthSection":
-        low, high = self.search_range
-        if low is not None and high is not None and low >= high:
-            raise ConfigurationError("altitude_min must be below altitude_max")
-        return self
 
     @pydantic.model_validator(mode="after")
     def _surroundings_matter(self) -> "EarthSection":

@@ -130,9 +130,10 @@ class Limb(Checked):
     scale_height : array
         In which the air's density falls by a factor e [m].
 
-    References
-    ----------
-    The bending is that of an exponential atmosphere, [BaumCode1953]_.
+    Notes
+    -----
+    The bending is that of air whose density falls exponentially, over heights that are small
+    against the planet.
     """
 
     height: Altitude = 15e3

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.environment.base import Place
-from lightflyer.environment.ground import AbstractGround, UniformGround
+from lightflyer.environment.ground import AbstractGround, UniformGround, require_data
 from lightflyer.environment.horizon import (
     EARTH_LIMB,
     Limb,
@@ -50,8 +50,29 @@ class AbstractSky(eqx.Module):
         Returns
         -------
         Radiation
-            With the view factor to the ground.
+            With the view factor to the ground; NaN where data end and the place is traced.
+
+        Raises
+        ------
+        ParameterError
+            If the place is concrete and beyond the data.
         """
+
+    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+        """How far the data still reach; see :meth:`AbstractGround.margins`.
+
+        Parameters
+        ----------
+        altitude : array, shape (...)
+            [m].
+        place : Place
+
+        Returns
+        -------
+        dict of str to array
+            Empty for a sky without ends, the default.
+        """
+        return {}
 
     @abc.abstractmethod
     def assumptions(self) -> tuple[str, ...]:
@@ -118,9 +139,13 @@ class Daylight(AbstractSky, Checked):
     irradiance: Irradiance = constants.TOTAL_SOLAR_IRRADIANCE
     infrared_above: Irradiance | None = SKY_INFRARED
 
-    @entry_point
     def radiation(self, altitude: Numeric, place: Place) -> Radiation:
         """See :meth:`AbstractSky.radiation`."""
+        require_data(self.ground.margins(place))
+        return self._radiation(altitude, place)
+
+    @entry_point
+    def _radiation(self, altitude: Numeric, place: Place) -> Radiation:
         sun = self.sun.seen_from(place)
         angular_radius = jnp.arcsin(constants.SOLAR_RADIUS / sun.distance)
         ground_view = (self.planet.radius / (self.planet.radius + altitude)) ** 2
@@ -130,14 +155,18 @@ class Daylight(AbstractSky, Checked):
             irradiance=self.irradiance / astronomical_units**2,
             zenith_angle=sun.zenith_angle,
             azimuth=sun.azimuth,
-            albedo=self.ground.albedo(place),
+            albedo=self.ground.albedo_at(place),
             infrared_above=self.infrared_above,
-            infrared_below=self.ground.infrared(place),
+            infrared_below=self.ground.infrared_at(place),
             ground_view=ground_view,
             visible=visible_share(elevation, angular_radius),
             angular_radius=angular_radius,
             lit_ground=lit_ground(sun.zenith_angle, ground_view),
         )
+
+    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+        """See :meth:`AbstractSky.margins`: those of the ground."""
+        return self.ground.margins(place)
 
     def _depression(self, altitude: Numeric, place: Place, sun: SunInSky) -> Array:
         radius = self.planet.curvature_radius(place.latitude, sun.azimuth)

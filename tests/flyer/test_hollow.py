@@ -291,7 +291,10 @@ def test_file_becomes_a_body_with_its_model(flyer_file):
     assert (body.size, body.outlet_radius, body.channel_width) == pytest.approx((0.1, 0.02, 3e-4))
     assert body.channel_aspect == 10.0
     assert body.sheet_density is None
-    assert file.uncertainties() == {"flyer.inner.absorptance": pytest.approx(0.05)}
+    assert file.uncertainties() == {  # that of the file, and the model's own
+        "flyer.inner.absorptance": pytest.approx(0.05),
+        **{f"force.{name}_error": 1.0 for name in ("wall", "outlet", "force", "heat")},
+    }
     moved = file.design().build({"flyer.outlet_diameter": 0.05, "flyer.inner.emittance": 0.3})
     assert moved.flyer.outlet_radius == 0.025
     assert moved.flyer.inner.emittance_bottom == 0.3

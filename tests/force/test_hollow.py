@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid, trapezoid
 from scipy.optimize import brentq, fsolve
 
 import lightflyer as lf
@@ -15,7 +16,7 @@ from lightflyer.flight.balance import light_and_gains, node_losses
 from lightflyer.force import celenza2023_laws as published
 from lightflyer.force.channels import SLOT, channel_coefficients, direct_share
 from lightflyer.force.convection import sphere_conductance
-from lightflyer.force.hollow_flow import Corrections, pump_flow
+from lightflyer.force.hollow_flow import Corrections, PumpFlow, pump_flow
 from lightflyer.gas.passing import slot_transmission
 
 MODEL = lf.HollowPump()
@@ -106,7 +107,8 @@ def test_without_corrections_it_is_the_published_model():
 @pytest.mark.parametrize("name", OFF)
 def test_each_correction_does_something(name):
     """Alone, and to a body in which all of them matter."""
-    body, state = make(wall_thickness=4e-4), published_state(75.0)
+    dense = name == "buoyant_flow"
+    body, state = make(wall_thickness=4e-4), published_state(10.0 if dense else 75.0)
     plain, corrected = lf.HollowPump(**OFF), lf.HollowPump(**(OFF | {name: True}))
     with lf.float64():
         answers = [
@@ -122,11 +124,11 @@ def test_limit_of_free_molecules(form, unknowns):
     body, pressure = make(form), 1e-9
     with lf.float64():
         force = float(MODEL.force(body, state_at(pressure), unknowns))
+        velocity = float(pump_flow(body, state_at(pressure), unknowns, Corrections()).jet_velocity)
     inner, outer = np.sqrt(1.0 + np.array(unknowns))
     expected = 0.5 * pressure * np.pi * 0.03**2 * 0.5 * (inner - outer)
     assert force == pytest.approx(expected, rel=1e-6, abs=1e-20)
-    flow = pump_flow(body, state_at(pressure), unknowns, Corrections())
-    assert abs(float(flow.jet_velocity)) < 1e-4  # of some 300 m/s
+    assert abs(velocity) < 1e-4  # of some 300 m/s
 
 
 def test_slow_flow_through_the_outlet():
@@ -134,11 +136,120 @@ def test_slow_flow_through_the_outlet():
     body = make(outlet_radius=0.03, wall_thickness=1e-3)
     state = state_at(1e6, 300.0)
     with lf.float64():
-        flow = pump_flow(body, state, (1e-12, 0.0), Corrections())
+        flow = pump_flow(body, state, (1e-12, 0.0), Corrections(buoyant_flow=False))
         viscosity = float(lf.gas.AIR.viscosity(300.0))
         velocity, pressure = float(flow.jet_velocity), float(flow.pressure_difference)
     assert velocity > 0.0
     assert velocity == pytest.approx(pressure * 0.03 / (3.0 * np.pi * viscosity), rel=1e-6)
+
+
+@pytest.mark.parametrize("form", ["cone", "rocket"])
+def test_friction_within_a_narrow_body(form):
+    """Poiseuille's law along the body, into which gas comes everywhere, by SciPy."""
+    size, outlet = 0.1, 0.01
+    body = make(form, size, outlet, wall_thickness=1e-3)
+    with lf.float64():
+        flow = pump_flow(body, state_at(1e6, 300.0), (1e-12, 0.0), Corrections(buoyant_flow=False))
+        viscosity = float(lf.gas.AIR.viscosity(300.0))
+        velocity, pressure = float(flow.jet_velocity), float(flow.pressure_difference)
+    if form == "rocket":
+        end, lid, radius = size + outlet, 0.0, lambda x: outlet + 0.0 * x
+    else:
+        end, lid, radius = size, np.pi * (0.5 * size) ** 2, lambda x: outlet + 0.4 * x
+    x = np.linspace(0.0, end, 20001)
+    wall = cumulative_trapezoid(2.0 * np.pi * radius(x) * np.hypot(1.0, np.gradient(radius(x), x)),
+                                x, initial=0.0)  # fmt: skip
+    flux = velocity * np.pi * outlet**2 * (1.0 - wall / (wall[-1] + lid))
+    rise = cumulative_trapezoid(8.0 * viscosity * flux / (np.pi * radius(x) ** 4), x, initial=0.0)
+    mean = (trapezoid(rise, wall) + lid * rise[-1]) / (wall[-1] + lid)
+    sampson = 3.0 * np.pi * viscosity * velocity / outlet
+    assert pressure == pytest.approx(sampson + mean, rel=1e-3)
+    assert mean > 0.4 * sampson
+
+
+def test_warm_gas_leaves_above_and_cold_gas_comes_in_below():
+    """The flow through each zone of a sphere's wall, by the pressure at its height."""
+    body = make(size=10.0, outlet_radius=2.0, wall_thickness=4e-4)
+    state = state_at(np.array([100.0, 5000.0]))
+    unknowns = (0.4, 0.35)
+    with lf.float64():
+        flow, still = (
+            PumpFlow(*map(np.asarray, pump_flow(body, state, unknowns, corrections)))
+            for corrections in (Corrections(), Corrections(buoyant_flow=False))
+        )
+        surface, outlet = float(body.surface), float(body.outlet_area)
+        density = np.asarray(state.gas.density(state.pressure, 220.0))
+        heat = float(lf.gas.AIR.heat_capacity(220.0)) * 220.0
+        taken = [np.asarray(sum(MODEL.heat_loss(body, state, unknowns)))]
+        closed = lf.HollowPump(buoyant_flow=False)
+        taken.append(np.asarray(sum(closed.heat_loss(body, state, unknowns))))
+    inward = density * np.asarray(flow.wall_velocity)
+    # the wall's conductance, from how its flow fell with the pressure
+    fallen = density * np.asarray(still.wall_velocity) - inward
+    conductance = fallen / np.asarray(flow.pressure_difference - still.pressure_difference)
+    low = -np.sqrt(25.0 - 4.0)
+    z = np.linspace(low, 5.0, 20001)  # zones of a sphere have areas as their heights
+    lifted = density * 9.7 * 0.4 / 1.4 * (z[:, None] - 0.5 * (low + 5.0))
+    through = inward - conductance * lifted
+    assert np.all(through[0] > 0.0)
+    assert through[-1, 0] > 0.0 > through[-1, 1]
+    assert flow.exchange[0] == 0.0
+    leaving = surface * np.mean(np.maximum(-through, 0.0), axis=0)
+    net = np.maximum(-surface * inward, 0.0)
+    np.testing.assert_allclose(flow.exchange, leaving - net, rtol=1e-3)
+    # the outlet is lower than the middle of the wall, where the pressure within is less
+    half = density * 9.7 * 0.4 / 1.4 * 0.5 * (5.0 - low)
+    there = np.asarray(flow.pressure_difference) - half
+    assert np.all(np.sign(there) == np.sign(flow.jet_velocity))
+    assert np.all(there < still.pressure_difference)
+    # what leaves is as warm as the outer film; the outlet's own heat changes with its flow
+    carried = heat * 0.35 * np.asarray(flow.exchange)
+    by_outlet = (
+        heat * 0.4 * outlet * np.abs([f.jet_density * f.jet_velocity for f in (flow, still)])
+    )
+    np.testing.assert_allclose(
+        taken[0] - taken[1], carried + by_outlet[0] - by_outlet[1], rtol=0.02
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "scatter"), [("wall", 0.10), ("outlet", 0.25), ("force", 0.15), ("heat", 0.10)]
+)
+def test_own_errors_of_the_model(name, scatter):
+    """One standard error changes what it is of, and nothing that it is not of."""
+    body, unknowns = make(), (0.5, 0.1)
+    state = state_at(30.0)
+    off = lf.HollowPump(**{f"{name}_error": 1.0})
+    with lf.float64():
+        force = float(off.force(body, state, unknowns) / MODEL.force(body, state, unknowns))
+        heat = float(
+            sum(off.heat_loss(body, state, unknowns)) / sum(MODEL.heat_loss(body, state, unknowns))
+        )
+        free = state_at(1e-9)
+        thin = float(off.force(body, free, unknowns) / MODEL.force(body, free, unknowns))
+    assert thin == pytest.approx(1.0, rel=1e-6)  # free molecules are exact
+    if name == "heat":
+        assert force == 1.0
+        assert heat > 1.01
+    else:
+        lowest, highest = {"wall": (0.1, 0.3), "outlet": (-0.25, -0.02), "force": (0.13, 0.162)}[
+            name
+        ]
+        assert lowest < force - 1.0 < highest
+    assert lf.force.hollow_pump._SCATTER._asdict()[name] == scatter
+
+
+def test_published_force_has_no_buoyancy():
+    body, state = make(size=1.0), published_state(30.0)
+    found = lf.equilibrium(body, state, lf.Celenza2023())
+    with lf.float64():
+        force = float(lf.Celenza2023().force(body, state, found.unknowns))
+        warm = float(body.buoyancy(state, found.unknowns))
+    assert warm > 0.1 * force
+    assert float(lf.lift(body, state, lf.Celenza2023())) == pytest.approx(force, rel=1e-9)
+    assert float(lf.lift(body, state, lf.HollowPump(**OFF))) == pytest.approx(
+        force + warm, rel=1e-6
+    )
 
 
 @pytest.mark.parametrize("model", [MODEL, lf.Celenza2023()])
@@ -156,7 +267,8 @@ def test_walls_as_warm_as_each_other_hardly_pump():
     state, shares = state_at(np.array([10.0, 100.0, 1000.0, 1e4])), []
     with lf.float64():
         for outer in (0.3, 0.0):
-            flow = pump_flow(make(size=10.0), state, (0.3, outer), Corrections())
+            still = Corrections(buoyant_flow=False)
+            flow = pump_flow(make(size=10.0), state, (0.3, outer), still)
             shares.append(np.asarray(flow.jet_velocity))
     assert np.all(np.abs(shares[0]) < [0.01, 0.002, 0.001, 0.001] * shares[1])
 
@@ -167,6 +279,7 @@ def by_hand(body, pressure, temperature, irradiance):
     radius, r, width, thick = 0.05, 0.03, 4e-4, 2e-4
     wall = 4.0 * np.pi * radius**2 - 2.0 * np.pi * radius * (radius - np.sqrt(radius**2 - r**2))
     outlet, length = np.pi * r**2, thick / width
+    height = radius + np.sqrt(radius**2 - r**2)
     constant, ratio = air.specific_gas_constant, air.heat_capacity_ratio
     sheet = phi * ((1.0 + 1e-7 / width) * (1.0 + 1e-8 / width) - 1.0)
     free = 0.125 * (ratio + 1.0) / (ratio - 1.0) * pressure
@@ -202,10 +315,14 @@ def by_hand(body, pressure, temperature, irradiance):
 
         def imbalance(velocity):
             difference = 0.5 * jet * velocity**2 * (1.0 - area_ratio**2) + resistance * velocity
-            return conductance * (stopping - held - difference) * wall - jet * velocity * outlet
+            pumped = conductance * (stopping - held - lifted - difference) * wall
+            return pumped - jet * velocity * outlet
 
+        lifted = 0.5 * density * 9.7 * theta_i / (1.0 + theta_i) * height / (1.0 + path / height)
         velocity = brentq(imbalance, 0.0, 1e4, xtol=1e-14, rtol=1e-14)
-        return velocity, jet
+        mean, most = jet * velocity * outlet / wall, conductance * lifted
+        exchange = wall * (most - mean) ** 2 / (4.0 * most) if most > mean else 0.0
+        return velocity, jet, exchange
 
     from lightflyer.force.channels import ROUND, thermomolecular_exponent
 
@@ -239,7 +356,8 @@ def by_hand(body, pressure, temperature, irradiance):
 
         closed = gap(solid - sheet, closed_through) + sheet * 1.8 / thick * temperature
         open_ = gap(phi, through)
-        velocity, jet = flow(inner, outer)
+        velocity, jet, exchange = flow(inner, outer)
+        exchange *= float(air.heat_capacity(temperature)) * temperature
         still = 1.0 / (
             1.0 / (free * outlet)
             + 1.0 / (4.0 * r * float(air.conductivity(temperature)) * temperature)
@@ -257,13 +375,18 @@ def by_hand(body, pressure, temperature, irradiance):
         between = closed * (theta_i - theta_o)
         through_channels = open_ * (theta_i - near * theta_o)
         return [
-            wall * (own_i + between + through_channels) + left - light,
-            wall * (own_o - between - near * through_channels) + float(around) * theta_o,
+            wall * (own_i + between + through_channels)
+            + left
+            - light
+            + exchange * (theta_i - theta_o),
+            wall * (own_o - between - near * through_channels)
+            + float(around) * theta_o
+            + exchange * (2.0 * theta_o - theta_i),
         ]
 
     (inner, outer), _, flag, _ = fsolve(imbalance, [350.0, 300.0], xtol=1e-13, full_output=True)
     assert flag == 1
-    velocity, jet = flow(inner, outer)
+    velocity, jet, _ = flow(inner, outer)
     delta_size = pressure * radius / (cold_viscosity * cold_speed)
     drag = 1.30 * 8.0 * 0.1 * cold_viscosity * jet * velocity * outlet / (wall * density)
     force = drag / (1.0 + 1.264 / delta_size) + 0.89 * jet * outlet * velocity**2

@@ -38,11 +38,19 @@ class HollowForm(NamedTuple):
     silhouette : callable
         From size, outlet radius and the cosine of the angle to the axis [1] to the area seen from
         that direction [m²].
+    height : callable
+        From size and outlet radius to the height above the outlet [m].
+    passage : callable
+        Likewise to the length of a tube as wide as the outlet, over its radius [1], in which all
+        the gas loses the pressure that it loses on its way to the outlet, in the mean over the
+        wall.
     """
 
     surface: Callable[[Numeric, Numeric], Array]
     volume: Callable[[Numeric, Numeric], Array]
     silhouette: Callable[[Numeric, Numeric, Numeric], Array]
+    height: Callable[[Numeric, Numeric], Numeric]
+    passage: Callable[[Numeric, Numeric], Numeric]
 
 
 def _cone_surface(size: Numeric, outlet: Numeric) -> Array:
@@ -65,6 +73,26 @@ def _cone_silhouette(size: Numeric, outlet: Numeric, cosine: Numeric) -> Array:
     angle = jnp.where(hidden, 0.0, jnp.arccos(inner))
     ends = radius**2 * (jnp.pi - angle) + outlet**2 * angle
     return flat * ends + (radius + outlet) * apart * jnp.sin(angle)
+
+
+def _cone_passage(size: Numeric, outlet: Numeric) -> Array:
+    r"""Of Poiseuille's law with the gas that comes in above a place, and acts on the wall above.
+
+    .. math:: \frac1r\int_0^D \left(1 - \frac{A(x)}{A_t}\right)^2\frac{r^4}{r(x)^4}\,dx
+
+    with the wall's area below, :math:`A(x)`.
+    """
+    node, weight = map(jnp.asarray, _PASSAGE)
+    wide, low = (0.5 * jnp.asarray(size))[..., None], jnp.asarray(outlet)[..., None]
+    slant = jnp.hypot(wide - low, 2.0 * wide)
+    there = low + (wide - low) * node
+    above = 1.0 - jnp.pi * (low + there) * slant * node / _cone_surface(2.0 * wide, low)
+    return size / outlet * jnp.sum(weight * above**2 * (low / there) ** 4, axis=-1)
+
+
+def _sphere_height(size: Numeric, outlet: Numeric) -> Array:
+    radius = 0.5 * size
+    return size - _cap(radius, outlet)
 
 
 def _sphere_surface(size: Numeric, outlet: Numeric) -> Array:
@@ -115,6 +143,11 @@ def _rocket_silhouette(size: Numeric, outlet: Numeric, cosine: Numeric) -> Array
     return ends + 2.0 * outlet * size * _sine(cosine)
 
 
+def _rocket_passage(size: Numeric, outlet: Numeric) -> Numeric:
+    """A third of its length, as gas comes in everywhere; the hemisphere counts as cylinder."""
+    return (size + outlet) / (3.0 * outlet)
+
+
 def _sine(cosine: Numeric) -> Array:
     """Sine of the angle of a cosine, of finite slope where it is zero."""
     square = 1.0 - jnp.asarray(cosine, float) ** 2
@@ -125,22 +158,29 @@ def _sine(cosine: Numeric) -> Array:
 class _Ring(NamedTuple):
     """Directions of a quadrature over the ring between the horizon and the edge of the ground."""
 
-    depth: np.ndarray  # sine of the angle below the horizon, over that of the edge
-    azimuth: np.ndarray  # cosine of the angle to the direction of the tilt
-    weight: np.ndarray
+    depth: Numeric  # sine of the angle below the horizon, over that of the edge
+    azimuth: Numeric  # cosine of the angle to the direction of the tilt
+    weight: Numeric
+
+
+def _gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and weights from 0 to 1."""
+    node, weight = np.polynomial.legendre.leggauss(count)
+    return 0.5 * (1.0 + node), 0.5 * weight
 
 
 def _ring(depths: int, azimuths: int) -> _Ring:
-    node, weight = np.polynomial.legendre.leggauss(depths)
+    node, weight = _gauss(depths)
     angle = np.pi * (np.arange(azimuths) + 0.5) / azimuths  # both sides are alike
     return _Ring(
-        np.repeat(0.5 * (1.0 + node), azimuths),
+        np.repeat(node, azimuths),
         np.tile(np.cos(angle), depths),
-        np.repeat(0.5 * weight, azimuths) / azimuths,
+        np.repeat(weight, azimuths) / azimuths,
     )
 
 
 _RING_OF_UPRIGHT, _RING_OF_TILTED = _ring(4, 1), _ring(2, 12)
+_PASSAGE = _gauss(16)
 
 
 def seen_below_horizon(
@@ -168,7 +208,7 @@ def seen_below_horizon(
     array, broadcast shape
         [m²]; by a quadrature.
     """
-    ring = _RING_OF_UPRIGHT if tilt is None else _RING_OF_TILTED
+    ring = _Ring(*map(jnp.asarray, _RING_OF_UPRIGHT if tilt is None else _RING_OF_TILTED))
     size, outlet, edge = (jnp.asarray(number)[..., None] for number in (size, outlet, edge))
     below = edge * ring.depth
     cosine = -below
@@ -180,8 +220,18 @@ def seen_below_horizon(
 
 
 FORMS: dict[str, HollowForm] = {
-    "cone": HollowForm(_cone_surface, _cone_volume, _cone_silhouette),
-    "sphere": HollowForm(_sphere_surface, _sphere_volume, _sphere_silhouette),
-    "rocket": HollowForm(_rocket_surface, _rocket_volume, _rocket_silhouette),
+    "cone": HollowForm(
+        _cone_surface, _cone_volume, _cone_silhouette, lambda size, _: size, _cone_passage
+    ),
+    "sphere": HollowForm(
+        _sphere_surface, _sphere_volume, _sphere_silhouette, _sphere_height, lambda *_: 0.0
+    ),
+    "rocket": HollowForm(
+        _rocket_surface,
+        _rocket_volume,
+        _rocket_silhouette,
+        lambda size, outlet: size + outlet,
+        _rocket_passage,
+    ),
 }
 """Shapes by name."""

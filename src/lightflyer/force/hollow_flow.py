@@ -5,11 +5,12 @@ The wall pumps gas in, and a jet leaves at the outlet. One quadratic equation ha
 
 .. math::
     \tfrac12\rho_j a\,v|v| + \left(R + \frac{\rho_j A_o v_m}{\varphi g A_t}\right)v
-        = \Delta p_0 - \Delta p_r, \qquad a = 1 - (A_o/A_t)^2
+        = \Delta p_0 - \Delta p_r - \Delta p_b, \qquad a = 1 - (A_o/A_t)^2
 
-with the pressure :math:`\Delta p_0` at which the wall pumps no more, the conductance :math:`g` of
-its channels (:mod:`lightflyer.force.channels`), and the resistance :math:`R` of the outlet to slow
-or thin gas and the pressure :math:`\Delta p_r` that it holds by itself, both zero as published.
+with the pressure :math:`\Delta p_0` at which the wall pumps no more, and the conductance :math:`g`
+of its channels (:mod:`lightflyer.force.channels`). As published the others are zero: the
+resistance :math:`R` of body and outlet to slow or thin gas, the pressure :math:`\Delta p_r` that
+the outlet holds by itself, and the pressure :math:`\Delta p_b` by which warm gas pushes upward.
 """
 
 import math
@@ -66,6 +67,9 @@ class Corrections(NamedTuple):
         Published: one conductivity, Sutherland's law, rounded constants.
     jet_density : bool
         (8) The jet is as warm as the inner film. Published: as the gas outside.
+    buoyant_flow : bool
+        (9) Warm gas leaves by the upper part of the wall, and other gas comes in below. Published:
+        gas of the same pressure everywhere within.
     """
 
     short_channels: bool = True
@@ -76,7 +80,27 @@ class Corrections(NamedTuple):
     channel_coefficients: bool = True
     gas_properties: bool = True
     jet_density: bool = True
+    buoyant_flow: bool = True
 
+
+class Errors(NamedTuple):
+    """Factors by which the truth may be off: see :class:`~lightflyer.HollowPump`.
+
+    Attributes
+    ----------
+    wall, outlet, force, heat : array, shape (...)
+        Of the pressure that the wall pumps up beyond what the outlet holds, of the resistance of
+        body and outlet, of drag and jet, and of the heat that the gas takes [1].
+    """
+
+    wall: Numeric = 1.0
+    outlet: Numeric = 1.0
+    force: Numeric = 1.0
+    heat: Numeric = 1.0
+
+
+EXACT = Errors()
+"""Without an error."""
 
 AS_PUBLISHED = Corrections(*(False,) * len(Corrections._fields))
 """No correction."""
@@ -92,15 +116,19 @@ class PumpFlow(NamedTuple):
     wall_velocity : array, shape (...)
         Velocity of the gas that comes to the wall, inward positive [m/s].
     pressure_difference : array, shape (...)
-        Pressure within over that outside [Pa].
+        Pressure within over that outside, the mean over the wall [Pa].
     jet_density : array, shape (...)
         [kg/m³].
+    exchange : array, shape (...)
+        What leaves by the upper part of the wall as other gas comes in below, beside the flow
+        through the outlet [kg/s].
     """
 
     jet_velocity: Array
     wall_velocity: Array
     pressure_difference: Array
     jet_density: Array
+    exchange: Array
 
 
 class _Areas(NamedTuple):
@@ -209,6 +237,7 @@ def pump_flow(
     state: EnvironmentState,
     unknowns: tuple[Array, ...],
     corrections: Corrections,
+    errors: Errors = EXACT,
 ) -> PumpFlow:
     """Flow through a hollow body whose films have given temperatures.
 
@@ -219,6 +248,7 @@ def pump_flow(
     unknowns : tuple of array, shape (...)
         Relative temperature excess of the inner and the outer film [1].
     corrections : Corrections
+    errors : Errors
 
     Returns
     -------
@@ -231,13 +261,50 @@ def pump_flow(
     density = _density(state, corrections)
     jet_density = density / (1.0 + inner) if corrections.jet_density else density
     resistance, held = _outlet(flyer, state, inner, jet_density, corrections)
+    resistance = errors.outlet * resistance
+    lifted = _lifted_by_warmth(flyer, state, density, inner, corrections)
     ratio = areas.outlet / areas.wall
     slope = resistance + jet_density * ratio / channels.conductance
     kinetic = 0.5 * jet_density * (1.0 - ratio**2)
-    velocity = _quadratic_root(kinetic, slope, channels.stopping - held)
-    pressure = kinetic * velocity * jnp.abs(velocity) + resistance * velocity + held
+    # the outlet is half of the height below the middle of the wall
+    drive = errors.wall * (channels.stopping - held) - lifted
+    velocity = _quadratic_root(kinetic, slope, drive)
+    pressure = kinetic * velocity * jnp.abs(velocity) + resistance * velocity + held + lifted
     wall_velocity = jet_density / density * ratio * velocity
-    return PumpFlow(velocity, wall_velocity, pressure, jet_density)
+    exchange = areas.wall * _exchange(density * wall_velocity, channels.conductance * lifted)
+    return PumpFlow(velocity, wall_velocity, pressure, jet_density, exchange)
+
+
+def _lifted_by_warmth(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    density: Array,
+    inner: Array,
+    corrections: Corrections,
+) -> Numeric:
+    """How much the pressure within, over that outside, grows over half of the height [Pa].
+
+    It does not where molecules fly from wall to wall.
+    """
+    if not corrections.buoyant_flow:
+        return 0.0
+    height = flyer.geometry.height(flyer.size, flyer.outlet_radius)
+    path = mean_free_path(state.pressure, state.temperature, state.gas)
+    height = height / (1.0 + path / height)
+    if flyer.attitude is not None:
+        height = height * jnp.cos(flyer.attitude.tilt)
+    return 0.5 * density * state.gravity * height * inner / (1.0 + inner)
+
+
+def _exchange(inward: Array, lifted: Array) -> Array:
+    """Mean of what leaves, where the flow through a wall falls evenly by ``lifted`` either way.
+
+    That is (J − |j|)²/4J where some of the wall sends gas out and some lets it in. What leaves on
+    the whole is not part of it.
+    """
+    most, mean = jnp.abs(lifted), jnp.abs(inward)
+    both = most > mean
+    return jnp.where(both, (most - mean) ** 2 / (4.0 * jnp.where(both, most, 1.0)), 0.0)
 
 
 def _density(state: EnvironmentState, corrections: Corrections) -> Array:
@@ -253,7 +320,7 @@ def _outlet(
     density: Array,
     corrections: Corrections,
 ) -> tuple[Numeric, Numeric]:
-    """Resistance to slow gas [Pa s/m], and the pressure difference without flow [Pa]."""
+    """Resistance of body and outlet to slow gas [Pa s/m], and pressure without flow [Pa]."""
     if not corrections.viscous_outlet:
         return 0.0, 0.0
     hot = state.temperature * (1.0 + inner)
@@ -263,7 +330,9 @@ def _outlet(
     held = thermomolecular_pressure(
         _outlet_exponent(flyer, state, corrections), state.pressure, inner, 0.0
     )
-    return density * speed / _entrances(ROUND, rarefaction), held
+    way = flyer.geometry.passage(flyer.size, flyer.outlet_radius)
+    tube = channel_coefficients(ROUND, rarefaction, way).poiseuille
+    return density * speed * (1.0 / _entrances(ROUND, rarefaction) + way / tube), held
 
 
 def _outlet_exponent(flyer: HollowBody, state: EnvironmentState, corrections: Corrections) -> Array:
@@ -285,6 +354,7 @@ def pump_force(
     state: EnvironmentState,
     unknowns: tuple[Array, ...],
     corrections: Corrections,
+    errors: Errors = EXACT,
 ) -> Array:
     r"""Force on a hollow body.
 
@@ -297,7 +367,7 @@ def pump_force(
 
     Parameters
     ----------
-    flyer, state, unknowns, corrections
+    flyer, state, unknowns, corrections, errors
         As for :func:`pump_flow`.
 
     Returns
@@ -314,7 +384,7 @@ def pump_force(
     that of the outlet.
     """
     inner, outer = unknowns
-    flow = pump_flow(flyer, state, unknowns, corrections)
+    flow = pump_flow(flyer, state, unknowns, corrections, errors)
     areas = _areas(flyer, corrections)
     coefficients = published.FORM_COEFFICIENTS[flyer.form]
     cold = state.temperature
@@ -323,14 +393,14 @@ def pump_force(
     jet = coefficients.jet * flow.jet_density * areas.outlet
     jet = jet * flow.jet_velocity * jnp.maximum(flow.jet_velocity, 0.0)
     if not corrections.rarefied_force:
-        return drag + jet
+        return errors.force * (drag + jet)
     per_length = state.pressure / (viscosity * jnp.sqrt(2.0 * constant * cold))
     drag = drag / (1.0 + _RAREFIED_DRAG / (0.5 * flyer.size * per_length))
     exponent = _outlet_exponent(flyer, state, corrections)
     roots = jnp.sqrt(1.0 + inner) + jnp.sqrt(1.0 + outer)
     recoil = state.pressure * areas.outlet * flyer.solid_fraction * (inner - outer) / roots
     # half of it times the exponent over its value to free molecules, which is one half
-    return drag + jet + exponent * recoil
+    return errors.force * (drag + jet) + exponent * recoil
 
 
 FLOW_RESULTS: dict[str, ModelResult] = {
@@ -347,19 +417,20 @@ def pump_results(
     state: EnvironmentState,
     unknowns: tuple[Array, ...],
     corrections: Corrections,
+    errors: Errors = EXACT,
 ) -> dict[str, Array]:
     """Values of :data:`FLOW_RESULTS`.
 
     Parameters
     ----------
-    flyer, state, unknowns, corrections
+    flyer, state, unknowns, corrections, errors
         As for :func:`pump_flow`.
 
     Returns
     -------
     dict of str to array, broadcast shape
     """
-    flow = pump_flow(flyer, state, unknowns, corrections)
+    flow = pump_flow(flyer, state, unknowns, corrections, errors)
     hot = state.temperature * (1.0 + unknowns[0])
     _, viscosity, _ = _transport(state, hot, corrections)
     reynolds = 2.0 * flow.jet_density * flow.jet_velocity * flyer.outlet_radius / viscosity

@@ -11,7 +11,10 @@ from lightflyer.force import celenza2023_laws as published
 from lightflyer.force.convection import sphere_conductance
 from lightflyer.force.gap import accommodation_between, gap_conductance
 from lightflyer.force.hollow_flow import (
+    EXACT,
     Corrections,
+    Errors,
+    PumpFlow,
     free_molecular,
     mean_temperature,
     pump_flow,
@@ -81,12 +84,13 @@ def pump_heat(
     state: EnvironmentState,
     unknowns: tuple[Array, ...],
     corrections: Corrections,
+    errors: Errors = EXACT,
 ) -> tuple[Array, Array]:
     """Heat that the gas takes from the inner and the outer film.
 
     Parameters
     ----------
-    flyer, state, unknowns, corrections
+    flyer, state, unknowns, corrections, errors
         As for :func:`~lightflyer.force.hollow_flow.pump_flow`.
 
     Returns
@@ -104,10 +108,13 @@ def pump_heat(
     wall = _wall_heat(flyer, state, unknowns, corrections)
     if not corrections.energy_balance:
         return _published_heat(flyer, state, unknowns, wall, corrections)
+    flow = pump_flow(flyer, state, unknowns, corrections, errors)
     share = share_at_wall(flyer, state)
-    between = wall.closed * (inner - outer)
-    through = wall.open * (inner - share * outer)
-    taken_inner = between + through + _outlet_heat(flyer, state, unknowns, corrections)
+    between = errors.heat * wall.closed * (inner - outer)
+    through = errors.heat * wall.open * (inner - share * outer)
+    carried = _heat_capacity(state) * flow.exchange
+    taken_inner = between + through + carried * (inner - outer)
+    taken_inner += _outlet_heat(flyer, state, inner, flow, errors)
     around = sphere_conductance(
         outer,
         radius=radius(flyer),
@@ -118,7 +125,9 @@ def pump_heat(
         gas=state.gas,
         wall_distance=state.wall_distance,
     )
-    taken_outer = around * outer - between - share * through
+    taken_outer = errors.heat * around * outer - between - share * through
+    # what leaves is as warm as the outer film, and what comes in as the inner one
+    taken_outer += carried * (2.0 * outer - inner)
     if not corrections.projected_light:
         own, _ = flyer.heat_losses(state, unknowns)
         gained = own - flyer.heat_gains(state)[0]
@@ -126,26 +135,26 @@ def pump_heat(
     return taken_inner, taken_outer
 
 
+def _heat_capacity(state: EnvironmentState) -> Array:
+    """Of the gas, for a relative excess [J/kg]."""
+    return state.gas.heat_capacity(state.temperature) * state.temperature
+
+
 def _outlet_heat(
-    flyer: HollowBody,
-    state: EnvironmentState,
-    unknowns: tuple[Array, ...],
-    corrections: Corrections,
+    flyer: HollowBody, state: EnvironmentState, inner: Array, flow: PumpFlow, errors: Errors
 ) -> Array:
     r"""Heat that leaves with the gas at the outlet, by flow and by diffusion against it [W].
 
     .. math:: Q = \dot m c_p T_c\,\theta_i\,\left(1 - e^{-x}\right)^{-1},
         \qquad x = \dot m c_p T_c/G
     """
-    inner, _ = unknowns
-    flow = pump_flow(flyer, state, unknowns, corrections)
     gas, temperature = state.gas, state.temperature
-    still = in_series(
+    still = errors.heat * in_series(
         free_molecular(state, flyer.outlet_area),
         _DISK_CONDUCTION * flyer.outlet_radius * gas.conductivity(temperature) * temperature,
     )
     mass_flow = flow.jet_density * jnp.abs(flow.jet_velocity) * flyer.outlet_area
-    ratio = mass_flow * gas.heat_capacity(temperature) * temperature / still
+    ratio = mass_flow * _heat_capacity(state) / still
     small = ratio < 1e-6  # below it the first term of the series has all digits that matter
     safe = jnp.where(small, 1.0, ratio)
     return still * inner * jnp.where(small, 1.0 + 0.5 * ratio, safe / -jnp.expm1(-safe))

@@ -11,7 +11,7 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flight.balance import Equilibrium, equilibrium
 from lightflyer.flight.bands import Band, levitation_band
 from lightflyer.flight.levitation import Levitation, levitate
-from lightflyer.flight.loads import largest_payload, upward_force, weight
+from lightflyer.flight.loads import buoyancy, largest_payload, upward_force, weight
 from lightflyer.flight.setup import Setup
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.types import Numeric
@@ -82,7 +82,7 @@ class Case:
     @cached_property
     def buoyancy(self) -> Any:
         """Buoyancy in the available light [N]."""
-        return self.flyer.buoyancy(self.state, self.balance.unknowns)
+        return buoyancy(self.flyer, self.state, self.setup.model, self.balance.unknowns)
 
     @cached_property
     def levitation(self) -> Levitation:

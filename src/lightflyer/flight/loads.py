@@ -54,7 +54,32 @@ def upward_force(
     force = model.force(flyer, state, unknowns)
     if flyer.attitude is not None:
         force = force * jnp.cos(flyer.attitude.tilt)
-    return force + flyer.buoyancy(state, unknowns)
+    return force + buoyancy(flyer, state, model, unknowns)
+
+
+def buoyancy(
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    model: AbstractForceModel,
+    unknowns: tuple[Array, ...],
+) -> Numeric:
+    """Buoyancy that a model adds to its force [N].
+
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+    state : EnvironmentState
+    model : AbstractForceModel
+    unknowns : tuple of array, shape (...)
+
+    Returns
+    -------
+    array, broadcast shape
+        Zero for a published model that has none.
+    """
+    if not model.adds_buoyancy:
+        return 0.0 * unknowns[0]
+    return flyer.buoyancy(state, unknowns)
 
 
 def largest_payload(flyer: AbstractFlyer, state: EnvironmentState, lift: Numeric) -> Numeric:

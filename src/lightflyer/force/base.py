@@ -62,11 +62,15 @@ class AbstractForceModel(Checked):
         Results of the model's own by name, which :meth:`own_results` computes. They are among the
         outputs of predictions, sweeps, optimisations and sensitivities. A flow of the flyer is
         among them without being declared; declared here, it gets a unit.
+    adds_buoyancy : bool
+        Whether the buoyancy of the flyer adds to the force. A published force that has none, and
+        was published without, keeps none.
     """
 
     flyers: eqx.AbstractClassVar[tuple[type[AbstractFlyer], ...]]
     molecules: ClassVar[tuple[str, ...]] = ANY_GAS
     results: ClassVar[Mapping[str, ModelResult]] = MappingProxyType({})
+    adds_buoyancy: ClassVar[bool] = True
 
     @abc.abstractmethod
     def heat_loss(

@@ -38,7 +38,7 @@ class Celenza2023(AbstractForceModel):
     The light falls on the whole wall at normal incidence and is absorbed where the wall is solid,
     whatever the films' absorptances; half of it passes the wall. The outer film is as warm as the
     gas. Emittances, absorptances, TACs and heat radiation have no effect, as long as the inner film
-    absorbs any light. The gas is air.
+    absorbs any light. The gas is air. The warm gas within adds no buoyancy, as published.
 
     For what is wrong with it see :class:`~lightflyer.HollowPump`, whose corrections can be switched
     one by one.
@@ -51,6 +51,7 @@ class Celenza2023(AbstractForceModel):
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (HollowBody,)
     molecules: ClassVar[tuple[str, ...]] = ("diatomic",)
     results: ClassVar[Mapping[str, ModelResult]] = FLOW_RESULTS
+    adds_buoyancy: ClassVar[bool] = False
 
     @entry_point
     def heat_loss(

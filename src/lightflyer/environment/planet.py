@@ -88,3 +88,11 @@ EARTH_PLANET: Final = Planet(
     flattening=1.0 / 298.257223563,
 )
 """Earth as the World Geodetic System 1984 has it; [NIMA2000]_."""
+
+MARS_PLANET: Final = Planet(
+    name="Mars",
+    radius=3_389_527.0,
+    rotation_rate=7.0882181e-5,
+    flattening=0.005886,
+)
+"""Mars; size and rotation by [Archinal2018]_."""

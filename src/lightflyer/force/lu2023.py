@@ -307,7 +307,14 @@ class Lu2023(AbstractForceModel):
             *_FITTED_DIAMETERS.caveats(diameter, state.pressure),
             *_FITTED_WARMER.caveats(ratio, state.pressure),
             *_FITTED_HEATING.caveats(ratio, state.pressure),
+            *_of_gas(state.gas),
         )
+
+
+def _of_gas(gas: AbstractGas) -> tuple[str, ...]:
+    if gas.molecules == "diatomic":
+        return ()
+    return (f"c_fm and c_cont of lu2023 were fitted in air, and the gas is {gas.name}",)
 
 
 class Lu2023ForceSection(ForceSection):

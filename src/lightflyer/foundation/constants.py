@@ -30,6 +30,9 @@ Over the year it varies by 3.4 % about this mean.
 ASTRONOMICAL_UNIT: Final = 149_597_870_700.0
 """Astronomical unit [m]; exact, [IAU2012]_ resolution B2."""
 
+MARS_GRAVITATIONAL_PARAMETER: Final = 4.28284e13
+"""Gravitational constant times the mass of Mars [m³/s²]; [Folkner2014]_."""
+
 SOLAR_RADIUS: Final = 6.957e8
 """Nominal radius of the sun [m]; [IAU2015]_ resolution B3."""
 

@@ -180,7 +180,7 @@ class _Correlated(AbstractGas):
         return tuple(_KNOWN.caveats(temperature, pressure))
 
 
-class CarbonDioxide(_Correlated):
+class CarbonDioxide(_Correlated):  # type: ignore[misc]  # the ratio below is no field
     r"""Carbon dioxide by the reference correlations, in the limit of low density.
 
     Attributes
@@ -220,7 +220,7 @@ class CarbonDioxide(_Correlated):
 
     specific_gas_constant: Numeric = _GAS_CONSTANT / MOLAR_MASS
 
-    @property
+    @property  # type: ignore[misc]  # in place of a field
     def heat_capacity_ratio(self) -> Numeric:
         """Raises: it is no one number; see :meth:`heat_capacity_ratio_at`."""
         raise ParameterError(
@@ -255,7 +255,7 @@ class FrozenCarbonDioxide(_Correlated):
     heat_capacity_ratio: Numeric = _RIGID / (_RIGID - 1.0)
 
 
-CARBON_DIOXIDE = CarbonDioxide()
+CARBON_DIOXIDE = CarbonDioxide()  # type: ignore[call-arg]
 """Carbon dioxide by reference correlations."""
 
 FROZEN_CARBON_DIOXIDE = FrozenCarbonDioxide()

@@ -1,5 +1,6 @@
 from . import calibration as calibration
 from . import comparison as comparison
+from . import drag as drag
 from . import environment as environment
 from . import film as film
 from . import flight as flight
@@ -19,6 +20,7 @@ from .config.flyer_file import FlyerFile as FlyerFile
 from .config.reader import read_flyer_file as read_flyer_file
 from .environment import Chamber as Chamber
 from .environment import Earth as Earth
+from .environment import Mars as Mars
 from .environment import lu2023_earth as lu2023_earth
 from .film.properties import FilmProperties as FilmProperties
 from .flight import Setup as Setup
@@ -28,6 +30,8 @@ from .flight import levitation_band as levitation_band
 from .flight import levitation_bands as levitation_bands
 from .flight import lift as lift
 from .flight import payload as payload
+from .flight import settling_time as settling_time
+from .flight import sinking_speed as sinking_speed
 from .flight import weight as weight
 from .flyer import AbstractFlyer as AbstractFlyer
 from .flyer import Balloon as Balloon

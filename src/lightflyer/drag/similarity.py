@@ -1,10 +1,24 @@
-"""Numbers on which drag depends: speed ratio, rarefaction, Reynolds number."""
+"""Numbers on which drag depends: speed ratio, rarefaction, Reynolds number, heating of the gas."""
 
 import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import AbstractGas
+
+SLOW = Validity(
+    "the speed over that of molecules, in gas where these collide,",
+    0.0,
+    0.3,
+    "compression of the gas, which the drag leaves out, matters there",
+)
+"""Range of the speed ratio where gas is not thin: a Mach number of 0.36 in air."""
+
+THIN = 0.1
+"""Rarefaction up to which collisions take less than 6 % of the drag at any speed."""
+
+_FILM_SHARE = 0.6  # studies/drag/hot_sphere.py: 0.58 to 0.62 for T_w/T from 0.8 to 2.5
 
 
 def molecular_speed(temperature: Numeric, gas: AbstractGas) -> Array:
@@ -24,7 +38,7 @@ def molecular_speed(temperature: Numeric, gas: AbstractGas) -> Array:
     return jnp.sqrt(2.0 * gas.specific_gas_constant * jnp.asarray(temperature))
 
 
-def rarefaction(
+def rarefaction_parameter(
     pressure: Numeric, temperature: Numeric, radius: Numeric, gas: AbstractGas
 ) -> Array:
     r"""Rarefaction parameter, :math:`\delta = p\,r/(\mu\sqrt{2RT}) = \sqrt\pi/(4\,\mathrm{Kn})`.
@@ -46,7 +60,7 @@ def rarefaction(
 
 
 def reynolds_number(speed_ratio: Numeric, rarefaction: Numeric) -> Array:
-    r"""Reynolds number by the diameter, :math:`2\rho U r/\mu = 4\,|s|\,\delta`.
+    r"""Reynolds number by the diameter, :math:`2\rho\,|U|\,r/\mu = 4\,|s|\,\delta`.
 
     Parameters
     ----------
@@ -59,3 +73,35 @@ def reynolds_number(speed_ratio: Numeric, rarefaction: Numeric) -> Array:
         [1].
     """
     return 4.0 * jnp.abs(jnp.asarray(speed_ratio)) * rarefaction
+
+
+def viscosity_growth(
+    excess: Numeric, warmed: Numeric, temperature: Numeric, gas: AbstractGas
+) -> Array:
+    r"""Growth of the drag of dense gas by the warmth of the body.
+
+    .. math:: \frac{\mu(T + 0.6\,w\,\theta\,T)}{\mu(T)}
+
+    Parameters
+    ----------
+    excess : array, shape (...)
+        Relative temperature excess of the body, :math:`\theta` [1].
+    warmed : array, shape (...)
+        Share of it that the gas at the body has, :math:`w`: 0 for free molecules, 1 in dense gas.
+    temperature : array, shape (...)
+        Of the gas far away [K].
+    gas : AbstractGas
+
+    Returns
+    -------
+    array, broadcast shape
+        [1].
+
+    Notes
+    -----
+    Slow flow of gas of the density :math:`1/T` around a sphere of any temperature, solved in
+    ``studies/drag/hot_sphere.py``, has the drag of gas of this temperature to 1 % for
+    :math:`T_w/T` from 0.8 to 2.5. It is taken for every shape.
+    """
+    film = temperature * (1.0 + _FILM_SHARE * warmed * excess)
+    return gas.viscosity(film) / gas.viscosity(temperature)

@@ -17,3 +17,7 @@ from .outputs import OUTPUTS as OUTPUTS
 from .outputs import Output as Output
 from .outputs import outputs_of as outputs_of
 from .setup import Setup as Setup
+from .sinking import in_the_dark as in_the_dark
+from .sinking import settling_time as settling_time
+from .sinking import sinking_speed as sinking_speed
+from .sinking import steady_speed as steady_speed

@@ -9,6 +9,8 @@ import numpy as np
 import pydantic
 from jax import Array
 
+from lightflyer.drag.convex import convex_caveats, convex_drag, sphere_outline
+from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.film.properties import FilmProperties, excess_of_growth
@@ -214,6 +216,33 @@ class Balloon(AbstractFlyer):
         outer = eqx.tree_at(lambda film: film.emittance_bottom, self.film, 0.0)
         black = self.film_area * state.radiation.stefan_boltzmann * state.temperature**4
         return jnp.abs(excess_of_growth(outer.emission_bound(state.temperature, power / black)))
+
+    def drag(
+        self,
+        state: EnvironmentState,
+        unknowns: tuple[Array, ...],
+        speed: Numeric,
+        direction: Direction = "broadside",
+    ) -> Array:
+        """See :meth:`AbstractFlyer.drag`: that of a closed sphere, whichever way it moves."""
+        del direction
+        return convex_drag(
+            speed,
+            sphere_outline(self.radius),
+            state.pressure,
+            state.temperature,
+            state.gas,
+            self.film.tac_top,
+            unknowns[0],
+        )
+
+    def drag_caveats(
+        self, state: EnvironmentState, speed: Numeric, direction: Direction = "broadside"
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractFlyer.drag_caveats`."""
+        del direction
+        gas = (state.pressure, state.temperature, state.gas)
+        return tuple(convex_caveats(speed, sphere_outline(self.radius), *gas))
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

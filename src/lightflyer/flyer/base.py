@@ -186,7 +186,9 @@ class AbstractFlyer(Checked):
             f"{type(self).__name__} has no law of drag: give its class a method drag()"
         )
 
-    def drag_caveats(self, state: EnvironmentState, speed: Numeric) -> tuple[str, ...]:
+    def drag_caveats(
+        self, state: EnvironmentState, speed: Numeric, direction: Direction = "broadside"
+    ) -> tuple[str, ...]:
         """Warnings, in words, where :meth:`drag` is outside its range or an estimate.
 
         Parameters
@@ -195,12 +197,13 @@ class AbstractFlyer(Checked):
             Concrete numbers, at one place or many.
         speed : array, shape (...)
             As for :meth:`drag`; concrete [m/s].
+        direction : {"broadside", "edgewise"}
 
         Returns
         -------
         tuple of str
         """
-        del state, speed
+        del state, speed, direction
         return ()
 
     def caveats(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.drag.disk import Direction, disk_drag, edgewise_disk_drag
+from lightflyer.drag.disk import Direction, disk_caveats, disk_drag, edgewise_disk_drag
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.film.properties import FilmProperties
@@ -107,12 +107,25 @@ class Disk(AbstractFlyer):
         direction: Direction = "broadside",
     ) -> Array:
         """See :meth:`AbstractFlyer.drag` and :mod:`lightflyer.drag.disk`."""
-        film, (excess,) = self.film, unknowns[:1]
-        faces = (film.tac_top, film.tac_bottom)
-        gas = (self.radius, state.pressure, state.temperature, state.gas)
-        if direction == "edgewise":
-            return edgewise_disk_drag(speed, *gas, faces)
-        return disk_drag(speed, *gas, faces, (excess, excess))
+        excess, film = unknowns[0], self.film
+        law = edgewise_disk_drag if direction == "edgewise" else disk_drag
+        return law(
+            speed,
+            self.radius,
+            state.pressure,
+            state.temperature,
+            state.gas,
+            (film.tac_top, film.tac_bottom),
+            (excess, excess),
+        )
+
+    def drag_caveats(
+        self, state: EnvironmentState, speed: Numeric, direction: Direction = "broadside"
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractFlyer.drag_caveats`."""
+        faces = (self.film.tac_top, self.film.tac_bottom)
+        gas = (state.pressure, state.temperature, state.gas)
+        return tuple(disk_caveats(speed, self.radius, *gas, faces, direction))
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

@@ -8,6 +8,8 @@ import numpy as np
 import pydantic
 from jax import Array
 
+from lightflyer.drag.convex import Outline, convex_caveats, convex_drag
+from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude, Exitances, Radiation
 from lightflyer.film.layered_section import AnyFilmSection
@@ -15,6 +17,7 @@ from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.diffraction import narrow_channels
 from lightflyer.flyer.hollow_geometry import FORMS, Form, HollowForm, seen_below_horizon
+from lightflyer.flyer.hollow_outline import hollow_outline
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.sheets import (
     DARK,
@@ -241,6 +244,38 @@ class HollowBody(AbstractFlyer):
         coldest = np.minimum(np.min(state.temperature), np.min(temperature))
         length = self.channel_aspect * self.channel_width
         return tuple(narrow_channels(self.channel_width, length, coldest))
+
+    def drag(
+        self,
+        state: EnvironmentState,
+        unknowns: tuple[Array, ...],
+        speed: Numeric,
+        direction: Direction = "broadside",
+    ) -> Array:
+        """See :meth:`AbstractFlyer.drag`: that of a closed body of this shape."""
+        return convex_drag(
+            speed,
+            self._outline(direction),
+            state.pressure,
+            state.temperature,
+            state.gas,
+            self.outer.tac_top,
+            unknowns[1],
+        )
+
+    def drag_caveats(
+        self, state: EnvironmentState, speed: Numeric, direction: Direction = "broadside"
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractFlyer.drag_caveats`."""
+        gas = (state.pressure, state.temperature, state.gas)
+        return (
+            *convex_caveats(speed, self._outline(direction), *gas),
+            "drag is that of a closed body: what flows through its wall and outlet is left out",
+            *(() if self.form == "sphere" else (f"drag of a {self.form} is an estimate",)),
+        )
+
+    def _outline(self, direction: Direction) -> Outline:
+        return hollow_outline(self.form, self.size, self.outlet_radius, direction)
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

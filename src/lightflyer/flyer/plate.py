@@ -7,6 +7,13 @@ import numpy as np
 import pydantic
 from jax import Array
 
+from lightflyer.drag.disk import (
+    Direction,
+    disk_caveats,
+    disk_drag,
+    edgewise_disk_drag,
+    wide_hole_caveats,
+)
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.film.layered_section import AnyFilmSection
@@ -20,6 +27,7 @@ from lightflyer.foundation.checks import is_concrete
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.quantity import ArealDensity, Conductivity, Density, Length, Mass
 from lightflyer.foundation.types import Numeric
+from lightflyer.gas.passing import slot_transmission
 
 _MILLIMETRE = 1e-3
 
@@ -193,6 +201,43 @@ class Plate(AbstractFlyer):
         """See :meth:`AbstractFlyer.caveats`: channels too narrow for geometric optics."""
         coldest = np.minimum(np.min(state.temperature), np.min(temperature))
         return tuple(narrow_channels(self.channel_width, self.channel_length, coldest))
+
+    @property
+    def passing_share(self) -> Array:
+        """Share of the free molecules arriving at the plate that pass its channels [1]."""
+        length = self.height / self.channel_width
+        return self.open_fraction * slot_transmission(length).through
+
+    def drag(
+        self,
+        state: EnvironmentState,
+        unknowns: tuple[Array, ...],
+        speed: Numeric,
+        direction: Direction = "broadside",
+    ) -> Array:
+        """See :meth:`AbstractFlyer.drag`: that of a disk which lets a share of the gas pass."""
+        law = edgewise_disk_drag if direction == "edgewise" else disk_drag
+        return law(
+            speed,
+            self.radius,
+            state.pressure,
+            state.temperature,
+            state.gas,
+            (self.top.tac_top, self.bottom.tac_bottom),
+            (unknowns[0], unknowns[1]),
+            self.passing_share,
+        )
+
+    def drag_caveats(
+        self, state: EnvironmentState, speed: Numeric, direction: Direction = "broadside"
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractFlyer.drag_caveats`."""
+        faces = (self.top.tac_top, self.bottom.tac_bottom)
+        gas = (state.pressure, state.temperature, state.gas)
+        return (
+            *disk_caveats(speed, self.radius, *gas, faces, direction),
+            *wide_hole_caveats(0.5 * self.channel_width, *gas),
+        )
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

@@ -8,6 +8,13 @@ import numpy as np
 import pydantic
 from jax import Array
 
+from lightflyer.drag.disk import (
+    Direction,
+    disk_caveats,
+    disk_drag,
+    edgewise_disk_drag,
+    wide_hole_caveats,
+)
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.film.layered_section import AnyFilmSection
@@ -34,6 +41,7 @@ from lightflyer.foundation.quantity import (
     OpenFraction,
 )
 from lightflyer.foundation.types import Numeric
+from lightflyer.gas.passing import coaxial_share
 
 _CENTIMETRE = 1e-2
 
@@ -179,6 +187,49 @@ class Sandwich(AbstractFlyer):
         """See :meth:`AbstractFlyer.caveats`: holes that are too narrow for geometric optics."""
         coldest = np.minimum(np.min(state.temperature), np.min(temperature))
         return tuple(narrow_holes(self.hole_radius, coldest))
+
+    @property
+    def passing_share(self) -> Array:
+        r"""Share of the free molecules arriving at the sandwich that pass it [1].
+
+        .. math:: \beta\left[d + \frac{1-d}{2-\beta}\right]
+
+        with the share :math:`d` of those leaving a hole that meet the one opposite. The others
+        forget where they came from.
+        """
+        direct = coaxial_share(self.gap / self.hole_radius)
+        return self.open_fraction * (direct + (1.0 - direct) / (2.0 - self.open_fraction))
+
+    def drag(
+        self,
+        state: EnvironmentState,
+        unknowns: tuple[Array, ...],
+        speed: Numeric,
+        direction: Direction = "broadside",
+    ) -> Array:
+        """See :meth:`AbstractFlyer.drag`: that of a disk which lets a share of the gas pass."""
+        law = edgewise_disk_drag if direction == "edgewise" else disk_drag
+        return law(
+            speed,
+            self.radius,
+            state.pressure,
+            state.temperature,
+            state.gas,
+            (self.top.tac_top, self.bottom.tac_bottom),
+            (unknowns[0], unknowns[1]),
+            self.passing_share,
+        )
+
+    def drag_caveats(
+        self, state: EnvironmentState, speed: Numeric, direction: Direction = "broadside"
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractFlyer.drag_caveats`."""
+        faces = (self.top.tac_top, self.bottom.tac_bottom)
+        gas = (state.pressure, state.temperature, state.gas)
+        return (
+            *disk_caveats(speed, self.radius, *gas, faces, direction),
+            *wide_hole_caveats(self.hole_radius, *gas),
+        )
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

@@ -1,0 +1,88 @@
+r"""What the kinetic equation says of the drag of a slow disk between thin and dense gas.
+
+The table has the drag coefficient :math:`G` over rarefaction and TAC. What is interpolated is the
+share :math:`b` of the resistance of dense gas that is left,
+
+.. math:: \frac1G = \frac1{G_\mathrm{fm}} + b\,\frac{\pi\delta}{16},
+
+as :math:`(1-b)(\delta+1.5)`, which hardly varies and is constant in both limits. So :math:`b` goes
+to one in dense gas, and its term to zero in thin gas, beyond the table as well.
+"""
+
+import math
+from functools import lru_cache
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.drag import free_molecular
+from lightflyer.foundation.precision import float64
+from lightflyer.foundation.spline import Spline
+from lightflyer.foundation.table import shipped_table
+from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.validity import Validity
+
+_OFFSET = 1.5  # any of the size of the rarefaction at which both resistances are alike
+
+TAC_RANGE = Validity(
+    "the mean TAC of the faces",
+    0.2,
+    1.0,
+    "its effect on the drag between thin and dense gas is held at the end",
+)
+"""Of the table."""
+
+
+def dense_share(rarefaction: Numeric, tac: Numeric, molecules: str) -> Array:
+    """Share of the resistance of dense gas that a slow disk meets, broadside.
+
+    Parameters
+    ----------
+    rarefaction : array, shape (...)
+        δ [1].
+    tac : array, shape (...)
+        Mean TAC of the faces [1].
+    molecules : str
+        :attr:`AbstractGas.molecules`. Polyatomic gas is taken for diatomic: these two kinds and a
+        monatomic gas differ by 0.2 % at most.
+
+    Returns
+    -------
+    array, broadcast shape
+        0.7 in thin gas, 1 in dense gas [1].
+    """
+    kind = "monatomic" if molecules == "monatomic" else "diatomic"
+    nodes, splines = _curves(kind)
+    place = jnp.log(rarefaction)
+    inside = jnp.clip(place, splines[0].nodes[0], splines[0].nodes[-1])
+    tac = jnp.clip(tac, nodes[0], nodes[-1])
+    reduced: Array = jnp.zeros(())
+    for node, spline in zip(nodes, splines, strict=True):
+        others = [other for other in nodes if other != node]
+        weight = math.prod((tac - other) / (node - other) for other in others)
+        reduced = reduced + weight * spline(inside)
+    return 1.0 - reduced / (rarefaction + _OFFSET)
+
+
+@lru_cache
+def _curves(kind: str) -> tuple[tuple[float, ...], tuple[Spline, ...]]:
+    """TACs of the table, and the reduced share over ln δ for each."""
+    from scipy.interpolate import CubicSpline
+
+    table = shipped_table("drag_disk.csv")
+    of_kind = np.array(table.texts["gas"]) == kind
+    columns = {name: values[of_kind] for name, values in table.numbers.items()}
+    nodes = tuple(float(tac) for tac in np.unique(columns["tac"]))
+    splines = []
+    for tac in nodes:
+        chosen = columns["tac"] == tac
+        delta = columns["rarefaction"][chosen]
+        with float64(), jax.ensure_compile_time_eval():  # also while another function is traced
+            free = float(free_molecular.broadside_disk(0.0, tac, 1.0))
+        share = (1.0 / columns["drag"][chosen] - 1.0 / free) * 16.0 / (math.pi * delta)
+        reduced, place = (1.0 - share) * (delta + _OFFSET), np.log(delta)
+        smooth = CubicSpline(place, reduced, bc_type="clamped")  # level where it is held
+        splines.append(Spline.hermite(place, reduced, smooth(place, 1)))
+    return nodes, tuple(splines)

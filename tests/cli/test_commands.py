@@ -218,7 +218,7 @@ def test_a_folder_that_cannot_be_written_is_one_line(run, flyer_file, tmp_path):
 
 
 def test_a_failure_half_way_leaves_nothing(run, flyer_file, tmp_path, monkeypatch):
-    def full_disk(*_):
+    def full_disk(*_, **__):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("lightflyer.foundation.drawing.save", full_disk)

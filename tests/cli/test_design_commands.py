@@ -11,6 +11,8 @@ import time
 import pytest
 import xarray as xr
 
+import lightflyer as lf
+
 STUDY = """\
 flyer = "flyer.toml"
 
@@ -198,6 +200,35 @@ def test_what_listens_but_is_no_scheduler(run, study, tmp_path, monkeypatch, ans
     assert len(errors.splitlines()) == 1
     assert time.perf_counter() - start < 10.0
     assert not (tmp_path / "r.zarr").exists()
+
+
+def test_the_best_design_is_written_as_a_flyer_file(run, study, tmp_path):
+    best = tmp_path / "best.toml"
+    code, text, errors = run("optimise", study(), "--write", best)
+    assert (code, errors) == (0, "")
+    assert f"next: lightflyer predict {best}" in text
+    assert "mg" in text
+    assert " kg" not in text
+    found = json.loads(run("optimise", study(), "--json", "--write", best)[1])
+    assert run("predict", best, "--json", "--samples", 0)[0] == 0
+    there = lf.read_flyer_file(best).flyer
+    assert there.diameter.value == pytest.approx(found["design"]["flyer.diameter"], rel=1e-11)
+    written = best.read_text(encoding="utf-8")
+    assert ' cm"' in written  # the unit that it had
+    assert "# " in written  # comments are kept
+    assert written.count("optimised: lightflyer optimise") == len(found["design"]) - 1
+
+
+@pytest.mark.parametrize("name", ["flyer.toml", "folder"])
+def test_what_people_wrote_is_not_overwritten(name, run, study, tmp_path):
+    path = study()
+    (tmp_path / "folder").mkdir()
+    code, text, errors = run("optimise", path, "--write", tmp_path / name)
+    assert (code, text) == (2, "")
+    assert errors == (
+        f"lightflyer: error: {tmp_path / name}: already exists, and no search wrote it; choose "
+        "another name\n"
+    )
 
 
 def test_optimise_prints_and_writes(run, study, tmp_path):

@@ -1,15 +1,19 @@
 """The files that ``lightflyer init`` writes, with every change that their comments invite."""
 
+import pkgutil
 import re
 
 import pytest
 
 import lightflyer as lf
+from lightflyer.calibration.points import read_points
 from lightflyer.cli.init import templates
 from lightflyer.config.reader import read_flyer_file
 from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED
 
-TEMPLATES = templates()
+TEMPLATES = {
+    kind: template.read() for kind, template in templates().items() if template.is_flyer
+}
 OPTION = re.compile(r"^# (\w+ = .*)$", re.M)
 CHOICE = re.compile(
     r'^(?:# )?(?P<key>\w+) = (?P<value>"[^"]*") +# (?:or|.*; or) (?P<others>.*)$', re.M
@@ -103,3 +107,34 @@ def test_a_key_of_another_choice_is_refused_by_naming_that_choice(tmp_path):
         path.write_text(TEMPLATES["earth"].replace(old, new), encoding="utf-8")
         with pytest.raises(lf.ConfigurationError, match=message):
             read_flyer_file(path)
+
+
+@pytest.mark.parametrize(
+    ("kind", "read"),
+    [
+        ("sweep", "lightflyer.sweeps.study:read_study"),
+        ("optimise", "lightflyer.search:read_problem"),
+        ("sensitivity", "lightflyer.search:read_sensitivity_study"),
+    ],
+)
+def test_studies_can_be_read_beside_the_flyer_file(kind, read, tmp_path):
+    (tmp_path / "flyer.toml").write_text(TEMPLATES["earth"], encoding="utf-8")
+    text = templates()[kind].read()
+    path = tmp_path / "study.toml"
+    path.write_text(text, encoding="utf-8")
+    found = pkgutil.resolve_name(read)(path)
+    assert found.design.setup.flyer.describe()
+    for match in re.finditer(r"^# ((?:\w+|\"[^\"]+\") = [^#]*?)(?: +#.*)?$", text, re.M):
+        if match[1].startswith(("of =", "quantile =", "method", "points", "seed")):
+            continue  # of sections that are comments too
+        path.write_text(text.replace(match[0], match[1]), encoding="utf-8")
+        pkgutil.resolve_name(read)(path)
+
+
+def test_points_calibrate_and_name_themselves_synthetic(tmp_path):
+    text = templates()["points"].read()
+    assert "Synthetic" in text
+    path = tmp_path / "points.csv"
+    path.write_text(text, encoding="utf-8")
+    points = read_points(path, strict=True)
+    assert set(points.samples) == {"Ge 2 cm", "Ge 3 cm"}

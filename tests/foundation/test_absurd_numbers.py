@@ -48,7 +48,7 @@ def test_constructors_refuse_with_the_limit_and_its_reason(make):
 def test_files_refuse_in_one_line(old, new, message, tmp_path):
     from lightflyer.cli.init import templates
 
-    text = re.sub(r"tac_top = \S+.*", 'tac_top = "0.80 ± 0.02"', templates()["earth"])
+    text = re.sub(r"tac_top = \S+.*", 'tac_top = "0.80 ± 0.02"', templates()["earth"].read())
     assert old in text
     path = tmp_path / "flyer.toml"
     path.write_text(text.replace(old, new), encoding="utf-8")

@@ -1,7 +1,8 @@
-"""``lightflyer init``: a flyer file to start from."""
+"""``lightflyer init``: files to start from."""
 
 from importlib import resources
 from pathlib import Path
+from typing import NamedTuple
 
 from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import OutputError, ParameterError
@@ -9,46 +10,103 @@ from lightflyer.foundation.errors import OutputError, ParameterError
 _PREFIX, _SUFFIX = "flyer-", ".toml"
 
 
-def templates() -> dict[str, str]:
-    """Texts of the commented flyer files that come with the package.
+class Template(NamedTuple):
+    """A commented file that comes with the package.
+
+    Attributes
+    ----------
+    source : str
+        Its name in ``data/``.
+    name : str
+        Name under which it is written where none is given.
+    following : tuple of str
+        Commands that use it; ``{}`` stands for its path.
+    """
+
+    source: str
+    name: str
+    following: tuple[str, ...]
+
+    @property
+    def is_flyer(self) -> bool:
+        """Whether it describes a flyer."""
+        return self.source.startswith(_PREFIX)
+
+    def read(self) -> str:
+        """The text."""
+        return (resources.files("lightflyer") / "data" / self.source).read_text(encoding="utf-8")
+
+
+_PREDICT = "predict {} --out prediction"
+_OTHERS = {
+    "mission": Template("mission.toml", "mission.toml", ("fly {} --out mission",)),
+    "sweep": Template("study-sweep.toml", "study.toml", ("sweep {} --out results.zarr",)),
+    "optimise": Template("study-optimise.toml", "study.toml", ("optimise {} --write best.toml",)),
+    "sensitivity": Template(
+        "study-sensitivity.toml", "study.toml", ("sensitivity {} --out sensitivity",)
+    ),
+    "points": Template(
+        "points.csv",
+        "points.csv",
+        ("calibrate {} --out fit", "lab levitation {} --out levitation"),
+    ),
+}
+_FIRST = "earth"
+
+
+def templates() -> dict[str, Template]:
+    """Commented files that come with the package.
 
     Returns
     -------
-    dict of str to str
-        By kind, such as ``"earth"``: the template ``data/flyer-earth.toml``.
+    dict of str to Template
+        By kind: flyer files, such as ``"earth"`` for ``data/flyer-earth.toml``, and others.
     """
-    found = (entry for entry in (resources.files("lightflyer") / "data").iterdir())
-    return {
-        entry.name.removeprefix(_PREFIX).removesuffix(_SUFFIX): entry.read_text(encoding="utf-8")
-        for entry in sorted(found, key=lambda entry: entry.name)
-        if entry.name.startswith(_PREFIX) and entry.name.endswith(_SUFFIX)
+    names = (entry.name for entry in (resources.files("lightflyer") / "data").iterdir())
+    flyers = {
+        name.removeprefix(_PREFIX).removesuffix(_SUFFIX): Template(
+            name,
+            "flyer.toml",
+            ("film {} --out film", _PREDICT) if "layers" in name else (_PREDICT,),
+        )
+        for name in sorted(names)
+        if name.startswith(_PREFIX) and name.endswith(_SUFFIX)
     }
+    return {_FIRST: flyers.pop(_FIRST), **flyers, **_OTHERS}
 
 
-def init(path: Path = Path("flyer.toml"), /, *, kind: str = "earth", force: bool = False) -> None:
-    """Write a commented flyer file to start from.
+def init(path: Path | None = None, /, *, kind: str = _FIRST, force: bool = False) -> None:
+    """Write a commented file to start from.
 
     Parameters
     ----------
     path
-        Where to write it.
+        Where to write it; by default flyer.toml, study.toml or points.csv.
     kind
-        What it describes: earth (a disk over Earth), chamber (the disk in a vacuum chamber),
-        sandwich (two perforated membranes over Earth), plate (nanocardboard in the chamber),
-        balloon (a solar balloon over Earth) or hollow (a sphere that pumps gas, over Earth).
+        What it is. Flyer files: earth (a disk over Earth), chamber (the disk in a vacuum chamber),
+        layers (a film given by its layers), sandwich (two perforated membranes over Earth), plate
+        (nanocardboard in the chamber), balloon (a solar balloon over Earth), hollow (a sphere that
+        pumps gas, over Earth). A mission: mission. Studies: sweep, optimise, sensitivity. Measurements: points (of
+        levitation, to calibrate with); "lightflyer lab example" writes those of the lab bench.
     force
         Overwrite an existing file.
     """
     known = templates()
     if kind not in known:
         raise ParameterError(f'--kind "{kind}" is unknown; choose from {", ".join(known)}')
+    template = known[kind]
+    path = Path(template.name) if path is None else path
     try:
         with path.open("w" if force else "x", encoding="utf-8") as file:
-            file.write(known[kind])
+            file.write(template.read())
     except FileExistsError:
         raise OutputError(f"{path}: already exists; --force overwrites it") from None
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
-    printer().print(
-        f"wrote {path}\nnext: lightflyer predict {path} --out prediction", highlight=False
-    )
+    console = printer()
+    console.print(f"wrote {path}", soft_wrap=True)
+    flyer = path.parent / "flyer.toml"
+    if template.source.startswith("study-") and not flyer.exists():
+        console.print(f"it needs a flyer file: lightflyer init {flyer}", soft_wrap=True)
+    for command in template.following:
+        console.print(f"next: lightflyer {command.format(path)}", soft_wrap=True)

@@ -53,6 +53,7 @@ def map_command(
     figures.check(out)
     from lightflyer.sweeps.explore import choose_slice, find_name
     from lightflyer.sweeps.run import open_sweep
+    from lightflyer.sweeps.shown import amount
 
     dataset = open_sweep(results)
     output = find_name(dataset, value, among="outputs")
@@ -65,8 +66,8 @@ def map_command(
     sliced, chosen = choose_slice(dataset, output, fields, _asked(at))
     names = [*fields, output]
     written = _write(out, lambda: _draw(dataset, sliced, names, pareto=pareto), figures)
-    for name, (amount, unit) in chosen.items():
-        console.print(f"at {name} {amount:.6g} {unit}".rstrip())
+    for name, (value, unit) in chosen.items():
+        console.print(f"at {name} {amount(value, unit)}")
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
 

@@ -9,6 +9,8 @@ from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.output import print_json, printer, write_json
+from lightflyer.cli.prediction_tables import show_flyer, show_results
+from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from lightflyer.search.front import Front
@@ -24,6 +26,7 @@ def optimise_command(
     /,
     *,
     out: Path | None = None,
+    write: Path | None = None,
     json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
     figures: FigureOptions = AS_USUAL,
 ) -> None:
@@ -35,6 +38,9 @@ def optimise_command(
         TOML file with flyer = "flyer.toml" and the sections [optimise] and [optimise.over].
     out
         Folder to write the result (JSON) into and, with several objectives, its figure.
+    write
+        Flyer file to write with the best design in place of the study's; it must be new, or one
+        that this command wrote.
     json_output
         Print one JSON object instead of tables.
     figures
@@ -44,8 +50,14 @@ def optimise_command(
     from lightflyer.search import optimise, pareto, read_problem
 
     problem = read_problem(study_file)
+    if write is not None:
+        from lightflyer.config.update import require_free
+
+        require_free(write)
     console, written = printer(), []
     if len(problem.objectives) > 1:
+        if write is not None:
+            raise ConfigurationError("--write: several objectives have no single best design")
         front = pareto(problem)
         summary = front.summary()
         written = _write(out, summary, front, figures)
@@ -57,11 +69,32 @@ def optimise_command(
         written = _write(out, summary, None, figures)
         if not json_output:
             _show_optimum(console, problem, optimum)
+            show_flyer(console, optimum.prediction)
+            show_results(console, optimum.prediction)
+        if write is not None:
+            _write_flyer(write, study_file, optimum)
+            written.append(write)
     if json_output:
         print_json(summary)
         return
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
+    if write is not None:
+        console.print(f"next: lightflyer predict {write}", soft_wrap=True)
+
+
+def _write_flyer(path: Path, study_file: Path, optimum: "Optimum") -> None:
+    """The study's flyer file with the numbers of the best design."""
+    from lightflyer.config.update import write_design
+
+    problem = optimum.problem
+    coordinate, quantities = problem.design.coordinate_name, problem.design.quantities
+    found = {
+        name: (value, quantities[name].unit)
+        for name, value in (problem.fixed | optimum.design).items()
+        if name != coordinate
+    }
+    write_design(path, problem.design.text, found, f"lightflyer optimise {study_file.name}")
 
 
 def _write(
@@ -82,14 +115,16 @@ def _write(
 
 
 def _show_optimum(console: Console, problem: "Problem", optimum: "Optimum") -> None:
+    from lightflyer.sweeps.shown import amount, suitable
+
     objective = problem.objectives[0]
     what = objective.name
     if problem.samples:
         of = "mean" if problem.quantile is None else f"{100.0 * problem.quantile:g} % quantile"
         count = len(next(iter(problem.samples.values())))
         what = f"{of} of {what} over {count} samples of {', '.join(problem.samples)}"
-    unit = problem.unit_of(objective.name)
-    console.print(f"{objective.word} {what}: {optimum.value:.6g} {unit}".rstrip(), soft_wrap=True)
+    value = amount(optimum.value, problem.unit_of(objective.name))
+    console.print(f"{objective.word} {what}: {value}", soft_wrap=True)
     table = Table(box=None, padding=(0, 1))
     for heading in ("field", "best", "unit", "from", "to", ""):
         left = heading in ("field", "unit", "")
@@ -98,8 +133,10 @@ def _show_optimum(console: Console, problem: "Problem", optimum: "Optimum") -> N
         name = bounds.field.name
         end = optimum.active_bounds.get(name)
         note = "" if end is None else f"at its {'lower' if end == 'low' else 'upper'} bound"
-        cells = (f"{optimum.design[name]:.6g}", bounds.field.quantity.unit)
-        table.add_row(name, *cells, f"{bounds.low:.6g}", f"{bounds.high:.6g}", note)
+        factor, unit = suitable(bounds.field.quantity.unit, optimum.design[name])
+        numbers = optimum.design[name], bounds.low, bounds.high
+        best, low, high = (f"{number * factor:.6g}" for number in numbers)
+        table.add_row(name, best, unit, low, high, note)
     console.print(table)
     for constraint in problem.constraints:
         _show_constraint(console, optimum, constraint.name, constraint.limit, constraint.sign)
@@ -116,6 +153,8 @@ def _show_optimum(console: Console, problem: "Problem", optimum: "Optimum") -> N
 def _show_constraint(
     console: Console, optimum: "Optimum", name: str, limit: float, sign: float
 ) -> None:
+    from lightflyer.sweeps.shown import amount
+
     problem = optimum.problem
     unit = problem.unit_of(name)
     word = "at least" if sign > 0.0 else "at most"
@@ -123,8 +162,9 @@ def _show_constraint(
     objective = problem.unit_of(problem.objectives[0].name)
     effect = "not active"
     if gain is not None:
-        effect = f"active: 1 % looser is worth {gain * abs(limit) / 100.0:.3g} {objective}".rstrip()
-    at, limit_shown = (f"{value:.6g} {unit}".rstrip() for value in (optimum.outputs[name], limit))
+        worth = amount(gain * abs(limit) / 100.0, objective, 3)
+        effect = f"active: 1 % looser is worth {worth}"
+    at, limit_shown = (amount(value, unit) for value in (optimum.outputs[name], limit))
     console.print(f"{name} {at} ({word} {limit_shown}; {effect})", soft_wrap=True)
 
 
@@ -141,17 +181,20 @@ def _show_elasticities(console: Console, optimum: "Optimum") -> None:
 
 
 def _show_front(console: Console, front: "Front") -> None:
+    from lightflyer.sweeps.shown import suitable
+
     problem = front.problem
     table = Table(box=None, padding=(0, 1))
     columns = []
     for part in problem.objectives:
-        unit = problem.unit_of(part.name)
+        factor, unit = suitable(problem.unit_of(part.name), front.objectives[part.name])
         table.add_column(f"{part.name}\n[{unit or '1'}] ({part.word})", justify="right")
-        columns.append(front.objectives[part.name])
+        columns.append(factor * front.objectives[part.name])
     for bounds in problem.bounds:
-        unit = bounds.field.quantity.unit
+        values = front.designs[bounds.field.name]
+        factor, unit = suitable(bounds.field.quantity.unit, values)
         table.add_column(f"{bounds.field.name}\n[{unit or '1'}]", justify="right")
-        columns.append(front.designs[bounds.field.name])
+        columns.append(factor * values)
     count = len(columns[0])
     step = max(1, count // _ROWS)
     for row in range(0, count, step):

@@ -108,16 +108,20 @@ def _summary(
 
 
 def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.Dataset") -> None:
+    from lightflyer.sweeps.shown import suitable
+
     table = Table(box=None, padding=(0, 1))
     for heading in ("field", "values", "from", "to", "unit"):
         table.add_column(heading, justify="left" if heading in ("field", "unit") else "right")
     fields = study.fields
     for dimension in study.dimensions:
         for name, values in dimension.values.items():
-            ends = (f"{values.min():.6g}", f"{values.max():.6g}")
-            table.add_row(name, str(len(values)), *ends, fields[name].quantity.unit)
+            factor, unit = suitable(fields[name].quantity.unit, values)
+            ends = (f"{end * factor:.6g}" for end in (values.min(), values.max()))
+            table.add_row(name, str(len(values)), *ends, unit)
     for name, value in study.fixed.items():
-        table.add_row(name, "1", f"{value:.6g}", "", fields[name].quantity.unit)
+        factor, unit = suitable(fields[name].quantity.unit, value)
+        table.add_row(name, "1", f"{value * factor:.6g}", "", unit)
     console.print(table)
     console.print(_report_line(report), soft_wrap=True)
     if report.not_converged:

@@ -1,4 +1,4 @@
-"""Writing measured values into a flyer file without losing its comments."""
+"""Writing values into a flyer file without losing its comments."""
 
 import datetime
 import math
@@ -13,13 +13,16 @@ from lightflyer.foundation.errors import ConfigurationError, OutputError
 from lightflyer.foundation.extras import extra
 from lightflyer.foundation.files import TEMPORARY, unfinished
 from lightflyer.foundation.text import read_text
+from lightflyer.foundation.units import rewrite
 from lightflyer.lab.estimate import Estimate
 
 Face = Literal["top", "bottom", "both"]
 """Faces of a film that a value applies to."""
 
-_ORIGIN = re.compile(r"\s*(?:[;#]\s*)?measured: .*$")
+_ORIGIN = re.compile(r"\s*(?:[;#]\s*)?(?:measured|optimised): .*$")
 _DIGITS = 2  # of an uncertainty
+_WRITTEN = "# Written by"
+_NEW_FILE = 0o666
 _FACES = {"top": ("top",), "bottom": ("bottom",), "both": ("top", "bottom")}
 
 
@@ -101,6 +104,88 @@ def update_flyer_file(
         written.append(f'{section}.{key} = "{text}"')
     _replace(path, tomlkit.dumps(document))
     return written
+
+
+def write_design(
+    path: str | Path, text: str, values: Mapping[str, tuple[float, str]], origin: str
+) -> None:
+    """Write a flyer file with other numbers, each in the unit that it had before.
+
+    Parameters
+    ----------
+    path : str or path
+        Overwritten only if an earlier call wrote it.
+    text : str
+        Flyer file whose comments and other entries are kept; a ± stays the same.
+    values : dict of str to (float, str)
+        Number and its unit by dotted name, such as ``"film.layers.1.thickness"``.
+    origin : str
+        What found the numbers, for comments.
+
+    Raises
+    ------
+    ConfigurationError
+        If the result would not be a valid flyer file; nothing is written.
+    OutputError
+        If the file exists or cannot be written.
+    MissingExtraError
+        If tomlkit is not installed.
+    """
+    path = Path(path)
+    require_free(path)
+    tomlkit = extra("tomlkit", "writing a flyer file", "lab")
+    document = tomlkit.parse(text.removeprefix(_first_line(text)))
+    for name, (value, unit) in values.items():
+        table, key = _table_of(document, tomlkit, name)
+        if name.startswith("film."):
+            _make_room(table, key)
+        before = table.get(key, "")
+        kept = _own_comment(table[key]) if key in table and not _in_line(table) else ""
+        text = rewrite(str(before), value, unit)
+        table[key] = text if unit or (isinstance(before, str) and before) else float(text)
+        if not _in_line(table):
+            table[key].comment("; ".join(filter(None, (kept, f"optimised: {origin}"))))
+            table[key].trivia.comment_ws = "  "
+    _replace(path, f"{_WRITTEN} {origin}\n{tomlkit.dumps(document)}")
+
+
+def require_free(path: Path) -> None:
+    """Raise where :func:`write_design` would overwrite what people wrote.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    OutputError
+    """
+    if path.exists() and not (path.is_file() and read_text(path).startswith(_WRITTEN)):
+        raise OutputError(f"{path}: already exists, and no search wrote it; choose another name")
+
+
+def _in_line(table: Any) -> bool:
+    """Whether a table is written on one line, which has no room for comments."""
+    return type(table).__name__ == "InlineTable"
+
+
+def _first_line(text: str) -> str:
+    """The first line of a file that an earlier search wrote."""
+    return text.partition("\n")[0] + "\n" if text.startswith(_WRITTEN) else ""
+
+
+def _table_of(document: Any, tomlkit: Any, name: str) -> tuple[Any, str]:
+    """The table that holds a dotted name, made where it is missing, and the last key."""
+    *sections, key = name.split(".")
+    table = document
+    for section in sections:
+        if section.isdigit():
+            table = table[int(section)]
+            continue
+        if section not in table:
+            table.add(section, tomlkit.table())
+        table = table[section]
+    return table, key
 
 
 def emittance_keys(face: Face) -> list[tuple[str, str]]:
@@ -191,10 +276,20 @@ def _check_and_rename(file: TextIO, staged: Path, path: Path, text: str) -> None
             read_flyer_file(staged)
         except ConfigurationError as error:
             said = "; ".join(str(error).replace(str(staged), str(path)).splitlines())
-            raise ConfigurationError(f"{said}; the file is unchanged") from None
-        staged.chmod(path.stat().st_mode)
+            left = "the file is unchanged" if path.exists() else "nothing is written"
+            raise ConfigurationError(f"{said}; {left}") from None
+        staged.chmod(_mode_of(path))
         os.replace(staged, path)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
     finally:
         staged.unlink(missing_ok=True)
+
+
+def _mode_of(path: Path) -> int:
+    """Permissions of a file, or those that a new one gets."""
+    if path.exists():
+        return path.stat().st_mode
+    mask = os.umask(0)
+    os.umask(mask)
+    return _NEW_FILE & ~mask

@@ -30,6 +30,9 @@ class Measured(NamedTuple):
     uncertainty: float | None = None
 
 
+DIGITS = 12
+"""Of a number that is written into a file: a prediction from it repeats the search's."""
+
 _FAR = 1e6  # a value beside which offsets of temperature scales are small
 
 _SEPARATOR = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
@@ -202,6 +205,40 @@ def parse(text: str | float, unit: str) -> Measured:
     spread = _converter(own_unit, unit, text) if own_unit else convert
     # a difference of two conversions, in which the offset of a temperature scale drops out
     return _finite(Measured(convert(value), spread(uncertainty) - spread(0.0)), text)
+
+
+def rewrite(text: str, value: float, unit: str) -> str:
+    """A quantity with another value, in the unit and with the ± that it has.
+
+    Parameters
+    ----------
+    text : str
+        As :func:`parse` reads it; empty where there is none yet.
+    value : float
+        In ``unit``.
+    unit : str
+        SI unit.
+
+    Returns
+    -------
+    str
+        With :data:`DIGITS` significant digits.
+
+    Examples
+    --------
+    >>> rewrite("2 ± 0.1 cm", 0.0312, "m")
+    '3.12 ± 0.1 cm'
+    >>> rewrite("", 0.0312, "m")
+    '0.0312 m'
+    """
+    own, spread = unit, ""
+    if text:
+        first, *rest = _SEPARATOR.split(text)
+        parts = [_split(part, text, unit) for part in (first, *rest)]
+        own = next((found for _, found in parts if found), "")
+        spread = f" ± {parts[1][0]:g}" if rest else ""
+    scale, offset = scale_and_offset(own, unit) if own and own != unit else (1.0, 0.0)
+    return f"{(value - offset) / scale:.{DIGITS}g}{spread} {own}".rstrip()
 
 
 def _split(part: str, text: str, unit: str) -> tuple[float, str]:

@@ -12,6 +12,7 @@ theorem), although the best design moves with it.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,13 +20,16 @@ from scipy.optimize import minimize
 from scipy.stats import qmc
 
 from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.flight.design import as_design
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.batches import in_batches
 from lightflyer.foundation.errors import ConfigurationError, LightflyerError
 from lightflyer.foundation.progress import report
+from lightflyer.prediction.prediction import Prediction, predict_design
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import Problem, as_problem
 from lightflyer.search.range_check import cautions_about, require_within_range
+from lightflyer.sweeps.shown import amount
 
 SCREENED = 512
 """Designs evaluated at once: first over the whole cube, then around the starts."""
@@ -87,6 +91,14 @@ class Optimum:
     agreeing: int
     evaluations: int
     warnings: tuple[str, ...]
+
+    @cached_property
+    def prediction(self) -> Prediction:
+        """What the best design does, over the whole of its surroundings."""
+        setup = self.problem.design.build(self.problem.fixed | self.design)
+        name = self.problem.design.coordinate_name
+        coordinate = self.problem.fixed.get(name, self.design.get(name))
+        return predict_design(as_design(setup), () if coordinate is None else (coordinate,))
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""
@@ -403,7 +415,7 @@ def _in_words(problem: Problem, value: float, design: Mapping[str, float]) -> st
         (bounds.field.name, design[bounds.field.name], bounds.field.quantity.unit)
         for bounds in problem.bounds
     ]
-    return ", ".join(f"{name} {number:.4g} {unit}".rstrip() for name, number, unit in numbers)
+    return ", ".join(f"{name} {amount(number, unit, 4)}" for name, number, unit in numbers)
 
 
 def _multipliers(function: ObjectiveFunction, point: np.ndarray) -> np.ndarray:

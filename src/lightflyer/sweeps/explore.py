@@ -11,6 +11,7 @@ from lightflyer.flight.outputs import OUTPUTS
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.units import file_unit, parse
 from lightflyer.sweeps.distributions import SAMPLE
+from lightflyer.sweeps.shown import amount, suitable, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -104,12 +105,11 @@ class BestDesign:
     index: dict[str, int]
 
     def __str__(self) -> str:
-        at = ", ".join(
-            f"{name} {amount:.6g} {unit}".rstrip() for name, (amount, unit) in self.where.items()
-        )
-        shown = f"{self.value:.4g} {self.units}".rstrip()
+        at = ", ".join(f"{name} {amount(*where)}" for name, where in self.where.items())
+        factor, unit = suitable(self.units, self.value)
+        shown = f"{self.value * factor:.4g} {unit}".rstrip()
         if self.band is not None:
-            low, high = self.band
+            low, high = (end * factor for end in self.band)
             shown += f" (median; 95 % of the samples {low:.4g} to {high:.4g})"
         return shown + (f" at {at}" if at else "")
 
@@ -184,12 +184,6 @@ def _typical(values: np.ndarray, array: "xr.DataArray") -> np.ndarray:
         return values
     # of an even number the lower one, so that it is that of a sample and never a mean of infinities
     return np.quantile(values, 0.5, axis=-1, method="lower")
-
-
-def unit_of(array: "xr.DataArray") -> str:
-    """Units of an array, empty for a pure number."""
-    unit = str(array.attrs.get("units", ""))
-    return "" if unit == "1" else unit
 
 
 def choose_slice(

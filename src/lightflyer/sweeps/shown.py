@@ -1,11 +1,10 @@
-"""Units in which figures show numbers, from what a dataset says about them."""
+"""Units in which figures and tables show numbers: those that suit their size."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.foundation.units import file_unit, scale_and_offset
-from lightflyer.sweeps.explore import unit_of
+from lightflyer.foundation.units import dataset_unit, file_unit, scale_and_offset
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,6 +24,12 @@ _SCALES = {
     "degree": ((0.0, 1.0, "°"),),
 }
 """By the unit of a dataset: from which largest value on, which factor leads to which unit."""
+
+
+def unit_of(array: "xr.DataArray") -> str:
+    """Units of an array, empty for a pure number."""
+    unit = str(array.attrs.get("units", ""))
+    return "" if unit == "1" else unit
 
 
 def scale_and_label(array: "xr.DataArray") -> tuple[float, str]:
@@ -49,6 +54,57 @@ def scale_and_label(array: "xr.DataArray") -> tuple[float, str]:
         factor = 1.0
     words = str(array.attrs.get("long_name", name))
     return factor, f"{words} [{unit}]" if unit else words
+
+
+def suitable(unit: str, values: Any) -> tuple[float, str]:
+    """Factor and unit that suit some values.
+
+    Parameters
+    ----------
+    unit : str
+        SI unit, in the spelling of flyer files or of datasets.
+    values : array, shape (...)
+        In this unit; what is not finite does not count.
+
+    Returns
+    -------
+    factor : float
+        From the SI unit.
+    unit : str
+
+    Examples
+    --------
+    >>> suitable("kg", 1.5e-7)
+    (1000000.0, 'mg')
+    """
+    spelled = dataset_unit(unit)
+    if spelled in _SCALES:
+        return _shown(spelled, np.asarray(values, float))
+    return 1.0, file_unit(unit).replace("^2", "²").replace("^3", "³")
+
+
+def amount(value: float, unit: str, digits: int = 6) -> str:
+    """A number with the unit that suits it.
+
+    Parameters
+    ----------
+    value : float
+    unit : str
+        SI unit.
+    digits : int
+        Significant digits.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> amount(72116.2, "m", digits=5)
+    '72.116 km'
+    """
+    factor, shown = suitable(unit, value)
+    return f"{value * factor:.{digits}g} {shown}".rstrip()
 
 
 def _shown(unit: str, values: np.ndarray) -> tuple[float, str]:

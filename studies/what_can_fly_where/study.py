@@ -13,6 +13,7 @@ import numpy as np
 from kinds import KINDS, SMALLEST
 
 import lightflyer as lf
+from lightflyer.flight.loads import buoyancy
 from lightflyer.flight.outputs import evaluate
 from lightflyer.foundation.files import output_directory
 from lightflyer.search.objectives import ObjectiveFunction
@@ -187,7 +188,8 @@ def buoyancy_share(setup, altitude):
     state = setup.environment.state(altitude)
     balance = lf.equilibrium(setup.flyer, state, setup.model)
     lift = lf.lift(setup.flyer, state, setup.model)
-    return float(f"{float(setup.flyer.buoyancy(state, balance.unknowns) / lift):.4g}")
+    warm = buoyancy(setup.flyer, state, setup.model, balance.unknowns)
+    return float(f"{float(warm / lift):.4g}")
 
 
 def fingerprint(kind):

@@ -51,7 +51,7 @@ class Axis(eqx.Module):
         window = min(_ORDER, reach.size)
         pieces = np.arange(max(reach.size - 1, 1))
         first = np.clip(pieces - 1, 0, reach.size - window)
-        powers = np.array([_piece(reach, piece, window) for piece in pieces])
+        powers = np.array([_piece(reach, int(piece), window) for piece in pieces])
         if period is not None:
             own = slice(1, nodes.size + 1)
             first, powers = (first[own] - 1) % nodes.size, powers[own]

@@ -27,8 +27,11 @@ _SPACING = 500.0
 # First and last column of pymsis that hold number densities, and its temperature column.
 _FIRST_SPECIES, _LAST_SPECIES, _MASS_DENSITY, _TEMPERATURE = 1, 9, 0, 10
 
-_KINDS = (SolarFlux, GeomagneticIndex, Latitude, Longitude)
-_SOLAR_FLUX, _GEOMAGNETIC_INDEX, _LATITUDE, _LONGITUDE = map(quantity_of, _KINDS)
+
+def _check(name: str, value: float, kind: Any) -> None:
+    quantity = quantity_of(kind)
+    if quantity is not None:
+        quantity.check(name, value)
 
 
 class Indices(NamedTuple):
@@ -52,9 +55,9 @@ class Indices(NamedTuple):
     def of(cls, f107: float, f107a: float | None, ap: float) -> "Indices":
         """Checked indices; a mean that is None is taken for that of the day."""
         f107a = f107 if f107a is None else f107a
-        _SOLAR_FLUX.check("f107", f107)
-        _SOLAR_FLUX.check("f107a", f107a)
-        _GEOMAGNETIC_INDEX.check("ap", ap)
+        _check("f107", f107, SolarFlux)
+        _check("f107a", f107a, SolarFlux)
+        _check("ap", ap, GeomagneticIndex)
         return cls(f107, f107a, ap)
 
 
@@ -158,8 +161,8 @@ class NRLMSIS(AbstractAtmosphere):
         ap: float,
         f107a: float | None = None,
     ):
-        _LATITUDE.check("latitude", latitude)
-        _LONGITUDE.check("longitude", longitude)
+        _check("latitude", latitude, Latitude)
+        _check("longitude", longitude, Longitude)
         indices = Indices.of(f107, f107a, ap)
         if date.tzinfo is not None:
             date = date.astimezone(datetime.UTC)

@@ -79,7 +79,7 @@ def open_dataset(path: str | Path) -> Any:
         with xarray.open_dataset(path) as dataset:
             return dataset.load()
     except (OSError, ValueError) as error:
-        reason = str(error).partition("\n")[0]
+        reason = getattr(error, "strerror", None) or "xarray knows no way to open it"
         raise ConfigurationError(f"{path}: cannot be read as NetCDF: {reason}") from None
 
 

@@ -35,7 +35,7 @@ class GriddedWind(AbstractWind):
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : xarray.Dataset or WindGrid
         Variables ``u`` and ``v``, the wind towards east and north, and if there is one ``w``, the
         wind upwards, each with ``units`` that convert to m/s. Dimensions: ``latitude`` and
         ``longitude`` in degrees; ``altitude`` (geometric, above sea level) or ``pressure``, with
@@ -77,7 +77,7 @@ class GriddedWind(AbstractWind):
     rises: bool = eqx.field(static=True)
 
     def __init__(self, dataset: Any, atmosphere: AbstractAtmosphere | None = None):
-        grid = read_grid(dataset)
+        grid = dataset if isinstance(dataset, WindGrid) else read_grid(dataset)
         if grid.by_pressure and atmosphere is None:
             raise ConfigurationError(
                 "winds: on pressure levels need an atmosphere, which knows their altitudes"
@@ -88,18 +88,20 @@ class GriddedWind(AbstractWind):
         low, high = grid.latitude[0], grid.latitude[-1]
         nodes = grid.latitude
         if grid.around:
-            spacing = float(np.diff(nodes).max()) * 1.01
-            if -np.pi / 2 > low - spacing:
-                table, nodes, low = *_over_south_pole(table, nodes), -np.pi / 2
-            if np.pi / 2 < high + spacing:
+            near_pole = 0.5 * np.pi - 1.01 * float(np.diff(nodes).max(initial=0.0))
+            if low < -near_pole:
+                (table, nodes), low = _over_south_pole(table, nodes), -0.5 * np.pi
+            if high > near_pole:
                 turned, mirrored = _over_south_pole(table[:, :, ::-1], -nodes[::-1])
-                table, nodes, high = turned[:, :, ::-1], -mirrored[::-1], np.pi / 2
+                table, nodes, high = turned[:, :, ::-1], -mirrored[::-1], 0.5 * np.pi
         self.table = table
         around = _TURN if grid.around else None
         self.axes = (Axis(grid.time), Axis(grid.level), Axis(nodes), Axis(grid.longitude, around))
-        ends = [(float(values[0]), float(values[-1])) for values in (grid.time, grid.level)]
-        west, east = float(grid.longitude[0]), float(grid.longitude[-1])
-        self.reaches = (*ends, (float(low), float(high)), (west, east))
+        time, level, longitude = (
+            (float(values[0]), float(values[-1]))
+            for values in (grid.time, grid.level, grid.longitude)
+        )
+        self.reaches = (time, level, (float(low), float(high)), longitude)
 
     @classmethod
     def from_file(
@@ -184,7 +186,8 @@ def _over_south_pole(table: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarra
         table[:, :, 0] = table[:, :, 0].mean(axis=2, keepdims=True)
     count = table.shape[3]
     rows = table[:, :, int(at_pole) :][:, :, :2]
-    behind = 0.5 * sum(np.roll(rows, turn, axis=3) for turn in (count // 2, (count + 1) // 2))
+    half, other_half = count // 2, (count + 1) // 2
+    behind = 0.5 * (np.roll(rows, half, axis=3) + np.roll(rows, other_half, axis=3))
     nodes = -np.pi - latitude[int(at_pole) :][:2]
     return np.concatenate([behind[:, :, ::-1], table], axis=2), np.append(nodes[::-1], latitude)
 

@@ -26,7 +26,7 @@ class UniformWind(Checked, AbstractWind):
     --------
     >>> wind = UniformWind(east="-60 m/s", up=0.05)
     >>> print(wind.describe()[0])
-    wind: -60 m/s east, 0 m/s north, 0.05 m/s up, everywhere
+    wind: -60 m/s east, 0.05 m/s up, everywhere
     """
 
     east: Velocity = 0.0
@@ -39,13 +39,9 @@ class UniformWind(Checked, AbstractWind):
 
     def describe(self) -> tuple[str, ...]:
         """See :meth:`AbstractWind.describe`."""
-        parts = (self.east, self.north, self.up)
-        if not np.any(np.concatenate([np.ravel(part) for part in parts])):
-            return ("wind: none",)
-        return (
-            f"wind: {span(self.east)} m/s east, {span(self.north)} m/s north, "
-            f"{span(self.up)} m/s up, everywhere",
-        )
+        parts = {"east": self.east, "north": self.north, "up": self.up}
+        told = [f"{span(part)} m/s {name}" for name, part in parts.items() if np.any(part)]
+        return (f"wind: {', '.join(told)}, everywhere" if told else "wind: none",)
 
 
 class SumOfWinds(AbstractWind):

@@ -1,0 +1,175 @@
+"""``[environment.wind]`` of a flyer file; each kind of wind is an alternative."""
+
+import abc
+from collections.abc import Mapping
+from functools import cache, reduce
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+import pydantic
+from pydantic import Discriminator, Tag, ValidationInfo
+
+from lightflyer.environment.atmosphere.base import AbstractAtmosphere
+from lightflyer.environment.atmosphere.global_nrlmsis import GlobalNRLMSIS
+from lightflyer.environment.atmosphere.nrlmsis import Indices
+from lightflyer.environment.wind.base import AbstractWind
+from lightflyer.environment.wind.dataset import WindGrid, open_dataset, read_grid
+from lightflyer.environment.wind.gradient import GradientWind
+from lightflyer.environment.wind.gridded import GriddedWind
+from lightflyer.environment.wind.uniform import SumOfWinds, UniformWind
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.quantity import GeomagneticIndex, SolarFlux, Velocity
+from lightflyer.foundation.section import Alternative
+from lightflyer.foundation.toml_file import FOLDER
+from lightflyer.foundation.units import Measured
+
+_NO_ACTIVITY = (
+    "the gradient wind is that of NRLMSIS: give wind.f107 and wind.ap, or an atmosphere with them"
+)
+_TABLE = "decides the wind's whole table; give each activity a study of its own"
+
+
+class WindSection(Alternative, abc.ABC):
+    """``[environment.wind]``: a kind of wind, and a wind upwards on top of it."""
+
+    choosing_keys: ClassVar[tuple[tuple[str, str], ...]] = (("kind", "uniform"),)
+
+    up: Velocity = Measured(0.0)
+
+    @abc.abstractmethod
+    def build_horizontal(
+        self, atmosphere: AbstractAtmosphere, indices: Indices | None
+    ) -> AbstractWind:
+        """The wind of this kind, in an atmosphere and for its activity where it states one."""
+
+    def require(self, indices: Indices | None) -> None:
+        """Raise :class:`ConfigurationError` where the wind lacks an activity of the sun.
+
+        Parameters
+        ----------
+        indices : Indices or None
+            Activity that the file states for the atmosphere.
+        """
+
+    def build(self, atmosphere: AbstractAtmosphere, indices: Indices | None) -> AbstractWind:
+        """The wind.
+
+        Parameters
+        ----------
+        atmosphere : AbstractAtmosphere
+            That the wind blows in.
+        indices : Indices or None
+            Activity that the file states for the atmosphere.
+
+        Returns
+        -------
+        AbstractWind
+        """
+        horizontal = self.build_horizontal(atmosphere, indices)
+        upwards = UniformWind(up=self.up.value)
+        return SumOfWinds(horizontal, upwards) if "up" in self.model_fields_set else horizontal
+
+
+class UniformWindSection(WindSection):
+    """The same wind everywhere."""
+
+    kind: Literal["uniform"] = "uniform"
+    east: Velocity = Measured(0.0)
+    north: Velocity = Measured(0.0)
+
+    def build_horizontal(
+        self,
+        atmosphere: AbstractAtmosphere,  # noqa: ARG002
+        indices: Indices | None,  # noqa: ARG002
+    ) -> AbstractWind:
+        """A uniform wind."""
+        return UniformWind(east=self.east.value, north=self.north.value)
+
+
+class GradientWindSection(WindSection):
+    """The gradient wind of NRLMSIS, with the activity of the atmosphere if that has one."""
+
+    not_varied: ClassVar[Mapping[str, str]] = dict.fromkeys(("f107", "f107a", "ap"), _TABLE)
+
+    kind: Literal["gradient"]
+    f107: SolarFlux | None = None
+    f107a: SolarFlux | None = None
+    ap: GeomagneticIndex | None = None
+
+    def build_horizontal(
+        self,
+        atmosphere: AbstractAtmosphere,  # noqa: ARG002
+        indices: Indices | None,
+    ) -> AbstractWind:
+        """A gradient wind."""
+        given = self.indices or indices
+        if given is None:
+            raise ConfigurationError(_NO_ACTIVITY)
+        return GradientWind(GlobalNRLMSIS(**given._asdict()))
+
+    def require(self, indices: Indices | None) -> None:
+        """See :meth:`WindSection.require`."""
+        if self.indices is None and indices is None:
+            raise ConfigurationError(_NO_ACTIVITY)
+
+    @property
+    def indices(self) -> Indices | None:
+        """The section's own activity."""
+        if self.f107 is None or self.ap is None:
+            return None
+        mean = None if self.f107a is None else self.f107a.value
+        return Indices.of(self.f107.value, mean, self.ap.value)
+
+    @pydantic.model_validator(mode="after")
+    def _together(self) -> "GradientWindSection":
+        if (self.f107 is None) != (self.ap is None) or (self.f107a and not self.f107):
+            raise ConfigurationError("the activity of the sun needs both f107 and ap")
+        return self
+
+
+class DataWindSection(WindSection):
+    """Wind from a NetCDF file."""
+
+    kind: Literal["data"]
+    file: str
+
+    @pydantic.field_validator("file")
+    @classmethod
+    def _usable(cls, name: str, info: ValidationInfo) -> str:
+        folder = (info.context or {}).get(FOLDER)
+        path = str(Path(folder, name)) if folder else name
+        _grid(path)  # raises here, where the line of the flyer file is known
+        return path
+
+    def build_horizontal(
+        self,
+        atmosphere: AbstractAtmosphere,
+        indices: Indices | None,  # noqa: ARG002
+    ) -> AbstractWind:
+        """Wind from the file."""
+        return GriddedWind(_grid(self.file), atmosphere)
+
+
+def _grid(path: str) -> WindGrid:
+    try:
+        changed = Path(path).stat().st_mtime_ns
+    except OSError as error:
+        raise ConfigurationError(f"cannot be read: {error.strerror}") from None
+    return _grid_of(path, changed)
+
+
+@cache
+def _grid_of(path: str, changed: int) -> WindGrid:  # noqa: ARG001
+    return read_grid(open_dataset(path))
+
+
+def _any(sections: list[Any]) -> Any:
+    return Annotated[
+        reduce(lambda one, other: one | other, sections), Discriminator(WindSection.tag_of)
+    ]
+
+
+AnyWindSection: Any = _any(
+    [Annotated[kind, Tag(tag)] for tag, kind in WindSection.alternatives.items()]
+)
+"""Any section of a wind."""

@@ -2,19 +2,18 @@
 
 import gc
 import json
-import math
 import threading
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 from rich.console import Console
-from rich.measure import Measurement
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.options import Json, Samples, Seed
 from lightflyer.cli.output import print_json, printer, write_json
+from lightflyer.cli.prediction_tables import NARROW, measure, show_flyer, show_results
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -32,10 +31,10 @@ def predict_command(
     *,
     out: Path | None = None,
     at: str | None = None,
-    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    json_output: Json = False,
     csv: Annotated[bool, Parameter(negative=())] = False,
-    samples: int = 500,
-    seed: int = 0,
+    samples: Samples = 500,
+    seed: Seed = 0,
     figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Predict where a flyer levitates, what it carries and how hot it gets.
@@ -129,7 +128,7 @@ def _asked(at: str | None, where: "Coordinate") -> list[float] | None:
 
 def _film_origins(file: "FlyerFile") -> dict[str, Any]:
     """Origin of the properties of each film of layers, by the film's name in the file."""
-    incidence = math.radians(file.environment.incidence.value)
+    incidence = float(file.environment.light_incidence)
     return {
         name: film.report(incidence, passing=file.flyer.needs_transmittance)
         for name, film in file.films().items()
@@ -179,17 +178,10 @@ def _write(
 def _show(
     console: Console, file: "FlyerFile", prediction: "Prediction", summary: dict[str, Any]
 ) -> None:
-    flyer = prediction.setup.flyer
-    own_mass, payload = _mass(float(flyer.own_mass)), _mass(float(flyer.payload), "g")
-    console.print(f"{flyer.describe()}, {own_mass}, payload {payload}")
-    console.print("; ".join(prediction.assumptions), soft_wrap=True)
+    show_flyer(console, prediction)
     for name in filter(summary.__contains__, file.films()):
         console.print(_origins_line(name, summary[name]), soft_wrap=True)
-    console.print(_results(prediction, summary))
-    for table in _points_tables(prediction):
-        console.print(table)
-    for text in prediction.warnings:
-        console.print(f"warning: {text}", soft_wrap=True)
+    show_results(console, prediction)
     if "uncertainty" in summary:
         _show_bands(console, summary["uncertainty"])
     elif file.uncertainties():
@@ -200,7 +192,7 @@ def _show(
 def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
     """The 95 % bands of all results but those asked for one by one."""
     table = _bands_table(uncertainty["results"], shares=True)
-    fits = _measure(table).maximum <= _NARROW
+    fits = measure(table).maximum <= NARROW
     console.print(table if fits else _bands_table(uncertainty["results"], shares=False))
     correlation = uncertainty["tac_correlation"]
     note = "" if correlation is None else f", TAC errors correlated by {correlation:g}"
@@ -234,11 +226,6 @@ def _bands_table(results: dict[str, Any], *, shares: bool) -> Table:
     return table
 
 
-def _measure(table: Table) -> Measurement:
-    """Width of a table on an unbounded terminal."""
-    return Measurement.get(_UNBOUNDED, _UNBOUNDED.options, table)
-
-
 def _span(band: dict[str, Any] | None) -> str:
     if band is None:
         return "–"
@@ -268,133 +255,3 @@ def _film_value(value: float | dict[str, float]) -> str:
         return f"{value:.4g}"
     ends = list(value.items())
     return " to ".join(f"{number:.3g} at {kelvin} K" for kelvin, number in (ends[0], ends[-1]))
-
-
-def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
-    """Lines on where it levitates, with how much light, and what it carries."""
-    where, light = prediction.coordinate, prediction.available
-    key, factor = prediction.coordinate_key
-    unit, digits = where.shown_unit, ".3g" if where.logarithmic else ".2f"
-    best, easiest = prediction.best, prediction.easiest
-    rows = Table.grid(padding=(0, 2))
-    if not prediction.bands:
-        lift = round(float(best.values["lift_over_weight"]), 2) + 0.0  # and never -0.00
-        shortfall = f"lift is at most {lift:.2f} of its weight, at "
-        shortfall += f"{best.coordinate * factor:{digits}} {unit}"
-        rows.add_row("levitates", f"nowhere at {light:g} W/m²: {shortfall}")
-    else:
-        edge = ".4g" if where.logarithmic else ".3f"
-        bands = summary[f"{where.name}_bands{key.removeprefix(where.name)}"]
-        shown = ", ".join(f"{low:{edge}} {unit} to {high:{edge}} {unit}" for low, high in bands)
-        rows.add_row("levitates", shown + _pressures(prediction, summary, len(bands)))
-    if easiest is None:
-        rows.add_row("least irradiance", f"none: no irradiance lifts it at any {where.name}")
-    else:
-        rows.add_row(
-            "least irradiance",
-            f"{easiest.values['levitation_irradiance']:.1f} W/m² at "
-            f"{easiest.coordinate * factor:{digits}} {unit} "
-            f"({easiest.values['levitation_temperature']:.1f} K)",
-        )
-    place = f"at {best.coordinate * factor:{digits}} {unit} ({best.values['temperature']:.1f} K)"
-    rows.add_row("best payload", _payload(best.values, place))
-    return rows
-
-
-def _pressures(prediction: "Prediction", summary: dict[str, Any], bands: int) -> str:
-    """Pressures of the widest band, where the coordinate is another."""
-    if prediction.coordinate.name == "pressure":
-        return ""
-    low, high = summary["pressure_band_pa"]
-    return f" ({'widest at ' if bands > 1 else ''}{low:.3g} Pa to {high:.3g} Pa)"
-
-
-def _mass(kilograms: float, form: str = ".4g") -> str:
-    """A mass with a unit that suits it."""
-    from lightflyer.flight.outputs import OUTPUTS
-
-    factor, unit = OUTPUTS["own_mass"].shown_for(kilograms)
-    return f"{kilograms * factor:{form}} {unit}"
-
-
-def _payload(best: dict[str, float], place: str) -> str:
-    payload = best["payload"]
-    if payload < 0.0:
-        return f"none: {_mass(-payload)} short of lifting itself {place}"
-    return f"{_mass(payload)}, {best['relative_payload']:.3g} of its own mass, {place}"
-
-
-# Heading and format of the columns that every flyer has.
-_COLUMNS = {
-    "pressure": ("pressure\n[Pa]", ".4g"),
-    "gas_temperature": ("gas\n[K]", ".1f"),
-    "levitation_irradiance": ("to levitate\n[W/m²]", ".1f"),
-    "levitation_temperature": ("then\n[K]", ".1f"),
-    "temperature": ("in the light\n[K]", ".1f"),
-    "lift": ("lift\n[{}]", ".4g"),
-    "lift_over_weight": ("lift /\nweight", ".3f"),
-}
-_NODE = ("of the {}\n[K]", ".1f")  # a temperature of one part of the flyer
-_ROOMY = 8  # columns that fit a terminal of 80 characters with two spaces between them
-_NARROW = 80  # columns of a narrow terminal
-_UNBOUNDED = printer(width=1000)  # on which tables are measured
-_OWN = 5  # results of the flyer's or the force model's own that fit beside the coordinate
-
-
-def _points_tables(prediction: "Prediction") -> Iterator[Table]:
-    """Tables of the results at each coordinate asked for, those that every flyer has first."""
-    from lightflyer.flight.outputs import node_outputs
-
-    if not prediction.asked.size:
-        return
-    nodes = {
-        name: (_NODE[0].format(name.removeprefix("temperature_").replace("_", " ")), _NODE[1])
-        for name in node_outputs(prediction.setup.flyer)
-    }
-    names = prediction.point_names
-    first = [name for name in names if name in _COLUMNS or name in nodes]
-    table = _points_table(prediction, {name: (_COLUMNS | nodes)[name] for name in first})
-    if _measure(table).minimum > _NARROW:
-        first = [name for name in names if name in _COLUMNS]
-        table = _points_table(prediction, {name: _COLUMNS[name] for name in first})
-    yield table
-    rest = [name for name in names if name not in first]
-    headings = {name: nodes.get(name, (_own_heading(prediction, name), ".4g")) for name in rest}
-    for start in range(0, len(rest), _OWN):
-        part = rest[start : start + _OWN]
-        yield _points_table(prediction, {name: headings[name] for name in part})
-
-
-def _own_heading(prediction: "Prediction", name: str) -> str:
-    from lightflyer.flight.outputs import outputs_of
-
-    words, known = name.replace("_", " "), outputs_of(prediction.setup)[name]
-    return f"{words}\n[{{}}]" if known.shown[1] else words
-
-
-def _points_table(prediction: "Prediction", headings: dict[str, tuple[str, str]]) -> Table:
-    """Table of some results, each with its heading and format."""
-    from lightflyer.flight.outputs import outputs_of
-
-    where, (_, factor) = prediction.coordinate, prediction.coordinate_key
-    known = outputs_of(prediction.setup)
-    columns = {
-        f"{where.name}\n[{where.shown_unit}]": [f"{x * factor:.6g}" for x in prediction.asked]
-    }
-    for name, (heading, form) in headings.items():
-        values = prediction.at[name]
-        scale, unit = known[name].shown_for(values)
-        title = heading.format(unit.replace("^2", "²"))
-        columns[title] = [_cell(value * scale, form) for value in values]
-    table = Table(box=None, padding=(0, 1), collapse_padding=len(columns) > _ROOMY, pad_edge=False)
-    for heading, cells in columns.items():
-        # headings may wrap between words, numbers never
-        words = max(map(len, [*heading.split(), *cells]))
-        table.add_column(heading, justify="right", min_width=words)
-    for row in zip(*columns.values(), strict=True):
-        table.add_row(*row)
-    return table
-
-
-def _cell(value: float, form: str) -> str:
-    return format(value, form) if math.isfinite(value) else "–"

@@ -18,7 +18,7 @@ from lightflyer.flight.setup import Setup
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.quantity import RADIANS_PER_DEGREE, Quantity
+from lightflyer.foundation.quantity import Quantity
 from lightflyer.foundation.section import Alternative, Section, alternative_tags
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
@@ -29,7 +29,6 @@ PARTS = ("flyer", "film", "environment", "force")
 """Sections whose numbers describe a design."""
 
 _ANY_MODEL = "lu2023"  # where the flyer is unknown: the error about that comes first
-_INCIDENCE = "environment.incidence"
 
 
 def _union(base: type[Alternative]) -> Any:
@@ -226,7 +225,7 @@ def build(parts: Mapping[str, Any]) -> Setup:
     Setup
     """
     environment = parts["environment"]
-    incidence = environment.incidence.value * RADIANS_PER_DEGREE
+    incidence = environment.light_incidence
     film, flyer = parts.get("film"), parts["flyer"]
     passing = flyer.needs_transmittance
     properties = None if film is None else film.build(incidence, passing=passing)
@@ -343,17 +342,18 @@ class FileDesign(AbstractDesign):
 
     @property
     def _incidence(self) -> float:
-        return float(self.file.environment.incidence.value) * RADIANS_PER_DEGREE
+        return float(self.file.environment.light_incidence)
 
     def costly(self, names: list[str]) -> list[str]:
         """See :meth:`AbstractDesign.costly`: what changes the optics of layers."""
         films = self.file.films()
+        directions = [f"environment.{key}" for key in self.file.environment.incidence_keys]
         return [
             name
             for name in names
             if any(
                 film.changes_optics(
-                    "incidence" if name == _INCIDENCE else _within(own, name),
+                    "incidence" if name in directions else _within(own, name),
                     passing=self._passing,
                 )
                 for own, film in films.items()
@@ -363,7 +363,7 @@ class FileDesign(AbstractDesign):
     def prepare(self, values: Mapping[str, float]) -> Any:
         """See :meth:`AbstractDesign.prepare`: properties of the films of layers, by their name."""
         parts = self._replaced(values)
-        incidence = parts["environment"].incidence.value * RADIANS_PER_DEGREE
+        incidence = parts["environment"].light_incidence
         return {
             name: _part_at(parts, name).build(incidence, passing=self._passing)
             for name, film in self.file.films().items()

@@ -7,12 +7,14 @@ from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
 import equinox as eqx
+import numpy as np
 import pydantic
 
-from lightflyer.environment.altitude import AltitudeSection, altitude_coordinate
+from lightflyer.environment.altitude import altitude_coordinate
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
+from lightflyer.environment.atmosphere.global_nrlmsis import GlobalNRLMSIS
 from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
-from lightflyer.environment.atmosphere.nrlmsis import NRLMSIS
+from lightflyer.environment.atmosphere.nrlmsis import NRLMSIS, Indices
 from lightflyer.environment.atmosphere.us1976 import US1976
 from lightflyer.environment.base import (
     AbstractEnvironment,
@@ -28,8 +30,10 @@ from lightflyer.environment.radiation import (
     Radiation,
     sunlight,
 )
-from lightflyer.environment.sky import VIEW_OF_PLANET, AbstractSky
+from lightflyer.environment.sky import VIEW_OF_PLANET, AbstractSky, describe_shadow
+from lightflyer.environment.sky_section import SkySection
 from lightflyer.environment.wind.base import AbstractWind
+from lightflyer.environment.wind.section import AnyWindSection
 from lightflyer.foundation import constants
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ConfigurationError
@@ -55,6 +59,7 @@ HIGHEST_SEARCHED = 150e3
 DEFAULT_ALTITUDES = tuple(1e3 * kilometres for kilometres in range(50, 101, 5))
 """Altitudes reported one by one where none are asked for [m]: the mesosphere."""
 
+_SHADOW_STEPS = 1501  # of the altitudes searched, in which the shadow's edge is looked for
 _TABLE = "decides the atmosphere's whole table; give each {} a study of its own"
 
 
@@ -86,10 +91,10 @@ class Earth(AbstractEnvironment):
     wind : AbstractWind or None
         Wind where a place is given; None for gas at rest.
     sky : AbstractSky or None
-        Light and heat radiation where a place is given; None leaves them to ``radiation``.
+        Light and heat radiation by date and place; None leaves them to ``radiation``.
     place : Place or None
-        Where and when, in place of none: with a sky, ``radiation`` becomes that of the place, as
-        a flyer above the horizon's shadow has it.
+        Where and when, for states whose place is not given. With a sky, ``radiation`` becomes the
+        light there in full, and of states what is left of it behind the horizon.
 
     Examples
     --------
@@ -130,7 +135,13 @@ class Earth(AbstractEnvironment):
         if self.sky is None or self.place is None:
             return told
         light, *_ = told
-        return (f"{light}, {self.place.describe()}", *self.sky.assumptions())
+        altitudes = np.linspace(*self.coordinate.searched, _SHADOW_STEPS)
+        visible = self.sky.radiation(altitudes, self.place).visible
+        return (
+            f"{light}, {self.place.describe()}",
+            *describe_shadow(altitudes, visible),
+            *self.sky.assumptions(),
+        )
 
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
         """Surroundings at an altitude.
@@ -151,10 +162,16 @@ class Earth(AbstractEnvironment):
         ------
         ParameterError
             If a concrete altitude is outside the atmosphere's range; traced ones give NaN.
+        ConfigurationError
+            If a sky or an atmosphere needs a place and there is none.
         """
         altitude = self.coordinate.quantity.number("altitude", coordinate)
         require_range("altitude [m]", altitude, *self.atmosphere.altitude_range)
         place = self.place if place is None else place
+        if place is None and self.sky is not None:
+            raise ConfigurationError(
+                "light by date and place needs a place: date, latitude, longitude"
+            )
         state = _state(self, altitude, place)
         if place is not None and self.sky is not None:
             state = replace(state, radiation=self.sky.radiation(altitude, place))
@@ -208,7 +225,7 @@ def lu2023_earth(
     )
 
 
-class EarthSection(AltitudeSection):
+class EarthSection(SkySection):
     """``[environment]``: Earth; each atmosphere is an alternative of its own."""
 
     default_gas: ClassVar[str] = AIR.name
@@ -217,6 +234,7 @@ class EarthSection(AltitudeSection):
     kind: Literal["earth"] = "earth"
     albedo: Fraction = Measured(EARTH_ALBEDO)
     surroundings: Literal["earth", "gas"] = "earth"
+    wind: AnyWindSection | None = None
 
     @pydantic.model_validator(mode="after")
     def _surroundings_matter(self) -> "EarthSection":
@@ -228,9 +246,20 @@ class EarthSection(AltitudeSection):
             )
         return self
 
+    @pydantic.model_validator(mode="after")
+    def _wind_is_complete(self) -> "EarthSection":
+        if self.wind is not None:
+            self.wind.require(self.indices)
+        return self
+
     @abc.abstractmethod
     def build_atmosphere(self) -> AbstractAtmosphere:
         """The atmosphere of this alternative."""
+
+    @property
+    def indices(self) -> Indices | None:
+        """Activity of the sun and of the geomagnetic field, where the atmosphere has it."""
+        return None
 
     @property
     def default_infrared(self) -> tuple[float | None, float | None]:
@@ -240,11 +269,15 @@ class EarthSection(AltitudeSection):
     def build(self) -> Earth:
         """Earth with this atmosphere."""
         gravity = self.default_gravity if self.gravity is None else self.gravity.value
+        atmosphere = self.build_atmosphere()
         return Earth(
-            atmosphere=self.build_atmosphere(),
+            atmosphere=atmosphere,
             gas=GASES[self.gas or self.default_gas],
             gravity=gravity,
             radiation=self.build_radiation(),
+            sky=self.build_sky(),
+            place=self.build_place(),
+            wind=None if self.wind is None else self.wind.build(atmosphere, self.indices),
         )
 
 
@@ -264,6 +297,7 @@ class Lu2023Section(EarthSection):
     default_gas: ClassVar[str] = LU2023_AIR.name
     default_gravity: ClassVar[float | None] = constants.GRAVITY_LU2023
     stefan_boltzmann: ClassVar[float] = constants.STEFAN_BOLTZMANN_LU2023
+    without_ephemeris: ClassVar[str] = '"lu2023" has the light of the paper'
 
     atmosphere: Literal["lu2023"]
     irradiance: Irradiance = Measured(constants.SOLAR_CONSTANT_LU2023)
@@ -284,6 +318,8 @@ class NrlmsisSection(EarthSection):
         **dict.fromkeys(("f107", "f107a", "ap"), _TABLE.format("activity")),
     }
 
+    place_matters: ClassVar[bool] = True
+
     atmosphere: Literal["nrlmsis"]
     date: datetime.datetime
     latitude: Latitude
@@ -292,13 +328,44 @@ class NrlmsisSection(EarthSection):
     f107a: SolarFlux | None = None
     ap: GeomagneticIndex
 
+    @property
+    def indices(self) -> Indices:
+        """See :attr:`EarthSection.indices`."""
+        return _indices_of(self)
+
     def build_atmosphere(self) -> AbstractAtmosphere:
         """NRLMSIS at the given place, time and activity."""
         return NRLMSIS(
             date=self.date,
             latitude=self.latitude.value,
             longitude=self.longitude.value,
-            f107=self.f107.value,
-            f107a=None if self.f107a is None else self.f107a.value,
-            ap=self.ap.value,
+            **self.indices._asdict(),
         )
+
+
+class GlobalNrlmsisSection(EarthSection):
+    """``[environment]``: Earth with NRLMSIS 2.1 of every place and time, for missions."""
+
+    not_varied: ClassVar[Mapping[str, str]] = {
+        **EarthSection.not_varied,
+        **dict.fromkeys(("f107", "f107a", "ap"), _TABLE.format("activity")),
+    }
+
+    atmosphere: Literal["nrlmsis-global"]
+    f107: SolarFlux
+    f107a: SolarFlux | None = None
+    ap: GeomagneticIndex
+
+    @property
+    def indices(self) -> Indices:
+        """See :attr:`EarthSection.indices`."""
+        return _indices_of(self)
+
+    def build_atmosphere(self) -> AbstractAtmosphere:
+        """NRLMSIS with the given activity."""
+        return GlobalNRLMSIS(**self.indices._asdict())
+
+
+def _indices_of(section: Any) -> Indices:
+    mean = None if section.f107a is None else section.f107a.value
+    return Indices.of(section.f107.value, mean, section.ap.value)

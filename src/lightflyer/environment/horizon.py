@@ -140,6 +140,21 @@ class Limb(Checked):
     refractivity: Refractivity = 4.4e-5
     scale_height: Length = 6.4e3
 
+    def at(self, height: Numeric) -> "Limb":
+        """The limb at another height, of the same air.
+
+        Parameters
+        ----------
+        height : array, shape (...)
+            [m].
+
+        Returns
+        -------
+        Limb
+        """
+        thinner = jnp.exp((self.height - height) / self.scale_height)
+        return Limb(height, self.refractivity * thinner, self.scale_height)
+
 
 @entry_point
 def horizon_depression(limb: Limb, altitude: Numeric, radius: Numeric) -> Array:

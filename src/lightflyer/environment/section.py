@@ -15,6 +15,7 @@ from lightflyer.foundation.quantity import (
     Irradiance,
 )
 from lightflyer.foundation.section import Alternative
+from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 from lightflyer.gas.known import GASES
 
@@ -52,6 +53,16 @@ class EnvironmentSection(Alternative, abc.ABC):
         None stands for black surroundings at the gas temperature.
         """
         return None, None
+
+    @property
+    def incidence_keys(self) -> tuple[str, ...]:
+        """Keys that decide :attr:`light_incidence`."""
+        return ("incidence",)
+
+    @property
+    def light_incidence(self) -> Numeric:
+        """Angle between the light and the vertical, 0 to π/2 [rad]."""
+        return self.incidence.value * RADIANS_PER_DEGREE
 
     def build_radiation(self) -> Radiation:
         """Light and heat radiation."""

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from lightflyer.environment.base import Place
@@ -29,6 +30,7 @@ from lightflyer.foundation.types import Numeric
 VIEW_OF_PLANET = "(R/(R+h))² at altitude h"
 """View factor of the ground, in words."""
 
+_KILOMETRE = 1e3
 _TURN = 2.0 * jnp.pi
 _PASSES = 6  # towards a sunrise; each takes off all but a few percent of what is left
 
@@ -235,11 +237,43 @@ class Daylight(AbstractSky, Checked):
             if self.infrared_above is None
             else f"{span(self.infrared_above)} W/m²"
         )
-        height = jnp.asarray(self.limb.height) / 1e3
+        height = np.asarray(self.limb.height) / _KILOMETRE
         return (
-            f"light: the sun by date and place, {span(self.irradiance)} W/m² at 1 au",
+            f"sun: by date and place, {span(self.irradiance)} W/m² at 1 au",
             f"horizon: limb of {self.planet.name} at {span(height)} km, with refraction",
             *self.ground.describe(),
             f"infrared from above: {heat}",
             f"view factor of the ground: {VIEW_OF_PLANET}",
         )
+
+
+def describe_shadow(altitudes: np.ndarray, visible: np.ndarray | None) -> tuple[str, ...]:
+    """Which altitudes the planet's shadow covers, in words.
+
+    Parameters
+    ----------
+    altitudes : array, shape (n,)
+        Increasing [m].
+    visible : array, shape (n,), or None
+        Share of the sun that is visible there [1]; None where it cannot hide.
+
+    Returns
+    -------
+    tuple of str
+        Empty where all of it is visible everywhere.
+
+    Examples
+    --------
+    >>> describe_shadow(np.array([60e3, 70e3, 80e3]), np.array([0.0, 0.4, 1.0]))
+    ('shadow: no sun up to 60.0 km, all of it from 80.0 km',)
+    """
+    if visible is None or np.all(visible >= 1.0):
+        return ()
+    dark, full = altitudes[visible <= 0.0], altitudes[visible >= 1.0]
+    if dark.size == altitudes.size:
+        return ("shadow: no sun at any altitude",)
+    parts = [f"no sun up to {dark[-1] / _KILOMETRE:.1f} km"] if dark.size else []
+    parts += (
+        [f"all of it from {full[0] / _KILOMETRE:.1f} km"] if full.size else ["nowhere all of it"]
+    )
+    return ("shadow: " + ", ".join(parts),)

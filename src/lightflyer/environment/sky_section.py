@@ -1,0 +1,122 @@
+"""Keys of ``[environment]`` that take the light from the sun's place by date and place."""
+
+import abc
+import datetime
+from typing import ClassVar, Literal
+
+import numpy as np
+import pydantic
+
+from lightflyer.environment.altitude import AltitudeSection
+from lightflyer.environment.base import Place
+from lightflyer.environment.ground import AbstractGround, Knocke1988Ground, UniformGround
+from lightflyer.environment.horizon import EARTH_LIMB
+from lightflyer.environment.sky import Daylight
+from lightflyer.environment.sun import EarthSun
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.quantity import Altitude, Latitude, Longitude
+from lightflyer.foundation.types import Numeric
+
+_PLACE = ("date", "latitude", "longitude")
+_GIVEN_LIGHT = ("irradiance", "incidence")
+_EPHEMERIS = 'sun = "ephemeris"'
+
+
+class SkySection(AltitudeSection, abc.ABC):
+    """``[environment]`` over Earth: light as given, or by the sun's ephemeris.
+
+    Without date and place, the ephemeris is for a mission, which has its own.
+    """
+
+    sun: Literal["ephemeris"] | None = None
+    date: datetime.datetime | None = None
+    latitude: Latitude | None = None
+    longitude: Longitude | None = None
+    limb_height: Altitude | None = None
+    ground: Literal["knocke1988"] | None = None
+
+    place_matters: ClassVar[bool] = False
+    """Whether date and place have an effect also without the ephemeris."""
+
+    without_ephemeris: ClassVar[str] = ""
+    """Why there is none, where there is none."""
+
+    @pydantic.model_validator(mode="after")
+    def _sun_is_complete(self) -> "SkySection":
+        if self.sun is None:
+            self._require_no_effect()
+            return self
+        if self.without_ephemeris:
+            raise ConfigurationError(f"{_EPHEMERIS} does not go here: {self.without_ephemeris}")
+        missing = [key for key in _PLACE if getattr(self, key) is None]
+        if 0 < len(missing) < len(_PLACE):
+            raise ConfigurationError(
+                f"{_EPHEMERIS} of one day and place needs {' and '.join(missing)}; without date, "
+                "latitude and longitude it is that of a mission"
+            )
+        for keys, beside in (
+            (_GIVEN_LIGHT, _EPHEMERIS),
+            (("albedo", "infrared_bottom") if self.ground else (), f'ground = "{self.ground}"'),
+        ):
+            given = [key for key in keys if key in self.model_fields_set]
+            if given:
+                raise ConfigurationError(
+                    f"{given[0]} has no effect beside {beside}; remove one of them"
+                )
+        if self.default_infrared[1] is None and self.infrared_bottom is None and not self.ground:
+            raise ConfigurationError(
+                f"{_EPHEMERIS} needs a number for the heat radiation from below: infrared_bottom"
+            )
+        return self
+
+    def _require_no_effect(self) -> None:
+        place = () if self.place_matters else _PLACE
+        for key in (*place, "limb_height", "ground"):
+            if getattr(self, key) is not None:
+                raise ConfigurationError(f"{key} has no effect without {_EPHEMERIS}")
+
+    def reason_not_varied(self, name: str) -> str | None:
+        """See :meth:`Section.reason_not_varied`: what the ephemeris decides, or does not read."""
+        by_sun = self.sun is not None
+        if name in _GIVEN_LIGHT and by_sun:
+            return "follows from date and place"
+        if name == "limb_height" and not by_sun:
+            return f"has no effect without {_EPHEMERIS}"
+        if name in ("latitude", "longitude") and self.build_place() is None:
+            return super().reason_not_varied(name) or "needs date and place"
+        if name in ("albedo", "infrared_bottom") and self.ground is not None:
+            return f'follows from ground = "{self.ground}"'
+        return super().reason_not_varied(name)
+
+    @property
+    def incidence_keys(self) -> tuple[str, ...]:
+        """See :attr:`AltitudeSection.incidence_keys`."""
+        return super().incidence_keys if self.sun is None else ("latitude", "longitude")
+
+    @property
+    def light_incidence(self) -> Numeric:
+        """See :attr:`AltitudeSection.light_incidence`: of the sun above or below."""
+        place = self.build_place()
+        if place is None:
+            return super().light_incidence
+        zenith_angle = EarthSun().seen_from(place).zenith_angle
+        return abs(zenith_angle - np.pi * (zenith_angle > 0.5 * np.pi))
+
+    def build_place(self) -> Place | None:
+        """Where and when the light is; None for light as given."""
+        if self.sun is None or self.latitude is None or self.longitude is None:
+            return None
+        return Place.at(self.date, self.latitude.value, self.longitude.value)
+
+    def build_sky(self) -> Daylight | None:
+        """The sky of the ephemeris; None for light as given."""
+        if self.sun is None:
+            return None
+        radiation = self.build_radiation()
+        ground: AbstractGround = Knocke1988Ground()
+        if self.ground is None:
+            ground = UniformGround(radiation.albedo, radiation.infrared_below)
+        limb = EARTH_LIMB
+        if self.limb_height is not None:
+            limb = EARTH_LIMB.at(self.limb_height.value)
+        return Daylight(limb=limb, ground=ground, infrared_above=radiation.infrared_above)

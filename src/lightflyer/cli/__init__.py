@@ -4,6 +4,8 @@ A command is one module here, registered by name so that it is imported only whe
 ``lightflyer --help`` must not wait for JAX.
 """
 
+import contextlib
+import os
 import sys
 import warnings
 from collections.abc import Sequence
@@ -30,6 +32,11 @@ app.command(
     "lightflyer.cli.predict:predict_command",
     name="predict",
     help="Predict where a flyer levitates, what it carries and how hot it gets.",
+)
+app.command(
+    "lightflyer.cli.fly:fly_command",
+    name="fly",
+    help="Fly a mission: where a flyer goes, whether it survives the night, what ends it.",
 )
 app.command(
     "lightflyer.cli.compare:compare_command",
@@ -114,15 +121,51 @@ def main(arguments: Sequence[str] | None = None) -> None:
         with working(next(iter(given), app.name[0])) as display, warnings.catch_warnings():
             warnings.simplefilter("always", ParameterWarning)
             warnings.showwarning = _Warnings(display)
-            app(given, exit_on_error=False)
-    except cyclopts.CycloptsError:
-        sys.exit(EXIT_FAILURE)  # cyclopts has said why
+            app(given, exit_on_error=False, print_error=False)
+            sys.stdout.flush()  # a full device says so here, not while Python ends
+    except cyclopts.CycloptsError as error:
+        _fail(f"{_one_line(error)}; see lightflyer {_help_of(given)} --help".replace("  ", " "))
     except LightflyerError as error:
-        for line in str(error).splitlines():
-            print(f"lightflyer: error: {line}", file=sys.stderr)  # noqa: T201
-        sys.exit(EXIT_FAILURE)
+        _fail(str(error))
+    except MemoryError:
+        _fail("this needs more memory than there is; ask for fewer samples or points")
     except KeyboardInterrupt:
         sys.exit(EXIT_INTERRUPTED)
     except BrokenPipeError:
         sys.stderr.close()  # whoever read the output has gone; nothing is left to say
         sys.exit(0)
+    except OSError as error:
+        where = "the output" if error.filename is None else error.filename
+        _abandon_output()
+        _fail(f"{where}: {error.strerror or error}")
+
+
+def _fail(text: str) -> None:
+    """End with a line for each mistake."""
+    for line in text.splitlines():
+        print(f"lightflyer: error: {line}", file=sys.stderr)  # noqa: T201
+    sys.exit(EXIT_FAILURE)
+
+
+def _one_line(error: cyclopts.CycloptsError) -> str:
+    """What is wrong with the options, in one line without the full stop."""
+    text = " ".join(str(error).split())
+    return text if text.endswith("...") else text.removesuffix(".")
+
+
+def _help_of(given: Sequence[str]) -> str:
+    """The command, as far as it exists, whose help says more."""
+    known = []
+    where: Any = app
+    for word in given:
+        if word.startswith("-") or word not in where:
+            break
+        known.append(word)
+        where = where[word]
+    return " ".join(known)
+
+
+def _abandon_output() -> None:
+    """Let Python end without trying to write again what could not be written."""
+    with contextlib.suppress(OSError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

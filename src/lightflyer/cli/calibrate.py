@@ -12,6 +12,7 @@ from rich.table import Table
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.lab._points import open_interval_text
 from lightflyer.cli.lab._shared import optional_share, quantity, show_warnings
+from lightflyer.cli.options import Json, Samples, Seed
 from lightflyer.cli.output import print_json, printer, write_json
 
 if TYPE_CHECKING:
@@ -33,9 +34,9 @@ def calibrate_command(
     keep_ground_effect: Annotated[bool, Parameter(negative=())] = False,
     out: Path | None = None,
     posterior: Annotated[bool, Parameter(negative=())] = False,
-    samples: int = 2000,
-    seed: int = 0,
-    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    samples: Samples = 2000,
+    seed: Seed = 0,
+    json_output: Json = False,
     figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Fit force coefficients and film properties to measured levitation points.

@@ -1,13 +1,13 @@
 """``lightflyer compare``: several flyers side by side."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.options import Json, Samples, Seed
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.foundation.errors import ConfigurationError
 
@@ -22,9 +22,9 @@ def compare_command(
     altitudes: str | None = None,
     pressures: str | None = None,
     out: Path | None = None,
-    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
-    samples: int = 500,
-    seed: int = 0,
+    json_output: Json = False,
+    samples: Samples = 500,
+    seed: Seed = 0,
     figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Compare flyers: payload, lift and temperature side by side, each in its own surroundings.

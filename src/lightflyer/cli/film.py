@@ -3,13 +3,13 @@
 import gc
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.foundation.errors import ConfigurationError
 
@@ -30,7 +30,7 @@ def film_command(
     out: Path | None = None,
     temperatures: str = _TEMPERATURES,
     at: str | None = None,
-    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    json_output: Json = False,
     figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Compute absorptance, transmittance, emittance and areal density of a film from its layers.

@@ -5,12 +5,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from cyclopts import Parameter
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.progress import report
@@ -32,7 +32,7 @@ def kinetic_command(
     gas: Literal["monatomic", "diatomic"] = "monatomic",
     boundary: float | None = None,
     out: Path | None = None,
-    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    json_output: Json = False,
     figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Solve the kinetic equation around a hot thin disk, or one with holes.

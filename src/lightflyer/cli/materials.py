@@ -1,16 +1,14 @@
 """``lightflyer materials``: the library of materials for layers."""
 
-from typing import Annotated, Any
+from typing import Any
 
-from cyclopts import Parameter
 from rich.table import Table
 
+from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer
 
 
-def materials_command(
-    *, json_output: Annotated[bool, Parameter(name="--json", negative=())] = False
-) -> None:
+def materials_command(*, json_output: Json = False) -> None:
     """List the materials for layers, with wavelength range, density and source.
 
     Parameters

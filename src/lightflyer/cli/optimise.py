@@ -1,13 +1,13 @@
 """``lightflyer optimise``: the best design of a study."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.cli.prediction_tables import show_flyer, show_results
 from lightflyer.foundation.errors import ConfigurationError
@@ -27,7 +27,7 @@ def optimise_command(
     *,
     out: Path | None = None,
     write: Path | None = None,
-    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    json_output: Json = False,
     figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Find the best design within bounds and constraints.

@@ -2,13 +2,13 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, write_json
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ def sensitivity_command(
     /,
     *,
     out: Path | None = None,
-    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    json_output: Json = False,
     figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Rank uncertain properties by their effect, and say what to measure next.

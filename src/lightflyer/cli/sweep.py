@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from lightflyer.cli.amounts import duration, in_words, with_prefix
+from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 
@@ -30,7 +31,7 @@ def sweep_command(
     workers: int | None = None,
     chunk: int | None = None,
     yes: Annotated[bool, Parameter(negative=())] = False,
-    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    json_output: Json = False,
 ) -> None:
     """Compute every design of a study into a folder; the same command continues an interrupted one.
 

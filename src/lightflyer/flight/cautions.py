@@ -58,6 +58,7 @@ def cautions_in(setup: Setup, state: EnvironmentState, temperature: Numeric) -> 
         See :func:`cautions`.
     """
     return (
+        *_of_walls(setup, state),
         *setup.model.caveats(setup.flyer, state, temperature),
         *setup.flyer.caveats(state, temperature),
         *_of_gas(state, temperature),
@@ -110,6 +111,14 @@ def cautions_of_design(design: AbstractDesign, values: Mapping[str, float]) -> t
             places = np.linspace(band.lower, band.upper, _LOOKS)
     found = cautions_at(setup, places) if np.size(places) else ()
     return (*design.warnings, *found)
+
+
+def _of_walls(setup: Setup, state: EnvironmentState) -> tuple[str, ...]:
+    """That walls are given and the force model knows none."""
+    if state.wall_distance is None or setup.model.feels_walls:
+        return ()
+    name = type(setup.model).__name__
+    return (f"the walls around the flyer have no effect: {name} is for open space",)
 
 
 def _of_gas(state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:

@@ -65,12 +65,16 @@ class AbstractForceModel(Checked):
     adds_buoyancy : bool
         Whether the buoyancy of the flyer adds to the force. A published force that has none, and
         was published without, keeps none.
+    feels_walls : bool
+        Whether heat loss or force depend on walls around the flyer. Where they do not, a result in
+        a chamber whose walls are given says so.
     """
 
     flyers: eqx.AbstractClassVar[tuple[type[AbstractFlyer], ...]]
     molecules: ClassVar[tuple[str, ...]] = ANY_GAS
     results: ClassVar[Mapping[str, ModelResult]] = MappingProxyType({})
     adds_buoyancy: ClassVar[bool] = True
+    feels_walls: ClassVar[bool] = True
 
     @abc.abstractmethod
     def heat_loss(

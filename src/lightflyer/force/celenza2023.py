@@ -49,6 +49,7 @@ class Celenza2023(AbstractForceModel):
     """
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (HollowBody,)
+    feels_walls: ClassVar[bool] = False
     molecules: ClassVar[tuple[str, ...]] = ("diatomic",)
     results: ClassVar[Mapping[str, ModelResult]] = FLOW_RESULTS
     adds_buoyancy: ClassVar[bool] = False

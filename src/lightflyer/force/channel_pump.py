@@ -238,6 +238,7 @@ class ChannelPump(AbstractForceModel):
     """
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Plate,)
+    feels_walls: ClassVar[bool] = False
     results: ClassVar[Mapping[str, ModelResult]] = MappingProxyType(
         {
             "flow_velocity": ModelResult(

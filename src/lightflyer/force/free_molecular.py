@@ -67,6 +67,7 @@ class FreeMolecular(AbstractForceModel):
     """
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
+    feels_walls: ClassVar[bool] = False
 
     @entry_point
     def heat_loss(
@@ -108,6 +109,7 @@ class LinearFreeMolecular(AbstractForceModel):
     """
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
+    feels_walls: ClassVar[bool] = False
 
     @entry_point
     def heat_loss(

@@ -252,6 +252,7 @@ class Lu2023(AbstractForceModel):
     """
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
+    feels_walls: ClassVar[bool] = False
 
     c_fm: Coefficient = _FITTED_C_FM
     c_cont: Coefficient = _FITTED_C_CONT

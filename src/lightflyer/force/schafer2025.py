@@ -124,6 +124,7 @@ class Schafer2025(AbstractForceModel):
     """
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Sandwich,)
+    feels_walls: ClassVar[bool] = False
 
     transmission: Transmission = eqx.field(static=True, default="aligned")
 

@@ -87,6 +87,10 @@ def read_height_map(
     elif suffix == ".gwy":
         found = _read_gwy(path, channel)
     else:
+        if channel is not None:
+            raise ConfigurationError(
+                f'{path}: channel "{channel}" has no effect: a matrix is one map; leave it out'
+            )
         found = _read_matrix(path, size, unit)
     _require_usable(found)
     return found

@@ -354,8 +354,14 @@ def _objectives(
     with errors_at(source, "optimise"):
         if not objectives:
             raise ConfigurationError("needs maximise or minimise, the name of an output")
+    seen: set[str] = set()
     for objective in objectives:
         with errors_at(source, "optimise", objective.word):
+            if objective.name in seen:
+                raise ConfigurationError(
+                    f"{objective.name} is an objective already; name each output once"
+                )
+            seen.add(objective.name)
             _check_output(design, objective.name, list(section.over))
     return objectives
 

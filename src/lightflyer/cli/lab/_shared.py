@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 Files = Annotated[list[Path], Parameter(consume_multiple=True, negative=())]
 """Input files of a command."""
 
-Json = Annotated[bool, Parameter(name="--json", negative=())]
-"""Whether to print JSON."""
-
 _SHOWN_REJECTED = 10
 
 

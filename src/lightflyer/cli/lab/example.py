@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Literal
 
+from lightflyer.cli.options import Seed
 from lightflyer.cli.output import printer
 
 
@@ -11,7 +12,7 @@ def example_command(
     /,
     *,
     out: Path = Path("."),
-    seed: int = 0,
+    seed: Seed = 0,
 ) -> None:
     """Write synthetic raw files to try a command with, each labelled as synthetic.
 

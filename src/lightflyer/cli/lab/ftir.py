@@ -10,7 +10,6 @@ from rich.table import Table
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.lab._shared import (
     Files,
-    Json,
     finish,
     optional_share,
     quantity,
@@ -19,6 +18,7 @@ from lightflyer.cli.lab._shared import (
     updating,
     write_record,
 )
+from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer
 from lightflyer.foundation.errors import ConfigurationError
 

@@ -12,7 +12,6 @@ from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.lab._points import open_interval_text
 from lightflyer.cli.lab._shared import (
     Files,
-    Json,
     finish,
     optional_share,
     quantity,
@@ -22,6 +21,7 @@ from lightflyer.cli.lab._shared import (
     updating,
     write_record,
 )
+from lightflyer.cli.options import Json, Seed
 from lightflyer.cli.output import print_json, printer
 from lightflyer.foundation.errors import ConfigurationError
 
@@ -45,7 +45,7 @@ def levitation_command(
     irradiance_accuracy: str | None = None,
     span: float = 0.75,
     draws: int = 2000,
-    seed: int = 0,
+    seed: Seed = 0,
     flyer: Path | None = None,
     calibrate: Annotated[bool, Parameter(negative=())] = False,
     keep_ground_effect: Annotated[bool, Parameter(negative=())] = False,

@@ -9,7 +9,6 @@ from rich.console import Console
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.lab._shared import (
     Files,
-    Json,
     estimate_table,
     finish,
     optional_share,
@@ -17,6 +16,7 @@ from lightflyer.cli.lab._shared import (
     show_warnings,
     write_record,
 )
+from lightflyer.cli.options import Json, Seed
 from lightflyer.cli.output import print_json, printer
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def roughness_command(
     flatten: Literal["none", "rows"] = "none",
     flatten_order: int = 0,
     height_accuracy: str | None = None,
-    seed: int = 0,
+    seed: Seed = 0,
     out: Path | None = None,
     json_output: Json = False,
     figures: FigureOptions = AS_USUAL,

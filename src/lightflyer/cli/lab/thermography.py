@@ -8,7 +8,6 @@ from rich.console import Console
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.lab._shared import (
-    Json,
     difference,
     estimate_table,
     finish,
@@ -20,6 +19,7 @@ from lightflyer.cli.lab._shared import (
     updating,
     write_record,
 )
+from lightflyer.cli.options import Json, Seed
 from lightflyer.cli.output import print_json, printer
 from lightflyer.foundation.errors import ConfigurationError
 
@@ -49,7 +49,7 @@ def thermography_command(
     regions: str | None = None,
     accuracy: str | None = None,
     draws: int = 100_000,
-    seed: int = 0,
+    seed: Seed = 0,
     out: Path | None = None,
     update: Path | None = None,
     face: Literal["top", "bottom", "both"] = "both",

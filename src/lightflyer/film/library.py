@@ -129,7 +129,7 @@ PAGES: dict[str, Entry] = {
         highest_temperature=933.0,
     ),
     "Cr": Entry(
-        "chromium, opaque: Brendel and Bormann's model of measurements",
+        "chromium: measurements from several sources, fitted by Brendel and Bormann's model",
         (Page("main", "Cr", "Rakic-BB"),),
         7150.0,
         _CRC,

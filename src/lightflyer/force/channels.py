@@ -105,7 +105,7 @@ class _Slot(ChannelShape):
     name = "slot"
     size = "width"
     viscous = 1.0 / 6.0
-    entrance = math.pi**1.5 / 16.0  # Stokes flow through a slit in a thin wall, [HappelBrenner1983]
+    entrance = math.pi**1.5 / 16.0  # Stokes flow through a slit in a thin wall, [Hasimoto1958]
 
     def coefficients(self, rarefaction: Numeric, length: Numeric | None) -> Coefficients:
         paths = (rarefaction * jnp.exp(part) for part in _slot_curves()(jnp.log(rarefaction)))

@@ -25,22 +25,21 @@ _NODES, _WEIGHTS = (
 
 @jax.custom_jvp
 def _share_above(position: Array) -> Array:
-    """Share of a unit disk beyond a straight edge at ``-position``, between -1 and 1."""
-    half_angle = jnp.arccos(-position)
+    """Share of a unit disk beyond a straight edge at ``-position`` from its centre."""
+    half_angle = jnp.arccos(-jnp.clip(position, -1.0, 1.0))
     return (half_angle - jnp.sin(half_angle) * jnp.cos(half_angle)) / jnp.pi
 
 
 @_share_above.defjvp
 def _share_above_slope(primals: tuple[Array], tangents: tuple[Array]) -> tuple[Array, Array]:
     (position,), (change,) = primals, tangents
-    chord = 2.0 * jnp.sqrt(jnp.maximum(1.0 - position**2, 0.0))
-    return _share_above(position), chord / jnp.pi * change
+    return _share_above(position), 2.0 / jnp.pi * _half_chord(position) * change
 
 
 @jax.custom_jvp
 def _mean_above(position: Array) -> Array:
-    """Mean of ``max(position + x, 0)`` over the points (x, y) of a unit disk, |position| ≤ 1."""
-    lens = (1.0 - position**2) * jnp.sqrt(jnp.maximum(1.0 - position**2, 0.0))
+    """Mean of ``max(position + x, 0)`` over the points (x, y) of a unit disk."""
+    lens = _half_chord(position) ** 3
     return position * _share_above(position) + lens * 2.0 / (3.0 * jnp.pi)
 
 
@@ -48,6 +47,12 @@ def _mean_above(position: Array) -> Array:
 def _mean_above_slope(primals: tuple[Array], tangents: tuple[Array]) -> tuple[Array, Array]:
     (position,), (change,) = primals, tangents
     return _mean_above(position), _share_above(position) * change
+
+
+def _half_chord(position: Array) -> Array:
+    square = 1.0 - position**2
+    inside = square > 0.0
+    return jnp.where(inside, jnp.sqrt(jnp.where(inside, square, 1.0)), 0.0)
 
 
 @entry_point
@@ -78,7 +83,7 @@ def visible_share(elevation: Numeric, angular_radius: Numeric) -> Array:
     >>> visible_share(np.radians([-0.3, 0.0, 0.3]), np.radians(0.267)).tolist()
     [0.0, 0.5, 1.0]
     """
-    return _share_above(jnp.clip(elevation / angular_radius, -1.0, 1.0))
+    return _share_above(elevation / angular_radius)
 
 
 @entry_point
@@ -105,9 +110,7 @@ def facing_share(cosine: Numeric, angular_radius: Numeric) -> Array:
     The disk is flat and evenly bright: off by the square of its angular radius. Twice
     continuously differentiable.
     """
-    position = cosine / angular_radius
-    inside = _mean_above(jnp.clip(position, -1.0, 1.0)) * angular_radius
-    return jnp.where(position > 1.0, cosine, jnp.where(position < -1.0, 0.0, inside))
+    return _mean_above(cosine / angular_radius) * angular_radius
 
 
 class Limb(Checked):

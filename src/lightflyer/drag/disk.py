@@ -58,7 +58,12 @@ _HOLES = Validity(
     1.0,
     "gas passes more easily than the drag takes, which is too large",
 )
-_EDGEWISE = "edgewise drag between the limits of thin and dense gas is an estimate, ±15 %"
+_EDGEWISE_SHARE = 2.5, 19.6
+"""Share of the resistance of dense gas that is met edgewise, 1 − 2.5/(δ + 19.6): at δ = 0 what the
+first collisions take (studies/drag/first_collisions.py), in dense gas the order of what slip along
+the faces takes, which grows with ln δ/δ."""
+
+_EDGEWISE = "edgewise drag between thin and dense gas is an estimate, within about 5 %"
 
 
 @entry_point
@@ -113,7 +118,8 @@ def disk_drag(
     thin = (1.0 - transmission) * free_molecular.broadside_disk(speed_ratio, mean_tac, root_ratio)
     inertia = disk_inertia(reynolds_number(speed_ratio, delta))
     dense = BROADSIDE * inertia * _growth(excess, mean_tac, delta, temperature, gas)
-    return _joined(speed_ratio, delta, pressure, radius, thin, dense, mean_tac, gas)
+    share = dense_share(delta, mean_tac, gas.molecules)
+    return pressure * speed_ratio * _joined(thin, dense, share * delta, radius)
 
 
 @entry_point
@@ -141,9 +147,8 @@ def edgewise_disk_drag(
 
     Notes
     -----
-    Exact for free molecules and in slow flow of dense gas. Between, the share :math:`b` is that of
-    the disk broadside, an estimate: slip along the faces lowers the drag by
-    :math:`\ln\delta/\delta`, which this does not follow.
+    Exact for free molecules, with their first collisions, and in slow flow of dense gas. Between,
+    :math:`b = 1 - 2.5/(\delta + 19.6)` is an estimate, within about 5 %.
 
     Examples
     --------
@@ -157,7 +162,9 @@ def edgewise_disk_drag(
     thin = (1.0 - transmission) * free_molecular.edgewise_disk(mean_tac)
     inertia = edgewise_inertia(reynolds_number(speed_ratio, delta))
     dense = EDGEWISE * inertia * _growth(excess, mean_tac, delta, temperature, gas)
-    return _joined(speed_ratio, delta, pressure, radius, thin, dense, mean_tac, gas)
+    constant, offset = _EDGEWISE_SHARE
+    share = 1.0 - constant / (delta + offset)
+    return pressure * speed_ratio * _joined(thin, dense, share * delta, radius)
 
 
 def face_means(
@@ -191,20 +198,25 @@ def _growth(
     return viscosity_growth(0.5 * (excess[0] + excess[1]), warmed, temperature, gas)
 
 
-def _joined(
-    speed_ratio: Array,
-    delta: Array,
-    pressure: Numeric,
-    radius: Numeric,
-    thin: Array,
-    dense: Array,
-    tac: Array,
-    gas: AbstractGas,
-) -> Array:
-    """Force of both resistances together; ``dense`` is over μ, radius and speed [N]."""
-    share = dense_share(delta, tac, gas.molecules)
-    resistance = 1.0 / thin + share * math.pi * delta / dense
-    return pressure * math.pi * radius**2 * speed_ratio / resistance
+def _joined(thin: Array, dense: Array, met: Array, radius: Numeric) -> Array:
+    """Force over pressure and speed ratio of both resistances together [m²].
+
+    Parameters
+    ----------
+    thin : array, shape (...)
+        Drag of free molecules over pressure, area and speed ratio [1].
+    dense : array, shape (...)
+        Drag of dense gas over viscosity, radius and speed [1].
+    met : array, shape (...)
+        Rarefaction times the share of the resistance of dense gas that is met [1].
+    radius : array, shape (...)
+        [m].
+
+    Returns
+    -------
+    array, broadcast shape
+    """
+    return math.pi * radius**2 / (1.0 / thin + math.pi * met / dense)
 
 
 def disk_caveats(

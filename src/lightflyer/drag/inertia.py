@@ -81,7 +81,8 @@ def disk_inertia(reynolds: Numeric) -> Array:
     1.1309
     6.2627
     """
-    reynolds, moving = _positive(reynolds)
+    given = jnp.asarray(reynolds)
+    reynolds, moving = _positive(given)
     position = jnp.log(reynolds)
     decimal = position / _LN_10
     constant, first, second = _DISK_LOW
@@ -94,7 +95,7 @@ def disk_inertia(reynolds: Numeric) -> Array:
     increase = math.log(_OSEEN_DISK) + position
     for joint, law in zip((_OSEEN_FROM, *_DISK_JOINTS), (low, middle, high), strict=True):
         increase = increase + _rise(position, joint) * (law - increase)
-    return jnp.where(moving, 1.0 + jnp.exp(increase), 1.0)
+    return 1.0 + jnp.where(moving, jnp.exp(increase), _OSEEN_DISK * given)
 
 
 def edgewise_inertia(reynolds: Numeric) -> Array:
@@ -127,10 +128,10 @@ def edgewise_inertia(reynolds: Numeric) -> Array:
     1.0713
     2.8059
     """
-    reynolds, moving = _positive(reynolds)
-    root = jnp.sqrt(reynolds)
-    increase = _OSEEN_EDGEWISE * reynolds / (1.0 + _OSEEN_EDGEWISE / _LAYERS * root)
-    return 1.0 + jnp.where(moving, increase, 0.0)
+    given = jnp.asarray(reynolds)
+    reynolds, moving = _positive(given)
+    slow = 1.0 + _OSEEN_EDGEWISE / _LAYERS * jnp.sqrt(reynolds)
+    return 1.0 + _OSEEN_EDGEWISE * given / jnp.where(moving, slow, 1.0)
 
 
 def sphere_inertia(reynolds: Numeric) -> Array:

@@ -18,7 +18,7 @@ SLOW = Validity(
 THIN = 0.1
 """Rarefaction up to which collisions take less than 6 % of the drag at any speed."""
 
-_FILM_SHARE = 0.6  # studies/drag/hot_sphere.py: 0.58 to 0.62 for T_w/T from 0.8 to 2.5
+_FILM_SHARE = 0.6  # studies/drag/hot_sphere.py: 0.58 to 0.64 for T_w/T from 0.8 to 2.5
 
 
 def molecular_speed(temperature: Numeric, gas: AbstractGas) -> Array:
@@ -100,7 +100,7 @@ def viscosity_growth(
     Notes
     -----
     Slow flow of gas of the density :math:`1/T` around a sphere of any temperature, solved in
-    ``studies/drag/hot_sphere.py``, has the drag of gas of this temperature to 1 % for
+    ``studies/drag/hot_sphere.py``, has the drag of gas of this temperature within 2 % for
     :math:`T_w/T` from 0.8 to 2.5. It is taken for every shape.
     """
     film = temperature * (1.0 + _FILM_SHARE * warmed * excess)

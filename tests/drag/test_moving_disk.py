@@ -1,0 +1,96 @@
+"""Drag by the kinetic equation: the solver, the table and the law of holes."""
+
+import importlib.util
+import math
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.drag import free_molecular
+from lightflyer.drag.disk_table import dense_share
+from lightflyer.foundation.errors import ParameterError
+from lightflyer.kinetic.cases import COARSE, Case, solve_case
+from lightflyer.kinetic.model_gases import DIATOMIC, MONATOMIC, GasModel
+from lightflyer.kinetic.moving import MovedDisk, moving_outcomes
+
+STUDY = Path(__file__).parents[2] / "studies" / "drag" / "study.py"
+BGK = GasModel("bgk", 1.0, 0.0, 0.0, 0.66)
+
+
+def table_says(rarefaction, tac, molecules, holes=0.0):
+    with lf.float64():
+        thin = (1.0 - holes) * float(free_molecular.broadside_disk(0.0, tac, 1.0))
+        share = float(dense_share(rarefaction, tac, molecules))
+    return 1.0 / (1.0 / thin + share * math.pi * rarefaction / 16.0)
+
+
+@pytest.fixture(scope="module")
+def solved():
+    """At a rarefaction between those of the table, where both limits count alike."""
+    cases = {
+        "solid": (MONATOMIC, MovedDisk((0.7, 0.7))),
+        "holes": (MONATOMIC, MovedDisk((0.7, 0.7), 0.5)),
+        "unlike": (MONATOMIC, MovedDisk((0.4, 1.0))),
+        "diatomic": (DIATOMIC, MovedDisk((0.7, 0.7))),
+        "bgk": (BGK, MovedDisk((0.7, 0.7))),
+    }
+    outcomes = moving_outcomes(1.2, COARSE, list(cases.values()))
+    return dict(zip(cases, outcomes, strict=True))
+
+
+def test_table_at_other_points(solved):
+    assert solved["solid"].drag == pytest.approx(table_says(1.2, 0.7, "monatomic"), rel=2e-3)
+    assert solved["diatomic"].drag == pytest.approx(table_says(1.2, 0.7, "diatomic"), rel=2e-3)
+    assert solved["unlike"].drag == pytest.approx(solved["solid"].drag, rel=1e-3)
+
+
+def test_holes_add_a_resistance(solved):
+    assert solved["holes"].drag == pytest.approx(table_says(1.2, 0.7, "monatomic", 0.5), rel=3e-3)
+
+
+def test_model_equations_differ_little(solved):
+    for other in ("diatomic", "bgk"):
+        assert solved[other].drag == pytest.approx(solved["solid"].drag, rel=4e-3)
+
+
+def test_heat_of_motion_is_the_force_of_a_hot_face():
+    """Onsager's reciprocity, between two solutions that share nothing but the equation."""
+    kn, tac = 0.5, (0.6, 0.9)
+    delta = math.sqrt(math.pi) / (4.0 * kn)
+    (moved,) = moving_outcomes(delta, COARSE, [(MONATOMIC, MovedDisk(tac))])
+    for face, temperature in enumerate([(1.0, 0.0), (0.0, 1.0)]):
+        hot = solve_case(Case(delta, tac, temperature, True, MONATOMIC, np.inf), COARSE)
+        assert moved.heat[face] == pytest.approx(hot.force, rel=1e-3)
+
+
+def test_solution_of_one_disk():
+    solution = lf.kinetic.solve_moving(2.0, 1.0, 1.0)
+    delta = math.sqrt(math.pi) / 8.0
+    assert solution.drag == pytest.approx(table_says(delta, 1.0, "monatomic"), rel=1e-3)
+    assert solution.error_estimate < 2e-3 * solution.drag
+    assert solution.drag_ratio == pytest.approx(solution.drag * math.sqrt(math.pi) / (4 + math.pi))
+    # the gas at the axis follows the disk, in part; far away it rests
+    near, far = solution.flow([0.0, 0.0], [0.05, 40.0])["velocity_axial"]
+    assert 0.5 < near < 1.0
+    assert abs(far) < 0.03
+    with pytest.raises(ParameterError, match="knudsen"):
+        lf.kinetic.solve_moving(1e-3, 1.0, 1.0)
+
+
+def test_table_is_made_of_the_points():
+    spec = importlib.util.spec_from_file_location("drag_study", STUDY)
+    study = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(study)
+    shipped = files("lightflyer.data").joinpath("drag_disk.csv").read_text("utf-8")
+    assert shipped == study.HEADER + "\n".join(study.rows()) + "\n"
+    worst = max(
+        abs(drag / table_says(delta, tac, gas) - 1.0)
+        for (delta, level), values in study.read_points().items()
+        if level == "fine"
+        for (gas, tac), drag in values.items()
+        if tac in study.CHECKED_TAC or delta > study.HIGHEST
+    )
+    assert worst < 1.5e-3  # between the TACs of the table, and in denser gas

@@ -52,5 +52,6 @@ from .wind.base import AbstractWind as AbstractWind
 from .wind.gradient import GradientWind as GradientWind
 from .wind.gradient import balanced_rotation as balanced_rotation
 from .wind.gridded import GriddedWind as GriddedWind
+from .wind.hwm14 import HWM14 as HWM14
 from .wind.uniform import SumOfWinds as SumOfWinds
 from .wind.uniform import UniformWind as UniformWind

@@ -16,6 +16,7 @@ from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.environment.wind.dataset import WindGrid, open_dataset, read_grid
 from lightflyer.environment.wind.gradient import GradientWind
 from lightflyer.environment.wind.gridded import GriddedWind
+from lightflyer.environment.wind.hwm14 import HWM14
 from lightflyer.environment.wind.uniform import SumOfWinds, UniformWind
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.quantity import GeomagneticIndex, SolarFlux, Velocity
@@ -136,8 +137,7 @@ class DataWindSection(WindSection):
     @pydantic.field_validator("file")
     @classmethod
     def _usable(cls, name: str, info: ValidationInfo) -> str:
-        folder = (info.context or {}).get(FOLDER)
-        path = str(Path(folder, name)) if folder else name
+        path = _beside(name, info)
         _grid(path)  # raises here, where the line of the flyer file is known
         return path
 
@@ -148,6 +148,34 @@ class DataWindSection(WindSection):
     ) -> AbstractWind:
         """Wind from the file."""
         return GriddedWind(_grid(self.file), atmosphere)
+
+
+class Hwm14WindSection(WindSection):
+    """HWM14, from the model's data file."""
+
+    kind: Literal["hwm14"]
+    file: str
+
+    @pydantic.field_validator("file")
+    @classmethod
+    def _usable(cls, name: str, info: ValidationInfo) -> str:
+        path = _beside(name, info)
+        HWM14(path)  # raises here, where the line of the flyer file is known
+        return path
+
+    def build_horizontal(
+        self,
+        atmosphere: AbstractAtmosphere,  # noqa: ARG002
+        indices: Indices | None,  # noqa: ARG002
+    ) -> AbstractWind:
+        """HWM14."""
+        return HWM14(self.file)
+
+
+def _beside(name: str, info: ValidationInfo) -> str:
+    """Path of a file that is named relative to the flyer file."""
+    folder = (info.context or {}).get(FOLDER)
+    return str(Path(folder, name)) if folder else name
 
 
 def _grid(path: str) -> WindGrid:

@@ -12,7 +12,8 @@ import lightflyer as lf
 
 ROOT = Path(lf.__file__).parents[2]
 ROOMS = ["environment", "film", "flight", "flyer", "force", "gas", "prediction", "uncertainty",
-         "calibration", "comparison", "sweeps", "search", "lab", "kinetic", "drag"]  # fmt: skip
+         "calibration", "comparison", "sweeps", "search", "lab", "kinetic", "drag",
+         "budget"]  # fmt: skip
 
 
 def test_data_flows_one_way(monkeypatch):

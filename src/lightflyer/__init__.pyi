@@ -1,3 +1,4 @@
+from . import budget as budget
 from . import calibration as calibration
 from . import comparison as comparison
 from . import drag as drag

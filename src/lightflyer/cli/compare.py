@@ -1,5 +1,6 @@
 """``lightflyer compare``: several flyers side by side."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -118,6 +119,8 @@ def _show(console: Console, comparison: "Comparison") -> None:
         console.print(f"{letter}  {found.name}: {found.description}", soft_wrap=True)
     console.print(_best_table(comparison))
     console.print(_payloads_table(comparison))
+    if any(found.setup.budget is not None for found in comparison.flyers):
+        console.print(_needs_table(comparison))
     for difference in comparison.differing_models:
         console.print(str(difference), soft_wrap=True)
     for text in comparison.warnings:
@@ -161,6 +164,29 @@ def _best_cells(found: "Compared", scale: float) -> tuple[str, ...]:
         format(shown["temperature"], ".0f"),
         flies,
     )
+
+
+def _needs_table(comparison: "Comparison") -> Table:
+    """What each flyer's payload needs where it carries most, and what is left."""
+    from lightflyer.flight.outputs import BUDGET_OUTPUTS, budget_outputs
+
+    table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
+    table.add_column("")
+    having = [found for found in comparison.flyers if found.setup.budget is not None]
+    scales = {}
+    for name, output in BUDGET_OUTPUTS.items():
+        values = [found.prediction.best.values.get(name, math.nan) for found in having]
+        scales[name], unit = output.shown_for(values)
+        heading = f"{name.replace('_', ' ')}\n[{unit.replace('^2', '²')}]"
+        table.add_column(heading, justify="right", no_wrap=True)
+    for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
+        known, best = budget_outputs(found.setup), found.prediction.best.values
+        cells = [
+            format(best[name] * scale, ".4g") if name in known else "–"
+            for name, scale in scales.items()
+        ]
+        table.add_row(letter, *cells)
+    return table
 
 
 def _digits(found: "Compared") -> str:

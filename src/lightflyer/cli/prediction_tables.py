@@ -70,6 +70,8 @@ def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
         )
     place = f"at {best.coordinate * factor:{digits}} {unit} ({best.values['temperature']:.1f} K)"
     rows.add_row("best payload", _payload(best.values, place))
+    if prediction.setup.budget is not None:
+        rows.add_row("payload needs", _needs(best.values))
     return rows
 
 
@@ -94,6 +96,24 @@ def _payload(best: dict[str, float], place: str) -> str:
     if payload < 0.0:
         return f"none: {_mass(-payload)} short of lifting itself {place}"
     return f"{_mass(payload)}, {best['relative_payload']:.3g} of its own mass, {place}"
+
+
+def _needs(best: dict[str, float]) -> str:
+    """What the payload needs where the flyer carries most, and what is left."""
+    from lightflyer.flight.outputs import BUDGET_OUTPUTS
+
+    def shown(name: str, form: str = ".4g") -> str:
+        output = BUDGET_OUTPUTS[name]
+        factor, unit = output.shown_for(best[name])
+        return f"{best[name] * factor:{form}} {unit.replace('^2', '²')}"
+
+    if not math.isfinite(best["payload_needed"]):
+        return f"{shown('power_needed')}, which its solar cells cannot give there: no light"
+    margin = best["payload_margin"]
+    parts = [f"{shown('payload_needed')} there", f"{shown('power_needed')}"]
+    parts += [f"{shown('cell_area')} of solar cells"] if "cell_area" in best else []
+    parts += [f"radio {shown('transmit_power')}"] if "transmit_power" in best else []
+    return f"{', '.join(parts)}: {_mass(abs(margin))} {'to spare' if margin >= 0.0 else 'too much'}"
 
 
 # Heading and format of the columns that every flyer has.

@@ -10,6 +10,7 @@ import jax
 import pydantic
 from pydantic import Discriminator, Tag
 
+from lightflyer.budget.section import PayloadSection
 from lightflyer.config.discovery import discover
 from lightflyer.environment.section import EnvironmentSection
 from lightflyer.film.section import FilmSection
@@ -25,7 +26,7 @@ from lightflyer.foundation.units import Measured
 
 discover()
 
-PARTS = ("flyer", "film", "environment", "force")
+PARTS = ("flyer", "film", "environment", "force", "payload")
 """Sections whose numbers describe a design."""
 
 _ANY_MODEL = "lu2023"  # where the flyer is unknown: the error about that comes first
@@ -56,6 +57,7 @@ class FlyerFile(Section):
     film: _union(FilmSection) | None = None  # type: ignore[valid-type]
     environment: _union(EnvironmentSection)  # type: ignore[valid-type]
     force: _union(ForceSection)  # type: ignore[valid-type]
+    payload: PayloadSection | None = None
 
     @pydantic.model_validator(mode="before")
     @classmethod
@@ -234,6 +236,7 @@ def build(parts: Mapping[str, Any]) -> Setup:
         environment=environment.build(),
         model=parts["force"].build(),
         search_range=environment.search_range,
+        budget=parts["payload"].build() if "payload" in parts else None,
     )
 
 
@@ -461,10 +464,10 @@ def section_at(name: str, content: Any) -> type[Section] | None:
     first, _, rest = name.partition(".")
     if not first:
         return FlyerFile
-    if first not in bases:
-        return None
     given = content.get(first) if isinstance(content, Mapping) else None
-    kind: type[Section] | None = bases[first].alternatives.get(bases[first].tag_of(given))
+    kind: type[Section] | None = PayloadSection if first == "payload" else None
+    if first in bases:
+        kind = bases[first].alternatives.get(bases[first].tag_of(given))
     for key in rest.split(".") if rest else []:
         if kind is None or key.isdigit():
             continue  # entries of a list are all alike

@@ -46,6 +46,8 @@ from lightflyer.foundation.quantity import (
     Acceleration,
     Fraction,
     Irradiance,
+    Latitude,
+    LocalTime,
     OpticalDepth,
     Pressure,
     SolarLongitude,
@@ -325,7 +327,10 @@ def _dimmed(
 
 
 class MarsSection(AltitudeSection):
-    """``[environment]``: Mars with the reference atmosphere of COSPAR."""
+    """``[environment]``: Mars with the reference atmosphere of COSPAR.
+
+    The light is given by irradiance and incidence, or by season, latitude and local solar time.
+    """
 
     kind: Literal["mars"]
     gas: Literal["co2", "co2-frozen"] | None = None  # type: ignore[assignment]
@@ -333,23 +338,55 @@ class MarsSection(AltitudeSection):
     temperature_offset: TemperatureOffset = Measured(0.0)
     irradiance: Irradiance = Measured(MEAN_IRRADIANCE)
     solar_longitude: SolarLongitude | None = None
+    latitude: Latitude | None = None
+    local_time: LocalTime = Measured(12.0)
     albedo: Fraction = Measured(MARS_ALBEDO)
     surroundings: Literal["mars", "gas"] = "mars"
     dust_optical_depth: OpticalDepth = Measured(OPTICAL_DEPTH)
 
     @pydantic.model_validator(mode="after")
     def _one_light(self) -> "MarsSection":
-        if self.solar_longitude is not None and "irradiance" in self.model_fields_set:
-            raise ConfigurationError(
-                "irradiance has no effect beside solar_longitude, which decides it; remove one"
-            )
+        for key, beside in (("irradiance", "solar_longitude"), ("incidence", "latitude")):
+            if getattr(self, beside) is not None and key in self.model_fields_set:
+                raise ConfigurationError(
+                    f"{key} has no effect beside {beside}, which decides it; remove one"
+                )
+        if self.latitude is not None and self.solar_longitude is None:
+            raise ConfigurationError("latitude needs solar_longitude for the height of the sun")
+        if self.latitude is None and "local_time" in self.model_fields_set:
+            raise ConfigurationError("local_time has no effect without latitude")
         return self
 
     def reason_not_varied(self, name: str) -> str | None:
-        """See :meth:`Section.reason_not_varied`: the light, where the season decides it."""
+        """See :meth:`Section.reason_not_varied`: the light, where season and hour decide it."""
         if name == "irradiance" and self.solar_longitude is not None:
             return "follows from solar_longitude"
+        if name == "incidence" and self.latitude is not None:
+            return "follows from latitude and local_time"
+        if name in ("latitude", "local_time") and self.latitude is None:
+            return "has no effect without latitude and solar_longitude"
         return super().reason_not_varied(name)
+
+    @property
+    def incidence_keys(self) -> tuple[str, ...]:
+        """See :attr:`EnvironmentSection.incidence_keys`."""
+        season = ("solar_longitude", "latitude", "local_time")
+        return super().incidence_keys if self.latitude is None else season
+
+    @property
+    def light_incidence(self) -> Numeric:
+        """See :attr:`EnvironmentSection.light_incidence`: of the sun above or below."""
+        angle = self._zenith_angle
+        return abs(angle - math.pi * (angle > 0.5 * math.pi))
+
+    @property
+    def _zenith_angle(self) -> Numeric:
+        if self.latitude is None or self.solar_longitude is None:
+            return self.incidence.value * RADIANS_PER_DEGREE
+        season, latitude = (
+            angle.value * RADIANS_PER_DEGREE for angle in (self.solar_longitude, self.latitude)
+        )
+        return zenith_angle_in_season(season, latitude, self.local_time.value)
 
     @property
     def default_infrared(self) -> tuple[float | None, float | None]:
@@ -361,7 +398,11 @@ class MarsSection(AltitudeSection):
         radiation = self.build_radiation()
         if self.solar_longitude is not None:
             season = self.solar_longitude.value * RADIANS_PER_DEGREE
-            radiation = replace(radiation, irradiance=season_irradiance(season))
+            radiation = replace(
+                radiation,
+                irradiance=season_irradiance(season),
+                zenith_angle=self._zenith_angle,
+            )
         return Mars(
             atmosphere=MarsAtmosphere(
                 surface_pressure=self.surface_pressure.value,

@@ -7,6 +7,7 @@ from typing import Any
 import equinox as eqx
 import jax.numpy as jnp
 
+from lightflyer.budget.payload import Needs, light_on_cells
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flight.balance import Equilibrium, equilibrium
 from lightflyer.flight.bands import Band, levitation_band
@@ -105,6 +106,13 @@ class Case:
     def payload(self) -> Any:
         """Largest payload in the available light [kg]."""
         return largest_payload(self.flyer, self.state, self.lift)
+
+    @cached_property
+    def needs(self) -> Needs:
+        """What the payload of the budget needs in the available light."""
+        if self.setup.budget is None:
+            raise ParameterError("the setup has no budget of a payload")
+        return self.setup.budget.needs(light_on_cells(self.state.radiation, self.flyer.attitude))
 
     @cached_property
     def band(self) -> Band:

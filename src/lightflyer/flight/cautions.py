@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.budget.payload import light_on_cells
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flight.balance import equilibrium
 from lightflyer.flight.bands import levitation_band
@@ -62,6 +63,7 @@ def cautions_in(setup: Setup, state: EnvironmentState, temperature: Numeric) -> 
         *setup.model.caveats(setup.flyer, state, temperature),
         *setup.flyer.caveats(state, temperature),
         *_of_gas(state, temperature),
+        *_of_cells(setup, state),
         *_of_heat(setup.flyer.highest_temperature, temperature),
     )
 
@@ -119,6 +121,21 @@ def _of_walls(setup: Setup, state: EnvironmentState) -> tuple[str, ...]:
         return ()
     name = type(setup.model).__name__
     return (f"the walls around the flyer have no effect: {name} is for open space",)
+
+
+def _of_cells(setup: Setup, state: EnvironmentState) -> Iterator[str]:
+    """Cautions about solar cells that a flyer has no room for, or that have no light."""
+    if setup.budget is None or setup.budget.cells is None:
+        return
+    needs = setup.budget.needs(light_on_cells(state.radiation, setup.flyer.attitude))
+    largest = float(np.max(needs.cell_area, initial=0.0))
+    if largest == np.inf:
+        yield "the payload's solar cells have no light somewhere, and nothing is stored"
+    elif largest > float(setup.flyer.area):
+        yield (
+            f"the payload's solar cells need {largest / float(setup.flyer.area):.3g} times the "
+            "area of the flyer"
+        )
 
 
 def _of_gas(state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:

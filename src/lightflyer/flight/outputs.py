@@ -272,6 +272,56 @@ _DESIGN = (
     ),
 )
 
+_BUDGET = (
+    Output(
+        "payload_needed",
+        "kg",
+        "mass that the payload needs",
+        lambda case: case.needs.mass,
+        shown_unit="mg",
+        json_unit="mg",
+        less_is_better=True,
+    ),
+    Output(
+        "payload_margin",
+        "kg",
+        "largest payload less the mass that the payload needs",
+        lambda case: case.payload - case.needs.mass,
+        shown_unit="mg",
+        json_unit="mg",
+    ),
+    Output(
+        "power_needed",
+        "W",
+        "mean power that the payload needs",
+        lambda case: case.needs.power,
+        shown_unit="µW",
+        json_unit="uW",
+        less_is_better=True,
+    ),
+    Output(
+        "cell_area",
+        "m^2",
+        "area of the solar cells that the payload needs",
+        lambda case: case.needs.cell_area,
+        shown_unit="mm^2",
+        json_unit="mm^2",
+        less_is_better=True,
+    ),
+    Output(
+        "transmit_power",
+        "W",
+        "power that the payload's radio sends",
+        lambda case: case.needs.transmit_power,
+        shown_unit="µW",
+        json_unit="uW",
+        less_is_better=True,
+    ),
+)
+
+BUDGET_OUTPUTS: dict[str, Output] = {output.name: output for output in _BUDGET}
+"""Outputs of the budget of a payload, by name."""
+
 OUTPUTS: dict[str, Output] = {output.name: output for output in (*_POINT, *_BAND, *_DESIGN)}
 """Outputs that every flyer has, by name, and those of its film where there is one."""
 
@@ -302,6 +352,27 @@ def node_outputs(flyer: AbstractFlyer) -> dict[str, Output]:
     return {output.name: output for output in found}
 
 
+def budget_outputs(setup: Setup) -> dict[str, Output]:
+    """Outputs of the budget of a payload.
+
+    Parameters
+    ----------
+    setup : Setup
+
+    Returns
+    -------
+    dict of str to Output
+        Empty where the setup has no budget.
+    """
+    if setup.budget is None:
+        return {}
+    absent = {
+        "cell_area": setup.budget.cells is None,
+        "transmit_power": setup.budget.link is None,
+    }
+    return {name: output for name, output in BUDGET_OUTPUTS.items() if not absent.get(name, False)}
+
+
 def model_outputs(setup: Setup) -> dict[str, Output]:
     """Outputs of the force model's own, and the flows of the flyer.
 
@@ -320,7 +391,7 @@ def model_outputs(setup: Setup) -> dict[str, Output]:
         If a result has the name of another output, or a unit that cannot be read.
     """
     flows = {name: ModelResult("", name.replace("_", " ")) for name in setup.flyer.flows}
-    taken = OUTPUTS.keys() | node_outputs(setup.flyer).keys()
+    taken = OUTPUTS.keys() | node_outputs(setup.flyer).keys() | budget_outputs(setup).keys()
     return {
         name: _own_output(name, result, setup.model, taken)
         for name, result in (flows | dict(setup.model.results)).items()
@@ -366,7 +437,7 @@ def outputs_of(setup: Setup) -> dict[str, Output]:
     """
     flyer = setup.flyer
     shared = {name: output for name, output in OUTPUTS.items() if output.exists(flyer)}
-    return shared | node_outputs(flyer) | model_outputs(setup)
+    return shared | node_outputs(flyer) | model_outputs(setup) | budget_outputs(setup)
 
 
 def check_outputs(names: Sequence[str], setup: Setup, given: Sequence[str]) -> None:

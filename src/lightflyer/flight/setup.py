@@ -2,6 +2,7 @@
 
 import equinox as eqx
 
+from lightflyer.budget.payload import Budget
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
@@ -17,6 +18,8 @@ class Setup(eqx.Module):
     model : AbstractForceModel
     search_range : tuple of (float or None)
         Ends of the altitudes [m] or pressures [Pa] to search; None for the environment's own.
+    budget : Budget or None
+        What a payload needs, to be set beside what the flyer carries; of no effect on its flight.
 
     Raises
     ------
@@ -28,6 +31,7 @@ class Setup(eqx.Module):
     environment: AbstractEnvironment
     model: AbstractForceModel
     search_range: tuple[float | None, float | None] = eqx.field(static=True, default=(None, None))
+    budget: Budget | None = None
 
     def __check_init__(self) -> None:
         self.model.require_flyer(type(self.flyer))

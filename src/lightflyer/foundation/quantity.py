@@ -307,6 +307,23 @@ SpecificHeat = Annotated[
 Conductivity = Annotated[
     Numeric, Quantity("W/(m*K)", 0.0, sizes=(1e-6, 1e4), why="aerogels and graphene are between")
 ]
+Power = Annotated[
+    Numeric, Quantity("W", 0.0, sizes=(1e-18, 1e6), why="no flyer has more, and no radio less")
+]
+Frequency = Annotated[
+    Numeric,
+    Quantity("Hz", 0.0, open_below=True, sizes=(1e3, 1e13), why="radio is between"),
+]
+LinkDistance = Annotated[
+    Numeric,
+    Quantity("m", 0.0, open_below=True, sizes=(1e-2, 1e12), why="Mars and Earth are between"),
+]
+DataRate = Annotated[
+    Numeric,
+    Quantity("bit/s", 0.0, open_below=True, sizes=(1e-4, 1e12), why="no radio is faster"),
+]
+Decibels = Annotated[Numeric, Quantity("", -100.0, 100.0)]
+Efficiency = Annotated[Numeric, Quantity("", 0.0, 1.0, open_below=True)]
 Fraction = Annotated[Numeric, Quantity("", 0.0, 1.0)]
 OpenFraction = Annotated[Numeric, Quantity("", 0.0, HIGHEST_OPEN_FRACTION)]
 Emittance = Annotated[Numeric, Quantity("", 0.0, 1.0, open_below=True)]
@@ -332,6 +349,7 @@ RotationRate = Annotated[
 Flattening = Annotated[Numeric, Quantity("", 0.0, 0.5)]
 AngularRadius = Annotated[Numeric, Quantity("rad", 0.0, 0.1, open_below=True)]
 Refractivity = Annotated[Numeric, Quantity("", 0.0, 1e-2)]
+LocalTime = Annotated[Numeric, Quantity("hour", 0.0, 24.0)]
 OpticalDepth = Annotated[Numeric, Quantity("", 0.0, 20.0)]
 SolarFlux = Annotated[Numeric, Quantity("", 40.0, 500.0)]
 GeomagneticIndex = Annotated[Numeric, Quantity("", 0.0, 400.0)]

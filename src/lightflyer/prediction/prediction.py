@@ -17,6 +17,7 @@ from lightflyer.flight.cautions import cautions, cautions_of_force
 from lightflyer.flight.design import AbstractDesign, as_design
 from lightflyer.flight.looks import bands_of, crossing, peak
 from lightflyer.flight.outputs import (
+    budget_outputs,
     json_name,
     model_outputs,
     node_outputs,
@@ -47,8 +48,8 @@ AT_A_POINT = (
     "lift_over_weight",
     "buoyancy",
 )
-"""Outputs reported at each coordinate asked for, besides those of the flyer's nodes and of the
-force model."""
+"""Outputs reported at each coordinate asked for, besides those of the flyer's nodes, of the force
+model and of a payload's budget."""
 
 AT_THE_BEST = (
     "payload",
@@ -57,7 +58,8 @@ AT_THE_BEST = (
     "temperature",
     "lift_over_weight",
 )
-"""Outputs reported at the coordinate of the largest payload, besides those of the force model."""
+"""Outputs reported at the coordinate of the largest payload, besides those of the force model and
+of a payload's budget."""
 
 _LOOKS = 3  # after the first table: each narrows the search a hundred and fifty times
 _MAP_POINTS = (91, 61)  # pressures and irradiances of the temperature map
@@ -187,8 +189,10 @@ class Prediction:
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """Light and heat radiation that are assumed, in short texts with units."""
-        return self.setup.environment.assumptions()
+        """Light, heat radiation and payload that are assumed, in short texts with units."""
+        budget = self.setup.budget
+        needs = () if budget is None else budget.describe()
+        return (*self.setup.environment.assumptions(), *needs)
 
     @property
     def coordinate(self) -> Coordinate:
@@ -219,19 +223,19 @@ class Prediction:
     @property
     def point_names(self) -> tuple[str, ...]:
         """Names of the outputs reported at each coordinate asked for."""
-        reported = {*AT_A_POINT, *node_outputs(self.setup.flyer), *self.model_names}
+        reported = {*AT_A_POINT, *node_outputs(self.setup.flyer), *self.own_names}
         known = (name for name in predicted_names(self.setup) if name in reported)
         return tuple(name for name in known if name != self.coordinate.name)
 
     @property
     def best_names(self) -> tuple[str, ...]:
         """Names of the outputs reported where the payload is largest."""
-        return (*AT_THE_BEST, *self.model_names)
+        return (*AT_THE_BEST, *self.own_names)
 
     @property
-    def model_names(self) -> tuple[str, ...]:
-        """Names of the outputs of the force model's own, and of the flyer's flows."""
-        return tuple(model_outputs(self.setup))
+    def own_names(self) -> tuple[str, ...]:
+        """Names of the force model's own outputs, of the flyer's flows, and of the budget's."""
+        return (*model_outputs(self.setup), *budget_outputs(self.setup))
 
     def summary(self) -> dict[str, Any]:
         """The prediction as a JSON object, with a unit at the end of each name."""

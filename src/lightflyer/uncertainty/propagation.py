@@ -216,7 +216,7 @@ def propagate(
     else:
         grid = np.asarray(over, float)
         even = np.log(grid) if logarithmic else grid
-    names = (*BANDS, *prediction.model_names)
+    names = (*BANDS, *prediction.own_names)
     coordinates = np.concatenate([grid, points])
     report("bands to first order")
     slopes = derivatives(inputs, coordinates)

@@ -3,27 +3,60 @@
 import jax
 import numpy as np
 import pytest
+from scipy import integrate
 
 import lightflyer as lf
 from lightflyer.environment import Attitude, Radiation, ground_view_factor, sunlight
 
 
-def sampled_view(tilt, straight_down, rng, count=400_000):
+def sampled_view(tilt, straight_down, rays):
     """Share of cosine-distributed rays from a face that hit the planet below."""
-    azimuth = rng.uniform(0.0, 2.0 * np.pi, count)
-    sine = np.sqrt(rng.uniform(0.0, 1.0, count))  # Lambert's law
-    ray = np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), np.sqrt(1.0 - sine**2)])
     # the face's normal is tilted away from straight down
-    downward = ray[2] * np.cos(tilt) + ray[0] * np.sin(tilt)
+    downward = rays[1] * np.cos(tilt) + rays[0] * np.sin(tilt)
     return np.mean(downward > np.sqrt(1.0 - straight_down))
+
+
+@pytest.fixture(scope="module")
+def rays(side=1500):
+    """Sine towards one side and cosine to the normal of rays, by Lambert's law, one a cell."""
+    jitter = np.random.default_rng(20231118).uniform(size=(2, side, side))
+    first, second = (np.stack(np.mgrid[:side, :side]) + jitter) / side
+    return np.sqrt(first) * np.cos(2.0 * np.pi * second), np.sqrt(1.0 - first)
 
 
 @pytest.mark.parametrize("straight_down", [1.0, 0.978, 0.5, 0.01])
 @pytest.mark.parametrize("degrees", [0.0, 5.0, 30.0, 80.0, 90.0, 120.0, 179.0])
-def test_view_factor_is_that_of_sampled_rays(degrees, straight_down, rng):
+def test_view_factor_is_that_of_sampled_rays(degrees, straight_down, rays):
     tilt = np.radians(degrees)
-    expected = sampled_view(tilt, straight_down, rng)
-    assert ground_view_factor(tilt, straight_down) == pytest.approx(expected, abs=2.5e-3)
+    expected = sampled_view(tilt, straight_down, rays)
+    assert ground_view_factor(tilt, straight_down) == pytest.approx(expected, abs=2e-4)
+
+
+def view_by_rings(tilt, straight_down):
+    """The view factor as an integral over rings of the planet's disk, each in closed form."""
+
+    def ring(angle):
+        constant, swing = np.cos(tilt) * np.cos(angle), np.sin(tilt) * np.sin(angle)
+        lit = np.arccos(np.clip(-constant / max(swing, 1e-300), -1.0, 1.0))
+        return 2.0 * np.sin(angle) * (lit * constant + np.sin(lit) * swing) / np.pi
+
+    edge = np.arcsin(np.sqrt(straight_down))
+    touches = [x for x in (np.pi / 2.0 - tilt, tilt - np.pi / 2.0) if 0.0 < x < edge]
+    return integrate.quad(ring, 0.0, edge, points=touches or None, epsabs=1e-11, limit=200)[0]
+
+
+@pytest.mark.parametrize("straight_down", [0.999, 0.978, 0.5, 0.01])
+def test_view_factor_is_the_integral_over_the_planets_disk(straight_down):
+    edge = np.arcsin(np.sqrt(straight_down))
+    near = np.array([-1e-3, -1e-6, 0.0, 1e-6, 1e-3])
+    angles = [
+        *np.linspace(0.05, 3.1, 15),
+        *(0.5 * np.pi - edge + near),
+        *(0.5 * np.pi + edge - near),
+    ]
+    angles = np.clip(angles, 0.0, np.pi)
+    expected = [view_by_rings(angle, straight_down) for angle in angles]
+    np.testing.assert_allclose(ground_view_factor(angles, straight_down), expected, atol=1e-6)
 
 
 def test_view_factor_in_closed_form():

@@ -1,5 +1,6 @@
 """Figure of a calibration: points, fit and residuals."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -7,17 +8,73 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.calibration.calibration import Calibration
-from lightflyer.foundation.drawing import GREY, MARKERS, PALETTE, new_figure, plain_decades
+from lightflyer.calibration.problem import UNREACHABLE, Problem
+from lightflyer.foundation.drawing import (
+    GREY,
+    MARKERS,
+    PALETTE,
+    new_figure,
+    plain_decades,
+    shared_legend,
+)
 
 _PERCENT = 100.0
+_CURVE_POINTS = 80  # of the fit of each sample
+_TITLE = "points: measured; lines: fit"
 
 
 def _style(number: int) -> dict[str, Any]:
     return {"color": PALETTE[number % len(PALETTE)], "marker": MARKERS[number % len(MARKERS)]}
 
 
+def fitted_curve(fit: Calibration, sample: str) -> tuple[np.ndarray, np.ndarray]:
+    """The fitted irradiance of a sample over pressure.
+
+    Parameters
+    ----------
+    fit : Calibration
+    sample : str
+
+    Returns
+    -------
+    pressure, irradiance : array, shape (n,)
+        [Pa], [W/m²]; NaN where no irradiance levitates the flyer. Where the points of a sample
+        differ in more than the pressure, the curve is known at them alone.
+    """
+    problem, here = fit.problem, np.flatnonzero(fit.points.of(sample))
+    here = here[np.argsort(fit.points.pressure[here])]
+    pressure, model = fit.points.pressure[here], problem.model
+    alike = all(
+        np.array_equal(rows, np.broadcast_to(rows[:, :1], rows.shape), equal_nan=True)
+        for rows in (model.stated[:, here], model.index[:, here])
+    )
+    if not alike or pressure[0] == pressure[-1]:
+        return pressure, fit.fitted[here]
+    # as many points at a time as there are in the fit, for which the model is compiled
+    batch = len(fit.points)
+    batches = -(-_CURVE_POINTS // batch)
+    fine = np.geomspace(pressure[0], pressure[-1], batch * batches)
+    found = [_of_sample(problem, here[0], part, fit.values) for part in np.split(fine, batches)]
+    return fine, np.concatenate(found)
+
+
+def _of_sample(problem: Problem, row: int, pressure: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Fitted irradiance at pressures, with all else as at one of the points."""
+    same = np.full(len(problem.points), row)
+    model = replace(
+        problem.model,
+        stated=problem.model.stated[:, same],
+        index=problem.model.index[:, same],
+        moves=problem.model.moves[..., same],
+    )
+    numbers = problem.points.numbers | {"pressure": pressure}
+    there = replace(problem, points=replace(problem.points, numbers=numbers), model=model)
+    found = there.linearised(np.log(values)).value
+    return np.where(found < UNREACHABLE, np.exp(np.minimum(found, UNREACHABLE)), np.nan)
+
+
 def fitted_points(fit: Calibration, ax: Axes) -> Axes:
-    """Draw the points and the fitted irradiance at them, against pressure.
+    """Draw the points and the fitted irradiance, against pressure.
 
     Parameters
     ----------
@@ -30,19 +87,15 @@ def fitted_points(fit: Calibration, ax: Axes) -> Axes:
     """
     points = fit.points
     for number, sample in enumerate(dict.fromkeys(points.samples)):
-        here = np.flatnonzero(points.of(sample))
-        here = here[np.argsort(points.pressure[here])]
-        style = _style(number)
-        pressure = points.pressure[here]
-        ax.plot(pressure, points.irradiance[here], ls="", mfc="none", label=sample, **style)
-        ax.plot(pressure, fit.fitted[here], color=style["color"], lw=1)
-    ax.plot([], [], color=GREY, lw=1, label="fit, joined by straight lines")
+        here, style = points.of(sample), _style(number)
+        ax.plot(points.pressure[here], points.irradiance[here], ls="", mfc="none", **style)
+        ax.plot(*fitted_curve(fit, sample), color=style["color"], lw=1.2)
+        ax.plot([], [], mfc="none", lw=1.2, label=sample, **style)
     ax.set(xscale="log", yscale="log")
     plain_decades(ax.xaxis)
     plain_decades(ax.yaxis)
     ax.set_xlabel("pressure [Pa]")
     ax.set_ylabel("irradiance to levitate [W/m²]")
-    ax.legend(fontsize="small")
     return ax
 
 
@@ -73,7 +126,7 @@ def residuals(fit: Calibration, ax: Axes) -> Axes:
     ax.set_xscale("log")
     plain_decades(ax.xaxis)
     ax.set_xlabel("pressure [Pa]")
-    ax.set_ylabel("residual of log-irradiance [%]")
+    ax.set_ylabel("residual of log-irradiance [%]\n(bars: ± standard uncertainty)")
     return ax
 
 
@@ -88,8 +141,9 @@ def calibration_figure(fit: Calibration) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    figure = new_figure(columns=2)
+    figure = new_figure(columns=2, height=4.6)
     left, right = figure.axes
     fitted_points(fit, left)
     residuals(fit, right)
+    shared_legend(figure, left.get_legend_handles_labels()[0], title=_TITLE)
     return figure

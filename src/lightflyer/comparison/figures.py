@@ -8,13 +8,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from lightflyer.foundation.drawing import (
+    BAND,
     GREY,
+    LINES,
     PALETTE,
-    PURPLE,
-    SKY,
-    YELLOW,
     new_figure,
     plain_decades,
+    shared_legend,
 )
 from lightflyer.foundation.units import scale_and_offset
 
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 PANELS = ("payload", "payload_per_area", "lift_over_weight", "temperature")
 """Outputs that are drawn."""
 
-_COLOURS = (*PALETTE, SKY, PURPLE, GREY, YELLOW)
-_STYLES = ("-", "--", "-.")
 _OPACITY = 0.15
 _MANY = 20.0  # ratio of the largest to the smallest best value from which on an axis has decades
 _DECADES = 1e-3  # of the largest value, down to which such an axis goes
@@ -58,9 +56,7 @@ def comparison_figure(comparison: "Comparison") -> Figure:
     handles = {}
     for ax, output in zip(figure.axes, PANELS, strict=True):
         handles = draw(comparison, output, ax)
-    figure.legend(
-        handles.values(), handles.keys(), loc="outside lower center", fontsize="small", ncols=1
-    )
+    shared_legend(figure, list(handles.values()), most=1)
     return figure
 
 
@@ -84,16 +80,16 @@ def draw(comparison: "Comparison", output: str, ax: Axes) -> dict[str, Any]:
     scale, unit = comparison.shown(output)
     handles: dict[str, Any] = {}
     for index, found in enumerate(comparison.flyers):
-        colour, style = _COLOURS[index % len(_COLOURS)], _STYLES[index % len(_STYLES)]
+        colour, style = PALETTE[index % len(PALETTE)], LINES[index % len(LINES)]
         label = f"{found.name}: {found.description}"
         values = found.table[output] * scale
-        (handles[label],) = ax.plot(places, values, color=colour, ls=style, lw=1.8)
+        (handles[label],) = ax.plot(places, values, color=colour, ls=style, label=label)
         band = found.band(output)
         if band is not None:
             low, high = (end * scale for end in band)
             ax.fill_between(places, low, high, color=colour, alpha=_OPACITY, lw=0, zorder=0)
     if any(found.uncertainty is not None for found in comparison.flyers):
-        handles["95 % band"] = Patch(color=GREY, alpha=2.0 * _OPACITY, lw=0)
+        handles[BAND] = Patch(color=GREY, alpha=2.0 * _OPACITY, lw=0, label=BAND)
     _limit(comparison, output, ax)
     if where.logarithmic:
         ax.set_xscale("log")

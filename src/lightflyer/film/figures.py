@@ -18,9 +18,11 @@ from lightflyer.foundation.drawing import (
     SKY,
     VERMILION,
     YELLOW,
+    legend_below,
     new_figure,
 )
 
+_HEIGHT = 4.6  # [inch]
 _TICKS_UM = (0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 _SHOWN_TEMPERATURE = 300.0
 _SHADED_HEIGHT = 0.45  # of a spectrum drawn behind the curves, over the height of the axes
@@ -95,7 +97,7 @@ def draw_spectra(summary: FilmSummary, ax: Axes) -> Axes:
     ax.plot(micrometres, optics.absorptance, color=VERMILION, label="absorptance")
     _wavelength_axis(ax)
     ax.set_ylabel("share of light, normal incidence on top [1]\n(shaded: arbitrary height)")
-    ax.legend(ncols=3, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    legend_below(ax)
     return ax
 
 
@@ -121,7 +123,7 @@ def draw_layers(summary: FilmSummary, ax: Axes) -> Axes:
     _mark_extrapolated(ax, summary)
     _wavelength_axis(ax)
     ax.set_ylabel("absorptance, normal incidence on top [1]")
-    ax.legend(title="layers, top to bottom", fontsize="small", loc="upper right")
+    legend_below(ax, title="layers, top to bottom")
     return ax
 
 
@@ -136,7 +138,7 @@ def film_figures(summary: FilmSummary) -> dict[str, Figure]:
     -------
     dict of str to matplotlib.figure.Figure
     """
-    first, second = new_figure(width=7.0), new_figure(width=7.0)
+    first, second = new_figure(height=_HEIGHT), new_figure(height=_HEIGHT)
     draw_spectra(summary, first.axes[0])
     draw_layers(summary, second.axes[0])
     return {"film-spectra": first, "film-layers": second}

@@ -4,12 +4,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.foundation.drawing import new_figure
+from lightflyer.foundation.drawing import SKY, new_figure, outlined
 from lightflyer.kinetic.solver import Solution
 
 _EXTENT = 3.0
-_POINTS = 121
-_LEVELS = 14
+_POINTS = 241
+_LEVELS = 16
 
 
 def draw_flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
@@ -29,7 +29,7 @@ def draw_flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
     x = np.linspace(-extent, extent, _POINTS)
     fields = solution.flow(np.abs(x)[None, :], x[:, None])
     filled = ax.contourf(x, x, fields["temperature"], levels=_LEVELS, cmap="inferno")
-    label = "(T − T$_c$)/T$_c$" + (" per unit of the faces'" if solution.is_linear else "")
+    label = "$(T - T_c)/T_c$" + (" per unit of the faces'" if solution.is_linear else "")
     ax.figure.colorbar(filled, ax=ax, label=f"{label} [1]")
     outwards = fields["velocity_radial"] * np.sign(x)[None, :]
     ax.streamplot(
@@ -42,13 +42,15 @@ def draw_flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
         density=1.3,
         arrowsize=0.7,
     )
-    ax.plot([-1.0, 1.0], [0.0, 0.0], color="white", linewidth=3.0, solid_capstyle="butt")
+    ax.plot([-1.0, 1.0], [0.0, 0.0], color=SKY, linewidth=3.5, solid_capstyle="butt",
+            path_effects=outlined(5.5))  # fmt: skip
     ax.set_aspect("equal")
     ax.set_xlim(-extent, extent)
     ax.set_ylim(-extent, extent)
     ax.set_xlabel("distance from the axis [disk radii]")
     ax.set_ylabel("height [disk radii]")
-    first, _, second = solution.title.partition(" bottom, ")
+    words = solution.title.replace("T_h/T_c", "$T_h/T_c$")
+    first, _, second = words.partition(" bottom, ")
     ax.set_title(f"{first} bottom\n{second}", fontsize="medium")
     return ax
 

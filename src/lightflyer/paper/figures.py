@@ -14,10 +14,14 @@ from lightflyer.foundation import constants
 from lightflyer.foundation.drawing import (
     BLUE,
     GREY,
+    MARKERS,
     ORANGE,
     VERMILION,
+    legend_below,
     new_figure,
+    outlined,
     plain_decades,
+    shared_legend,
 )
 from lightflyer.paper.claims import DECIDING
 from lightflyer.paper.conditions import COLUMNS, facts
@@ -35,8 +39,8 @@ from lightflyer.paper.curves import (
 _STYLES = {"printed": "--", "reported": "-", "reported-mean": ":"}
 _COLOURS = {"ge": BLUE, "cnt": VERMILION}
 _NAMES = {"ge": "Ge", "cnt": "CNT"}
-_MARKERS = "osD^vP*X"
 _MILLI, _KILO, _CENTIMETRE = 1e-3, 1e3, 1e-2
+_WITH_LEGEND = 4.8  # height of a figure [inch]
 _FLIGHT_KM = (60.0, 88.0)  # drawn range of Fig. 6
 _MEASURED_FIGURES = ("2", "S2", "S3")
 
@@ -81,7 +85,7 @@ def _draw_3c(curves: Curves) -> Figure:
     ax.yaxis.tick_right()
     ax.yaxis.set_label_position("right")
     ax.set_ylabel("blackbody radiance [W/(m² sr cm⁻¹)]")
-    ax.legend(loc="upper left")
+    legend_below(ax)
     return figure
 
 
@@ -102,7 +106,9 @@ def _draw_5a(curves: Curves) -> Figure:
         white = {"facecolor": "white", "edgecolor": "none"}
         ax.text(0.03, 0.93, name, transform=ax.transAxes, bbox=white, va="top")
         lift = curves[f"lift over weight {coating} [1]"].reshape(shape)
-        ax.contour(MAP_PRESSURES_MTORR, MAP_IRRADIANCES / _KILO, lift.T, [1.0], colors="white")
+        ax.contour(
+            MAP_PRESSURES_MTORR, MAP_IRRADIANCES / _KILO, lift.T, [1.0], colors="white"
+        ).set_path_effects(outlined())
     figure.colorbar(image, ax=figure.axes[:2], label="temperature of the disk [K]")
     _letter(figure.axes[0], "a")
     return figure
@@ -133,8 +139,7 @@ def _draw_5bcd(curves: Curves, points: Points | None) -> Figure:
     lines: dict[str, Any] = {}
     for ax in figure.axes[:3]:
         lines |= {label: line for line, label in zip(*ax.get_legend_handles_labels(), strict=True)}
-    handles = list(lines.values())
-    figure.legend(handles, list(lines), fontsize="small", loc="outside lower center", ncols=6)
+    shared_legend(figure, list(lines.values()), most=6)
     return figure
 
 
@@ -149,7 +154,7 @@ def _draw_points(ax: Axes, points: Points | None, chosen: Any) -> None:
     if points is None or chosen is None:
         return
     spread = points.numbers.get("irradiance_uncertainty")
-    for marker, sample in zip(_MARKERS * len(points), dict.fromkeys(points.samples), strict=False):
+    for marker, sample in zip(MARKERS * len(points), dict.fromkeys(points.samples), strict=False):
         here = chosen & points.of(sample)
         if not here.any():
             continue
@@ -179,15 +184,11 @@ def _draw_flight(axes: Any, letters: str, curves: Curves, words: str = "") -> No
         right.plot(altitude, temperature, color=BLUE, ls=style, label=column.title)
     right.plot(altitude, curves["gas temperature [K]"], color=GREY, label="air")
     available = constants.SOLAR_CONSTANT_LU2023 / _KILO
-    left.axhline(available, color=GREY, lw=1)
-    left.annotate("1.36 kW/m²", (_FLIGHT_KM[0], available), (4, 4), textcoords="offset points")
+    left.axhline(available, color=GREY, lw=1, label=f"available, {available:.2f} kW/m²")
     left.set_ylim(0.0, 4.0)
     left.set_ylabel("irradiance to levitate [kW/m²]")
     right.set_ylim(160.0, 600.0)
     right.set_ylabel("temperature when just levitating [K]")
-    if "a" in letters:
-        left.legend(fontsize="x-small", loc="upper center")
-        right.legend(fontsize="small", loc="upper center")
     for ax, letter in zip(axes, letters, strict=True):
         ax.set_xlabel("altitude [km]")
         ax.set_xlim(*_FLIGHT_KM)
@@ -196,24 +197,28 @@ def _draw_flight(axes: Any, letters: str, curves: Curves, words: str = "") -> No
 
 
 def _draw_6(curves: Curves) -> Figure:
-    figure = new_figure(columns=2)
+    figure = new_figure(columns=2, height=_WITH_LEGEND)
     _draw_flight(figure.axes, "ab", curves)
+    for ax in figure.axes[:2]:
+        legend_below(ax)
     return figure
 
 
 def _draw_s7(curves: Curves) -> Figure:
-    figure = new_figure(columns=2, height=8.0, rows=2)
+    figure = new_figure(columns=2, height=8.6, rows=2)
     for axes, letters, size in zip(
         (figure.axes[:2], figure.axes[2:]), ("ab", "cd"), LARGER_SIZES_CM, strict=True
     ):
         _draw_flight(axes, letters, curves, f" {size} cm")
         for ax in axes:
             ax.text(0.03, 0.03, f"{size} cm", transform=ax.transAxes)
+    for ax in figure.axes[2:4]:
+        legend_below(ax)
     return figure
 
 
 def _draw_s8(curves: Curves) -> Figure:
-    figure = new_figure(columns=2)
+    figure = new_figure(columns=2, height=_WITH_LEGEND)
     _draw_sizes(figure.axes[0], curves)
     _draw_payloads(figure.axes[1], curves)
     for ax, letter in zip(figure.axes[:2], "ab", strict=True):
@@ -221,6 +226,7 @@ def _draw_s8(curves: Curves) -> Figure:
         ax.set_xlabel("diameter [cm]")
         ax.grid(alpha=0.25)
         _letter(ax, letter)
+        legend_below(ax, most=2)
     return figure
 
 
@@ -237,7 +243,6 @@ def _draw_sizes(ax: Axes, curves: Curves) -> None:
         optimal = curves[f"optimal {key} [km]"]
         ax.plot(diameter, optimal, color=ORANGE, ls=style, label=f"optimal, {column.title}")
     ax.set_ylabel("altitude [km]")
-    ax.legend(fontsize="x-small", ncols=2)
 
 
 def _draw_payloads(left: Axes, curves: Curves) -> None:
@@ -247,15 +252,16 @@ def _draw_payloads(left: Axes, curves: Curves) -> None:
     for column in COLUMNS:
         style = _STYLES[column.key]
         payload = curves[f"payload {column.key} [mg]"]
-        left.plot(diameter, payload, color=BLUE, ls=style, label=column.title)
+        left.plot(diameter, payload, color=BLUE, ls=style, label=f"payload, {column.title}")
         relative = curves[f"relative payload {column.key} [1]"]
         right.plot(diameter, relative, color=VERMILION, ls=style, lw=1)
+        label = f"relative payload, {column.title}"
+        left.plot([], [], color=VERMILION, ls=style, lw=1, label=label)
     left.axhline(0.0, color=GREY, lw=1)
     left.set_ylim(-0.25, 1.0)
     right.set_ylim(-0.625, 2.5)  # both axes have their zero at one height
     left.set_ylabel("payload [mg]", color=BLUE)
     right.set_ylabel("relative payload [own mass]", color=VERMILION)
-    left.legend(fontsize="small", loc="upper right")
 
 
 def paper_figure(name: str, curves: Curves, points: Points | None = None) -> Figure:
@@ -312,6 +318,6 @@ def measured_figures(points: Points) -> dict[str, Figure]:
         plain_decades(ax.yaxis)
         _torr_axis(ax)
         ax.set_ylabel("irradiance at lift-off [kW/m²]")
-        ax.legend(fontsize="small")
+        legend_below(ax)
         figures[f"figure-{name.lower()}"] = figure
     return figures

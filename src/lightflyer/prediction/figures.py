@@ -1,5 +1,6 @@
 """Figures of a prediction: irradiance, temperature and payload over altitude or pressure."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,18 +16,22 @@ from lightflyer.foundation.drawing import (
     PURPLE,
     SKY,
     VERMILION,
+    legend_below,
     new_figure,
+    outlined,
     plain_decades,
 )
 from lightflyer.foundation.units import scale_and_offset
-from lightflyer.prediction.prediction import Prediction
+from lightflyer.prediction.prediction import POINTS, Evaluator, Prediction
 
 IRRADIANCE_SPAN = 30.0
 """Upper limit of the axes over the least irradiance."""
 
 _AROUND = 0.1  # of the searched range, drawn on each side of the best where nothing levitates
-_HEADROOM = 0.4  # above the hottest temperature, for the legend
+_HEADROOM = 0.15  # above the hottest temperature
 _MARGIN = 20.0  # kelvins below the coldest
+_BELOW = 0.4  # of the least irradiance, drawn below it
+_WITH_LEGEND = 4.6  # height of a figure [inch]
 _NODE_COLOURS = (ORANGE, SKY, PURPLE, GREEN)
 
 
@@ -41,6 +46,32 @@ def shown_for_best(prediction: Prediction, output: str) -> tuple[float, str]:
     return OUTPUTS[output].shown_for(prediction.best.values[output])
 
 
+def closer(prediction: Prediction) -> Prediction:
+    """The prediction with a finer table where it is drawn, for smooth curves.
+
+    Parameters
+    ----------
+    prediction : Prediction
+
+    Returns
+    -------
+    Prediction
+        With the rows of the given one and as many more within the range that figures show.
+    """
+    low, high = (end / across(prediction) for end in _shown_range(prediction))
+    spaced = np.geomspace if prediction.coordinate.logarithmic else np.linspace
+    fine = spaced(low, high, POINTS)[1:-1]
+    found = Evaluator(prediction.setup)(fine)
+    coordinates, first = np.unique(
+        np.concatenate([prediction.coordinates, fine]), return_index=True
+    )
+    table = {
+        name: np.concatenate([values, found[name]])[first]
+        for name, values in prediction.table.items()
+    }
+    return replace(prediction, coordinates=coordinates, table=table)
+
+
 def _shown_range(prediction: Prediction) -> tuple[float, float]:
     """Range worth drawing, in the unit shown: where flight takes not many times the light."""
     coordinates = prediction.coordinates
@@ -48,20 +79,20 @@ def _shown_range(prediction: Prediction) -> tuple[float, float]:
     if prediction.easiest is not None:
         least = prediction.easiest.values["levitation_irradiance"]
         # what warm gas lifts in the dark is drawn wherever light can lift it
-        near = np.flatnonzero(needed < (IRRADIANCE_SPAN * least or np.inf))
-        ends = coordinates[[near[0], near[-1]]]
+        light = np.flatnonzero(needed < (IRRADIANCE_SPAN * least or np.inf))
+        ends = coordinates[[light[0], light[-1]]]
     else:
-        best = int(np.searchsorted(coordinates, prediction.best.coordinate))
+        near = int(np.searchsorted(coordinates, prediction.best.coordinate))
         around = int(_AROUND * coordinates.size)
-        ends = coordinates[[max(best - around, 0), min(best + around, coordinates.size - 1)]]
-    low, high = across(prediction) * ends
-    return float(low), float(high)
+        ends = coordinates[[max(near - around, 0), min(near + around, coordinates.size - 1)]]
+    best, factor = prediction.best.coordinate, across(prediction)
+    return factor * min(float(ends[0]), best), factor * max(float(ends[1]), best)
 
 
 def _shade_bands(prediction: Prediction, ax: Axes) -> None:
     for index, band in enumerate(prediction.bands):
         lower, upper = (across(prediction) * edge for edge in band)
-        label = "levitates" if index == 0 else None
+        label = "levitates in the available light" if index == 0 else None
         ax.axvspan(lower, upper, color=GREEN, alpha=0.15, lw=0, label=label)
 
 
@@ -113,26 +144,29 @@ def irradiance(prediction: Prediction, ax: Axes) -> Axes:
     needed = prediction.table["levitation_irradiance"]
     _shade_bands(prediction, ax)
     shown = np.where(np.isfinite(needed), needed, np.nan)
-    ax.plot(factor * prediction.coordinates, shown, color=BLUE, label="needed")
+    ax.plot(factor * prediction.coordinates, shown, color=BLUE, label="needed to levitate")
     ax.axhline(available, color=ORANGE, ls="--", label="available")
     ax.set_yscale("log")
     plain_decades(ax.yaxis)
     ax.set_ylabel("irradiance [W/m²]")
     _coordinate_axis(prediction, ax)
+    low, high = _BELOW * available, IRRADIANCE_SPAN * available
     if prediction.easiest is None:
         ax.text(0.5, 0.6, "does not levitate", transform=ax.transAxes, ha="center")
     else:
         least = prediction.easiest.values["levitation_irradiance"]
         point = factor * prediction.easiest.coordinate
         ax.plot(point, least, "o", color=BLUE, ms=5)
-        where = f"{least:.0f} W/m²\nat {point:.3g} {prediction.coordinate.shown_unit}"
-        ax.annotate(where, (point, least), (0, -28), textcoords="offset points", ha="center")
-        if least > 0.0:
-            ax.set_ylim(0.4 * least, IRRADIANCE_SPAN * max(least, available) / 2)
-        else:  # which no logarithmic axis can show
-            ax.set_yscale("linear")
-            ax.set_ylim(0.0, 2.0 * available)
-    ax.legend(loc="lower left")
+        where = f"{least:.4g} W/m²\nat {point:.3g} {prediction.coordinate.shown_unit}"
+        ax.annotate(where, (point, least), (0, -7), textcoords="offset points", ha="center",
+                    va="top", fontsize="small")  # fmt: skip
+        low, high = _BELOW * min(least, available), IRRADIANCE_SPAN * max(least, available) / 2.0
+    if low > 0.0:
+        ax.set_ylim(low, high)
+    else:  # which no logarithmic axis can show
+        ax.set_yscale("linear")
+        ax.set_ylim(0.0, 2.0 * available)
+    legend_below(ax)
     return ax
 
 
@@ -153,7 +187,10 @@ def temperature(prediction: Prediction, ax: Axes) -> Axes:
     _shade_bands(prediction, ax)
     hottest_label = "hottest part" if nodes else "flyer"
     label = f"{hottest_label}, available light"
-    ax.plot(places, table["temperature"], color=VERMILION, label=label)
+    # a part of the flyer is the hottest one and drawn over it
+    (line,) = ax.plot(places, table["temperature"], color=VERMILION, label=label)
+    if nodes:
+        line.set(lw=4.0, alpha=0.45)
     for colour, name in zip(_NODE_COLOURS, nodes, strict=False):
         words = name.removeprefix("temperature_").replace("_", " ")
         ax.plot(places, table[name], color=colour, ls="--", label=f"{words}, available light")
@@ -163,10 +200,12 @@ def temperature(prediction: Prediction, ax: Axes) -> Axes:
     low, high = _shown_range(prediction)
     shown = (places >= low) & (places <= high)
     coldest, hottest = table["gas_temperature"][shown].min(), table["temperature"][shown].max()
+    if prediction.easiest is not None:
+        hottest = max(hottest, prediction.easiest.values["levitation_temperature"])
     ax.set_ylim(coldest - _MARGIN, hottest + _HEADROOM * (hottest - coldest))
     ax.set_ylabel("temperature [K]")
     _coordinate_axis(prediction, ax)
-    ax.legend(loc="upper center", ncols=2, fontsize="small")
+    legend_below(ax)
     return ax
 
 
@@ -187,14 +226,16 @@ def payload(prediction: Prediction, ax: Axes) -> Axes:
     best, point = values["payload"] * scale, factor * prediction.best.coordinate
     own_mass = float(prediction.setup.flyer.own_mass) * scale
     _shade_bands(prediction, ax)
-    ax.plot(factor * prediction.coordinates, prediction.table["payload"] * scale, color=BLUE)
+    places, payloads = factor * prediction.coordinates, prediction.table["payload"] * scale
+    ax.plot(places, payloads, color=BLUE, label="largest payload")
     ax.plot(point, best, "o", color=BLUE, ms=5)
     ax.annotate(
-        f"{best:.3g} {unit}", (point, best), (0, 7), textcoords="offset points", ha="center"
-    )
+        f"{best:.3g} {unit}\nat {point:.3g} {prediction.coordinate.shown_unit}",
+        (point, best), (0, 7), textcoords="offset points", ha="center", fontsize="small",
+    )  # fmt: skip
     ax.axhline(0.0, color=GREY, lw=0.8)
     low = min(0.0, best) - 0.35 * max(abs(best), 0.3 * own_mass)
-    ax.set_ylim(low, best + 0.25 * (best - low))
+    ax.set_ylim(low, best + 0.3 * (best - low))
     ax.set_ylabel(f"largest payload [{unit}]")
 
     def relative(mass: Any) -> Any:
@@ -206,8 +247,7 @@ def payload(prediction: Prediction, ax: Axes) -> Axes:
     right = ax.secondary_yaxis("right", functions=(relative, absolute))
     right.set_ylabel("relative payload [own mass]")
     _coordinate_axis(prediction, ax)
-    if prediction.bands:
-        ax.legend(loc="lower left")
+    legend_below(ax)
     return ax
 
 
@@ -235,9 +275,14 @@ def temperature_map(prediction: Prediction, ax: Axes) -> Axes:
     )
     ax.figure.colorbar(image, ax=ax, label="flyer temperature [K]")
     needed = prediction.table["levitation_irradiance"]
-    shown = np.where(needed <= found.irradiance[-1], needed, np.nan)
     places = factor * prediction.coordinates
-    ax.plot(places, shown, color="white", lw=2, label="levitates above")
+    shown = np.where(np.isfinite(needed), needed, np.nan)
+    for label, drawn, style in (
+        ("least irradiance that levitates the flyer", shown, "-"),
+        ("available light", np.full(places.shape, prediction.available), "--"),
+    ):
+        ax.plot(places, drawn, ls=style, color="white", lw=1.8, label=label,
+                path_effects=outlined())  # fmt: skip
     if where.logarithmic:
         ax.set_xscale("log")
         plain_decades(ax.xaxis)
@@ -245,8 +290,7 @@ def temperature_map(prediction: Prediction, ax: Axes) -> Axes:
     ax.set_ylim(found.irradiance[0], found.irradiance[-1])
     ax.set_xlabel(f"{where.long_name.rpartition(' ')[2]} [{where.shown_unit}]")
     ax.set_ylabel("irradiance [W/m²]")
-    if np.isfinite(shown).any():
-        ax.legend(loc="lower right", facecolor=GREY, labelcolor="white")
+    legend_below(ax)
     return ax
 
 
@@ -261,13 +305,14 @@ def prediction_figures(prediction: Prediction) -> dict[str, Figure]:
     -------
     dict of str to matplotlib.figure.Figure
     """
-    both, carried = new_figure(columns=2), new_figure()
+    prediction = closer(prediction)
+    both, carried = new_figure(columns=2, height=_WITH_LEGEND), new_figure(height=_WITH_LEGEND)
     left, right = both.axes
     irradiance(prediction, left)
     temperature(prediction, right)
     payload(prediction, carried.axes[0])
     figures = {"levitation-irradiance": both, "payload": carried}
     if prediction.map is not None:
-        figures["temperature-map"] = new_figure()
+        figures["temperature-map"] = new_figure(height=_WITH_LEGEND)
         temperature_map(prediction, figures["temperature-map"].axes[0])
     return figures

@@ -4,14 +4,25 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.foundation.drawing import BLUE, GREEN, GREY, ORANGE, VERMILION, new_figure
+from lightflyer.foundation.drawing import (
+    BLUE,
+    GREEN,
+    GREY,
+    INTERVAL,
+    ORANGE,
+    VERMILION,
+    legend_below,
+    new_figure,
+    wrapped,
+)
 from lightflyer.search.front import Front
 from lightflyer.search.sobol import Indices
-from lightflyer.sweeps.shown import scale_and_label
+from lightflyer.sweeps.shown import in_words, scale_and_label
 
 _OPACITY = 0.25
 _TICKS = 6
 _BAR = 0.4  # height, in rows
+_FRAME, _ROW = 1.8, 0.45  # heights of all but the rows, and of a row [inch]
 
 
 def front_figure(front: Front) -> Figure:
@@ -32,10 +43,11 @@ def front_figure(front: Front) -> Figure:
         for part, side in ((first, "x"), (other, "y")):
             better = "more" if part.sign > 0.0 else "less"
             factor, label = scale_and_label(table[part.name])
-            getattr(ax, f"set_{side}label")(f"{label}\n({better} is better)")
+            getattr(ax, f"set_{side}label")(f"{wrapped(label)}\n({better} is better)")
             values.append(factor * table[part.name].values)
-        ax.plot(*values, "o", color=BLUE, ms=4)
+        ax.plot(*values, "o", color=BLUE, ms=4, label="designs that no other beats in everything")
         ax.grid(alpha=_OPACITY)
+        legend_below(ax)
     return figure
 
 
@@ -51,13 +63,13 @@ def tornado_figure(found: Indices) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    figure = new_figure(columns=2, width=5.0, height=1.4 + 0.45 * len(found.names))
+    figure = new_figure(columns=2, width=5.0, height=_FRAME + _ROW * len(found.names))
     ranges, shares = figure.axes
     order = np.argsort(found.total)
     _draw_ranges(found, order, ranges)
     _draw_shares(found, order, shares)
     for ax in figure.axes:
-        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
+        legend_below(ax)
     return figure
 
 
@@ -71,17 +83,22 @@ def _draw_ranges(found: Indices, order: np.ndarray, ax: Axes) -> None:
         width = factor * (ends[order] - found.nominal)
         ax.barh(rows, width, left=factor * found.nominal, color=colour, label=words)
     ax.axvline(factor * found.nominal, color=GREY, lw=1.0)
-    ax.set_yticks(rows, [" and\n".join(found.groups[number]) for number in order])
-    ax.set_xlabel(label)
+    names = [" and\n".join(map(in_words, found.groups[number])) for number in order]
+    ax.set_yticks(rows, names)
+    ax.set_xlabel(wrapped(label))
     ax.locator_params(axis="x", nbins=_TICKS)
 
 
 def _draw_shares(found: Indices, order: np.ndarray, ax: Axes) -> None:
     rows = np.arange(order.size)
     for index, spread, colour, words, offset in (
-        (found.total, found.total_interval, GREEN, "total", _BAR / 2.0),
+        (found.total, found.total_interval, GREEN, "with interactions", _BAR / 2.0),
         (found.first, found.first_interval, VERMILION, "alone", -_BAR / 2.0),
     ):
-        ax.barh(rows + offset, index[order], _BAR, xerr=spread[order], color=colour, label=words)
+        ax.barh(rows + offset, index[order], _BAR, color=colour, label=words)
+        bars = ax.errorbar(index[order], rows + offset, xerr=spread[order], ls="", color="black",
+                           lw=1.2, capsize=2)  # fmt: skip
+    bars.set_label(INTERVAL)
+    ax.axvline(0.0, color=GREY, lw=1.0)
     ax.set_yticks(rows, [])
     ax.set_xlabel("share of the variance (Sobol index)")

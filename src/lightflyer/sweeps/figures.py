@@ -5,17 +5,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import LogLocator, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 
 from lightflyer.foundation.drawing import (
+    BAND,
     BLUE,
     GREEN,
     GREY,
     ORANGE,
     VERMILION,
+    legend_below,
     new_figure,
+    outlined,
     plain_decades,
+    wrapped,
 )
 from lightflyer.sweeps.distributions import SAMPLE
 from lightflyer.sweeps.explore import less_is_better, margin, over_samples, pareto_front
@@ -29,6 +34,9 @@ _LOGARITHMIC = 3.0  # largest over smallest from which evenly spaced logarithms 
 _DECADES = 100.0  # largest over smallest from which an output gets a log axis
 _PROBABILITIES = (0.1, 0.5, 0.9)
 _HALF = 0.5
+_MARKED = 60  # designs along a line, up to which each has a marker
+_FINE = 1001  # points at which a border between designs is looked for
+_IN_A_LINE = 3  # fixed fields in a line of the title
 _OPACITY = 0.25
 # legend of hatched designs, without and with samples
 _NOT_FLYING = ("cannot fly", "flies in less than half of the samples")
@@ -49,14 +57,26 @@ def _axis(ax: Axes, side: str, array: "xr.DataArray") -> np.ndarray:
     """Label one axis; returns the coordinate in the unit shown."""
     factor, label = scale_and_label(array)
     values = factor * np.asarray(array.values, float)
-    getattr(ax, f"set_{side}label")(label)
+    getattr(ax, f"set_{side}label")(wrapped(label))
     if _is_logarithmic(values):
         getattr(ax, f"set_{side}scale")("log")
-        axis = getattr(ax, f"{side}axis")
-        plain_decades(axis)
-        axis.set_minor_locator(LogLocator(subs=(2, 3, 5)))
-        axis.set_minor_formatter("{x:g}")
+        plain_decades(getattr(ax, f"{side}axis"))
     return values
+
+
+def _fixed(ax: Axes, dataset: "xr.Dataset", drawn: tuple[str, ...]) -> None:
+    """Say above the axes what the fields that are not drawn are fixed at."""
+    said = []
+    for name, array in dataset.coords.items():
+        if name not in drawn and not array.ndim and np.isfinite(float(array)):
+            factor, label = scale_and_label(array)
+            words, _, unit = label.partition(" [")
+            said.append(f"{words} {factor * float(array):.4g} {unit.removesuffix(']')}".rstrip())
+    lines = [
+        ", ".join(said[start : start + _IN_A_LINE]) for start in range(0, len(said), _IN_A_LINE)
+    ]
+    if lines:
+        ax.set_title("at " + "\n".join(lines), fontsize="small")
 
 
 def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axes:
@@ -90,6 +110,7 @@ def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axe
     if not np.isfinite(flying).any():
         flying = values
     handles = []
+    _fixed(ax, dataset, (x, y))
     if np.isfinite(flying).any():
         levels = MaxNLocator(_LEVELS).tick_values(np.nanmin(flying), np.nanmax(flying))
         filled = ax.contourf(
@@ -101,32 +122,44 @@ def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axe
             extend="min" if np.nanmin(values) < levels[0] else "neither",
         )
         bar = ax.get_figure().colorbar(filled, ax=ax)  # type: ignore[union-attr]
-        bar.set_label(f"median {label}" if sampled else label)
+        bar.set_label(wrapped(label) + ("\nmedian of the samples" if sampled else ""))
         handles += _best_per_column(ax, horizontal, vertical, flying, value)
     if able is not None:
         handles += _cannot_fly(ax, horizontal, vertical, able.values, sampled=sampled)
-    if handles:
-        ax.legend(
-            handles=handles,
-            loc="lower center",
-            bbox_to_anchor=(0.5, 1.0),
-            ncols=1 if sampled else 2,
-            frameon=False,
-        )
+    legend_below(ax, handles, most=2)
     return ax
 
 
 def _best_per_column(
     ax: Axes, horizontal: np.ndarray, vertical: np.ndarray, values: np.ndarray, name: str
 ) -> list[Any]:
-    """A line through the best design of each column."""
+    """A line through the best place of each column."""
     least = less_is_better(name)
     score = np.where(np.isfinite(values), -values if least else values, -np.inf)
-    known = np.isfinite(score).any(axis=0)
-    best = np.where(known, vertical[np.argmax(score, axis=0)], np.nan)
+    even = np.log(vertical) if ax.get_yscale() == "log" else vertical
+    best = np.array([_peak(even, column) for column in score.T])
+    best = np.exp(best) if ax.get_yscale() == "log" else best
     words = "least" if least else "most"
-    across = ax.get_xlabel().partition(" [")[0]
-    return ax.plot(horizontal, best, color=VERMILION, lw=1.6, label=f"{words} at each {across}")
+    across = ax.get_xlabel().replace("\n", " ").partition(" [")[0]
+    return ax.plot(
+        horizontal, best, color=VERMILION, lw=2.0, label=f"{words} at each {across}",
+        path_effects=outlined(3.5, "white"),
+    )  # fmt: skip
+
+
+def _peak(places: np.ndarray, score: np.ndarray) -> float:
+    """Where a score is largest: the top of the parabola through its three largest neighbours.
+
+    At an end of the places, and beside one without a score, the place of the largest itself.
+    """
+    best = int(np.argmax(score))
+    if not np.isfinite(score[best]):
+        return np.nan
+    near = slice(best - 1, best + 2)
+    if not 0 < best < places.size - 1 or not np.isfinite(score[near]).all():
+        return float(places[best])
+    curvature, slope, _ = np.polyfit(places[near] - places[best], score[near], 2)
+    return float(places[best] - (slope / (2.0 * curvature) if curvature < 0.0 else 0.0))
 
 
 def _cannot_fly(
@@ -153,10 +186,14 @@ def _cannot_fly(
         )
     if sampled and np.ptp(able) > 0.0:
         chances = able + _HALF
-        lines = ax.contour(
-            horizontal, vertical, chances, levels=_PROBABILITIES, colors=GREY, linewidths=0.8
-        )
-        ax.clabel(lines, fmt=lambda level: f"{100.0 * level:g} % fly")
+        for chance, style in zip(_PROBABILITIES, (":", "-", "--"), strict=True):
+            lines = ax.contour(
+                horizontal, vertical, chances, levels=[chance], colors="black",
+                linestyles=[style], linewidths=1.2,
+            )  # fmt: skip
+            lines.set_path_effects(outlined(3.0, "white"))
+            words = f"{100.0 * chance:g} % of the samples fly"
+            handles.append(Line2D([], [], color="black", ls=style, lw=1.2, label=words))
     return handles
 
 
@@ -180,7 +217,10 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
     array, able = dataset[value], margin(dataset)
     horizontal = _axis(ax, "x", dataset[x])
     factor, label = scale_and_label(array)
-    ax.set_ylabel(label)
+    ax.set_ylabel(wrapped(label))
+    _fixed(ax, dataset, (x,))
+    # few designs are seen one by one, straight lines between them
+    marker = "o" if horizontal.size <= _MARKED else ""
     if SAMPLE in array.dims:
         band = over_samples(array)
         low, middle, high = (factor * band[end].values for end in ("low", "median", "high"))
@@ -188,21 +228,34 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
         shown = shown[np.isfinite(shown)]
         if shown.size:  # infinite ends go to the end of the axis
             low, high = (np.clip(end, shown.min(), shown.max()) for end in (low, high))
-        ax.fill_between(horizontal, low, high, color=BLUE, alpha=_OPACITY, lw=0, label="95 % band")
+        ax.fill_between(horizontal, low, high, color=BLUE, alpha=_OPACITY, lw=0, label=BAND)
         ax.plot(horizontal, np.where(np.isfinite(middle), middle, np.nan), color=BLUE,
-                label="median")  # fmt: skip
+                label="median of the samples", marker=marker, ms=3.5)  # fmt: skip
         able = None if able is None else (able >= 0.0).mean(SAMPLE) - _HALF
     else:
         shown = factor * array.values[np.isfinite(array.values)]
-        ax.plot(horizontal, factor * array.values, color=BLUE)
+        ax.plot(
+            horizontal,
+            factor * array.values,
+            color=BLUE,
+            label="designs, joined by straight lines",
+            marker=marker,
+            ms=3.5,
+        )
     if shown.size and 0.0 < _DECADES * shown.min() < shown.max():
         ax.set_yscale("log")
+        plain_decades(ax.yaxis)
     if able is not None and bool((able < 0.0).any()):
+        # between two designs, one of which flies, the border lies where their margin vanishes
+        spaced = np.geomspace if ax.get_xscale() == "log" else np.linspace
+        fine = spaced(horizontal[0], horizontal[-1], _FINE)
+        order = np.argsort(horizontal)
+        unable = np.interp(fine, horizontal[order], able.values[order]) < 0.0
         ax.fill_between(
-            horizontal,
+            fine,
             0.0,
             1.0,
-            where=able.values < 0.0,
+            where=unable,
             transform=ax.get_xaxis_transform(),
             facecolor="none",
             edgecolor=GREY,
@@ -210,8 +263,7 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
             lw=0,
             label=_NOT_FLYING[SAMPLE in array.dims],
         )
-    if ax.get_legend_handles_labels()[0]:
-        ax.legend()
+    legend_below(ax)
     ax.grid(alpha=_OPACITY)
     return ax
 
@@ -248,8 +300,9 @@ def pareto_figure(dataset: "xr.Dataset", gain: str) -> Figure | None:
         )
         better = "more" if sign < 0.0 else "less"
         worth = "less" if less_is_better(gain) else "more"
-        ax.plot(across * against, up * gains, ".-", color=colour, ms=4)
-        ax.set_xlabel(f"{label_across}\n({better} is better)")
-        ax.set_ylabel(f"{label_up}\n({worth} is better)")
+        # the best of the designs computed: between two of them nothing is known
+        ax.plot(across * against, up * gains, "o", color=colour, ms=4, label="best designs")
+        ax.set_xlabel(f"{wrapped(label_across)}\n({better} is better)")
+        ax.set_ylabel(f"{wrapped(label_up)}\n({worth} is better)")
         ax.grid(alpha=_OPACITY)
     return figure

@@ -25,6 +25,37 @@ _SCALES = {
 }
 """By the unit of a dataset: from which largest value on, which factor leads to which unit."""
 
+_FACES = ("top", "bottom")
+_SHORT = {"tac": "TAC"}
+
+
+def in_words(name: str) -> str:
+    """Name of a number of a design, as figures say it.
+
+    Parameters
+    ----------
+    name : str
+        Dotted.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> in_words("flyer.film.tac_top")
+    'film TAC, top'
+    >>> in_words("flyer.diameter")
+    'flyer diameter'
+    """
+    *where, last = name.split(".")
+    if len(where) > 1 and where[0] == "flyer":
+        where = where[1:]  # its film needs no owner
+    words = last.replace("_", " ").split()
+    face = f", {words.pop()}" if len(words) > 1 and words[-1] in _FACES else ""
+    words = [_SHORT.get(word, word) for word in words]
+    return " ".join([*(part.replace("_", " ") for part in where), *words]) + face
+
 
 def unit_of(array: "xr.DataArray") -> str:
     """Units of an array, empty for a pure number."""
@@ -52,7 +83,7 @@ def scale_and_label(array: "xr.DataArray") -> tuple[float, str]:
         factor, unit = _shown(unit, np.asarray(array.values, float))
     else:
         factor = 1.0
-    words = str(array.attrs.get("long_name", name))
+    words = in_words(name) if "." in name else str(array.attrs.get("long_name", name))
     return factor, f"{words} [{unit}]" if unit else words
 
 

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lightflyer.foundation.drawing import BAND, GREY, legend_below
 from lightflyer.foundation.units import dataset_unit
 from lightflyer.prediction.figures import across, shown_for_best
 from lightflyer.uncertainty.propagation import PredictionUncertainty
@@ -48,12 +49,16 @@ def add_to_figures(figures: "dict[str, Figure]", uncertainty: PredictionUncertai
         From :func:`lightflyer.prediction.figures.prediction_figures`; changed.
     uncertainty : PredictionUncertainty
     """
-    irradiance, temperature = figures["levitation-irradiance"].axes
-    _shade(irradiance, "needed", "levitation_irradiance", uncertainty)
+    irradiance, temperature = figures["levitation-irradiance"].axes[:2]
+    _shade(irradiance, "needed to levitate", "levitation_irradiance", uncertainty)
     _shade(temperature, "just levitating", "levitation_temperature", uncertainty)
     _shade(temperature, "available light", "temperature", uncertainty)
     payload = figures["payload"].axes[0]
     _shade(payload, "", "payload", uncertainty)
+    for ax in (irradiance, temperature, payload):
+        # one entry for bands of several colours
+        ax.fill_between([], [], [], color=GREY, alpha=2.0 * _OPACITY, lw=0, label=BAND)
+        legend_below(ax)
     scale, _ = shown_for_best(uncertainty.prediction, "payload")
     bottom, top = payload.get_ylim()
     highest = _HEADROOM * scale * float(np.nanmax(uncertainty.high["payload"]))

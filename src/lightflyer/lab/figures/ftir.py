@@ -7,11 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.film.spectra import planck
-from lightflyer.foundation.drawing import GREY, ORANGE, PALETTE, new_figure
+from lightflyer.foundation.drawing import GREY, ORANGE, PALETTE, legend_below, new_figure
 from lightflyer.lab.ftir import Ftir
 from lightflyer.lab.spectrum_data import PER_CENTIMETRE
 
-_WIDTH, _HEIGHT = 7.5, 4.6
+_HEIGHT = 4.6
 _RADIATION_HEIGHT = 0.35  # of the black body's curve, in heights of the axes
 _MARGIN = 1.02  # height of the axes over the highest value
 _MOST_POINTS = 20_000  # drawn of one spectrum
@@ -36,14 +36,16 @@ def spectra(
     matplotlib.axes.Axes
     """
     low, high = (end / PER_CENTIMETRE for end in result.band)
-    ax.axvspan(low, high, color=ORANGE, alpha=0.15, lw=0, label=f"{low:g}–{high:g} cm⁻¹")
+    ax.axvspan(
+        low, high, color=ORANGE, alpha=0.15, lw=0, label=f"averaged over {low:g}–{high:g} cm⁻¹"
+    )
     _black_body(result, ax)
-    for group, style in ((result.spectra, "-"), (result.reflectances, "-.")):
-        for number, one in enumerate(group):
-            step = max(1, len(one.wavenumber) // _MOST_POINTS)
-            ax.plot(one.wavenumber[::step] / PER_CENTIMETRE, one.value[::step], ls=style, lw=1,
-                    color=PALETTE[number % len(PALETTE)],
-                    label=f"{one.quantity}, {one.source}")  # fmt: skip
+    drawn = [(one, "-") for one in result.spectra] + [(one, "-.") for one in result.reflectances]
+    for number, (one, style) in enumerate(drawn):
+        step = max(1, len(one.wavenumber) // _MOST_POINTS)
+        ax.plot(one.wavenumber[::step] / PER_CENTIMETRE, one.value[::step], ls=style, lw=1,
+                color=PALETTE[number % len(PALETTE)],
+                label=f"{one.quantity}, {one.source}")  # fmt: skip
     for name, (wavenumber, value) in (computed or {}).items():
         style = "--" if name == "transmittance" else ":"
         ax.plot(wavenumber / PER_CENTIMETRE, value, color="black", ls=style, lw=1,
@@ -55,7 +57,7 @@ def spectra(
     ax.set_xlabel("wavenumber [cm⁻¹]")
     ax.set_ylabel("fraction of the light [1]")
     _wavelength_axis(ax)
-    ax.legend(fontsize="small", loc="center left")
+    legend_below(ax, most=2)
     return ax
 
 
@@ -94,6 +96,6 @@ def ftir_figures(
     -------
     dict of str to matplotlib.figure.Figure
     """
-    figure = new_figure(width=_WIDTH, height=_HEIGHT)
+    figure = new_figure(height=_HEIGHT)
     spectra(result, figure.axes[0], computed)
     return {"ftir": figure}

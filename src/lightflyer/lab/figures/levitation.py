@@ -5,16 +5,24 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
 
-from lightflyer.foundation.drawing import GREY, MARKERS, PALETTE, new_figure, plain_decades
+from lightflyer.foundation.drawing import (
+    GREY,
+    INTERVAL,
+    MARKERS,
+    PALETTE,
+    legend_below,
+    new_figure,
+    plain_decades,
+)
 from lightflyer.foundation.units import scale_and_offset
 from lightflyer.lab.levitation import LevitationCurve
 
-_WIDTH, _HEIGHT = 7.0, 5.0
+_HEIGHT = 5.2
 _PER_KILOWATT = 1e-3
 _MODEL_STYLES = ("--", ":")
 _FAR = 1e3  # times a value, beyond the axes
+_OPACITY, _FEW = 0.2, 3  # of the band of each of so many curves, less of more
 _ABOVE = 1.6  # factor by which the axes extend beyond the points
 
 ModelCurves = Mapping[str, tuple[np.ndarray, np.ndarray]]
@@ -45,16 +53,17 @@ def levitation_curves(
     """
     models = models or {}
     per_pascal = 1.0 / scale_and_offset(pressure_unit, "Pa")[0]
+    opacity = _OPACITY / max(1.0, len(curves) / _FEW)
     for number, curve in enumerate(curves):
         colour, points = PALETTE[number % len(PALETTE)], curve.points
         marker = MARKERS[number % len(MARKERS)]
         pressure = curve.pressure * per_pascal
         ax.fill_between(pressure, curve.lower * _PER_KILOWATT, curve.upper * _PER_KILOWATT,
-                        color=colour, alpha=0.15, lw=0)  # fmt: skip
+                        color=colour, alpha=opacity, lw=0)  # fmt: skip
         ax.plot(pressure, curve.irradiance * _PER_KILOWATT, color=colour, lw=1.4)
+        ax.plot([], [], marker, ls="-", color=colour, mfc="none", ms=5, lw=1.4, label=points.name)
         light = points.irradiance * _PER_KILOWATT
-        ax.plot(points.pressure * per_pascal, light, marker, ls="",
-                color=colour, mfc="none", ms=5, label=points.name)  # fmt: skip
+        ax.plot(points.pressure * per_pascal, light, marker, ls="", color=colour, mfc="none", ms=5)
         if curve.step:  # the light that suffices lies on these lines
             ax.vlines(points.pressure * per_pascal, light - curve.step * _PER_KILOWATT, light,
                       color=colour, lw=0.8)  # fmt: skip
@@ -67,19 +76,15 @@ def levitation_curves(
     light = np.concatenate([curve.points.irradiance for curve in curves]) * _PER_KILOWATT
     ax.set(xscale="log", yscale="log")
     ax.set_ylim(light.min() / _ABOVE, light.max() * _ABOVE)
-    for axis in (ax.xaxis, ax.yaxis):
-        plain_decades(axis)
-        # over one or two decades, 2 and 5 are needed to read off a pressure
-        axis.set_minor_formatter(FuncFormatter(_two_and_five))
+    plain_decades(ax.xaxis)
+    plain_decades(ax.yaxis)
     ax.set_xlabel(f"pressure [{pressure_unit}]")
     ax.set_ylabel("irradiance to levitate [kW/m²]")
     ax.grid(alpha=0.25, which="both")
-    ax.legend(fontsize="small", title="lines: LOESS with 99 % band", title_fontsize="small")
+    ax.plot([], [], "*", color=GREY, ms=9, mec="white", mew=0.5, label=f"minimum, {INTERVAL}")
+    ax.fill_between([], [], [], color=GREY, alpha=0.3, lw=0, label="99 % band of a line")
+    legend_below(ax, title="points: measured; solid lines: LOESS")
     return ax
-
-
-def _two_and_five(value: float, _: object) -> str:
-    return f"{value:g}" if f"{value:e}"[0] in "25" else ""
 
 
 def _mark_least(curve: LevitationCurve, ax: Axes, colour: str, per_pascal: float) -> None:
@@ -114,6 +119,6 @@ def levitation_figures(
     -------
     dict of str to matplotlib.figure.Figure
     """
-    figure = new_figure(width=_WIDTH, height=_HEIGHT)
+    figure = new_figure(height=_HEIGHT)
     levitation_curves(curves, figure.axes[0], pressure_unit=pressure_unit, models=models)
     return {"levitation": figure}

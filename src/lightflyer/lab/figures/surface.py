@@ -7,21 +7,45 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.patches import Patch
 from scipy import ndimage
 
-from lightflyer.foundation.drawing import ORANGE, new_figure
+from lightflyer.foundation.drawing import SKY, VERMILION, new_figure, outlined, shared_legend
 from lightflyer.lab.surface import NANOMETRE, Roughness
 
-_WIDTH, _HEIGHT = 4.6, 8.0  # of the column of one map [inch]
+_WIDTH, _HEIGHT = 4.0, 7.6  # of the column of one map [inch]
 _MOST_PIXELS = 1024  # drawn along a side
 _SHOWN = 3.5  # range of the colours, in rms heights
 _MICROMETRE = 1e-6
 _PERCENT = 100.0
-_HOLES = "#cc79a7"  # reddish purple of the palette for colour-blind readers
 
 
-def draw_height_map(result: Roughness, ax: Axes, *, masked: bool) -> Axes:
+def colour_range(results: Sequence[Roughness], *, masked: bool) -> tuple[float, float]:
+    """Heights between which colours change, the same for maps that are compared.
+
+    Parameters
+    ----------
+    results : sequence of Roughness
+    masked : bool
+        For the surface alone, without particles and holes.
+
+    Returns
+    -------
+    low, high : float
+        [nm].
+    """
+    if masked:
+        rough = max(one.parameters["rms_height"].value for one in results)
+        return -_SHOWN * rough, _SHOWN * rough
+    low = min(float(one.height.min()) for one in results) / NANOMETRE
+    high = max(float(one.height.max()) for one in results) / NANOMETRE
+    return low, max(high, low + 1e-12)
+
+
+def draw_height_map(
+    result: Roughness, ax: Axes, *, masked: bool, colours: tuple[float, float] | None = None
+) -> AxesImage:
     """Draw a levelled map, as it is or with its mask.
 
     Parameters
@@ -29,35 +53,36 @@ def draw_height_map(result: Roughness, ax: Axes, *, masked: bool) -> Axes:
     result : Roughness
     ax : matplotlib.axes.Axes
     masked : bool
-        Show the mask of particles and holes, and scale the colours to the surface.
+        Show the mask of particles and holes, and scale the greys to the surface.
+    colours : tuple of float, optional
+        Heights between which the greys change [nm]; see :func:`colour_range`.
 
     Returns
     -------
-    matplotlib.axes.Axes
+    matplotlib.image.AxesImage
+        For a colour bar.
     """
     step = max(1, max(result.height.shape) // _MOST_PIXELS)
     height = result.height[::step, ::step] / NANOMETRE
     extent = (0.0, result.source.width / _MICROMETRE, 0.0, result.source.length / _MICROMETRE)
-    rms = result.parameters["rms_height"].value
-    low, high = (-_SHOWN * rms, _SHOWN * rms) if masked else (height.min(), height.max())
-    image = ax.imshow(height, extent=extent, cmap="cividis", vmin=low, vmax=max(high, low + 1e-12),
+    low, high = colour_range([result], masked=masked) if colours is None else colours
+    # greys, among which the colours of the mask stand out
+    image = ax.imshow(height, extent=extent, cmap="gray", vmin=low, vmax=high,
                       interpolation="nearest")  # fmt: skip
     if masked:
+        rms = result.parameters["rms_height"].value
         _draw_masks(result, ax, step, extent)
         shares = ", ".join(
             f"{name} {_PERCENT * mask.mean():.2g} %"
             for name, mask, _ in _masks(result)
             if mask.any()
         )
-        said = f"Sq = {rms:.3g} nm; masked: {shares or 'nothing'}"
+        said = f"Sq = {rms:.3g} nm\nmasked: {shares or 'nothing'}"
     else:
         everything = result.parameters_all["rms_height"].value
-        said = f"{result.source.source}: Sq = {everything:.3g} nm, all of it"
+        said = f"{result.source.source}\nSq = {everything:.3g} nm, all of it"
     ax.set_title(said, fontsize="small")
-    ax.set_xlabel("x [µm]")
-    ax.set_ylabel("y [µm]")
-    ax.figure.colorbar(image, ax=ax, label="height [nm]", shrink=0.8)
-    return ax
+    return image
 
 
 def _draw_masks(
@@ -71,7 +96,7 @@ def _draw_masks(
 
 def _masks(result: Roughness) -> tuple[tuple[str, np.ndarray, str], ...]:
     """Name, mask and colour of what is masked."""
-    return ("particles", result.particles, ORANGE), ("holes", result.holes, _HOLES)
+    return ("particles", result.particles, VERMILION), ("holes", result.holes, SKY)
 
 
 def _thinned(mask: np.ndarray, step: int) -> np.ndarray:
@@ -85,7 +110,7 @@ def roughness_figures(results: Sequence[Roughness]) -> dict[str, Figure]:
     Parameters
     ----------
     results : sequence of Roughness
-        One column each: all of the map above, masked below.
+        One column each: all of the map above, masked below; each row has one scale.
 
     Returns
     -------
@@ -94,11 +119,19 @@ def roughness_figures(results: Sequence[Roughness]) -> dict[str, Figure]:
     count = len(results)
     figure = new_figure(columns=count, width=_WIDTH, height=_HEIGHT, rows=2)
     figure.set_layout_engine("compressed")  # of axes with a fixed aspect
-    for number, ax in enumerate(figure.axes[: 2 * count]):
-        draw_height_map(results[number % count], ax, masked=number >= count)
-        letter = ascii_lowercase[number % len(ascii_lowercase)]
-        ax.text(0.02, 0.98, f"({letter})", transform=ax.transAxes, va="top", color="white",
-                weight="bold")  # fmt: skip
+    axes = figure.axes
+    for masked, row in enumerate((axes[:count], axes[count:])):
+        colours = colour_range(results, masked=bool(masked))
+        for number, (result, ax) in enumerate(zip(results, row, strict=True), masked * count):
+            image = draw_height_map(result, ax, masked=bool(masked), colours=colours)
+            ax.set_xlabel("x [µm]" if masked else "")
+            ax.set_ylabel("y [µm]" if ax is row[0] else "")
+            letter = ascii_lowercase[number % len(ascii_lowercase)]
+            ax.text(0.02, 0.98, f"({letter})", transform=ax.transAxes, va="top", color="white",
+                    weight="bold", path_effects=outlined())  # fmt: skip
+        label = "height of the surface [nm]" if masked else "height [nm]"
+        extend = "both" if masked else "neither"
+        figure.colorbar(image, ax=row, label=label, shrink=0.8, pad=0.02, extend=extend)
     handles = [Patch(color=colour, label=name) for name, _, colour in _masks(results[0])]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
+    shared_legend(figure, handles)
     return {"roughness": figure}

@@ -6,13 +6,23 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.markers import CARETDOWNBASE
 
-from lightflyer.foundation.drawing import BLUE, GREY, MARKERS, PALETTE, new_figure, plain_decades
+from lightflyer.foundation.drawing import (
+    BLUE,
+    GREY,
+    MARKERS,
+    PALETTE,
+    legend_below,
+    new_figure,
+    plain_decades,
+)
 from lightflyer.lab.tac import TacFit
 
+_TITLE = "points: measured; lines through them: fit"
 _SHADED = (0.5, 1.5)  # range of coefficients that the paper shades
 _MOST_POINTS = 3_000  # drawn of one run
-_WIDTH = 6.5
+_HEIGHT = 4.8
 
 
 def _ordered(fit: TacFit, most: int = _MOST_POINTS) -> np.ndarray:
@@ -36,16 +46,16 @@ def effective_conductance(fits: Sequence[TacFit], ax: Axes) -> Axes:
     for number, fit in enumerate(fits):
         rows, style = _ordered(fit), _style(number)
         ratio = fit.area_ratio.value
-        label = _label(fit, len(fits))
         ax.plot(fit.pressure[rows], fit.conductance[rows] / ratio, ls="", mfc="none", ms=4,
-                label=label, rasterized=len(rows) > 1000, **style)  # fmt: skip
+                rasterized=len(rows) > 1000, **style)  # fmt: skip
         ax.plot(fit.pressure[rows], fit.fitted[rows] / ratio, color=style["color"], lw=1.2)
+        ax.plot([], [], mfc="none", ms=4, lw=1.2, label=_label(fit, len(fits)), **style)
     ax.axhline(fits[0].offset.value, color=GREY, ls=":", lw=1, label="offset (leads, radiation)")
     ax.set_xscale("log")
     plain_decades(ax.xaxis)
     ax.set_xlabel("pressure [Pa]")
     ax.set_ylabel("power / effective area / ΔT [W/(m² K)]")
-    ax.legend(fontsize="small", loc="upper left")
+    legend_below(ax, most=2, title=_TITLE)
     return ax
 
 
@@ -55,7 +65,7 @@ def _style(number: int) -> dict[str, Any]:
 
 def _label(fit: TacFit, count: int) -> str:
     low, high = fit.tac.interval
-    found = f"α = {fit.tac.value:.3g} ({low:.3g}–{high:.3g})"
+    found = f"α = {fit.tac.value:.3g} (95 %: {low:.3g} to {high:.3g})"
     return f"{fit.run.source}: {found}" if count > 1 else f"{found}, δ = {fit.area_ratio.value:.3g}"
 
 
@@ -83,12 +93,21 @@ def gas_part(fits: Sequence[TacFit], ax: Axes) -> Axes:
     """
     first = fits[0]
     _shade(first, ax, with_offset=False)
+    noise = first.scatter * float(np.median(first.conductance)) / first.area_ratio.value
+    bottom = max(0.1 * noise, 1e-4)
+    below = "at or below the axis"
     for number, fit in enumerate(fits):
         rows, style = _ordered(fit), _style(number)
         taken = fit.offset.value + fit.radiation[rows]
         gas = fit.conductance[rows] / fit.area_ratio.value - taken
-        ax.plot(fit.pressure[rows], np.where(gas > 0.0, gas, np.nan), ls="", mfc="none", ms=4,
+        low = gas < bottom
+        ax.plot(fit.pressure[rows], np.where(low, np.nan, gas), ls="", mfc="none", ms=4,
                 rasterized=len(rows) > 1000, **style)  # fmt: skip
+        if low.any():
+            ax.plot(fit.pressure[rows][low], np.full(low.sum(), bottom), ls="",
+                    marker=CARETDOWNBASE, color=style["color"], clip_on=False, zorder=5,
+                    label=f"measured, {below}" if below else None)  # fmt: skip
+            below = ""
         modelled = fit.limits.conductance(fit.tac.value)[rows]
         ax.plot(fit.pressure[rows], modelled, color=style["color"], lw=1.2)
     rows = _ordered(first)
@@ -96,14 +115,13 @@ def gas_part(fits: Sequence[TacFit], ax: Axes) -> Axes:
     ax.plot(pressure, alpha * first.free_molecular[rows], color=BLUE, ls="--", lw=1,
             label="free-molecular")  # fmt: skip
     ax.plot(pressure, first.continuum[rows], color=GREY, ls="-.", lw=1, label="continuum")
-    noise = first.scatter * float(np.median(first.conductance)) / first.area_ratio.value
-    ax.set_ylim(max(0.1 * noise, 1e-4), 3.0 * float(first.continuum[first.order[-1]]))
+    ax.set_ylim(bottom, 3.0 * float(first.continuum[first.order[-1]]))
     ax.set(xscale="log", yscale="log")
     plain_decades(ax.xaxis)
     plain_decades(ax.yaxis)
     ax.set_xlabel("pressure [Pa]")
     ax.set_ylabel("conductance of the gas [W/(m² K)]")
-    ax.legend(fontsize="small", loc="lower right")
+    legend_below(ax, most=2)
     return ax
 
 
@@ -118,7 +136,7 @@ def tac_figures(fits: Sequence[TacFit]) -> dict[str, Figure]:
     -------
     dict of str to matplotlib.figure.Figure
     """
-    figure = new_figure(columns=2, width=_WIDTH)
+    figure = new_figure(columns=2, height=_HEIGHT)
     left, right = figure.axes
     effective_conductance(fits, left)
     gas_part(fits, right)

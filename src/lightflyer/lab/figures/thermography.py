@@ -4,46 +4,55 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.foundation.drawing import BLUE, GREY, VERMILION, new_figure
+from lightflyer.foundation.drawing import (
+    BLUE,
+    GREY,
+    INTERVAL,
+    VERMILION,
+    new_figure,
+    shared_legend,
+)
 from lightflyer.lab.thermography import PROPERTIES, RadiativeProperties
 
-_OFFSET = 0.12  # half the distance between first order and Monte Carlo
+_WIDTH = 2.9  # of one property [inch]
+_SPREAD = 0.3  # half the width over which rows are drawn
 
 
-def draw_properties(result: RadiativeProperties, ax: Axes) -> Axes:
-    """Draw the properties of every row, and both intervals of their means.
+def draw_property(result: RadiativeProperties, name: str, ax: Axes) -> Axes:
+    """Draw a property of every row, and both intervals of its mean, on a scale of their own.
 
     Parameters
     ----------
     result : RadiativeProperties
+    name : str
+        One of ``PROPERTIES`` of :mod:`lightflyer.lab.thermography`.
     ax : matplotlib.axes.Axes
 
     Returns
     -------
     matplotlib.axes.Axes
     """
-    each = result.rows
-    for number, name in enumerate(PROPERTIES):
-        ax.plot(np.full(each.shape[1], number), each[number], "o", color=GREY, mfc="none", ms=4,
-                label="rows" if number == 0 else None)  # fmt: skip
-        ways = ((result.first_order, -_OFFSET, BLUE, "s", "first order"),
-                (result.monte_carlo, _OFFSET, VERMILION, "D", "Monte Carlo"))  # fmt: skip
-        for estimates, shift, colour, marker, label in ways:
-            one = estimates[name]
-            low, high = one.interval
-            ends = np.maximum([[one.value - low], [high - one.value]], 0.0)  # rounding errors
-            ax.errorbar(
-                number + shift, one.value, yerr=ends,
-                fmt=marker, color=colour, capsize=4, ms=5,
-                label=f"{label}, 95 %" if number == 0 else None,
-            )  # fmt: skip
-    names = list(result.named(dict.fromkeys(PROPERTIES)))
-    ax.set_xticks(range(len(names)), names)
-    ax.set_xlim(-0.5, len(names) - 0.5)
-    ax.axhline(0.0, color=GREY, lw=0.8)
-    ax.set_ylabel("fraction of the radiation [1]")
-    ax.set_title(result.meaning, fontsize="medium")
-    ax.legend(fontsize="small")
+    each = result.rows[PROPERTIES.index(name)]
+    # side by side, so that equal rows stay apart
+    spread = np.linspace(-_SPREAD, _SPREAD, each.size) if each.size > 1 else np.zeros(1)
+    ax.plot(spread, each, "o", color=GREY, mfc="none", ms=5, label="rows")
+    ways = ((result.first_order, BLUE, "s", "first order"),
+            (result.monte_carlo, VERMILION, "D", "Monte Carlo"))  # fmt: skip
+    for place, (estimates, colour, marker, label) in enumerate(ways, start=1):
+        one = estimates[name]
+        low, high = one.interval
+        ends = np.maximum([[one.value - low], [high - one.value]], 0.0)  # rounding errors
+        ax.errorbar(
+            place, one.value, yerr=ends,
+            fmt=marker, color=colour, capsize=5, ms=6, lw=1.6, label=f"mean, {INTERVAL}, {label}",
+        )  # fmt: skip
+        said = f"{one.value:.3f}"
+        ax.annotate(said, (place, high), (0, 6), textcoords="offset points", ha="center",
+                    fontsize="small")  # fmt: skip
+    ax.set_xlim(-0.6, 2.7)
+    ax.set_xticks([])
+    ax.margins(y=0.25)
+    ax.set_xlabel(next(iter(result.named({name: None}))))
     ax.grid(alpha=0.25, axis="y")
     return ax
 
@@ -59,6 +68,10 @@ def thermography_figures(result: RadiativeProperties) -> dict[str, Figure]:
     -------
     dict of str to matplotlib.figure.Figure
     """
-    figure = new_figure()
-    draw_properties(result, figure.axes[0])
+    figure = new_figure(columns=len(PROPERTIES), width=_WIDTH)
+    for name, ax in zip(PROPERTIES, figure.axes, strict=True):
+        draw_property(result, name, ax)
+    figure.axes[0].set_ylabel("fraction of the radiation [1]")
+    figure.suptitle(result.meaning, fontsize="medium")
+    shared_legend(figure, figure.axes[0].get_legend_handles_labels()[0])
     return {"thermography": figure}

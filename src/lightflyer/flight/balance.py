@@ -20,7 +20,7 @@ flyer would have if all its nodes were equally warm; Newton's method for systems
 import math
 from collections.abc import Callable
 from functools import partial, reduce
-from typing import Any
+from typing import Any, TypeAlias
 
 import equinox as eqx
 import jax
@@ -284,6 +284,20 @@ def balance_solver(
     """
     if len(flyer.nodes) == 1 and not flyer.flows:
         return partial(_solve_one, flyer, state, partial(node_losses, flyer, state, model), shape)
+    return partial(_solve_several, flyer, state, _balance(flyer, state, model, shape))
+
+
+Balance: TypeAlias = Callable[..., tuple[tuple[Array, ...], tuple[Array, ...]]]
+"""Power that each node loses [W] and the equations of the flows [1], by the unknowns."""
+
+
+def _balance(
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    model: AbstractForceModel,
+    shape: tuple[int, ...],
+) -> Balance:
+    """Both sides of a flyer's equations but for the powers, and as much as possible ahead."""
 
     def balance(*unknowns: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
         losses = node_losses(flyer, state, model, unknowns)
@@ -291,7 +305,37 @@ def balance_solver(
 
     unknown = jax.ShapeDtypeStruct(shape, float)
     count = len(flyer.nodes) + len(flyer.flows)
-    return partial(_solve_several, flyer, state, ahead(balance, *(unknown,) * count))
+    return ahead(balance, *(unknown,) * count)
+
+
+def imbalance_of(
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    model: AbstractForceModel,
+    shape: tuple[int, ...],
+) -> Callable[[tuple[Array, ...], tuple[Array, ...]], tuple[Array, ...]]:
+    """Make the function that vanishes where each node loses what it absorbs.
+
+    Parameters
+    ----------
+    flyer, state, model, shape
+        As for :func:`balance_solver`.
+
+    Returns
+    -------
+    callable
+        Takes the unknowns and the powers [W]. Returns as many residuals as there are unknowns [1].
+    """
+    return partial(_imbalance, _balance(flyer, state, model, shape))
+
+
+def _imbalance(
+    balance: Balance, unknowns: tuple[Array, ...], powers: tuple[Array, ...]
+) -> tuple[Array, ...]:
+    scale = energy_scale(powers)
+    losses, flows = balance(*unknowns)
+    heat = tuple((loss - power) / scale for loss, power in zip(losses, powers, strict=True))
+    return heat + flows
 
 
 def _solve_one(
@@ -313,17 +357,10 @@ def _solve_one(
 def _solve_several(
     flyer: AbstractFlyer,
     state: EnvironmentState,
-    balance: Callable[..., tuple[tuple[Array, ...], tuple[Array, ...]]],
+    balance: Balance,
     powers: tuple[Array, ...],
 ) -> tuple[tuple[Array, ...], RootStatus]:
     from lightflyer.foundation.system import solve_system  # half a second that a disk can spare
-
-    scale = energy_scale(powers)
-
-    def residual(unknowns: tuple[Array, ...]) -> tuple[Array, ...]:
-        losses, flows = balance(*unknowns)
-        heat = tuple((loss - power) / scale for loss, power in zip(losses, powers, strict=True))
-        return heat + flows
 
     def guess() -> tuple[Array, ...]:
         excess, _ = uniform_excess(
@@ -333,7 +370,7 @@ def _solve_several(
 
     # no temperature falls to absolute zero; flows have no such bound
     lower = (-1.0,) * len(flyer.nodes) + (-math.inf,) * len(flyer.flows)
-    return solve_system(residual, guess, lower=lower)
+    return solve_system(lambda unknowns: _imbalance(balance, unknowns, powers), guess, lower=lower)
 
 
 def energy_scale(powers: tuple[Array, ...]) -> Array:

@@ -1,11 +1,11 @@
 """Levitation: the irradiance that it takes."""
 
 from collections.abc import Callable
+from functools import partial
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
@@ -13,12 +13,14 @@ from lightflyer.flight.balance import (
     SMALLEST_SHARE,
     balance_solver,
     ending_within,
+    imbalance_of,
     light_and_gains,
     node_losses,
     require_converged,
     require_suitable,
     total,
 )
+from lightflyer.flight.dimmest import dimmest_light
 from lightflyer.flight.loads import upward_force, weight
 from lightflyer.flyer.base import HIGHEST_TEMPERATURE, AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
@@ -30,9 +32,6 @@ from lightflyer.foundation.rootfind import (
     implicit_root,
 )
 from lightflyer.foundation.types import Numeric
-
-_LIGHTS = np.concatenate([[0.0], np.geomspace(1e-5, 1.0, 16)])
-"""Lights in which a flyer of several unknowns is looked at, over the brightest."""
 
 HIGHEST_IRRADIANCE = 1e7
 """Irradiance above which nothing levitates [W/m²]: two black faces at the highest temperature of
@@ -203,7 +202,7 @@ def _by_temperature(
     temperature = state.temperature * (1.0 + excess)
     levitates &= collecting > 0.0
     return _answer(
-        levitates, irradiance, temperature, force(excess) / load - 1.0, status, strongest
+        levitates, irradiance, temperature, force(excess) / load - 1.0, status.ending, strongest
     )
 
 
@@ -215,9 +214,10 @@ def _by_irradiance(
     And one, where warm gas lifts: it may carry the load though it is no warmer than the gas around.
 
     The brightest light looked at absorbs what the flyer would lose if all of it were at the
-    highest temperature: at any stronger one some node is hotter. The force need not grow all the
-    way, so it is looked at in many lights first.
+    highest temperature: at any stronger one some node is hotter.
     """
+    from lightflyer.foundation.system import implicit_system  # as in the heat balance
+
     load = weight(flyer, state)
     collecting = total(flyer.beam_areas(state))
     can_collect = collecting > 0.0
@@ -228,100 +228,53 @@ def _by_irradiance(
     shape = jnp.shape(brightest + load)
 
     still = jax.lax.stop_gradient((flyer, state, model, brightest, load))
-    top, strongest, in_the_dark = _look(*still)
-    solve = balance_solver(flyer, state, model, shape)
+    found = dimmest_light(partial(_force_in, *still[:3], shape), *still[3:])
+    share = found.light / still[3]
+    held = ~found.carries | found.in_the_dark
+    imbalance = imbalance_of(flyer, state, model, shape)
 
-    def unknowns_in(irradiance: Array) -> tuple[Array, ...]:
-        return solve(light_and_gains(flyer, state, irradiance))[0]
+    def residual(point: tuple[Array, ...]) -> tuple[Array, ...]:
+        *unknowns, way = point
+        powers = light_and_gains(flyer, state, way * still[3])
+        push = upward_force(flyer, state, model, tuple(unknowns)) / load - 1.0
+        return *imbalance(tuple(unknowns), powers), jnp.where(held, way - share, push)
 
-    def force(irradiance: Array) -> Array:
-        return upward_force(flyer, state, model, unknowns_in(irradiance))
-
-    irradiance, within, status = _reach(force, top, strongest, load)
-    irradiance = jnp.where(in_the_dark, 0.0, irradiance)
-    unknowns = unknowns_in(irradiance)
+    *rest, share = implicit_system(residual, (*found.unknowns, share))
+    unknowns = tuple(rest)
     temperature = state.temperature * (
         1.0 + jax.tree.reduce(jnp.maximum, unknowns[: len(flyer.nodes)])
     )
-    residual = upward_force(flyer, state, model, unknowns) / load - 1.0
+    off = upward_force(flyer, state, model, unknowns) / load - 1.0
+    levitates = found.carries & can_collect & (temperature <= HIGHEST_TEMPERATURE)
     return _answer(
-        in_the_dark | (within & can_collect & (temperature <= HIGHEST_TEMPERATURE)),
-        irradiance,
+        found.in_the_dark | levitates,
+        share * still[3],
         temperature,
-        jnp.where(in_the_dark, 0.0, residual),
-        RootStatus(jnp.where(in_the_dark, int(Ending.CONVERGED), status.ending), status.steps),
-        strongest,
+        jnp.where(found.in_the_dark, 0.0, off),
+        found.ending,
+        found.force,
     )
 
 
-def _look(
+def _force_in(
     flyer: AbstractFlyer,
     state: EnvironmentState,
     model: AbstractForceModel,
-    brightest: Array,
-    load: Array,
-) -> tuple[Array, Array, Array]:
-    """Look at the force in many lights, for an end of the search.
+    shape: tuple[int, ...],
+    light: Array,
+) -> tuple[Array, Array, tuple[Array, ...]]:
+    """Force in a light [N], its slope [N m²/W] and the unknowns."""
+    solve = balance_solver(flyer, state, model, shape)
 
-    Parameters
-    ----------
-    flyer, state, model
-        Not differentiated here, which saves compiling it.
-    brightest : array, shape (...)
-        [W/m²].
-    load : array, shape (...)
-        [N].
+    def force(light: Array) -> tuple[Array, tuple[Array, ...]]:
+        unknowns, _ = solve(light_and_gains(flyer, state, light))
+        pushed = upward_force(flyer, state, model, unknowns)
+        return jnp.broadcast_to(pushed, shape), unknowns
 
-    Returns
-    -------
-    top : array, shape (...)
-        The dimmest light in which the force carries the load; where none does, that of the
-        strongest force [W/m²].
-    strongest : array, shape (...)
-        Force there [N].
-    in_the_dark : bool array, shape (...)
-        Whether the load is carried without light.
-    """
-
-    def force(lights: Array) -> Array:
-        solve = balance_solver(flyer, state, model, lights.shape)
-        unknowns, _ = solve(light_and_gains(flyer, state, lights))
-        return jnp.broadcast_to(upward_force(flyer, state, model, unknowns), lights.shape)
-
-    shape = jnp.shape(brightest + load)
-    lights = jnp.broadcast_to(brightest, shape) * jnp.asarray(_LIGHTS).reshape(
-        -1, *(1,) * len(shape)
+    found: tuple[Array, Array, tuple[Array, ...]] = jax.jvp(
+        force, (light,), (jnp.ones_like(light),), has_aux=True
     )
-    forces = force(lights)
-    top = _peak(lights[1:], forces[1:])
-    strongest = force(top)
-    for light, reached in zip(lights[:0:-1], forces[:0:-1], strict=True):
-        top = jnp.where(reached >= load, light, top)
-        strongest = jnp.where(reached >= load, reached, strongest)
-    return top, strongest, forces[0] >= load
-
-
-def _peak(lights: Array, forces: Array) -> Array:
-    """Light of the strongest force, by a parabola through three of equally spaced logarithms.
-
-    Parameters
-    ----------
-    lights, forces : array, shape (n, ...)
-
-    Returns
-    -------
-    array, shape (...)
-    """
-    before, here, after = forces[:-2], forces[1:-1], forces[2:]
-    bend = before - 2.0 * here + after
-    offset = 0.5 * (before - after) / jnp.where(bend == 0.0, 1.0, bend)
-    vertices = lights[1:-1] * (lights[1] / lights[0]) ** jnp.clip(offset, -1.0, 1.0)
-    light, strongest = lights[-1], forces[-1]
-    for vertex, force, bent in zip(vertices, here, bend < 0.0, strict=True):
-        higher = bent & (force > strongest)
-        light = jnp.where(higher, vertex, light)
-        strongest = jnp.where(higher, force, strongest)
-    return light
+    return found
 
 
 def _answer(
@@ -329,13 +282,13 @@ def _answer(
     irradiance: Array,
     temperature: Array,
     residual: Array,
-    status: RootStatus,
+    ending: Array,
     strongest: Array,
 ) -> Levitation:
     """The result, without what belongs to stand-ins."""
     levitates &= irradiance <= HIGHEST_IRRADIANCE
     residual = jnp.where(levitates, residual, 0.0)
-    ending = ending_within(status.ending, residual, LOAD_TOLERANCE)
+    ending = ending_within(ending, residual, LOAD_TOLERANCE)
     ending = jnp.where(levitates, ending, int(Ending.CONVERGED))
     return Levitation(
         irradiance=jnp.where(levitates, jnp.maximum(irradiance, 0.0), jnp.inf),

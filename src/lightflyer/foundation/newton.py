@@ -1,4 +1,4 @@
-"""Newton's method for very many small systems at once, as root-finders of optimistix.
+"""Newton's method for very many small systems at once, as a root-finder of optimistix.
 
 Every array element is a system of its own. The whole batch is one problem to optimistix, but the
 Jacobian is taken and solved element by element, in array operations that XLA fuses, and each
@@ -46,51 +46,6 @@ _SHRINKAGE = 0.3
 """A step that does not help is shortened to this share."""
 
 
-class _ElementwiseSolver(optx.AbstractRootFinder[Unknowns, Unknowns, None, Any]):
-    """What optimistix asks of a root-finder and both methods answer alike.
-
-    Attributes
-    ----------
-    atol : float
-        Largest residual at a root.
-    lower : tuple of n float
-        Bounds that the unknowns never reach.
-    """
-
-    rtol: float = _NEAR
-    atol: float = RELATIVE_TOLERANCE
-    norm: Callable[[Any], Array] = optx.max_norm
-    lower: tuple[float, ...] = ()
-
-    def terminate(
-        self, fn: Any, y: Unknowns, args: Any, options: Any, state: Any, tags: Any
-    ) -> tuple[Array, Any]:
-        """Stop when every element has ended."""
-        del fn, y, args, options, tags
-        return ~jnp.any(_searching(state.ending)), optx.RESULTS.successful
-
-    def postprocess(
-        self,
-        fn: Any,
-        y: Unknowns,
-        aux: None,
-        args: Any,
-        options: Any,
-        state: Any,
-        tags: Any,
-        result: optx.RESULTS,
-    ) -> tuple[Unknowns, None, dict[str, Any]]:
-        """Report why each element ended."""
-        del fn, args, options, tags, result
-        return y, aux, {"ending": state.ending}
-
-    def _is_root(self, newton: "_Newton") -> Array:
-        return _largest(newton.value) <= self.atol
-
-    def _may_move(self, newton: "_Newton", point: Unknowns) -> Array:
-        return ~self._is_root(newton) | _is_short(newton.step, point, _TOUCH)
-
-
 class _Newton(eqx.Module):
     """Residual and Jacobian at a point, and Newton's step from there."""
 
@@ -117,17 +72,47 @@ def _newton(fn: Any, point: Unknowns, args: Any) -> _Newton:
     return _Newton(value, rows, solve_linear(rows, [-entry for entry in value]))
 
 
-class _PlainState(eqx.Module):
+class _Careful(eqx.Module):
+    """Best point of the careful search, what residuals are measured by, and the largest there."""
+
+    base: Unknowns
+    scale: Unknowns
+    level: Array
+
+
+class _State(eqx.Module):
+    start: Unknowns
+    is_careful: Array
+    careful: _Careful
     ending: Array
     steps: Array
 
 
-class PlainNewton(_ElementwiseSolver):
-    """Newton's method that only keeps above a lower bound: fast, but it may diverge.
+class SafeNewton(optx.AbstractRootFinder[Unknowns, Unknowns, None, Any]):
+    """Newton's method in every element, and from the start again, carefully, where that fails.
 
-    An element whose next point would not be finite ends: as stalled, unless this happens at the
-    very first point, where no method could do better.
+    The first search only keeps above the lower bounds: it is fast, but may diverge. Where its next
+    point would not be finite, or it has not ended after :attr:`plain_steps`, the search begins anew
+    with steps that are shortened until they reduce the residual. There each equation is measured by
+    the sum of what its terms would change if every unknown changed by itself and by its step, so
+    that neither the equations' scale nor that of the unknowns matters.
+
+    Both are one loop because a function takes longer to compile than the rules around it to run.
+
+    Attributes
+    ----------
+    atol : float
+        Largest residual at a root.
+    lower : tuple of n float
+        Bounds that the unknowns never reach.
+    plain_steps : int
     """
+
+    rtol: float = _NEAR
+    atol: float = RELATIVE_TOLERANCE
+    norm: Callable[[Any], Array] = optx.max_norm
+    lower: tuple[float, ...] = ()
+    plain_steps: int = 30
 
     def init(
         self,
@@ -138,90 +123,43 @@ class PlainNewton(_ElementwiseSolver):
         f_struct: Any,
         aux_struct: Any,
         tags: Any,
-    ) -> _PlainState:
+    ) -> _State:
         """Begin with every element searching."""
         del fn, args, options, f_struct, aux_struct, tags
-        ending = jnp.full(y[0].shape, Ending.STEP_LIMIT, jnp.int8)
-        return _PlainState(ending, jnp.zeros((), int))
-
-    def step(
-        self, fn: Any, y: Unknowns, args: Any, options: Any, state: _PlainState, tags: Any
-    ) -> tuple[Unknowns, _PlainState, None]:
-        """Move every element that is still searching by a Newton step."""
-        del options, tags
-        newton = _newton(fn, y, args)
-        target = tuple(
-            old + jnp.maximum(change, _LARGEST_LOSS * (bound - old))
-            for old, change, bound in zip(y, newton.step, self.lower, strict=True)
-        )
-        searching, finite = _searching(state.ending), _all_finite(target)
-        near = jnp.where(state.steps < _PATIENCE, _NEAR, _NEAR_AT_LAST)
-        verdict = _choose(
-            (self._is_root(newton) | _is_short(newton.step, y, near), Ending.CONVERGED),
-            (finite, Ending.STEP_LIMIT),
-            (state.steps > 0, Ending.STALLED),
-            (_all_finite(newton.value), Ending.SINGULAR),
-            otherwise=Ending.NOT_FINITE,
-        )
-        ending = jnp.where(searching, verdict, state.ending)
-        moving = searching & finite & self._may_move(newton, y)
-        point = _select(moving, target, y)
-        return point, _PlainState(ending, state.steps + 1), None
-
-
-class _DampedState(eqx.Module):
-    base: Unknowns
-    scale: Unknowns
-    level: Array
-    ending: Array
-
-
-class DampedNewton(_ElementwiseSolver):
-    """Newton's method whose steps are shortened until they reduce the residual.
-
-    Each equation is measured by the sum of what its terms would change if every unknown changed
-    by itself and by its step, so that neither the equations' scale nor that of the unknowns
-    matters. The option ``ending`` holds an ending for every element; only those at
-    :attr:`Ending.STEP_LIMIT` are searched for.
-    """
-
-    def init(
-        self,
-        fn: Any,
-        y: Unknowns,
-        args: Any,
-        options: Any,
-        f_struct: Any,
-        aux_struct: Any,
-        tags: Any,
-    ) -> _DampedState:
-        """Begin with the elements that have not ended."""
-        del fn, args, f_struct, aux_struct, tags
         scale = tuple(jnp.ones_like(entry) for entry in y)
-        return _DampedState(y, scale, jnp.full_like(y[0], jnp.inf), options["ending"])
+        return _State(
+            start=y,
+            is_careful=jnp.zeros(y[0].shape, bool),
+            careful=_Careful(y, scale, jnp.full_like(y[0], jnp.inf)),
+            ending=jnp.full(y[0].shape, Ending.STEP_LIMIT, jnp.int8),
+            steps=jnp.zeros((), int),
+        )
 
     def step(
-        self, fn: Any, y: Unknowns, args: Any, options: Any, state: _DampedState, tags: Any
-    ) -> tuple[Unknowns, _DampedState, None]:
-        """Go on from a point that is better than the one before, go back from another."""
+        self, fn: Any, y: Unknowns, args: Any, options: Any, state: _State, tags: Any
+    ) -> tuple[Unknowns, _State, None]:
+        """Move every element that is still searching."""
         del options, tags
         newton = _newton(fn, y, args)
-        better = _level(newton.value, state.scale) < state.level
-        onward, advance = self._onward(newton, y)
-        backward, retreat = self._backward(state, y)
-        verdict = jnp.where(better, onward, backward)
-        base = _select(better, y, state.base)
-        failed = verdict > Ending.STEP_LIMIT
-        ahead = _select(failed, base, _select(better, advance, retreat))
-        searching = _searching(state.ending)
-        scale = _select(better, _scale(newton, y), state.scale)
-        new = _DampedState(
-            base=base,
-            scale=scale,
-            level=jnp.where(better, _level(newton.value, scale), state.level),
+        plain, plain_verdict, fails = self._plain(newton, y, state)
+        careful, careful_verdict, memory = self._careful(newton, y, state.careful)
+        searching, is_careful = _searching(state.ending), state.is_careful
+        verdict = jnp.where(is_careful, careful_verdict, plain_verdict)
+        new = _State(
+            start=state.start,
+            is_careful=is_careful | (searching & fails),
+            careful=jax.tree.map(lambda a, b: jnp.where(is_careful, a, b), memory, state.careful),
             ending=jnp.where(searching, verdict, state.ending),
+            steps=state.steps + 1,
         )
-        return _select(searching, ahead, y), new, None
+        return _select(searching, _select(is_careful, careful, plain), y), new, None
+
+    def terminate(
+        self, fn: Any, y: Unknowns, args: Any, options: Any, state: _State, tags: Any
+    ) -> tuple[Array, Any]:
+        """Stop when every element has ended."""
+        del fn, y, args, options, tags
+        return ~jnp.any(_searching(state.ending)), optx.RESULTS.successful
 
     def postprocess(
         self,
@@ -230,13 +168,59 @@ class DampedNewton(_ElementwiseSolver):
         aux: None,
         args: Any,
         options: Any,
-        state: _DampedState,
+        state: _State,
         tags: Any,
         result: optx.RESULTS,
     ) -> tuple[Unknowns, None, dict[str, Any]]:
-        """Report the best point of the elements that have not ended."""
-        best = _select(_searching(state.ending), state.base, y)
-        return super().postprocess(fn, best, aux, args, options, state, tags, result)
+        """Report why each element ended, and the best point of those that have not."""
+        del fn, args, options, tags, result
+        unfinished = _searching(state.ending) & state.is_careful
+        return _select(unfinished, state.careful.base, y), aux, {"ending": state.ending}
+
+    def _is_root(self, newton: _Newton) -> Array:
+        return _largest(newton.value) <= self.atol
+
+    def _may_move(self, newton: _Newton, point: Unknowns) -> Array:
+        return ~self._is_root(newton) | _is_short(newton.step, point, _TOUCH)
+
+    def _plain(
+        self, newton: _Newton, point: Unknowns, state: _State
+    ) -> tuple[Unknowns, Array, Array]:
+        """Where the first search goes, what it has come to, and whether it fails.
+
+        A point that is not finite at the very first step ends an element: no method could do
+        better.
+        """
+        target = tuple(
+            old + jnp.maximum(change, _LARGEST_LOSS * (bound - old))
+            for old, change, bound in zip(point, newton.step, self.lower, strict=True)
+        )
+        finite = _all_finite(target)
+        near = jnp.where(state.steps < _PATIENCE, _NEAR, _NEAR_AT_LAST)
+        verdict = _choose(
+            (self._is_root(newton) | _is_short(newton.step, point, near), Ending.CONVERGED),
+            (finite | (state.steps > 0), Ending.STEP_LIMIT),
+            (_all_finite(newton.value), Ending.SINGULAR),
+            otherwise=Ending.NOT_FINITE,
+        )
+        fails = _searching(verdict) & (~finite | (state.steps + 1 >= self.plain_steps))
+        moving = finite & self._may_move(newton, point)
+        return _select(fails, state.start, _select(moving, target, point)), verdict, fails
+
+    def _careful(
+        self, newton: _Newton, point: Unknowns, memory: _Careful
+    ) -> tuple[Unknowns, Array, _Careful]:
+        """Go on from a point that is better than the one before, go back from another."""
+        better = _level(newton.value, memory.scale) < memory.level
+        onward, advance = self._onward(newton, point)
+        backward, retreat = self._backward(memory, point)
+        verdict = jnp.where(better, onward, backward)
+        base = _select(better, point, memory.base)
+        failed = verdict > Ending.STEP_LIMIT
+        ahead = _select(failed, base, _select(better, advance, retreat))
+        scale = _select(better, _scale(newton, point), memory.scale)
+        level = jnp.where(better, _level(newton.value, scale), memory.level)
+        return ahead, verdict, _Careful(base, scale, level)
 
     def _onward(self, newton: _Newton, point: Unknowns) -> tuple[Array, Unknowns]:
         """What a better point amounts to, and where to go from it."""
@@ -251,12 +235,12 @@ class DampedNewton(_ElementwiseSolver):
         )
         return verdict, _select(moving, target, point)
 
-    def _backward(self, state: _DampedState, point: Unknowns) -> tuple[Array, Unknowns]:
+    def _backward(self, memory: _Careful, point: Unknowns) -> tuple[Array, Unknowns]:
         """What a worse point amounts to, and how far to go back."""
         retreat = tuple(
-            old + _SHRINKAGE * (new - old) for old, new in zip(state.base, point, strict=True)
+            old + _SHRINKAGE * (new - old) for old, new in zip(memory.base, point, strict=True)
         )
-        nowhere = _is_still(retreat, state.base)
+        nowhere = _is_still(retreat, memory.base)
         return _choose((nowhere, Ending.STALLED), otherwise=Ending.STEP_LIMIT), retreat
 
     def _in_bounds(self, point: Unknowns, step: Unknowns) -> Unknowns:

@@ -110,13 +110,83 @@ class RootStatus(eqx.Module):
         return self.ending == Ending.CONVERGED
 
 
-class _Search(eqx.Module):
+class BracketSearch(eqx.Module):
+    """Where every element of a bracketed search stands.
+
+    Attributes
+    ----------
+    point : array, shape (...)
+        To be looked at next.
+    lower, upper, last_step : array, shape (...)
+    active : bool array, shape (...)
+        False where the point is the root.
+    """
+
     point: Array
     lower: Array
     upper: Array
     last_step: Array
     active: Array
-    steps: Array
+
+    @classmethod
+    def within(cls, lower: Array, upper: Array, guess: Array) -> "BracketSearch":
+        """Begin at a guess, which is clipped into the bracket."""
+        lower, upper, guess = jnp.broadcast_arrays(lower, upper, guess)
+        return cls(
+            point=jnp.clip(guess, lower, upper),
+            lower=lower,
+            upper=upper,
+            last_step=2.0 * (upper - lower),
+            active=jnp.ones(guess.shape, bool),
+        )
+
+    @property
+    def ending(self) -> Array:
+        """Why the search ended, by the last state alone, which costs its loop nothing."""
+        # a residual of NaN leaves the bracket as it is, so that bisection proposes the same again
+        stuck = ~jnp.isfinite(self.last_step) | (self.last_step == 0.0)
+        unfinished = jnp.where(stuck, jnp.int8(Ending.NOT_FINITE), jnp.int8(Ending.STEP_LIMIT))
+        return jnp.where(self.active, unfinished, jnp.int8(Ending.CONVERGED))
+
+    def advanced(
+        self,
+        value: Array,
+        newton: Array,
+        middle: Callable[[Array, Array], Array],
+        tolerance: float = RELATIVE_TOLERANCE,
+    ) -> "BracketSearch":
+        """The search after a look at its point.
+
+        Parameters
+        ----------
+        value, newton : array, shape (...)
+            Residual at the point, and where Newton would go.
+        middle : callable
+            Of two arrays: where to bisect.
+        tolerance : float
+
+        Returns
+        -------
+        BracketSearch
+        """
+        lower = jnp.where(value < 0, self.point, self.lower)
+        upper = jnp.where(value > 0, self.point, self.upper)
+        resolution = ROUNDING * (jnp.abs(lower) + jnp.abs(upper))
+        done = (jnp.abs(value) <= tolerance) | (upper - lower <= resolution)
+        step = newton - self.point
+        trusted = (newton > lower) & (newton < upper)
+        trusted &= jnp.abs(step) <= 0.5 * jnp.abs(self.last_step)
+        proposal = jnp.where(trusted, newton, middle(lower, upper))
+        moving = self.active & ~done
+        # Newton's error falls as its square: after a step from here there is nothing to look at
+        last = trusted & (jnp.abs(step) <= math.sqrt(tolerance) * jnp.abs(self.point))
+        return BracketSearch(
+            point=jnp.where(moving, proposal, self.point),
+            lower=lower,
+            upper=upper,
+            last_step=jnp.where(moving, proposal - self.point, self.last_step),
+            active=moving & ~last,
+        )
 
 
 def bracketed_newton(
@@ -203,12 +273,33 @@ def bracketed_power_newton(
     """
 
     def look(point: Array) -> tuple[Array, Array]:
-        value, slope = _with_slope(function, point)
-        ratio, inverse_exponent = value / target, value / (point * slope)
-        more, less = 1.0 + inverse_exponent, 1.0 - inverse_exponent
-        return ratio - 1.0, point * (more + less * ratio) / (less + more * ratio)
+        return power_step(*_with_slope(function, point), point, target)
 
-    return _search(look, lambda a, b: jnp.sqrt(a * b), (lower, upper, guess), tolerance)
+    return _search(look, geometric_middle, (lower, upper, guess), tolerance)
+
+
+def power_step(value: Array, slope: Array, point: Array, target: Array) -> tuple[Array, Array]:
+    """Residual of a function that is nearly a power law, and where Newton goes.
+
+    Parameters
+    ----------
+    value, slope : array, shape (...)
+        Of the function.
+    point, target : array, shape (...)
+
+    Returns
+    -------
+    residual, newton : array, shape (...)
+        See :func:`bracketed_power_newton`.
+    """
+    ratio, inverse_exponent = value / target, value / (point * slope)
+    more, less = 1.0 + inverse_exponent, 1.0 - inverse_exponent
+    return ratio - 1.0, point * (more + less * ratio) / (less + more * ratio)
+
+
+def geometric_middle(lower: Array, upper: Array) -> Array:
+    """Where a bracket of positive numbers is bisected."""
+    return jnp.sqrt(lower * upper)
 
 
 def _with_slope(function: Callable[[Array], Array], point: Array) -> tuple[Array, Array]:
@@ -222,52 +313,18 @@ def _search(
     tolerance: float,
 ) -> tuple[Array, RootStatus]:
     """Search with a rule that gives, at a point, the residual and where Newton would go."""
-    near = math.sqrt(tolerance)
 
-    def advance(search: _Search) -> _Search:
-        value, newton = look(search.point)
-        lower = jnp.where(value < 0, search.point, search.lower)
-        upper = jnp.where(value > 0, search.point, search.upper)
-        resolution = ROUNDING * (jnp.abs(lower) + jnp.abs(upper))
-        done = (jnp.abs(value) <= tolerance) | (upper - lower <= resolution)
-        step = newton - search.point
-        trusted = (newton > lower) & (newton < upper)
-        trusted &= jnp.abs(step) <= 0.5 * jnp.abs(search.last_step)
-        proposal = jnp.where(trusted, newton, middle(lower, upper))
-        moving = search.active & ~done
-        # Newton's error falls as its square: after a step from here there is nothing to look at
-        last = trusted & (jnp.abs(step) <= near * jnp.abs(search.point))
-        return _Search(
-            point=jnp.where(moving, proposal, search.point),
-            lower=lower,
-            upper=upper,
-            last_step=jnp.where(moving, proposal - search.point, search.last_step),
-            active=moving & ~last,
-            steps=search.steps + 1,
-        )
+    def advance(at: tuple[BracketSearch, Array]) -> tuple[BracketSearch, Array]:
+        search, steps = at
+        return search.advanced(*look(search.point), middle, tolerance), steps + 1
 
-    def unfinished(search: _Search) -> Array:
-        return jnp.any(search.active) & (search.steps < MAXIMUM_STEPS)
+    def unfinished(at: tuple[BracketSearch, Array]) -> Array:
+        search, steps = at
+        return jnp.any(search.active) & (steps < MAXIMUM_STEPS)
 
-    lower, upper, guess = jnp.broadcast_arrays(*bracket_and_guess)
-    start = _Search(
-        point=jnp.clip(guess, lower, upper),
-        lower=lower,
-        upper=upper,
-        last_step=2.0 * (upper - lower),
-        active=jnp.ones(guess.shape, bool),
-        steps=jnp.zeros((), int),
-    )
-    end = jax.lax.while_loop(unfinished, advance, start)
-    return end.point, RootStatus(ending=_ending(end), steps=end.steps)
-
-
-def _ending(end: _Search) -> Array:
-    """Tell the endings apart by the last state alone, which costs the loop nothing."""
-    # a residual of NaN leaves the bracket as it is, so that bisection proposes the same point again
-    stuck = ~jnp.isfinite(end.last_step) | (end.last_step == 0.0)
-    unfinished = jnp.where(stuck, jnp.int8(Ending.NOT_FINITE), jnp.int8(Ending.STEP_LIMIT))
-    return jnp.where(end.active, unfinished, jnp.int8(Ending.CONVERGED))
+    start = BracketSearch.within(*bracket_and_guess), jnp.zeros((), int)
+    end, steps = jax.lax.while_loop(unfinished, advance, start)
+    return end.point, RootStatus(ending=end.ending, steps=steps)
 
 
 def implicit_root(

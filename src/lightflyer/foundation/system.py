@@ -7,7 +7,6 @@ search nor the derivatives ever form a matrix that couples elements. For one unk
 
 import math
 from collections.abc import Callable
-from functools import partial
 from typing import TypeAlias
 
 import equinox as eqx
@@ -20,7 +19,6 @@ from lightflyer.foundation.linear import solve_linear
 from lightflyer.foundation.rootfind import (
     MAXIMUM_STEPS,
     RELATIVE_TOLERANCE,
-    Ending,
     RootStatus,
 )
 
@@ -59,7 +57,7 @@ def solve_system(
         An element is done when the largest ``abs(residual)`` is this small, or after a Newton
         step so small that there is nothing to look at.
     maximum_steps : int
-        Bound on the steps of either search.
+        Bound on the steps of the careful search.
 
     Returns
     -------
@@ -80,6 +78,7 @@ def solve_system(
     Examples
     --------
     >>> import lightflyer as lf
+    >>> from lightflyer.foundation.rootfind import Ending
     >>> with lf.float64():
     ...     (x, y), status = solve_system(lambda u: (u[0] * u[1] - 6, u[0] - u[1] - 1), (1.0, 1.0))
     >>> print(f"{x:.6f} {y:.6f}", Ending(int(status.ending)).describe())
@@ -105,6 +104,30 @@ def solve_system(
 
     root, status = jax.lax.custom_root(equations, zeros, found, _invert, has_aux=True)
     return root, RootStatus(status.ending.astype(jnp.int8), status.steps.astype(int))
+
+
+def implicit_system(residual: Callable[[Unknowns], Unknowns], root: Unknowns) -> Unknowns:
+    """Attach the derivative of a root to its value, however it was found.
+
+    Parameters
+    ----------
+    residual : callable
+        Elementwise functions, as many as unknowns, that vanish at the root. It closes over the
+        parameters that the root is differentiated in.
+    root : tuple of n arrays, shape (...)
+        Not differentiated.
+
+    Returns
+    -------
+    tuple of n arrays, shape (...)
+        Differentiable, forward and reverse and to any order, in all that ``residual`` uses.
+    """
+
+    def equations(point: Unknowns) -> Unknowns:
+        return tuple(jnp.broadcast_to(entry, root[0].shape) for entry in residual(point))
+
+    found: Unknowns = jax.lax.custom_root(equations, root, lambda _equations, start: start, _invert)
+    return found
 
 
 def _zeros(
@@ -137,25 +160,18 @@ def _search(
 ) -> tuple[Unknowns, RootStatus]:
     import optimistix as optx  # here, because it takes a while
 
-    from lightflyer.foundation.newton import DampedNewton, PlainNewton
+    from lightflyer.foundation.newton import SafeNewton
 
     function = eqx.filter_closure_convert(lambda point, _: equations(point), start, None)
-    find = partial(optx.root_find, function, throw=False)
-    plain: optx.Solution = find(
-        PlainNewton(atol=tolerance, lower=bounds),
+    plain_steps = min(_PLAIN_STEPS, maximum_steps)
+    found: optx.Solution = optx.root_find(
+        function,
+        SafeNewton(atol=tolerance, lower=bounds, plain_steps=plain_steps),
         start,
-        max_steps=min(_PLAIN_STEPS, maximum_steps),
+        max_steps=plain_steps + maximum_steps,
+        throw=False,
     )
-    ending = plain.stats["ending"]
-    failed = (ending == Ending.STEP_LIMIT) | (ending == Ending.STALLED)
-    damped: optx.Solution = find(
-        DampedNewton(atol=tolerance, lower=bounds),
-        tuple(jnp.where(failed, a, b) for a, b in zip(start, plain.value, strict=True)),
-        options={"ending": jnp.where(failed, jnp.int8(Ending.STEP_LIMIT), ending)},
-        max_steps=maximum_steps,
-    )
-    steps = plain.stats["num_steps"] + damped.stats["num_steps"]
-    return damped.value, RootStatus(damped.stats["ending"], steps)
+    return found.value, RootStatus(found.stats["ending"], found.stats["num_steps"])
 
 
 def _invert(linear: Callable[[Unknowns], Unknowns], vector: Unknowns) -> Unknowns:

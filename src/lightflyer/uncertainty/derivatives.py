@@ -35,9 +35,8 @@ def _derivatives(setup: Any, tangents: Any, coordinate: Any) -> Any:
         motion = (direction[:count], direction[count] * jnp.ones_like(coordinate))
         return jax.jvp(outputs, (jnp.zeros(count), coordinate), motion)
 
-    # one direction after another, so that it is compiled once
-    value, changes = jax.lax.map(change, jnp.eye(count + 1))
-    return {name: rows[0] for name, rows in value.items()}, changes
+    # all directions at once: the values, which they share, are found once
+    return jax.vmap(change, out_axes=(None, 0))(jnp.eye(count + 1))
 
 
 @dataclass(frozen=True)

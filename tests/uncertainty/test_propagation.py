@@ -3,13 +3,15 @@ from typing import Literal
 
 import numpy as np
 import pytest
+import scipy.stats
 
 import lightflyer as lf
 from lightflyer.environment.earth import Lu2023Section
 from lightflyer.film.section import MeasuredFilmSection
+from lightflyer.flight.design import ObjectDesign
 from lightflyer.force.lu2023 import Lu2023ForceSection
 from lightflyer.foundation.quantity import Fraction
-from lightflyer.uncertainty.inputs import draw, uncertain_inputs
+from lightflyer.uncertainty.inputs import draw, draw_possible, uncertain_inputs
 from lightflyer.uncertainty.monte_carlo import edges, optimum
 
 FILM = {
@@ -210,3 +212,45 @@ def test_edges_and_optimum_of_known_curves():
     assert place[0] == pytest.approx(5.2, abs=1e-3)
     assert there["square"][0] == pytest.approx(5.2**2, abs=0.01)
     assert there["curve"][0] == pytest.approx(np.e, rel=1e-4)
+
+
+def dark(absorptance, spread, **changes):
+    """A disk whose absorptance is uncertain, as a file and as objects."""
+    properties = {"areal_density": 1e-3, "emittance": 0.08, "tac_top": 0.8, "tac_bottom": 0.9}
+    properties |= changes
+    stated = f"{absorptance} ± {spread}"
+    file = lf.FlyerFile(
+        flyer={"diameter": "2 cm"},
+        film=properties | {"areal_density": "1 g/m^2", "absorptance": stated},
+        environment={"atmosphere": "lu2023"},
+    )
+    emittance = properties.pop("emittance")
+    film = lf.FilmProperties(
+        absorptance=absorptance, emittance_top=emittance, emittance_bottom=emittance, **properties
+    )
+    setup = lf.Setup(lf.Disk(film, 0.01), lf.lu2023_earth(), lf.Lu2023())
+    name = "flyer.film.absorptance"
+    return file.design(), ObjectDesign(setup, {name: spread})
+
+
+@pytest.mark.parametrize("one", [0, 1])
+@pytest.mark.parametrize("transmittance", [0.05, 0.0])
+def test_draws_that_are_impossible_are_drawn_again_and_counted(one, transmittance):
+    value, spread, count = 0.9, 0.06, 4000
+    limit = 1.0 - transmittance  # absorbed and transmitted light together
+    inputs = uncertain_inputs(dark(value, spread, transmittance=transmittance)[one])
+    drawn = draw_possible(inputs, count, seed=3)
+    cut = scipy.stats.truncnorm((0.0 - value) / spread, (limit - value) / spread, value, spread)
+    assert drawn.samples.max() < limit
+    assert scipy.stats.kstest(drawn.samples[:, 0], cut.cdf).pvalue > 0.01
+    beyond = scipy.stats.norm.sf(limit, value, spread)
+    assert drawn.refused == pytest.approx(beyond, abs=4.0 * np.sqrt(beyond / count))
+    assert "absorptance" in drawn.why
+
+
+def test_possible_draws_are_as_they_come():
+    inputs = uncertain_inputs(dark(0.5, 0.01)[0])
+    drawn = draw_possible(inputs, 200, seed=3)
+    plain = np.random.default_rng(3).multivariate_normal([0.5], [[1e-4]], 200)
+    np.testing.assert_array_equal(drawn.samples, plain)
+    assert (drawn.refused, drawn.why) == (0.0, "")

@@ -64,11 +64,11 @@ def predict_command(
     figures.check(out)
     if csv and out is None:
         raise ConfigurationError("--csv: the table needs a folder; add --out FOLDER")
-    from lightflyer.config.reader import read_flyer_file
+    from lightflyer.config.reader import read_design
     from lightflyer.prediction.prediction import predict_design
 
-    file = read_flyer_file(flyer_file)
-    design = file.design()
+    design = read_design(flyer_file)
+    file = design.file
     uncertain = bool(file.uncertainties() or design.open_parts())
     if uncertain:  # else nothing is imported or compiled for it
         from lightflyer.uncertainty.propagation import propagate, require_samples
@@ -203,6 +203,8 @@ def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
         names = ", ".join(uncertainty["between_bounds"])
         sources.append(f"the bounds of {names}")
     console.print(f"from {', and '.join(sources)}")
+    for warning in uncertainty["warnings"]:
+        console.print(f"warning: {warning}", soft_wrap=True)
 
 
 def _bands_table(results: dict[str, Any], *, shares: bool) -> Table:

@@ -470,3 +470,25 @@ class Checked(eqx.Module):
     def __check_init__(self) -> None:
         for name, quantity in quantities_of(type(self)).items():
             quantity.check(name, getattr(self, name))
+
+
+def require_possible(part: Any) -> None:
+    """Check a record and all records in it again, as where numbers of it were replaced.
+
+    Parameters
+    ----------
+    part : eqx.Module
+        Of concrete numbers.
+
+    Raises
+    ------
+    ParameterError
+        If a constructor would have raised it.
+    """
+    for kind in type(part).__mro__:
+        check = vars(kind).get("__check_init__")
+        if check is not None:
+            check(part)
+    for field in dataclasses.fields(part):
+        if isinstance(value := getattr(part, field.name), eqx.Module):
+            require_possible(value)

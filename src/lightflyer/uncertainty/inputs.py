@@ -2,7 +2,7 @@
 
 import warnings
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -12,6 +12,7 @@ import numpy as np
 from lightflyer.flight.design import AbstractDesign
 from lightflyer.foundation.errors import ParameterError, ParameterWarning
 from lightflyer.foundation.precision import float64, quick_entry_point
+from lightflyer.foundation.quantity import require_possible
 from lightflyer.uncertainty.correlation import correlation_matrix
 
 _STEP = 1e-3  # relative, over which costly parts of a design are compared
@@ -277,8 +278,25 @@ def _change(
     return Change(slope, bend, bounded=False)
 
 
+class Drawn(NamedTuple):
+    """Samples of a design's uncertain numbers.
+
+    Attributes
+    ----------
+    samples : array, shape (samples, k)
+    refused : float
+        Share of the draws that were impossible, and were drawn again [1].
+    why : str
+        Why, of one of them; empty where there is none.
+    """
+
+    samples: np.ndarray
+    refused: float
+    why: str
+
+
 def draw(inputs: Inputs, samples: int, seed: int) -> np.ndarray:
-    """Draw inputs from a normal distribution, open ones evenly, and redraw the impossible.
+    """Draw inputs; see :func:`draw_possible`.
 
     Parameters
     ----------
@@ -294,16 +312,60 @@ def draw(inputs: Inputs, samples: int, seed: int) -> np.ndarray:
     ParameterError
         If nearly every draw is impossible.
     """
+    return draw_possible(inputs, samples, seed).samples
+
+
+def draw_possible(inputs: Inputs, samples: int, seed: int) -> Drawn:
+    """Draw inputs from a normal distribution, open ones evenly, and redraw the impossible.
+
+    Their distribution is so the stated one on condition that the design is possible: that each
+    number is within its range, and that what belongs together agrees, as where a film absorbs and
+    transmits no more than all of the light.
+
+    Parameters
+    ----------
+    inputs : Inputs
+    samples, seed : int
+
+    Returns
+    -------
+    Drawn
+
+    Raises
+    ------
+    ParameterError
+        If nearly every draw is impossible.
+    """
     generator = np.random.default_rng(seed)
-    drawn = np.empty((0, inputs.values.size))
+    drawn, refused, why = np.empty((0, inputs.values.size)), 0, ""
     for _ in range(_MOST_DRAWS):
         more = generator.multivariate_normal(inputs.values, inputs.covariance, samples)
         for name in inputs.open_names:
             more[:, inputs.names.index(name)] = generator.uniform(-0.5, 0.5, samples)
         inside = (more > inputs.ranges[:, 0]) & (more < inputs.ranges[:, 1])
-        drawn = np.concatenate([drawn, more[np.all(inside, axis=1)]])
+        outside = [name for name, kept in zip(inputs.names, inside.T, strict=True) if not all(kept)]
+        possible, reason = _possible(inputs, more[np.all(inside, axis=1)])
+        refused += samples - len(possible)
+        why = why or reason or " and ".join(f"{name} out of its range" for name in outside)
+        drawn = np.concatenate([drawn, possible])
         if len(drawn) >= samples:
-            return drawn[:samples]
+            return Drawn(drawn[:samples], refused / (refused + len(drawn)), why)
     raise ParameterError(
-        f"the uncertainties of {', '.join(inputs.names)} make nearly every sample impossible"
+        f"the uncertainties of {', '.join(inputs.names)} make nearly every sample impossible: {why}"
     )
+
+
+def _possible(inputs: Inputs, samples: np.ndarray) -> tuple[np.ndarray, str]:
+    """Those samples that a design can be built of, and why others cannot."""
+    if not len(samples):
+        return samples, ""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ParameterWarning)
+            require_possible(inputs.setup_of(samples))
+    except ParameterError as error:
+        if len(samples) == 1:
+            return samples[:0], str(error)
+        halves = [_possible(inputs, half) for half in np.array_split(samples, 2)]
+        return np.concatenate([kept for kept, _ in halves]), halves[0][1] or halves[1][1]
+    return samples, ""

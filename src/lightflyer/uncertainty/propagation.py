@@ -21,7 +21,7 @@ from lightflyer.foundation.progress import report
 from lightflyer.prediction.prediction import Place, Prediction, predict_design
 from lightflyer.uncertainty import monte_carlo
 from lightflyer.uncertainty.derivatives import Derivatives, derivatives
-from lightflyer.uncertainty.inputs import Inputs, draw, uncertain_inputs
+from lightflyer.uncertainty.inputs import Drawn, Inputs, draw_possible, uncertain_inputs
 
 DEFAULT_SAMPLES = 500
 """Monte Carlo samples where nothing else is asked for."""
@@ -96,6 +96,8 @@ class PredictionUncertainty:
         band for them: how far they are from linear depends on the margin, which is uncertain too.
     low, high : dict of str to array, shape (n,)
         95 % bands of :data:`BANDS` and of the force model's own results, in SI units.
+    warnings : tuple of str
+        What a reader must know, one line each.
     """
 
     prediction: Prediction
@@ -110,6 +112,7 @@ class PredictionUncertainty:
     edges: frozenset[str] = frozenset()
     low: Table = field(default_factory=dict)
     high: Table = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
 
     def summary(self) -> dict[str, Any]:
         """Everything as a JSON object; bands are 95 %."""
@@ -125,6 +128,7 @@ class PredictionUncertainty:
             "tac_correlation": self.tac_correlation,
             "samples": self.samples,
             "seed": self.seed,
+            "warnings": list(self.warnings),
             "results": {name: self._result(name) for name in self.nominal},
         }
 
@@ -221,10 +225,12 @@ def propagate(
     report("bands to first order")
     slopes = derivatives(inputs, coordinates)
     sampled: dict[str, np.ndarray] = {}
+    told: tuple[str, ...] = ()
     if samples:
         report("bands by Monte Carlo")
-        drawn = draw(inputs, samples, seed)
-        table = monte_carlo.tabulate_samples(inputs, drawn, coordinates)
+        drawn = draw_possible(inputs, samples, seed)
+        told = _cautions(drawn)
+        table = monte_carlo.tabulate_samples(inputs, drawn.samples, coordinates)
         searched = prediction.coordinates[[0, -1]]
         ends = (bool(grid[0] <= searched[0]), bool(grid[-1] >= searched[1]))
         sampled = _sampled(targets, table, even, ends, logarithmic=logarithmic)
@@ -244,6 +250,7 @@ def propagate(
         edges=frozenset(target.name for target in targets if target.mover in ("lower", "upper")),
         low=bands[0],
         high=bands[1],
+        warnings=told,
     )
 
 
@@ -267,6 +274,15 @@ def require_samples(samples: int, seed: int, prefix: str = "") -> None:
         )
     if seed < 0:
         raise ParameterError(f"{prefix}seed = {seed}: must be zero or positive")
+
+
+def _cautions(drawn: Drawn) -> tuple[str, ...]:
+    if not drawn.refused:
+        return ()
+    return (
+        f"{100.0 * drawn.refused:.2g} % of the Monte Carlo draws were impossible and were drawn "
+        f"again ({drawn.why}); first order does not know of that limit",
+    )
 
 
 class _Targets:

@@ -306,6 +306,15 @@ def cluster(tmp_path_factory):
     _close_lost_sockets()
 
 
+@pytest.fixture(scope="module", autouse=True)
+def garbage_of_other_modules():
+    """What other tests compiled is not searched for lost sockets: it takes seconds each time."""
+    gc.freeze()
+    yield
+    _close_lost_sockets()
+    gc.unfreeze()
+
+
 @pytest.fixture(autouse=True)
 def lost_sockets():
     """Sockets to killed processes end with their test, not as a warning in another."""

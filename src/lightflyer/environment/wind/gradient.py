@@ -179,7 +179,11 @@ class GradientWind(AbstractWind):
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
         """See :meth:`AbstractWind.margins`."""
-        return _margins(altitude, place)
+        from_equator = abs(place.latitude) - NEAREST_EQUATOR
+        return {
+            _EQUATOR: from_equator / (NEAREST_EQUATOR - _LATITUDES[0]),
+            _ABOVE: (HIGHEST - altitude) / _SPACING,
+        }
 
     def describe(self) -> tuple[str, ...]:
         """See :meth:`AbstractWind.describe`."""
@@ -199,12 +203,3 @@ def _velocity(wind: GradientWind, altitude: Numeric, place: Place) -> Wind:
     distance = EARTH_PLANET.curvature_radius(place.latitude, jnp.pi / 2) + altitude
     east = rotation * distance * jnp.cos(place.latitude)
     return Wind(east, jnp.zeros_like(east), jnp.zeros_like(east))
-
-
-@entry_point
-def _margins(altitude: Numeric, place: Place) -> dict[str, Numeric]:
-    from_equator = jnp.abs(place.latitude) - NEAREST_EQUATOR
-    return {
-        _EQUATOR: from_equator / (NEAREST_EQUATOR - _LATITUDES[0]),
-        _ABOVE: (HIGHEST - altitude) / _SPACING,
-    }

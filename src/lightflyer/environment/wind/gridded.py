@@ -6,7 +6,6 @@ from typing import Any
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
@@ -24,6 +23,13 @@ _HOUR = 3600.0
 _TWO_KILOMETRES = 2e3
 _LOG_PRESSURE = 0.3  # of the same order
 _ONE_DEGREE = RADIANS_PER_DEGREE
+
+_SIDES = {
+    "time": ("before", "after"),
+    "altitude": ("below", "above"),
+    "latitude": ("south of", "north of"),
+    "longitude": ("west of", "east of"),
+}
 
 
 class GriddedWind(AbstractWind):
@@ -132,32 +138,74 @@ class GriddedWind(AbstractWind):
 
     def velocity(self, altitude: Numeric, place: Place) -> Wind:
         """See :meth:`AbstractWind.velocity`."""
-        return self._within(altitude, place, _velocity(self, altitude, place))
+        ends = np.array(self.reaches)
+        if self.axes[3].period is not None:
+            ends[3] = -np.inf, np.inf
+        level, longitude = self._level(altitude, place), self._longitude(place)
+        wind = _interpolated(self.table, self.axes, ends, level, place, longitude)
+        return self._within(altitude, place, wind)
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
         """See :meth:`AbstractWind.margins`."""
-        return _margins(self, altitude, place)
+        time, level, latitude, longitude = self.reaches
+        found: dict[str, Numeric] = {}
+        if time[0] != time[1]:
+            found |= _margins("time", place.time, time, _HOUR, *map(_date, time))
+        lowest, highest = self._level_names()
+        leeway = _TWO_KILOMETRES if self.atmosphere is None else _LOG_PRESSURE
+        height = self._level(altitude, place)
+        found |= _margins("altitude", height, level, leeway, lowest, highest)
+        south, north = (f"{end / RADIANS_PER_DEGREE:.4g}°" for end in latitude)
+        if np.ptp(latitude) < np.pi:
+            found |= _margins("latitude", place.latitude, latitude, _ONE_DEGREE, south, north)
+        west, east = (f"{end / RADIANS_PER_DEGREE:.4g}°" for end in longitude)
+        if self.axes[3].period is None:
+            near = self._longitude(place)
+            found |= _margins("longitude", near, longitude, _ONE_DEGREE, west, east)
+        return found
+
+    def _level(self, altitude: Numeric, place: Place) -> Any:
+        if self.atmosphere is None:
+            return altitude
+        return _minus_log_pressure(self.atmosphere, altitude, place)
+
+    def _longitude(self, place: Place) -> Any:
+        """The turn of a longitude that is next to the data."""
+        middle = 0.5 * sum(self.reaches[3])
+        return middle + (place.longitude - middle + np.pi) % _TURN - np.pi
+
+    def _level_names(self) -> tuple[str, str]:
+        low, high = self.reaches[1]
+        if self.atmosphere is None:
+            return f"{low / 1e3:.4g} km", f"{high / 1e3:.4g} km"
+        return f"{np.exp(-low):.4g} Pa", f"{np.exp(-high):.4g} Pa"
 
     def describe(self) -> tuple[str, ...]:
         """See :meth:`AbstractWind.describe`."""
-        return (f"wind: data, {self._period()}, {self._heights()}{self._upwards()}",)
+        levels = " to ".join(self._level_names())
+        return (f"wind: data, {self._period()}, {levels}{self._upwards()}",)
 
     def _period(self) -> str:
         begin, end = (_date(value) for value in self.reaches[0])
-        return "constant in time" if begin == end else f"{begin} to {end} UTC"
-
-    def _heights(self) -> str:
-        low, high = self.reaches[1]
-        if self.atmosphere is None:
-            return f"{low / 1e3:.4g} km to {high / 1e3:.4g} km"
-        return f"{np.exp(-low):.4g} Pa to {np.exp(-high):.4g} Pa"
+        return "constant in time" if begin == end else f"{begin} to {end}"
 
     def _upwards(self) -> str:
         return "" if self.rises else ", nothing upwards"
 
 
+def _margins(
+    name: str, value: Numeric, ends: tuple[float, float], leeway: float, first: str, last: str
+) -> dict[str, Numeric]:
+    (low, high), (below, above) = ends, _SIDES[name]
+    return {
+        f"{name} {below} the data of the wind, which begin at {first}": (value - low) / leeway,
+        f"{name} {above} the data of the wind, which end at {last}": (high - value) / leeway,
+    }
+
+
 def _date(seconds: float) -> str:
-    return str(np.datetime_as_string(EPOCH + np.timedelta64(round(seconds), "s"), unit="m"))
+    date = EPOCH + np.timedelta64(round(seconds), "s")
+    return f"{np.datetime_as_string(date, unit='m')} UTC"
 
 
 def _as_vectors(grid: WindGrid) -> np.ndarray:
@@ -192,68 +240,25 @@ def _over_south_pole(table: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarra
     return np.concatenate([behind[:, :, ::-1], table], axis=2), np.append(nodes[::-1], latitude)
 
 
-def _level(wind: GriddedWind, altitude: Numeric, place: Place) -> Any:
-    if wind.atmosphere is None:
-        return altitude
-    return -jnp.log(wind.atmosphere.pressure(altitude, place))
-
-
-def _longitude(wind: GriddedWind, longitude: Numeric) -> Any:
-    """The turn of a longitude that is next to the data."""
-    middle = 0.5 * sum(wind.reaches[3])
-    return middle + jnp.mod(longitude - middle + np.pi, _TURN) - np.pi
+@entry_point
+def _minus_log_pressure(atmosphere: AbstractAtmosphere, altitude: Numeric, place: Place) -> Any:
+    return -jnp.log(atmosphere.pressure(altitude, place))
 
 
 @entry_point
-def _velocity(wind: GriddedWind, altitude: Numeric, place: Place) -> Wind:
-    level = _level(wind, altitude, place)
-    longitude = _longitude(wind, place.longitude)
-    position = [place.time, level, place.latitude, longitude]
-    for axis, (low, high) in enumerate(wind.reaches):
-        if wind.axes[axis].period is None:
-            position[axis] = jnp.clip(position[axis], low, high)
-    found = interpolate(wind.table, wind.axes, position)
+def _interpolated(
+    table: Any,
+    axes: tuple[Axis, ...],
+    ends: np.ndarray,
+    level: Numeric,
+    place: Place,
+    longitude: Numeric,
+) -> Wind:
+    position = (place.time, level, place.latitude, longitude)
+    held = [jnp.clip(x, low, high) for x, (low, high) in zip(position, ends, strict=True)]
+    found = interpolate(table, axes, held)
     east, north = _directions(place.latitude, place.longitude)
     horizontal = found[..., :3]
     return Wind(
         jnp.sum(horizontal * east, axis=-1), jnp.sum(horizontal * north, axis=-1), found[..., 3]
     )
-
-
-@entry_point
-def _margins(wind: GriddedWind, altitude: Numeric, place: Place) -> dict[str, Array]:
-    level = _level(wind, altitude, place)
-    time, heights, latitudes, longitudes = wind.reaches
-    found: dict[str, Array] = {}
-    if time[0] != time[1]:
-        found[f"time before {_date(time[0])} UTC, where the data of the wind begin"] = (
-            place.time - time[0]
-        ) / _HOUR
-        found[f"time after {_date(time[1])} UTC, where the data of the wind end"] = (
-            time[1] - place.time
-        ) / _HOUR
-    below, above = _edges(wind, heights)
-    leeway = _TWO_KILOMETRES if wind.atmosphere is None else _LOG_PRESSURE
-    found[f"below {below}, where the data of the wind begin"] = (level - heights[0]) / leeway
-    found[f"above {above}, where the data of the wind end"] = (heights[1] - level) / leeway
-    if latitudes[0] > -np.pi / 2 or latitudes[1] < np.pi / 2:
-        low, high = np.divide(latitudes, RADIANS_PER_DEGREE)
-        inside = jnp.minimum(place.latitude - latitudes[0], latitudes[1] - place.latitude)
-        found[f"latitude outside the data of the wind, {low:.4g}° to {high:.4g}°"] = (
-            inside / _ONE_DEGREE
-        )
-    if wind.axes[3].period is None:
-        low, high = np.divide(longitudes, RADIANS_PER_DEGREE)
-        longitude = _longitude(wind, place.longitude)
-        inside = jnp.minimum(longitude - longitudes[0], longitudes[1] - longitude)
-        found[f"longitude outside the data of the wind, {low:.4g}° to {high:.4g}°"] = (
-            inside / _ONE_DEGREE
-        )
-    return found
-
-
-def _edges(wind: GriddedWind, heights: tuple[float, float]) -> tuple[str, str]:
-    """The lowest and the highest level in words."""
-    if wind.atmosphere is None:
-        return f"{heights[0] / 1e3:.4g} km", f"{heights[1] / 1e3:.4g} km"
-    return f"the {np.exp(-heights[0]):.4g} Pa level", f"the {np.exp(-heights[1]):.4g} Pa level"

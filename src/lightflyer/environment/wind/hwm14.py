@@ -97,16 +97,11 @@ class HWM14(AbstractWind):
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
         """See :meth:`AbstractWind.margins`."""
-        return {_ABOVE: _margin(altitude)}
+        return {_ABOVE: (HIGHEST - altitude) / _LEEWAY}
 
     def describe(self) -> tuple[str, ...]:
         """See :meth:`AbstractWind.describe`."""
         return ("wind: HWM14, quiet; no weather, nothing upwards",)
-
-
-@entry_point
-def _margin(altitude: Numeric) -> Any:
-    return (HIGHEST - altitude) / _LEEWAY
 
 
 @entry_point

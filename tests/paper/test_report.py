@@ -8,10 +8,11 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.calibration import read_points
+from lightflyer.foundation.progress import reported_to
 from lightflyer.paper.claims import Claim, Quantity, Verdict, claims
 from lightflyer.paper.conditions import COLUMNS, facts
 from lightflyer.paper.curves import FIGURES
-from lightflyer.paper.reproduce import STEPS, reproduce
+from lightflyer.paper.reproduce import reproduce
 from lightflyer.paper.results import planck_peak
 from lightflyer.paper.tables import (
     difference_uncertainty,
@@ -158,13 +159,16 @@ def test_twice_gives_the_same_data(folder, tmp_path):
         encoding="utf-8",
     )
     steps = []
-    reproduce(tmp_path / "again", read_points(points), steps.append)
-    assert len(steps) == STEPS
+    with reported_to(steps.append):
+        reproduce(
+            tmp_path / "again", read_points(points), formats=["svg", "pdf"], style="column", dpi=60
+        )
+    assert {f"drawing {name}" for name in FIGURES} < {step.doing for step in steps}
     for path in [folder / "report.json", *sorted((folder / "data").iterdir())]:
         again = tmp_path / "again" / path.relative_to(folder)
         assert again.read_bytes() == path.read_bytes(), path.name
     figures = {path.name for path in (tmp_path / "again" / "figures").iterdir()}
-    assert {"figure-2.png", "figure-s2.png"} <= figures
+    assert {"figure-2.png", "figure-s2.png", "figure-6.pdf"} <= figures
     assert "figure-s3.png" not in figures
     drawn = (tmp_path / "again" / "figures" / "figure-5bcd.svg").read_text(encoding="utf-8")
     assert "synthetic A (your data)" in drawn

@@ -27,7 +27,8 @@ class FigureOptions:
     dpi
         Dots per inch of PNG figures, 30 to 1200.
     style
-        Matplotlib style sheet, by name or path, for fonts, sizes, line widths and grid.
+        Matplotlib style sheet, by name or path, for fonts, sizes, line widths and grid; "column"
+        for a journal's column of 8.6 cm.
     """
 
     formats: Annotated[str, Parameter(name="--format")] = "png,svg"
@@ -55,7 +56,7 @@ class FigureOptions:
             return  # and Matplotlib need not be imported yet
         from lightflyer.foundation.drawing import FORMATS, require_style
 
-        if not self._endings or set(self._endings) - set(FORMATS):
+        if not self.endings or set(self.endings) - set(FORMATS):
             allowed = ", ".join(FORMATS)
             raise ParameterError(f'--format "{self.formats}": choose from {allowed}')
         low, high = _DOTS
@@ -65,7 +66,8 @@ class FigureOptions:
             require_style(self.style, "--style ")
 
     @property
-    def _endings(self) -> list[str]:
+    def endings(self) -> list[str]:
+        """Endings of the files asked for."""
         names = (part.strip().lower().removeprefix(".") for part in self.formats.split(","))
         return list(dict.fromkeys(name for name in names if name))
 
@@ -93,7 +95,7 @@ class FigureOptions:
         names = []
         with styled(self.style):
             for title, figure in draw().items():
-                files = [f"{title}.{ending}" for ending in self._endings]
+                files = [f"{title}.{ending}" for ending in self.endings]
                 save(figure, [stage(name) for name in files], dpi=self.dpi)
                 names += files
         return names

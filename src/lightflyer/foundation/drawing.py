@@ -42,7 +42,9 @@ FORMATS = ("png", "svg", "pdf")
 OWN_STYLES = ("column",)
 """Style sheets of the package: a journal's column of 8.6 cm."""
 
-_DOTS_PER_INCH = 150
+DOTS_PER_INCH = 150
+"""Of a PNG where nothing else is asked."""
+
 _POINTS_PER_INCH = 72.0
 _WIDTH, _HEIGHT = 6.0, 4.2  # of axes [inch], unless a style sheet gives a size of figures
 _LINE = 1.35  # height of a line of text, in font sizes
@@ -99,7 +101,7 @@ class _Figure(Figure):
 
     def _repr_png_(self) -> bytes:
         written = io.BytesIO()
-        self.savefig(written, format="png", dpi=_DOTS_PER_INCH)
+        self.savefig(written, format="png", dpi=DOTS_PER_INCH)
         return written.getvalue()
 
 
@@ -158,7 +160,7 @@ def figure_for(ax: Axes | None, **options: Any) -> tuple[Figure, Axes]:
     return owner, ax
 
 
-def save(figure: Figure, paths: list[Path], dpi: int = _DOTS_PER_INCH) -> None:
+def save(figure: Figure, paths: list[Path], dpi: int = DOTS_PER_INCH) -> None:
     """Write a figure, the same bytes every time.
 
     Parameters

@@ -27,7 +27,7 @@ COATINGS = ("ge", "cnt")
 PANEL_SIZES_CM = (2, 3, 4)
 """Diameters of Fig. 5(b-d) [cm]."""
 
-SIZES_CM = np.round(np.arange(0.2, 6.01, 0.1), 1)
+SIZES_CM = np.round(np.arange(0.2, 6.01, 0.05), 2)
 """Diameters of Fig. S8 [cm]."""
 
 LARGER_SIZES_CM = (3, 4)

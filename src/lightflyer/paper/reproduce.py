@@ -1,10 +1,11 @@
 """Recompute the paper and write the report."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from lightflyer.calibration.points import Points
 from lightflyer.foundation import progress
-from lightflyer.foundation.drawing import save
+from lightflyer.foundation.drawing import DOTS_PER_INCH, save, styled
 from lightflyer.foundation.files import output_directory
 from lightflyer.paper import report
 from lightflyer.paper.conditions import COLUMNS
@@ -30,7 +31,14 @@ def compute() -> report.Results:
     return results
 
 
-def reproduce(out: Path, points: Points | None = None) -> report.Results:
+def reproduce(
+    out: Path,
+    points: Points | None = None,
+    *,
+    formats: Sequence[str] = ("png", "svg"),
+    dpi: int = DOTS_PER_INCH,
+    style: str | None = None,
+) -> report.Results:
     """Write report, figures and data into a folder: everything, or nothing on failure.
 
     Parameters
@@ -39,6 +47,13 @@ def reproduce(out: Path, points: Points | None = None) -> report.Results:
         Gets ``report.html``, ``report.md``, ``report.json``, ``figures/`` and ``data/``.
     points : Points, optional
         The user's own measured points.
+    formats : sequence of str
+        Of the figures, see :data:`~lightflyer.foundation.drawing.FORMATS`; PNG is always among
+        them, for the report.
+    dpi : int
+        Dots per inch of a PNG.
+    style : str, optional
+        See :func:`~lightflyer.foundation.drawing.styled`.
 
     Returns
     -------
@@ -50,7 +65,8 @@ def reproduce(out: Path, points: Points | None = None) -> report.Results:
         If the folder cannot be written.
     """
     results = compute()
-    with output_directory(out) as stage:
+    endings = dict.fromkeys(("png", *formats))
+    with output_directory(out) as stage, styled(style):
         images = {}
         figures = {}
         for name, (title, curves_of) in FIGURES.items():
@@ -62,8 +78,9 @@ def reproduce(out: Path, points: Points | None = None) -> report.Results:
             figures |= measured_figures(points)
         for name, figure in figures.items():
             progress.report(f"drawing {name}")
-            images[name] = stage(f"figures/{name}.png")
-            save(figure, [images[name], stage(f"figures/{name}.svg")])
+            files = {ending: stage(f"figures/{name}.{ending}") for ending in endings}
+            images[name] = files["png"]
+            save(figure, list(files.values()), dpi=dpi)
         stage("data/table-1.csv").write_text(to_csv(table_1()), encoding="utf-8")
         stage("data/table-s2.csv").write_text(to_csv(table_s2()), encoding="utf-8")
         stage("data/tac-pairs.csv").write_text(to_csv(tac_pairs()), encoding="utf-8")

@@ -45,8 +45,8 @@ def dense_share(rarefaction: Numeric, tac: Numeric, molecules: str) -> Array:
     tac : array, shape (...)
         Mean TAC of the faces [1].
     molecules : str
-        :attr:`AbstractGas.molecules`. Polyatomic gas is taken for diatomic: these two kinds and a
-        monatomic gas differ by 0.2 % at most.
+        :attr:`AbstractGas.molecules`. Polyatomic gas is taken for diatomic, which differs from a
+        monatomic one by 0.3 % at most.
 
     Returns
     -------

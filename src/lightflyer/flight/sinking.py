@@ -165,7 +165,7 @@ def in_the_dark(state: EnvironmentState) -> EnvironmentState:
     return eqx.tree_at(
         lambda state: (state.radiation.irradiance, state.radiation.diffuse_above),
         state,
-        (0.0 * jnp.asarray(state.radiation.irradiance), 0.0),
+        (0.0 * state.radiation.irradiance, 0.0),
     )
 
 

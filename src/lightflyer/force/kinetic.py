@@ -1,6 +1,6 @@
 r"""The force from kinetic theory: no fitted constants."""
 
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, get_args
 
 import equinox as eqx
 from jax import Array
@@ -13,10 +13,15 @@ from lightflyer.force import kinetic_disk, kinetic_sandwich
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.passage import Transmission, require_transmission
 from lightflyer.force.section import ForceSection
+from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import StandardErrors
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
+from lightflyer.gas.base import AbstractGas
+
+Polyatomic = Literal["refused", "scaled"]
+"""What becomes of a gas of neither kind that the tables are for."""
 
 
 class Kinetic(AbstractForceModel):
@@ -42,10 +47,14 @@ class Kinetic(AbstractForceModel):
         that they are part of a prediction's uncertainty. None stands for zero.
     transmission : {"aligned", "wide"}
         How holes and gap of a sandwich let molecules pass; of no effect on a disk.
+    polyatomic : {"refused", "scaled"}
+        What becomes of a gas such as carbon dioxide. Scaled, it is taken around a disk for a
+        diatomic gas that conducts as it does,
+        :func:`~lightflyer.force.kinetic_disk.scaled_heat_ratio`.
 
     Notes
     -----
-    The table is that of the gas's kind, monatomic or diatomic; other gases are refused.
+    The table is that of the gas's kind, monatomic or diatomic; there is none for others.
 
     The table ends at Kn = 0.03. In denser gas the heat loss goes on as that of conduction, the
     force as a power law; natural convection is left out. Beyond the table's temperature ratio
@@ -74,10 +83,21 @@ class Kinetic(AbstractForceModel):
     force_error: StandardErrors | None = None
     heat_error: StandardErrors | None = None
     transmission: Transmission = eqx.field(static=True, default="aligned")
+    polyatomic: Polyatomic = eqx.field(static=True, default="refused")
 
     def __check_init__(self) -> None:
         super().__check_init__()
         require_transmission(self.transmission)
+        if self.polyatomic not in get_args(Polyatomic):
+            raise ParameterError(f"polyatomic must be one of {', '.join(get_args(Polyatomic))}")
+
+    def require_gas(self, gas: AbstractGas) -> None:
+        """See :meth:`AbstractForceModel.require_gas`."""
+        if self.polyatomic == "refused" and gas.molecules not in self.molecules:
+            raise ParameterError(
+                f"force model Kinetic is not for {gas.name}, whose molecules are {gas.molecules}; "
+                'polyatomic = "scaled" takes it for a diatomic gas around a disk'
+            )
 
     @entry_point
     def heat_loss(
@@ -118,7 +138,10 @@ class KineticSection(ForceSection):
     force_error: StandardErrors = Measured(0.0, 1.0)
     heat_error: StandardErrors = Measured(0.0, 1.0)
     transmission: Transmission = "aligned"
+    polyatomic: Polyatomic = "refused"
 
     def build(self) -> Kinetic:
         """The force model."""
-        return Kinetic(self.force_error.value, self.heat_error.value, self.transmission)
+        return Kinetic(
+            self.force_error.value, self.heat_error.value, self.transmission, self.polyatomic
+        )

@@ -123,15 +123,12 @@ class Daylight(AbstractSky, Checked):
 
     Examples
     --------
-    An hour after sunset on the equator, 75 km above, the sun stands 15° below the horizontal; half
-    an hour after sunset it still lights the lower face.
+    At the equator, 75 km up, at an equinox:
 
     >>> from lightflyer.environment import Place
-    >>> sky = Daylight()
-    >>> equinox = Place(latitude=0.0, longitude=0.0, time=764_186_400.0)
-    >>> hours = sky.light_hours(75e3, equinox)
+    >>> hours = Daylight().light_hours(75e3, Place.at("2026-03-20T12:00Z", 0.0, 0.0))
     >>> print(f"{(hours.last - hours.first) / 3600.0:.2f} h of light")
-    13.07 h of light
+    12.95 h of light
     """
 
     sun: AbstractSun = EarthSun()

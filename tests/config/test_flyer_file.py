@@ -159,7 +159,7 @@ MISTAKES = [
         20,
         'force.model = "lu2024" is unknown',
     ),
-    ('"reported"', '"printd"', 21, "'reported' or 'printed'"),
+    ('"reported"', '"printd"', 21, 'force.reading = "printd" is unknown; did you mean "printed"?'),
     ('"0 deg"', '"91 deg"', 17, "must be between 0 and 90 deg"),
     ('"0 deg"', '["0 deg"]', 17, "is not a number"),
     ("[film]", "[flim]", 6, 'did you mean "film"?'),

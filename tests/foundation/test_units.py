@@ -56,7 +56,7 @@ def test_readings(text, unit, value, uncertainty):
         ("0.9 ± 0.1 ± 0.1", "", "more than one ±"),
         ("0.9 ± 5 %", "", "relative or absolute"),
         ("2 m^", "m", "is not a unit"),
-        ("1,5 cm", "m", "is not a unit"),
+        ("1,5 cm", "m", "has a comma; write a point before decimals"),
         (True, "", "is not a number"),
         (["2 cm"], "m", "is not a number"),
     ],

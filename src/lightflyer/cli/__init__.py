@@ -149,8 +149,15 @@ def _fail(text: str) -> None:
 
 def _one_line(error: cyclopts.CycloptsError) -> str:
     """What is wrong with the options, in one line without the full stop."""
+    if isinstance(error, cyclopts.UnusedCliTokensError):
+        return f"takes no further {' '.join(error.unused_tokens or [])}"
     text = " ".join(str(error).split())
+    for kind, words in _KINDS.items():
+        text = text.replace(f" into {kind}", f" into {words}")
     return text if text.endswith("...") else text.removesuffix(".")
+
+
+_KINDS = {"int": "a whole number", "float": "a number"}
 
 
 def _help_of(given: Sequence[str]) -> str:

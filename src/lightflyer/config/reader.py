@@ -3,11 +3,18 @@
 from pathlib import Path
 from typing import Any
 
-from lightflyer.config.flyer_file import FlyerFile, flyer_file_type, section_at
+from lightflyer.config.flyer_file import FileDesign, FlyerFile, flyer_file_type, section_at
 from lightflyer.film.layered_section import LayeredFilmSection
-from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.section import Section
-from lightflyer.foundation.toml_file import FileKind, load, read_file, validate
+from lightflyer.foundation.toml_file import (
+    FileKind,
+    load,
+    named_keys,
+    place_of,
+    read_file,
+    validate,
+)
 
 
 def _keys_of(section: str, document: Any) -> list[str]:
@@ -15,7 +22,15 @@ def _keys_of(section: str, document: Any) -> list[str]:
     return [] if kind is None else list(kind.model_fields)
 
 
-FLYER_FILE = FileKind("a flyer file", _keys_of, "'lightflyer init' writes an example")
+def _mistaken_for(document: Any) -> str:
+    if isinstance(document.get("flyer"), str):
+        return "a study file: run it with sweep, optimise or sensitivity"
+    return ""
+
+
+FLYER_FILE = FileKind(
+    "a flyer file", _keys_of, "'lightflyer init' writes an example", _mistaken_for
+)
 """Names that messages about a flyer file use."""
 
 
@@ -37,6 +52,35 @@ def read_flyer_file(path: str | Path) -> FlyerFile:
         One line for each mistake: file, line, key, value and what is allowed.
     """
     return read_file(flyer_file_type(), Path(path), FLYER_FILE)[0]
+
+
+def read_design(path: str | Path) -> FileDesign:
+    """Read a flyer file, and build what it describes.
+
+    Parameters
+    ----------
+    path : str or path
+
+    Returns
+    -------
+    FileDesign
+
+    Raises
+    ------
+    ConfigurationError
+        As from :func:`read_flyer_file`; or, naming the file, if what its numbers make together is
+        not possible.
+    """
+    path = Path(path)
+    file, text = read_file(flyer_file_type(), path, FLYER_FILE)
+    design = file.design(text)
+    try:
+        file.environment.require_search_range(design.setup.environment)
+    except ParameterError as error:
+        raise ConfigurationError(
+            f"{place_of(named_keys(str(error)), text, path)}: {error}"
+        ) from None
+    return design
 
 
 def read_film_file(path: str | Path) -> LayeredFilmSection:

@@ -7,6 +7,7 @@ from typing import ClassVar, Literal
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.environment.radiation import Radiation
 from lightflyer.foundation import constants
+from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.quantity import (
     RADIANS_PER_DEGREE,
     Acceleration,
@@ -16,7 +17,7 @@ from lightflyer.foundation.quantity import (
 )
 from lightflyer.foundation.section import Alternative
 from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.units import Measured
+from lightflyer.foundation.units import Measured, scale_and_offset
 from lightflyer.gas.known import GASES
 
 _SEARCH = "says where bands are searched"
@@ -85,6 +86,29 @@ class EnvironmentSection(Alternative, abc.ABC):
         """Ends of the coordinates to search, None where the file leaves one out."""
         low, high = (getattr(self, key) for key in self.search_keys)
         return (None if low is None else low.value, None if high is None else high.value)
+
+    def require_search_range(self, environment: AbstractEnvironment) -> None:
+        """Raise where the range to search is outside that of the environment.
+
+        Parameters
+        ----------
+        environment : AbstractEnvironment
+            From :meth:`build`.
+
+        Raises
+        ------
+        ParameterError
+            Naming the key.
+        """
+        where = environment.coordinate
+        for key, end in zip(self.search_keys, self.search_range, strict=True):
+            if end is not None and not where.lowest <= end <= where.highest:
+                factor, unit = scale_and_offset(where.unit, where.shown_unit)[0], where.shown_unit
+                low, high = (f"{edge * factor:.4g}" for edge in (where.lowest, where.highest))
+                raise ParameterError(
+                    f"environment.{key} = {end * factor:.6g} {unit}: must be between {low} and "
+                    f"{high} {unit}"
+                )
 
     @abc.abstractmethod
     def build(self) -> AbstractEnvironment:

@@ -28,7 +28,6 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.pickling import dumps
 from lightflyer.foundation.quantity import Quantity, quantities_of
-from lightflyer.foundation.text import read_text
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import dataset_unit
 
@@ -240,13 +239,8 @@ class ObjectDesign(AbstractDesign):
 
     @cached_property
     def _numbers(self) -> dict[str, tuple[Quantity, float]]:
-        parts = {
-            "flyer": self._base.flyer,
-            "environment": self._base.environment,
-            "force": self._base.model,
-        }
         found = {}
-        for prefix, part in parts.items():
+        for prefix, part in _parts(self._base).items():
             for name, quantity, value in _numbers_in(part):
                 found[f"{prefix}.{name}"] = (quantity, value)
         return found
@@ -282,7 +276,7 @@ class ObjectDesign(AbstractDesign):
     def description(self) -> dict[str, str]:
         """See :meth:`AbstractDesign.description`."""
         base = self._base
-        parts = {"flyer": base.flyer, "environment": base.environment, "force": base.model}
+        parts = _parts(base)
         kinds = {
             f"object: {name}": f"{type(part).__module__}.{type(part).__qualname__}"
             for name, part in parts.items()
@@ -336,6 +330,17 @@ def _is_scalar(value: Any) -> bool:
         return False
     array = np.asarray(value)
     return array.ndim == 0 and bool(np.issubdtype(array.dtype, np.number))
+
+
+def _parts(setup: Setup) -> dict[str, Any]:
+    """What a setup consists of, by the first word of its numbers' names."""
+    parts = {
+        "flyer": setup.flyer,
+        "environment": setup.environment,
+        "force": setup.model,
+        "budget": setup.budget,
+    }
+    return {name: part for name, part in parts.items() if part is not None}
 
 
 def _at(setup: Setup, name: str) -> Any:
@@ -400,9 +405,9 @@ def as_design(
     if isinstance(what, Setup):
         return ObjectDesign(what)
     if isinstance(what, str | Path):
-        from lightflyer.config.reader import read_flyer_file  # the way in for files
+        from lightflyer.config.reader import read_design  # the way in for files
 
-        return read_flyer_file(what).design(read_text(Path(what)))
+        return read_design(what)
     if hasattr(what, "design"):
         found: AbstractDesign = what.design()
         return found

@@ -366,7 +366,8 @@ def _placed(
         if not any(column is one.column for one in placed.values()):
             needed = ", ".join(one.with_unit for one in required)
             raise ConfigurationError(
-                f"{place}: the column {column.name} is missing; needed: {needed}"
+                f"{place}: the column {column.name} is missing; needed: {needed}; found: "
+                f"{', '.join(filter(None, names))}"
             )
     if not placed:
         known = ", ".join(column.with_unit for column in columns)

@@ -1,5 +1,6 @@
 """Text in and out: a user's file with one line for each way it can fail, numbers in words."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,33 @@ def read_text(path: Path) -> str:
     except UnicodeDecodeError as error:
         line = 1 + error.object[: error.start].count(b"\n")
         raise ConfigurationError(f"{path}:{line}: is not a text file (UTF-8)") from None
+
+
+def in_toml(value: Any) -> str:
+    """A value as a TOML file writes it.
+
+    Parameters
+    ----------
+    value : object
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> in_toml({"at_most": ["400 K", True]})
+    '{ at_most = ["400 K", true] }'
+    """
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{key} = {in_toml(entry)}' for key, entry in value.items())} }}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(in_toml, value))}]"
+    return str(value)
 
 
 def span(values: Any) -> str:

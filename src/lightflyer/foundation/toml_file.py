@@ -1,15 +1,15 @@
 """Reading a TOML file into sections, with one clear line for every mistake in it."""
 
-import difflib
 import re
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import pydantic
 
 from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.mistakes import choosing_key, explain, nearest
 from lightflyer.foundation.section import Alternative, Section, alternative_tags
 from lightflyer.foundation.text import read_text
 
@@ -30,11 +30,15 @@ class FileKind(NamedTuple):
         Names that a section takes, from the section's dotted name and the file's content.
     hint : str
         What to do about an empty file.
+    mistaken_for : callable
+        What a file is instead and what to do with it, from its content; empty where it may be one
+        of this kind.
     """
 
     name: str
     keys_of: Callable[[str, Any], list[str]]
     hint: str
+    mistaken_for: Callable[[dict[str, Any]], str] = lambda _: ""
 
 
 def read_file(model: type[_File], path: Path, kind: FileKind) -> tuple[_File, str]:
@@ -87,10 +91,15 @@ def validate(
     ConfigurationError
         One line for each mistake: file, line, key, value and what is allowed.
     """
+    other = kind.mistaken_for(document)
+    if other:
+        raise ConfigurationError(f"{path}: is {other}")
     try:
         return model.model_validate(document, context={FOLDER: path.parent})
     except pydantic.ValidationError as error:
-        lines = [_explain(mistake, document, text, path, kind) for mistake in error.errors()]
+        mistakes = error.errors()
+        told = _told(mistakes, document, kind)
+        lines = [_explain(mistake, document, text, path, kind) for mistake in told]
         raise ConfigurationError("\n".join(lines)) from None
 
 
@@ -118,30 +127,107 @@ def load(path: Path, kind: FileKind) -> tuple[dict[str, Any], str]:
     try:
         return tomllib.loads(text), text
     except tomllib.TOMLDecodeError as error:
-        raise ConfigurationError(f"{path}: is not valid TOML: {error}") from None
+        raise ConfigurationError(_not_toml(str(error), text, path)) from None
+
+
+def named_keys(message: str) -> list[str]:
+    """Key with its sections that a message begins with, such as ``force.model = ...``.
+
+    Parameters
+    ----------
+    message : str
+
+    Returns
+    -------
+    list of str
+        Empty where there is none.
+    """
+    named = _NAMED.match(message)
+    return (named[1] or named[2]).split(".") if named else []
+
+
+def _not_toml(said: str, text: str, path: Path) -> str:
+    """One line for a mistake in the grammar: place, what is wrong, and what to write instead."""
+    lines = text.splitlines()
+    found = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", said)
+    number = int(found[1]) if found and found[1] else len(lines)
+    what = said[: found.start()] if found else said
+    what = re.sub(r"\('(.*?)',?\)", lambda match: f"[{match[1].replace(chr(39), '')}]", what)
+    what = _GRAMMAR.get(what, what)
+    line = lines[number - 1] if number <= len(lines) else ""
+    unquoted = re.match(r"\s*([\w.]+)\s*=\s*([^\s\"'#\[{][^\"#]*?)\s*(?:#.*)?$", line)
+    hint = f'; texts need quotes: {unquoted[1]} = "{unquoted[2]}"' if unquoted else ""
+    return f"{path}:{number}: is not valid TOML: {what[0].lower()}{what[1:]}{hint}"
+
+
+_NAMED = re.compile(r"(?:Value error, )?(?:(\w+(?:\.\w+)*) = |\[(\w+(?:\.\w+)*)\])")
+_GRAMMAR = {
+    "Cannot overwrite a value": "a key is given twice",
+    "Illegal character '\\n'": "a text is not closed by quotes",
+}
+
+
+def _told(mistakes: Sequence[Any], document: dict[str, Any], kind: FileKind) -> list[Any]:
+    """Mistakes worth a line: not that a misspelt key is missing; missing keys of a section once."""
+    meant = set(filter(None, (_meant(mistake, document, kind) for mistake in mistakes)))
+    missing: dict[tuple[Any, ...], Any] = {}
+    told = []
+    for mistake in mistakes:
+        if mistake["type"] == "too_short" and _has_wrong_entries(mistake, mistakes):
+            continue
+        if mistake["type"] != "missing":
+            told.append(mistake)
+        elif _dotted(mistake) not in meant:
+            *section, key = mistake["loc"]
+            if section and tuple(section) in missing:
+                missing[tuple(section)]["keys"].append(key)
+            else:
+                told.append({**mistake, "keys": [key]})
+                missing[tuple(section)] = told[-1]
+    return told
+
+
+def _has_wrong_entries(short: Any, mistakes: Sequence[Any]) -> bool:
+    """Whether a list is short because its wrong entries, which have lines, do not count."""
+    place = short["loc"]
+    return any(other["loc"][: len(place)] == place and other is not short for other in mistakes)
+
+
+def _dotted(mistake: Any) -> str:
+    """Dotted name of the key that a mistake is about."""
+    return ".".join(str(part) for part in mistake["loc"] if part not in alternative_tags())
+
+
+def _meant(mistake: Any, document: dict[str, Any], kind: FileKind) -> str:
+    """Dotted name of the key that a misspelt one stands for, else empty."""
+    if mistake["type"] != "extra_forbidden":
+        return ""
+    section, _, key = _dotted(mistake).rpartition(".")
+    near = nearest(key, kind.keys_of(section, document))
+    return ".".join(filter(None, (section, near)))
 
 
 def _explain(mistake: Any, document: dict[str, Any], text: str, path: Path, kind: FileKind) -> str:
     """One line for one of Pydantic's errors."""
     keys = [part for part in mistake["loc"] if part not in alternative_tags()]
-    keys += _choosing_key(mistake)
+    keys += choosing_key(mistake)
+    keys = keys or named_keys(mistake["msg"])
     dotted = ".".join(map(str, keys))
     place = place_of(keys, text, path)
     if mistake["type"] == "extra_forbidden":
         return f"{place}: {_unknown_key(dotted, document, kind)}"
-    explain = _EXPLANATIONS.get(mistake["type"], _other_mistake)
     return f"{place}: {explain(mistake, dotted)}"
 
 
 def _unknown_key(dotted: str, document: dict[str, Any], kind: FileKind) -> str:
     section, _, key = dotted.rpartition(".")
-    known = [name for name in kind.keys_of(section, document) if name != key]  # in another kind
-    near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
+    known = [name for name in kind.keys_of(section, document) if name != key]
+    near = nearest(key, known)
     where = f"[{section}]" if section else kind.name
     owner = _owner_of(key, known)
     if owner:
         return f"{dotted} belongs to {owner}; remove it, or choose that"
-    hint = f'did you mean "{near[0]}"?' if near else f"{where} takes {', '.join(known)}"
+    hint = f'did you mean "{near}"?' if near else f"{where} takes {', '.join(known)}"
     return f"{dotted} is not a key of {where}; {hint}"
 
 
@@ -157,56 +243,6 @@ def _owner_of(key: str, known: list[str]) -> str:
             pairs = zip(names, chosen, strict=False)
             return ", ".join(f'{name} = "{value}"' for name, value in pairs)
     return ""
-
-
-def _missing_key(_mistake: Any, dotted: str) -> str:
-    section, _, key = dotted.rpartition(".")
-    return f"[{section}] needs {key}" if section else f"the section [{key}] is missing"
-
-
-def _alternatives_of(mistake: Any) -> type[Alternative]:
-    """Base of the section whose alternative is unknown."""
-    expected = set(re.findall("'([^']*)'", mistake["ctx"]["expected_tags"]))
-    # others may have been defined since
-    return next(base for base in Alternative.__subclasses__() if expected <= set(base.alternatives))
-
-
-def _choosing_key(mistake: Any) -> list[str]:
-    """The key whose value chose an alternative that does not exist."""
-    if mistake["type"] != "union_tag_invalid":
-        return []
-    base, tag = _alternatives_of(mistake), mistake["ctx"]["tag"]
-    values = tag.split(" ")
-    wrong = (
-        key
-        for (key, _), value in zip(base.choosing_keys, values, strict=False)
-        if value not in base.choices(key, tag)
-    )
-    return [next(wrong)]
-
-
-def _unknown_alternative(mistake: Any, dotted: str) -> str:
-    base, tag = _alternatives_of(mistake), mistake["ctx"]["tag"]
-    key = dotted.rpartition(".")[2]
-    found = tag.split(" ")[[name for name, _ in base.choosing_keys].index(key)]
-    return f'{dotted} = "{found}" is unknown; choose from {", ".join(base.choices(key, tag))}'
-
-
-def _other_mistake(mistake: Any, dotted: str) -> str:
-    message = mistake["msg"].removeprefix("Value error, ")
-    value = mistake["input"]
-    if isinstance(value, dict):
-        return f"[{dotted}]: {message}" if dotted else message
-    shown = f'"{value}"' if isinstance(value, str) else str(value)
-    if shown in message:
-        return f"{dotted}: {message}"
-    return f"{dotted} = {shown}: {message[0].lower()}{message[1:]}"
-
-
-_EXPLANATIONS: dict[str, Callable[[Any, str], str]] = {
-    "missing": _missing_key,
-    "union_tag_invalid": _unknown_alternative,
-}
 
 
 def place_of(keys: list[Any], text: str, path: Path) -> str:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import pint
 
 from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.text import in_toml
 
 
 class Measured(NamedTuple):
@@ -37,6 +38,7 @@ _FAR = 1e6  # a value beside which offsets of temperature scales are small
 
 _SEPARATOR = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
 _NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
+_COMMA = re.compile(r",\d")
 _FACTOR = r"(?:[A-Za-zµμ°]+(?:(?:\*\*|\^)?-?[1-9]|[²³])?|%)"
 _EXPONENT = re.compile(r"(?<=[A-Za-zµμ°])(-?[1-9])")  # of "m2" and "m-2", which Pint does not read
 _BELOW = rf"\(\s*{_FACTOR}(?:\s*[*·]\s*{_FACTOR}|\s+{_FACTOR})*\s*\)"  # as in "W/(m*K)"
@@ -104,6 +106,7 @@ def scale_and_offset(unit: str, target: str) -> tuple[float, float]:
 _DATASET_UNITS = {
     "": "1",
     "kg/m^2": "kg m-2",
+    "m^2": "m2",
     "kg/m^3": "kg m-3",
     "W/m^2": "W m-2",
     "m/s^2": "m s-2",
@@ -180,7 +183,7 @@ def parse(text: str | float, unit: str) -> Measured:
     Measured(value=0.9, uncertainty=0.03)
     """
     if isinstance(text, bool) or not isinstance(text, int | float | str):
-        raise ConfigurationError(f"{text!r} is not a number{_with_unit(unit)}")
+        raise ConfigurationError(f"{in_toml(text)} is not a number{_with_unit(unit)}")
     if not isinstance(text, str):
         if unit:
             raise ConfigurationError(f'{text} has no unit; write "{text} {unit}"')
@@ -245,6 +248,10 @@ def _split(part: str, text: str, unit: str) -> tuple[float, str]:
     match = _NUMBER.match(part)
     if match is None:
         raise ConfigurationError(f'"{text}" is not a number{_with_unit(unit)}')
+    if _COMMA.match(match[2]):
+        raise ConfigurationError(
+            f'"{text}" has a comma; write a point before decimals, and nothing between thousands'
+        )
     return float(match[1]), match[2]
 
 

@@ -5,11 +5,14 @@ from typing import Annotated, Any, Literal, TypeVar
 import pydantic
 
 from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.mistakes import explain
 from lightflyer.foundation.section import Section
 from lightflyer.foundation.toml_file import FileKind
-from lightflyer.sweeps.distributions import METHODS
+from lightflyer.sweeps.distributions import METHODS, MOST_SAMPLES
 
-_Count = Annotated[int, pydantic.Field(strict=True, ge=1)]
+_Count = Annotated[int, pydantic.Field(strict=True, ge=1, le=MOST_SAMPLES)]
+_Base = Annotated[int, pydantic.Field(strict=True, ge=1, le=2**18)]  # times the inputs, in memory
+_Starts = Annotated[int, pydantic.Field(strict=True, ge=1, le=1000)]
 _Seed = Annotated[int, pydantic.Field(strict=True, ge=0)]
 _Method = Literal[tuple(METHODS)]  # type: ignore[valid-type]
 
@@ -56,7 +59,7 @@ class OptimiseSection(Section):
     constraints: _Entries
     uncertainty: UncertaintySection | None = None
     beyond_range: Annotated[bool, pydantic.Field(strict=True)] = False
-    starts: _Count = 8
+    starts: _Starts = 8
     seed: _Seed = 0
 
 
@@ -66,7 +69,7 @@ class SensitivitySection(Section):
     outputs: _Names = ("payload",)
     at: _Entries
     inputs: _Entries
-    points: _Count = 1024
+    points: _Base = 1024
     seed: _Seed = 0
 
 
@@ -94,6 +97,9 @@ STUDY_FILE = FileKind(
     "a study file",
     lambda section, _: list(_SECTIONS[section].model_fields),
     'it needs flyer = "flyer.toml" and a section [sweep]',
+    lambda document: ""
+    if isinstance(document.get("flyer", 0), str | int)
+    else 'a flyer file: a study file names one, flyer = "flyer.toml"',
 )
 """How messages speak of a study file."""
 
@@ -131,5 +137,4 @@ def _explain(mistake: Any, kind: type[Section]) -> str:
     if mistake["type"] == "extra_forbidden":
         known = _SECTIONS["optimise.uncertainty"] if "." in name else kind
         return f"{name} is unknown; choose from {', '.join(known.model_fields)}"
-    message = mistake["msg"].removeprefix("Value error, ")
-    return f"{name} = {mistake['input']!r}: {message[0].lower()}{message[1:]}"
+    return explain(mistake, name)

@@ -1,0 +1,345 @@
+"""What people get wrong: one line each, which says where, what, and what is allowed."""
+
+import re
+
+import pytest
+
+import lightflyer as lf
+from lightflyer.cli.init import templates
+from lightflyer.force.free_molecular import FreeMolecular
+
+TEXTS = {kind: template.read() for kind, template in templates().items()}
+OF_PYTHON = re.compile(
+    r"Traceback|instance of|\btuple\b|NoneType|pydantic|\bdict\b|\bstr\b|\bint\b|\bfloat\b|"
+    r"valid string|validation|should be|<class|__|Error\b|\bTrue\b|\bFalse\b|\bNone\b"
+)
+
+
+def require_one_line(result, place=None):
+    code, text, errors = result
+    assert code == 2
+    assert text == ""
+    assert errors.startswith("lightflyer: error: ")
+    assert errors.count("\n") == 1, errors
+    assert not OF_PYTHON.search(errors), errors
+    if place is not None:
+        assert re.match(rf"lightflyer: error: \S*{place}: ", errors), errors
+    return errors
+
+
+D = 'diameter = "2 cm"'
+A = 'areal_density = "1.0 g/m^2"'
+B = "absorptance = 0.75"
+GE = 'material = "Ge", thickness = "20 ± 2 nm"'
+FLYERS = [
+    ("earth", D, "diameter = 2 cm", r'texts need quotes: diameter = "2 cm"'),
+    ("earth", D, 'diameter = "2,0 cm"', "has a comma; write a point before decimals"),
+    ("earth", D, 'diameter = "2 kg"', "of the wrong kind; give one that converts to m"),
+    ("earth", D, "diameter = 2", 'has no unit; write "2 m"'),
+    ("earth", D, "diameter = true", "true is not a number with a unit"),
+    ("earth", D, 'diameter = ["2 cm"]', r'\["2 cm"\] is not a number'),
+    ("earth", D, 'diameter = ""', "is not a number with a unit"),
+    ("earth", D, 'diameter = "-2 cm"', "must be positive"),
+    ("earth", D, 'diameter = "nan cm"', "is not a number"),
+    ("earth", D, 'diameter = "1e30 m"', "must be at most"),
+    ("earth", D, 'diameter = "2 cm', "a text is not closed by quotes"),
+    ("earth", D, 'diameter "2 cm"', "expected '=' after a key"),
+    ("earth", D, f"{D}\n{D}", "a key is given twice"),
+    ("earth", D, 'diamter = "2 cm"', 'did you mean "diameter"'),
+    ("earth", D, f"{D}\nwings = 2", r"wings is not a key of \[flyer\]"),
+    ("earth", "[flyer]", "[flier]", 'did you mean "flyer"'),
+    ("earth", "[flyer]", "[flyer", "is not valid TOML"),
+    ("earth", "[flyer]", "[[flyer]]", "is not a section"),
+    ("earth", "[film]", "[flyer]", r"cannot declare \[flyer\] twice"),
+    ("earth", 'shape = "disk"', 'shape = "saucer"', "choose from .*disk"),
+    ("earth", 'shape = "disk"', "shape = 3", "is unknown; choose from"),
+    ("earth", 'model = "lu2023"', 'model = "lu2022"', "is unknown; choose from"),
+    ("earth", 'model = "lu2023"', 'model = "schafer2025"', 'is not for shape = "disk"'),
+    ("earth", 'model = "lu2023"', 'model = "kinetic"\nc_fm = 0.4', 'belongs to model = "lu2023"'),
+    ("earth", A, 'areal_density = "1.0 g/m2 ± 3 %"', '"%" is of the wrong kind'),
+    ("earth", A, 'areal_density = "1.0 ± g/m^2"', "is not a number"),
+    ("earth", A, 'areal_density = "1.0 g/n^2"', "is unknown; give one that converts to kg/m"),
+    ("earth", B, "absorptance = 75", "must be between 0 and 1"),
+    ("earth", B, 'absorptance = "75 %%"', "is not a unit"),
+    ("earth", B, 'absorptance = "0.75 ± 0.1 ± 0.2"', "has more than one ±"),
+    ("earth", B, 'absorptance = "0.75 ± -0.1"', "the uncertainty is negative"),
+    ("earth", B, 'absorptance = "about 0.75"', "is not a number"),
+    ("earth", B, "absorptance = {value = 0.75}", "is not a number"),
+    ("earth", "tac_top = 0.8", "tac_top = 0", "between 0 .excluded. and 1.3"),
+    ("earth", "tac_top = 0.8", "tac_top = 1.8", "between 0 .excluded. and 1.3"),
+    ("earth", "tac_top = 0.8", "", r"\[film\] needs tac_top"),
+    ("earth", "emittance = 0.08", "emittance = 0.08\nemittance_top = 0.1", "not both"),
+    ("earth", "emittance = 0.08", "", "give emittance, or both"),
+    ("earth", 'kind = "earth"', 'kind = "moon"', "choose from"),
+    ("earth", '"us1976"', '"us1967"', "choose from us1976"),
+    ("earth", '"us1976"', '"nrlmsis"', "needs date, latitude, longitude, f107 and ap"),
+    ("earth", '"1361 W/m^2"', '"1361 W"', "of the wrong kind"),
+    ("earth", '"1361 W/m^2"', '"1e30 W/m^2"', "must be at most"),
+    ("earth", 'incidence = "0 deg"', 'incidence = "200 deg"', "must be between 0 and 90 deg"),
+    ("earth", "albedo = 0.29", "albedo = 1.29", "must be between 0 and 1"),
+    ("earth", 'payload = "0 mg"', 'payload = "-1 mg"', "must be zero or positive"),
+    ("earth", 'payload = "0 mg"', 'payload = "0 mg"\ntilt = "100 rad"', "between 0 and 180 deg"),
+    ("earth", "# altitude_min = ", 'altitude_min = "140 km"\naltitude_max = ', "must be below"),
+    ("earth", '# altitude_min = "40 km"', 'altitude_min = "4000 km"', "between 0 and 1000 km"),
+    ("earth", '# gas = "air"', 'gas = "helum"', "choose from air"),
+    ("earth", "# gravity = \"9.8 m/s^2\"", 'gravity = "0 m/s^2"', "must be positive"),
+    ("earth", "[force]", '[force]\nreading = "said"', "choose from reported, printed"),
+    ("earth", '"520 K"', '"520"', 'has no unit; write "520 K"'),
+    ("earth", '"520 K"', '"-300 °C"', "must be positive"),
+    ("earth", "[film]", "[film]\nlayers = []", "needs at least 1 entry"),
+    ("earth", "[film]", '[film]\nlayers = "Ge"', "is not a list"),
+    ("earth", "[film]\n", "[film]\n\0", "is not valid TOML"),
+    ("chamber", '# radius = "15 cm"', 'radius = "0 cm"', "must be positive"),
+    ("chamber", '"293 K"', '"1e6 K"', "must be at most"),
+    ("layers", GE, 'material = "Gee", thickness = "20 nm"', "did you mean Ge"),
+    ("layers", GE, 'material = "Ge"', "needs thickness"),
+    ("layers", GE, 'thickness = "20 nm"', "needs material"),
+    ("layers", GE, 'material = "no.csv", thickness = "20 nm"', "cannot be read: No such file"),
+    ("layers", GE, 'material = 3, thickness = "20 nm"', "is not a text in quotes"),
+    ("layers", 'spectrum = "AM0"', 'spectrum = "AM2"', "choose from AM0"),
+    ("layers", '"error"', '"guess"', "choose from error, hold, lossless"),
+    ("sandwich", "open_fraction = ", "open_fraction = 1 #", "must be between 0 and 0.999"),
+    ("sandwich", "gap = ", 'gap = "0 um" #', "must be positive"),
+    ("sandwich", "[flyer.top]", "[flyer.topp]", 'did you mean "top"'),
+    ("plate", "[flyer]", "[flyer]\nbanana = 3", r"banana is not a key of \[flyer\]"),
+    ("balloon", "[flyer]", '[flyer]\nenvelope = "paper"', "envelope is not a key"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "old", "new", "message"), FLYERS)
+def test_a_mistake_in_a_flyer_file(run, tmp_path, kind, old, new, message):
+    assert old in TEXTS[kind]
+    path = tmp_path / "flyer.toml"
+    path.write_text(TEXTS[kind].replace(old, new, 1), encoding="utf-8")
+    errors = require_one_line(run("predict", path), place=r"flyer\.toml(:\d+)?")
+    assert re.search(message, errors), errors
+
+
+RANGE = 'from = "0.5 cm", to = "5 cm", points = 40, scale = "log"'
+OUTPUTS = '["temperature", "lift_over_weight", "relative_payload", "levitation_irradiance"]'
+BEST = 'maximise = "payload"'
+SHARE = '"0.75 ± 0.02"'
+STUDIES = [
+    ("sweep", '"flyer.toml"', '"no.toml"', "does not exist; name a flyer file"),
+    ("sweep", '"flyer.toml"', "3", "is not a text in quotes"),
+    ("sweep", "[sweep]", "[sweeep]", 'did you mean "sweep"'),
+    ("sweep", "[outputs]", "[output]", 'did you mean "outputs"'),
+    ("sweep", "points = 40", "points = 1", "whole number of at least 2"),
+    ("sweep", "points = 40", "points = 2.5", "whole number of at least 2"),
+    ("sweep", "points = 40", 'points = "40"', "whole number of at least 2"),
+    ("sweep", "points = 61", "points = 100000000", "must be at most 10000000"),
+    ("sweep", RANGE, 'from = "1 cm", to = "2 cm"', "needs points"),
+    ("sweep", 'scale = "log"', 'scale = "cubic"', "choose from linear, log"),
+    ("sweep", '"0.5 cm"', '"0 cm"', "must be positive"),
+    ("sweep", '"0.5 cm"', '"9 cm"', "is an empty range: 9 cm is above 5 cm"),
+    ("sweep", '"0.5 cm"', '"0.5"', "has no unit"),
+    ("sweep", '"flyer.diameter"', '"flyer.diametre"', 'did you mean "flyer.diameter"'),
+    ("sweep", '"flyer.diameter"', '"diameter"', 'did you mean "flyer.diameter"'),
+    ("sweep", "[0.06, 0.08, 0.12]", "[]", "is an empty list"),
+    ("sweep", "[0.06, 0.08, 0.12]", "[0.06, 0.06]", "has a repeated value"),
+    ("sweep", "[0.06, 0.08, 0.12]", "[0.06, 6]", "must be between 0"),
+    ("sweep", "[0.06, 0.08, 0.12]", '"many"', "is not a number"),
+    ("sweep", "altitude =", "pressure =", "is not a number of the design"),
+    ("sweep", OUTPUTS, '["temprature"]', 'did you mean "temperature"'),
+    ("sweep", OUTPUTS, "[]", "names no output; choose from"),
+    ("sweep", OUTPUTS, "3", "is not a list"),
+    ("optimise", BEST, 'maximise = "payloads"', 'did you mean "payload"'),
+    ("optimise", BEST, "maximise = []", "needs maximise or minimise"),
+    ("optimise", BEST, f'{BEST}\nminimise = "payload"', "is an objective already"),
+    ("optimise", BEST, 'maximise = ["payload", "payload"]', "is an objective already"),
+    ("optimise", BEST, f"{BEST}\nstarts = 0", "must be at least 1"),
+    ("optimise", BEST, f"{BEST}\nstarts = 2.5", "is not a whole number"),
+    ("optimise", BEST, f"{BEST}\nseed = -4", "must be at least 0"),
+    ("optimise", BEST, f'{BEST}\nbeyond_range = "yes"', "is not true or false"),
+    ("optimise", "at_most", "at_mots", "is not a limit; write"),
+    ("optimise", '"390 K"', '"390 Pa"', "of the wrong kind"),
+    ("optimise", '"390 K"', "390", 'has no unit; write "390 K"'),
+    ("optimise", "temperature = {", "temperture = {", 'did you mean "temperature"'),
+    ("optimise", 'from = "2 cm", to = "4 cm"', 'from = "4 cm", to = "2 cm"', "empty range"),
+    ("optimise", "[optimise.over]", "[optimise.ovr]", 'did you mean "over"'),
+    ("sensitivity", '["payload", "temperature"]', '"nothing"', "is not an output"),
+    ("sensitivity", "points = 1024", "points = 0", "must be at least 1"),
+    ("sensitivity", "points = 1024", "points = 1000000000", "must be at most 262144"),
+    ("sensitivity", SHARE, '"0.75"', "is not uncertain"),
+    ("sensitivity", SHARE, '"0.75 ± 0"', "is not uncertain"),
+    ("sensitivity", SHARE, '{ distribution = "cauchy" }', "choose from normal, uniform"),
+    ("sensitivity", SHARE, '{ distribution = "normal" }', "needs mean, standard_deviation"),
+    ("sensitivity", '"72 km"', '["72 km"]', "is not one value"),
+]
+
+
+@pytest.mark.parametrize(("kind", "old", "new", "message"), STUDIES)
+def test_a_mistake_in_a_study(run, tmp_path, kind, old, new, message):
+    assert old in TEXTS[kind]
+    (tmp_path / "flyer.toml").write_text(TEXTS["earth"], encoding="utf-8")
+    path = tmp_path / "study.toml"
+    path.write_text(TEXTS[kind].replace(old, new, 1), encoding="utf-8")
+    more = ("--out", tmp_path / "r.zarr") if kind == "sweep" else ()
+    errors = require_one_line(run(kind, path, *more), place=r"study\.toml(:\d+)?")
+    assert re.search(message, errors), errors
+    assert not (tmp_path / "r.zarr").exists()
+
+
+KINETIC = "kinetic --kn 1 --tac-top 0.8 --tac-bottom 0.9"
+COMMANDS = [
+    ("predict", "FLYER_FILE requires an argument; see lightflyer predict --help"),
+    ("predict nothere.toml", "nothere.toml: cannot be read: No such file"),
+    ("predict folder", "folder: cannot be read: Is a directory"),
+    ("predict empty.toml", "is empty; 'lightflyer init' writes an example"),
+    ("predict latin.toml", "latin.toml:1: is not a text file"),
+    ("predict points.csv", "points.csv:6: is not valid TOML"),
+    ("predict study.toml", "is a study file: run it with sweep"),
+    ("predict flyer.toml --at 70", "--at: .* has no unit"),
+    ("predict flyer.toml --at 70kg", "of the wrong kind"),
+    ("predict flyer.toml --at 3Pa", "of the wrong kind"),
+    ("predict flyer.toml --at 2000km", "is not between"),
+    ("predict flyer.toml --samples -3", "--samples. Must be >= 0"),
+    ("predict flyer.toml --samples 1000000000", "--samples. Must be <= 1000000"),
+    ("predict flyer.toml --samples many", 'convert "many" into a whole number'),
+    ("predict flyer.toml --seed -1", "--seed. Must be >= 0"),
+    ("predict flyer.toml --csv", "add --out FOLDER"),
+    ("predict flyer.toml --format pdf", "add --out FOLDER"),
+    ("predict flyer.toml --out o --format gif", "choose from png, svg, pdf"),
+    ("predict flyer.toml --out o --dpi 5", "from 30 to 1200"),
+    ("predict flyer.toml --out o --style x", "nor a style sheet"),
+    ("predict flyer.toml more.toml", "takes no further more.toml"),
+    ("predict flyer.toml --bogus", "Unknown option: --bogus"),
+    ("predict chamber.toml --at 70km", "of the wrong kind"),
+    ("compare flyer.toml", "takes 2 to 9 flyers"),
+    ("compare flyer.toml chamber.toml", "is described over altitude and chamber over pressure"),
+    ("compare flyer.toml nothere.toml", "cannot be read"),
+    ("compare flyer.toml flyer.toml --altitudes 50km", "write a range"),
+    ("film flyer.toml", "needs a section .film. with layers"),
+    ("film layers.toml --at 550", "has no unit"),
+    ("film layers.toml --temperatures cold", "is not a number"),
+    ("calibrate nothere.csv", "cannot be read"),
+    ("calibrate points.csv --free c_fn", 'did you mean "c_fm"'),
+    ("calibrate points.csv --flyer flyer.toml", "such as a chamber"),
+    ("calibrate points.csv --step 200", "has no unit"),
+    ("calibrate points.csv --pressure-accuracy 5", "is not between 0 and 1"),
+    ("calibrate points.csv --columns a,b", "has no row"),
+    ("calibrate one.csv", "1 points cannot determine 2 parameters"),
+    ("sweep study.toml", "--out requires an argument"),
+    ("sweep nothere.toml --out r", "cannot be read"),
+    ("sweep flyer.toml --out r", "is a flyer file: a study file names one"),
+    ("sweep study.toml --out r --workers 0", "at least 1"),
+    ("sweep study.toml --out points.csv", "is not a sweep; choose another folder"),
+    ("sweep optimise.toml --out r", "needs a section .sweep."),
+    ("map nothere.zarr --x diameter --value payload", "is not a sweep"),
+    ("optimise study.toml", "needs a section .optimise."),
+    ("optimise optimise.toml --write flyer.toml", "choose another name"),
+    ("sensitivity study.toml", "needs a section .sensitivity."),
+    ("kinetic --kn 0 --tac-top 0.8 --tac-bottom 0.9", "--kn = 0 is not between 0.03 and 100"),
+    ("kinetic --kn nan --tac-top 0.8 --tac-bottom 0.9", "--kn = nan is not between"),
+    ("kinetic --kn 1 --tac-top 1.8 --tac-bottom 0.9", "--tac-top = 1.8 is not between 0"),
+    ("kinetic --kn 1", "--tac-top requires an argument"),
+    (f"{KINETIC} --gas xenon", 'Choose from: "monatomic", "diatomic"'),
+    (f"{KINETIC} --boundary 1", "is not at least 1.5"),
+    (f"{KINETIC} --temperature-ratio 9", "is not between 1 and 2.5"),
+    ("init flyer.toml", "already exists; --force overwrites it"),
+    ("init x.toml --kind rocket", "is unknown; choose from earth"),
+    ("init nowhere/x.toml", "cannot be written: No such file"),
+    ("paper --data nothere.csv", "cannot be read"),
+    ("lab example magic", 'Choose from: "levitation"'),
+    ("lab example tac --seed -1", "--seed. Must be >= 0"),
+    ("lab tac points.csv", "needs the column heater_power"),
+    ("lab ftir points.csv", "has no known column"),
+    ("lab levitation points.csv --update flyer.toml", "add --calibrate"),
+    ("lab thermography", "give a file, or also hotplate_temperature"),
+    ("lab roughness points.csv", "is not a number"),
+    ("lab roughness matrix.txt --size 1um --channel Height", "has no effect"),
+    ("materials Ge", "takes no further Ge"),
+    ("bogus", 'Unknown command "bogus"'),
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Files that the commands below are given."""
+    made = tmp_path_factory.mktemp("bad")
+    names = {"flyer.toml": "earth", "study.toml": "sweep", "points.csv": "points"}
+    names |= {f"{kind}.toml": kind for kind in ("chamber", "layers", "optimise")}
+    for name, kind in names.items():
+        (made / name).write_text(TEXTS[kind], encoding="utf-8")
+    (made / "one.csv").write_text("\n".join(TEXTS["points"].splitlines()[:7]), encoding="utf-8")
+    (made / "latin.toml").write_bytes("# µ\n".encode("latin-1"))
+    (made / "empty.toml").touch()
+    (made / "matrix.txt").write_text("\n".join(["1 2 3 4 5 6 7 8 9"] * 9))
+    (made / "folder").mkdir()
+    return made
+
+
+@pytest.mark.parametrize(("command", "message"), COMMANDS, ids=[line for line, _ in COMMANDS])
+def test_a_mistake_on_the_command_line(run, folder, monkeypatch, command, message):
+    monkeypatch.chdir(folder)
+    before = sorted(folder.iterdir())
+    errors = require_one_line(run(*command.split()))
+    assert re.search(message, errors), errors
+    assert sorted(folder.iterdir()) == before
+
+
+def test_options_are_written_with_blanks(run, folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    for line, message in (
+        (("predict", "flyer.toml", "--at", ""), "names no altitude"),
+        (("predict", "flyer.toml", "--at", "70 km;80 km"), "is not a unit"),
+        (("compare", "flyer.toml", "flyer.toml", "--altitudes", "80 km to 50 km"), "is no range"),
+        (("calibrate", "points.csv", "--free", ""), "no parameters to fit"),
+        (("calibrate", "points.csv", "--free", "emittance[Ge 9 cm]"), "has no sample"),
+        (("lab", "thermography", "--hotplate", "350 K"), "or also lower_temperature"),
+    ):
+        assert message in require_one_line(run(*line))
+
+
+POINTS = [
+    ("pressure [mTorr]", "pressure", 'has no unit; write "pressure [Pa]"'),
+    ("pressure [mTorr]", "druck [mTorr]", "needed: pressure [Pa], irradiance [W/m^2]; found: sample, druck"),
+    ("pressure [mTorr]", "pressure [kg]", "of the wrong kind"),
+    ("irradiance [W/m^2], irr", "irr", "the column irradiance is missing"),
+    ("Ge 2 cm, 8, 5973", "Ge 2 cm, -8, 5973", "pressure = -8 mTorr is not positive"),
+    ("239, 2, 60", "-1, 2, 60", "is not zero or positive"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), POINTS)
+def test_a_mistake_in_a_table(run, tmp_path, old, new, message):
+    assert old in TEXTS["points"]
+    path = tmp_path / "points.csv"
+    path.write_text(TEXTS["points"].replace(old, new, 1), encoding="utf-8")
+    assert message in require_one_line(run("calibrate", path), place=r"points\.csv:\d+")
+
+
+FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+OBJECTS = [
+    (lambda: lf.Disk(FILM, "2 kg"), "radius"),
+    (lambda: lf.Disk(FILM, -0.01), "radius"),
+    (lambda: lf.Disk(FILM, float("nan")), "radius"),
+    (lambda: lf.Disk(FILM, None), "radius"),
+    (lambda: lf.Disk("film", 0.01), "film"),
+    (lambda: lf.FilmProperties(1e-3, 1.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9), "absorptance"),
+    (lambda: lf.FilmProperties(-1.0, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9), "areal"),
+    (lambda: lf.Earth(atmosphere="us1976"), "atmosphere"),
+    (lambda: lf.Earth(gas="air"), "gas"),
+    (lambda: lf.Earth().state(-5e3), "altitude"),
+    (lambda: lf.Earth().state("70 kg"), "altitude"),
+    (lambda: lf.Chamber().state(-1.0), "pressure"),
+    (lambda: lf.Chamber(temperature=0.0), "temperature"),
+    (lambda: lf.Lu2023(c_fm=-1.0), "c_fm"),
+    (lambda: lf.predict("nothere.toml"), "nothere.toml"),
+    (lambda: lf.predict(FILM), "flyer"),
+    (lambda: lf.payload(lf.Disk(FILM, 0.01), lf.Earth().state(72e3), "lu2023"), "model"),
+    (lambda: lf.sweep(lf.Disk(FILM, 0.01), lf.Earth(), lf.Lu2023(), over={"x": [1.0]}), "x"),
+    (lambda: lf.optimise(lf.Disk(FILM, 0.01), lf.Earth(), FreeMolecular()), "over"),
+]
+
+
+@pytest.mark.parametrize(("make", "named"), OBJECTS)
+def test_a_mistake_in_python_names_the_argument(make, named):
+    with pytest.raises(lf.LightflyerError) as caught:
+        make()
+    assert named in str(caught.value)
+    assert str(caught.value).count("\n") == 0
+
+
+def test_the_number_of_mistakes_looked_at():
+    assert len(FLYERS) + len(STUDIES) + len(COMMANDS) + len(POINTS) + len(OBJECTS) >= 150

@@ -13,6 +13,7 @@ from lightflyer.force.lu2023 import Lu2023ForceSection
 from lightflyer.foundation.quantity import Fraction
 from lightflyer.uncertainty.inputs import draw, draw_possible, uncertain_inputs
 from lightflyer.uncertainty.monte_carlo import edges, optimum
+from lightflyer.uncertainty.propagation import _least_light
 
 FILM = {
     "areal_density": "1.0 g/m^2",
@@ -212,6 +213,25 @@ def test_edges_and_optimum_of_known_curves():
     assert place[0] == pytest.approx(5.2, abs=1e-3)
     assert there["square"][0] == pytest.approx(5.2**2, abs=0.01)
     assert there["curve"][0] == pytest.approx(np.e, rel=1e-4)
+
+
+def test_an_optimum_at_an_end_is_the_end_though_the_curve_bends_upwards():
+    x = np.linspace(0.0, 10.0, 21)
+    falling = np.stack([np.exp(-x), np.exp(x - 10.0)])
+    place, there = optimum(x, falling, {"curve": falling})
+    np.testing.assert_array_equal(place, [0.0, 10.0])
+    np.testing.assert_allclose(there["curve"], 1.0, rtol=1e-12)
+
+
+def test_samples_that_need_no_light_need_none():
+    x = np.linspace(0.0, 1.0, 5)
+    needed = np.array([[3.0, 2.0, 1.0, 2.0, 3.0], [3.0, 0.0, 0.0, 2.0, np.inf]])
+    place, there = _least_light(
+        x, {"levitation_irradiance": needed, "heat": np.tile(x, (2, 1))}, (True, True)
+    )
+    np.testing.assert_allclose(place, [0.5, 0.25])
+    np.testing.assert_allclose(there["levitation_irradiance"], [1.0, 0.0])
+    np.testing.assert_allclose(there["heat"], [0.5, 0.25])
 
 
 def dark(absorptance, spread, **changes):

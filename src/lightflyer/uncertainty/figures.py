@@ -6,7 +6,7 @@ import numpy as np
 
 from lightflyer.foundation.drawing import BAND, GREY, legend_below
 from lightflyer.foundation.units import dataset_unit
-from lightflyer.prediction.figures import across, shown_for_best
+from lightflyer.prediction.figures import across, panels, shown_for_best
 from lightflyer.uncertainty.propagation import PredictionUncertainty
 
 if TYPE_CHECKING:
@@ -50,19 +50,67 @@ def add_to_figures(figures: "dict[str, Figure]", uncertainty: PredictionUncertai
     uncertainty : PredictionUncertainty
     """
     irradiance, temperature = figures["levitation-irradiance"].axes[:2]
-    _shade(irradiance, "needed to levitate", "levitation_irradiance", uncertainty)
-    _shade(temperature, "just levitating", "levitation_temperature", uncertainty)
-    _shade(temperature, "available light", "temperature", uncertainty)
     payload = figures["payload"].axes[0]
-    _shade(payload, "", "payload", uncertainty)
-    for ax in (irradiance, temperature, payload):
+    for panel, ax in (
+        ("irradiance", irradiance),
+        ("temperature", temperature),
+        ("payload", payload),
+    ):
+        add_bands(panel, ax, uncertainty)
+
+
+_BANDS = {
+    "irradiance": {"needed to levitate": "levitation_irradiance"},
+    "temperature": {"just levitating": "levitation_temperature", "available light": "temperature"},
+    "payload": {"largest payload": "payload"},
+}
+"""By panel, the outputs that have bands, by the ends of their lines' labels."""
+
+
+def add_bands(panel: str, ax: "Axes", uncertainty: PredictionUncertainty) -> None:
+    """Shade the 95 % bands around the lines of one panel.
+
+    Parameters
+    ----------
+    panel : str
+        One of :data:`lightflyer.prediction.figures.PANELS`.
+    ax : matplotlib.axes.Axes
+        With that panel; changed.
+    uncertainty : PredictionUncertainty
+    """
+    bands = _BANDS.get(panel, {})
+    for label, output in bands.items():
+        _shade(ax, label, output, uncertainty)
+    if panel == "payload":
+        scale, _ = shown_for_best(uncertainty.prediction, "payload")
+        bottom, top = ax.get_ylim()
+        highest = _HEADROOM * scale * float(np.nanmax(uncertainty.high["payload"]))
+        ax.set_ylim(bottom, max(top, highest))
+    if bands:
         # one entry for bands of several colours
         ax.fill_between([], [], [], color=GREY, alpha=2.0 * _OPACITY, lw=0, label=BAND)
         legend_below(ax)
-    scale, _ = shown_for_best(uncertainty.prediction, "payload")
-    bottom, top = payload.get_ylim()
-    highest = _HEADROOM * scale * float(np.nanmax(uncertainty.high["payload"]))
-    payload.set_ylim(bottom, max(top, highest))
+
+
+def plot_uncertainty(
+    uncertainty: PredictionUncertainty, what: str | None = None, ax: "Axes | None" = None
+) -> "Figure":
+    """Draw a prediction with its 95 % bands.
+
+    Parameters
+    ----------
+    uncertainty : PredictionUncertainty
+    what, ax
+        As of :func:`lightflyer.prediction.figures.plot_prediction`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure, drawn = panels(uncertainty.prediction, what, ax)
+    for panel, axes in drawn:
+        add_bands(panel, axes, uncertainty)
+    return figure
 
 
 def _shade(ax: "Axes", label: str, output: str, uncertainty: PredictionUncertainty) -> None:

@@ -136,6 +136,8 @@ def optimum(
         way = np.clip(0.5 * (left - right) / (left - 2.0 * middle + right), -1.0, 1.0)
     known = np.isfinite(finite).any(axis=1)
     way = np.where(np.isfinite(way), way, 0.0)
+    # at an end of the table the three may bend upwards, and their parabola has a least value
+    way = np.where(largest == index, way, np.sign(largest - index))
 
     def interpolate(values: np.ndarray) -> np.ndarray:
         left, middle, right = three(values)

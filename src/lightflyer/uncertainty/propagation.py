@@ -428,12 +428,7 @@ def _sampled(
     lower, upper = monte_carlo.edges(even, over_grid["lift_over_weight"])
     found["lower"], found["upper"] = (lower, {}), (upper, {})
     found["payload"] = monte_carlo.optimum(even, over_grid["payload"], over_grid, ends)
-    logarithms = dict(over_grid)
-    with np.errstate(divide="ignore"):
-        logarithms["levitation_irradiance"] = np.log(over_grid["levitation_irradiance"])
-    place, there = monte_carlo.optimum(even, -logarithms["levitation_irradiance"], logarithms, ends)
-    there["levitation_irradiance"] = np.exp(there["levitation_irradiance"])
-    found["levitation_irradiance"] = place, there
+    found["levitation_irradiance"] = _least_light(even, over_grid, ends)
     results = {}
     for target in targets:
         if target.mover:
@@ -444,6 +439,29 @@ def _sampled(
             values = table[target.quantity][:, even.size + target.point]
         results[target.name] = target.scale * values
     return results
+
+
+def _least_light(
+    even: np.ndarray, table: Table, ends: tuple[bool, bool]
+) -> tuple[np.ndarray, Table]:
+    """Where each sample needs the least light, and its results there.
+
+    Samples that need none somewhere are taken where they first need none.
+    """
+    needed = table["levitation_irradiance"]
+    dark = needed == 0.0
+    with np.errstate(divide="ignore"):
+        logarithm = np.where(dark, np.nan, np.log(needed))
+    place, there = monte_carlo.optimum(
+        even, -logarithm, table | {"levitation_irradiance": logarithm}, ends
+    )
+    there["levitation_irradiance"] = np.exp(there["levitation_irradiance"])
+    rows, first = np.arange(len(needed)), np.argmax(dark, axis=1)
+    in_the_dark = dark[rows, first]
+    return np.where(in_the_dark, even[first], place), {
+        name: np.where(in_the_dark, table[name][rows, first], values)
+        for name, values in there.items()
+    }
 
 
 def _quantiles(table: Table) -> tuple[Table, Table]:

@@ -122,6 +122,7 @@ def test_a_disk_has_no_concern_with_what_passes():
          r"\[flyer.bottom\] needs areal_density, or the layer of a-C its density"),
         ({"layers": []}, "at least 1"),
         ({"layers": [CHROMIUM | {"thickness": "-1 nm"}]}, "must be positive"),
+        ({"layers": [CHROMIUM | {"thickness": "5 km"}]}, "at most 0.01 m: .*films are thinner"),
         (MEASURED | {"transmittance_bottom": 0.99}, "transmittance_bottom = 0.99 and absorptance"),
     ],
 )  # fmt: skip
@@ -138,5 +139,7 @@ def test_bad_layers_have_their_line(tmp_path):
         '[flyer.top]\nlayers = [{material = "Al2O3", thickness = "100 nm"}]\n'
         '[flyer.bottom]\nlayers = [{material = "Chromum", thickness = "10 nm"}]\n'
     )
-    with pytest.raises(lf.ConfigurationError, match=r"flyer.toml:12: .*did you mean Cr"):
+    with pytest.raises(lf.ConfigurationError, match=r"flyer.toml:12: .*did you mean Cr") as found:
         lf.read_flyer_file(path)
+    told = str(found.value).splitlines()
+    assert not any("needs at least" in line for line in told)  # that its one layer is wrong is told

@@ -22,7 +22,7 @@ from lightflyer.foundation.quantity import (
     ArealDensity,
     Density,
     Fraction,
-    Length,
+    Thickness,
 )
 from lightflyer.foundation.section import Section
 from lightflyer.foundation.toml_file import FOLDER
@@ -44,7 +44,7 @@ class LayerSection(Section):
     """An entry of ``layers``."""
 
     material: str
-    thickness: Length
+    thickness: Thickness
     density: Density | None = None
     tac: AccommodationCoefficient | None = None
     extrapolation: _Policy | None = None

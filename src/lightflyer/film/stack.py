@@ -10,6 +10,7 @@ from lightflyer.film.materials import MICROMETRE, Extrapolation, Material
 from lightflyer.film.transfer_matrix import StackOptics, stack_optics
 from lightflyer.foundation.checks import require_positive, require_range
 from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.quantity import Checked, Thickness
 from lightflyer.foundation.types import Numeric
 
 Side: TypeAlias = Literal["top", "bottom"]
@@ -17,7 +18,7 @@ Side: TypeAlias = Literal["top", "bottom"]
 GRAZING = np.nextafter(np.pi / 2, 0.0)
 
 
-class Layer(eqx.Module):
+class Layer(Checked):
     """A layer of a film.
 
     Attributes
@@ -29,11 +30,11 @@ class Layer(eqx.Module):
     Raises
     ------
     ParameterError
-        If a concrete thickness is not positive.
+        If a concrete thickness is not positive, or none that a film has.
     """
 
     material: Material = eqx.field(static=True)
-    thickness: Numeric
+    thickness: Thickness
 
     def __check_init__(self) -> None:
         require_positive(**{f"thickness of {self.material.name}": self.thickness})

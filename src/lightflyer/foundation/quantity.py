@@ -221,6 +221,12 @@ Length = Annotated[
     Numeric,
     Quantity("m", 0.0, open_below=True, sizes=(1e-10, 1e4), why=_BETWEEN),
 ]
+Thickness = Annotated[
+    Numeric,
+    Quantity(
+        "m", 0.0, open_below=True, sizes=(1e-10, 1e-2), why="atoms are larger, films are thinner"
+    ),
+]
 Distance = Annotated[Numeric, Quantity("m", 0.0, sizes=(1e-10, 1e4), why=_BETWEEN)]
 Altitude = Annotated[
     Numeric, Quantity("m", 0.0, sizes=(0.0, 1e9), why="the moon is nearer than that")

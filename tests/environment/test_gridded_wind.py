@@ -170,11 +170,10 @@ def test_the_wind_says_where_its_data_end():
     ):
         with pytest.raises(lf.ParameterError, match=said):
             wind.velocity(altitude, place)
-    # traced: held for an hour, then NaN
     with lf.float64():
         later = jax.jit(lambda time: wind.velocity(50e3, inside._replace(time=time)).east)
-        assert later(86400.0 + 3500.0) == pytest.approx(float(later(86400.0)), rel=1e-12)
-        assert np.isnan(later(86400.0 + 3700.0))
+        assert np.isfinite(later(86400.0))
+        assert np.isnan(later(86401.0))
 
 
 def without_units(data):

@@ -34,7 +34,7 @@ class AbstractWind(eqx.Module):
         Returns
         -------
         Wind
-            Where the arguments are traced, NaN where a margin is below -1.
+            Where the arguments are traced, NaN where a margin is negative.
 
         Raises
         ------
@@ -55,9 +55,8 @@ class AbstractWind(eqx.Module):
         -------
         dict of str to array
             By what is beyond the end, in words, the distance to the end: positive where there is
-            wind, negative where there is none. The unit is the distance by which the wind is
-            continued beyond the end, so that a path can be followed up to it. Empty for a wind
-            without ends, the default.
+            wind, negative where there is none, in a unit in which ends compare (1 h, 1°, 2 km).
+            Empty for a wind without ends, the default.
         """
         return {}
 
@@ -71,7 +70,7 @@ class AbstractWind(eqx.Module):
             return wind
         reaches = jnp.array(True)
         for margin in margins.values():
-            reaches = reaches & (margin >= -1.0)
+            reaches = reaches & (margin >= 0.0)
         return Wind(*(jnp.where(reaches, part, jnp.nan) for part in wind))
 
     @abc.abstractmethod

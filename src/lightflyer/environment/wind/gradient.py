@@ -148,8 +148,7 @@ class GradientWind(AbstractWind):
     Valid from 15° of latitude to the poles, 0 to 100 km. It is a climatology of the mean over
     longitude: tides, planetary waves, gravity waves and the weather are left out; they change the
     wind by 10 m/s to 50 m/s, the more the higher. Closer than 20° to the equator, and above 85 km,
-    it tells little more than the sign. Under JAX's transformations the wind continues by 2.5° and
-    2 km beyond its ends, and is NaN further on.
+    it tells little more than the sign.
 
     Examples
     --------
@@ -181,7 +180,7 @@ class GradientWind(AbstractWind):
         """See :meth:`AbstractWind.margins`."""
         from_equator = abs(place.latitude) - NEAREST_EQUATOR
         return {
-            _EQUATOR: from_equator / (NEAREST_EQUATOR - _LATITUDES[0]),
+            _EQUATOR: from_equator / RADIANS_PER_DEGREE,
             _ABOVE: (HIGHEST - altitude) / _SPACING,
         }
 

@@ -18,7 +18,7 @@ from lightflyer.foundation.quantity import RADIANS_PER_DEGREE
 from lightflyer.foundation.types import Numeric
 
 _TURN = 2.0 * np.pi
-# By how much a wind is continued beyond the ends of its data for what integrates along a path.
+# Units of margins, in which ends compare.
 _HOUR = 3600.0
 _TWO_KILOMETRES = 2e3
 _LOG_PRESSURE = 0.3  # of the same order
@@ -60,9 +60,7 @@ class GriddedWind(AbstractWind):
     Notes
     -----
     Where longitudes go all around and latitudes reach a pole to within their spacing, the wind is
-    defined up to the pole and across; a row at the pole itself counts by its mean vector. Under
-    JAX's transformations the wind stays as it is at the end of its data for 1 h, 1° and 2 km (30 %
-    of the pressure) beyond, and is NaN further on.
+    defined up to the pole and across; a row at the pole itself counts by its mean vector.
 
     Examples
     --------
@@ -138,11 +136,8 @@ class GriddedWind(AbstractWind):
 
     def velocity(self, altitude: Numeric, place: Place) -> Wind:
         """See :meth:`AbstractWind.velocity`."""
-        ends = np.array(self.reaches)
-        if self.axes[3].period is not None:
-            ends[3] = -np.inf, np.inf
         level, longitude = self._level(altitude, place), self._longitude(place)
-        wind = _interpolated(self.table, self.axes, ends, level, place, longitude)
+        wind = _interpolated(self.table, self.axes, level, place, longitude)
         return self._within(altitude, place, wind)
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
@@ -152,9 +147,9 @@ class GriddedWind(AbstractWind):
         if time[0] != time[1]:
             found |= _margins("time", place.time, time, _HOUR, *map(_date, time))
         lowest, highest = self._level_names()
-        leeway = _TWO_KILOMETRES if self.atmosphere is None else _LOG_PRESSURE
+        unit = _TWO_KILOMETRES if self.atmosphere is None else _LOG_PRESSURE
         height = self._level(altitude, place)
-        found |= _margins("altitude", height, level, leeway, lowest, highest)
+        found |= _margins("altitude", height, level, unit, lowest, highest)
         south, north = (f"{end / RADIANS_PER_DEGREE:.4g}°" for end in latitude)
         if np.ptp(latitude) < np.pi:
             found |= _margins("latitude", place.latitude, latitude, _ONE_DEGREE, south, north)
@@ -194,12 +189,12 @@ class GriddedWind(AbstractWind):
 
 
 def _margins(
-    name: str, value: Numeric, ends: tuple[float, float], leeway: float, first: str, last: str
+    name: str, value: Numeric, ends: tuple[float, float], unit: float, first: str, last: str
 ) -> dict[str, Numeric]:
     (low, high), (below, above) = ends, _SIDES[name]
     return {
-        f"{name} {below} the data of the wind, which begin at {first}": (value - low) / leeway,
-        f"{name} {above} the data of the wind, which end at {last}": (high - value) / leeway,
+        f"{name} {below} the data of the wind, which begin at {first}": (value - low) / unit,
+        f"{name} {above} the data of the wind, which end at {last}": (high - value) / unit,
     }
 
 
@@ -249,14 +244,12 @@ def _minus_log_pressure(atmosphere: AbstractAtmosphere, altitude: Numeric, place
 def _interpolated(
     table: Any,
     axes: tuple[Axis, ...],
-    ends: np.ndarray,
     level: Numeric,
     place: Place,
     longitude: Numeric,
 ) -> Wind:
     position = (place.time, level, place.latitude, longitude)
-    held = [jnp.clip(x, low, high) for x, (low, high) in zip(position, ends, strict=True)]
-    found = interpolate(table, axes, held)
+    found = interpolate(table, axes, position)
     east, north = _directions(place.latitude, place.longitude)
     horizontal = found[..., :3]
     return Wind(

@@ -24,7 +24,7 @@ from lightflyer.foundation.types import Numeric
 HIGHEST = 110e3
 """Altitude above which storms of the magnetic field, left out here, change the wind [m]."""
 
-_LEEWAY = 2e3
+_TWO_KILOMETRES = 2e3
 _ABOVE = "altitude above 110 km, where the quiet part of HWM14 is not all of the wind"
 _TURN = 2.0 * np.pi
 _DAY = 86400.0
@@ -97,7 +97,7 @@ class HWM14(AbstractWind):
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
         """See :meth:`AbstractWind.margins`."""
-        return {_ABOVE: (HIGHEST - altitude) / _LEEWAY}
+        return {_ABOVE: (HIGHEST - altitude) / _TWO_KILOMETRES}
 
     def describe(self) -> tuple[str, ...]:
         """See :meth:`AbstractWind.describe`."""

@@ -67,6 +67,7 @@ def assumptions_of(
         told.append(
             f"motion: with inertia, specific heat {float(inertia.specific_heat):g} J/(kg K)"
         )
+    told.append("absorptance: the same at every incidence, for a film of layers as at the release")
     told.append("force and heat balance: those of a flyer at rest in the gas")
     return (*told, *_of_ensemble(ensemble))
 

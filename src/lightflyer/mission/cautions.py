@@ -9,6 +9,8 @@ from lightflyer.flight.cautions import cautions_in
 from lightflyer.mission.ending import MissionEnd
 from lightflyer.mission.motion import Craft
 
+_AT_A_POLE = 0.5 * np.pi - 1e-3  # radians of latitude; a few kilometres around it
+
 
 def cautions_along(craft: Craft, place: Place, values: dict[str, Any]) -> tuple[str, ...]:
     """Cautions about a flyer along its way.
@@ -46,11 +48,14 @@ def _of_light(irradiance: np.ndarray) -> tuple[str, ...]:
     return ("the mission never finds light: the sun is below the horizon throughout",)
 
 
-def why_no_data(environment: AbstractEnvironment, altitude: float, place: Place) -> str:
-    """What ends where a mission could not go on, in words.
+def why_ended(
+    end: MissionEnd, environment: AbstractEnvironment, altitude: float, place: Place
+) -> str:
+    """Why a mission ended, in words.
 
     Parameters
     ----------
+    end : MissionEnd
     environment : AbstractEnvironment
     altitude : float
         [m].
@@ -60,6 +65,10 @@ def why_no_data(environment: AbstractEnvironment, altitude: float, place: Place)
     -------
     str
     """
+    if end is MissionEnd.STEP_LIMIT and abs(float(place.latitude)) > _AT_A_POLE:
+        return f"{end.describe()} at a pole, where its wind has no direction"
+    if end is not MissionEnd.NO_DATA:
+        return end.describe()
     wind = getattr(environment, "wind", None)
     margins = {} if wind is None else wind.margins(altitude, place)
     if not margins:

@@ -22,13 +22,13 @@ class MissionEnd(enum.IntEnum):
         Examples
         --------
         >>> MissionEnd.STILL_FLYING.describe()
-        'its time was over, still flying'
+        'is still flying at the end of its time'
         """
         return _REASONS[self]
 
 
 _REASONS = {
-    MissionEnd.STILL_FLYING: "its time was over, still flying",
+    MissionEnd.STILL_FLYING: "is still flying at the end of its time",
     MissionEnd.LOWEST_ALTITUDE: "reached the lowest altitude",
     MissionEnd.HIGHEST_ALTITUDE: "reached the highest altitude",
     MissionEnd.NO_DATA: "met a place or a time without data",

@@ -6,12 +6,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.foundation.clock import seconds_of, written
+from lightflyer.foundation.precision import entry_point
 from lightflyer.mission.dataset import ELAPSED
 from lightflyer.mission.ending import MissionEnd
+from lightflyer.mission.position import unit_vector
 
 if TYPE_CHECKING:
     import xarray as xr
 
+_unit_vector = entry_point(unit_vector)
 _HALF = 0.5
 """Share of the strongest light above which it counts as day."""
 
@@ -140,19 +143,18 @@ def _light(dataset: "xr.Dataset") -> tuple[float, list[dict[str, Any]]]:
 
 
 def _of_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
-    """An ensemble in numbers, without its first member, which is the flyer as it is stated."""
-    members = dataset.isel(member=slice(1, None))
-    reasons = members.ensemble_end_reason.values
+    """An ensemble in numbers."""
+    reasons = dataset.ensemble_end_reason.values
     return {
-        "members": int(members.sizes["member"]),
+        "members": int(dataset.sizes["member"]),
         "still_flying": float(np.mean(reasons == MissionEnd.STILL_FLYING)),
         "ends": {
             end.name.lower(): int(np.sum(reasons == end))
             for end in MissionEnd
             if np.any(reasons == end)
         },
-        "duration_h": _interval(members.ensemble_end_elapsed.values / _SECONDS_AN_HOUR),
-        "end_altitude_km": _interval(members.ensemble_end_altitude.values / 1e3),
+        "duration_h": _interval(dataset.ensemble_end_elapsed.values / _SECONDS_AN_HOUR),
+        "end_altitude_km": _interval(dataset.ensemble_end_altitude.values / 1e3),
         "distance_from_nominal_end_km": _interval(_distances(dataset)),
     }
 
@@ -163,18 +165,14 @@ def _interval(values: np.ndarray) -> dict[str, float]:
 
 
 def _distances(dataset: "xr.Dataset") -> np.ndarray:
-    """Great-circle distances of the members' ends from the first one's [km]."""
-    latitude = np.radians(dataset.ensemble_end_latitude.values)
-    longitude = np.radians(dataset.ensemble_end_longitude.values)
-    unit = np.stack(
-        [
-            np.cos(latitude) * np.cos(longitude),
-            np.cos(latitude) * np.sin(longitude),
-            np.sin(latitude),
-        ]
+    """Great-circle distances of the members' ends from that of the flyer as it is stated [km]."""
+    names = ("end_latitude", "end_longitude")
+    here, there = (
+        _unit_vector(*(np.radians(dataset[prefix + name].values) for name in names))
+        for prefix in ("", "ensemble_")
     )
-    across = np.linalg.norm(np.cross(unit[:, :1], unit[:, 1:], axis=0), axis=0)
-    angle = np.arctan2(across, unit[:, 0] @ unit[:, 1:])
+    across = np.linalg.norm(np.cross(here, there), axis=-1)
+    angle = np.arctan2(across, there @ here)
     return angle * float(dataset.attrs["planet_radius_km"])
 
 

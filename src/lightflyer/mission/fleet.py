@@ -1,6 +1,7 @@
 """Many flights at once: flyers within their uncertainties, other winds, other releases."""
 
 import os
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -13,7 +14,7 @@ from jax import Array
 from lightflyer.environment.base import Place
 from lightflyer.flight.design import AbstractDesign
 from lightflyer.flight.setup import Setup
-from lightflyer.foundation.precision import entry_point, float64
+from lightflyer.foundation.precision import entry_point, float64, quick_entry_point
 from lightflyer.foundation.progress import report
 from lightflyer.foundation.quantity import Checked, Distance, Duration, Speed
 from lightflyer.foundation.types import Numeric
@@ -22,10 +23,13 @@ from lightflyer.mission.integration import Accuracy, Limits, Start, Track, track
 from lightflyer.mission.motion import Craft, planet_of
 from lightflyer.mission.position import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.wind_error import WindError, draw_wind_errors
-from lightflyer.uncertainty.inputs import Inputs, draw, uncertain_inputs
+from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 
 BATCH = 256
 """Flights that are integrated together: a step costs each of them what the slowest needs."""
+
+FEW = 16
+"""Flights up to which compiling costs more than flying."""
 
 _A_DAY = 86_400.0
 _WIND, _RELEASE = 1, 2  # added to the seed, so that one does not follow the other
@@ -88,72 +92,45 @@ class Flights(eqx.Module):
 
 
 def flights_of(
-    design: AbstractDesign, rule: AbstractAttitudeRule, start: Start, ensemble: Ensemble
-) -> tuple[Flights, tuple[str, ...]]:
-    """The flyer itself and the members of an ensemble.
+    design: AbstractDesign,
+    rule: AbstractAttitudeRule,
+    start: Start,
+    ensemble: Ensemble | None = None,
+    delays: Sequence[float] = (),
+) -> Flights:
+    """The flyer as it is stated, the members of an ensemble, and further launches.
 
     Parameters
     ----------
     design : AbstractDesign
     rule : AbstractAttitudeRule
     start : Start
-    ensemble : Ensemble
-
-    Returns
-    -------
-    flights : Flights
-        The first is the flyer as it is stated.
-    varied : tuple of str
-        Names of the design's numbers that differ between them.
-    """
-    inputs = uncertain_inputs(design)
-    setup, varied = _separated(design, inputs, ensemble)
-    errors = _wind_errors(ensemble)
-    starts = _starts(start, ensemble, float(planet_of(setup.environment).radius))
-    return Flights(setup, varied, starts, errors, rule), () if inputs is None else (*inputs.names,)
-
-
-def same_flights(setup: Setup, rule: AbstractAttitudeRule, starts: Start) -> Flights:
-    """Flights of one flyer that is released at several places or times.
-
-    Parameters
-    ----------
-    setup : Setup
-    rule : AbstractAttitudeRule
-    starts : Start
-        Numbers have a leading axis.
+        Of one flyer.
+    ensemble : Ensemble, optional
+    delays : sequence of float
+        Times of the launches after the start [s].
 
     Returns
     -------
     Flights
+        In this order. The launches are those of the flyer as it is stated.
     """
-    nothing = jax.tree.map(lambda _: None, setup)
-    return Flights(setup, nothing, starts, None, rule)
-
-
-def _wind_errors(ensemble: Ensemble) -> WindError | None:
-    """Errors of the wind; none in the first flight, nor where nothing is uncertain."""
-    if not np.any(ensemble.wind) and not np.any(ensemble.vertical_wind):
-        return None
-    errors = draw_wind_errors(
-        1 + ensemble.members,
-        float(ensemble.wind),
-        float(ensemble.vertical_wind),
-        float(ensemble.wind_correlation_time),
-        ensemble.seed + _WIND,
-    )
-    stated = np.arange(1 + ensemble.members)[:, None] == 0
-    return WindError(np.where(stated, 0.0, errors.amplitudes), errors.frequencies, errors.phases)
+    setup, varied = _separated(design, ensemble, len(delays))
+    radius = float(planet_of(design.setup.environment).radius)
+    starts = _starts(start, ensemble, delays, radius)
+    return Flights(setup, varied, starts, _wind_errors(ensemble, len(delays)), rule)
 
 
 def _separated(
-    design: AbstractDesign, inputs: Inputs | None, ensemble: Ensemble
+    design: AbstractDesign, ensemble: Ensemble | None, launches: int
 ) -> tuple[Setup, Setup]:
-    """Setup without the numbers that the inputs move, and those alone, over the samples."""
-    if inputs is None:
-        setup = design.setup
-        return setup, jax.tree.map(lambda _: None, setup)
-    samples = np.vstack([inputs.values, draw(inputs, ensemble.members, ensemble.seed)])
+    """Setup without the numbers that differ from flight to flight, and those alone."""
+    inputs = None if ensemble is None else uncertain_inputs(design)
+    if ensemble is None or inputs is None:
+        return design.setup, jax.tree.map(lambda _: None, design.setup)
+    stated = inputs.values[None]
+    drawn = draw(inputs, ensemble.members, ensemble.seed)
+    samples = np.concatenate([stated, drawn, np.repeat(stated, launches, axis=0)])
     with float64():
         shapes = [
             jax.eval_shape(inputs.build, jax.ShapeDtypeStruct(shape, float))
@@ -169,16 +146,46 @@ def _separated(
         return constant, jax.tree.map(np.asarray, jax.vmap(moving)(samples))
 
 
-def _starts(start: Start, ensemble: Ensemble, radius: float) -> Start:
-    """Releases within their uncertainties, on a planet of some radius [m]."""
-    generator = np.random.default_rng(ensemble.seed + _RELEASE)
-    normal = np.pad(generator.standard_normal((4, ensemble.members)), ((0, 0), (1, 0)))
-    away = float(ensemble.distance) / radius * normal[:2]
-    place = _moved(start.place, away[0], away[1])
-    return Start(
-        altitude=float(start.altitude) + float(ensemble.altitude) * normal[2],
-        place=Place(*place, float(start.place.time) + float(ensemble.time) * normal[3]),
+def _wind_errors(ensemble: Ensemble | None, launches: int) -> WindError | None:
+    """Errors of the members' wind, none in the other flights."""
+    if ensemble is None or not (np.any(ensemble.wind) or np.any(ensemble.vertical_wind)):
+        return None
+    errors = draw_wind_errors(
+        ensemble.members,
+        float(ensemble.wind),
+        float(ensemble.vertical_wind),
+        float(ensemble.wind_correlation_time),
+        ensemble.seed + _WIND,
     )
+    return jax.tree.map(lambda part: _among_others(part, launches), errors)
+
+
+def _among_others(members: np.ndarray, launches: int) -> np.ndarray:
+    """Values of the members, with zeros for the flyer as it is stated and for the launches."""
+    return np.pad(members, [(1, launches)] + [(0, 0)] * (members.ndim - 1))
+
+
+def _starts(
+    start: Start, ensemble: Ensemble | None, delays: Sequence[float], radius: float
+) -> Start:
+    """Releases within their uncertainties, on a planet of some radius [m], and the later ones."""
+    normal = np.empty((0, 4))
+    if ensemble is not None:
+        generator = np.random.default_rng(ensemble.seed + _RELEASE)
+        spread = np.array(
+            [
+                float(ensemble.distance) / radius,
+                float(ensemble.distance) / radius,
+                float(ensemble.altitude),
+                float(ensemble.time),
+            ]
+        )
+        normal = spread * generator.standard_normal((ensemble.members, 4))
+    north, east, higher, later = _among_others(normal, len(delays)).T
+    later[later.size - len(delays) :] = delays
+    place = _moved(start.place, north, east)
+    altitude, time = float(start.altitude), float(start.place.time)
+    return Start(altitude + higher, Place(*place, time + later))
 
 
 @entry_point
@@ -189,13 +196,15 @@ def _moved(place: Place, north: Any, east: Any) -> tuple[Array, Array]:
     return latitude_and_longitude(here + north[:, None] * to_north + east[:, None] * to_east)
 
 
-@entry_point
-def _tracks(flights: Flights, limits: Limits, elapsed: Any, accuracy: Accuracy) -> Track:
+def _integrate(flights: Flights, limits: Limits, elapsed: Any, accuracy: Accuracy) -> Track:
     def one(varied: Setup, start: Start, wind_error: WindError | None) -> Track:
         setup = eqx.combine(varied, flights.setup)
         return track(Craft(setup, flights.rule, wind_error), start, limits, elapsed, accuracy)
 
     return jax.vmap(one)(flights.varied, flights.starts, flights.wind_errors)
+
+
+_tracks, _tracks_of_few = entry_point(_integrate), quick_entry_point(_integrate)
 
 
 def fly_all(flights: Flights, limits: Limits, elapsed: np.ndarray, accuracy: Accuracy) -> Track:
@@ -215,11 +224,12 @@ def fly_all(flights: Flights, limits: Limits, elapsed: np.ndarray, accuracy: Acc
         Fields have a leading axis of length ``flights.count``.
     """
     size = min(BATCH, flights.count)
+    tracks_of = _tracks_of_few if flights.count <= FEW else _tracks
     starts = range(0, flights.count, size)
     found: list[Track] = []
 
     def compute(start: int) -> Track:
-        return _tracks(_taken(flights, start, size), limits, elapsed, accuracy)
+        return tracks_of(_taken(flights, start, size), limits, elapsed, accuracy)
 
     report("flying", 0, flights.count, "flights")
     found.append(compute(0))  # and is compiled once

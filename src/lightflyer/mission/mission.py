@@ -20,11 +20,11 @@ from lightflyer.foundation.quantity import Duration, Quantity, quantity_of
 from lightflyer.foundation.rootfind import Ending
 from lightflyer.mission.assumptions import assumptions_of, described
 from lightflyer.mission.attitude import AbstractAttitudeRule, Own
-from lightflyer.mission.cautions import cautions_along, why_no_data
+from lightflyer.mission.cautions import cautions_along, why_ended
 from lightflyer.mission.dataset import Several, add_several, add_survival, dataset_of
 from lightflyer.mission.dynamics import Inertia, track_with_inertia
 from lightflyer.mission.ending import MissionEnd
-from lightflyer.mission.fleet import Ensemble, flights_of, fly_all, same_flights
+from lightflyer.mission.fleet import Ensemble, flights_of, fly_all
 from lightflyer.mission.integration import TOLERANCE, Accuracy, Limits, Start, Track, track
 from lightflyer.mission.moments import VARIABLES, Course, Variable, moments, node_variables
 from lightflyer.mission.motion import Craft, planet_of
@@ -113,7 +113,7 @@ def fly(
     ...     release=lf.Release("75 km", latitude=45.0, longitude=0.0, time="2026-06-21T12:00Z"),
     ... )
     >>> flown.attrs["end"]
-    'its time was over, still flying'
+    'is still flying at the end of its time'
     """
     mission = _Mission(as_design(what, environment, model), attitude or Own(), release)
     limits = limits_of(mission.setup.environment, lowest, highest)
@@ -121,20 +121,18 @@ def fly(
     several = ensemble is not None or len(launches) > 0
     elapsed = times_of(duration, every, several=several)
     plan = _Plan(limits, elapsed, Accuracy.lasting(float(elapsed[-1]), tolerance))
-    members = None if ensemble is None else _members(mission, plan, ensemble)
-    released = _launches(mission, plan, launches) if launches or members is None else None
-    first = _first(members or released)
+    flights = flights_of(mission.design, mission.rule, mission.start, ensemble, launches)
+    tracks = fly_all(flights, plan.limits, plan.elapsed, plan.accuracy)
+    first = _rows(tracks, 0)
     if inertia is not None:
-        course = (plan.limits, plan.elapsed, plan.accuracy)
-        first = _track_with_inertia(
-            Craft(mission.setup, mission.rule), mission.start, course, inertia
-        )
+        first = _track_with_inertia(mission.craft, mission.start, plan.course, inertia)
     dataset = _flown(mission, plan, first)
-    if members is not None:
+    if ensemble is not None:
+        members = Several("ensemble_", "member", {}, _rows(tracks, slice(1, 1 + ensemble.members)))
         add_several(dataset, members)
         add_survival(dataset, members)
-    if launches and released is not None:
-        add_several(dataset, released)
+    if len(launches) > 0:
+        add_several(dataset, _launched(tracks, launches))
     dataset.attrs |= _record(mission, ensemble, inertia)
     return dataset
 
@@ -207,6 +205,10 @@ class _Mission:
         return self.design.setup
 
     @property
+    def craft(self) -> Craft:
+        return Craft(self.setup, self.rule)
+
+    @property
     def start(self) -> Start:
         with float64():
             return self.release.start()
@@ -219,6 +221,10 @@ class _Plan:
     limits: Limits
     elapsed: np.ndarray
     accuracy: Accuracy
+
+    @property
+    def course(self) -> tuple[Limits, np.ndarray, Accuracy]:
+        return self.limits, self.elapsed, self.accuracy
 
 
 def times_of(duration: Any, every: Any = None, *, several: bool = False) -> np.ndarray:
@@ -257,31 +263,18 @@ def _seconds(name: str, value: Any) -> float:
     return number
 
 
-def _members(mission: _Mission, plan: _Plan, ensemble: Ensemble) -> Several:
-    flights, _ = flights_of(mission.design, mission.rule, mission.start, ensemble)
-    track = fly_all(flights, plan.limits, plan.elapsed, plan.accuracy)
-    return Several("ensemble_", "member", {}, track)
-
-
-def _launches(mission: _Mission, plan: _Plan, launches: Sequence[float]) -> Several:
+def _launched(tracks: Track, launches: Sequence[float]) -> Several:
     """The release itself, and the later ones."""
+    count = len(tracks.end_altitude)
+    rows = [0, *range(count - len(launches), count)]
     delays = np.array([0.0, *(float(delay) for delay in launches)])
-    start = mission.start
-    here = jax.tree.map(lambda value: np.full(delays.size, value), start)
-    later = Place(here.place.latitude, here.place.longitude, here.place.time + delays)
-    flights = same_flights(mission.setup, mission.rule, Start(here.altitude, later))
-    label = Variable("s", "delay of the release")
-    return Several(
-        "launch_",
-        "launch",
-        {"launch_delay": (delays, label)},
-        fly_all(flights, plan.limits, plan.elapsed, plan.accuracy),
-    )
+    labels = {"launch_delay": (delays, Variable("s", "delay of the release"))}
+    return Several("launch_", "launch", labels, _rows(tracks, rows))
 
 
-def _first(several: Several | None) -> Track:
-    assert several is not None  # one of the two is always flown
-    return jax.tree.map(lambda leaf: leaf[0], several.track)
+def _rows(tracks: Track, rows: Any) -> Track:
+    """Some of several flights, or one."""
+    return jax.tree.map(lambda leaf: leaf[rows], tracks)
 
 
 @entry_point
@@ -293,7 +286,7 @@ def _track_with_inertia(
 
 def _flown(mission: _Mission, plan: _Plan, track: Track) -> "xr.Dataset":
     """The flight over time, with what the flyer is like at each moment."""
-    craft, released = Craft(mission.setup, mission.rule), float(mission.release.time)
+    craft, released = mission.craft, float(mission.release.time)
     known = np.isfinite(track.altitude)
     course = Course(
         plan.elapsed,
@@ -323,12 +316,10 @@ def _flown(mission: _Mission, plan: _Plan, track: Track) -> "xr.Dataset":
 
 def _end(environment: AbstractEnvironment, released: float, track: Track) -> str:
     """Why the flight ended, in words."""
-    end = MissionEnd(int(track.ending))
-    if end is not MissionEnd.NO_DATA:
-        return end.describe()
     latitude, longitude = _places(track.end_position)
     place = Place(latitude, longitude, released + float(track.end_elapsed))
-    return why_no_data(environment, float(track.end_altitude), place)
+    end = MissionEnd(int(track.ending))
+    return why_ended(end, environment, float(track.end_altitude), place)
 
 
 def _record(

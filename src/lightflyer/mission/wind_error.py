@@ -1,18 +1,21 @@
 r"""What is not known about the wind, as smooth random functions of time.
 
-Each component is a sum of cosines with random frequencies and phases, which has the covariance
-:math:`\sigma^2\exp(-t^2/2\tau^2)` over the ensemble [RahimiRecht2007]_.
+The horizontal error is a vector in the planet's frame, seen along the ground, so that poles are
+nothing special. Each component is a sum of waves whose frequencies are normal around zero with the
+width :math:`1/\tau`, and whose amplitudes are normal too. Over an ensemble it is normal with the
+covariance :math:`\sigma^2\exp(-t^2/2\tau^2)` [RahimiRecht2007]_.
 """
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.environment.base import Wind
+from lightflyer.environment.base import Place, Wind
 from lightflyer.foundation.types import Numeric
+from lightflyer.mission.position import directions
 
-_WAVES = 32
-"""Cosines of each component: their sum is normal to 2 % of the kurtosis of one."""
+_WAVES = 6
+"""Frequencies of one flight."""
 
 
 class WindError(eqx.Module):
@@ -20,22 +23,23 @@ class WindError(eqx.Module):
 
     Attributes
     ----------
-    amplitudes : array, shape (3,)
-        Of one cosine of the components east, north and up [m/s].
-    frequencies, phases : array, shape (3, waves)
-        [rad/s], [rad].
+    frequencies : array, shape (waves,)
+        [rad/s].
+    cosines, sines : array, shape (4, waves)
+        Amplitudes of the components along the axes of the planet's frame, and up [m/s].
     """
 
-    amplitudes: Numeric
     frequencies: Numeric
-    phases: Numeric
+    cosines: Numeric
+    sines: Numeric
 
-    def added(self, wind: Wind, elapsed: Numeric) -> Wind:
+    def added(self, wind: Wind, place: Place, elapsed: Numeric) -> Wind:
         """A wind with this error.
 
         Parameters
         ----------
         wind : Wind
+        place : Place
         elapsed : array, shape ()
             Time since the release [s].
 
@@ -43,9 +47,16 @@ class WindError(eqx.Module):
         -------
         Wind
         """
-        waves = jnp.cos(self.frequencies * elapsed + self.phases)
-        east, north, up = self.amplitudes * jnp.sum(waves, axis=-1)
-        return Wind(wind.east + east, wind.north + north, wind.up + up)
+        phases = self.frequencies * elapsed
+        waves = self.cosines * jnp.cos(phases) + self.sines * jnp.sin(phases)
+        *along, up = jnp.sum(waves, axis=-1)
+        to_east, to_north = directions(place.latitude, place.longitude)
+        error = jnp.stack(along)
+        return Wind(
+            wind.east + jnp.dot(error, to_east),
+            wind.north + jnp.dot(error, to_north),
+            wind.up + up,
+        )
 
 
 def draw_wind_errors(
@@ -68,10 +79,9 @@ def draw_wind_errors(
         Every field with a leading axis of length ``count``.
     """
     generator = np.random.default_rng(seed)
-    shape = (count, 3, _WAVES)
-    spread = np.array([horizontal, horizontal, vertical]) * (2.0 / _WAVES) ** 0.5
+    spread = np.array([horizontal] * 3 + [vertical])[:, None] / _WAVES**0.5
     return WindError(
-        amplitudes=np.broadcast_to(spread, (count, 3)),
-        frequencies=generator.standard_normal(shape) / correlation_time,
-        phases=generator.uniform(0.0, 2.0 * np.pi, shape),
+        generator.standard_normal((count, _WAVES)) / correlation_time,
+        spread * generator.standard_normal((count, 4, _WAVES)),
+        spread * generator.standard_normal((count, 4, _WAVES)),
     )

@@ -1,0 +1,99 @@
+"""The mission file: a flyer file with a section ``[mission]``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lightflyer.config.flyer_file import FileDesign, flyer_file_type, section_at
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.section import Section
+from lightflyer.foundation.toml_file import FileKind, load, validate
+from lightflyer.mission.section import EnsembleSection, LaunchesSection, MissionSection
+
+_MISSION = "mission"
+_SHARED = ("date", "latitude", "longitude")
+"""Keys that ``[environment]`` takes from ``[mission]`` where it leaves them out."""
+
+_OF_GIVEN_LIGHT = {"sun", "irradiance", "incidence"}
+"""Keys of ``[environment]`` that say what the light is, so that the sun need not move."""
+
+_SECTIONS: dict[str, type[Section]] = {
+    _MISSION: MissionSection,
+    f"{_MISSION}.ensemble": EnsembleSection,
+    f"{_MISSION}.launches": LaunchesSection,
+}
+
+
+def _keys_of(section: str, document: Any) -> list[str]:
+    kind = _SECTIONS.get(section) or section_at(section, document)
+    own = [] if kind is None else list(kind.model_fields)
+    return own if section else [*own, _MISSION]
+
+
+MISSION_FILE = FileKind(
+    "a mission file", _keys_of, "'lightflyer init --kind mission' writes an example"
+)
+"""How messages speak of a mission file."""
+
+
+class _MissionPart(Section):
+    mission: MissionSection
+
+
+@dataclass(frozen=True)
+class MissionFile:
+    """A mission file.
+
+    Attributes
+    ----------
+    design : FileDesign
+        Flyer, environment and force model.
+    mission : MissionSection
+    """
+
+    design: FileDesign
+    mission: MissionSection
+
+
+def read_mission_file(path: str | Path) -> MissionFile:
+    """Read and check a mission file.
+
+    Parameters
+    ----------
+    path : str or path
+        A TOML file; ``lightflyer init --kind mission`` writes a commented one.
+
+    Returns
+    -------
+    MissionFile
+
+    Raises
+    ------
+    ConfigurationError
+        One line for each mistake: file, line, key, value and what is allowed.
+    """
+    path = Path(path)
+    document, text = load(path, MISSION_FILE)
+    rest = {name: content for name, content in document.items() if name != _MISSION}
+    if _MISSION not in document:
+        raise ConfigurationError(
+            f"{path}: the section [{_MISSION}] is missing; {MISSION_FILE.hint}"
+        )
+    part = {_MISSION: document[_MISSION]}
+    mission = validate(_MissionPart, part, text, path, MISSION_FILE).mission
+    file = validate(flyer_file_type(), _placed(rest, part[_MISSION]), text, path, MISSION_FILE)
+    return MissionFile(file.design(text), mission)
+
+
+def _placed(document: dict[str, Any], mission: dict[str, Any]) -> dict[str, Any]:
+    """A flyer file whose sun moves and whose place is the release's, where it says nothing else."""
+    given = document.get("environment", {})
+    kind = section_at("environment", document)
+    if kind is None or not isinstance(given, dict):
+        return document  # its mistakes are found later
+    known: dict[str, Any] = {}
+    if "sun" in kind.model_fields and not _OF_GIVEN_LIGHT & given.keys():
+        known["sun"] = "ephemeris"
+    if known or getattr(kind, "place_matters", False):
+        known |= {key: mission[key] for key in _SHARED if key in kind.model_fields}
+    return document | {"environment": known | given}

@@ -1,0 +1,247 @@
+"""Figures of a mission: altitude over time, ground track, flyer over time, survival."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
+from matplotlib.figure import Figure
+
+from lightflyer.foundation.drawing import BLUE, GREY, ORANGE, SKY, VERMILION, new_figure
+from lightflyer.mission.coastline import coastline
+from lightflyer.mission.dataset import ELAPSED
+from lightflyer.mission.facts import day_and_night
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_NIGHT = "#D8DCE6"
+_KILOMETRE = 1e3
+_INTERVAL = (2.5, 97.5)
+_MOST_LINES = 100  # tracks of an ensemble that are drawn one by one
+_FEWEST_FLYING = 10  # members below which their interval says nothing
+_LEAST_VIEW = 20.0  # degrees of a map's width and height
+_WORLD = 300.0  # degrees of a track's width from which on the whole world is drawn
+_MARGIN = 1.2
+_HALF_TURN, _TURN = 180.0, 360.0
+
+
+def mission_figures(dataset: "xr.Dataset") -> dict[str, Figure]:
+    """Figures of a mission.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From :func:`lightflyer.fly`.
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+        By file name without ending.
+    """
+    figures = {
+        "altitude": _altitude(dataset),
+        "ground_track": _ground_track(dataset),
+        "flight": _flight(dataset),
+    }
+    if "ensemble_flying" in dataset:
+        figures["survival"] = _survival(dataset)
+    if "launch_altitude" in dataset:
+        figures["launches"] = _launches(dataset)
+    return figures
+
+
+def _altitude(dataset: "xr.Dataset") -> Figure:
+    figure = new_figure(width=8.0)
+    (axes,) = figure.axes
+    _shade(axes, dataset)
+    time = dataset.time.values
+    if "ensemble_altitude" in dataset:
+        low, high = _spread(dataset.ensemble_altitude.values / _KILOMETRE)
+        label = "95 % of the ensemble still flying"
+        axes.fill_between(time, low, high, color=SKY, alpha=0.5, linewidth=0.0, label=label)
+    axes.plot(time, dataset.altitude / _KILOMETRE, color=BLUE, label="flyer as stated")
+    end = time[0] + np.timedelta64(round(float(dataset.end_elapsed) * 1e9), "ns")
+    altitude = float(dataset.end_altitude) / _KILOMETRE
+    axes.plot(end, altitude, "o", color=VERMILION, label=f"end: {dataset.attrs['end']}")
+    axes.set_ylabel("altitude [km]")
+    _over_time(axes, dataset)
+    _legend(axes)
+    return figure
+
+
+def _flight(dataset: "xr.Dataset") -> Figure:
+    """Lift over weight, light and temperature over time."""
+    figure = new_figure(width=8.0, height=7.0, rows=3)
+    time = dataset.time.values
+    lift, light, heat = figure.axes
+    lift.axhline(1.0, color=GREY, linewidth=0.8)
+    lift.plot(time, dataset.lift_over_weight, color=BLUE)
+    lift.set_ylabel("lift / weight")
+    light.plot(time, dataset.irradiance, color=ORANGE)
+    light.set_ylabel("light [W/m²]")
+    heat.plot(time, dataset.temperature, color=VERMILION, label="flyer")
+    heat.plot(time, dataset.gas_temperature, color=GREY, linestyle="--", label="gas")
+    heat.set_ylabel("temperature [K]")
+    heat.legend()
+    for axes in figure.axes:
+        _shade(axes, dataset)
+        _over_time(axes, dataset)
+    for axes in (lift, light):
+        axes.set_xlabel("")
+        axes.tick_params(labelbottom=False)
+        axes.xaxis.get_offset_text().set_visible(False)
+    return figure
+
+
+def _ground_track(dataset: "xr.Dataset") -> Figure:
+    figure = new_figure(width=8.0, height=4.6)
+    (axes,) = figure.axes
+    west, east, south, north = _view(dataset)
+    shore, latitude = coastline()
+    for turn in (-_TURN, 0.0, _TURN):
+        axes.plot(shore + turn, latitude, color=GREY, linewidth=0.6)
+    if "ensemble_longitude" in dataset:
+        _ensemble_tracks(axes, dataset)
+    line = _unbroken(dataset.longitude.values)
+    axes.plot(line, dataset.latitude, color=BLUE, label="flyer as stated")
+    axes.plot(line[0], dataset.latitude.values[0], "^", color=BLUE, label="release")
+    end = float(dataset.end_longitude) + _nearest_turn(dataset)
+    axes.plot(end, float(dataset.end_latitude), "o", color=VERMILION, label="end")
+    axes.set_xlim(west, east)
+    axes.set_ylim(south, north)
+    axes.set_aspect(1.0 / max(np.cos(np.radians(0.5 * (south + north))), 0.2), adjustable="box")
+    axes.set_xlabel("longitude [°]")
+    axes.set_ylabel("latitude [°]")
+    _legend(axes)
+    return figure
+
+
+def _ensemble_tracks(axes: Axes, dataset: "xr.Dataset") -> None:
+    """Some tracks as thin lines, and the ends of all flights."""
+    longitude = dataset.ensemble_longitude.values
+    latitude = dataset.ensemble_latitude.values
+    for line, places in zip(longitude[:_MOST_LINES], latitude[:_MOST_LINES], strict=True):
+        axes.plot(_unbroken(line), places, color=SKY, linewidth=0.4)
+    last = float(_unbroken(dataset.longitude.values)[_known(dataset)][-1])
+    ends = dataset.ensemble_end_longitude.values
+    ends = last + (ends - last + _HALF_TURN) % _TURN - _HALF_TURN
+    axes.plot(
+        ends,
+        dataset.ensemble_end_latitude.values,
+        ".",
+        color=ORANGE,
+        markersize=3.0,
+        label="ends of the ensemble",
+    )
+
+
+def _survival(dataset: "xr.Dataset") -> Figure:
+    figure = new_figure(width=8.0)
+    (axes,) = figure.axes
+    _shade(axes, dataset)
+    flying = np.isfinite(dataset.ensemble_altitude.values).mean(axis=0)
+    axes.step(dataset.time.values, 100.0 * flying, where="post", color=BLUE)
+    axes.set_ylim(0.0, 105.0)
+    axes.set_ylabel("share still flying [%]")
+    _over_time(axes, dataset)
+    return figure
+
+
+def _launches(dataset: "xr.Dataset") -> Figure:
+    """Altitude over time since each release."""
+    figure = new_figure(width=8.0)
+    (axes,) = figure.axes
+    hours = dataset[ELAPSED].values / 3600.0
+    delays = dataset.launch_delay.values / 3600.0
+    colours = _colours(len(delays))
+    for delay, line, colour in zip(delays, dataset.launch_altitude.values, colours, strict=True):
+        axes.plot(hours, line / _KILOMETRE, color=colour, label=f"+{delay:.4g} h")
+    axes.set_xlabel("time since the release [h]")
+    axes.set_ylabel("altitude [km]")
+    if len(delays) <= _MOST_NAMED:
+        axes.legend(title="released", fontsize="small", ncols=2)
+    return figure
+
+
+_MOST_NAMED = 16
+
+
+def _colours(count: int) -> list[Any]:
+    from matplotlib import colormaps
+
+    return [colormaps["viridis"](share) for share in np.linspace(0.0, 0.9, count)]
+
+
+def _shade(axes: Axes, dataset: "xr.Dataset") -> None:
+    """Shade the nights."""
+    start, named = dataset.time.values[0], False
+    for begin, end, is_day in day_and_night(dataset):
+        if is_day:
+            continue
+        ends = [start + np.timedelta64(round(1e9 * edge), "ns") for edge in (begin, end)]
+        label = "" if named else "night at the flyer"
+        axes.axvspan(*ends, color=_NIGHT, linewidth=0.0, zorder=0, label=label)
+        named = True
+
+
+def _over_time(axes: Axes, dataset: "xr.Dataset") -> None:
+    locator = AutoDateLocator()  # type: ignore[no-untyped-call]
+    axes.xaxis.set_major_locator(locator)
+    written = ConciseDateFormatter(locator)  # type: ignore[no-untyped-call]
+    axes.xaxis.set_major_formatter(written)
+    axes.set_xlim(dataset.time.values[0], dataset.time.values[-1])
+    axes.set_xlabel("UTC")
+
+
+def _legend(axes: Axes) -> None:
+    axes.legend(fontsize="small")
+
+
+def _spread(altitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """95 % interval of those still flying, where enough are."""
+    enough = np.isfinite(altitude).sum(axis=0) >= _FEWEST_FLYING
+    found = np.full((2, altitude.shape[1]), np.nan)
+    found[:, enough] = np.nanpercentile(altitude[:, enough], _INTERVAL, axis=0)
+    return found[0], found[1]
+
+
+def _known(dataset: "xr.Dataset") -> np.ndarray:
+    known: np.ndarray = np.isfinite(dataset.altitude.values)
+    return known
+
+
+def _unbroken(longitude: np.ndarray) -> np.ndarray:
+    """Longitudes that go on beyond the date line instead of jumping over the map."""
+    known = np.isfinite(longitude)
+    found = np.full(longitude.shape, np.nan)
+    found[known] = np.unwrap(longitude[known], period=_TURN)
+    return found
+
+
+def _nearest_turn(dataset: "xr.Dataset") -> float:
+    """Whole turns from the end's longitude to where the unbroken track ends [deg]."""
+    last = _unbroken(dataset.longitude.values)[_known(dataset)][-1]
+    return float(_TURN * np.round((last - float(dataset.end_longitude)) / _TURN))
+
+
+def _view(dataset: "xr.Dataset") -> tuple[float, float, float, float]:
+    """Edges of the map: around what is drawn, or the whole world."""
+    lines, places = [_unbroken(dataset.longitude.values)], [dataset.latitude.values]
+    if "ensemble_longitude" in dataset:
+        lines += [_unbroken(line) for line in dataset.ensemble_longitude.values[:_MOST_LINES]]
+        places += list(dataset.ensemble_latitude.values[:_MOST_LINES])
+    west, east = np.nanmin(np.concatenate(lines)), np.nanmax(np.concatenate(lines))
+    south, north = np.nanmin(np.concatenate(places)), np.nanmax(np.concatenate(places))
+    if east - west > _WORLD:
+        middle = 0.5 * (east + west)
+        return middle - _HALF_TURN, middle + _HALF_TURN, -90.0, 90.0
+    width = max(_LEAST_VIEW, _MARGIN * (east - west), _MARGIN * (north - south))
+    height = max(0.5 * _LEAST_VIEW, _MARGIN * (north - south), 0.5 * width)
+    middle, centre = 0.5 * (east + west), 0.5 * (south + north)
+    return (
+        middle - 0.5 * width,
+        middle + 0.5 * width,
+        max(centre - 0.5 * height, -90.0),
+        min(centre + 0.5 * height, 90.0),
+    )

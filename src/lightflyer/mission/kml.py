@@ -1,0 +1,97 @@
+"""A mission's track as KML, for globes such as Google Earth."""
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_KML, _EXTENSION = "http://www.opengis.net/kml/2.2", "http://www.google.com/kml/ext/2.2"
+_MOST_MEMBERS = 200
+"""Members of an ensemble that are drawn: a globe does not bear more lines."""
+
+
+def write_kml(dataset: "xr.Dataset", path: Path) -> None:
+    """Write a mission as KML: the track with its times, release and end, and an ensemble's tracks.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From :func:`lightflyer.fly`.
+    path : Path
+
+    References
+    ----------
+    [OGC07147]_.
+    """
+    ET.register_namespace("", _KML)
+    ET.register_namespace("gx", _EXTENSION)
+    root = ET.Element(_name("kml"))
+    document = _add(root, "Document")
+    _add(document, "name", f"lightflyer: {dataset.attrs['flyer']}")
+    _add(document, "description", dataset.attrs["end"])
+    known = np.isfinite(dataset.altitude.values)
+    dates = np.datetime_as_string(dataset.time.values[known], unit="s")
+    places = _places(dataset, "")[known]
+    track = _add(_placemark(document, "flight"), "Track", space=_EXTENSION)
+    _add(track, "altitudeMode", "absolute")
+    for date in dates:
+        _add(track, "when", f"{date}Z")
+    for place in places:
+        _add(track, "coord", " ".join(_written(place)), space=_EXTENSION)
+    end = (dataset.end_longitude, dataset.end_latitude, dataset.end_altitude)
+    _point(document, "release", places[0])
+    _point(document, f"end: {dataset.attrs['end']}", np.array([float(part) for part in end]))
+    for prefix, dimension in (("ensemble_", "member"), ("launch_", "launch")):
+        if f"{prefix}altitude" in dataset:
+            _lines(document, dataset, prefix, dimension)
+    ET.indent(root)
+    ET.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
+
+
+def _lines(document: ET.Element, dataset: "xr.Dataset", prefix: str, dimension: str) -> None:
+    """Lines of further flights, in a folder."""
+    folder = _add(document, "Folder")
+    _add(folder, "name", f"{dimension}s, at most {_MOST_MEMBERS}")
+    for number, line in enumerate(_places(dataset, prefix)[:_MOST_MEMBERS], start=1):
+        string = _add(_placemark(folder, f"{dimension} {number}"), "LineString")
+        _add(string, "altitudeMode", "absolute")
+        known = line[np.isfinite(line).all(axis=1)]
+        _add(string, "coordinates", " ".join(",".join(_written(place)) for place in known))
+
+
+def _places(dataset: "xr.Dataset", prefix: str) -> np.ndarray:
+    """Longitude, latitude and altitude along the last axis."""
+    names = ("longitude", "latitude", "altitude")
+    return np.stack([dataset[prefix + name].values for name in names], axis=-1)
+
+
+def _written(place: np.ndarray) -> tuple[str, str, str]:
+    longitude, latitude, altitude = place
+    return f"{longitude:.6f}", f"{latitude:.6f}", f"{altitude:.1f}"
+
+
+def _point(document: ET.Element, name: str, place: np.ndarray) -> None:
+    point = _add(_placemark(document, name), "Point")
+    _add(point, "altitudeMode", "absolute")
+    _add(point, "coordinates", ",".join(_written(place)))
+
+
+def _placemark(parent: ET.Element, name: str) -> ET.Element:
+    found = _add(parent, "Placemark")
+    _add(found, "name", name)
+    return found
+
+
+def _add(parent: ET.Element, name: str, text: str = "", space: str = _KML) -> ET.Element:
+    found = ET.SubElement(parent, _name(name, space))
+    if text:
+        found.text = text
+    return found
+
+
+def _name(name: str, space: str = _KML) -> str:
+    return f"{{{space}}}{name}"

@@ -1,0 +1,152 @@
+"""``[mission]`` of a mission file: release, duration, attitude, launches, ensemble."""
+
+import datetime
+from typing import Annotated, Any, Literal
+
+import pydantic
+
+from lightflyer.foundation.clock import seconds_of
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.quantity import (
+    RADIANS_PER_DEGREE,
+    Altitude,
+    Distance,
+    Duration,
+    Fraction,
+    Latitude,
+    Longitude,
+    Speed,
+    Tilt,
+)
+from lightflyer.foundation.section import Section
+from lightflyer.foundation.units import Measured
+from lightflyer.mission.attitude import AbstractAttitudeRule, FollowSun, Level, Own
+from lightflyer.mission.fleet import Ensemble
+from lightflyer.mission.release import Release
+
+MOST_MEMBERS = 100_000
+"""Largest ensemble of one command: its tracks are kept in memory."""
+
+MOST_LAUNCHES = 10_000
+
+_Members = Annotated[int, pydantic.Field(strict=True, ge=2, le=MOST_MEMBERS)]
+_Seed = Annotated[int, pydantic.Field(strict=True, ge=0)]
+_Launches = Annotated[int, pydantic.Field(strict=True, ge=1, le=MOST_LAUNCHES)]
+
+_RULES = ("own", "level", "follow-sun")
+_EXACT = ("latitude", "longitude", "duration")
+
+
+class EnsembleSection(Section):
+    """``[mission.ensemble]``: flights within every ±."""
+
+    members: _Members = 200
+    seed: _Seed = 0
+    wind_uncertainty: Speed = Measured(0.0)
+    vertical_wind_uncertainty: Speed = Measured(0.0)
+    wind_correlation_time: Duration = Measured(86_400.0)
+    position_uncertainty: Distance = Measured(0.0)
+    time_uncertainty: Duration | None = None
+
+
+class LaunchesSection(Section):
+    """``[mission.launches]``: the same flyer released again and again."""
+
+    every: Duration
+    count: _Launches
+
+    @property
+    def delays(self) -> list[float]:
+        """Times of the further releases after the first [s]."""
+        return [self.every.value * (1 + number) for number in range(self.count)]
+
+
+class MissionSection(Section):
+    """``[mission]``: from where and when, for how long, and how the flyer lies."""
+
+    date: datetime.datetime
+    latitude: Latitude
+    longitude: Longitude
+    altitude: Altitude
+    duration: Duration
+    every: Duration | None = None
+    attitude: Literal[_RULES] = "own"  # type: ignore[valid-type]
+    tilt_share: Fraction | None = None
+    largest_tilt: Tilt | None = None
+    lowest_altitude: Altitude | None = None
+    highest_altitude: Altitude | None = None
+    launches: LaunchesSection | None = None
+    ensemble: EnsembleSection | None = None
+
+    @pydantic.model_validator(mode="after")
+    def _tilts_follow_the_sun(self) -> "MissionSection":
+        given = [key for key in ("tilt_share", "largest_tilt") if getattr(self, key) is not None]
+        if given and self.attitude != "follow-sun":
+            raise ConfigurationError(
+                f'{given[0]} has no effect beside attitude = "{self.attitude}"; it belongs to '
+                'attitude = "follow-sun"'
+            )
+        return self
+
+    @pydantic.model_validator(mode="after")
+    def _exact(self) -> "MissionSection":
+        for key in _EXACT:
+            if getattr(self, key).uncertainty is not None:
+                raise ConfigurationError(
+                    f"{key} takes no ±; the release's is position_uncertainty in [mission.ensemble]"
+                )
+        if self.altitude.uncertainty is not None and self.ensemble is None:
+            raise ConfigurationError(
+                "altitude has a ±, which needs an ensemble; add a section [mission.ensemble]"
+            )
+        return self
+
+    @property
+    def release(self) -> Release:
+        """Where and when."""
+        return Release(
+            altitude=self.altitude.value,
+            latitude=self.latitude.value,
+            longitude=self.longitude.value,
+            time=seconds_of(self.date),
+        )
+
+    def rule(self) -> AbstractAttitudeRule:
+        """How the flyer lies."""
+        if self.attitude != "follow-sun":
+            return Level() if self.attitude == "level" else Own()
+        given: dict[str, Any] = {}
+        if self.tilt_share is not None:
+            given["share"] = self.tilt_share.value
+        if self.largest_tilt is not None:
+            given["largest"] = self.largest_tilt.value * RADIANS_PER_DEGREE
+        return FollowSun(**given)
+
+    def drawn(self) -> Ensemble | None:
+        """What is varied from flight to flight."""
+        section = self.ensemble
+        if section is None:
+            return None
+        return Ensemble(
+            members=section.members,
+            seed=section.seed,
+            wind=section.wind_uncertainty.value,
+            vertical_wind=section.vertical_wind_uncertainty.value,
+            wind_correlation_time=section.wind_correlation_time.value,
+            altitude=self.altitude.uncertainty or 0.0,
+            distance=section.position_uncertainty.value,
+            time=0.0 if section.time_uncertainty is None else section.time_uncertainty.value,
+        )
+
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of :func:`lightflyer.fly` beside the design."""
+        return {
+            "release": self.release,
+            "duration": self.duration.value,
+            "attitude": self.rule(),
+            "every": None if self.every is None else self.every.value,
+            "ensemble": self.drawn(),
+            "launches": [] if self.launches is None else self.launches.delays,
+            "lowest": None if self.lowest_altitude is None else self.lowest_altitude.value,
+            "highest": None if self.highest_altitude is None else self.highest_altitude.value,
+        }

@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 from pvlib.spectrum.spectrl2 import _SPECTRL2_COEFFS as SPECTRL2
 from scipy.optimize import brentq
+from scipy.special import erf
 
 import lightflyer as lf
 from lightflyer.environment import EARTH_LIMB, Daylight, Place, horizon_depression, visible_share
@@ -80,24 +81,25 @@ def transmission(with_ozone=True):
 
 
 def apparent_depression(altitude):
-    """Depression at which a flyer sees the rays of HEIGHTS below it, and their bending."""
-    below = altitude > HEIGHTS
-    refractivity = SEA_LEVEL_REFRACTIVITY * profiles()[0][below]
-    heights = HEIGHTS[below]
-    seen = np.arccos(np.minimum((RADIUS + heights) * (1.0 + refractivity) / (RADIUS + altitude), 1))
-    limbs = [
-        lf.environment.Limb(h, r, EARTH_LIMB.scale_height)
-        for h, r in zip(heights, refractivity, strict=True)
-    ]
-    true = [float(horizon_depression(limb, altitude, RADIUS)) for limb in limbs]
-    return heights, seen, np.array(true)
+    """Heights from the flyer down, the depression at which it sees their rays, and the true one."""
+    heights = np.append(HEIGHTS[altitude > HEIGHTS], altitude)[::-1]
+    refractivity = SEA_LEVEL_REFRACTIVITY * np.interp(heights, HEIGHTS, profiles()[0])
+    nearest = (RADIUS + heights) * (1.0 + refractivity)
+    seen = np.arccos(np.minimum(nearest / (RADIUS + altitude), 1.0))
+    scale = EARTH_LIMB.scale_height
+    passed = 1.0 + erf(np.sqrt((altitude - heights) / scale))
+    return (
+        heights,
+        seen,
+        seen + 0.5 * refractivity * np.sqrt(2.0 * np.pi * nearest / scale) * passed,
+    )
 
 
 def effective_height(altitude, passes, deck):
     """Height of the opaque edge that lets through as much light in all [m]."""
     heights, seen, _ = apparent_depression(altitude)
     share = np.interp(heights, HEIGHTS, passes) * (heights >= deck)
-    edge = np.trapezoid(share[::-1], seen[::-1])
+    edge = np.trapezoid(share, seen)
     return brentq(
         lambda h: float(horizon_depression(EARTH_LIMB.at(h), altitude, RADIUS)) - edge, 1e3, 45e3
     )
@@ -109,7 +111,7 @@ def setting_sun(altitude, passes, deck, depression):
     share = np.interp(heights, HEIGHTS, passes) * (heights >= deck) * np.gradient(seen, true)
     offset = np.linspace(-1.0, 1.0, 201)
     across = np.sqrt(1.0 - offset**2)  # chords of the sun's disk
-    light = np.interp(depression[:, None] + SUN * offset, true[::-1], share[::-1], right=0.0)
+    light = np.interp(depression[:, None] + SUN * offset, true, share, right=0.0)
     return np.sum(light * across, axis=1) / np.sum(across)
 
 

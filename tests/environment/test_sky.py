@@ -229,7 +229,7 @@ def test_earth_without_a_place_is_as_before_and_with_one_has_its_light():
     told = own.assumptions()
     where = "at 45° N, 10° E on 2026-06-21 19:50 UTC"
     assert told[0] == f"light: 1318 W/m², 96.28° from the vertical, {where}"
-    assert told[1].startswith("shadow: no sun up to 60.")
+    assert told[1].startswith("shadow: no sun up to 54.")
     assert "albedo: 0.29 everywhere" in told
     assert lf.Earth().planet is lf.environment.EARTH_PLANET
     assert lf.Chamber().planet is None

@@ -128,7 +128,7 @@ class Daylight(AbstractSky, Checked):
     >>> from lightflyer.environment import Place
     >>> hours = Daylight().light_hours(75e3, Place.at("2026-03-20T12:00Z", 0.0, 0.0))
     >>> print(f"{(hours.last - hours.first) / 3600.0:.2f} h of light")
-    12.95 h of light
+    13.01 h of light
     """
 
     sun: AbstractSun = EarthSun()

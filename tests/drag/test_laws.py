@@ -11,7 +11,7 @@ from scipy.integrate import quad
 
 import lightflyer as lf
 from lightflyer.drag import free_molecular
-from lightflyer.drag.disk import EDGEWISE
+from lightflyer.drag.disk import _EDGEWISE_SHARE, EDGEWISE
 from lightflyer.drag.disk_table import dense_share
 from lightflyer.drag.similarity import molecular_speed
 from lightflyer.gas import AIR
@@ -79,7 +79,7 @@ def test_both_limits_of_a_disk():
     thin = {"pressure": pressure_at(1e-8, 0.01), "temperature": TEMPERATURE, "gas": AIR}
     dense = thin | {"pressure": pressure_at(1e7, 0.01)}
     speed, area = 1e-4, math.pi * 0.01**2
-    slow = float(AIR.viscosity(TEMPERATURE)) * 0.01 * 1e-9
+    slow = float(AIR.viscosity(TEMPERATURE)) * 0.01 * 1e-12
     for tac, excess in (((0.8, 0.9), (0.0, 0.0)), ((0.3, 0.7), (0.9, 1.4))):
         roots = np.sqrt(1.0 + np.asarray(excess))
         expected = sum(
@@ -91,9 +91,9 @@ def test_both_limits_of_a_disk():
         assert found / scale == pytest.approx(expected, rel=1e-6)
         found = lf.drag.edgewise_disk_drag(speed, 0.01, **thin, tac=tac, excess=excess)
         assert found / scale == pytest.approx(sum(tac) / math.sqrt(math.pi), rel=1e-6)
-    assert lf.drag.disk_drag(1e-9, 0.01, **dense) == pytest.approx(16.0 * slow, rel=1e-6)
-    edgewise = lf.drag.edgewise_disk_drag(1e-9, 0.01, **dense)
-    assert edgewise == pytest.approx(32.0 / 3.0 * slow, rel=1e-6)
+    assert lf.drag.disk_drag(1e-12, 0.01, **dense) / slow == pytest.approx(16.0, rel=1e-6)
+    edgewise = lf.drag.edgewise_disk_drag(1e-12, 0.01, **dense)
+    assert edgewise / slow == pytest.approx(32.0 / 3.0, rel=1e-6)
 
 
 def test_holes_let_thin_gas_pass_and_not_dense_gas():

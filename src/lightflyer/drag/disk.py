@@ -154,7 +154,7 @@ def edgewise_disk_drag(
     --------
     >>> from lightflyer.gas import AIR
     >>> print(f"{edgewise_disk_drag(1.0, 0.01, 5.2, 220.0, AIR) * 1e6:.3f} µN")
-    1.238 µN
+    1.279 µN
     """
     speed_ratio = speed / molecular_speed(temperature, gas)
     delta = rarefaction_parameter(pressure, temperature, radius, gas)

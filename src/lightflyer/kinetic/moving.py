@@ -152,7 +152,7 @@ def solve_moving(
     >>> from lightflyer.kinetic import solve_moving
     >>> solution = solve_moving(1.0, 1.0, 1.0)
     >>> print(f"{solution.drag:.3f}, {solution.drag_ratio:.3f}")
-    3.207, 0.796
+    3.173, 0.787
     """
     require_range("knudsen", knudsen, *KNUDSEN_RANGE)
     for name, value in (("tac_top", tac_top), ("tac_bottom", tac_bottom)):

@@ -15,7 +15,7 @@ none (times the start for parameters with a unit), and of the scatter from 1e-4 
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.numpy as jnp
@@ -25,6 +25,9 @@ from lightflyer.calibration.calibration import Calibration
 from lightflyer.foundation.errors import ConvergenceError, MissingExtraError, ParameterError
 from lightflyer.foundation.precision import float64
 from lightflyer.foundation.progress import report
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SCATTER = "scatter"
 """Name of the scatter of log-irradiance among the draws, where it is estimated."""
@@ -86,6 +89,17 @@ class Posterior:
     def of(self, name: str) -> np.ndarray:
         """Draws of one parameter, one chain after another, shape (chains · draws,)."""
         return self.draws[..., self.names.index(name)].ravel()
+
+    def plot(self) -> "Figure":
+        """Draw histograms of the parameters, chain by chain.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.calibration.figures import posterior_figure
+
+        return posterior_figure(self)
 
     def require_converged(self) -> None:
         """Raise :class:`ConvergenceError` if chains disagree or too many draws diverged."""

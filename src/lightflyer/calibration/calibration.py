@@ -12,7 +12,7 @@ residuals.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.special import chdtrc, chdtri, fdtri
@@ -35,6 +35,10 @@ from lightflyer.flight.setup import Setup
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.checks import require_positive
 from lightflyer.foundation.errors import ConvergenceError, ParameterError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 CONFIDENCE = 0.95
 """Probability of an interval."""
@@ -144,6 +148,22 @@ class Calibration:
         }
         model = self.problem.model
         return model.design.build(shared, model.prepared)
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw the points with the fit, and the residuals.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Gets points and fit alone; by default a new figure has the residuals too.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.calibration.figures import plot_calibration
+
+        return plot_calibration(self, ax)
 
     def summary(self) -> dict[str, Any]:
         """The fit as a JSON object; what is infinite or unknown is null."""

@@ -7,18 +7,24 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from lightflyer.calibration.bayes import Posterior
 from lightflyer.calibration.calibration import Calibration
 from lightflyer.calibration.problem import UNREACHABLE, Problem
 from lightflyer.foundation.drawing import (
     GREY,
+    INTERVAL,
+    LINES,
     MARKERS,
     PALETTE,
+    figure_for,
+    legend_below,
     new_figure,
     plain_decades,
     shared_legend,
 )
 
 _PERCENT = 100.0
+_PARAMETER_WIDTH = 3.4  # of the histogram of a parameter [inch]
 _CURVE_POINTS = 80  # of the fit of each sample
 _TITLE = "points: measured; lines: fit"
 
@@ -146,4 +152,52 @@ def calibration_figure(fit: Calibration) -> Figure:
     fitted_points(fit, left)
     residuals(fit, right)
     shared_legend(figure, left.get_legend_handles_labels()[0], title=_TITLE)
+    return figure
+
+
+def plot_calibration(fit: Calibration, ax: Axes | None = None) -> Figure:
+    """Draw a calibration.
+
+    Parameters
+    ----------
+    fit : Calibration
+    ax : matplotlib.axes.Axes, optional
+        Gets points and fit; by default a new figure has the residuals too.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    if ax is None:
+        return calibration_figure(fit)
+    figure, ax = figure_for(ax)
+    fitted_points(fit, ax)
+    legend_below(ax, title=_TITLE)
+    return figure
+
+
+def posterior_figure(drawn: Posterior) -> Figure:
+    """Histograms of the draws of each parameter, chain by chain, with the 95 % interval.
+
+    Parameters
+    ----------
+    drawn : Posterior
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = new_figure(columns=len(drawn.names), width=_PARAMETER_WIDTH)
+    for row, (name, ax) in enumerate(zip(drawn.names, figure.axes, strict=True)):
+        values = drawn.draws[..., row]
+        edges = np.histogram_bin_edges(values, bins="auto")
+        for chain, one in enumerate(values):
+            label = f"chain {chain + 1}"
+            ax.hist(one, edges.tolist(), histtype="step", color=PALETTE[chain % len(PALETTE)],
+                    ls=LINES[chain % len(LINES)], density=True, label=label)  # fmt: skip
+        ax.axvspan(*drawn.intervals[row], color=GREY, alpha=0.2, lw=0, label=INTERVAL)
+        ax.set_xlabel(name)
+        ax.set_yticks([])
+    figure.axes[0].set_ylabel("probability density")
+    shared_legend(figure, figure.axes[0].get_legend_handles_labels()[0], most=5)
     return figure

@@ -31,6 +31,8 @@ from lightflyer.uncertainty.propagation import (
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 FEWEST, MOST = 2, 9
 """Numbers of flyers that can be told apart in one figure."""
@@ -203,6 +205,30 @@ class Comparison:
         if not 0 < len(without) < len(self.flyers):
             return ()
         return (f"no band for {', '.join(without)}: no ± is stated",)
+
+    def plot(self, output: str | None = None, ax: "Axes | None" = None) -> "Figure":
+        """Draw the flyers over altitude or pressure, with 95 % bands where ± are stated.
+
+        Parameters
+        ----------
+        output : str, optional
+            One of ``"payload"``, ``"payload_per_area"``, ``"lift_over_weight"``, ``"temperature"``;
+            by default all.
+        ax : matplotlib.axes.Axes, optional
+            For one of them; by default those of a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ParameterError
+            If there is no such output, or axes are given for several.
+        """
+        from lightflyer.comparison.figures import plot_comparison
+
+        return plot_comparison(self, output, ax)
 
     def summary(self) -> dict[str, Any]:
         """The comparison as a JSON object, with a unit at the end of each name."""

@@ -12,10 +12,13 @@ from lightflyer.foundation.drawing import (
     GREY,
     LINES,
     PALETTE,
+    figure_for,
+    legend_below,
     new_figure,
     plain_decades,
     shared_legend,
 )
+from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.units import scale_and_offset
 
 if TYPE_CHECKING:
@@ -60,6 +63,40 @@ def comparison_figure(comparison: "Comparison") -> Figure:
     return figure
 
 
+def plot_comparison(
+    comparison: "Comparison", output: str | None = None, ax: Axes | None = None
+) -> Figure:
+    """Draw a comparison, or one output of it.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    output : str, optional
+        One of :data:`PANELS`; by default all of them.
+    ax : matplotlib.axes.Axes, optional
+        For one output; by default those of a new figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If there is no such output, or axes are given for several.
+    """
+    known = ", ".join(PANELS)
+    if output is None:
+        if ax is not None:
+            raise ParameterError(f"plot: axes hold one output: say which, one of {known}")
+        return comparison_figure(comparison)
+    if output not in PANELS:
+        raise ParameterError(f'plot: output = "{output}": choose from {known}')
+    figure, ax = figure_for(ax, height=4.6)
+    legend_below(ax, list(draw(comparison, output, ax).values()), most=1)
+    return figure
+
+
 def draw(comparison: "Comparison", output: str, ax: Axes) -> dict[str, Any]:
     """Draw one output of all flyers.
 
@@ -81,7 +118,8 @@ def draw(comparison: "Comparison", output: str, ax: Axes) -> dict[str, Any]:
     handles: dict[str, Any] = {}
     for index, found in enumerate(comparison.flyers):
         colour, style = PALETTE[index % len(PALETTE)], LINES[index % len(LINES)]
-        label = f"{found.name}: {found.description}"
+        named = "" if found.description.startswith(found.name) else f"{found.name}: "
+        label = f"{named}{found.description}"
         values = found.table[output] * scale
         (handles[label],) = ax.plot(places, values, color=colour, ls=style, label=label)
         band = found.band(output)

@@ -18,6 +18,7 @@ from lightflyer.foundation.drawing import (
     SKY,
     VERMILION,
     YELLOW,
+    figure_for,
     legend_below,
     new_figure,
 )
@@ -142,3 +143,25 @@ def film_figures(summary: FilmSummary) -> dict[str, Figure]:
     draw_spectra(summary, first.axes[0])
     draw_layers(summary, second.axes[0])
     return {"film-spectra": first, "film-layers": second}
+
+
+def plot_film(summary: FilmSummary, ax: Axes | None = None) -> Figure:
+    """Draw a film.
+
+    Parameters
+    ----------
+    summary : FilmSummary
+    ax : matplotlib.axes.Axes, optional
+        Gets the spectra; by default a new figure has the layers too.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    if ax is None:
+        figure = new_figure(columns=2, height=_HEIGHT)
+        draw_layers(summary, figure.axes[1])
+        ax = figure.axes[0]
+    figure, ax = figure_for(ax)
+    draw_spectra(summary, ax)
+    return figure

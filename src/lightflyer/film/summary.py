@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.special import ndtri
@@ -16,6 +16,10 @@ from lightflyer.film.thickness import COARSE_POINTS_PER_E_FOLD, thickness_uncert
 from lightflyer.film.transfer_matrix import StackOptics
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.types import Numeric
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 SPECTRUM_RANGE = (0.25e-6, 25e-6)
 """Ends of a film's reported spectrum [m]."""
@@ -165,6 +169,22 @@ class FilmSummary:
             return None
         highest = 1.0 if "tance" in name else np.inf  # absorptance and emittance
         return possible_interval(self.values()[name], self.uncertainty[name], highest)
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw the spectra, and what each layer absorbs.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Gets the spectra alone; by default a new figure has the layers too.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.film.figures import plot_film
+
+        return plot_film(self, ax)
 
     def to_json(self) -> dict[str, Any]:
         """The summary as a JSON object, with a unit at the end of each name."""

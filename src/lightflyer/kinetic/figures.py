@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.foundation.drawing import SKY, new_figure, outlined
+from lightflyer.foundation.drawing import SKY, figure_for, outlined
 from lightflyer.kinetic.solver import Solution
 
 _EXTENT = 3.0
@@ -55,17 +55,19 @@ def draw_flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
     return ax
 
 
-def flow_figure(solution: Solution) -> Figure:
-    """A new figure with :func:`draw_flow`, up to the reservoir where there is one.
+def flow_figure(solution: Solution, ax: Axes | None = None) -> Figure:
+    """A figure with :func:`draw_flow`, up to the reservoir where there is one.
 
     Parameters
     ----------
     solution : Solution
+    ax : matplotlib.axes.Axes, optional
+        By default that of a new figure.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
-    figure = new_figure(width=6.4, height=5.0)
-    draw_flow(solution, figure.axes[0], min(_EXTENT, solution.boundary))
+    figure, ax = figure_for(ax, height=5.0)
+    draw_flow(solution, ax, min(_EXTENT, solution.boundary))
     return figure

@@ -14,6 +14,9 @@ from lightflyer.foundation.quantity import HIGHEST_OPEN_FRACTION
 from lightflyer.kinetic.model_gases import gas_model
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from lightflyer.kinetic.cases import Case, Outcome
 
 KNUDSEN_RANGE = (0.03, 100.0)
@@ -114,6 +117,22 @@ class Solution:
             f"Kn {self.knudsen:g}, TAC {case.tac[0]:g} top, {case.tac[1]:g} bottom, "
             f"{holes}{case.gas.name}, {heated}, {where}"
         )
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw temperature and streamlines of the gas in a plane through the axis.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            By default that of a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.kinetic.figures import flow_figure
+
+        return flow_figure(self, ax)
 
     def to_json(self) -> dict[str, Any]:
         """The solution as a JSON object."""

@@ -32,6 +32,8 @@ from lightflyer.lab.spectrum_noise import noise_density
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 BAND = (500.0 * PER_CENTIMETRE, 1300.0 * PER_CENTIMETRE)
 """Band of the paper, 900 ± 400 cm⁻¹ [1/m]."""
@@ -137,6 +139,22 @@ class Ftir:
                 low, high = 0.0, _limit(estimate)
             found[temperature] = (inside * low, 1.0 - inside * (1.0 - high))
         return found
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw the spectra with the band and the spectrum of a black body.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            By default that of a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.lab.figures.ftir import plot_spectra
+
+        return plot_spectra(self, ax)
 
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""

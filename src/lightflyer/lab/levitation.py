@@ -24,6 +24,8 @@ from lightflyer.lab.record import dataset, joint_warnings
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 SPAN = 0.75
 """Fraction of a sample's points in each local fit; the default of LOESS."""
@@ -80,6 +82,22 @@ class LevitationCurve:
     draws: np.ndarray
     step: float = 0.0
     warnings: tuple[str, ...] = ()
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw points, curve with its 99 % band, and minimum.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            By default that of a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.lab.figures.levitation import plot_curve
+
+        return plot_curve(self, ax)
 
 
 @dataclass(frozen=True)

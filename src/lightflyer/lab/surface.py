@@ -28,6 +28,8 @@ from lightflyer.lab.surface_warnings import warnings_of
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = [
     "HEIGHT_ACCURACY",
@@ -106,6 +108,22 @@ class Roughness:
     def masked_fraction(self) -> float:
         """Share of the map on particles and in holes."""
         return float(self.mask.mean())
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw the levelled map, as it is and with its mask.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Gets the map with its mask; by default a new figure has both.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.lab.figures.surface import plot_roughness
+
+        return plot_roughness(self, ax)
 
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""

@@ -16,7 +16,7 @@ the plateau is taken to grow with :math:`\delta`, as the slope does, can the thr
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -54,6 +54,10 @@ from lightflyer.lab.tac_problem import (
     minimise,
     require_distinct,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 LU2023_HEATER_DIAMETER = 24e-3
 """Diameter of the paper's heater [m]; [Lu2023]_ supplement."""
@@ -207,6 +211,22 @@ class TacFit:
     def estimates(self) -> dict[str, Estimate]:
         """The three estimates by name."""
         return {name: getattr(self, name) for name in PARAMETERS}
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw the conductance against pressure with the fit, and that of the gas.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Gets the first of both; by default a new figure has both.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.lab.figures.tac import plot_tac
+
+        return plot_tac(self, ax)
 
     def summary(self) -> dict[str, Any]:
         """The fit as a JSON object."""

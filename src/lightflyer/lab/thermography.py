@@ -34,6 +34,7 @@ from lightflyer.lab.thermography_data import LIGHT, THERMAL, Readings, Scene
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
 DRAWS = 100_000
 """Number of Monte Carlo draws."""
@@ -97,6 +98,17 @@ class RadiativeProperties:
         """Values by the names of the properties of this method."""
         remainder = self.readings.method.remainder
         return {remainder if key == "emissivity" else key: one for key, one in values.items()}
+
+    def plot(self) -> "Figure":
+        """Draw the rows and the means with their intervals.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.lab.figures.thermography import plot_properties
+
+        return plot_properties(self)
 
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""

@@ -1,5 +1,6 @@
 """Figures of a prediction: irradiance, temperature and payload over altitude or pressure."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -16,11 +17,13 @@ from lightflyer.foundation.drawing import (
     PURPLE,
     SKY,
     VERMILION,
+    figure_for,
     legend_below,
     new_figure,
     outlined,
     plain_decades,
 )
+from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.units import scale_and_offset
 from lightflyer.prediction.prediction import POINTS, Evaluator, Prediction
 
@@ -292,6 +295,84 @@ def temperature_map(prediction: Prediction, ax: Axes) -> Axes:
     ax.set_ylabel("irradiance [W/m²]")
     legend_below(ax)
     return ax
+
+
+PANELS: dict[str, Callable[[Prediction, Axes], Axes]] = {
+    "irradiance": irradiance,
+    "temperature": temperature,
+    "payload": payload,
+    "map": temperature_map,
+}
+"""What can be drawn of a prediction, by name."""
+
+
+def panels(
+    prediction: Prediction, what: str | None, ax: Axes | None
+) -> tuple[Figure, Iterator[tuple[str, Axes]]]:
+    """A figure with some of :data:`PANELS` drawn, and which of its axes shows what.
+
+    Parameters
+    ----------
+    prediction : Prediction
+    what : str or None
+        One of :data:`PANELS`; None for all that there are.
+    ax : matplotlib.axes.Axes or None
+        For one panel; None for those of a new figure.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    drawn : iterator of (str, matplotlib.axes.Axes)
+
+    Raises
+    ------
+    ParameterError
+        If there is no such panel, or axes are given for several.
+    """
+    there = [name for name in PANELS if name != "map" or prediction.map is not None]
+    if what is not None and what not in there:
+        raise ParameterError(f'plot: what = "{what}": choose from {", ".join(there)}')
+    if what is None and ax is not None:
+        raise ParameterError(f"plot: axes hold one panel: say what, one of {', '.join(there)}")
+    prediction = closer(prediction)
+    if what is None:
+        rows = -(-len(there) // 2)
+        figure = new_figure(columns=2, rows=rows, height=rows * _WITH_LEGEND)
+        chosen = list(zip(there, figure.axes, strict=False))
+        for spare in figure.axes[len(there) :]:
+            spare.remove()
+    else:
+        figure, ax = figure_for(ax, height=_WITH_LEGEND)
+        chosen = [(what, ax)]
+    for name, axes in chosen:
+        PANELS[name](prediction, axes)
+    return figure, iter(chosen)
+
+
+def plot_prediction(
+    prediction: Prediction, what: str | None = None, ax: Axes | None = None
+) -> Figure:
+    """Draw a prediction.
+
+    Parameters
+    ----------
+    prediction : Prediction
+    what : str, optional
+        One of :data:`PANELS`; by default all that there are.
+    ax : matplotlib.axes.Axes, optional
+        For one panel; by default those of a new figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If there is no such panel, or axes are given for several.
+    """
+    figure, _ = panels(prediction, what, ax)
+    return figure
 
 
 def prediction_figures(prediction: Prediction) -> dict[str, Figure]:

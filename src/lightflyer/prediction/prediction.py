@@ -34,6 +34,8 @@ from lightflyer.foundation.units import scale_and_offset
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 POINTS = 301
 """Length of the tables."""
@@ -262,6 +264,29 @@ class Prediction:
             "assumptions": list(self.assumptions),
             "warnings": list(self.warnings),
         }
+
+    def plot(self, what: str | None = None, ax: "Axes | None" = None) -> "Figure":
+        """Draw irradiance, temperature, payload and, in a chamber, the map of temperatures.
+
+        Parameters
+        ----------
+        what : str, optional
+            One of ``"irradiance"``, ``"temperature"``, ``"payload"``, ``"map"``; by default all.
+        ax : matplotlib.axes.Axes, optional
+            For one of them; by default those of a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ParameterError
+            If there is no such drawing, or axes are given for several.
+        """
+        from lightflyer.prediction.figures import plot_prediction
+
+        return plot_prediction(self, what, ax)
 
     def place(self, index: int) -> Place:
         """One of the coordinates asked for, with the outputs there."""

@@ -16,6 +16,7 @@ from lightflyer.foundation.drawing import (
     wrapped,
 )
 from lightflyer.search.front import Front
+from lightflyer.search.optimiser import Optimum
 from lightflyer.search.sobol import Indices
 from lightflyer.sweeps.shown import in_words, scale_and_label
 
@@ -102,3 +103,31 @@ def _draw_shares(found: Indices, order: np.ndarray, ax: Axes) -> None:
     ax.axvline(0.0, color=GREY, lw=1.0)
     ax.set_yticks(rows, [])
     ax.set_xlabel("share of the variance (Sobol index)")
+
+
+def elasticity_figure(optimum: Optimum) -> Figure:
+    """Relative change of the objective over that of each number that is not free.
+
+    Parameters
+    ----------
+    optimum : Optimum
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    known = {name: value for name, value in optimum.elasticities.items() if np.isfinite(value)}
+    names = sorted(known, key=lambda name: abs(known[name]))
+    figure = new_figure(height=_FRAME + _ROW * len(names))
+    (ax,) = figure.axes
+    rows, values = np.arange(len(names)), np.array([known[name] for name in names])
+    for sign, colour, words in ((1.0, BLUE, "increases it"), (-1.0, ORANGE, "decreases it")):
+        chosen = sign * values > 0.0
+        ax.barh(rows[chosen], values[chosen], color=colour, label=f"more of the number {words}")
+    ax.axvline(0.0, color=GREY, lw=1.0)
+    ax.set_yticks(rows, [in_words(name) for name in names])
+    part = optimum.problem.objectives[0]
+    ax.set_xlabel(f"elasticity of {part.name.replace('_', ' ')} at the optimum [1]")
+    ax.grid(alpha=_OPACITY, axis="x")
+    legend_below(ax, most=2)
+    return figure

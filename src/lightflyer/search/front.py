@@ -18,6 +18,7 @@ from lightflyer.search.range_check import cautions_about
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
 POPULATION, GENERATIONS = 100, 150
 """Size of the genetic algorithm by default."""
@@ -65,6 +66,17 @@ class Front:
         }
         attributes = {"title": "lightflyer Pareto front", "warnings": "; ".join(self.warnings)}
         return xr.Dataset(variables, coordinates, attributes)
+
+    def plot(self) -> "Figure":
+        """Draw the objectives, each against the first.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.search.figures import front_figure
+
+        return front_figure(self)
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""

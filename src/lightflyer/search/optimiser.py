@@ -13,7 +13,7 @@ theorem), although the best design moves with it.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -30,6 +30,9 @@ from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import Problem, as_problem
 from lightflyer.search.range_check import cautions_about, require_within_range
 from lightflyer.sweeps.shown import amount
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SCREENED = 512
 """Designs evaluated at once: first over the whole cube, then around the starts."""
@@ -99,6 +102,17 @@ class Optimum:
         name = self.problem.design.coordinate_name
         coordinate = self.problem.fixed.get(name, self.design.get(name))
         return predict_design(as_design(setup), () if coordinate is None else (coordinate,))
+
+    def plot(self) -> "Figure":
+        """Draw the elasticities; ``prediction.plot()`` draws what the best design does.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.search.figures import elasticity_figure
+
+        return elasticity_figure(self)
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""

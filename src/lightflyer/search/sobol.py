@@ -43,6 +43,7 @@ from lightflyer.uncertainty.correlation import correlate, correlated_groups
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
 _ENDS = (0.025, 0.975)
 _STEP = 1e-4  # of an input's 95 % range, for elasticities
@@ -138,6 +139,17 @@ class Indices:
     high: np.ndarray
     elasticity: dict[str, float]
     warnings: tuple[str, ...]
+
+    def plot(self) -> "Figure":
+        """Draw the effect of each input, and the shares of the variance.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.search.figures import tornado_figure
+
+        return tornado_figure(self)
 
     @property
     def unit(self) -> str:

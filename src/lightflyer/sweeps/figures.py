@@ -1,5 +1,6 @@
 """Figures of sweeps."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,14 +17,23 @@ from lightflyer.foundation.drawing import (
     GREY,
     ORANGE,
     VERMILION,
+    figure_for,
     legend_below,
     new_figure,
     outlined,
     plain_decades,
     wrapped,
 )
+from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.sweeps.distributions import SAMPLE
-from lightflyer.sweeps.explore import less_is_better, margin, over_samples, pareto_front
+from lightflyer.sweeps.explore import (
+    choose_slice,
+    find_name,
+    less_is_better,
+    margin,
+    over_samples,
+    pareto_front,
+)
 from lightflyer.sweeps.shown import scale_and_label
 
 if TYPE_CHECKING:
@@ -71,9 +81,10 @@ def _fixed(ax: Axes, dataset: "xr.Dataset", drawn: tuple[str, ...]) -> None:
         if name not in drawn and not array.ndim and np.isfinite(float(array)):
             factor, label = scale_and_label(array)
             words, _, unit = label.partition(" [")
-            said.append(f"{words} {factor * float(array):.4g} {unit.removesuffix(']')}".rstrip())
+            number = f"{factor * float(array):.4g} {unit.removesuffix(']')}"
+            said.append(f"{words} = {number}".rstrip())
     lines = [
-        ", ".join(said[start : start + _IN_A_LINE]) for start in range(0, len(said), _IN_A_LINE)
+        "; ".join(said[start : start + _IN_A_LINE]) for start in range(0, len(said), _IN_A_LINE)
     ]
     if lines:
         ax.set_title("at " + "\n".join(lines), fontsize="small")
@@ -266,6 +277,59 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
     legend_below(ax)
     ax.grid(alpha=_OPACITY)
     return ax
+
+
+def plot_sweep(
+    dataset: "xr.Dataset",
+    value: str,
+    x: str,
+    y: str | None = None,
+    *,
+    at: Mapping[str, str] | None = None,
+    ax: Axes | None = None,
+) -> Figure:
+    """Draw an output of a sweep over one or two of its fields.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From :func:`lightflyer.sweep`.
+    value : str
+        Output.
+    x : str
+        Field across, in full or its last part, such as ``"diameter"``.
+    y : str, optional
+        Field up; without it the value itself is drawn upwards.
+    at : dict of str to str, optional
+        Values of other fields, such as ``{"altitude": "70 km"}``; by default those of the best
+        design.
+    ax : matplotlib.axes.Axes, optional
+        By default that of a new figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ConfigurationError
+        If a name is unknown, or a value is outside the sweep.
+
+    See Also
+    --------
+    pareto_figure
+    """
+    output = find_name(dataset, value, among="outputs")
+    fields = [find_name(dataset, name, among="fields") for name in (x, y) if name is not None]
+    if len(set(fields)) < len(fields):
+        raise ConfigurationError(f"plot: x and y are both {fields[0]}")
+    sliced, _ = choose_slice(dataset, output, fields, at or {})
+    figure, ax = figure_for(ax)
+    if y is None:
+        draw_line(sliced, fields[0], output, ax)
+    else:
+        draw_map(sliced, fields[0], fields[1], output, ax)
+    return figure
 
 
 def pareto_figure(dataset: "xr.Dataset", gain: str) -> Figure | None:

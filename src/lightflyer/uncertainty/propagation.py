@@ -8,7 +8,7 @@ distributions, cut off where a value is impossible, and repeats the prediction.
 """
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,10 @@ from lightflyer.prediction.prediction import Place, Prediction, predict_design
 from lightflyer.uncertainty import monte_carlo
 from lightflyer.uncertainty.derivatives import Derivatives, derivatives
 from lightflyer.uncertainty.inputs import Drawn, Inputs, draw_possible, uncertain_inputs
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 DEFAULT_SAMPLES = 500
 """Monte Carlo samples where nothing else is asked for."""
@@ -113,6 +117,29 @@ class PredictionUncertainty:
     low: Table = field(default_factory=dict)
     high: Table = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+
+    def plot(self, what: str | None = None, ax: "Axes | None" = None) -> "Figure":
+        """Draw the prediction with its 95 % bands.
+
+        Parameters
+        ----------
+        what : str, optional
+            One of ``"irradiance"``, ``"temperature"``, ``"payload"``, ``"map"``; by default all.
+        ax : matplotlib.axes.Axes, optional
+            For one of them; by default those of a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ParameterError
+            If there is no such drawing, or axes are given for several.
+        """
+        from lightflyer.uncertainty.figures import plot_uncertainty
+
+        return plot_uncertainty(self, what, ax)
 
     def summary(self) -> dict[str, Any]:
         """Everything as a JSON object; bands are 95 %."""

@@ -7,7 +7,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.film.spectra import planck
-from lightflyer.foundation.drawing import GREY, ORANGE, PALETTE, legend_below, new_figure
+from lightflyer.foundation.drawing import (
+    GREY,
+    ORANGE,
+    PALETTE,
+    figure_for,
+    legend_below,
+    new_figure,
+)
 from lightflyer.lab.ftir import Ftir
 from lightflyer.lab.spectrum_data import PER_CENTIMETRE
 
@@ -99,3 +106,21 @@ def ftir_figures(
     figure = new_figure(height=_HEIGHT)
     spectra(result, figure.axes[0], computed)
     return {"ftir": figure}
+
+
+def plot_spectra(result: Ftir, ax: Axes | None = None) -> Figure:
+    """Draw spectra.
+
+    Parameters
+    ----------
+    result : Ftir
+    ax : matplotlib.axes.Axes, optional
+        By default that of a new figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure, ax = figure_for(ax, height=_HEIGHT)
+    spectra(result, ax)
+    return figure

@@ -11,6 +11,7 @@ from lightflyer.foundation.drawing import (
     INTERVAL,
     MARKERS,
     PALETTE,
+    figure_for,
     legend_below,
     new_figure,
     plain_decades,
@@ -122,3 +123,21 @@ def levitation_figures(
     figure = new_figure(height=_HEIGHT)
     levitation_curves(curves, figure.axes[0], pressure_unit=pressure_unit, models=models)
     return {"levitation": figure}
+
+
+def plot_curve(curve: LevitationCurve, ax: Axes | None = None) -> Figure:
+    """Draw one sample's points and curve.
+
+    Parameters
+    ----------
+    curve : LevitationCurve
+    ax : matplotlib.axes.Axes, optional
+        By default that of a new figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure, ax = figure_for(ax, height=_HEIGHT)
+    levitation_curves([curve], ax)
+    return figure

@@ -11,7 +11,14 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Patch
 from scipy import ndimage
 
-from lightflyer.foundation.drawing import SKY, VERMILION, new_figure, outlined, shared_legend
+from lightflyer.foundation.drawing import (
+    SKY,
+    VERMILION,
+    figure_for,
+    new_figure,
+    outlined,
+    shared_legend,
+)
 from lightflyer.lab.surface import NANOMETRE, Roughness
 
 _WIDTH, _HEIGHT = 4.0, 7.6  # of the column of one map [inch]
@@ -135,3 +142,25 @@ def roughness_figures(results: Sequence[Roughness]) -> dict[str, Figure]:
     handles = [Patch(color=colour, label=name) for name, _, colour in _masks(results[0])]
     shared_legend(figure, handles)
     return {"roughness": figure}
+
+
+def plot_roughness(result: Roughness, ax: Axes | None = None) -> Figure:
+    """Draw one map.
+
+    Parameters
+    ----------
+    result : Roughness
+    ax : matplotlib.axes.Axes, optional
+        Gets the map with its mask; by default a new figure has all of it too.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    if ax is None:
+        return roughness_figures([result])["roughness"]
+    figure, ax = figure_for(ax)
+    image = draw_height_map(result, ax, masked=True)
+    ax.set(xlabel="x [µm]", ylabel="y [µm]")
+    figure.colorbar(image, ax=ax, label="height of the surface [nm]", extend="both")
+    return figure

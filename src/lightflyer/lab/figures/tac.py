@@ -13,6 +13,7 @@ from lightflyer.foundation.drawing import (
     GREY,
     MARKERS,
     PALETTE,
+    figure_for,
     legend_below,
     new_figure,
     plain_decades,
@@ -141,3 +142,23 @@ def tac_figures(fits: Sequence[TacFit]) -> dict[str, Figure]:
     effective_conductance(fits, left)
     gas_part(fits, right)
     return {"tac": figure}
+
+
+def plot_tac(fit: TacFit, ax: Axes | None = None) -> Figure:
+    """Draw one run.
+
+    Parameters
+    ----------
+    fit : TacFit
+    ax : matplotlib.axes.Axes, optional
+        Gets the conductance with its fit; by default a new figure has that of the gas too.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    if ax is None:
+        return tac_figures([fit])["tac"]
+    figure, ax = figure_for(ax)
+    effective_conductance([fit], ax)
+    return figure

@@ -57,6 +57,26 @@ def draw_property(result: RadiativeProperties, name: str, ax: Axes) -> Axes:
     return ax
 
 
+def plot_properties(result: RadiativeProperties) -> Figure:
+    """Figure of the properties, each on a scale of its own.
+
+    Parameters
+    ----------
+    result : RadiativeProperties
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = new_figure(columns=len(PROPERTIES), width=_WIDTH)
+    for name, ax in zip(PROPERTIES, figure.axes, strict=True):
+        draw_property(result, name, ax)
+    figure.axes[0].set_ylabel("fraction of the radiation [1]")
+    figure.suptitle(result.meaning, fontsize="medium")
+    shared_legend(figure, figure.axes[0].get_legend_handles_labels()[0])
+    return figure
+
+
 def thermography_figures(result: RadiativeProperties) -> dict[str, Figure]:
     """Figure of the properties, by file name without suffix.
 
@@ -68,10 +88,4 @@ def thermography_figures(result: RadiativeProperties) -> dict[str, Figure]:
     -------
     dict of str to matplotlib.figure.Figure
     """
-    figure = new_figure(columns=len(PROPERTIES), width=_WIDTH)
-    for name, ax in zip(PROPERTIES, figure.axes, strict=True):
-        draw_property(result, name, ax)
-    figure.axes[0].set_ylabel("fraction of the radiation [1]")
-    figure.suptitle(result.meaning, fontsize="medium")
-    shared_legend(figure, figure.axes[0].get_legend_handles_labels()[0])
-    return {"thermography": figure}
+    return {"thermography": plot_properties(result)}

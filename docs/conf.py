@@ -1,6 +1,11 @@
 """Sphinx configuration."""
 
+import sys
+from pathlib import Path
+
 import lightflyer
+
+sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
 
 project = "lightflyer"
 author = "The lightflyer developers"
@@ -12,9 +17,10 @@ extensions = [
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
-    "sphinx.ext.mathjax",
+    "mathml",
 ]
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "_extensions"]
+html_math_renderer = "mathml"
 html_theme = "furo"
 html_title = "lightflyer"
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]

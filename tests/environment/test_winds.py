@@ -1,3 +1,6 @@
+import re
+from pathlib import Path
+
 import jax
 import numpy as np
 import pymsis
@@ -197,6 +200,17 @@ def test_winds_of_a_file_get_one_line_for_a_mistake(flyer_file, section, said):
         read_flyer_file(path)
     assert "\n" not in str(caught.value)
     assert "flyer.toml" in str(caught.value)
+
+
+def test_page():
+    page = (Path(__file__).parents[2] / "docs" / "winds.md").read_text(encoding="utf-8")
+    names = {}
+    for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
+        exec(block, names)
+    state = names["state"]
+    assert f"{state.pressure:.2f} Pa, {state.temperature:.0f} K" in page
+    shear = lf.Earth(wind=names["Shear"]()).state(70e3, Place(0.7, 0.0, 0.0))
+    assert shear.wind.east == pytest.approx(70.0)
 
 
 def test_winds_of_a_file(flyer_file):

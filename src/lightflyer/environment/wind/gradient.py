@@ -72,7 +72,7 @@ def balanced_rotation(forcing: Numeric, sine_latitude: Numeric, rotation_rate: N
 
     References
     ----------
-    [Andrews1987]_ Eq. (3.4.1c), [Lieberman1999]_.
+    [Andrews1987]_ ch. 3, [Lieberman1999]_.
 
     Examples
     --------

@@ -97,3 +97,15 @@ def test_holes_above_each_other_and_far_apart(film):
     with lf.float64():
         assert sandwich(1e-9).passing_share == pytest.approx(0.5, rel=1e-3)
         assert sandwich(1e-2).passing_share == pytest.approx(1.0 / 3.0, rel=1e-3)
+
+
+def test_double_precision_without_asking(film):
+    """Plain calls, jit and vmap agree to more digits than single precision has."""
+    sandwich = lf.Sandwich(film, film, 0.01, 1e-4, 0.5, 1e-5, 0.0, 0.0)
+    body = lf.HollowBody(film, film, 0.1, 0.02, 0.5, 1e-4, 1e-4, 5e-8, 1.8, "cone")
+    state, speeds = lf.Earth().state(70e3), np.array([0.3, 1.0])
+    for flyer in (sandwich, body):
+        plain = np.array([flyer.drag(state, (0.1, 0.1), speed) for speed in speeds])
+        with lf.float64():
+            mapped = jax.jit(jax.vmap(lambda speed, f=flyer: f.drag(state, (0.1, 0.1), speed)))
+            np.testing.assert_allclose(plain, mapped(speeds), rtol=1e-12)

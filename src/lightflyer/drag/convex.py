@@ -73,6 +73,7 @@ class Outline(NamedTuple):
         return _LEITH_SILHOUETTE * seen + (1.0 - _LEITH_SILHOUETTE) * around
 
 
+@entry_point
 def sphere_outline(radius: Numeric) -> Outline:
     """Outline of a sphere.
 

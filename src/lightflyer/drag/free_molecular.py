@@ -15,6 +15,7 @@ import numpy as np
 from jax import Array
 from jax.scipy.special import erf
 
+from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
 
 _SQRT_PI = math.sqrt(math.pi)
@@ -29,6 +30,7 @@ def _error_function_over(s: Array) -> Array:
     return jnp.where(small, 2.0 / _SQRT_PI * (1.0 - s**2 / 3.0), erf(safe) / safe)
 
 
+@entry_point
 def broadside_disk(speed_ratio: Numeric, tac: Numeric, root_ratio: Numeric) -> Array:
     r"""Thin disk that moves along its axis.
 
@@ -69,6 +71,7 @@ def broadside_disk(speed_ratio: Numeric, tac: Numeric, root_ratio: Numeric) -> A
     return (2.0 - tac) * arriving + tac * _SQRT_PI * root_ratio
 
 
+@entry_point
 def edgewise_disk(tac: Numeric) -> Array:
     r"""Thin disk that moves in its own plane.
 
@@ -92,6 +95,7 @@ def edgewise_disk(tac: Numeric) -> Array:
     return 2.0 / _SQRT_PI * jnp.asarray(tac)
 
 
+@entry_point
 def sphere(speed_ratio: Numeric, tac: Numeric, root_ratio: Numeric) -> Array:
     r"""Sphere of one temperature.
 

@@ -9,6 +9,7 @@ import math
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.validity import Validity
 
@@ -47,6 +48,7 @@ SPHERE_REYNOLDS = Validity(
 )
 
 
+@entry_point
 def disk_inertia(reynolds: Numeric) -> Array:
     r"""Drag of a thin disk, broadside, over that of slow flow.
 
@@ -98,6 +100,7 @@ def disk_inertia(reynolds: Numeric) -> Array:
     return 1.0 + jnp.where(moving, jnp.exp(increase), _OSEEN_DISK * given)
 
 
+@entry_point
 def edgewise_inertia(reynolds: Numeric) -> Array:
     r"""Drag of a thin disk that moves in its own plane over that of slow flow.
 
@@ -134,6 +137,7 @@ def edgewise_inertia(reynolds: Numeric) -> Array:
     return 1.0 + _OSEEN_EDGEWISE * given / jnp.where(moving, slow, 1.0)
 
 
+@entry_point
 def sphere_inertia(reynolds: Numeric) -> Array:
     r"""Drag of a sphere over that of slow flow.
 

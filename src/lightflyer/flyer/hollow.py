@@ -30,6 +30,7 @@ from lightflyer.flyer.sheets import (
 )
 from lightflyer.foundation.checks import is_concrete
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.precision import float64
 from lightflyer.foundation.quantity import (
     Coefficient,
     Conductivity,
@@ -275,7 +276,8 @@ class HollowBody(AbstractFlyer):
         )
 
     def _outline(self, direction: Direction) -> Outline:
-        return hollow_outline(self.form, self.size, self.outlet_radius, direction)
+        with float64():
+            return hollow_outline(self.form, self.size, self.outlet_radius, direction)
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
 
 
@@ -21,6 +22,7 @@ class Transmission(NamedTuple):
     back: Array
 
 
+@entry_point
 def slot_transmission(length: Numeric) -> Transmission:
     r"""Share of free molecules that pass a slot with diffuse walls.
 
@@ -55,6 +57,7 @@ def slot_transmission(length: Numeric) -> Transmission:
     )
 
 
+@entry_point
 def coaxial_share(length: Numeric) -> Array:
     r"""Share of diffuse straight paths out of a disc that meet an equal one opposite.
 

@@ -219,3 +219,83 @@ def test_dust_dims_low_flyers_and_not_high_ones(mars):
     assert "dust: optical depth 0.3" in text
     assert "vibration of co2" in text
     assert "no dust" in clear.assumptions()
+
+
+SECTION = """
+[flyer]
+diameter = "2 cm"
+[film]
+areal_density = "1.0 g/m^2"
+absorptance = 0.75
+emittance = 0.08
+tac_top = 0.8
+tac_bottom = 0.9
+[environment]
+kind = "mars"
+"""
+
+
+@pytest.fixture
+def read(tmp_path):
+    def read(lines):
+        path = tmp_path / "flyer.toml"
+        path.write_text(SECTION + lines, encoding="utf-8")
+        return lf.read_flyer_file(path)
+
+    return read
+
+
+def test_light_of_a_file_by_season_and_hour(read):
+    design = read(
+        'solar_longitude = "251 deg"\nlatitude = "-20 deg"\nlocal_time = "15 h"\n'
+        'surface_pressure = "700 ± 50 Pa"\ngas = "co2-frozen"'
+    ).design()
+    radiation = design.setup.environment.radiation
+    assert radiation.irradiance == pytest.approx(713.2, abs=0.5)
+    # declination -23.7°: cos z = sin φ sin δ + cos φ cos δ cos 45°
+    declination, latitude = np.arcsin(0.42565 * np.sin(np.radians(251.0))), np.radians(-20.0)
+    cosine = np.sin(latitude) * np.sin(declination)
+    cosine += np.cos(latitude) * np.cos(declination) * np.cos(np.pi / 4.0)
+    assert np.cos(radiation.zenith_angle) == pytest.approx(cosine, rel=1e-6)
+    assert design.uncertainties == {"environment.surface_pressure": 50.0}
+    assert "environment.irradiance" not in design.quantities
+    assert design.setup.environment.gas.name == "co2-frozen"
+    later = design.build({"environment.local_time": 12.0}).environment.radiation
+    assert later.zenith_angle < radiation.zenith_angle
+
+
+def test_light_of_a_file_by_date_and_place(read):
+    lines = 'sun = "ephemeris"\ndate = 2026-06-21T12:00:00\nlatitude = "20 deg"\n'
+    setup = read(f'{lines}longitude = "70 deg"').build()
+    place = Place.at("2026-06-21T12:00Z", 20.0, 70.0)
+    expected = lf.environment.MarsSun().seen_from(place)
+    radiation = setup.environment.radiation
+    assert radiation.zenith_angle == pytest.approx(float(expected.zenith_angle), rel=1e-9)
+    au = float(expected.distance) / ASTRONOMICAL_UNIT
+    assert radiation.irradiance == pytest.approx(1361.0 / au**2, rel=1e-9)
+    told = " ".join(setup.environment.assumptions())
+    assert "2026-06-21 12:00" in told
+    assert "limb of Mars" in told
+    assert "dust" in told
+    state, other = setup.environment.state(50e3), setup.environment.state(50e3, place)
+    assert state.radiation.visible == pytest.approx(float(other.radiation.visible))
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ('irradiance = "500 W/m^2"\nsolar_longitude = "1 deg"', "irradiance has no effect beside"),
+        ('latitude = "3 deg"', "latitude needs solar_longitude"),
+        ('local_time = "3 h"', "local_time has no effect without latitude"),
+        ('sun = "ephemeris"\ndate = 2026-01-01T00:00:00', "needs latitude, longitude as well"),
+        ("date = 2026-01-01T00:00:00", "date has no effect without sun"),
+        ('surroundings = "gas"\nsun = "ephemeris"\ndate = 2026-01-01T00:00:00\n'
+         'latitude = "1 deg"\nlongitude = "2 deg"', "needs a number for the heat radiation"),
+        ('gas = "air"', r":\d+: environment.gas"),
+        ("dust_optical_depth = -1", r":\d+: environment.dust_optical_depth = -1"),
+        ('solar_longitude = "400 deg"', "must be between 0 and 360 deg"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_meant_is_refused(read, lines, message):
+    with pytest.raises(lf.ConfigurationError, match=message):
+        read(lines)

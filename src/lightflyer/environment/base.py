@@ -202,6 +202,16 @@ class AbstractEnvironment(Checked):
         """
         return self.radiation.describe()
 
+    def assumptions_of_air(self) -> tuple[str, ...]:
+        """What is assumed about the air besides, in short texts; part of :meth:`assumptions`.
+
+        Returns
+        -------
+        tuple of str
+            None by default.
+        """
+        return ()
+
     @abc.abstractmethod
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
         """Surroundings at a coordinate.

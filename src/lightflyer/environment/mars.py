@@ -2,18 +2,16 @@
 
 import math
 from dataclasses import replace
-from typing import Final, Literal
+from typing import Final
 
 import equinox as eqx
 import jax.numpy as jnp
-import pydantic
 from jax import Array
 
-from lightflyer.environment.altitude import AltitudeSection, altitude_coordinate
+from lightflyer.environment.altitude import altitude_coordinate
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.mars import (
     MOLAR_MASS,
-    SURFACE_PRESSURE,
     MarsAtmosphere,
     mars_gravity,
 )
@@ -23,7 +21,7 @@ from lightflyer.environment.base import (
     EnvironmentState,
     Place,
 )
-from lightflyer.environment.dust import OPTICAL_DEPTH, Dust, dusty_light
+from lightflyer.environment.dust import Dust, dusty_light
 from lightflyer.environment.ground import UniformGround
 from lightflyer.environment.horizon import Limb
 from lightflyer.environment.mars_sun import (
@@ -44,17 +42,8 @@ from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import (
     RADIANS_PER_DEGREE,
     Acceleration,
-    Fraction,
-    Irradiance,
-    Latitude,
-    LocalTime,
-    OpticalDepth,
-    Pressure,
-    SolarLongitude,
-    TemperatureOffset,
 )
 from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.units import Measured
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.carbon_dioxide import CARBON_DIOXIDE, FROZEN_CARBON_DIOXIDE
 
@@ -164,7 +153,7 @@ def mars_sunlight(
     --------
     >>> light = mars_sunlight(solar_longitude=90.0, latitude=25.0, local_time=15.0)
     >>> print(f"{light.irradiance:.0f} W/m², {light.zenith_angle / RADIANS_PER_DEGREE:.1f}°")
-    493 W/m², 41.0°
+    496 W/m², 40.6°
     """
     if solar_longitude is None and latitude is not None:
         raise ConfigurationError("the sun's height at a latitude needs a solar_longitude")
@@ -214,6 +203,9 @@ class Mars(AbstractEnvironment):
     sky : AbstractSky or None
         Light and heat radiation where a place is given, such as :data:`MARS_SKY`; None leaves
         them to ``radiation``.
+    place : Place or None
+        Where and when, in place of none: with a sky, ``radiation`` becomes that of the place, as
+        a flyer above dust and horizon has it.
 
     Notes
     -----
@@ -234,6 +226,13 @@ class Mars(AbstractEnvironment):
     dust: Dust | None = Dust()
     wind: AbstractWind | None = None
     sky: AbstractSky | None = None
+    place: Place | None = None
+
+    def __post_init__(self) -> None:
+        if self.sky is None or self.place is None:
+            return
+        full = self.sky.radiation(self.atmosphere.altitude_range[1], self.place)
+        self.radiation = replace(full, visible=None, ground_view=None, lit_ground=None)
 
     @property
     def planet(self) -> Planet:
@@ -249,10 +248,16 @@ class Mars(AbstractEnvironment):
 
     def assumptions(self) -> tuple[str, ...]:
         """See :meth:`AbstractEnvironment.assumptions`."""
+        told = self.radiation.describe(VIEW_OF_PLANET)
+        if self.sky is not None and self.place is not None:
+            told = f"{told[0]}, {self.place.describe()}", *self.sky.assumptions()
+        return (*told, *self.assumptions_of_air())
+
+    def assumptions_of_air(self) -> tuple[str, ...]:
+        """See :meth:`AbstractEnvironment.assumptions_of_air`: dust, and what walls exchange."""
         dust = "no dust" if self.dust is None else self.dust.describe()
         exchanged = _VIBRATION.get(self.gas.name)
-        vibration = () if exchanged is None else (exchanged,)
-        return (*self.radiation.describe(VIEW_OF_PLANET), dust, *vibration)
+        return (dust,) if exchanged is None else (dust, exchanged)
 
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
         """Surroundings at an altitude.
@@ -262,7 +267,7 @@ class Mars(AbstractEnvironment):
         coordinate : array, shape (...)
             Altitude above the areoid [m].
         place : Place, optional
-            Where and when, for the wind and the sky.
+            Where and when, for the wind and the sky; by default its own.
 
         Returns
         -------
@@ -275,6 +280,7 @@ class Mars(AbstractEnvironment):
         """
         altitude = self.coordinate.quantity.number("altitude", coordinate)
         require_range("altitude [m]", altitude, *self.atmosphere.altitude_range)
+        place = self.place if place is None else place
         state = _state(self, altitude, place)
         if self.wind is None or place is None:
             return state
@@ -324,92 +330,3 @@ def _dimmed(
         visible=seen * light.beam,
         diffuse_above=radiation.diffuse_above + scattered,
     )
-
-
-class MarsSection(AltitudeSection):
-    """``[environment]``: Mars with the reference atmosphere of COSPAR.
-
-    The light is given by irradiance and incidence, or by season, latitude and local solar time.
-    """
-
-    kind: Literal["mars"]
-    gas: Literal["co2", "co2-frozen"] | None = None  # type: ignore[assignment]
-    surface_pressure: Pressure = Measured(SURFACE_PRESSURE)
-    temperature_offset: TemperatureOffset = Measured(0.0)
-    irradiance: Irradiance = Measured(MEAN_IRRADIANCE)
-    solar_longitude: SolarLongitude | None = None
-    latitude: Latitude | None = None
-    local_time: LocalTime = Measured(12.0)
-    albedo: Fraction = Measured(MARS_ALBEDO)
-    surroundings: Literal["mars", "gas"] = "mars"
-    dust_optical_depth: OpticalDepth = Measured(OPTICAL_DEPTH)
-
-    @pydantic.model_validator(mode="after")
-    def _one_light(self) -> "MarsSection":
-        for key, beside in (("irradiance", "solar_longitude"), ("incidence", "latitude")):
-            if getattr(self, beside) is not None and key in self.model_fields_set:
-                raise ConfigurationError(
-                    f"{key} has no effect beside {beside}, which decides it; remove one"
-                )
-        if self.latitude is not None and self.solar_longitude is None:
-            raise ConfigurationError("latitude needs solar_longitude for the height of the sun")
-        if self.latitude is None and "local_time" in self.model_fields_set:
-            raise ConfigurationError("local_time has no effect without latitude")
-        return self
-
-    def reason_not_varied(self, name: str) -> str | None:
-        """See :meth:`Section.reason_not_varied`: the light, where season and hour decide it."""
-        if name == "irradiance" and self.solar_longitude is not None:
-            return "follows from solar_longitude"
-        if name == "incidence" and self.latitude is not None:
-            return "follows from latitude and local_time"
-        if name in ("latitude", "local_time") and self.latitude is None:
-            return "has no effect without latitude and solar_longitude"
-        return super().reason_not_varied(name)
-
-    @property
-    def incidence_keys(self) -> tuple[str, ...]:
-        """See :attr:`EnvironmentSection.incidence_keys`."""
-        season = ("solar_longitude", "latitude", "local_time")
-        return super().incidence_keys if self.latitude is None else season
-
-    @property
-    def light_incidence(self) -> Numeric:
-        """See :attr:`EnvironmentSection.light_incidence`: of the sun above or below."""
-        angle = self._zenith_angle
-        return abs(angle - math.pi * (angle > 0.5 * math.pi))
-
-    @property
-    def _zenith_angle(self) -> Numeric:
-        if self.latitude is None or self.solar_longitude is None:
-            return self.incidence.value * RADIANS_PER_DEGREE
-        season, latitude = (
-            angle.value * RADIANS_PER_DEGREE for angle in (self.solar_longitude, self.latitude)
-        )
-        return zenith_angle_in_season(season, latitude, self.local_time.value)
-
-    @property
-    def default_infrared(self) -> tuple[float | None, float | None]:
-        """Heat radiation from above and below where the file gives none [W/m²]."""
-        return (SKY_INFRARED, MARS_INFRARED) if self.surroundings == "mars" else (None, None)
-
-    def build(self) -> Mars:
-        """Mars with this light and air."""
-        radiation = self.build_radiation()
-        if self.solar_longitude is not None:
-            season = self.solar_longitude.value * RADIANS_PER_DEGREE
-            radiation = replace(
-                radiation,
-                irradiance=season_irradiance(season),
-                zenith_angle=self._zenith_angle,
-            )
-        return Mars(
-            atmosphere=MarsAtmosphere(
-                surface_pressure=self.surface_pressure.value,
-                temperature_offset=self.temperature_offset.value,
-            ),
-            gas=air_of_mars(_GASES[self.gas or CARBON_DIOXIDE.name]),
-            gravity=None if self.gravity is None else self.gravity.value,
-            radiation=radiation,
-            dust=Dust(self.dust_optical_depth.value),
-        )

@@ -110,7 +110,7 @@ def sun_from_mars(time: Numeric) -> SunPosition:
     Examples
     --------
     >>> print(f"{float(sun_from_mars(0.0).distance) / 1.495978707e11:.4f} au")
-    1.3913 au
+    1.3911 au
     """
     days = _days(time)
     longitude, anomaly, centre = _season(days)

@@ -75,7 +75,7 @@ def assumptions_of(
 def _of_light(environment: AbstractEnvironment) -> tuple[str, ...]:
     sky = getattr(environment, "sky", None)
     if sky is not None:
-        return tuple(sky.assumptions())
+        return (*sky.assumptions(), *environment.assumptions_of_air())
     return ("light: the same at all times", *environment.assumptions())
 
 

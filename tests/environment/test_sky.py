@@ -285,7 +285,7 @@ def test_a_dataset_stands_for_what_it_samples():
     np.testing.assert_allclose(data.infrared_at(place), ground.infrared_at(place), atol=1.0)
     assert (
         data.describe()[0]
-        == "albedo: 0.189 to 0.729, a dataset of months, 74 latitudes, 72 longitudes"
+        == "albedo: 0.1893 to 0.7293, a dataset of months, 74 latitudes, 72 longitudes"
     )
     lit = Daylight(ground=data).radiation(7e4, EVENING)
     assert lit.albedo == pytest.approx(ground.albedo_at(EVENING), abs=0.003)

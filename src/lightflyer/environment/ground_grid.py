@@ -14,6 +14,7 @@ from lightflyer.foundation.cubic_grid import Axis, interpolate
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.precision import entry_point, is_traced
 from lightflyer.foundation.quantity import RADIANS_PER_DEGREE, Fraction, Irradiance, quantity_of
+from lightflyer.foundation.text import span
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import scale_and_offset
 
@@ -163,7 +164,7 @@ def _words(field: _Field) -> str:
     where = (f"{rows} latitudes" if rows > 1 else "all latitudes") + (
         f", {columns} longitudes" if columns > 1 else ""
     )
-    return f"{np.min(field.values):.3g} to {np.max(field.values):.3g}, a dataset of {when}, {where}"
+    return f"{span(field.values)}, a dataset of {when}, {where}"
 
 
 def _read(array: Any, name: str) -> _Field:

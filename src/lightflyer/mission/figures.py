@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 from matplotlib.figure import Figure
 
+from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.foundation.drawing import BLUE, GREY, ORANGE, SKY, VERMILION, new_figure
 from lightflyer.mission.coastline import coastline
 from lightflyer.mission.dataset import ELAPSED
@@ -98,9 +99,10 @@ def _ground_track(dataset: "xr.Dataset") -> Figure:
     figure = new_figure(width=8.0, height=4.6)
     (axes,) = figure.axes
     west, east, south, north = _view(dataset)
-    shore, latitude = coastline()
-    for turn in (-_TURN, 0.0, _TURN):
-        axes.plot(shore + turn, latitude, color=GREY, linewidth=0.6)
+    if dataset.attrs["planet"] == EARTH_PLANET.name:
+        shore, latitude = coastline()
+        for turn in (-_TURN, 0.0, _TURN):
+            axes.plot(shore + turn, latitude, color=GREY, linewidth=0.6)
     if "ensemble_longitude" in dataset:
         _ensemble_tracks(axes, dataset)
     line = _unbroken(dataset.longitude.values)

@@ -332,6 +332,7 @@ def _record(
         "lightflyer_version": lightflyer.__version__,
         "flyer": setup.flyer.describe(),
         "force_model": described(setup.model),
+        "planet": planet_of(setup.environment).name,
         "planet_radius_km": float(planet_of(setup.environment).radius) / 1e3,
         "assumptions": "; ".join(assumptions_of(setup, mission.rule, ensemble, inertia)),
     }

@@ -109,3 +109,10 @@ def test_double_precision_without_asking(film):
         with lf.float64():
             mapped = jax.jit(jax.vmap(lambda speed, f=flyer: f.drag(state, (0.1, 0.1), speed)))
             np.testing.assert_allclose(plain, mapped(speeds), rtol=1e-12)
+
+
+def test_wide_holes_are_said_where_they_matter(film):
+    dense = lf.Earth().state(0.0)
+    narrow, wide = (lf.Sandwich(film, film, 0.01, 1e-4, 0.5, a, 0.0, 0.0) for a in (1e-5, 1e-3))
+    assert narrow.drag_caveats(dense, 0.1) == ()
+    assert any("passes the holes is 0.027" in said for said in wide.drag_caveats(dense, 0.1))

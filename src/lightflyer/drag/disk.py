@@ -53,10 +53,10 @@ _HALF_WARMED = 4.5
 in docs/kinetic.md."""
 
 _HOLES = Validity(
-    "half the width of the holes over the mean free path",
+    "the share of dense gas that passes the holes",
     0.0,
-    1.0,
-    "gas passes more easily than the drag takes, which is too large",
+    0.01,
+    "the drag leaves it out and is too large",
 )
 _EDGEWISE_SHARE = 2.5, 19.6
 """Share of the resistance of dense gas that is met edgewise, 1 − 2.5/(δ + 19.6): at δ = 0 what the
@@ -251,20 +251,37 @@ def disk_caveats(
 
 
 def wide_hole_caveats(
-    hole_radius: Numeric, pressure: Numeric, temperature: Numeric, gas: AbstractGas
+    hole_radius: Numeric,
+    radius: Numeric,
+    open_fraction: Numeric,
+    pressure: Numeric,
+    temperature: Numeric,
+    gas: AbstractGas,
 ) -> Iterator[str]:
-    """Where the drag of a disk with holes takes them for narrower than they are, in words.
+    r"""Where dense gas that passes the holes of a disk lowers its drag, in words.
 
     Parameters
     ----------
     hole_radius : array, shape (...)
         Half the width of a hole [m].
+    radius : array, shape (...)
+        Of the disk [m].
+    open_fraction : array, shape (...)
+        Share of the area that is holes [1].
     pressure, temperature, gas
         As for :func:`disk_drag`; concrete.
 
     Yields
     ------
     str
+
+    Notes
+    -----
+    By Sampson's flow through the holes of one thin wall, dense gas passes at
+    :math:`16\,\beta a/(3\pi^2 r)` of the speed. Holes narrower than the mean free path are part of
+    the drag itself.
     """
     path = mean_free_path(pressure, temperature, gas)
-    yield from _HOLES.caveats(np.asarray(hole_radius) / path, pressure)
+    wide = np.asarray(hole_radius) > path
+    passing = BROADSIDE / (3.0 * math.pi**2) * np.asarray(open_fraction) * hole_radius / radius
+    yield from _HOLES.caveats(np.where(wide, passing, 0.0), pressure)

@@ -236,7 +236,7 @@ class Plate(AbstractFlyer):
         gas = (state.pressure, state.temperature, state.gas)
         return (
             *disk_caveats(speed, self.radius, *gas, faces, direction),
-            *wide_hole_caveats(0.5 * self.channel_width, *gas),
+            *wide_hole_caveats(0.5 * self.channel_width, self.radius, self.open_fraction, *gas),
         )
 
     def describe(self) -> str:

@@ -228,7 +228,7 @@ class Sandwich(AbstractFlyer):
         gas = (state.pressure, state.temperature, state.gas)
         return (
             *disk_caveats(speed, self.radius, *gas, faces, direction),
-            *wide_hole_caveats(self.hole_radius, *gas),
+            *wide_hole_caveats(self.hole_radius, self.radius, self.open_fraction, *gas),
         )
 
     def describe(self) -> str:

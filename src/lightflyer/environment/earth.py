@@ -143,6 +143,10 @@ class Earth(AbstractEnvironment):
             *self.sky.assumptions(),
         )
 
+    def assumptions_of_air(self) -> tuple[str, ...]:
+        """See :meth:`AbstractEnvironment.assumptions_of_air`: which atmosphere."""
+        return (self.atmosphere.describe(),)
+
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
         """Surroundings at an altitude.
 

@@ -37,6 +37,10 @@ class AbstractAtmosphere(eqx.Module):
     def molar_mass_ratio(self, altitude: Numeric, place: Place | None = None) -> Any:
         """Mean molar mass over its value at sea level [1]."""
 
+    def describe(self) -> str:
+        """Which atmosphere it is, in a short text; by default the name of the class."""
+        return f"atmosphere: {type(self).__name__}"
+
     def _nan_outside(self, altitude: Numeric, value: Numeric) -> Array:
         lowest, highest = self.altitude_range
         return jnp.where((altitude >= lowest) & (altitude <= highest), value, jnp.nan)

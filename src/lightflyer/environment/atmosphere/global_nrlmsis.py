@@ -157,9 +157,11 @@ class GlobalNRLMSIS(AbstractAtmosphere):
     coefficients: Any
     latitudes: Axis
     altitudes: Axis
+    indices: Indices
 
     def __init__(self, f107: float, ap: float, f107a: float | None = None):
-        inner = _coefficients(Indices.of(f107, f107a, ap))
+        self.indices = Indices.of(f107, f107a, ap)
+        inner = _coefficients(self.indices)
         # one row beyond each pole, where the row before the pole is met from the other side
         south, north = (inner[row] * _parities() for row in (1, -2))
         self.coefficients = np.concatenate([south[None], inner, north[None]])
@@ -172,6 +174,10 @@ class GlobalNRLMSIS(AbstractAtmosphere):
     def altitude_range(self) -> tuple[float, float]:
         """0 m to 150 km."""
         return 0.0, _TOP
+
+    def describe(self) -> str:
+        """See :meth:`AbstractAtmosphere.describe`."""
+        return f"atmosphere: NRLMSIS 2.1 by place and time, {self.indices.describe()}"
 
     def _fields(self, altitude: Numeric, place: Place | None) -> tuple[Array, Array, Array]:
         if place is None:

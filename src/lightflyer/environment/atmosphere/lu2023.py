@@ -65,6 +65,10 @@ class Lu2023Atmosphere(AbstractAtmosphere):
         """0 m to 120 km."""
         return 0.0, _TOP
 
+    def describe(self) -> str:
+        """See :meth:`AbstractAtmosphere.describe`."""
+        return "atmosphere: the polynomial of Lu and others (2023), the same everywhere and always"
+
     @entry_point
     def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
         """Temperature [K]."""

@@ -60,6 +60,10 @@ class Indices(NamedTuple):
         _check("ap", ap, GeomagneticIndex)
         return cls(f107, f107a, ap)
 
+    def describe(self) -> str:
+        """The indices in words."""
+        return f"F10.7 = {self.f107:g} (mean {self.f107a:g}), ap = {self.ap:g}"
+
 
 def evaluate(
     date: np.datetime64,
@@ -151,6 +155,8 @@ class NRLMSIS(AbstractAtmosphere):
     log_pressure: Spline
     kinetic_temperature: Spline
     molar_mass: Spline
+    place: Place
+    indices: Indices
 
     def __init__(
         self,
@@ -177,6 +183,11 @@ class NRLMSIS(AbstractAtmosphere):
         self.kinetic_temperature = Spline.through(altitudes, temperature)
         self.log_pressure = Spline.through(altitudes, np.log(pressure))
         self.molar_mass = Spline.through(altitudes, ratio)
+        self.place, self.indices = Place.at(date, latitude, longitude), indices
+
+    def describe(self) -> str:
+        """See :meth:`AbstractAtmosphere.describe`."""
+        return f"atmosphere: NRLMSIS 2.1, {self.place.describe()}, {self.indices.describe()}"
 
     @property
     def altitude_range(self) -> tuple[float, float]:

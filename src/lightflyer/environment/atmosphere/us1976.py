@@ -176,6 +176,10 @@ class US1976(AbstractAtmosphere):
         """0 m to 1000 km."""
         return 0.0, _TOP
 
+    def describe(self) -> str:
+        """See :meth:`AbstractAtmosphere.describe`."""
+        return "atmosphere: US Standard Atmosphere 1976, the same everywhere and always"
+
     @entry_point
     def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
         """Kinetic temperature [K]."""

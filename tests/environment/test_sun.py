@@ -12,6 +12,7 @@ from lightflyer.environment import (
     Place,
     Planet,
     SunPosition,
+    TabulatedSun,
     sun_from_earth,
     sun_in_sky,
 )
@@ -169,3 +170,17 @@ def test_places_from_dates():
         Place.at(0.0, 91.0, 0.0)
     with pytest.raises(lf.ParameterError, match="is not a date"):
         Place.at("midsummer", 45.0, 0.0)
+
+
+@pytest.mark.parametrize("days", [1.0, 100.0])
+def test_a_table_stands_for_the_sun(days):
+    start = 8.2e8
+    table = TabulatedSun(EarthSun(), EARTH_PLANET.rotation_rate, start, start + days * 86_400.0)
+    time = start + np.linspace(0.0, days, 997) * 86_400.0
+    found, expected = table.position(time), sun_from_earth(time)
+    np.testing.assert_allclose(found.direction, expected.direction, atol=1e-7)
+    np.testing.assert_allclose(found.distance, expected.distance, rtol=1e-7)
+    assert np.isnan(table.position(start - 1.0).distance)
+    assert np.isnan(table.position(time[-1] + 1.0).direction).all()
+    with pytest.raises(lf.ParameterError, match="is empty"):
+        TabulatedSun(EarthSun(), EARTH_PLANET.rotation_rate, start, start)

@@ -46,6 +46,7 @@ from .sun import SunInSky as SunInSky
 from .sun import SunPosition as SunPosition
 from .sun import sun_from_earth as sun_from_earth
 from .sun import sun_in_sky as sun_in_sky
+from .sun_table import TabulatedSun as TabulatedSun
 from .view_factor import ground_view_factor as ground_view_factor
 from .view_factor import sphere_view_factor as sphere_view_factor
 from .wind.base import AbstractWind as AbstractWind

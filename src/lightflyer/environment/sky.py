@@ -1,6 +1,7 @@
 """The sky of a place: sun, reflected light and heat radiation by altitude, place and time."""
 
 import abc
+from dataclasses import replace
 from typing import NamedTuple
 
 import equinox as eqx
@@ -21,6 +22,7 @@ from lightflyer.environment.horizon import (
 from lightflyer.environment.planet import EARTH_PLANET, Planet
 from lightflyer.environment.radiation import SKY_INFRARED, Radiation
 from lightflyer.environment.sun import AbstractSun, EarthSun, SunInSky
+from lightflyer.environment.sun_table import TabulatedSun
 from lightflyer.foundation import constants
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import Checked, Irradiance
@@ -162,6 +164,21 @@ class Daylight(AbstractSky, Checked):
             angular_radius=angular_radius,
             lit_ground=lit_ground(sun.zenith_angle, ground_view),
         )
+
+    def over(self, start: float, stop: float) -> "Daylight":
+        """The same sky with the sun from a table, for many evaluations between two times.
+
+        Parameters
+        ----------
+        start, stop : float
+            [s since 2000-01-01 12:00 UTC].
+
+        Returns
+        -------
+        Daylight
+            NaN at other times.
+        """
+        return replace(self, sun=TabulatedSun(self.sun, self.planet.rotation_rate, start, stop))
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
         """See :meth:`AbstractSky.margins`: those of the ground."""

@@ -144,11 +144,12 @@ def test_where_nothing_flies_the_light_and_the_best_are_in_view():
     heavy = lf.Disk(lf.FilmProperties(3e-3, 0.75, 0.3, 0.3, 0.8, 0.85), 0.01)
     found = lf.predict(heavy, SETUP.environment, SETUP.model)
     assert not found.bands
-    irradiance, _, payload, _, _ = found.plot().axes
+    irradiance = found.plot("irradiance").axes[0]
     low, high = irradiance.get_ylim()
     assert low < found.available < high
-    best = found.best.coordinate
-    assert payload.get_xlim()[0] <= best <= payload.get_xlim()[1]
+    best = replace(found.best, coordinate=1e3)
+    payload = replace(found, best=best).plot("payload").axes[0]
+    assert payload.get_xlim()[0] < payload.get_xlim()[1] == pytest.approx(1e3)
 
 
 def test_comparison(prediction):

@@ -155,6 +155,15 @@ def test_a_mean_over_longitude_that_does_not_change():
     np.testing.assert_allclose(found.north, 0.0, atol=0.005)
 
 
+def test_a_wind_upwards_alone(wind):
+    rising = GriddedWind(dataset().drop_vars(["u", "v"]))
+    place = Place(*ODD, 9e3)
+    east, north, up = rising.velocity(61e3, place)
+    assert not np.any(east)
+    assert not np.any(north)
+    np.testing.assert_allclose(up, wind.velocity(61e3, place).up, rtol=1e-12)
+
+
 def test_the_wind_says_where_its_data_end():
     here = dataset(latitude=np.arange(30.0, 61.0, 5.0), longitude=np.arange(-30.0, 31.0, 5.0))
     wind = GriddedWind(here)
@@ -194,7 +203,10 @@ def with_units(data, name, unit):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda data: data.rename(u="zonal"), "needs the variables u and v .*there are: zonal, v"),
+        (
+            lambda data: data.rename(u="zonal"),
+            "needs the variables u and v .*there are: zonal, v, w",
+        ),
         (without_units, r"u has no units; set dataset\[\"u\"\]"),
         (lambda data: with_units(data, "u", "kg"), 'units of u: "kg": unit "kg" is of the wrong'),
         (lambda data: with_units(data, "altitude", "hPa"), "units of altitude"),
@@ -205,6 +217,10 @@ def with_units(data, name, unit):
         (lambda data: data.isel(altitude=0, drop=True), "one dimension altitude or pressure"),
         (lambda data: data.isel(latitude=0, drop=True), "no dimension latitude"),
         (lambda data: data.isel(longitude=[0]), "longitude needs two entries"),
+        (lambda data: data.isel(altitude=[0]), "altitude needs two entries"),
+        (lambda data: data.assign(v=data.v.isel(time=0, drop=True)), "v has other dimensions"),
+        (lambda data: data.drop_vars("v"), "there are: u, w"),
+        (lambda data: "winds", "there are: none"),
         (lambda data: data.assign_coords(time=np.arange(5)), "time must be dates"),
         (lambda data: data.isel(time=[0, 0, 1]), "time has missing or repeated entries"),
         (lambda data: data.assign_coords(latitude=3.0 * data.latitude), "between -90 and 90"),

@@ -22,6 +22,7 @@ _NAMES = {
     "latitude": ("latitude", "lat"),
     "longitude": ("longitude", "lon"),
 }
+_VARIABLES = ("u", "v", "w")
 _MERIDIANS = 36  # for a wind that is the same at every longitude
 _DEGREES = ("degrees", "degree", "deg", "°")
 _OMEGA = "Pa/s"
@@ -89,7 +90,7 @@ def read_grid(dataset: Any) -> WindGrid:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Variables ``u``, ``v`` and, if there is one, ``w``, the wind towards east, north and up.
+        Variables ``u`` and ``v``, ``w``, or all three: the wind towards east, north and up.
 
     Returns
     -------
@@ -100,8 +101,8 @@ def read_grid(dataset: Any) -> WindGrid:
     ConfigurationError
         In one line, what is missing, in a wrong unit, not in order or too large.
     """
-    _require_variables(dataset)
-    names = _dimensions(dataset)
+    given = _variables(dataset)
+    names = _dimensions(dataset, given[0])
     by_pressure = "pressure" in names
     level = "pressure" if by_pressure else "altitude"
     order = [names.get(kind) for kind in ("time", level, "latitude", "longitude")]
@@ -113,7 +114,13 @@ def read_grid(dataset: Any) -> WindGrid:
         axes.append(values[sorting[-1]])
         if np.any(~np.isfinite(values)) or np.any(np.diff(axes[-1]) <= 0.0):
             raise ConfigurationError(f"winds: {name} has missing or repeated entries")
-    fields = [_field(dataset, name, order, sorting) for name in ("u", "v", "w")]
+        if name is not None and name != names.get("time") and values.size == 1:
+            raise ConfigurationError(f"winds: {name} needs two entries or more")
+    shape = [axis.size for axis in axes]
+    fields = [
+        _field(dataset, name, order, sorting) if name in given else np.zeros(shape)
+        for name in _VARIABLES
+    ]
     if order[-1] is None:  # a mean over longitude
         axes[-1] = np.arange(_MERIDIANS) / _MERIDIANS * 2.0 * np.pi
         fields = [np.repeat(field, _MERIDIANS, axis=-1) for field in fields]
@@ -121,36 +128,40 @@ def read_grid(dataset: Any) -> WindGrid:
     return _around(WindGrid(time, height, by_pressure, latitude, longitude, False, *fields))
 
 
-def _require_variables(dataset: Any) -> None:
-    missing = [name for name in ("u", "v") if name not in getattr(dataset, "data_vars", ())]
-    if missing:
-        there = ", ".join(str(name) for name in getattr(dataset, "data_vars", ())) or "none"
+def _variables(dataset: Any) -> list[str]:
+    """Names of the components that a dataset has."""
+    there = [str(name) for name in getattr(dataset, "data_vars", ())]
+    given = [name for name in _VARIABLES if name in there]
+    if given not in (["u", "v"], ["w"], list(_VARIABLES)):
         raise ConfigurationError(
-            f"winds: needs the variables u and v (towards east and north); there are: {there}"
+            "winds: needs the variables u and v (towards east and north), w (up), or all three; "
+            f"there are: {', '.join(there) or 'none'}"
         )
-    size = dataset["u"].size
+    size = dataset[given[0]].size
     if size > LARGEST:
         raise ConfigurationError(
-            f"winds: u has {size:,} points, more than {LARGEST:,}; select the times and levels "
-            "that are needed, or coarsen it"
+            f"winds: {given[0]} has {size:,} points, more than {LARGEST:,}; select the times and "
+            "levels that are needed, or coarsen it"
         )
+    return given
 
 
-def _dimensions(dataset: Any) -> dict[str, str]:
+def _dimensions(dataset: Any, variable: str) -> dict[str, str]:
     """The dataset's own name of each dimension that its winds have."""
     found: dict[str, str] = {}
-    for dimension in dataset["u"].dims:
+    for dimension in dataset[variable].dims:
         kinds = [kind for kind, names in _NAMES.items() if dimension in names]
-        if not kinds:
+        if not kinds or kinds[0] in found:
             raise ConfigurationError(
-                f"winds: u has the dimension {dimension}, which is none of time, altitude or "
-                "pressure, latitude, longitude; rename it or select one entry"
+                f"winds: {variable} has the dimension {dimension}, which is none of time, "
+                "altitude or pressure, latitude, longitude, or is so twice; rename it or select "
+                "one entry"
             )
         found[kinds[0]] = str(dimension)
     if "latitude" not in found:
-        raise ConfigurationError("winds: u has no dimension latitude")
+        raise ConfigurationError(f"winds: {variable} has no dimension latitude")
     if ("altitude" in found) == ("pressure" in found):
-        raise ConfigurationError("winds: u needs one dimension altitude or pressure, not both")
+        raise ConfigurationError(f"winds: {variable} needs one dimension altitude or pressure")
     for name in found.values():
         if name not in dataset.coords:
             raise ConfigurationError(f"winds: the dimension {name} has no coordinates")
@@ -203,18 +214,16 @@ def _seconds(array: Any, name: str) -> np.ndarray:
 
 
 def _field(dataset: Any, name: str, order: list[Any], sorting: list[np.ndarray]) -> np.ndarray:
-    if name not in dataset.data_vars:
-        return np.zeros([indices.size for indices in sorting])
     array = dataset[name]
-    if set(array.dims) != set(dataset["u"].dims):
-        raise ConfigurationError(f"winds: {name} and u have different dimensions")
+    present = [dimension for dimension in order if dimension is not None]
+    if set(array.dims) != set(present):
+        raise ConfigurationError(f"winds: {name} has other dimensions than {', '.join(present)}")
     if _unit(array, name, "m/s").replace("s-1", "/s").replace(" ", "") == _OMEGA:
         raise ConfigurationError(
             f"winds: {name} is in Pa/s, a change of pressure; convert it to m/s upwards (divide by "
             "minus density times gravity) or drop it"
         )
-    array = array.transpose(*[dimension for dimension in order if dimension is not None])
-    values = _scaled(array, name, "m/s")
+    values = _scaled(array.transpose(*present), name, "m/s")
     missing = int(np.sum(~np.isfinite(values)))
     if missing:
         raise ConfigurationError(
@@ -231,8 +240,6 @@ def _around(grid: WindGrid) -> WindGrid:
     longitude, turn = grid.longitude, 2.0 * np.pi
     if np.any(np.abs(grid.latitude) > np.pi / 2 * (1.0 + 1e-9)):
         raise ConfigurationError("winds: latitude must be between -90 and 90 degrees")
-    if longitude.size == 1:
-        raise ConfigurationError("winds: longitude needs two entries or more")
     spacing = np.diff(longitude).max()
     width = longitude[-1] - longitude[0]
     if width > turn + 1e-6:

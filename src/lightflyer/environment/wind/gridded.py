@@ -42,8 +42,8 @@ class GriddedWind(AbstractWind):
     Parameters
     ----------
     dataset : xarray.Dataset or WindGrid
-        Variables ``u`` and ``v``, the wind towards east and north, and if there is one ``w``, the
-        wind upwards, each with ``units`` that convert to m/s. Dimensions: ``latitude`` and
+        Variables ``u`` and ``v``, the wind towards east and north, ``w``, the wind upwards, or all
+        three, each with ``units`` that convert to m/s. Dimensions: ``latitude`` and
         ``longitude`` in degrees; ``altitude`` (geometric, above sea level) or ``pressure``, with
         units; ``time`` as dates in UTC. Without ``time`` the wind does not change, without
         ``longitude`` it is the same all around. Usual other names of dimensions are known, such as

@@ -22,7 +22,7 @@ DISK = lf.Disk(FILM, radius=0.01)
 SAMPLES, SEED = 400, 0
 
 # Other published profiles: altitude [km], temperature [K], pressure [Pa].
-# Mars-GRAM 2021 at 22°-43° N, Ls 172°, before dawn: its sample output of the suite's version 1.5.
+# Mars-GRAM 2021 at 28° to 34° N, Ls 172°, morning: its sample output of the suite's version 1.5.
 MARS_GRAM = ((40, 154.1, 7.586), (50, 138.0, 2.165), (60, 142.8, 0.6798), (70, 145.1, 0.2454),
              (80, 130.1, 0.05979))  # fmt: skip
 # Mars Climate Database, mean over the planet and the year, as tabulated by Tudat.

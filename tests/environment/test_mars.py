@@ -208,11 +208,29 @@ def test_scattered_light_against_photons_followed_one_by_one(depth, cosine):
     assert found == pytest.approx(monte_carlo_transmittance(depth, cosine, 0.92, 0.66), abs=0.02)
 
 
+def test_surroundings_under_transformations(mars):
+    """jit and vmap give what the plain call gives, and grad the difference quotient."""
+
+    def light(altitude):
+        radiation = mars.state(altitude).radiation
+        return radiation.visible + radiation.scattered + mars.state(altitude).pressure
+
+    altitudes = np.array([12.3e3, 44.4e3, 71.7e3])
+    plain = light(altitudes)
+    with lf.float64():
+        np.testing.assert_allclose(jax.vmap(light)(altitudes), plain, rtol=1e-12)
+        slope = jax.jit(jax.grad(light))(12.3e3)
+    assert slope == pytest.approx((light(12.31e3) - light(12.29e3)) / 20.0, rel=1e-5)
+
+
 def test_dust_dims_low_flyers_and_not_high_ones(mars):
     clear = dataclasses.replace(mars, dust=None)
     low, high = mars.state(5e3).radiation, mars.state(55e3).radiation
     assert 0.7 < low.visible < 0.9
-    assert 0.1 < low.diffuse_above / low.irradiance < 0.25
+    assert 0.1 < low.scattered < 0.25
+    faces, clear_faces = low.on_faces(), clear.state(5e3).radiation.on_faces()
+    assert faces.beam_top == pytest.approx(float(low.visible + low.scattered))
+    assert faces.beam_bottom == pytest.approx(float(clear_faces.beam_bottom), rel=5e-3)
     assert high.visible == pytest.approx(1.0, abs=2e-3)
     assert clear.state(5e3).radiation.visible is None
     text = " ".join(mars.assumptions())

@@ -324,9 +324,4 @@ def _dimmed(
     )
     light = dusty_light(dust, depth, lowest_depth, cosine, distance)
     seen = 1.0 if radiation.visible is None else radiation.visible
-    scattered = radiation.irradiance * seen * light.scattered
-    return replace(
-        radiation,
-        visible=seen * light.beam,
-        diffuse_above=radiation.diffuse_above + scattered,
-    )
+    return replace(radiation, visible=seen * light.beam, scattered=seen * light.scattered)

@@ -147,6 +147,9 @@ class Radiation(Checked):
     angular_radius : array or None
         Of the source's disk [rad]; None stands for a point. A disk that passes through the plane
         of a face lights both faces of a flyer, so that light is smooth in the direction.
+    scattered : array or None
+        Irradiance of a level face by light of the beam that the air scatters down, per irradiance
+        of the beam [1]; None stands for none.
     lit_ground : array or None
         Mean cosine of the light's incidence on the ground that is seen [1]; None stands for the
         cosine at the flyer's nadir, zero where the source is below the horizontal.
@@ -171,6 +174,7 @@ class Radiation(Checked):
     ground_view: Fraction | None = None
     stefan_boltzmann: Numeric = constants.STEFAN_BOLTZMANN
     visible: Fraction | None = None
+    scattered: Fraction | None = None
     angular_radius: AngularRadius | None = None
     lit_ground: Fraction | None = None
 
@@ -227,6 +231,8 @@ class Radiation(Checked):
         light = f"light: {span(self.irradiance)} W/m², {span(angle)}° from the vertical"
         if self.visible is not None and np.any(np.asarray(self.visible) < 1.0):
             light += f", of which a share of {span(self.visible)} is visible"
+        if self.scattered is not None and np.any(self.scattered):
+            light += f", and a share of {span(self.scattered)} scattered down"
         if np.any(self.diffuse_above):
             light += f", and diffuse {span(self.diffuse_above)} W/m² from above"
         reflects = bool(np.any(self.albedo))
@@ -286,10 +292,10 @@ class Radiation(Checked):
                 self.azimuth - attitude.azimuth
             )
         top, bottom = self.views_of_ground(attitude)
-        reflected = self.diffuse_light()[0].ground
+        of_beam = self.diffuse_light()[0]
         return FaceLight(
-            beam_top=self._beam(facing) + reflected * top,
-            beam_bottom=self._beam(-facing) + reflected * bottom,
+            beam_top=self._beam(facing) + of_beam.seen(top),
+            beam_bottom=self._beam(-facing) + of_beam.seen(bottom),
             diffuse_top=self.diffuse_above * (1.0 - top),
             diffuse_bottom=self.diffuse_above * (1.0 - bottom),
         )
@@ -320,21 +326,22 @@ class Radiation(Checked):
         -------
         Radiation
         """
-        return replace(self, albedo=0.0, visible=None)
+        return replace(self, albedo=0.0, visible=None, scattered=None)
 
     def diffuse_light(self) -> tuple[Exitances, Exitances]:
         """Light from sky and ground.
 
         Returns
         -------
-        reflected : Exitances
-            The beam's reflection from the ground, per irradiance of the beam [1].
+        of_beam : Exitances
+            What air and ground send on of the beam, per irradiance of the beam [1].
         diffuse : Exitances
             The sky's light, which does not depend on the beam [W/m²].
         """
         lit = self.lit_ground
         lit = jnp.maximum(jnp.cos(self.zenith_angle), 0.0) if lit is None else lit
-        return Exitances(0.0, self.albedo * lit), Exitances(self.diffuse_above, 0.0)
+        scattered = 0.0 if self.scattered is None else self.scattered
+        return Exitances(scattered, self.albedo * lit), Exitances(self.diffuse_above, 0.0)
 
     def infrared_exitances(self, gas_temperature: Numeric) -> Exitances:
         """Exitances of sky and ground beyond that of a black body at the gas temperature.

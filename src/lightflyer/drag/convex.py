@@ -29,6 +29,7 @@ from lightflyer.drag.inertia import SPHERE_REYNOLDS, sphere_inertia
 from lightflyer.drag.similarity import (
     SLOW,
     THIN,
+    WARMTH,
     molecular_speed,
     rarefaction_parameter,
     reynolds_number,
@@ -145,11 +146,18 @@ def convex_drag(
     thin = _thin(speed_ratio, outline, tac, jnp.sqrt(1.0 + excess))
     width = jnp.sqrt(outline.silhouette / math.pi)
     inertia = sphere_inertia(reynolds_number(speed_ratio, delta) * width / radius)
-    warmed = tac * delta / (tac * delta + _HALF_WARMED)
-    growth = viscosity_growth(excess, warmed, temperature, gas)
+    growth = _growth(excess, tac, delta, temperature, gas)
     dense = _STOKES * math.pi * radius**2 * inertia * growth / delta
     resistance = 1.0 / thin + cunningham_share(delta, tac) / dense
     return pressure * speed_ratio / resistance
+
+
+def _growth(
+    excess: Numeric, tac: Numeric, delta: Array, temperature: Numeric, gas: AbstractGas
+) -> Array:
+    """Growth of the drag of dense gas by the warmth of the surface."""
+    warmed = tac * delta / (tac * delta + _HALF_WARMED)
+    return viscosity_growth(excess, warmed, temperature, gas)
 
 
 def cunningham_share(rarefaction: Numeric, tac: Numeric) -> Array:
@@ -187,14 +195,22 @@ def _thin(speed_ratio: Array, outline: Outline, tac: Numeric, root_ratio: Array)
 
 
 def convex_caveats(
-    speed: Numeric, outline: Outline, pressure: Numeric, temperature: Numeric, gas: AbstractGas
+    speed: Numeric,
+    outline: Outline,
+    pressure: Numeric,
+    temperature: Numeric,
+    gas: AbstractGas,
+    tac: Numeric = 1.0,
+    body_temperature: Numeric | None = None,
 ) -> Iterator[str]:
     """Where the drag of a convex body is outside its range, in words.
 
     Parameters
     ----------
-    speed, outline, pressure, temperature, gas
+    speed, outline, pressure, temperature, gas, tac
         As for :func:`convex_drag`; concrete.
+    body_temperature : array, shape (...), optional
+        Of the surface [K]; by default that of the gas.
 
     Yields
     ------
@@ -204,3 +220,6 @@ def convex_caveats(
     speed_ratio = np.abs(speed) / molecular_speed(temperature, gas)
     yield from SLOW.caveats(np.where(delta > THIN, speed_ratio, 0.0), pressure)
     yield from SPHERE_REYNOLDS.caveats(reynolds_number(speed_ratio, delta), pressure)
+    if body_temperature is not None:
+        excess = body_temperature / np.asarray(temperature) - 1.0
+        yield from WARMTH.caveats(_growth(excess, tac, delta, temperature, gas), pressure)

@@ -29,6 +29,7 @@ from lightflyer.drag.inertia import DISK_REYNOLDS, disk_inertia, edgewise_inerti
 from lightflyer.drag.similarity import (
     SLOW,
     THIN,
+    WARMTH,
     molecular_speed,
     rarefaction_parameter,
     reynolds_number,
@@ -188,7 +189,7 @@ def face_means(
 
 def _growth(
     excess: tuple[Numeric, Numeric],
-    tac: Array,
+    tac: Numeric,
     delta: Array,
     temperature: Numeric,
     gas: AbstractGas,
@@ -227,6 +228,7 @@ def disk_caveats(
     gas: AbstractGas,
     tac: tuple[Numeric, Numeric] = (1.0, 1.0),
     direction: Direction = "broadside",
+    body_temperature: Numeric | None = None,
 ) -> Iterator[str]:
     """Where the drag of a disk is outside its range or an estimate, in words.
 
@@ -235,6 +237,8 @@ def disk_caveats(
     speed, radius, pressure, temperature, gas, tac
         As for :func:`disk_drag`; concrete.
     direction : {"broadside", "edgewise"}
+    body_temperature : array, shape (...), optional
+        Of the disk [K]; by default that of the gas.
 
     Yields
     ------
@@ -247,7 +251,12 @@ def disk_caveats(
         yield _EDGEWISE
     else:
         yield from DISK_REYNOLDS.caveats(reynolds_number(speed_ratio, delta), pressure)
-    yield from TAC_RANGE.caveats(np.asarray(0.5 * (np.asarray(tac[0]) + tac[1])), pressure)
+    mean_tac = 0.5 * (np.asarray(tac[0]) + tac[1])
+    yield from TAC_RANGE.caveats(mean_tac, pressure)
+    if body_temperature is not None:
+        excess = body_temperature / np.asarray(temperature) - 1.0
+        growth = _growth((excess, excess), mean_tac, delta, temperature, gas)
+        yield from WARMTH.caveats(growth, pressure)
 
 
 def wide_hole_caveats(

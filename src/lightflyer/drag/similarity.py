@@ -18,6 +18,14 @@ SLOW = Validity(
 THIN = 0.1
 """Rarefaction up to which collisions take less than 6 % of the drag at any speed."""
 
+WARMTH = Validity(
+    "the growth of the drag of dense gas by the flyer's warmth",
+    0.9,
+    1.1,
+    "that is an estimate, of a third of what it differs from 1",
+)
+"""Where the effect of a warm flyer counts."""
+
 _FILM_SHARE = 0.6  # studies/drag/hot_sphere.py: 0.58 to 0.64 for T_w/T from 0.8 to 2.5
 
 

@@ -95,6 +95,7 @@ class Balloon(AbstractFlyer):
     """
 
     nodes: ClassVar[tuple[str, ...]] = ("envelope",)
+    drag_law: ClassVar[str] = "of a sphere by Cunningham's law, with inertia"
 
     film: FilmProperties
     radius: Length
@@ -237,12 +238,18 @@ class Balloon(AbstractFlyer):
         )
 
     def drag_caveats(
-        self, state: EnvironmentState, speed: Numeric, direction: Direction = "broadside"
+        self,
+        state: EnvironmentState,
+        speed: Numeric,
+        direction: Direction = "broadside",
+        temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
         """See :meth:`AbstractFlyer.drag_caveats`."""
         del direction
         gas = (state.pressure, state.temperature, state.gas)
-        return tuple(convex_caveats(speed, sphere_outline(self.radius), *gas))
+        return tuple(
+            convex_caveats(speed, sphere_outline(self.radius), *gas, self.film.tac_top, temperature)
+        )
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

@@ -33,6 +33,8 @@ class AbstractFlyer(Checked):
         Names of the temperatures, such as ``("top", "bottom")``.
     flows : tuple of str
         Names of further unknowns, for which the force model gives an equation each.
+    drag_law : str
+        What :meth:`drag` rests on, in a few words.
     payload : array
         Mass carried beside the flyer's own [kg].
     attitude : Attitude or None
@@ -41,6 +43,7 @@ class AbstractFlyer(Checked):
 
     nodes: eqx.AbstractClassVar[tuple[str, ...]]
     flows: ClassVar[tuple[str, ...]] = ()
+    drag_law: ClassVar[str] = "of its own"
 
     if TYPE_CHECKING:
         # a checker takes annotations for the first arguments of every subclass
@@ -187,7 +190,11 @@ class AbstractFlyer(Checked):
         )
 
     def drag_caveats(
-        self, state: EnvironmentState, speed: Numeric, direction: Direction = "broadside"
+        self,
+        state: EnvironmentState,
+        speed: Numeric,
+        direction: Direction = "broadside",
+        temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
         """Warnings, in words, where :meth:`drag` is outside its range or an estimate.
 
@@ -198,12 +205,14 @@ class AbstractFlyer(Checked):
         speed : array, shape (...)
             As for :meth:`drag`; concrete [m/s].
         direction : {"broadside", "edgewise"}
+        temperature : array, shape (...), optional
+            Of the flyer's hottest node there, concrete [K]; by default that of the gas.
 
         Returns
         -------
         tuple of str
         """
-        del state, speed, direction
+        del state, speed, direction, temperature
         return ()
 
     def caveats(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:

@@ -44,6 +44,7 @@ class Disk(AbstractFlyer):
     """
 
     nodes: ClassVar[tuple[str, ...]] = ("film",)
+    drag_law: ClassVar[str] = "of a thin disk by the kinetic equation, with inertia"
 
     film: FilmProperties
     radius: Length
@@ -120,12 +121,16 @@ class Disk(AbstractFlyer):
         )
 
     def drag_caveats(
-        self, state: EnvironmentState, speed: Numeric, direction: Direction = "broadside"
+        self,
+        state: EnvironmentState,
+        speed: Numeric,
+        direction: Direction = "broadside",
+        temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
         """See :meth:`AbstractFlyer.drag_caveats`."""
         faces = (self.film.tac_top, self.film.tac_bottom)
         gas = (state.pressure, state.temperature, state.gas)
-        return tuple(disk_caveats(speed, self.radius, *gas, faces, direction))
+        return tuple(disk_caveats(speed, self.radius, *gas, faces, direction, temperature))
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

@@ -99,6 +99,7 @@ class HollowBody(AbstractFlyer):
     """
 
     nodes: ClassVar[tuple[str, ...]] = ("inner", "outer")
+    drag_law: ClassVar[str] = "of a closed body by its surface and Cunningham's law, with inertia"
 
     outer: FilmProperties
     inner: FilmProperties
@@ -265,12 +266,16 @@ class HollowBody(AbstractFlyer):
         )
 
     def drag_caveats(
-        self, state: EnvironmentState, speed: Numeric, direction: Direction = "broadside"
+        self,
+        state: EnvironmentState,
+        speed: Numeric,
+        direction: Direction = "broadside",
+        temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
         """See :meth:`AbstractFlyer.drag_caveats`."""
         gas = (state.pressure, state.temperature, state.gas)
         return (
-            *convex_caveats(speed, self._outline(direction), *gas),
+            *convex_caveats(speed, self._outline(direction), *gas, self.outer.tac_top, temperature),
             "drag is that of a closed body: what flows through its wall and outlet is left out",
             *(() if self.form == "sphere" else (f"drag of a {self.form} is an estimate",)),
         )

@@ -94,6 +94,9 @@ class Sandwich(AbstractFlyer):
     """
 
     nodes: ClassVar[tuple[str, ...]] = ("top", "bottom")
+    drag_law: ClassVar[str] = (
+        "of a thin disk by the kinetic equation, less the molecules that pass, with inertia"
+    )
 
     top: FilmProperties
     bottom: FilmProperties
@@ -221,13 +224,17 @@ class Sandwich(AbstractFlyer):
         )
 
     def drag_caveats(
-        self, state: EnvironmentState, speed: Numeric, direction: Direction = "broadside"
+        self,
+        state: EnvironmentState,
+        speed: Numeric,
+        direction: Direction = "broadside",
+        temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
         """See :meth:`AbstractFlyer.drag_caveats`."""
         faces = (self.top.tac_top, self.bottom.tac_bottom)
         gas = (state.pressure, state.temperature, state.gas)
         return (
-            *disk_caveats(speed, self.radius, *gas, faces, direction),
+            *disk_caveats(speed, self.radius, *gas, faces, direction, temperature),
             *wide_hole_caveats(self.hole_radius, self.radius, self.open_fraction, *gas),
         )
 

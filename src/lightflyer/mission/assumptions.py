@@ -69,6 +69,7 @@ def assumptions_of(
         )
     told.append("absorptance: the same at every incidence, for a film of layers as at the release")
     told.append("force and heat balance: those of a flyer at rest in the gas")
+    told.append(f"drag: {setup.flyer.drag_law}")
     return (*told, *_of_ensemble(ensemble))
 
 

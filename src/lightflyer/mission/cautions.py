@@ -30,14 +30,14 @@ def cautions_along(craft: Craft, place: Place, values: dict[str, Any]) -> tuple[
     """
     setup = craft.setup
     state = setup.environment.state(values["altitude"], place)
-    speed = np.where(
-        np.abs(values["axial_speed"]) > np.abs(values["slope_speed"]),
-        values["axial_speed"],
-        values["slope_speed"],
+    flyer, temperature, slope = setup.flyer, values["temperature"], values["slope_speed"]
+    broadside = flyer.drag_caveats(state, values["axial_speed"], "broadside", temperature)
+    edgewise = (
+        flyer.drag_caveats(state, slope, "edgewise", temperature) if np.any(slope != 0.0) else ()
     )
     return (
-        *cautions_in(setup, state, values["temperature"]),
-        *setup.flyer.drag_caveats(state, speed),
+        *cautions_in(setup, state, temperature),
+        *dict.fromkeys((*broadside, *edgewise)),
         *_of_light(values["irradiance"]),
     )
 

@@ -105,7 +105,7 @@ def test_tides_follow_the_sun_and_waves_stand(path):
 
 def test_range_and_files(path, tmp_path):
     wind = HWM14(write(path, one(0)))
-    assert wind.describe() == ("wind: HWM14, quiet; no weather, nothing upwards",)
+    assert wind.describe() == ("wind: HWM14, quiet, without weather, nothing upwards",)
     with pytest.raises(lf.ParameterError, match="altitude above 110 km"):
         wind.velocity(111e3, Place(0.0, 0.0, 0.0))
     with pytest.raises(lf.ConfigurationError, match=r"gone\.bin: cannot be read"):

@@ -187,8 +187,8 @@ class GradientWind(AbstractWind):
     def describe(self) -> tuple[str, ...]:
         """See :meth:`AbstractWind.describe`."""
         return (
-            "wind: gradient wind of NRLMSIS 2.1, mean over longitude and day; no tides, waves or "
-            "weather, nothing towards the north or up",
+            "wind: gradient wind of NRLMSIS 2.1, mean over longitude and day, without tides, waves "
+            "and weather, nothing towards the north or up",
         )
 
 

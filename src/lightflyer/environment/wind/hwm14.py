@@ -101,7 +101,7 @@ class HWM14(AbstractWind):
 
     def describe(self) -> tuple[str, ...]:
         """See :meth:`AbstractWind.describe`."""
-        return ("wind: HWM14, quiet; no weather, nothing upwards",)
+        return ("wind: HWM14, quiet, without weather, nothing upwards",)
 
 
 @entry_point

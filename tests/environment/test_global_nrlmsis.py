@@ -63,24 +63,33 @@ def test_it_is_the_published_program_at_random_places_and_times(atmosphere, some
     assert np.abs(heavier).max() < 3e-3
 
 
+def five(method, altitude, latitude, longitude, time):
+    """Call a method with five places at once, for which it is compiled once."""
+    altitude, *place = (np.broadcast_to(part, 5) for part in (altitude, latitude, longitude, time))
+    return method(altitude, Place(*place))
+
+
 def test_it_is_hydrostatic(atmosphere):
     # up to 87 km: above, the program computes the gases one by one
-    heights, place, step = np.arange(20e3, 87e3, 3e3), Place(0.785, 1.0, 4e8), 200.0
-    above, below = (atmosphere.pressure(heights + shift, place) for shift in (step, -step))
+    heights, step = np.array([22e3, 41e3, 56e3, 71e3, 86e3]), 200.0
+    above, below = (
+        five(atmosphere.pressure, heights + shift, 0.785, 1.0, 4e8) for shift in (step, -step)
+    )
     # normal gravity at 45°, falling off with the square of the distance from the centre
     gravity = 9.8062 * (6367.5e3 / (6367.5e3 + heights)) ** 2
-    constant = 8.314462 / (28.9644e-3 * atmosphere.molar_mass_ratio(heights, place))
-    expected = -gravity / (constant * atmosphere.temperature(heights, place))
+    temperature = five(atmosphere.temperature, heights, 0.785, 1.0, 4e8)
+    expected = -gravity / (8.314462 / 28.9644e-3 * temperature)
     np.testing.assert_allclose(np.log(above / below) / (2 * step), expected, rtol=1e-2)
 
 
 def test_a_pole_has_one_atmosphere_and_the_date_line_none_of_its_own(atmosphere):
     around = np.linspace(-np.pi, np.pi, 5)
     for pole in (-0.5 * np.pi, 0.5 * np.pi):
-        found = atmosphere.temperature(85e3, Place(np.full(5, pole), around, 3e8))
+        found = five(atmosphere.temperature, 85e3, pole, around, 3e8)
         np.testing.assert_allclose(found, found[0], rtol=1e-6)
-    east, west = (atmosphere.pressure(70e3, Place(0.9, turn * np.pi, 3e8)) for turn in (1, -1))
-    assert east == pytest.approx(west, rel=1e-13)
+    found = five(atmosphere.pressure, 70e3, 0.9, around, 3e8)
+    assert found[0] == pytest.approx(found[-1], rel=1e-13)
+    assert found[0] != pytest.approx(found[2], rel=1e-3)
 
 
 def test_slopes_are_continuous_across_a_pole(atmosphere):
@@ -103,13 +112,11 @@ def test_derivatives_in_altitude_place_and_time(atmosphere):
     here, steps = (71e3, 0.8, 2.0, 5e8), (10.0, 1e-4, 1e-4, 10.0)
     with lf.float64():
         slopes = jax.grad(log_pressure, argnums=(0, 1, 2, 3))(*here)
-        for number, step in enumerate(steps):
-            low, high = (
-                float(log_pressure(*np.add(here, sign * step * np.eye(4)[number])))
-                for sign in (-1.0, 1.0)
-            )
-            difference = (high - low) / (2.0 * step)
-            assert float(slopes[number]) == pytest.approx(difference, rel=1e-5)
+    for number, step in enumerate(steps):
+        aside = np.zeros((4, 5))
+        aside[number, :2] = -step, step
+        low, high = np.log(five(atmosphere.pressure, *(np.array(here)[:, None] + aside)))[:2]
+        assert float(slopes[number]) == pytest.approx((high - low) / (2.0 * step), rel=1e-5)
 
 
 def test_earth_takes_it_by_place(atmosphere):

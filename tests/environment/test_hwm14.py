@@ -137,3 +137,12 @@ def test_published_values():
     found = wind.velocity(altitude * 1e3, place)
     # the year here is 11 minutes shorter
     np.testing.assert_allclose([found.north, found.east], [north, east], atol=0.01)
+    # two values that the documentation of another implementation, MATLAB's atmoshwm, prints
+    for altitude, latitude, longitude, day, hour, expected in (
+        (25e3, -45.0, -85.0, 150, 11.0, (3.2874, 25.8735)),
+        (100e3, 50.0, -20.0, 30, 0.0, (-42.9350, -40.3693)),
+    ):
+        time = (day - 1.0) * 86400.0 + (hour - 12.0) * 3600.0
+        found = wind.velocity(altitude, Place(np.radians(latitude), np.radians(longitude), time))
+        # here the season goes on during the day
+        assert (found.north, found.east) == pytest.approx(expected, abs=0.5)

@@ -265,7 +265,7 @@ def test_sensitivity_prints_and_writes(run, study, tmp_path):
     code, text, errors = run("sensitivity", study(), "--out", out)
     assert (code, errors) == (0, "")
     assert "measure film.tac_top next" in text
-    assert "film.absorptance" in (out / "payload-tornado.svg").read_text()
+    assert "film absorptance" in (out / "payload-tornado.svg").read_text()
     found = json.loads((out / "sensitivity.json").read_text())["payload"]
     assert found["measure_next"] == "film.tac_top"
     code, _, errors = run("sensitivity", study("[sensitivity.at]", "[sensitivity.where]"))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.prediction.prediction import POINTS
+from lightflyer.prediction.evaluator import POINTS
 
 
 @pytest.fixture

@@ -1,14 +1,12 @@
 """Figure of a calibration: points, fit and residuals."""
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.calibration.bayes import Posterior
-from lightflyer.calibration.calibration import Calibration
 from lightflyer.calibration.problem import UNREACHABLE, Problem
 from lightflyer.foundation.drawing import (
     GREY,
@@ -23,6 +21,10 @@ from lightflyer.foundation.drawing import (
     shared_legend,
 )
 
+if TYPE_CHECKING:
+    from lightflyer.calibration.bayes import Posterior
+    from lightflyer.calibration.calibration import Calibration
+
 _PERCENT = 100.0
 _PARAMETER_WIDTH = 3.4  # of the histogram of a parameter [inch]
 _CURVE_POINTS = 80  # of the fit of each sample
@@ -33,7 +35,7 @@ def _style(number: int) -> dict[str, Any]:
     return {"color": PALETTE[number % len(PALETTE)], "marker": MARKERS[number % len(MARKERS)]}
 
 
-def fitted_curve(fit: Calibration, sample: str) -> tuple[np.ndarray, np.ndarray]:
+def fitted_curve(fit: "Calibration", sample: str) -> tuple[np.ndarray, np.ndarray]:
     """The fitted irradiance of a sample over pressure.
 
     Parameters
@@ -79,7 +81,7 @@ def _of_sample(problem: Problem, row: int, pressure: np.ndarray, values: np.ndar
     return np.where(found < UNREACHABLE, np.exp(np.minimum(found, UNREACHABLE)), np.nan)
 
 
-def fitted_points(fit: Calibration, ax: Axes) -> Axes:
+def fitted_points(fit: "Calibration", ax: Axes) -> Axes:
     """Draw the points and the fitted irradiance, against pressure.
 
     Parameters
@@ -105,7 +107,7 @@ def fitted_points(fit: Calibration, ax: Axes) -> Axes:
     return ax
 
 
-def residuals(fit: Calibration, ax: Axes) -> Axes:
+def residuals(fit: "Calibration", ax: Axes) -> Axes:
     """Draw measured over fitted irradiance, with each point's uncertainty.
 
     Parameters
@@ -136,7 +138,7 @@ def residuals(fit: Calibration, ax: Axes) -> Axes:
     return ax
 
 
-def calibration_figure(fit: Calibration) -> Figure:
+def calibration_figure(fit: "Calibration") -> Figure:
     """Points and fit on the left, residuals on the right.
 
     Parameters
@@ -155,7 +157,7 @@ def calibration_figure(fit: Calibration) -> Figure:
     return figure
 
 
-def plot_calibration(fit: Calibration, ax: Axes | None = None) -> Figure:
+def plot_calibration(fit: "Calibration", ax: Axes | None = None) -> Figure:
     """Draw a calibration.
 
     Parameters
@@ -176,7 +178,7 @@ def plot_calibration(fit: Calibration, ax: Axes | None = None) -> Figure:
     return figure
 
 
-def posterior_figure(drawn: Posterior) -> Figure:
+def posterior_figure(drawn: "Posterior") -> Figure:
     """Histograms of the draws of each parameter, chain by chain, with the 95 % interval.
 
     Parameters

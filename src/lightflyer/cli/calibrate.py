@@ -16,6 +16,8 @@ from lightflyer.cli.options import Json, Samples, Seed
 from lightflyer.cli.output import print_json, printer, write_json
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from lightflyer.calibration.bayes import Posterior
     from lightflyer.calibration.calibration import Calibration
 
@@ -137,16 +139,20 @@ def _summary(fit: "Calibration", drawn: "Posterior | None") -> dict[str, Any]:
 
 
 def _write(
-    out: Path, fit: "Calibration", drawn: "Posterior | None", figures: FigureOptions
+    out: Path, fit: "Calibration", drawn: "Posterior | None", options: FigureOptions
 ) -> list[Path]:
-    from lightflyer.calibration.figures import calibration_figure
+    from lightflyer.calibration.figures import calibration_figure, posterior_figure
     from lightflyer.foundation.files import output_directory
+
+    def draw() -> "dict[str, Figure]":
+        figures = {"residuals": calibration_figure(fit)}
+        return figures if drawn is None else figures | {"posterior": posterior_figure(drawn)}
 
     names = ["calibration.json", "residuals.csv"]
     with output_directory(out) as stage:
         write_json(stage("calibration.json"), _summary(fit, drawn))
         stage("residuals.csv").write_text(_residuals_csv(fit), encoding="utf-8")
-        names += figures.write(stage, lambda: {"residuals": calibration_figure(fit)})
+        names += options.write(stage, draw)
         if drawn is not None:
             names.append("posterior.csv")
             stage("posterior.csv").write_text(_draws_csv(drawn), encoding="utf-8")

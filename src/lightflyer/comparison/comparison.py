@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.comparison.footing import Difference, differing_models, differing_surroundings
+from lightflyer.comparison.tables import require_comparable
 from lightflyer.environment.base import Coordinate
 from lightflyer.flight.design import AbstractDesign, as_design
 from lightflyer.flight.outputs import OUTPUTS, outputs_of
@@ -21,7 +22,8 @@ from lightflyer.flight.setup import Setup
 from lightflyer.foundation.errors import ConfigurationError, LightflyerError, ParameterError
 from lightflyer.foundation.progress import report
 from lightflyer.foundation.units import scale_and_offset
-from lightflyer.prediction.prediction import Evaluator, Prediction, Table, predict_design
+from lightflyer.prediction.evaluator import Evaluator, Table
+from lightflyer.prediction.prediction import Prediction, predict_design
 from lightflyer.uncertainty.propagation import (
     DEFAULT_SAMPLES,
     PredictionUncertainty,
@@ -310,6 +312,7 @@ def compare(
     require_samples(samples, seed)
     designs = _named(what, names)
     where = _common_coordinate(designs)
+    require_comparable(design.setup for design in designs.values())
     if searched is not None:
         _require_range(where, searched)
     count = 2 * len(designs)

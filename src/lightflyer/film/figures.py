@@ -1,5 +1,7 @@
 """Figures of a film: its spectra, and what each layer absorbs."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -7,8 +9,7 @@ from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
 
 from lightflyer.film.integration import data_range
 from lightflyer.film.materials import MICROMETRE
-from lightflyer.film.spectra import Spectrum, am0, planck
-from lightflyer.film.summary import SPECTRUM_RANGE, FilmSummary
+from lightflyer.film.spectra import SPECTRUM_RANGE, Spectrum, am0, planck
 from lightflyer.foundation.drawing import (
     BLUE,
     GREEN,
@@ -22,6 +23,9 @@ from lightflyer.foundation.drawing import (
     legend_below,
     new_figure,
 )
+
+if TYPE_CHECKING:
+    from lightflyer.film.summary import FilmSummary
 
 _HEIGHT = 4.6  # [inch]
 _TICKS_UM = (0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
@@ -59,7 +63,7 @@ def _shade_light(ax: Axes, light: Spectrum, colour: str) -> None:
     _shade(ax, light.wavelength[inside], light.irradiance[inside], light.name, colour)
 
 
-def _mark_extrapolated(ax: Axes, summary: FilmSummary) -> None:
+def _mark_extrapolated(ax: Axes, summary: "FilmSummary") -> None:
     """Hatch the wavelengths drawn at which a material has no data."""
     drawn = summary.wavelength[[0, -1]]
     data = data_range(summary.film)
@@ -72,7 +76,7 @@ def _mark_extrapolated(ax: Axes, summary: FilmSummary) -> None:
             label = None
 
 
-def draw_spectra(summary: FilmSummary, ax: Axes) -> Axes:
+def draw_spectra(summary: "FilmSummary", ax: Axes) -> Axes:
     """Draw reflectance, transmittance and absorptance with the light and heat radiation.
 
     Parameters
@@ -102,7 +106,7 @@ def draw_spectra(summary: FilmSummary, ax: Axes) -> Axes:
     return ax
 
 
-def draw_layers(summary: FilmSummary, ax: Axes) -> Axes:
+def draw_layers(summary: "FilmSummary", ax: Axes) -> Axes:
     """Draw the absorptance of each layer, stacked.
 
     Parameters
@@ -128,7 +132,7 @@ def draw_layers(summary: FilmSummary, ax: Axes) -> Axes:
     return ax
 
 
-def film_figures(summary: FilmSummary) -> dict[str, Figure]:
+def film_figures(summary: "FilmSummary") -> dict[str, Figure]:
     """The figures of a film, by file name without suffix.
 
     Parameters
@@ -145,7 +149,7 @@ def film_figures(summary: FilmSummary) -> dict[str, Figure]:
     return {"film-spectra": first, "film-layers": second}
 
 
-def plot_film(summary: FilmSummary, ax: Axes | None = None) -> Figure:
+def plot_film(summary: "FilmSummary", ax: Axes | None = None) -> Figure:
     """Draw a film.
 
     Parameters

@@ -10,7 +10,7 @@ from scipy.special import ndtri
 from lightflyer.film.averages import POINTS_PER_E_FOLD, Average, Shares, heat_shares, light_shares
 from lightflyer.film.findings import film_warnings
 from lightflyer.film.materials import MICROMETRE
-from lightflyer.film.spectra import Spectrum, am0
+from lightflyer.film.spectra import SPECTRUM_RANGE, Spectrum, am0
 from lightflyer.film.stack import Film, Side
 from lightflyer.film.thickness import COARSE_POINTS_PER_E_FOLD, thickness_uncertainty
 from lightflyer.film.transfer_matrix import StackOptics
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SPECTRUM_RANGE = (0.25e-6, 25e-6)
-"""Ends of a film's reported spectrum [m]."""
 SPECTRUM_POINTS = 1000
 
 COVERAGE_FACTOR = float(ndtri(0.975))

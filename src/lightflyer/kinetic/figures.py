@@ -1,18 +1,22 @@
 """Figure of the gas around a hot disk: temperature and streamlines."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.foundation.drawing import SKY, figure_for, outlined
-from lightflyer.kinetic.solver import Solution
+
+if TYPE_CHECKING:
+    from lightflyer.kinetic.solver import Solution
 
 _EXTENT = 3.0
 _POINTS = 241
 _LEVELS = 16
 
 
-def draw_flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
+def draw_flow(solution: "Solution", ax: Axes, extent: float = _EXTENT) -> Axes:
     """Draw the temperature of the gas and its streamlines in a plane through the axis.
 
     Parameters
@@ -55,7 +59,7 @@ def draw_flow(solution: Solution, ax: Axes, extent: float = _EXTENT) -> Axes:
     return ax
 
 
-def flow_figure(solution: Solution, ax: Axes | None = None) -> Figure:
+def flow_figure(solution: "Solution", ax: Axes | None = None) -> Figure:
     """A figure with :func:`draw_flow`, up to the reservoir where there is one.
 
     Parameters

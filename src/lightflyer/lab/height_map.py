@@ -16,6 +16,9 @@ from lightflyer.foundation.layout import is_comment, split_cells
 from lightflyer.foundation.text import read_text
 from lightflyer.foundation.units import parse, scale_and_offset
 
+NANOMETRE = 1e-9
+"""[m]."""
+
 _LEAST_SIDE = 16  # pixels
 _FARTHEST = 0.1  # [m]; far more than any microscope's range
 _GWYDDION_LINE = re.compile(r"^#\s*(Channel|Width|Height|Value units)\s*:\s*(.+?)\s*$")

@@ -19,7 +19,7 @@ from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
-from lightflyer.lab.height_map import HeightMap
+from lightflyer.lab.height_map import NANOMETRE, HeightMap
 from lightflyer.lab.levelling import Flatten, flatten_rows, kept_power, level
 from lightflyer.lab.particles import THRESHOLD, Objects, find_particles
 from lightflyer.lab.record import dataset, joint_warnings
@@ -42,9 +42,6 @@ __all__ = [
     "surface_parameters",
     "to_dataset",
 ]
-
-NANOMETRE = 1e-9
-"""[m]."""
 
 HEIGHT_ACCURACY = 0.02
 """Relative standard uncertainty of the microscope's heights; our assumption."""

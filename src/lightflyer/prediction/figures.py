@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,7 +25,10 @@ from lightflyer.foundation.drawing import (
 )
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.units import scale_and_offset
-from lightflyer.prediction.prediction import POINTS, Evaluator, Prediction
+from lightflyer.prediction.evaluator import POINTS, Evaluator
+
+if TYPE_CHECKING:
+    from lightflyer.prediction.prediction import Prediction
 
 IRRADIANCE_SPAN = 30.0
 """Upper limit of the axes over the least irradiance."""
@@ -38,18 +41,18 @@ _WITH_LEGEND = 4.6  # height of a figure [inch]
 _NODE_COLOURS = (ORANGE, SKY, PURPLE, GREEN)
 
 
-def across(prediction: Prediction) -> float:
+def across(prediction: "Prediction") -> float:
     """Factor from the coordinate's SI unit to the one shown."""
     where = prediction.coordinate
     return scale_and_offset(where.unit, where.shown_unit)[0]
 
 
-def shown_for_best(prediction: Prediction, output: str) -> tuple[float, str]:
+def shown_for_best(prediction: "Prediction", output: str) -> tuple[float, str]:
     """Factor from an output's SI unit, and the unit, that suit its value at the best."""
     return OUTPUTS[output].shown_for(prediction.best.values[output])
 
 
-def closer(prediction: Prediction) -> Prediction:
+def closer(prediction: "Prediction") -> "Prediction":
     """The prediction with a finer table where it is drawn, for smooth curves.
 
     Parameters
@@ -75,7 +78,7 @@ def closer(prediction: Prediction) -> Prediction:
     return replace(prediction, coordinates=coordinates, table=table)
 
 
-def _shown_range(prediction: Prediction) -> tuple[float, float]:
+def _shown_range(prediction: "Prediction") -> tuple[float, float]:
     """Range worth drawing, in the unit shown: where flight takes not many times the light."""
     coordinates = prediction.coordinates
     needed = prediction.table["levitation_irradiance"]
@@ -92,14 +95,14 @@ def _shown_range(prediction: Prediction) -> tuple[float, float]:
     return factor * min(float(ends[0]), best), factor * max(float(ends[1]), best)
 
 
-def _shade_bands(prediction: Prediction, ax: Axes) -> None:
+def _shade_bands(prediction: "Prediction", ax: Axes) -> None:
     for index, band in enumerate(prediction.bands):
         lower, upper = (across(prediction) * edge for edge in band)
         label = "levitates in the available light" if index == 0 else None
         ax.axvspan(lower, upper, color=GREEN, alpha=0.15, lw=0, label=label)
 
 
-def _coordinate_axis(prediction: Prediction, ax: Axes) -> None:
+def _coordinate_axis(prediction: "Prediction", ax: Axes) -> None:
     where = prediction.coordinate
     low, high = _shown_range(prediction)
     if where.logarithmic:
@@ -112,7 +115,7 @@ def _coordinate_axis(prediction: Prediction, ax: Axes) -> None:
         _pressure_axis(prediction, ax, low, high)
 
 
-def _pressure_axis(prediction: Prediction, ax: Axes, low: float, high: float) -> None:
+def _pressure_axis(prediction: "Prediction", ax: Axes, low: float, high: float) -> None:
     """The same axis in pressure, through the table: log-pressure is monotonic in altitude."""
     places = prediction.coordinates * across(prediction)
     log_pressure = np.log10(prediction.table["pressure"])
@@ -131,7 +134,7 @@ def _pressure_axis(prediction: Prediction, ax: Axes, low: float, high: float) ->
     top.set_xlabel("pressure [Pa]")
 
 
-def irradiance(prediction: Prediction, ax: Axes) -> Axes:
+def irradiance(prediction: "Prediction", ax: Axes) -> Axes:
     """Draw the smallest irradiance that levitates the flyer, and what is available.
 
     Parameters
@@ -173,7 +176,7 @@ def irradiance(prediction: Prediction, ax: Axes) -> Axes:
     return ax
 
 
-def temperature(prediction: Prediction, ax: Axes) -> Axes:
+def temperature(prediction: "Prediction", ax: Axes) -> Axes:
     """Draw the flyer's temperatures, in the available light and when it just levitates.
 
     Parameters
@@ -212,7 +215,7 @@ def temperature(prediction: Prediction, ax: Axes) -> Axes:
     return ax
 
 
-def payload(prediction: Prediction, ax: Axes) -> Axes:
+def payload(prediction: "Prediction", ax: Axes) -> Axes:
     """Draw the largest payload, with the relative payload on the right.
 
     Parameters
@@ -254,7 +257,7 @@ def payload(prediction: Prediction, ax: Axes) -> Axes:
     return ax
 
 
-def temperature_map(prediction: Prediction, ax: Axes) -> Axes:
+def temperature_map(prediction: "Prediction", ax: Axes) -> Axes:
     """Draw the flyer's temperature over pressure and irradiance, with the levitation curve.
 
     Parameters
@@ -297,7 +300,7 @@ def temperature_map(prediction: Prediction, ax: Axes) -> Axes:
     return ax
 
 
-PANELS: dict[str, Callable[[Prediction, Axes], Axes]] = {
+PANELS: "dict[str, Callable[[Prediction, Axes], Axes]]" = {
     "irradiance": irradiance,
     "temperature": temperature,
     "payload": payload,
@@ -307,7 +310,7 @@ PANELS: dict[str, Callable[[Prediction, Axes], Axes]] = {
 
 
 def panels(
-    prediction: Prediction, what: str | None, ax: Axes | None
+    prediction: "Prediction", what: str | None, ax: Axes | None
 ) -> tuple[Figure, Iterator[tuple[str, Axes]]]:
     """A figure with some of :data:`PANELS` drawn, and which of its axes shows what.
 
@@ -350,7 +353,7 @@ def panels(
 
 
 def plot_prediction(
-    prediction: Prediction, what: str | None = None, ax: Axes | None = None
+    prediction: "Prediction", what: str | None = None, ax: Axes | None = None
 ) -> Figure:
     """Draw a prediction.
 
@@ -375,7 +378,7 @@ def plot_prediction(
     return figure
 
 
-def prediction_figures(prediction: Prediction) -> dict[str, Figure]:
+def prediction_figures(prediction: "Prediction") -> dict[str, Figure]:
     """The figures of a prediction, by file name without suffix.
 
     Parameters

@@ -1,18 +1,16 @@
 """Prediction of one flyer: where it levitates, what it carries, how hot it gets.
 
-The outputs are evaluated on tables of a fixed length, so that JAX compiles one function once. Band
-edges and optima are found by looking closer with the same function.
+Band edges and optima are found by looking closer with the function that makes the tables.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
-from lightflyer.flight.balance import require_converged
 from lightflyer.flight.cautions import cautions, cautions_of_force
 from lightflyer.flight.design import AbstractDesign, as_design
 from lightflyer.flight.looks import bands_of, crossing, peak
@@ -23,22 +21,16 @@ from lightflyer.flight.outputs import (
     node_outputs,
     outputs_of,
     predicted_names,
-    tabulate,
 )
 from lightflyer.flight.setup import Setup
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.batches import in_batches
-from lightflyer.foundation.precision import quick_entry_point
-from lightflyer.foundation.rootfind import Ending
 from lightflyer.foundation.units import scale_and_offset
+from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-POINTS = 301
-"""Length of the tables."""
 
 AT_A_POINT = (
     "pressure",
@@ -66,50 +58,6 @@ of a payload's budget."""
 _LOOKS = 3  # after the first table: each narrows the search a hundred and fifty times
 _MAP_POINTS = (91, 61)  # pressures and irradiances of the temperature map
 _MAP_TOP = 2.0  # its largest irradiance, over the lamp's or the least that levitates
-
-Table: TypeAlias = dict[str, np.ndarray]
-"""Outputs by name, each an array over the same coordinates, in SI units."""
-
-_tabulate = quick_entry_point(tabulate)
-
-
-class Evaluator:
-    """Evaluates a setup's outputs at any number of coordinates with one compiled function.
-
-    Parameters
-    ----------
-    setup : Setup
-        One flyer: every number a scalar.
-    """
-
-    def __init__(self, setup: Setup):
-        self.setup = setup
-        self.irradiance = float(setup.environment.radiation.irradiance)
-
-    def __call__(self, coordinates: np.ndarray, irradiance: np.ndarray | None = None) -> Table:
-        """Outputs at coordinates.
-
-        Parameters
-        ----------
-        coordinates : array, shape (n,)
-        irradiance : array, shape (n,), optional
-            In place of the environment's [W/m²].
-
-        Returns
-        -------
-        dict of str to array, shape (n,)
-        """
-        light = np.full(coordinates.shape, self.irradiance) if irradiance is None else irradiance
-        table = in_batches(partial(_tabulate, self.setup), (coordinates, light), POINTS)
-        failed = table.pop("converged") < 0.5
-        ending = np.where(failed, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
-        require_converged("prediction", ending, table.pop("residual"))
-        # in the order in which they are listed: JAX sorts them by name
-        return {name: table[name] for name in predicted_names(self.setup)}
-
-    def column(self, coordinates: np.ndarray, name: str) -> np.ndarray:
-        """One output at coordinates of shape (n, 1), as the search wants it."""
-        return self(coordinates[:, 0])[name][:, None]
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
 """Figures of Pareto fronts and sensitivities."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,10 +17,12 @@ from lightflyer.foundation.drawing import (
     new_figure,
     wrapped,
 )
-from lightflyer.search.front import Front
-from lightflyer.search.optimiser import Optimum
-from lightflyer.search.sobol import Indices
 from lightflyer.sweeps.shown import in_words, scale_and_label
+
+if TYPE_CHECKING:
+    from lightflyer.search.front import Front
+    from lightflyer.search.optimiser import Optimum
+    from lightflyer.search.sobol import Indices
 
 _OPACITY = 0.25
 _TICKS = 6
@@ -26,7 +30,7 @@ _BAR = 0.4  # height, in rows
 _FRAME, _ROW = 1.8, 0.45  # heights of all but the rows, and of a row [inch]
 
 
-def front_figure(front: Front) -> Figure:
+def front_figure(front: "Front") -> Figure:
     """The objectives of a Pareto front, each against the first.
 
     Parameters
@@ -52,7 +56,7 @@ def front_figure(front: Front) -> Figure:
     return figure
 
 
-def tornado_figure(found: Indices) -> Figure:
+def tornado_figure(found: "Indices") -> Figure:
     """Effect of the uncertainty of each input on an output, the largest on top.
 
     Parameters
@@ -74,7 +78,7 @@ def tornado_figure(found: Indices) -> Figure:
     return figure
 
 
-def _draw_ranges(found: Indices, order: np.ndarray, ax: Axes) -> None:
+def _draw_ranges(found: "Indices", order: np.ndarray, ax: Axes) -> None:
     factor, label = scale_and_label(found.dataset.low.rename(found.output))
     rows = np.arange(order.size)
     for ends, colour, words in (
@@ -90,7 +94,7 @@ def _draw_ranges(found: Indices, order: np.ndarray, ax: Axes) -> None:
     ax.locator_params(axis="x", nbins=_TICKS)
 
 
-def _draw_shares(found: Indices, order: np.ndarray, ax: Axes) -> None:
+def _draw_shares(found: "Indices", order: np.ndarray, ax: Axes) -> None:
     rows = np.arange(order.size)
     for index, spread, colour, words, offset in (
         (found.total, found.total_interval, GREEN, "with interactions", _BAR / 2.0),
@@ -105,7 +109,7 @@ def _draw_shares(found: Indices, order: np.ndarray, ax: Axes) -> None:
     ax.set_xlabel("share of the variance (Sobol index)")
 
 
-def elasticity_figure(optimum: Optimum) -> Figure:
+def elasticity_figure(optimum: "Optimum") -> Figure:
     """Relative change of the objective over that of each number that is not free.
 
     Parameters

@@ -7,19 +7,20 @@ import numpy as np
 from lightflyer.foundation.drawing import BAND, GREY, legend_below
 from lightflyer.foundation.units import dataset_unit
 from lightflyer.prediction.figures import across, panels, shown_for_best
-from lightflyer.uncertainty.propagation import PredictionUncertainty
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from lightflyer.uncertainty.propagation import PredictionUncertainty
+
 _OPACITY = 0.2
 _HEADROOM = 1.1
 _FAR = 1e9  # beyond every axis
 
 
-def add_to_dataset(dataset: "xr.Dataset", uncertainty: PredictionUncertainty) -> None:
+def add_to_dataset(dataset: "xr.Dataset", uncertainty: "PredictionUncertainty") -> None:
     """Add the 95 % bands as variables ``..._low`` and ``..._high`` over a coordinate of their own.
 
     Parameters
@@ -40,7 +41,7 @@ def add_to_dataset(dataset: "xr.Dataset", uncertainty: PredictionUncertainty) ->
             dataset[f"{output}_{end}"] = (name, values, attributes)
 
 
-def add_to_figures(figures: "dict[str, Figure]", uncertainty: PredictionUncertainty) -> None:
+def add_to_figures(figures: "dict[str, Figure]", uncertainty: "PredictionUncertainty") -> None:
     """Shade the 95 % bands around the lines of a prediction's figures.
 
     Parameters
@@ -67,7 +68,7 @@ _BANDS = {
 """By panel, the outputs that have bands, by the ends of their lines' labels."""
 
 
-def add_bands(panel: str, ax: "Axes", uncertainty: PredictionUncertainty) -> None:
+def add_bands(panel: str, ax: "Axes", uncertainty: "PredictionUncertainty") -> None:
     """Shade the 95 % bands around the lines of one panel.
 
     Parameters
@@ -93,7 +94,7 @@ def add_bands(panel: str, ax: "Axes", uncertainty: PredictionUncertainty) -> Non
 
 
 def plot_uncertainty(
-    uncertainty: PredictionUncertainty, what: str | None = None, ax: "Axes | None" = None
+    uncertainty: "PredictionUncertainty", what: str | None = None, ax: "Axes | None" = None
 ) -> "Figure":
     """Draw a prediction with its 95 % bands.
 
@@ -113,7 +114,7 @@ def plot_uncertainty(
     return figure
 
 
-def _shade(ax: "Axes", label: str, output: str, uncertainty: PredictionUncertainty) -> None:
+def _shade(ax: "Axes", label: str, output: str, uncertainty: "PredictionUncertainty") -> None:
     """Shade a band in the colour of its line, the first whose label ends so."""
     scale, _ = shown_for_best(uncertainty.prediction, output)
     low, high = uncertainty.low[output] * scale, uncertainty.high[output] * scale

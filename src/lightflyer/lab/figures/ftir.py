@@ -1,6 +1,7 @@
 """Figure of infrared spectra, with the spectrum of a black body."""
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,8 +16,10 @@ from lightflyer.foundation.drawing import (
     legend_below,
     new_figure,
 )
-from lightflyer.lab.ftir import Ftir
 from lightflyer.lab.spectrum_data import PER_CENTIMETRE
+
+if TYPE_CHECKING:
+    from lightflyer.lab.ftir import Ftir
 
 _HEIGHT = 4.6
 _RADIATION_HEIGHT = 0.35  # of the black body's curve, in heights of the axes
@@ -27,7 +30,7 @@ _MICROMETRES_TIMES_PER_CENTIMETRE = 1e4
 
 
 def spectra(
-    result: Ftir, ax: Axes, computed: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
+    result: "Ftir", ax: Axes, computed: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
 ) -> Axes:
     """Draw spectra over wavenumber, the band, and the spectrum of a black body.
 
@@ -68,7 +71,7 @@ def spectra(
     return ax
 
 
-def _black_body(result: Ftir, ax: Axes) -> None:
+def _black_body(result: "Ftir", ax: Axes) -> None:
     temperature = max(result.uncovered)
     ends = [one.wavenumber[[0, -1]] for one in result.spectra]
     wavenumber = np.linspace(min(end[0] for end in ends), max(end[1] for end in ends), 500)
@@ -89,7 +92,7 @@ def _wavelength_axis(ax: Axes) -> None:
 
 
 def ftir_figures(
-    result: Ftir, computed: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
+    result: "Ftir", computed: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
 ) -> dict[str, Figure]:
     """Figure of spectra, by file name without suffix.
 
@@ -108,7 +111,7 @@ def ftir_figures(
     return {"ftir": figure}
 
 
-def plot_spectra(result: Ftir, ax: Axes | None = None) -> Figure:
+def plot_spectra(result: "Ftir", ax: Axes | None = None) -> Figure:
     """Draw spectra.
 
     Parameters

@@ -1,6 +1,7 @@
 """Figure of levitation points: curves of several samples, and the model's."""
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +18,9 @@ from lightflyer.foundation.drawing import (
     plain_decades,
 )
 from lightflyer.foundation.units import scale_and_offset
-from lightflyer.lab.levitation import LevitationCurve
+
+if TYPE_CHECKING:
+    from lightflyer.lab.levitation import LevitationCurve
 
 _HEIGHT = 5.2
 _PER_KILOWATT = 1e-3
@@ -31,7 +34,7 @@ ModelCurves = Mapping[str, tuple[np.ndarray, np.ndarray]]
 
 
 def levitation_curves(
-    curves: Sequence[LevitationCurve],
+    curves: "Sequence[LevitationCurve]",
     ax: Axes,
     *,
     pressure_unit: str = "Pa",
@@ -88,7 +91,7 @@ def levitation_curves(
     return ax
 
 
-def _mark_least(curve: LevitationCurve, ax: Axes, colour: str, per_pascal: float) -> None:
+def _mark_least(curve: "LevitationCurve", ax: Axes, colour: str, per_pascal: float) -> None:
     """Draw the minimum with the intervals of both coordinates."""
     at, light = curve.optimal_pressure, curve.minimum_irradiance
     x = np.array([at.value, *at.interval]) * per_pascal
@@ -104,7 +107,7 @@ def _mark_least(curve: LevitationCurve, ax: Axes, colour: str, per_pascal: float
 
 
 def levitation_figures(
-    curves: Sequence[LevitationCurve],
+    curves: "Sequence[LevitationCurve]",
     *,
     pressure_unit: str = "Pa",
     models: Mapping[str, ModelCurves] | None = None,
@@ -125,7 +128,7 @@ def levitation_figures(
     return {"levitation": figure}
 
 
-def plot_curve(curve: LevitationCurve, ax: Axes | None = None) -> Figure:
+def plot_curve(curve: "LevitationCurve", ax: Axes | None = None) -> Figure:
     """Draw one sample's points and curve.
 
     Parameters

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from string import ascii_lowercase
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,7 +20,10 @@ from lightflyer.foundation.drawing import (
     outlined,
     shared_legend,
 )
-from lightflyer.lab.surface import NANOMETRE, Roughness
+from lightflyer.lab.height_map import NANOMETRE
+
+if TYPE_CHECKING:
+    from lightflyer.lab.surface import Roughness
 
 _WIDTH, _HEIGHT = 4.0, 7.6  # of the column of one map [inch]
 _MOST_PIXELS = 1024  # drawn along a side
@@ -28,7 +32,7 @@ _MICROMETRE = 1e-6
 _PERCENT = 100.0
 
 
-def colour_range(results: Sequence[Roughness], *, masked: bool) -> tuple[float, float]:
+def colour_range(results: "Sequence[Roughness]", *, masked: bool) -> tuple[float, float]:
     """Heights between which colours change, the same for maps that are compared.
 
     Parameters
@@ -51,7 +55,7 @@ def colour_range(results: Sequence[Roughness], *, masked: bool) -> tuple[float, 
 
 
 def draw_height_map(
-    result: Roughness, ax: Axes, *, masked: bool, colours: tuple[float, float] | None = None
+    result: "Roughness", ax: Axes, *, masked: bool, colours: tuple[float, float] | None = None
 ) -> AxesImage:
     """Draw a levelled map, as it is or with its mask.
 
@@ -93,7 +97,7 @@ def draw_height_map(
 
 
 def _draw_masks(
-    result: Roughness, ax: Axes, step: int, extent: tuple[float, float, float, float]
+    result: "Roughness", ax: Axes, step: int, extent: tuple[float, float, float, float]
 ) -> None:
     """Particles and holes in plain colours."""
     for _, mask, colour in _masks(result):
@@ -101,7 +105,7 @@ def _draw_masks(
         ax.imshow(image, extent=extent, cmap=ListedColormap([colour]), interpolation="nearest")
 
 
-def _masks(result: Roughness) -> tuple[tuple[str, np.ndarray, str], ...]:
+def _masks(result: "Roughness") -> tuple[tuple[str, np.ndarray, str], ...]:
     """Name, mask and colour of what is masked."""
     return ("particles", result.particles, VERMILION), ("holes", result.holes, SKY)
 
@@ -111,7 +115,7 @@ def _thinned(mask: np.ndarray, step: int) -> np.ndarray:
     return ndimage.maximum_filter(mask, step, origin=-((step - 1) // 2))[::step, ::step]
 
 
-def roughness_figures(results: Sequence[Roughness]) -> dict[str, Figure]:
+def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
     """Figure of several maps, by file name without suffix.
 
     Parameters
@@ -144,7 +148,7 @@ def roughness_figures(results: Sequence[Roughness]) -> dict[str, Figure]:
     return {"roughness": figure}
 
 
-def plot_roughness(result: Roughness, ax: Axes | None = None) -> Figure:
+def plot_roughness(result: "Roughness", ax: Axes | None = None) -> Figure:
     """Draw one map.
 
     Parameters

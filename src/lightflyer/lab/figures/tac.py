@@ -1,7 +1,7 @@
 """Figure of accommodation coefficients: conductance of a heater against pressure."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,7 +18,9 @@ from lightflyer.foundation.drawing import (
     new_figure,
     plain_decades,
 )
-from lightflyer.lab.tac import TacFit
+
+if TYPE_CHECKING:
+    from lightflyer.lab.tac import TacFit
 
 _TITLE = "points: measured; lines through them: fit"
 _SHADED = (0.5, 1.5)  # range of coefficients that the paper shades
@@ -26,12 +28,12 @@ _MOST_POINTS = 3_000  # drawn of one run
 _HEIGHT = 4.8
 
 
-def _ordered(fit: TacFit, most: int = _MOST_POINTS) -> np.ndarray:
+def _ordered(fit: "TacFit", most: int = _MOST_POINTS) -> np.ndarray:
     """Rows in the order of pressure, thinned evenly if there are very many."""
     return fit.order[:: max(1, len(fit.order) // most)]
 
 
-def effective_conductance(fits: Sequence[TacFit], ax: Axes) -> Axes:
+def effective_conductance(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
     """Draw the conductance per effective area against pressure, with the fit.
 
     Parameters
@@ -64,13 +66,13 @@ def _style(number: int) -> dict[str, Any]:
     return {"color": PALETTE[number % len(PALETTE)], "marker": MARKERS[number % len(MARKERS)]}
 
 
-def _label(fit: TacFit, count: int) -> str:
+def _label(fit: "TacFit", count: int) -> str:
     low, high = fit.tac.interval
     found = f"α = {fit.tac.value:.3g} (95 %: {low:.3g} to {high:.3g})"
     return f"{fit.run.source}: {found}" if count > 1 else f"{found}, δ = {fit.area_ratio.value:.3g}"
 
 
-def _shade(fit: TacFit, ax: Axes, *, with_offset: bool) -> None:
+def _shade(fit: "TacFit", ax: Axes, *, with_offset: bool) -> None:
     rows = _ordered(fit)
     ends = [
         fit.limits.conductance(tac)[rows] + with_offset * (fit.offset.value + fit.radiation[rows])
@@ -80,7 +82,7 @@ def _shade(fit: TacFit, ax: Axes, *, with_offset: bool) -> None:
     ax.fill_between(fit.pressure[rows], *ends, color="0.85", lw=0, label=label, zorder=0)
 
 
-def gas_part(fits: Sequence[TacFit], ax: Axes) -> Axes:
+def gas_part(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
     """Draw the conductance of the gas against pressure, with both limits for the first run.
 
     Parameters
@@ -126,7 +128,7 @@ def gas_part(fits: Sequence[TacFit], ax: Axes) -> Axes:
     return ax
 
 
-def tac_figures(fits: Sequence[TacFit]) -> dict[str, Figure]:
+def tac_figures(fits: "Sequence[TacFit]") -> dict[str, Figure]:
     """Figure of one or several runs, by file name without suffix.
 
     Parameters
@@ -144,7 +146,7 @@ def tac_figures(fits: Sequence[TacFit]) -> dict[str, Figure]:
     return {"tac": figure}
 
 
-def plot_tac(fit: TacFit, ax: Axes | None = None) -> Figure:
+def plot_tac(fit: "TacFit", ax: Axes | None = None) -> Figure:
     """Draw one run.
 
     Parameters

@@ -1,5 +1,7 @@
 """Figure of reflectance, transmittance and emissivity."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,27 +14,29 @@ from lightflyer.foundation.drawing import (
     new_figure,
     shared_legend,
 )
-from lightflyer.lab.thermography import PROPERTIES, RadiativeProperties
+
+if TYPE_CHECKING:
+    from lightflyer.lab.thermography import RadiativeProperties
 
 _WIDTH = 2.9  # of one property [inch]
 _SPREAD = 0.3  # half the width over which rows are drawn
 
 
-def draw_property(result: RadiativeProperties, name: str, ax: Axes) -> Axes:
+def draw_property(result: "RadiativeProperties", name: str, ax: Axes) -> Axes:
     """Draw a property of every row, and both intervals of its mean, on a scale of their own.
 
     Parameters
     ----------
     result : RadiativeProperties
     name : str
-        One of ``PROPERTIES`` of :mod:`lightflyer.lab.thermography`.
+        A key of ``result.first_order``.
     ax : matplotlib.axes.Axes
 
     Returns
     -------
     matplotlib.axes.Axes
     """
-    each = result.rows[PROPERTIES.index(name)]
+    each = result.rows[list(result.first_order).index(name)]
     # side by side, so that equal rows stay apart
     spread = np.linspace(-_SPREAD, _SPREAD, each.size) if each.size > 1 else np.zeros(1)
     ax.plot(spread, each, "o", color=GREY, mfc="none", ms=5, label="rows")
@@ -57,7 +61,7 @@ def draw_property(result: RadiativeProperties, name: str, ax: Axes) -> Axes:
     return ax
 
 
-def plot_properties(result: RadiativeProperties) -> Figure:
+def plot_properties(result: "RadiativeProperties") -> Figure:
     """Figure of the properties, each on a scale of its own.
 
     Parameters
@@ -68,8 +72,8 @@ def plot_properties(result: RadiativeProperties) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    figure = new_figure(columns=len(PROPERTIES), width=_WIDTH)
-    for name, ax in zip(PROPERTIES, figure.axes, strict=True):
+    figure = new_figure(columns=len(result.first_order), width=_WIDTH)
+    for name, ax in zip(result.first_order, figure.axes, strict=True):
         draw_property(result, name, ax)
     figure.axes[0].set_ylabel("fraction of the radiation [1]")
     figure.suptitle(result.meaning, fontsize="medium")
@@ -77,7 +81,7 @@ def plot_properties(result: RadiativeProperties) -> Figure:
     return figure
 
 
-def thermography_figures(result: RadiativeProperties) -> dict[str, Figure]:
+def thermography_figures(result: "RadiativeProperties") -> dict[str, Figure]:
     """Figure of the properties, by file name without suffix.
 
     Parameters

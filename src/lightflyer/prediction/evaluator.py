@@ -1,0 +1,63 @@
+"""Outputs of one flyer at any number of coordinates, with one compiled function.
+
+They are evaluated on tables of a fixed length, so that JAX compiles one function once.
+"""
+
+from functools import partial
+from typing import TypeAlias
+
+import numpy as np
+
+from lightflyer.flight.balance import require_converged
+from lightflyer.flight.outputs import predicted_names, tabulate
+from lightflyer.flight.setup import Setup
+from lightflyer.foundation.batches import in_batches
+from lightflyer.foundation.precision import quick_entry_point
+from lightflyer.foundation.rootfind import Ending
+
+POINTS = 301
+"""Length of the tables."""
+
+Table: TypeAlias = dict[str, np.ndarray]
+"""Outputs by name, each an array over the same coordinates, in SI units."""
+
+_tabulate = quick_entry_point(tabulate)
+
+
+class Evaluator:
+    """Evaluates a setup's outputs at any number of coordinates with one compiled function.
+
+    Parameters
+    ----------
+    setup : Setup
+        One flyer: every number a scalar.
+    """
+
+    def __init__(self, setup: Setup):
+        self.setup = setup
+        self.irradiance = float(setup.environment.radiation.irradiance)
+
+    def __call__(self, coordinates: np.ndarray, irradiance: np.ndarray | None = None) -> Table:
+        """Outputs at coordinates.
+
+        Parameters
+        ----------
+        coordinates : array, shape (n,)
+        irradiance : array, shape (n,), optional
+            In place of the environment's [W/m²].
+
+        Returns
+        -------
+        dict of str to array, shape (n,)
+        """
+        light = np.full(coordinates.shape, self.irradiance) if irradiance is None else irradiance
+        table = in_batches(partial(_tabulate, self.setup), (coordinates, light), POINTS)
+        failed = table.pop("converged") < 0.5
+        ending = np.where(failed, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
+        require_converged("prediction", ending, table.pop("residual"))
+        # in the order in which they are listed: JAX sorts them by name
+        return {name: table[name] for name in predicted_names(self.setup)}
+
+    def column(self, coordinates: np.ndarray, name: str) -> np.ndarray:
+        """One output at coordinates of shape (n, 1), as the search wants it."""
+        return self(coordinates[:, 0])[name][:, None]

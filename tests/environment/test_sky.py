@@ -3,6 +3,7 @@
 import importlib.resources
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 import xarray as xr
@@ -192,6 +193,31 @@ def test_light_is_smooth_through_the_evening(film):
     np.testing.assert_allclose(
         exact, ((values[2:] - values[:-2]) / 5.0)[::120], atol=2e-3 * np.abs(slope).max()
     )
+
+
+def test_derivatives_of_the_sky_forwards_and_backwards():
+    """Of all that a sky gives, by altitude, place and time; one by one as all at once."""
+    start = np.array([75e3, 0.785, 0.175, EVENING.time + 640.0])
+    steps = np.array([1.0, 1e-6, 1e-6, 0.1])
+    names = ("zenith_angle", "azimuth", "visible", "lit_ground", "ground_view", "irradiance")
+    sky = Daylight(ground=Knocke1988Ground())
+
+    @lf.entry_point
+    def light(where):
+        altitude, *place = where
+        radiation = sky.radiation(altitude, Place(*place))
+        values = [getattr(radiation, name) for name in names]
+        return jnp.stack([*values, radiation.albedo, radiation.infrared_below])
+
+    assert 0.2 < light(start)[2] < 0.8  # the sun is setting
+    with lf.float64():
+        forwards, backwards = jax.jacfwd(light)(start), jax.jacrev(light)(start)
+        together = jax.vmap(light)(jnp.stack([start, start + 10.0 * steps]))
+    np.testing.assert_allclose(forwards, backwards, rtol=1e-10, atol=1e-14)
+    np.testing.assert_allclose(together[1], light(start + 10.0 * steps), rtol=1e-12)
+    for column, step in enumerate(steps * np.eye(4)):
+        change = (light(start + step) - light(start - step)) / (2.0 * steps[column])
+        np.testing.assert_allclose(forwards[:, column], change, rtol=1e-4, atol=1e-9)
 
 
 TEMPLATES = ("earth", "sandwich", "plate", "hollow", "balloon")

@@ -254,7 +254,8 @@ class Daylight(AbstractSky, Checked):
         height = np.asarray(self.limb.height) / _KILOMETRE
         return (
             f"sun: by date and place, {span(self.irradiance)} W/m² at 1 au",
-            f"horizon: limb of {self.planet.name} at {span(height)} km, with refraction",
+            f"horizon: limb of {self.planet.name} at {span(height)} km, with refraction; "
+            "air above it dims nothing",
             *self.ground.describe(),
             f"infrared from above: {heat}",
             f"view factor of the ground: {VIEW_OF_PLANET}",

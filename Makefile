@@ -23,8 +23,9 @@ lint: $(STAMP)
 types: $(STAMP)
 	$(BIN)/mypy
 
-docs: $(STAMP)  ## build the documentation into docs/_build; warnings are errors
+docs: $(STAMP)  ## build the documentation into docs/_build and run what its pages show
 	$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build
+	$(BIN)/pytest -n auto -m snippets tests/docs
 
 bench: $(STAMP)  ## measure speed beside SciPy's; prints the table of docs/benchmarks.md
 	$(BIN)/python benchmarks/solver.py

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer import cli
 
 
 @pytest.fixture
@@ -107,3 +108,19 @@ def flyer():
 def design(flyer):
     """The design of that file."""
     return flyer.design()
+
+
+@pytest.fixture
+def run(capsys):
+    """Run a command in this process; returns exit code, output and errors."""
+
+    def command(*arguments):
+        code = 0
+        try:
+            cli.main([str(argument) for argument in arguments])
+        except SystemExit as error:
+            code = error.code or 0
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return command

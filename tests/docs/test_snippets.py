@@ -1,0 +1,130 @@
+"""Every piece of Python, TOML and console on the pages works, and prints what the page shows.
+
+They take minutes, so that they run with the documentation, ``make docs``, not with the tests.
+"""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import tomllib
+from pathlib import Path
+
+import matplotlib as mpl
+import pytest
+
+import lightflyer as lf
+from lightflyer.cli.init import templates
+from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.config.reader import FLYER_FILE
+from lightflyer.foundation.toml_file import validate
+from lightflyer.lab.synthetic import example_files
+from lightflyer.sweeps.sections import STUDY_FILE, StudyFile
+
+pytestmark = pytest.mark.snippets
+
+ROOT = Path(lf.__file__).parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+# "% not run: why" stands above what needs a file that no reader has
+BLOCK = re.compile(r"^(% not run: .+\n)?```(python|toml|console)\n(.*?)^```$", re.M | re.S)
+NOT_OURS = ("pip", "make", "source", "dask", "python", "#")
+STUDY_SECTIONS = {"sweep", "outputs", "sampling", "optimise", "sensitivity"}
+MEASUREMENTS = ("tac", "ftir", "levitation", "thermography", "roughness")
+
+
+@pytest.fixture(scope="session")
+def files(tmp_path_factory):
+    """What a reader has made with ``lightflyer init`` and ``lightflyer lab example``."""
+    folder = tmp_path_factory.mktemp("files")
+    names = {"flyer.toml": "earth", "my-flyer.toml": "earth", "disk.toml": "earth"}
+    names |= {f"{kind}.toml": kind for kind, one in templates().items() if one.is_flyer}
+    names |= {"study.toml": "sweep", "points.csv": "points", "mission.toml": "mission"}
+    for name, kind in names.items():
+        (folder / name).write_text(templates()[kind].read(), encoding="utf-8")
+    for measurement in MEASUREMENTS:
+        for name, content in example_files(measurement).files.items():
+            data = content if isinstance(content, bytes) else content.encode()
+            (folder / name).write_bytes(data)
+    return folder
+
+
+def pages():
+    for page in PAGES:
+        found = BLOCK.findall(page.read_text(encoding="utf-8"))
+        blocks = [(kind, text) for left_out, kind, text in found if not left_out]
+        if blocks:
+            yield pytest.param(blocks, id=page.stem)
+
+
+@pytest.mark.parametrize("blocks", list(pages()))
+def test_the_page_works(blocks, files, run, tmp_path, monkeypatch):
+    folder = tmp_path / "here"
+    shutil.copytree(files, folder)
+    monkeypatch.chdir(folder)
+    mpl.use("agg")
+    names = {}
+    for kind, text in blocks:
+        if kind == "python":
+            exec(compile(text, "page", "exec"), names)
+        elif kind == "toml":
+            require_readable(text)
+        else:
+            for command, shown in commands(text):
+                require_shown(command, shown, run)
+
+
+def require_readable(text):
+    """A whole file, or sections that stand in one."""
+    content = tomllib.loads(text)
+    if STUDY_SECTIONS & set(content):
+        path = Path("study.toml")
+        base = tomllib.loads(path.read_text(encoding="utf-8"))
+        validate(StudyFile, base | content, text, path, STUDY_FILE)
+        if "flyer" in content:
+            path.write_text(text, encoding="utf-8")
+        return
+    base = tomllib.loads(templates()[fitting(content)].read())
+    merged = {name: {**base.get(name, {}), **content.get(name, {})} for name in {**base, **content}}
+    for name, section in content.items():
+        if "layers" in section:
+            merged[name] = section | {"tac_top": 0.8, "tac_bottom": 0.9}
+        if name == "environment":
+            merged[name] = section  # its keys replace each other
+    validate(flyer_file_type(), merged, text, Path("flyer.toml"), FLYER_FILE)
+
+
+def fitting(content):
+    """Kind of flyer file in which some sections may stand."""
+    shape = content.get("flyer", {}).get("shape", "earth")
+    return {"disk": "earth"}.get(shape, shape)
+
+
+def commands(text):
+    """Commands of a console block, each with the lines that it shows."""
+    found = []
+    for line in text.replace("\\\n", " ").splitlines():
+        if line.startswith("$ "):
+            found.append((line[2:], []))
+        elif found:
+            found[-1][1].append(line)
+    return found
+
+
+def require_shown(command, shown, run):
+    words = shlex.split(command, comments=True)
+    if words and words[0] == "sed":
+        subprocess.run(command, shell=True, check=True)
+        return
+    if not words or words[0] in NOT_OURS or "--scheduler" in words:
+        return
+    assert words[0] == "lightflyer", command
+    for word in words:
+        if words[1] == "init" and os.path.isfile(word):
+            os.remove(word)  # which the fixture made beforehand
+    code, text, errors = run(*words[1:])
+    assert code == 0, f"{command}: {errors}"
+    printed = [" ".join(line.split()) for line in (text + errors).splitlines()]
+    for line in shown:
+        wanted = " ".join(line.split())
+        assert wanted in ("", "...") or wanted in printed, f"{command}:\n{line}\n{text}"

@@ -1,5 +1,6 @@
 import dataclasses
 import math
+from types import SimpleNamespace
 
 import jax
 import numpy as np
@@ -10,6 +11,8 @@ from scipy.special import erfc
 import lightflyer as lf
 from lightflyer.budget import Budget, Item, RadioLink, SolarCells, free_space_loss
 from lightflyer.budget.link import REQUIRED_SIGNAL_DB
+from lightflyer.cli.compare import needs_table
+from lightflyer.cli.prediction_tables import payload_line
 from lightflyer.flight.cautions import cautions
 from lightflyer.flight.design import as_design
 from lightflyer.flight.outputs import evaluate, outputs_of
@@ -167,3 +170,33 @@ def test_a_budget_of_objects_is_part_of_a_design():
     built = design.build({"budget.link.distance": 60e3}).budget
     assert built.link.transmit_power() == pytest.approx(4.0 * float(LINK.transmit_power()))
     assert any("100 bit/s over 30 km" in text for text in budget.describe())
+
+
+def best(**changes):
+    found = {
+        "payload_needed": 2e-7, "payload_margin": 3e-7, "power_needed": 6e-6,
+        "cell_area": 6.5e-8, "transmit_power": 2e-7,
+    }  # fmt: skip
+    return found | changes
+
+
+def test_terminal_says_what_is_needed_and_left():
+    assert payload_line(best()) == (
+        "0.2 mg there, 6 µW, 0.065 mm² of solar cells, radio 0.2 µW: 0.3 mg to spare"
+    )
+    assert payload_line(best(payload_margin=-3e-7)).endswith("0.3 mg too much")
+    assert "no light" in payload_line(best(payload_needed=math.inf))
+
+
+def test_comparison_has_a_row_for_each_flyer(read):
+    setups = read(TEXT).build(), read(TEXT.partition("[payload]")[0]).build()
+    flyers = [
+        SimpleNamespace(
+            setup=setup, prediction=SimpleNamespace(best=SimpleNamespace(values=best()))
+        )
+        for setup in setups
+    ]
+    table = needs_table(SimpleNamespace(flyers=flyers))
+    columns = {column.header.split("\n")[0]: list(column.cells) for column in table.columns}
+    assert columns["payload margin"] == ["0.3", "–"]
+    assert columns["cell area"] == ["0.065", "–"]

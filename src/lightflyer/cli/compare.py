@@ -120,7 +120,7 @@ def _show(console: Console, comparison: "Comparison") -> None:
     console.print(_best_table(comparison))
     console.print(_payloads_table(comparison))
     if any(found.setup.budget is not None for found in comparison.flyers):
-        console.print(_needs_table(comparison))
+        console.print(needs_table(comparison))
     for difference in comparison.differing_models:
         console.print(str(difference), soft_wrap=True)
     for text in comparison.warnings:
@@ -166,7 +166,7 @@ def _best_cells(found: "Compared", scale: float) -> tuple[str, ...]:
     )
 
 
-def _needs_table(comparison: "Comparison") -> Table:
+def needs_table(comparison: "Comparison") -> Table:
     """What each flyer's payload needs where it carries most, and what is left."""
     from lightflyer.flight.outputs import BUDGET_OUTPUTS, budget_outputs
 

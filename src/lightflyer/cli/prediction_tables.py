@@ -71,7 +71,7 @@ def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
     place = f"at {best.coordinate * factor:{digits}} {unit} ({best.values['temperature']:.1f} K)"
     rows.add_row("best payload", _payload(best.values, place))
     if prediction.setup.budget is not None:
-        rows.add_row("payload needs", _needs(best.values))
+        rows.add_row("payload needs", payload_line(best.values))
     return rows
 
 
@@ -98,7 +98,7 @@ def _payload(best: dict[str, float], place: str) -> str:
     return f"{_mass(payload)}, {best['relative_payload']:.3g} of its own mass, {place}"
 
 
-def _needs(best: dict[str, float]) -> str:
+def payload_line(best: dict[str, float]) -> str:
     """What the payload needs where the flyer carries most, and what is left."""
     from lightflyer.flight.outputs import BUDGET_OUTPUTS
 

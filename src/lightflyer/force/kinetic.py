@@ -105,6 +105,7 @@ class Kinetic(AbstractForceModel):
     ) -> tuple[Array, ...]:
         """See :meth:`AbstractForceModel.heat_loss`."""
         if isinstance(flyer, Sandwich):
+            self._require_table_of_sandwich(state.gas)
             return kinetic_sandwich.heat_loss(
                 flyer, state, unknowns, self.transmission, self.heat_error
             )
@@ -118,6 +119,13 @@ class Kinetic(AbstractForceModel):
                 flyer, state, unknowns, self.transmission, self.force_error
             )
         return kinetic_disk.force(flyer, state, unknowns, self.force_error)
+
+    def _require_table_of_sandwich(self, gas: AbstractGas) -> None:
+        if gas.molecules not in self.molecules:
+            raise ParameterError(
+                f"force model Kinetic is not for a sandwich in {gas.name}, whose molecules are "
+                f"{gas.molecules}: polyatomic gas is scaled for disks only"
+            )
 
     def caveats(self, flyer: Any, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
         """See :meth:`AbstractForceModel.caveats`."""

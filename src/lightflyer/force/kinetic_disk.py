@@ -14,7 +14,7 @@ from lightflyer.force.laws import maxwell_force
 from lightflyer.force.schafer2025_table import internal_factors
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.validity import Validity
-from lightflyer.gas.base import knudsen_number
+from lightflyer.gas.base import AbstractGas, knudsen_number
 
 _DENSE = "the kinetic table ends there, and the force is extrapolated by a power law"
 HEATING = "the kinetic table ends there, and its ratios are held"
@@ -27,6 +27,8 @@ _SCALED = (
     "right to about 3 %, the force to 2 % near the gas temperature and 9 % far above"
 )
 _STAND_IN = "diatomic"
+_SCALED_HEAT_ERROR, _SCALED_FORCE_ERROR = 0.015, 0.045
+"""Relative standard errors: half of what is left from one table to the other at worst."""
 _DIATOMIC_CONDUCTION = 4.865  # conductivity over viscosity and gas constant of the table's gas [1]
 _DIATOMIC_FREE, _DIATOMIC_DENSE = internal_factors(1.4, 1.0, 1.0, _DIATOMIC_CONDUCTION)
 _DIATOMIC_RESISTANCE = _DIATOMIC_FREE / _DIATOMIC_DENSE
@@ -44,7 +46,8 @@ def heat_loss(
     if state.wall_distance is not None:
         ratio *= fit.wall_factors(knudsen, state.wall_distance / disk.radius)[1]
     if error is not None:
-        ratio *= 1.0 + error * fit.relative_heat_error(knudsen)
+        table = fit.relative_heat_error(knudsen)
+        ratio *= 1.0 + error * _with_scaling(table, _SCALED_HEAT_ERROR, state.gas)
     return (ratio * disk_conductance(disk, state, excess) * excess,)
 
 
@@ -61,7 +64,8 @@ def force(
     if state.wall_distance is not None:
         ratio *= fit.wall_factors(knudsen, state.wall_distance / disk.radius)[0]
     if error is not None:
-        ratio *= 1.0 + error * fit.relative_force_error(knudsen, ratio)
+        table = fit.relative_force_error(knudsen, ratio)
+        ratio *= 1.0 + error * _with_scaling(table, _SCALED_FORCE_ERROR, state.gas)
     free = maxwell_force(disk.area, disk.film.tac_difference, state.pressure, excess)
     return ratio * free
 
@@ -112,6 +116,11 @@ def scaled_heat_ratio(ratio: Numeric, resistance: Numeric) -> Array:
     times that of the diatomic table.
     """
     return jnp.asarray(1.0 / (1.0 + resistance * (1.0 / ratio - 1.0)))
+
+
+def _with_scaling(error: Array, of_scaling: float, gas: AbstractGas) -> Array:
+    """Relative standard error, with that of taking the gas for a diatomic one [1]."""
+    return error if gas.molecules in GASES else jnp.hypot(error, of_scaling)
 
 
 def _resistance(state: EnvironmentState, excess: Numeric) -> Numeric:

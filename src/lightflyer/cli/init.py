@@ -84,11 +84,11 @@ def init(path: Path | None = None, /, *, kind: str = _FIRST, force: bool = False
         Where to write it; by default flyer.toml, study.toml or points.csv.
     kind
         What it is. Flyer files: earth (a disk over Earth), chamber (the disk in a vacuum chamber),
-        layers (a film given by its layers), sandwich (two perforated membranes over Earth), plate
-        (nanocardboard in the chamber), balloon (a solar balloon over Earth), hollow (a sphere that
-        pumps gas, over Earth). A mission: mission. Studies: sweep, optimise, sensitivity.
-        Measurements: points (of levitation, to calibrate with); "lightflyer lab example" writes
-        those of the lab bench.
+        mars (the disk over Mars), layers (a film given by its layers), sandwich (two perforated
+        membranes over Earth), plate (nanocardboard in the chamber), balloon (a solar balloon over
+        Earth), hollow (a sphere that pumps gas, over Earth). A mission: mission. Studies: sweep,
+        optimise, sensitivity. Measurements: points (of levitation, to calibrate with);
+        "lightflyer lab example" writes those of the lab bench.
     force
         Overwrite an existing file.
     """

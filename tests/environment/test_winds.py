@@ -174,6 +174,20 @@ def test_gradient_wind_turns_the_air_around_the_pole_like_a_solid(gradient):
     assert east[2] == pytest.approx(0.0, abs=1e-9)
 
 
+def test_winds_in_either_precision(gradient):
+    wind = SumOfWinds(gradient, UniformWind(east=3.0))
+
+    def east(x):
+        return wind.velocity(60e3 * x, Place(0.8 * x, 0.3, JULY)).east
+
+    with lf.float64():
+        slope = float(jax.grad(east)(1.0))
+        step = 1e-5
+        difference = float(east(1.0 + step) - east(1.0 - step)) / (2.0 * step)
+    assert slope == pytest.approx(difference, rel=1e-4)
+    assert float(jax.grad(east)(1.0)) == pytest.approx(slope, rel=1e-4)
+
+
 WITH_WIND = """atmosphere = "lu2023"
 [environment.wind]
 """

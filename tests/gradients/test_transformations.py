@@ -48,6 +48,9 @@ CASES = {
     "flight.levitate": lambda x: lf.levitate(disk(x), STATE, lf.Lu2023()).irradiance,
     "flight.levitation_band": lambda x: lf.levitation_band(disk(x), lf.Earth(), lf.Lu2023()).upper,
     "environment.ground_view_factor": lambda x: lf.environment.ground_view_factor(1.5 * x, 0.97),
+    "environment.balanced_rotation": lambda x: lf.environment.balanced_rotation(
+        1e-9 * x, 0.7, 7.3e-5
+    ),
     "film.stack_optics": lambda x: lf.film.stack_optics(
         np.array([3.5]), np.array([0.1]), x * np.array([5e-8]), 5e-7
     ).transmittance[0],
@@ -79,6 +82,7 @@ for name, atmosphere in ATMOSPHERES.items():
             )(70e3 * x)
 
 ELSEWHERE = {
+    "environment.GlobalNRLMSIS": "tests/environment/test_global_nrlmsis.py",
     "environment.NRLMSIS": "needs pymsis, is not traced; tests/environment",
     "flight.outputs_of": "a list",
     "flight.levitation_bands": "levitation_band is one of them",

@@ -1,6 +1,7 @@
 """Base class of winds."""
 
 import abc
+from functools import reduce
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -8,7 +9,7 @@ import numpy as np
 
 from lightflyer.environment.base import Place, Wind
 from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.precision import is_traced
+from lightflyer.foundation.precision import entry_point, is_traced
 from lightflyer.foundation.types import Numeric
 
 
@@ -66,13 +67,14 @@ class AbstractWind(eqx.Module):
         for beyond, margin in margins.items():
             if not is_traced(margin) and np.any(np.less(margin, 0.0)):
                 raise ParameterError(beyond)
-        if not is_traced(margins):
-            return wind
-        reaches = jnp.array(True)
-        for margin in margins.values():
-            reaches = reaches & (margin >= 0.0)
-        return Wind(*(jnp.where(reaches, part, jnp.nan) for part in wind))
+        return _where_reached(wind, tuple(margins.values())) if is_traced(margins) else wind
 
     @abc.abstractmethod
     def describe(self) -> tuple[str, ...]:
         """What is assumed about the wind, in short texts with units."""
+
+
+@entry_point
+def _where_reached(wind: Wind, margins: tuple[Numeric, ...]) -> Wind:
+    reached = reduce(jnp.logical_and, [margin >= 0.0 for margin in margins])
+    return Wind(*(jnp.where(reached, part, jnp.nan) for part in wind))

@@ -40,6 +40,7 @@ _GRAVITY_EQUATOR, _GRAVITY_POLE = 9.7803253359, 9.8321849378
 _CENTRIFUGAL = 0.00344978650684
 
 
+@entry_point
 def balanced_rotation(forcing: Numeric, sine_latitude: Numeric, rotation_rate: Numeric) -> Any:
     r"""Angular velocity of a zonal wind in gradient balance.
 
@@ -80,11 +81,6 @@ def balanced_rotation(forcing: Numeric, sine_latitude: Numeric, rotation_rate: N
     >>> print(f"{balanced_rotation(1e-10, 0.7, planet) / planet:.4f}")
     -0.0135
     """
-    return _balanced_rotation(forcing, sine_latitude, rotation_rate)
-
-
-@entry_point
-def _balanced_rotation(forcing: Numeric, sine_latitude: Numeric, rotation_rate: Numeric) -> Any:
     ratio = forcing / (rotation_rate**2 * sine_latitude)
     return -rotation_rate * ratio / (1.0 + jnp.sqrt(1.0 - ratio))
 

@@ -114,10 +114,12 @@ def _velocity(wind: HWM14, altitude: Numeric, place: Place) -> Wind:
     season = _season(_TURN * (time / TROPICAL_YEAR + 1.0 / _YEAR_OF_MODEL))
     local_time = _TURN * (time / _DAY + _NOON) + longitude
     shapes = _shapes(latitude, longitude, local_time)
+    # products and sums: JAX's derivative of a contraction needs its switch for double precision
     amplitudes = jnp.asarray(wind.pieces)[piece]
-    east, north = jnp.moveaxis(
-        jnp.einsum("...pfsnec,...p,...s,...fne->...c", amplitudes, powers, season, shapes), -1, 0
-    )
+    amplitudes = jnp.sum(amplitudes * powers[..., None, None, None, None, None], axis=-6)
+    amplitudes = jnp.sum(amplitudes * season[..., None, :, None, None, None], axis=-4)
+    winds = jnp.sum(amplitudes * shapes[..., None], axis=(-4, -3, -2))
+    east, north = winds[..., 0], winds[..., 1]
     return Wind(east, north, jnp.zeros_like(east))
 
 

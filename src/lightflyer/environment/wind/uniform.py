@@ -67,8 +67,7 @@ class SumOfWinds(AbstractWind):
 
     def velocity(self, altitude: Numeric, place: Place) -> Wind:
         """See :meth:`AbstractWind.velocity`."""
-        found = [wind.velocity(altitude, place) for wind in self.winds]
-        return Wind(*(sum(parts) for parts in zip(*found, strict=True)))
+        return _sum(tuple(wind.velocity(altitude, place) for wind in self.winds))
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
         """See :meth:`AbstractWind.margins`: those of all."""
@@ -87,3 +86,8 @@ class SumOfWinds(AbstractWind):
 def _uniform(parts: tuple[Numeric, ...], where: tuple[Numeric, ...]) -> Wind:
     shape = jnp.broadcast_shapes(*(jnp.shape(value) for value in (*parts, *where)))
     return Wind(*(jnp.broadcast_to(part, shape) for part in parts))
+
+
+@entry_point
+def _sum(winds: tuple[Wind, ...]) -> Wind:
+    return Wind(*(sum(parts) for parts in zip(*winds, strict=True)))

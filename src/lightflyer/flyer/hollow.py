@@ -200,7 +200,7 @@ class HollowBody(AbstractFlyer):
         )
         into_outlet = self.outlet_area * direct.beam_bottom
         reflected, _ = radiation.diffuse_light()
-        wall, outlet = self._from_sky_and_ground(radiation, reflected)
+        wall, outlet = self._fallen(reflected, *self._views_of_ground(radiation))
         return self._absorbed(
             self._sheets_in_light(),
             wall + radiation.visible_part(seen - into_outlet),
@@ -212,8 +212,9 @@ class HollowBody(AbstractFlyer):
         radiation = state.radiation
         _, light = radiation.diffuse_light()
         infrared = radiation.infrared_exitances(state.temperature)
+        views = self._views_of_ground(radiation)
         gains = (
-            self._absorbed(sheets, *self._from_sky_and_ground(radiation, exitances))
+            self._absorbed(sheets, *self._fallen(exitances, *views))
             for sheets, exitances in (
                 (self._sheets_in_light(), light),
                 (self._sheets_in_infrared(state), infrared),
@@ -288,27 +289,28 @@ class HollowBody(AbstractFlyer):
         """See :meth:`AbstractFlyer.describe`."""
         return f"hollow {self.form} of {float(np.asarray(self.size)) / _CENTIMETRE:g} cm"
 
-    def _from_sky_and_ground(
-        self, radiation: Radiation, exitances: Exitances
-    ) -> tuple[Array, Array]:
-        r"""Power that falls on the wall and into the outlet [W].
+    def _views_of_ground(self, radiation: Radiation) -> tuple[Array, Numeric]:
+        r"""View factors to the ground, of wall and outlet together and of the outlet [1].
 
-        A closed convex surface receives half of its area's worth from a half-space: from the
-        ground less, by what its silhouette shows to the directions between horizon and ground,
+        A closed convex surface of the area A sees half of a half-space, and less of the ground by
+        what its silhouette shows to the directions between horizon and ground:
 
-        .. math:: P = M\left[\tfrac12(A_t + A_o) - 2\int_0^{\cos\gamma}\bar S\,dx\right]
-
-        and from the sky the rest. The outlet is a flat part of it.
+        .. math:: F = \tfrac12 - \frac2A\int_0^{\cos\gamma}\bar S\,dx
         """
         tilt = None if self.attitude is None else self.attitude.tilt
-        _, outlet = radiation.views_of_ground(self.attitude)
         beside = seen_below_horizon(
             self.geometry, self.size, self.outlet_radius, tilt, radiation.edge_of_ground
         )
-        closed = self.surface + self.outlet_area
-        of_ground = 0.5 * closed - 2.0 * beside
+        _, outlet = radiation.views_of_ground(self.attitude)
+        return 0.5 - 2.0 * beside / (self.surface + self.outlet_area), outlet
+
+    def _fallen(
+        self, exitances: Exitances, closed: Numeric, outlet: Numeric
+    ) -> tuple[Array, Array]:
+        """Power that falls on the wall and into the outlet, by their views of the ground [W]."""
         into_outlet = self.outlet_area * exitances.seen(outlet)
-        return closed * exitances.seen(of_ground / closed) - into_outlet, into_outlet
+        onto_both = (self.surface + self.outlet_area) * exitances.seen(closed)
+        return onto_both - into_outlet, into_outlet
 
     def _absorbed(
         self,

@@ -50,3 +50,23 @@ def test_any_encoding_of_the_terminal(tmp_path, encoding):
     printed = run("predict")
     assert {"ascii": "W/m^2", "cp1252": "W/m²", "utf-8": "W/m²"}[encoding] in printed
     assert "?" not in printed
+
+
+def test_a_narrow_terminal_loses_columns_not_digits(run, flyer_file, monkeypatch):
+    path = flyer_file()
+    asked = ("predict", path, "--at", "70 km,72 km")
+    monkeypatch.setenv("COLUMNS", "200")
+    wide = run(*asked)[1]
+    monkeypatch.setenv("COLUMNS", "50")
+    narrow = run(*asked)[1]
+    assert "…" not in narrow
+    numbers = {word for word in wide.split() if word[0].isdigit()}
+    assert numbers <= set(narrow.split())
+    table = narrow[narrow.index("altitude") : narrow.index("warning")]
+    assert max(map(len, table.splitlines())) <= 50
+
+
+def test_nothing_is_wrapped_in_a_pipe(run, flyer_file, monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)
+    _, text, _ = run("predict", flyer_file())
+    assert max(map(len, text.splitlines())) > 100

@@ -31,7 +31,7 @@ def test_bands_for_a_file_with_uncertainties(run, folder):
     code, text, errors = run("predict", flyer, "--out", out, "--samples", "100")
     assert code == 0, errors
     told = text[: text.index("wrote ")]
-    bands = told[told.index("95 % band of") :].splitlines()
+    bands = told[told.index("95 % band of") : told.index("from the ±")].splitlines()
     assert any(line.split()[:1] == ["payload_mg"] and "%" in line for line in bands)
     assert max(len(line) for line in bands) <= 80
     assert "correlated by 0.5" in told.replace("\n", " ")
@@ -55,9 +55,9 @@ def test_first_order_alone(run, folder):
 @pytest.mark.parametrize(
     ("old", "new", "arguments", "says"),
     [
-        ("", "", ["--samples", "-1"], "--samples = -1: give at least 100"),
+        ("", "", ["--samples", "-1"], "--samples. Must be >= 0"),
         ("", "", ["--samples", "1"], "--samples = 1: give at least 100 for a 95 % band, or 0"),
-        ("", "", ["--seed", "-1"], "--seed = -1: must be zero or positive"),
+        ("", "", ["--seed", "-1"], "--seed. Must be >= 0"),
         ("= 0.5", "= 1.5", [], "film.tac_correlation = 1.5: must be between -1 and 1"),
     ],
 )

@@ -1,12 +1,17 @@
 """Where commands print: plain text, whatever is in it."""
 
 import json
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
+from rich.measure import Measurement
+from rich.table import Table
+
+_UNBOUNDED = 1000  # columns of a pipe or file, in which nothing is wrapped
 
 BEFORE_RESULTS: list[Callable[[], None]] = []
 """What is called before anything is printed to the standard output stream."""
@@ -18,11 +23,23 @@ def _clear() -> None:
 
 
 class _Results(Console):
-    """The standard output stream, before which progress is cleared away."""
+    """The standard output stream, before which progress is cleared away.
+
+    A table that is wider than the terminal keeps its digits: the terminal breaks its lines.
+    """
 
     def print(self, *objects: Any, **settings: Any) -> None:
         _clear()
+        wanted = max((_width_of(part) for part in objects if isinstance(part, Table)), default=0)
+        if wanted > self.width:
+            settings |= {"width": wanted, "crop": False}
         super().print(*objects, **settings)
+
+
+def _width_of(table: Table) -> int:
+    """Width of a table on an unbounded terminal."""
+    console = Console(width=_UNBOUNDED)
+    return Measurement.get(console, console.options, table).maximum
 
 
 def printer(*, stderr: bool = False, width: int | None = None) -> Console:
@@ -43,7 +60,10 @@ def printer(*, stderr: bool = False, width: int | None = None) -> Console:
     rich.console.Console
     """
     kind = Console if stderr else _Results
-    return kind(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)
+    console = kind(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)
+    if width is None and not console.is_terminal and "COLUMNS" not in os.environ:
+        console.width = _UNBOUNDED
+    return console
 
 
 def print_json(document: dict[str, Any]) -> None:

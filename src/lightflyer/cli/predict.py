@@ -191,9 +191,12 @@ def _show(
 
 def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
     """The 95 % bands of all results but those asked for one by one."""
-    table = _bands_table(uncertainty["results"], shares=True)
-    fits = measure(table).maximum <= NARROW
-    console.print(table if fits else _bands_table(uncertainty["results"], shares=False))
+    results, width = uncertainty["results"], min(console.width, NARROW)
+    both = ["first order", "Monte Carlo"]
+    kept = [*both, "samples"], both, ["Monte Carlo" if uncertainty["samples"] else "first order"]
+    tables = [_bands_table(results, columns) for columns in kept]
+    fitting = (table for table in tables if measure(table).maximum <= width)
+    console.print(next(fitting, tables[-1]))
     correlation = uncertainty["tac_correlation"]
     note = "" if correlation is None else f", TAC errors correlated by {correlation:g}"
     sources = []
@@ -207,11 +210,11 @@ def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
         console.print(f"warning: {warning}", soft_wrap=True)
 
 
-def _bands_table(results: dict[str, Any], *, shares: bool) -> Table:
-    """Table of bands, perhaps with the shares of the samples that have such a result."""
+def _bands_table(results: dict[str, Any], columns: list[str]) -> Table:
+    """Table of bands by some methods, and of the samples that have such a result."""
     table = Table(box=None, padding=(0, 1, 0, 0))  # so that it fits into 80 columns
     table.add_column("95 % band of", no_wrap=True)
-    for heading in ("value", "first order", "Monte Carlo", *(["samples"] if shares else [])):
+    for heading in ("value", *columns):
         table.add_column(heading, justify="right", no_wrap=True)
     shown = ""
     for name, result in results.items():
@@ -223,8 +226,13 @@ def _bands_table(results: dict[str, Any], *, shares: bool) -> Table:
             shown = group
         sampled = result.get("monte_carlo")
         share = f"{100.0 * sampled['share_of_samples']:.0f} %" if sampled else "–"
-        cells = [f"{result['value']:.4g}", _span(result["first_order"]), _span(sampled)]
-        table.add_row(f"  {entry}" if group else entry, *cells, *([share] if shares else []))
+        spans = {
+            "first order": _span(result["first_order"]),
+            "Monte Carlo": _span(sampled),
+            "samples": share,
+        }
+        cells = [f"{result['value']:.4g}", *(spans[column] for column in columns)]
+        table.add_row(f"  {entry}" if group else entry, *cells)
     return table
 
 

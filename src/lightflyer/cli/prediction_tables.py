@@ -28,7 +28,7 @@ def show_flyer(console: Console, prediction: "Prediction") -> None:
 def show_results(console: Console, prediction: "Prediction") -> None:
     """Print where it levitates, what it carries, and the results at each coordinate asked for."""
     console.print(_results(prediction, prediction.summary()))
-    for table in _points_tables(prediction):
+    for table in _points_tables(prediction, min(console.width, NARROW)):
         console.print(table)
     for text in prediction.warnings:
         console.print(f"warning: {text}", soft_wrap=True)
@@ -126,13 +126,19 @@ _COLUMNS = {
     "lift": ("lift\n[{}]", ".4g"),
     "lift_over_weight": ("lift /\nweight", ".3f"),
 }
+_DISPENSABLE = ("pressure", "levitation_temperature", "gas_temperature", "lift", "temperature")
+"""Columns that a narrow terminal shows in a table of their own, the first to go first."""
+
 _NODE = ("of the {}\n[K]", ".1f")  # a temperature of one part of the flyer
 _ROOMY = 8  # columns that fit a terminal of 80 characters with two spaces between them
 _OWN = 5  # results of the flyer's or the force model's own that fit beside the coordinate
 
 
-def _points_tables(prediction: "Prediction") -> Iterator[Table]:
-    """Tables of the results at each coordinate asked for, those that every flyer has first."""
+def _points_tables(prediction: "Prediction", width: int) -> Iterator[Table]:
+    """Tables of the results at each coordinate asked for, those that every flyer has first.
+
+    What does not fit the width goes into further tables.
+    """
     from lightflyer.flight.outputs import node_outputs
 
     if not prediction.asked.size:
@@ -144,9 +150,13 @@ def _points_tables(prediction: "Prediction") -> Iterator[Table]:
     names = prediction.point_names
     first = [name for name in names if name in _COLUMNS or name in nodes]
     table = _points_table(prediction, {name: (_COLUMNS | nodes)[name] for name in first})
-    if measure(table).minimum > NARROW:
+    if measure(table).minimum > width:
         first = [name for name in names if name in _COLUMNS]
         table = _points_table(prediction, {name: _COLUMNS[name] for name in first})
+    for name in _DISPENSABLE:
+        if measure(table).minimum > width and name in first:
+            first.remove(name)
+            table = _points_table(prediction, {name: _COLUMNS[name] for name in first})
     yield table
     rest = [name for name in names if name not in first]
     headings = {name: nodes.get(name, (_own_heading(prediction, name), ".4g")) for name in rest}

@@ -51,6 +51,7 @@ def test_uniform_winds_and_sums():
 def test_earth_has_a_wind_where_a_place_is_given():
     earth = lf.Earth(wind=UniformWind(east=30.0))
     assert earth.state(70e3).wind is None
+    assert lf.Earth(wind=earth.wind, place=Place(0.1, 0.2, 0.0)).state(70e3).wind is None
     assert earth.state(70e3, Place(0.1, 0.2, 0.0)).wind.east == 30.0
     assert earth.state(70e3).pressure == lf.Earth().state(70e3).pressure
 

@@ -155,8 +155,8 @@ class Earth(AbstractEnvironment):
         coordinate : array, shape (...)
             Geometric altitude [m].
         place : Place, optional
-            Where and when: for an atmosphere that depends on it, for the wind and the sky; by
-            default Earth's own.
+            Where and when: for an atmosphere that depends on it and for the sky, by default
+            Earth's own; and for the wind, which is there only if a place is given here.
 
         Returns
         -------
@@ -171,6 +171,7 @@ class Earth(AbstractEnvironment):
         """
         altitude = self.coordinate.quantity.number("altitude", coordinate)
         require_range("altitude [m]", altitude, *self.atmosphere.altitude_range)
+        wind = None if place is None else self.wind
         place = self.place if place is None else place
         if place is None and self.sky is not None:
             raise ConfigurationError(
@@ -179,8 +180,8 @@ class Earth(AbstractEnvironment):
         state = _state(self, altitude, place)
         if place is not None and self.sky is not None:
             state = replace(state, radiation=self.sky.radiation(altitude, place))
-        if place is not None and self.wind is not None:
-            state = replace(state, wind=self.wind.velocity(altitude, place))
+        if place is not None and wind is not None:
+            state = replace(state, wind=wind.velocity(altitude, place))
         return state
 
 

@@ -182,8 +182,8 @@ class GlobalNRLMSIS(AbstractAtmosphere):
     def _fields(self, altitude: Numeric, place: Place | None) -> tuple[Array, Array, Array]:
         if place is None:
             raise ConfigurationError(
-                "this atmosphere depends on place and time: give a place, or a column of it by "
-                "NRLMSIS(date, latitude, longitude, ...)"
+                "NRLMSIS of every place and time needs one of them: fly a mission, or give a "
+                'place, in a file by sun = "ephemeris" with date, latitude and longitude'
             )
         found = interpolate(
             self.coefficients, (self.latitudes, self.altitudes), (place.latitude, altitude)

@@ -42,7 +42,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.force.schafer2025_table import Curves
+from lightflyer.foundation.curves import Curves
 from lightflyer.foundation.table import shipped_table
 from lightflyer.foundation.types import Numeric
 from lightflyer.gas.passing import coaxial_share, slot_transmission
@@ -313,8 +313,26 @@ def channel_conductance(
     """
     if coefficients is None:
         coefficients = channel_coefficients(shape, rarefaction, length)
-    entrances = _ROOT_PI * (1.0 - open_fraction) / (1.0 + shape.entrance * rarefaction)
+    entrances = entrance_resistance(shape, rarefaction, open_fraction)
     return 1.0 / (length / coefficients.poiseuille + entrances)
+
+
+def entrance_resistance(
+    shape: ChannelShape, rarefaction: Numeric, open_fraction: Numeric = 0.0
+) -> Array:
+    r"""Resistance of both entrances of a channel, the last term of :func:`channel_conductance`.
+
+    Parameters
+    ----------
+    shape, rarefaction, open_fraction
+        As for :func:`channel_conductance`.
+
+    Returns
+    -------
+    array, broadcast shape
+        [1]
+    """
+    return _ROOT_PI * (1.0 - open_fraction) / (1.0 + shape.entrance * rarefaction)
 
 
 def thermomolecular_exponent(

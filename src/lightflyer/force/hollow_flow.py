@@ -27,14 +27,15 @@ from lightflyer.force.base import ModelResult
 from lightflyer.force.channels import (
     ROUND,
     SLOT,
-    ChannelShape,
     Coefficients,
     channel_coefficients,
+    channel_conductance,
     direct_share,
+    entrance_resistance,
     thermomolecular_exponent,
     thermomolecular_pressure,
 )
-from lightflyer.force.laws import free_molecular_conductance, in_series
+from lightflyer.force.laws import free_molecular_conductance
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import mean_free_path
@@ -141,11 +142,6 @@ def _areas(flyer: HollowBody, corrections: Corrections) -> _Areas:
     return _Areas(rounded * flyer.surface, rounded * flyer.outlet_area)
 
 
-def _entrances(shape: ChannelShape, rarefaction: Array, open_fraction: Numeric = 0.0) -> Array:
-    """Conductance of both entrances of a channel, as in :func:`channel_conductance`."""
-    return (1.0 + shape.entrance * rarefaction) / (math.sqrt(math.pi) * (1.0 - open_fraction))
-
-
 class _Channels(NamedTuple):
     """Flow per area of the wall, conductance × (stopping pressure − pressure difference)."""
 
@@ -175,8 +171,9 @@ def _channels(
         )
     exponent = coefficients.creep / coefficients.poiseuille
     if corrections.short_channels:
-        entrances = _entrances(SLOT, rarefaction, flyer.open_fraction)
-        conductance = in_series(coefficients.poiseuille / length, entrances)
+        conductance = channel_conductance(
+            SLOT, rarefaction, length, flyer.open_fraction, coefficients
+        )
         outside = _gas_outside(flyer, state, unknowns)
         stopping = thermomolecular_pressure(exponent, state.pressure, inner, outside)
     else:
@@ -332,7 +329,7 @@ def _outlet(
     )
     way = flyer.geometry.passage(flyer.size, flyer.outlet_radius)
     tube = channel_coefficients(ROUND, rarefaction, way).poiseuille
-    return density * speed * (1.0 / _entrances(ROUND, rarefaction) + way / tube), held
+    return density * speed * (entrance_resistance(ROUND, rarefaction) + way / tube), held
 
 
 def _outlet_exponent(flyer: HollowBody, state: EnvironmentState, corrections: Corrections) -> Array:

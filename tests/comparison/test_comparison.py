@@ -1,13 +1,17 @@
 """Comparison of flyers on one grid, beside what each of them does alone."""
 
 import csv
+import dataclasses
 import json
+from importlib.resources import files
 
 import numpy as np
 import pytest
 
 import lightflyer as lf
 from lightflyer.comparison import to_dataset, write_csv
+from lightflyer.comparison.tables import joined, require_comparable
+from lightflyer.flight.outputs import outputs_of
 
 
 def disk(areal_density=1e-3, radius=0.01, tac_bottom=0.9):
@@ -166,3 +170,18 @@ def test_altitude_and_pressure_are_not_mixed(designs):
     chamber = lf.Setup(disk(), lf.Chamber(), lf.Lu2023())
     with pytest.raises(lf.ConfigurationError, match="a is described over altitude and b over pres"):
         lf.compare(designs[0], chamber, names=["a", "b"])
+
+
+def test_one_name_for_two_things_in_one_unit():
+    plate, hollow = (
+        lf.read_flyer_file(str(files("lightflyer") / "data" / f"flyer-{kind}.toml")).build()
+        for kind in ("plate", "hollow")
+    )
+    require_comparable([plate, hollow])  # of which both have a pressure_difference
+    mine, theirs = (outputs_of(setup)["pressure_difference"] for setup in (plate, hollow))
+    assert mine.long_name != theirs.long_name
+    both = joined(mine, theirs)
+    assert both.long_name == f"{mine.long_name}; or {theirs.long_name}"
+    assert joined(both, mine) is joined(both, theirs) is both
+    with pytest.raises(lf.ConfigurationError, match=r"\[Pa\] of one flyer .* \[m\] of another"):
+        joined(mine, dataclasses.replace(theirs, unit="m"))

@@ -2,6 +2,8 @@
 
 import csv
 import json
+from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +11,7 @@ import numpy as np
 
 import lightflyer
 from lightflyer.flight.outputs import Output, outputs_of
+from lightflyer.flight.setup import Setup
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.units import dataset_unit
 
@@ -18,6 +21,7 @@ if TYPE_CHECKING:
     from lightflyer.comparison.comparison import Comparison
 
 _FLYER = "flyer"
+_OR = "; or "  # between what one name stands for
 
 
 def to_dataset(comparison: "Comparison") -> "xr.Dataset":
@@ -128,11 +132,32 @@ def _outputs(comparison: "Comparison") -> dict[str, Output]:
     for flyer in comparison.flyers:
         known = outputs_of(flyer.setup)
         for name in flyer.table:
-            output = found.setdefault(name, known[name])
-            if output.attributes != known[name].attributes:
-                raise ConfigurationError(
-                    f'"{name}" is {output.long_name} [{output.unit}] of one flyer and '
-                    f"{known[name].long_name} [{known[name].unit}] of {flyer.name}"
-                )
+            found[name] = joined(found.get(name, known[name]), known[name])
     found.pop(comparison.coordinate.name, None)
     return found
+
+
+def joined(one: Output, other: Output) -> Output:
+    """Two flyers' output of one name: it may be another thing for each, in the same unit.
+
+    Raises
+    ------
+    ConfigurationError
+        If the units differ.
+    """
+    if one.unit != other.unit:
+        raise ConfigurationError(
+            f'"{one.name}" is {one.long_name} [{one.unit or "1"}] of one flyer and '
+            f"{other.long_name} [{other.unit or '1'}] of another; they cannot be compared"
+        )
+    if other.long_name in one.long_name.split(_OR):
+        return one
+    return replace(one, long_name=f"{one.long_name}{_OR}{other.long_name}")
+
+
+def require_comparable(setups: Iterable[Setup]) -> None:
+    """Raise :class:`ConfigurationError` where an output is in another unit for another flyer."""
+    found: dict[str, Output] = {}
+    for setup in setups:
+        for name, output in outputs_of(setup).items():
+            found[name] = joined(found.get(name, output), output)

@@ -83,14 +83,15 @@ def _write(
 
 
 def _show(console: Console, found: "Indices") -> None:
-    unit = f" {found.unit}" if found.unit else ""
+    factor, name = found.shown
+    unit = f" {name}" if name else ""
     console.print(
-        f"{found.output} {found.nominal:.4g}{unit}; over all inputs {found.mean:.4g} ± "
-        f"{found.spread:.2g}{unit}",
+        f"{found.output} {factor * found.nominal:.4g}{unit}; over all inputs "
+        f"{factor * found.mean:.4g} ± {factor * found.spread:.2g}{unit}",
         soft_wrap=True,
     )
     table = Table(box=None, padding=(0, 1, 0, 0))  # so that it fits into 80 columns
-    ends = (f"at its\n{end} %\n[{found.unit or '1'}]" for end in ("2.5", "97.5"))
+    ends = (f"at its\n{end} %\n[{name or '1'}]" for end in ("2.5", "97.5"))
     shares = ("share of\nvariance\n[%]", "with inter-\nactions\n[%]")
     headings = ("input", *shares, "elasticity", *ends)
     for heading in headings:
@@ -102,8 +103,8 @@ def _show(console: Console, found: "Indices") -> None:
             _share(found.first[row], found.first_interval[row]),
             _share(found.total[row], found.total_interval[row]),
             "\n".join(_signed(found.elasticity[name]) for name in found.groups[row]),
-            _short(found.low[row]),
-            _short(found.high[row]),
+            _short(factor * found.low[row]),
+            _short(factor * found.high[row]),
         )
     console.print(table)
     if not found.ranked:
@@ -113,7 +114,7 @@ def _show(console: Console, found: "Indices") -> None:
         advice = "all of it is the model's own error, which measurements cannot reduce"
     else:
         advice = f"measure {found.next} next: halving its uncertainty would leave ± "
-        advice += f"{found.spread_after_halving:.2g}{unit}"
+        advice += f"{factor * found.spread_after_halving:.2g}{unit}"
     console.print(advice, soft_wrap=True)
 
 

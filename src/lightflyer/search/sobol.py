@@ -122,6 +122,8 @@ class Indices:
         an input whose median is zero.
     warnings : tuple of str
         What a reader must know, one line each.
+    shown : (float, str)
+        Factor from the output's SI unit, and the unit that its values are shown in.
     """
 
     output: str
@@ -139,6 +141,7 @@ class Indices:
     high: np.ndarray
     elasticity: dict[str, float]
     warnings: tuple[str, ...]
+    shown: tuple[float, str] = (1.0, "")
 
     def plot(self) -> "Figure":
         """Draw the effect of each input, and the shares of the variance.
@@ -411,9 +414,10 @@ def _of_output(
             for group, part in zip(study.groups, alone, strict=True)
         ]
     )
+    known = outputs_of(study.design.setup)[output]
     return Indices(
         output=output,
-        attributes=outputs_of(study.design.setup)[output].attributes,
+        attributes=known.attributes,
         groups=study.groups,
         measurable=tuple(
             all(study.design.field(name).quantity != _OWN_ERROR for name in group)
@@ -430,6 +434,7 @@ def _of_output(
         high=high,
         elasticity=_elasticities(study, nominal, up - down),
         warnings=study.design.sampling_warnings,
+        shown=known.shown_for([nominal, *low, *high]),
     )
 
 

@@ -1,6 +1,6 @@
 """Speed of the flyers' heat balances beside that of a disk, in one run.
 
-    python benchmarks/flyers.py [--designs 1000000] [--repeats 5]
+    python benchmarks/flyers.py [--designs 1000000] [--repeats 5] [--kinds disk sandwich ...]
 
 Random flyers over pressures, temperatures, light and sizes. Each contender runs in turn; the
 smallest time of a contender counts, by the clock and of the processors, so that what else the
@@ -64,6 +64,22 @@ def plate(radius, emittance, open_fraction, gap):
     return lf.Plate(film, dark, radius, width, 4.0 * width, 1e-4, gap, 5e-8, 1.8)
 
 
+def hollow(radius, emittance, open_fraction, gap):
+    """A sphere whose channels are as wide as its wall is thick."""
+    outer = lf.FilmProperties(2e-4, 0.02, 0.8, 0.1, 0.9, 0.9, transmittance=0.95)
+    inner = lf.FilmProperties(3e-4, 0.9, emittance, emittance, 0.9, 0.9)
+    width = jnp.minimum(gap, 0.05 * radius)
+    return lf.HollowBody(
+        outer, inner, 2.0 * radius, 0.8 * radius, open_fraction, width, width, 25e-9, 1.8
+    )
+
+
+def balloon(radius, emittance):
+    """An open one, of metres."""
+    film = lf.FilmProperties(1e-2, 0.9, emittance, emittance, 0.9, 0.9, transmittance=0.05)
+    return lf.Balloon(film, 20.0 * radius, radius)
+
+
 CURVE = EmittanceCurve.through(0.1 + 0.02 * np.log(node_temperatures() / 300.0))
 """Emittance that depends on temperature, as that of layers does."""
 
@@ -77,6 +93,8 @@ FLYERS = {
         lambda *values: sandwich(*values, upper=CURVE), (*SIZES, *HOLES), lf.Schafer2025()
     ),
     "plate": (plate, (*SIZES, *HOLES[:2]), lf.ChannelPump()),
+    "hollow": (hollow, (*SIZES, *HOLES[:2]), lf.HollowPump()),
+    "balloon": (balloon, SIZES, lf.BalloonConvection()),
 }  # fmt: skip
 
 
@@ -116,11 +134,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--designs", type=int, default=1_000_000)
     parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--kinds", nargs="+", choices=FLYERS, default=[*FLYERS])
     options = parser.parse_args()
+    kinds = ["disk", *(kind for kind in options.kinds if kind != "disk")]
     values = designs(options.designs)
-    functions = {kind: lambda kind=kind: balance(kind, values) for kind in FLYERS}
+    functions = {kind: lambda kind=kind: balance(kind, values) for kind in kinds}
     with lf.float64():
-        for kind in FLYERS:
+        for kind in kinds:
             plain, gradient, names = lift(kind)
             columns = [jnp.asarray(values[name]) for name in names]
             functions[f"lift, {kind}"] = lambda f=plain, c=columns: f(*c)
@@ -133,7 +153,7 @@ def main():
         base = "lift, disk" if name.startswith("lift") else base
         ratios = clock / times[base][0], processors / times[base][1]
         print(f"{name:48}{clock:10.3f}{ratios[0]:7.2f}{processors:9.3f}{ratios[1]:7.2f}  {base}")
-    for kind in FLYERS:
+    for kind in kinds:
         print(f"{kind}: {int(np.sum(~np.asarray(results[kind].converged)))} not converged")
 
 

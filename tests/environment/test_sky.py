@@ -122,6 +122,18 @@ def test_first_and_last_light_within_ten_seconds(date, degrees, altitude):
     assert hours.first < hours.noon < hours.last
 
 
+def test_last_light_moves_with_the_latitude():
+    place = Place.at("2026-06-21T12:00Z", 45.0, 0.0)
+
+    def last(latitude):
+        return SKY.light_hours(75e3, place._replace(latitude=latitude)).last
+
+    with lf.float64():
+        _, slope = jax.jvp(last, (place.latitude,), (1.0,))
+    change = (last(place.latitude + 1e-4) - last(place.latitude - 1e-4)) / 2e-4
+    assert float(slope) == pytest.approx(change, rel=1e-5)
+
+
 def test_days_and_nights_without_end():
     midsummer = Place.at("2026-06-21T12:00Z", np.array([85.0, -85.0]), 0.0)
     hours = SKY.light_hours(70e3, midsummer)

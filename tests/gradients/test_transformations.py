@@ -48,6 +48,16 @@ CASES = {
     "flight.levitate": lambda x: lf.levitate(disk(x), STATE, lf.Lu2023()).irradiance,
     "flight.levitation_band": lambda x: lf.levitation_band(disk(x), lf.Earth(), lf.Lu2023()).upper,
     "environment.ground_view_factor": lambda x: lf.environment.ground_view_factor(1.5 * x, 0.97),
+    "environment.visible_share": lambda x: lf.environment.visible_share(0.002 * x, 0.0047),
+    "environment.facing_share": lambda x: lf.environment.facing_share(0.002 * x, 0.0047),
+    "environment.lit_ground": lambda x: lf.environment.lit_ground(1.55 * x, 0.978),
+    "environment.horizon_depression": lambda x: lf.environment.horizon_depression(
+        lf.environment.EARTH_LIMB, 75e3 * x, 6.371e6
+    ),
+    "environment.sun_from_earth": lambda x: lf.environment.sun_from_earth(1e4 * x).direction[0],
+    "environment.sun_in_sky": lambda x: (
+        lf.environment.sun_in_sky(lf.environment.sun_from_earth(1e4), 0.7 * x, 0.2).zenith_angle
+    ),
     "environment.balanced_rotation": lambda x: lf.environment.balanced_rotation(
         1e-9 * x, 0.7, 7.3e-5
     ),
@@ -82,6 +92,7 @@ for name, atmosphere in ATMOSPHERES.items():
             )(70e3 * x)
 
 ELSEWHERE = {
+    "environment.Daylight": "tests/environment/test_sky.py",
     "environment.GlobalNRLMSIS": "tests/environment/test_global_nrlmsis.py",
     "environment.NRLMSIS": "needs pymsis, is not traced; tests/environment",
     "flight.outputs_of": "a list",

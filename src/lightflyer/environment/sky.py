@@ -143,27 +143,7 @@ class Daylight(AbstractSky, Checked):
     def radiation(self, altitude: Numeric, place: Place) -> Radiation:
         """See :meth:`AbstractSky.radiation`."""
         require_data(self.ground.margins(place))
-        return self._radiation(altitude, place)
-
-    @entry_point
-    def _radiation(self, altitude: Numeric, place: Place) -> Radiation:
-        sun = self.sun.seen_from(place)
-        angular_radius = jnp.arcsin(constants.SOLAR_RADIUS / sun.distance)
-        ground_view = (self.planet.radius / (self.planet.radius + altitude)) ** 2
-        elevation = 0.5 * jnp.pi - sun.zenith_angle + self._depression(altitude, place, sun)
-        astronomical_units = sun.distance / constants.ASTRONOMICAL_UNIT
-        return Radiation(
-            irradiance=self.irradiance / astronomical_units**2,
-            zenith_angle=sun.zenith_angle,
-            azimuth=sun.azimuth,
-            albedo=self.ground.albedo_at(place),
-            infrared_above=self.infrared_above,
-            infrared_below=self.ground.infrared_at(place),
-            ground_view=ground_view,
-            visible=visible_share(elevation, angular_radius),
-            angular_radius=angular_radius,
-            lit_ground=lit_ground(sun.zenith_angle, ground_view),
-        )
+        return _daylight(self, altitude, place)
 
     def over(self, start: float, stop: float) -> "Daylight":
         """The same sky with the sun from a table, for many evaluations between two times.
@@ -184,7 +164,22 @@ class Daylight(AbstractSky, Checked):
         """See :meth:`AbstractSky.margins`: those of the ground."""
         return self.ground.margins(place)
 
-    def _depression(self, altitude: Numeric, place: Place, sun: SunInSky) -> Array:
+    def depression(self, altitude: Numeric, place: Place, sun: SunInSky) -> Array:
+        """Angle below the horizontal at which the limb hides the sun's centre.
+
+        Parameters
+        ----------
+        altitude : array, shape (...)
+            [m].
+        place : Place
+        sun : SunInSky
+            Seen from the place.
+
+        Returns
+        -------
+        array, broadcast shape
+            [rad].
+        """
         radius = self.planet.curvature_radius(place.latitude, sun.azimuth)
         return horizon_depression(self.limb, altitude, radius)
 
@@ -239,7 +234,7 @@ class Daylight(AbstractSky, Checked):
     def _cosine_of_half_day(self, altitude: Numeric, place: Place) -> Array:
         """Cosine of the angle by which the planet turns from noon to sunset; beyond ±1 it never."""
         position = self.sun.position(place.time)
-        depression = self._depression(altitude, place, self.sun.seen_from(place))
+        depression = self.depression(altitude, place, self.sun.seen_from(place))
         sine = position.direction[..., 2]
         across = jnp.cos(place.latitude) * jnp.sqrt(1.0 - sine**2)
         return -(jnp.sin(depression) + jnp.sin(place.latitude) * sine) / across
@@ -260,6 +255,27 @@ class Daylight(AbstractSky, Checked):
             f"infrared from above: {heat}",
             f"view factor of the ground: {VIEW_OF_PLANET}",
         )
+
+
+@entry_point
+def _daylight(sky: Daylight, altitude: Numeric, place: Place) -> Radiation:
+    sun = sky.sun.seen_from(place)
+    angular_radius = jnp.arcsin(constants.SOLAR_RADIUS / sun.distance)
+    ground_view = (sky.planet.radius / (sky.planet.radius + altitude)) ** 2
+    elevation = 0.5 * jnp.pi - sun.zenith_angle + sky.depression(altitude, place, sun)
+    astronomical_units = sun.distance / constants.ASTRONOMICAL_UNIT
+    return Radiation(
+        irradiance=sky.irradiance / astronomical_units**2,
+        zenith_angle=sun.zenith_angle,
+        azimuth=sun.azimuth,
+        albedo=sky.ground.albedo_at(place),
+        infrared_above=sky.infrared_above,
+        infrared_below=sky.ground.infrared_at(place),
+        ground_view=ground_view,
+        visible=visible_share(elevation, angular_radius),
+        angular_radius=angular_radius,
+        lit_ground=lit_ground(sun.zenith_angle, ground_view),
+    )
 
 
 def describe_shadow(altitudes: np.ndarray, visible: np.ndarray | None) -> tuple[str, ...]:

@@ -184,7 +184,7 @@ def test_nine_samples_are_told_apart(fit, style):
     looks = {(line.get_color(), line.get_marker()) for line in legend.get_lines()}
     assert len(looks) == 9
     assert len({color for color, _ in looks}) == 9
-    assert {line.get_linestyle() for line in legend.get_lines()} == {"-"}
+    assert len({line.get_linestyle() for line in legend.get_lines()} - {"None"}) > 3
     assert legend.get_title().get_text() == "points: measured; lines: fit"
 
 

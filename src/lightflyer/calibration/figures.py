@@ -96,9 +96,10 @@ def fitted_points(fit: "Calibration", ax: Axes) -> Axes:
     points = fit.points
     for number, sample in enumerate(dict.fromkeys(points.samples)):
         here, style = points.of(sample), _style(number)
+        line: dict[str, Any] = {"ls": LINES[number % len(LINES)], "lw": 1.2}
         ax.plot(points.pressure[here], points.irradiance[here], ls="", mfc="none", **style)
-        ax.plot(*fitted_curve(fit, sample), color=style["color"], lw=1.2)
-        ax.plot([], [], mfc="none", lw=1.2, label=sample, **style)
+        ax.plot(*fitted_curve(fit, sample), color=style["color"], **line)
+        ax.plot([], [], mfc="none", label=sample, **style, **line)
     ax.set(xscale="log", yscale="log")
     plain_decades(ax.xaxis)
     plain_decades(ax.yaxis)

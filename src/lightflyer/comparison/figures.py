@@ -118,7 +118,7 @@ def draw(comparison: "Comparison", output: str, ax: Axes) -> dict[str, Any]:
     handles: dict[str, Any] = {}
     for index, found in enumerate(comparison.flyers):
         colour, style = PALETTE[index % len(PALETTE)], LINES[index % len(LINES)]
-        named = "" if found.description.startswith(found.name) else f"{found.name}: "
+        named = "" if found.description.startswith(f"{found.name},") else f"{found.name}: "
         label = f"{named}{found.description}"
         values = found.table[output] * scale
         (handles[label],) = ax.plot(places, values, color=colour, ls=style, label=label)

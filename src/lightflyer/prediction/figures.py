@@ -36,6 +36,9 @@ IRRADIANCE_SPAN = 30.0
 _AROUND = 0.1  # of the searched range, drawn on each side of the best where nothing levitates
 _HEADROOM = 0.15  # above the hottest temperature
 _MARGIN = 20.0  # kelvins below the coldest
+_RISE = 7.0  # of a text from its point [points]
+_ROOM = 0.12  # of the range, drawn beyond the best
+_WHOLE = 100.0  # W/m², from which on an irradiance is written without decimals
 _BELOW = 0.4  # of the least irradiance, drawn below it
 _WITH_LEGEND = 4.6  # height of a figure [inch]
 _NODE_COLOURS = (ORANGE, SKY, PURPLE, GREEN)
@@ -80,19 +83,43 @@ def closer(prediction: "Prediction") -> "Prediction":
 
 def _shown_range(prediction: "Prediction") -> tuple[float, float]:
     """Range worth drawing, in the unit shown: where flight takes not many times the light."""
-    coordinates = prediction.coordinates
-    needed = prediction.table["levitation_irradiance"]
+    logarithmic = prediction.coordinate.logarithmic
+    places, best = prediction.coordinates, prediction.best.coordinate
+    if logarithmic:
+        places, best = np.log(places), float(np.log(best))
     if prediction.easiest is not None:
         least = prediction.easiest.values["levitation_irradiance"]
+        needed = prediction.table["levitation_irradiance"]
         # what warm gas lifts in the dark is drawn wherever light can lift it
         light = np.flatnonzero(needed < (IRRADIANCE_SPAN * least or np.inf))
-        ends = coordinates[[light[0], light[-1]]]
+        low, high = places[light[0]], places[light[-1]]
     else:
-        near = int(np.searchsorted(coordinates, prediction.best.coordinate))
-        around = int(_AROUND * coordinates.size)
-        ends = coordinates[[max(near - around, 0), min(near + around, coordinates.size - 1)]]
-    best, factor = prediction.best.coordinate, across(prediction)
-    return factor * min(float(ends[0]), best), factor * max(float(ends[1]), best)
+        around = _AROUND * (places[-1] - places[0])
+        low, high = best - around, best + around
+    if best < low:
+        low = best - _ROOM * (high - best)
+    elif best > high:
+        high = best + _ROOM * (best - low)
+    ends = np.clip([low, high], places[0], places[-1])
+    low, high = across(prediction) * (np.exp(ends) if logarithmic else ends)
+    return float(low), float(high)
+
+
+def _write_at(
+    prediction: "Prediction", ax: Axes, text: str, point: tuple[float, float], rise: float
+) -> None:
+    """Write above or below a point, in the units shown, within the axes."""
+    ends, place = np.array(_shown_range(prediction)), point[0]
+    if prediction.coordinate.logarithmic:
+        ends, place = np.log(ends), float(np.log(place))
+    share = (place - ends[0]) / np.ptp(ends)
+    aside, aligned = 0.0, "center"
+    if not _ROOM < share < 1.0 - _ROOM:
+        aside, aligned = (abs(rise), "left") if share < _ROOM else (-abs(rise), "right")
+    ax.annotate(
+        text, point, (aside, rise), textcoords="offset points", ha=aligned,
+        va="bottom" if rise > 0.0 else "top", fontsize="small",
+    )  # fmt: skip
 
 
 def _shade_bands(prediction: "Prediction", ax: Axes) -> None:
@@ -150,7 +177,8 @@ def irradiance(prediction: "Prediction", ax: Axes) -> Axes:
     needed = prediction.table["levitation_irradiance"]
     _shade_bands(prediction, ax)
     shown = np.where(np.isfinite(needed), needed, np.nan)
-    ax.plot(factor * prediction.coordinates, shown, color=BLUE, label="needed to levitate")
+    label = "needed to levitate" if prediction.easiest is not None else "_needed to levitate"
+    ax.plot(factor * prediction.coordinates, shown, color=BLUE, label=label)
     ax.axhline(available, color=ORANGE, ls="--", label="available")
     ax.set_yscale("log")
     plain_decades(ax.yaxis)
@@ -163,9 +191,9 @@ def irradiance(prediction: "Prediction", ax: Axes) -> Axes:
         least = prediction.easiest.values["levitation_irradiance"]
         point = factor * prediction.easiest.coordinate
         ax.plot(point, least, "o", color=BLUE, ms=5)
-        where = f"{least:.4g} W/m²\nat {point:.3g} {prediction.coordinate.shown_unit}"
-        ax.annotate(where, (point, least), (0, -7), textcoords="offset points", ha="center",
-                    va="top", fontsize="small")  # fmt: skip
+        light = f"{least:.0f}" if least >= _WHOLE else f"{least:.3g}"
+        where = f"{light} W/m²\nat {point:.3g} {prediction.coordinate.shown_unit}"
+        _write_at(prediction, ax, where, (point, least), -_RISE)
         low, high = _BELOW * min(least, available), IRRADIANCE_SPAN * max(least, available) / 2.0
     if low > 0.0:
         ax.set_ylim(low, high)
@@ -201,6 +229,8 @@ def temperature(prediction: "Prediction", ax: Axes) -> Axes:
         words = name.removeprefix("temperature_").replace("_", " ")
         ax.plot(places, table[name], color=colour, ls="--", label=f"{words}, available light")
     label = f"{hottest_label}, just levitating"
+    if prediction.easiest is None:
+        label = f"_{label}"  # no light lifts it: the curve and its entry are empty
     ax.plot(places, table["levitation_temperature"], color=BLUE, ls="-.", label=label)
     ax.plot(places, table["gas_temperature"], color=GREY, ls=":", label="gas")
     low, high = _shown_range(prediction)
@@ -235,10 +265,8 @@ def payload(prediction: "Prediction", ax: Axes) -> Axes:
     places, payloads = factor * prediction.coordinates, prediction.table["payload"] * scale
     ax.plot(places, payloads, color=BLUE, label="largest payload")
     ax.plot(point, best, "o", color=BLUE, ms=5)
-    ax.annotate(
-        f"{best:.3g} {unit}\nat {point:.3g} {prediction.coordinate.shown_unit}",
-        (point, best), (0, 7), textcoords="offset points", ha="center", fontsize="small",
-    )  # fmt: skip
+    where = f"{best:.3g} {unit}\nat {point:.3g} {prediction.coordinate.shown_unit}"
+    _write_at(prediction, ax, where, (point, best), _RISE)
     ax.axhline(0.0, color=GREY, lw=0.8)
     low = min(0.0, best) - 0.35 * max(abs(best), 0.3 * own_mass)
     ax.set_ylim(low, best + 0.3 * (best - low))

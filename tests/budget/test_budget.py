@@ -79,9 +79,9 @@ def test_sums():
     needs = Budget(ITEMS, CELLS, LINK, reserve=0.2).needs(np.array([589.0, 1361.0]))
     power = 1.2 * (2e-6 + float(LINK.consumed_power()))
     area = power / (0.16 * np.array([589.0, 1361.0]))
-    np.testing.assert_allclose(needs.power, power, rtol=1e-6)
-    np.testing.assert_allclose(needs.cell_area, area, rtol=1e-6)
-    np.testing.assert_allclose(needs.mass, 1.2 * 6e-8 + 0.1 * area, rtol=1e-6)
+    np.testing.assert_allclose(needs.power, power, rtol=1e-13)
+    np.testing.assert_allclose(needs.cell_area, area, rtol=1e-13)
+    np.testing.assert_allclose(needs.mass, 1.2 * 6e-8 + 0.1 * area, rtol=1e-13)
 
 
 def test_nothing_is_stored():

@@ -9,6 +9,7 @@ from jax import Array
 from lightflyer.budget.link import RadioLink
 from lightflyer.environment.radiation import Attitude, Radiation
 from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import ArealDensity, Checked, Efficiency, Fraction, Mass, Power
 from lightflyer.foundation.types import Numeric
 
@@ -136,18 +137,7 @@ class Budget(Checked):
         Needs
             Of the broadcast shape.
         """
-        more = 1.0 + self.reserve
-        zero = 0.0 * jnp.asarray(light)
-        sent = zero if self.link is None else self.link.transmit_power() + zero
-        power = sum((item.mean_power for item in self.items), zero)
-        power = more * (power if self.link is None else power + self.link.consumed_power())
-        mass = more * sum((item.mass for item in self.items), zero)
-        if self.cells is None:
-            return Needs(mass, power, zero, sent)
-        dark = light <= 0.0
-        per_area = self.cells.efficiency * self.cells.conversion * jnp.where(dark, 1.0, light)
-        area = jnp.where(dark & (power > 0.0), jnp.inf, power / per_area)
-        return Needs(mass + self.cells.areal_density * area, power, area, sent)
+        return _needs(self, light)
 
     def describe(self) -> tuple[str, ...]:
         """What is in it, in short texts with units.
@@ -174,6 +164,23 @@ class Budget(Checked):
         return tuple(texts)
 
 
+@entry_point
+def _needs(budget: Budget, light: Numeric) -> Needs:
+    link, cells, more = budget.link, budget.cells, 1.0 + budget.reserve
+    zero = 0.0 * jnp.asarray(light)
+    sent = zero if link is None else link.transmit_power() + zero
+    power = sum((item.mean_power for item in budget.items), zero)
+    power = more * (power if link is None else power + link.consumed_power())
+    mass = more * sum((item.mass for item in budget.items), zero)
+    if cells is None:
+        return Needs(mass, power, zero, sent)
+    dark = light <= 0.0
+    per_area = cells.efficiency * cells.conversion * jnp.where(dark, 1.0, light)
+    area = jnp.where(dark & (power > 0.0), jnp.inf, power / per_area)
+    return Needs(mass + cells.areal_density * area, power, area, sent)
+
+
+@entry_point
 def light_on_cells(radiation: Radiation, attitude: Attitude | None) -> Array:
     """Irradiance of cells that face as a flyer's top face does [W/m²].
 

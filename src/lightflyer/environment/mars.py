@@ -26,6 +26,7 @@ from lightflyer.environment.ground import UniformGround
 from lightflyer.environment.horizon import Limb
 from lightflyer.environment.mars_sun import (
     ECCENTRICITY,
+    NOON,
     SEMI_MAJOR_AXIS,
     MarsSun,
     distance_in_season,
@@ -117,7 +118,7 @@ def season_irradiance(solar_longitude: Numeric) -> Array:
 def mars_sunlight(
     solar_longitude: Numeric | None = None,
     latitude: Numeric | None = None,
-    local_time: Numeric = 12.0,
+    local_time: Numeric = NOON,
     *,
     albedo: Numeric = MARS_ALBEDO,
     infrared_above: Numeric | None = SKY_INFRARED,

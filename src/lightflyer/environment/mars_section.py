@@ -21,7 +21,7 @@ from lightflyer.environment.mars import (
     air_of_mars,
     season_irradiance,
 )
-from lightflyer.environment.mars_sun import MarsSun, zenith_angle_in_season
+from lightflyer.environment.mars_sun import NOON, MarsSun, zenith_angle_in_season
 from lightflyer.environment.radiation import SKY_INFRARED
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.quantity import (
@@ -63,7 +63,7 @@ class MarsSection(AltitudeSection):
     solar_longitude: SolarLongitude | None = None
     latitude: Latitude | None = None
     longitude: Longitude | None = None
-    local_time: LocalTime = Measured(12.0)
+    local_time: LocalTime = Measured(NOON)
     albedo: Fraction = Measured(MARS_ALBEDO)
     surroundings: Literal["mars", "gas"] = "mars"
     dust_optical_depth: OpticalDepth = Measured(OPTICAL_DEPTH)

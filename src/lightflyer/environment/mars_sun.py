@@ -33,6 +33,9 @@ PERIHELION: Final = 251.0
 OBLIQUITY_SINE: Final = 0.42565
 """Sine of the angle between equator and orbit of Mars [1]; [AllisonMcEwen2000]_ Eq. (D1)."""
 
+NOON: Final = 12.0
+"""Local true solar time at which the sun stands highest [h]; a sol has 24 of these hours."""
+
 # [AllisonMcEwen2000] Eqs. (16)-(22): of days since 2000-01-01 12:00 terrestrial time, [deg]
 _ANOMALY = (19.3871, 0.52402073)
 _MEAN_SUN = (270.3871, 0.524038496)
@@ -199,6 +202,6 @@ def zenith_angle_in_season(longitude: Numeric, latitude: Numeric, hour: Numeric)
         [rad].
     """
     sine = OBLIQUITY_SINE * jnp.sin(longitude)
-    turned = (hour - 12.0) * jnp.pi / 12.0
+    turned = (hour - NOON) / NOON * jnp.pi
     across = jnp.cos(latitude) * jnp.sqrt(1.0 - sine**2) * jnp.cos(turned)
     return jnp.arccos(jnp.clip(jnp.sin(latitude) * sine + across, -1.0, 1.0))

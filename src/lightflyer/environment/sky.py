@@ -21,7 +21,7 @@ from lightflyer.environment.horizon import (
 )
 from lightflyer.environment.planet import EARTH_PLANET, Planet
 from lightflyer.environment.radiation import SKY_INFRARED, Radiation
-from lightflyer.environment.sun import AbstractSun, EarthSun, SunInSky
+from lightflyer.environment.sun import AbstractSun, EarthSun, SunInSky, sun_in_sky
 from lightflyer.environment.sun_table import TabulatedSun
 from lightflyer.foundation import constants
 from lightflyer.foundation.precision import entry_point
@@ -205,39 +205,40 @@ class Daylight(AbstractSky, Checked):
         """
         moving = self.planet.rotation_rate
 
-        def at(time: Array, side: float) -> tuple[Array, Array, Array]:
-            """What is left to noon or to the horizon on one side of it [s]; sets at, rises at."""
-            here = place._replace(time=time)
-            sun = self.sun.position(time)
-            east = jnp.arctan2(sun.direction[..., 1], sun.direction[..., 0])
-            angle = jnp.mod(place.longitude - east + jnp.pi, _TURN) - jnp.pi  # past noon
-            cosine = self._cosine_of_half_day(altitude, here)
-            half_day = jnp.arccos(jnp.clip(cosine, -1.0, 1.0))
-            return (side * half_day - angle) / moving, cosine, half_day
+        def turn(time: Array) -> tuple[Array, Array]:
+            """Angle that the planet has turned since noon, and cosine of that at sunset."""
+            return self._turn_since_noon(altitude, place._replace(time=time))
 
         def search(side: float, start: Array) -> Array:
-            return jax.lax.fori_loop(0, _PASSES, lambda _, t: t + at(t, side)[0], start)
+            """Noon at side 0, first light at -1, last at 1."""
 
-        start = place.time + jnp.zeros(
-            jnp.broadcast_shapes(*(jnp.shape(part) for part in (altitude, *place)))
-        )
-        noon = search(0.0, start)
-        _, cosine, half_day = at(noon, 0.0)
-        first, last = (noon + side * half_day / moving for side in (-1.0, 1.0))
-        rises = jnp.abs(cosine) < 1.0
+            def nearer(_: int, time: Array) -> Array:
+                angle, sunset = turn(time)
+                return time + (side * jnp.arccos(jnp.clip(sunset, -1.0, 1.0)) - angle) / moving
+
+            return jax.lax.fori_loop(0, _PASSES, nearer, start)
+
+        shape = jnp.broadcast_shapes(*(jnp.shape(part) for part in (altitude, *place)))
+        noon = search(0.0, place.time + jnp.zeros(shape))
+        _, sunset = turn(noon)
+        half_day = jnp.arccos(jnp.clip(sunset, -1.0, 1.0))
         first, last = (
-            jnp.where(rises, search(side, begin), jnp.nan)
-            for side, begin in ((-1.0, first), (1.0, last))
+            jnp.where(jnp.abs(sunset) < 1.0, search(side, noon + side * half_day / moving), jnp.nan)
+            for side in (-1.0, 1.0)
         )
         return LightHours(first, noon, last, half_day / jnp.pi)
 
-    def _cosine_of_half_day(self, altitude: Numeric, place: Place) -> Array:
-        """Cosine of the angle by which the planet turns from noon to sunset; beyond ±1 it never."""
-        position = self.sun.position(place.time)
-        depression = self.depression(altitude, place, self.sun.seen_from(place))
-        sine = position.direction[..., 2]
-        across = jnp.cos(place.latitude) * jnp.sqrt(1.0 - sine**2)
-        return -(jnp.sin(depression) + jnp.sin(place.latitude) * sine) / across
+    def _turn_since_noon(self, altitude: Numeric, place: Place) -> tuple[Array, Array]:
+        """Angle by which the planet has turned since noon, and the cosine of that at sunset.
+
+        A cosine beyond ±1 is that of a sun which stays above or below the horizon.
+        """
+        sun = self.sun.position(place.time)
+        x, y, z = (sun.direction[..., axis] for axis in range(3))
+        angle = jnp.mod(place.longitude - jnp.arctan2(y, x) + jnp.pi, _TURN) - jnp.pi
+        seen = sun_in_sky(sun, place.latitude, place.longitude)
+        above = jnp.sin(self.depression(altitude, place, seen)) + jnp.sin(place.latitude) * z
+        return angle, -above / (jnp.cos(place.latitude) * jnp.hypot(x, y))
 
     def assumptions(self) -> tuple[str, ...]:
         """See :meth:`AbstractSky.assumptions`."""

@@ -236,7 +236,8 @@ def test_dust_dims_low_flyers_and_not_high_ones(mars):
     text = " ".join(mars.assumptions())
     assert "dust: optical depth 0.3" in text
     assert "vibration of co2" in text
-    assert "no dust" in clear.assumptions()
+    assert "dust: none" in clear.assumptions()
+    assert "COSPAR" in text
 
 
 SECTION = """

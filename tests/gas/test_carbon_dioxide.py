@@ -94,6 +94,14 @@ def test_temperatures_beyond_the_correlations_are_said():
     assert "above 1.1e+03" in hot
 
 
+def test_what_walls_exchange_is_said_where_the_gas_is():
+    assert any(
+        "exchange all of the vibration" in text for text in lf.Chamber(gas=CO2).assumptions()
+    )
+    assert any("exchange none" in text for text in lf.Chamber(gas=FROZEN).assumptions())
+    assert not any("vibration" in text for text in lf.Chamber().assumptions())
+
+
 def test_no_law_takes_a_single_ratio_of_heat_capacities():
     with pytest.raises(lf.ParameterError, match="heat_capacity_ratio_at"):
         _ = CO2.heat_capacity_ratio

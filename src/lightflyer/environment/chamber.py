@@ -92,6 +92,10 @@ class Chamber(AbstractEnvironment):
             open_ended=True,
         )
 
+    def assumptions(self) -> tuple[str, ...]:
+        """See :meth:`AbstractEnvironment.assumptions`."""
+        return (*super().assumptions(), *self.gas.assumptions())
+
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:  # noqa: ARG002
         """Surroundings at a pressure, which may lie outside the range of interest.
 

@@ -114,8 +114,8 @@ class Dust(Checked):
         str
         """
         return (
-            f"dust: optical depth {span(self.optical_depth)} above altitude 0; what is above the "
-            "flyer dims the beam and scatters light down"
+            f"dust: optical depth {span(self.optical_depth)} above altitude 0, of which the part "
+            "above the flyer dims the beam and scatters light down"
         )
 
 

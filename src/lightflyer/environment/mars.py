@@ -46,7 +46,7 @@ from lightflyer.foundation.quantity import (
 )
 from lightflyer.foundation.types import Numeric
 from lightflyer.gas.base import AbstractGas
-from lightflyer.gas.carbon_dioxide import CARBON_DIOXIDE, FROZEN_CARBON_DIOXIDE
+from lightflyer.gas.carbon_dioxide import CARBON_DIOXIDE
 
 MARS_ALBEDO: Final = 0.25
 """Share of sunlight that Mars reflects [1]: within 30° of the equator 0.18 to 0.28 without dust
@@ -66,11 +66,6 @@ DEFAULT_ALTITUDES = tuple(1e3 * kilometres for kilometres in range(30, 81, 5))
 
 _HIGHEST_SEARCHED = 130e3  # top of the reference atmosphere [m]
 _GAS_CONSTANT = 1e3 * constants.BOLTZMANN * constants.AVOGADRO  # [J/(kmol K)]
-_VIBRATION = {
-    CARBON_DIOXIDE.name: "walls exchange all of the vibration of co2 (with gas co2-frozen: none)",
-    FROZEN_CARBON_DIOXIDE.name: "walls exchange none of the vibration of co2 (with gas co2: all)",
-}
-_GASES = {gas.name: gas for gas in (CARBON_DIOXIDE, FROZEN_CARBON_DIOXIDE)}
 
 # Rays are bent by less than 0.01° in the thin air of Mars; it is dust that dims them.
 MARS_LIMB: Final = Limb(height=0.0, refractivity=3.5e-6, scale_height=9e3)
@@ -255,10 +250,9 @@ class Mars(AbstractEnvironment):
         return (*told, *self.assumptions_of_air())
 
     def assumptions_of_air(self) -> tuple[str, ...]:
-        """See :meth:`AbstractEnvironment.assumptions_of_air`: dust, and what walls exchange."""
-        dust = "no dust" if self.dust is None else self.dust.describe()
-        exchanged = _VIBRATION.get(self.gas.name)
-        return (dust,) if exchanged is None else (dust, exchanged)
+        """See :meth:`AbstractEnvironment.assumptions_of_air`: atmosphere, dust, gas."""
+        dust = "dust: none" if self.dust is None else self.dust.describe()
+        return (self.atmosphere.describe(), dust, *self.gas.assumptions())
 
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
         """Surroundings at an altitude.

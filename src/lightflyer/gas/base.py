@@ -58,6 +58,16 @@ class AbstractGas(eqx.Module):
         del temperature
         return self.heat_capacity_ratio
 
+    def assumptions(self) -> tuple[str, ...]:
+        """What is assumed about the gas, in short texts.
+
+        Returns
+        -------
+        tuple of str
+            Empty by default.
+        """
+        return ()
+
     def caveats(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
         """Warnings, in words, where the gas is outside the range in which it is known.
 

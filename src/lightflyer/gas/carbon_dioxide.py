@@ -218,6 +218,10 @@ class CarbonDioxide(_Correlated):  # type: ignore[misc]  # the ratio below is no
 
     name: ClassVar[str] = "co2"
 
+    def assumptions(self) -> tuple[str, ...]:
+        """See :meth:`AbstractGas.assumptions`."""
+        return ("gas: walls exchange all of the vibration of co2 (with gas co2-frozen: none)",)
+
     specific_gas_constant: Numeric = _GAS_CONSTANT / MOLAR_MASS
 
     @property  # type: ignore[misc]  # in place of a field
@@ -250,6 +254,10 @@ class FrozenCarbonDioxide(_Correlated):
     """
 
     name: ClassVar[str] = "co2-frozen"
+
+    def assumptions(self) -> tuple[str, ...]:
+        """See :meth:`AbstractGas.assumptions`."""
+        return ("gas: walls exchange none of the vibration of co2 (with gas co2: all)",)
 
     specific_gas_constant: Numeric = _GAS_CONSTANT / MOLAR_MASS
     heat_capacity_ratio: Numeric = _RIGID / (_RIGID - 1.0)

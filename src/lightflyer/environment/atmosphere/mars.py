@@ -18,6 +18,7 @@ from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import Checked, Pressure, TemperatureOffset
 from lightflyer.foundation.spline import Spline
 from lightflyer.foundation.table import shipped_table
+from lightflyer.foundation.text import span
 from lightflyer.foundation.types import Numeric
 
 SURFACE_PRESSURE = 636.0
@@ -35,6 +36,9 @@ MOLAR_MASS = 43.49
 
 _GAS_CONSTANT = 1e3 * constants.BOLTZMANN * constants.AVOGADRO  # [J/(kmol K)]
 _METRES_PER_KILOMETRE = 1e3
+COSPAR = "northern summer of Mars by COSPAR"
+"""Name of the default profile."""
+
 _TOP = 130e3  # of the default profile [m]
 _FEWEST_ROWS = 4
 
@@ -101,6 +105,8 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
         M [kg/kmol], the same at all altitudes.
     top : float
         Altitude at which the profile ends [m].
+    name : str
+        What results call the profile.
 
     Raises
     ------
@@ -131,6 +137,7 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
     temperature_offset: TemperatureOffset = 0.0
     molar_mass: Numeric = MOLAR_MASS
     top: float = eqx.field(static=True, default=_TOP)
+    name: str = eqx.field(static=True, default=COSPAR)
 
     @classmethod
     def from_table(
@@ -139,6 +146,7 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
         temperature: ArrayLike,
         surface_pressure: float,
         molar_mass: float = MOLAR_MASS,
+        name: str = "a profile of its own",
     ) -> "MarsAtmosphere":
         """Atmosphere with a profile of one's own, such as one of the Mars Climate Database.
 
@@ -152,6 +160,8 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
             At altitude 0 [Pa].
         molar_mass : float
             [kg/kmol].
+        name : str
+            What results call it.
 
         Returns
         -------
@@ -172,12 +182,19 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
         if not np.all(np.isfinite(kelvin) & (kelvin > 0.0)):
             raise ParameterError("temperature must be positive")
         profile, top = _monotone(altitudes, kelvin), float(altitudes[-1])
-        return cls(profile, surface_pressure, molar_mass=molar_mass, top=top)
+        return cls(profile, surface_pressure, molar_mass=molar_mass, top=top, name=name)
 
     @property
     def altitude_range(self) -> tuple[float, float]:
         """0 m to the top of the profile, by default 130 km."""
         return 0.0, self.top
+
+    def describe(self) -> str:
+        """See :meth:`AbstractAtmosphere.describe`."""
+        return (
+            f"atmosphere: {self.name}, {span(self.surface_pressure)} Pa at altitude 0, "
+            f"{span(self.temperature_offset)} K added, the same everywhere and always"
+        )
 
     @entry_point
     def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002

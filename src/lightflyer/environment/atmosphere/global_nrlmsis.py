@@ -63,33 +63,33 @@ _SPACING = 7.5
 _LATITUDES = np.arange(-90.0, 90.1, _SPACING)
 
 
-def _yearly(angle: Any, harmonics: int, xp: Any = jnp) -> list[Any]:
-    terms = [xp.ones_like(angle)]
-    for harmonic in range(1, harmonics + 1):
-        terms += [xp.cos(harmonic * angle), xp.sin(harmonic * angle)]
-    return terms
+def _terms_of(wave: _Wave) -> list[tuple[int, int]]:
+    """Numbers of the factors of its terms: of the wave and of the year."""
+    number = _WAVES.index(wave)
+    waves = [number] if wave == _MEAN else [number, len(_WAVES) + number]
+    cosines = range(1, wave.harmonics + 1)
+    yearly = [0, *cosines, *(_MEAN.harmonics + harmonic for harmonic in cosines)]
+    return [(one, other) for one in waves for other in yearly]
+
+
+_MEAN = _WAVES[0]
+_TERMS = np.array([term for wave in _WAVES for term in _terms_of(wave)])
+_PARITIES = np.array([(-1) ** _WAVES[number % len(_WAVES)].zonal for number in _TERMS[:, 0]])
+"""Sign of each term half a turn of longitude away, which is where one comes out at a pole."""
+
+
+def _yearly(season: Any, xp: Any = jnp) -> Any:
+    """One, then cosines and sines of the harmonics of the year, shape (..., 13)."""
+    angle = xp.asarray(season)[..., None] * np.arange(1.0, _MEAN.harmonics + 1)
+    return xp.concatenate([xp.ones_like(angle[..., :1]), xp.cos(angle), xp.sin(angle)], axis=-1)
 
 
 def _basis(season: Any, day: Any, longitude: Any, xp: Any = jnp) -> Any:
     """Waves times harmonics of the year, shape (..., terms)."""
-    season, day, longitude = xp.broadcast_arrays(season, day, longitude)
-    terms = []
-    for wave in _WAVES:
-        phase = wave.per_day * day + wave.zonal * longitude
-        parts = [xp.cos(phase)] + ([xp.sin(phase)] if wave != _WAVES[0] else [])
-        yearly = _yearly(season, wave.harmonics, xp)
-        terms += [part * factor for part in parts for factor in yearly]
-    return xp.stack(terms, axis=-1)
-
-
-def _parities() -> np.ndarray:
-    """Sign of each term half a turn of longitude away, which is where one comes out at a pole."""
-    return np.concatenate(
-        [
-            np.full((1 if wave == _WAVES[0] else 2) * (2 * wave.harmonics + 1), (-1) ** wave.zonal)
-            for wave in _WAVES
-        ]
-    )
+    per_day, zonal, _ = np.array(_WAVES, float).T
+    phase = xp.asarray(day)[..., None] * per_day + xp.asarray(longitude)[..., None] * zonal
+    waves = xp.concatenate([xp.cos(phase), xp.sin(phase)], axis=-1)
+    return waves[..., _TERMS[:, 0]] * _yearly(season, xp)[..., _TERMS[:, 1]]
 
 
 def _samples(indices: Indices) -> tuple[np.ndarray, np.ndarray]:
@@ -163,7 +163,7 @@ class GlobalNRLMSIS(AbstractAtmosphere):
         self.indices = Indices.of(f107, f107a, ap)
         inner = _coefficients(self.indices)
         # one row beyond each pole, where the row before the pole is met from the other side
-        south, north = (inner[row] * _parities() for row in (1, -2))
+        south, north = (inner[row] * _PARITIES for row in (1, -2))
         self.coefficients = np.concatenate([south[None], inner, north[None]])
         beyond = np.array([90.0 + _SPACING])
         nodes = np.concatenate([-beyond, _LATITUDES, beyond])
@@ -234,8 +234,7 @@ class GlobalNRLMSIS(AbstractAtmosphere):
         molar_mass_ratio : array, shape (n, m, k)
             [1].
         """
-        mean = _WAVES[0]
-        yearly = np.stack(_yearly(_TURN * seasons / TROPICAL_YEAR, mean.harmonics, np), axis=-1)
-        fields = self.coefficients[1:-1, :, :, : 2 * mean.harmonics + 1] @ yearly.T
+        yearly = _yearly(_TURN * seasons / TROPICAL_YEAR, np)
+        fields = self.coefficients[1:-1, :, :, : yearly.shape[-1]] @ yearly.T
         latitude = _LATITUDES * RADIANS_PER_DEGREE
         return latitude, _ALTITUDES, *np.moveaxis(fields, (2, 3), (0, 1))

@@ -35,7 +35,7 @@ _EQUATOR = "latitude within 15° of the equator, where there is no gradient wind
 _ABOVE = "altitude above 100 km, where the gradient wind ends"
 
 # Gravity on the ellipsoid at equator and pole [m/s²], and the ratio of the centrifugal force to
-# gravity at the equator; [NIMA2000]_ tables 3.3 and 3.4.
+# gravity at the equator; [NIMA2000]_ ch. 3.
 _GRAVITY_EQUATOR, _GRAVITY_POLE = 9.7803253359, 9.8321849378
 _CENTRIFUGAL = 0.00344978650684
 
@@ -89,7 +89,7 @@ def _geopotential_slope(sine: np.ndarray, altitude: np.ndarray) -> np.ndarray:
     """Derivative of the geopotential at an altitude in the sine of the latitude [m²/s²].
 
     Gravity on the ellipsoid by Somigliana's formula, above by its Taylor series; [NIMA2000]_
-    Eqs. (4-1) and (4-3).
+    ch. 4.
     """
     flattening, equator = EARTH_PLANET.flattening, EARTH_PLANET.equatorial_radius
     squeezed = flattening * (2.0 - flattening)

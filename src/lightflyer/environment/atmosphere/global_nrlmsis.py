@@ -143,11 +143,11 @@ class GlobalNRLMSIS(AbstractAtmosphere):
 
     Notes
     -----
-    The fit departs from the model, at random places and times below 110 km, by 0.1 K and 0.06 %
-    of the pressure (root mean square), at most 1 K and 0.5 %; from 110 km to 150 km by at most
-    2 K, 0.8 % and 0.2 % of the molar mass. About half of it is the season: the model
-    changes at midnight UTC, by a day's worth, and repeats itself after 365 days. Here the season
-    follows the sun through every day, and repeats itself after 365.2425 days.
+    The fit departs from the model, at random places and times of 30 years, below 110 km by 0.1 K
+    and 0.11 % of the pressure (root mean square), at most 1.6 K and 1.2 %; from 110 km to 150 km
+    by at most 4 K, 2 % and 0.5 % of the molar mass. Most of it is the season: the model
+    changes at midnight UTC, by a day's worth, and starts anew on the first of January. Here the
+    season follows the sun through every day, and repeats itself after 365.2425 days.
 
     References
     ----------

@@ -61,7 +61,9 @@ from .foundation.precision import float64 as float64
 from .foundation.units import Measured as Measured
 from .mission import Ensemble as Ensemble
 from .mission import Release as Release
+from .mission import drift as drift
 from .mission import fly as fly
+from .mission import hanging_stability as hanging_stability
 from .prediction import predict as predict
 from .search import optimise as optimise
 from .search import pareto as pareto

@@ -6,3 +6,4 @@ from .disk import edgewise_disk_drag as edgewise_disk_drag
 from .inertia import disk_inertia as disk_inertia
 from .inertia import edgewise_inertia as edgewise_inertia
 from .inertia import sphere_inertia as sphere_inertia
+from .turning import turning_disk_torque as turning_disk_torque

@@ -2,6 +2,8 @@ from .attitude import AbstractAttitudeRule as AbstractAttitudeRule
 from .attitude import FollowSun as FollowSun
 from .attitude import Level as Level
 from .attitude import Own as Own
+from .drifting import Drift as Drift
+from .drifting import drift as drift
 from .dynamics import Inertia as Inertia
 from .ending import MissionEnd as MissionEnd
 from .facts import facts_of as facts_of
@@ -10,3 +12,5 @@ from .integration import Track as Track
 from .mission import fly as fly
 from .mission import trajectory as trajectory
 from .release import Release as Release
+from .stability import Hanging as Hanging
+from .stability import hanging_stability as hanging_stability

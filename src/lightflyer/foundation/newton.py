@@ -142,17 +142,28 @@ class SafeNewton(optx.AbstractRootFinder[Unknowns, Unknowns, None, Any]):
         del options, tags
         newton = _newton(fn, y, args)
         plain, plain_verdict, fails = self._plain(newton, y, state)
-        careful, careful_verdict, memory = self._careful(newton, y, state.careful)
         searching, is_careful = _searching(state.ending), state.is_careful
-        verdict = jnp.where(is_careful, careful_verdict, plain_verdict)
+
+        def with_careful() -> tuple[Unknowns, Array, _Careful]:
+            point, verdict, memory = self._careful(newton, y, state.careful)
+            return (
+                _select(is_careful, point, plain),
+                jnp.where(is_careful, verdict, plain_verdict),
+                jax.tree.map(lambda a, b: jnp.where(is_careful, a, b), memory, state.careful),
+            )
+
+        # hardly any element needs care
+        point, verdict, memory = jax.lax.cond(
+            jnp.any(is_careful), with_careful, lambda: (plain, plain_verdict, state.careful)
+        )
         new = _State(
             start=state.start,
             is_careful=is_careful | (searching & fails),
-            careful=jax.tree.map(lambda a, b: jnp.where(is_careful, a, b), memory, state.careful),
+            careful=memory,
             ending=jnp.where(searching, verdict, state.ending),
             steps=state.steps + 1,
         )
-        return _select(searching, _select(is_careful, careful, plain), y), new, None
+        return _select(searching, point, y), new, None
 
     def terminate(
         self, fn: Any, y: Unknowns, args: Any, options: Any, state: _State, tags: Any

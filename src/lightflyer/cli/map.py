@@ -66,8 +66,8 @@ def map_command(
     sliced, chosen = choose_slice(dataset, output, fields, _asked(at))
     names = [*fields, output]
     written = _write(out, lambda: _draw(dataset, sliced, names, pareto=pareto), figures)
-    for name, (value, unit) in chosen.items():
-        console.print(f"at {name} {amount(value, unit)}")
+    for name, (number, unit) in chosen.items():
+        console.print(f"at {name} {amount(number, unit)}")
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)
 

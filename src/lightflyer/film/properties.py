@@ -55,7 +55,7 @@ def require_conservation(properties: Mapping[str, Any]) -> None:
             for names in (passing, absorbing)
         ]
         through, share = (properties.get(name) for name in given)  # type: Any, Any
-        if is_concrete(through, share) and np.any(through + share > _WHOLE):
+        if is_concrete(through, share) and np.any(np.asarray(through) + np.asarray(share) > _WHOLE):
             raise ParameterError(
                 f"{given[0]} = {np.max(through):g} and {given[1]} = {np.max(share):g} exceed 1 "
                 "together"

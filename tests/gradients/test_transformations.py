@@ -16,7 +16,8 @@ from lightflyer.foundation.precision import is_entry_point
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 STATE = lf.Earth().state(72e3)
 CURVE = lf.film.EmittanceCurve.through(np.linspace(0.05, 0.09, lf.film.curve.NODES))
-AIRS = {"Air": lf.gas.AIR, "Lu2023Air": lf.gas.Lu2023Air(), "US1976Air": lf.gas.US1976Air()}
+AIRS = {"Air": lf.gas.AIR, "Lu2023Air": lf.gas.Lu2023Air(), "US1976Air": lf.gas.US1976Air(),
+        "CarbonDioxide": lf.gas.CARBON_DIOXIDE}  # fmt: skip
 MODELS = {
     "FreeMolecular": lf.FreeMolecular(),
     "LinearFreeMolecular": lf.force.LinearFreeMolecular(),
@@ -26,6 +27,7 @@ MODELS = {
 ATMOSPHERES = {
     "US1976": lf.environment.US1976(),
     "Lu2023Atmosphere": lf.environment.Lu2023Atmosphere(),
+    "MarsAtmosphere": lf.environment.MarsAtmosphere(),
 }
 
 
@@ -46,7 +48,11 @@ CASES = {
     "flight.payload": lambda x: lf.payload(disk(x), STATE, lf.Lu2023()),
     "flight.weight": lambda x: lf.weight(disk(x), STATE),
     "flight.levitate": lambda x: lf.levitate(disk(x), STATE, lf.Lu2023()).irradiance,
+    "flight.sinking_speed": lambda x: lf.sinking_speed(disk(x), STATE),
     "flight.levitation_band": lambda x: lf.levitation_band(disk(x), lf.Earth(), lf.Lu2023()).upper,
+    "environment.season_irradiance": lambda x: lf.environment.season_irradiance(1.2 * x),
+    "environment.solar_longitude": lambda x: lf.environment.solar_longitude(2e8 * x),
+    "environment.sun_from_mars": lambda x: lf.environment.sun_from_mars(1e4 * x).direction[0],
     "environment.ground_view_factor": lambda x: lf.environment.ground_view_factor(1.5 * x, 0.97),
     "environment.visible_share": lambda x: lf.environment.visible_share(0.002 * x, 0.0047),
     "environment.facing_share": lambda x: lf.environment.facing_share(0.002 * x, 0.0047),
@@ -78,6 +84,9 @@ CASES = {
 for name, gas in AIRS.items():
     for law in ("viscosity", "conductivity", "heat_capacity"):
         CASES[f"gas.{name}.{law}"] = lambda x, gas=gas, law=law: getattr(gas, law)(230.0 * x)
+CASES["gas.CarbonDioxide.heat_capacity_ratio_at"] = lambda x: (
+    lf.gas.CARBON_DIOXIDE.heat_capacity_ratio_at(230.0 * x)
+)
 for name, model in MODELS.items():
     CASES[f"force.{name}.heat_loss"] = lambda x, model=model: model.heat_loss(
         disk(x), STATE, (0.4,)
@@ -89,13 +98,16 @@ for name, atmosphere in ATMOSPHERES.items():
         if hasattr(atmosphere, law):
             CASES[f"environment.{name}.{law}"] = lambda x, atmosphere=atmosphere, law=law: getattr(
                 atmosphere, law
-            )(70e3 * x)
+            )(73e3 * x)  # between the knots of every table
 
 ELSEWHERE = {
     "environment.Daylight": "tests/environment/test_sky.py",
     "environment.GlobalNRLMSIS": "tests/environment/test_global_nrlmsis.py",
     "environment.NRLMSIS": "needs pymsis, is not traced; tests/environment",
     "flight.outputs_of": "a list",
+    "flight.in_the_dark": "takes the light away; sinking_speed uses it",
+    "flight.settling_time": "a number, not traced; tests/flight/test_sinking.py",
+    "flight.steady_speed": "takes a function, in the caller's precision; sinking_speed uses it",
     "flight.levitation_bands": "levitation_band is one of them",
     "environment.sphere_view_factor": "tests/environment",
     "force.BalloonConvection": "tests/force/test_balloon_model.py",

@@ -2,6 +2,7 @@
 
 import importlib
 import inspect
+import pickle
 import re
 from dataclasses import replace
 from itertools import combinations
@@ -26,8 +27,8 @@ from lightflyer.sweeps.shown import in_words
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 SETUP = lf.Setup(lf.Disk(FILM, 0.01), lf.Chamber(), lf.Lu2023())
 STYLES = (None, "column")
-# one number, what was given, and a part of another result
-NOT_DRAWN = {"Estimate", "Readings", "TacAccuracy", "Compared"}
+# single numbers, what was given, and a part of another result
+NOT_DRAWN = {"Estimate", "Hanging", "Readings", "TacAccuracy", "Compared"}
 
 
 def exported():
@@ -343,6 +344,14 @@ def test_intervals_of_thermography_are_tall(examples, style):
         bottom, top = ax.get_ylim()
         assert high - low > 0.4 * (top - bottom)
         assert bottom < low < high < top
+
+
+def test_a_result_from_another_process_says_the_same(examples):
+    readings, _ = lf.lab.read_readings(examples / "light-meter.csv", lf.lab.LIGHT)
+    found = lf.lab.reduce_readings(readings, draws=1000)
+    figure = pickle.loads(pickle.dumps(found)).plot()
+    assert figure.get_suptitle() == "for the light of the source"
+    assert figure.axes[2].get_xlabel() == "absorptivity"
 
 
 def test_spectra_of_two_kinds_differ_in_colour(examples):

@@ -89,7 +89,7 @@ class RadiativeProperties:
     @property
     def meaning(self) -> str:
         """Radiation that the properties are of, in words."""
-        if self.readings.method is LIGHT:
+        if self.readings.method == LIGHT:
             return "for the light of the source"
         camera = self.readings.scene.camera
         return "as T⁴, all wavelengths" if camera is None else f"within {camera.name}, near normal"
@@ -128,7 +128,7 @@ class RadiativeProperties:
             },
             "warnings": list(self.warnings),
         }
-        if method is LIGHT:
+        if method == LIGHT:
             return document
         camera, film = scene.camera, scene.film_temperature
         ends = None if camera is None else (camera.wavelength[[0, -1]] / MICROMETRE).tolist()
@@ -286,7 +286,7 @@ def _require_cold_film(readings: Readings, mean: np.ndarray, spread: np.ndarray)
 def _law(readings: Readings) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """What is proportional to radiation, as a function of a reading, and its derivative."""
     camera = readings.scene.camera
-    if readings.method is LIGHT:
+    if readings.method == LIGHT:
         return np.asarray, np.ones_like
     if camera is None:
         return (lambda kelvin: kelvin**4), (lambda kelvin: 4.0 * kelvin**3)
@@ -349,7 +349,7 @@ def _judged(
             )
     if not readings.uncertainties.any() and rows.shape[1] == 1:
         warnings.append("no reading states an uncertainty: the interval of one row has no width")
-    if readings.method is THERMAL:
+    if readings.method == THERMAL:
         warnings += [*_of_the_band(readings, first), *_of_the_film(readings, first)]
     return RadiativeProperties(
         readings, rows, {name: _cut(one) for name, one in first.items()},

@@ -189,7 +189,7 @@ def read_readings(
     """
     table = read_table(path, columns_of(method), layout=columns)
     given = _checked(given or {}, method)
-    if method is LIGHT and "dark" not in table.numbers:
+    if method == LIGHT and "dark" not in table.numbers:
         given.setdefault("dark", Measured(0.0, 0.0))
     values, stated = [], []
     for name in method.readings:
@@ -277,8 +277,8 @@ def standard_uncertainties(
     array([1.73, 1.15, 1.5 , 1.15])
     """
     if accuracy is not None:
-        require_range("accuracy", accuracy, 0.0, 1.0 if method is LIGHT else np.inf)
-    if method is LIGHT:
+        require_range("accuracy", accuracy, 0.0, 1.0 if method == LIGHT else np.inf)
+    if method == LIGHT:
         return np.asarray(values * (METER_LIMIT * EVENLY if accuracy is None else accuracy))
     if accuracy is not None:
         return np.full(np.shape(values), accuracy)
@@ -301,7 +301,7 @@ def accuracy_warnings(method: Method, accuracy: float | None) -> tuple[str, ...]
     """
     if accuracy is not None:
         return ()
-    if method is LIGHT:
+    if method == LIGHT:
         limits = f"limits of {_PERCENT * METER_LIMIT:g} % of the reading"
         return (f"no accuracy of the light meter is stated; {limits} are assumed",)
     least, share = CAMERA_LIMITS
@@ -363,7 +363,7 @@ def _require_possible(readings: Readings, places: tuple[str, ...]) -> None:
     method, spread, values = readings.method, readings.uncertainties, readings.values
     source, background = values[0], values[3]
     for name, mean, one in zip(method.readings, values.mean(axis=1), spread, strict=True):
-        if method is THERMAL and one > _LARGEST * mean:
+        if method == THERMAL and one > _LARGEST * mean:
             raise ConfigurationError(
                 f"{name}: a standard uncertainty of {one:g} K leaves {mean:.4g} K without meaning"
             )

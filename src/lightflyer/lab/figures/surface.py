@@ -129,7 +129,7 @@ def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
     """
     count = len(results)
     figure = new_figure(columns=count, width=_WIDTH, height=_HEIGHT, rows=2)
-    figure.set_layout_engine("compressed")  # of axes with a fixed aspect
+    figure.set_layout_engine("compressed", h_pad=0.08)  # of axes with a fixed aspect
     axes = figure.axes
     for masked, row in enumerate((axes[:count], axes[count:])):
         colours = colour_range(results, masked=bool(masked))

@@ -1,6 +1,6 @@
 """Figures of a mission: altitude over time, ground track, flyer over time, survival."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,9 +22,11 @@ _INTERVAL = (2.5, 97.5)
 _MOST_LINES = 100  # tracks of an ensemble that are drawn one by one
 _FEWEST_FLYING = 10  # members below which their interval says nothing
 _LEAST_VIEW = 20.0  # degrees of a map's width and height
-_WORLD = 300.0  # degrees of a track's width from which on the whole world is drawn
+_MOST_NAMED = 16  # launches in a legend
+_WORLD = 300.0  # degrees of a map's width from which on the whole world is drawn
 _MARGIN = 1.2
-_HALF_TURN, _TURN = 180.0, 360.0
+_QUARTER_TURN, _HALF_TURN, _TURN = 90.0, 180.0, 360.0
+_FLATTEST = 0.2  # cosine of the latitude beyond which a map is not stretched further
 
 
 def mission_figures(dataset: "xr.Dataset") -> dict[str, Figure]:
@@ -98,44 +100,40 @@ def _flight(dataset: "xr.Dataset") -> Figure:
 def _ground_track(dataset: "xr.Dataset") -> Figure:
     figure = new_figure(width=8.0, height=4.6)
     (axes,) = figure.axes
-    west, east, south, north = _view(dataset)
+    view = _view(dataset)
     if dataset.attrs["planet"] == EARTH_PLANET.name:
         shore, latitude = coastline()
         for turn in (-_TURN, 0.0, _TURN):
             axes.plot(shore + turn, latitude, color=GREY, linewidth=0.6)
     if "ensemble_longitude" in dataset:
-        _ensemble_tracks(axes, dataset)
-    line = _unbroken(dataset.longitude.values)
-    axes.plot(line, dataset.latitude, color=BLUE, label="flyer as stated")
-    axes.plot(line[0], dataset.latitude.values[0], "^", color=BLUE, label="release")
-    end = float(dataset.end_longitude) + _nearest_turn(dataset)
+        tracks = zip(
+            dataset.ensemble_longitude.values[:_MOST_LINES],
+            dataset.ensemble_latitude.values[:_MOST_LINES],
+            strict=True,
+        )
+        for longitude, latitude in tracks:
+            axes.plot(*view.line(longitude, latitude), color=SKY, linewidth=0.4)
+        axes.plot(
+            view.points(dataset.ensemble_end_longitude.values),
+            dataset.ensemble_end_latitude.values,
+            ".",
+            color=ORANGE,
+            markersize=3.0,
+            label="ends of the ensemble",
+        )
+    longitude, latitude = dataset.longitude.values, dataset.latitude.values
+    axes.plot(*view.line(longitude, latitude), color=BLUE, label="flyer as stated")
+    axes.plot(view.points(longitude[:1]), latitude[:1], "^", color=BLUE, label="release")
+    end = view.points(np.array([float(dataset.end_longitude)]))
     axes.plot(end, float(dataset.end_latitude), "o", color=VERMILION, label="end")
-    axes.set_xlim(west, east)
-    axes.set_ylim(south, north)
-    axes.set_aspect(1.0 / max(np.cos(np.radians(0.5 * (south + north))), 0.2), adjustable="box")
+    axes.set_xlim(view.west, view.east)
+    axes.set_ylim(view.south, view.north)
+    middle = np.cos(np.radians(0.5 * (view.south + view.north)))
+    axes.set_aspect(1.0 / max(middle, _FLATTEST), adjustable="box")
     axes.set_xlabel("longitude [°]")
     axes.set_ylabel("latitude [°]")
     _legend(axes)
     return figure
-
-
-def _ensemble_tracks(axes: Axes, dataset: "xr.Dataset") -> None:
-    """Some tracks as thin lines, and the ends of all flights."""
-    longitude = dataset.ensemble_longitude.values
-    latitude = dataset.ensemble_latitude.values
-    for line, places in zip(longitude[:_MOST_LINES], latitude[:_MOST_LINES], strict=True):
-        axes.plot(_unbroken(line), places, color=SKY, linewidth=0.4)
-    last = float(_unbroken(dataset.longitude.values)[_known(dataset)][-1])
-    ends = dataset.ensemble_end_longitude.values
-    ends = last + (ends - last + _HALF_TURN) % _TURN - _HALF_TURN
-    axes.plot(
-        ends,
-        dataset.ensemble_end_latitude.values,
-        ".",
-        color=ORANGE,
-        markersize=3.0,
-        label="ends of the ensemble",
-    )
 
 
 def _survival(dataset: "xr.Dataset") -> Figure:
@@ -164,9 +162,6 @@ def _launches(dataset: "xr.Dataset") -> Figure:
     if len(delays) <= _MOST_NAMED:
         axes.legend(title="released", fontsize="small", ncols=2)
     return figure
-
-
-_MOST_NAMED = 16
 
 
 def _colours(count: int) -> list[Any]:
@@ -208,9 +203,47 @@ def _spread(altitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return found[0], found[1]
 
 
-def _known(dataset: "xr.Dataset") -> np.ndarray:
-    known: np.ndarray = np.isfinite(dataset.altitude.values)
-    return known
+class _View(NamedTuple):
+    """Edges of a map [deg]; the western one may lie beyond the date line."""
+
+    west: float
+    east: float
+    south: float
+    north: float
+
+    def points(self, longitude: np.ndarray) -> np.ndarray:
+        """Longitudes as the map has them."""
+        middle = 0.5 * (self.west + self.east)
+        found: np.ndarray = middle + (longitude - middle + _HALF_TURN) % _TURN - _HALF_TURN
+        return found
+
+    def line(self, longitude: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """A line as the map has it, with gaps where it leaves at one edge and enters at another."""
+        placed = self.points(longitude)
+        jumps = np.flatnonzero(np.abs(np.diff(placed)) > _HALF_TURN) + 1
+        return np.insert(placed, jumps, np.nan), np.insert(latitude, jumps, np.nan)
+
+
+def _view(dataset: "xr.Dataset") -> _View:
+    """What a map shows: all that is drawn, or the whole world."""
+    longitude, latitude = [dataset.longitude.values], [dataset.latitude.values]
+    if "ensemble_longitude" in dataset:
+        longitude += list(dataset.ensemble_longitude.values)
+        latitude += list(dataset.ensemble_latitude.values)
+    unbroken = np.concatenate([_unbroken(line) for line in longitude])
+    west, east = np.nanmin(unbroken), np.nanmax(unbroken)
+    south, north = np.nanmin(np.concatenate(latitude)), np.nanmax(np.concatenate(latitude))
+    width = max(_LEAST_VIEW, _MARGIN * (east - west), _MARGIN * (north - south))
+    if width > _WORLD:
+        return _View(-_HALF_TURN, _HALF_TURN, -_QUARTER_TURN, _QUARTER_TURN)
+    height = max(_MARGIN * (north - south), 0.5 * width)
+    middle, centre = 0.5 * (east + west), 0.5 * (south + north)
+    return _View(
+        middle - 0.5 * width,
+        middle + 0.5 * width,
+        max(centre - 0.5 * height, -_QUARTER_TURN),
+        min(centre + 0.5 * height, _QUARTER_TURN),
+    )
 
 
 def _unbroken(longitude: np.ndarray) -> np.ndarray:
@@ -219,31 +252,3 @@ def _unbroken(longitude: np.ndarray) -> np.ndarray:
     found = np.full(longitude.shape, np.nan)
     found[known] = np.unwrap(longitude[known], period=_TURN)
     return found
-
-
-def _nearest_turn(dataset: "xr.Dataset") -> float:
-    """Whole turns from the end's longitude to where the unbroken track ends [deg]."""
-    last = _unbroken(dataset.longitude.values)[_known(dataset)][-1]
-    return float(_TURN * np.round((last - float(dataset.end_longitude)) / _TURN))
-
-
-def _view(dataset: "xr.Dataset") -> tuple[float, float, float, float]:
-    """Edges of the map: around what is drawn, or the whole world."""
-    lines, places = [_unbroken(dataset.longitude.values)], [dataset.latitude.values]
-    if "ensemble_longitude" in dataset:
-        lines += [_unbroken(line) for line in dataset.ensemble_longitude.values[:_MOST_LINES]]
-        places += list(dataset.ensemble_latitude.values[:_MOST_LINES])
-    west, east = np.nanmin(np.concatenate(lines)), np.nanmax(np.concatenate(lines))
-    south, north = np.nanmin(np.concatenate(places)), np.nanmax(np.concatenate(places))
-    if east - west > _WORLD:
-        middle = 0.5 * (east + west)
-        return middle - _HALF_TURN, middle + _HALF_TURN, -90.0, 90.0
-    width = max(_LEAST_VIEW, _MARGIN * (east - west), _MARGIN * (north - south))
-    height = max(0.5 * _LEAST_VIEW, _MARGIN * (north - south), 0.5 * width)
-    middle, centre = 0.5 * (east + west), 0.5 * (south + north)
-    return (
-        middle - 0.5 * width,
-        middle + 0.5 * width,
-        max(centre - 0.5 * height, -90.0),
-        min(centre + 0.5 * height, 90.0),
-    )

@@ -26,8 +26,10 @@ ALTITUDE_SCALE = 100e3
 TOLERANCE = 1e-8
 """Error of a step, of the position in radians and of the altitude in :data:`ALTITUDE_SCALE`."""
 
+LONGEST_STEP = 1800.0
+"""Longest step [s]: a short day must not lie between two looks."""
+
 _FIRST_STEP = 10.0  # seconds
-_LONGEST_STEP = 1800.0  # seconds: a short day must not lie between two looks
 _SHORTEST_STEP = 1e-3  # seconds: below, there is something that cannot be integrated
 _STEPS_AN_HOUR = 50  # at most, on average; a day takes about a hundred
 _FEWEST_STEPS = 2000
@@ -102,27 +104,32 @@ class Accuracy(eqx.Module):
         Limit of their number.
     tolerance : float
         Error of a step; see :data:`TOLERANCE`.
+    longest : float
+        Step that is not exceeded; see :data:`LONGEST_STEP`.
     """
 
     steps: int = eqx.field(static=True)
     tolerance: float = eqx.field(static=True, default=TOLERANCE)
+    longest: float = eqx.field(static=True, default=LONGEST_STEP)
 
     @classmethod
-    def lasting(cls, duration: float, tolerance: float = TOLERANCE) -> "Accuracy":
+    def lasting(
+        cls, duration: float, tolerance: float = TOLERANCE, longest: float = LONGEST_STEP
+    ) -> "Accuracy":
         """For a mission of some duration.
 
         Parameters
         ----------
         duration : float
             [s].
-        tolerance : float
+        tolerance, longest : float
 
         Returns
         -------
         Accuracy
         """
-        steps = math.ceil(duration / _SECONDS_AN_HOUR * _STEPS_AN_HOUR)
-        return cls(max(_FEWEST_STEPS, steps), tolerance)
+        steps = duration / _SECONDS_AN_HOUR * _STEPS_AN_HOUR + 2.0 * duration / longest
+        return cls(max(_FEWEST_STEPS, math.ceil(steps)), tolerance, longest)
 
 
 def track(craft: Craft, start: Start, limits: Limits, elapsed: Array, accuracy: Accuracy) -> Track:
@@ -144,23 +151,19 @@ def track(craft: Craft, start: Start, limits: Limits, elapsed: Array, accuracy: 
 
     Notes
     -----
-    Differentiable in every number of craft and start, backwards. The sun's light has kinks where
-    it changes from one face to the other, and the trajectory's second derivative with it.
+    Differentiable in every number of craft and start, backwards; see
+    :func:`lightflyer.mission.trajectory`.
     """
 
     def rate(time: Any, flown: Array, _: Any) -> Array:
-        altitude, place = where(start, flown, time)
-        around = craft.surroundings(limits.inside(altitude), place, time)
-        unknowns = craft.heat(around).unknowns
-        speeds = steady_speeds(around, craft.forces(around, unknowns), unknowns)
-        return rate_of(velocity(around, *speeds), place, altitude, craft.planet)
+        return steady_rate(craft, start, limits, time, flown)
 
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(rate),
         diffrax.Tsit5(),
         t0=elapsed[0],
         t1=elapsed[-1],
-        dt0=_FIRST_STEP,
+        dt0=min(_FIRST_STEP, accuracy.longest),
         y0=scaled(start),
         saveat=saved(elapsed),
         stepsize_controller=controller(accuracy),
@@ -169,6 +172,30 @@ def track(craft: Craft, start: Start, limits: Limits, elapsed: Array, accuracy: 
         throw=False,
     )
     return track_of(solution)
+
+
+def steady_rate(craft: Craft, start: Start, limits: Limits, elapsed: Any, flown: Array) -> Array:
+    """Rate of a scaled state at which heat and forces are in balance.
+
+    Parameters
+    ----------
+    craft, start, limits
+        As for :func:`track`.
+    elapsed : array, shape ()
+        Since the release [s].
+    flown : array, shape (4,)
+        Unit vector, and the altitude in :data:`ALTITUDE_SCALE`.
+
+    Returns
+    -------
+    array, shape (4,)
+        [1/s].
+    """
+    altitude, place = where(start, flown, elapsed)
+    around = craft.surroundings(limits.inside(altitude), place, elapsed)
+    unknowns = craft.heat(around).unknowns
+    speeds = steady_speeds(around, craft.forces(around, unknowns), unknowns)
+    return rate_of(velocity(around, *speeds), place, altitude, craft.planet)
 
 
 def controller(accuracy: Accuracy, shortest: float = _SHORTEST_STEP) -> diffrax.PIDController:
@@ -190,7 +217,7 @@ def controller(accuracy: Accuracy, shortest: float = _SHORTEST_STEP) -> diffrax.
         pcoeff=0.2,
         icoeff=0.4,
         dtmin=shortest,
-        dtmax=_LONGEST_STEP,
+        dtmax=accuracy.longest,
         force_dtmin=False,
     )
 

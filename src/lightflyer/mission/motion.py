@@ -21,7 +21,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place, Wind
-from lightflyer.environment.planet import EARTH_PLANET, Planet
+from lightflyer.environment.planet import Planet
 from lightflyer.environment.radiation import Attitude
 from lightflyer.flight.balance import Equilibrium, equilibrium
 from lightflyer.flight.loads import weight
@@ -252,7 +252,7 @@ def planet_of(environment: AbstractEnvironment) -> Planet:
     ParameterError
         If it is on none.
     """
-    planet = getattr(environment, "planet", EARTH_PLANET)
+    planet = environment.planet
     if planet is None:
         raise ParameterError(
             f"a mission needs a planet below it, which {type(environment).__name__} has not"

@@ -1,0 +1,207 @@
+"""``lightflyer fly`` as a user runs it; all runs but the first reuse its compiled programs."""
+
+import json
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+import xarray as xr
+
+MISSION = """\
+[mission]
+date = 2026-06-21T12:00:00Z
+latitude = "45 deg"
+longitude = "170 deg"
+altitude = "75 ± 0.2 km"
+duration = "30 h"
+every = "5 min"
+lowest_altitude = "1 km"
+highest_altitude = "120 km"
+
+[mission.ensemble]
+members = 6
+wind_uncertainty = "10 m/s"
+vertical_wind_uncertainty = "0.02 m/s"
+
+[mission.launches]
+every = "6 h"
+count = 2
+
+[flyer]
+diameter = "2 mm"
+
+[film]
+areal_density = "1.0 ± 0.02 g/m^2"
+absorptance = 0.75
+emittance = 0.08
+tac_top = 0.8
+tac_bottom = 0.9
+highest_temperature = "700 K"
+
+[environment]
+atmosphere = "us1976"
+
+[environment.wind]
+kind = "data"
+file = "wind.nc"
+
+[force]
+model = "free-molecular"
+"""
+
+
+def wind(path, days):
+    """Air that turns about the axis, with 20 m/s at 45°, in data that end."""
+    latitude = np.arange(-90.0, 91.0, 15.0)
+    shape = (2, 2, latitude.size, 4)
+    east = 20.0 * np.cos(np.radians(latitude)) / np.cos(np.radians(45.0))
+    hours = np.array(["2026-06-20", "2026-06-20"], "datetime64[h]")
+    hours[1] += np.timedelta64(round(24 * days), "h")
+    dims = ("time", "altitude", "latitude", "longitude")
+    about = {"units": "m s-1"}
+    dataset = xr.Dataset(
+        {
+            "u": (dims, np.broadcast_to(east[:, None], shape), about),
+            "v": (dims, np.zeros(shape), about),
+        },
+        coords={
+            "time": hours.astype("datetime64[ns]"),
+            "altitude": ("altitude", [0.0, 200e3], {"units": "m"}),
+            "latitude": ("latitude", latitude, {"units": "degrees_north"}),
+            "longitude": ("longitude", [0.0, 90.0, 180.0, 270.0], {"units": "degrees_east"}),
+        },
+    )
+    dataset.to_netcdf(path, engine="h5netcdf")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    found = tmp_path_factory.mktemp("mission")
+    wind(found / "wind.nc", 5.0)
+    return found
+
+
+@pytest.fixture
+def fly(run, folder):
+    """Run a mission whose file differs from :data:`MISSION`; returns code, output, errors."""
+
+    def command(*changes, options=("--json",)):
+        text = MISSION
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new, 1)
+        path = folder / "mission.toml"
+        path.write_text(text, encoding="utf-8")
+        return run("fly", path, *options)
+
+    return command
+
+
+def test_a_mission_writes_what_it_says(fly, folder):
+    out = folder / "out"
+    code, shown, errors = fly(options=("--out", out, "--format", "png"))
+    assert code == 0, errors
+    names = ["mission.nc", "mission.csv", "mission.kml", "mission.json"]
+    names += [
+        f"{name}.png" for name in ("altitude", "ground_track", "flight", "survival", "launches")
+    ]
+    for name in names:
+        assert f"wrote {out / name}" in shown
+        assert (out / name).stat().st_size > 300
+    summary = json.loads((out / "mission.json").read_text(encoding="utf-8"))
+    assert summary["end_reason"] == "still_flying"
+    assert len(summary["nights"]) == 2
+    assert summary["ensemble"]["members"] == 6
+    assert [launch["delay_h"] for launch in summary["launches"]] == [0.0, 6.0, 12.0]
+    assert any("FreeMolecular" in text for text in summary["assumptions"])
+    assert any("wind" in text for text in summary["assumptions"])
+    with xr.open_dataset(out / "mission.nc", engine="h5netcdf") as dataset:
+        check_dataset(dataset.load())
+    lines = (out / "mission.csv").read_text(encoding="utf-8").splitlines()
+    assert lines[0].startswith("time [UTC],elapsed [s],altitude [m],latitude [degree_north]")
+    assert len(lines) == 362
+    assert lines[1].startswith("2026-06-21T12:00:00.000Z,0,75000,45,170,")
+    spaces = {"k": "http://www.opengis.net/kml/2.2", "gx": "http://www.google.com/kml/ext/2.2"}
+    document = ET.parse(out / "mission.kml").getroot()
+    assert len(document.findall(".//gx:Track/gx:coord", spaces)) == 361
+    assert len(document.findall(".//k:Folder/k:Placemark/k:LineString", spaces)) == 9
+
+
+def check_dataset(dataset):
+    """Units everywhere; heat and forces close; the flight crosses the date line."""
+    for name, variable in dataset.variables.items():
+        assert "long_name" in variable.attrs or name in ("member", "launch"), name
+    assert dataset.ensemble_altitude.dims == ("member", "elapsed")
+    assert float(dataset.altitude[0]) == pytest.approx(75e3)
+    assert np.ptp(dataset.ensemble_altitude.values[:, 0]) > 50.0
+    np.testing.assert_allclose(
+        dataset.absorbed_power, dataset.gas_power + dataset.radiated_power, rtol=1e-9, atol=1e-18
+    )
+    # the drag of a level flyer is its lift less its weight, and takes that power
+    force = dataset.lift - dataset.weight
+    np.testing.assert_allclose(dataset.drag_power, force * dataset.axial_speed, rtol=1e-9)
+    assert bool((force * dataset.axial_speed >= 0.0).all())
+    # what the forces do along the way is what the altitude gains, by hours
+    climbed = np.diff(dataset.altitude)
+    seconds = np.diff(dataset.elapsed)
+    mean = 0.5 * (dataset.vertical_speed.values[1:] + dataset.vertical_speed.values[:-1])
+    assert np.sum(mean * seconds) == pytest.approx(np.sum(climbed), abs=50.0)
+    # 20 m/s over the parallel of 45°, with the height of the flyer
+    east = np.unwrap(dataset.longitude, period=360.0)
+    assert dataset.longitude.min() < -170.0
+    assert east[-1] - east[0] == pytest.approx(27.0, abs=0.5)
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason", "words"),
+    [
+        ([('"1 km"', '"74.5 km"')], "lowest_altitude", "reached the lowest altitude"),
+        ([('"120 km"', '"75.8 km"')], "highest_altitude", "reached the highest altitude"),
+        ([("2026-06-21T12", "2026-06-24T06")], "no_data", "time"),
+    ],
+)
+def test_a_mission_that_ends_early_keeps_what_was_flown(fly, changes, reason, words):
+    code, shown, errors = fly(*changes)
+    assert code == 0, errors
+    summary = json.loads(shown)
+    assert summary["end_reason"] == reason
+    assert words in summary["end"]
+    assert 0.1 < summary["duration_h"] < 30.0
+    ends = {"lowest_altitude": 74.5, "highest_altitude": 75.8}
+    if reason in ends:
+        assert summary["end_altitude_km"] == pytest.approx(ends[reason], abs=1e-6)
+    else:
+        assert summary["duration_h"] == pytest.approx(18.0, abs=1e-3)
+
+
+def test_a_mission_in_the_polar_night_says_that_it_finds_no_light(fly):
+    code, shown, errors = fly(('"45 deg"', '"-85 deg"'))
+    assert code == 0, errors
+    summary = json.loads(shown)
+    assert summary["light_h"] == 0.0
+    assert any("never finds light" in text for text in summary["warnings"])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('"75 ± 0.2 km"', '"0.5 km"', "release altitude 0.5 km is at or below the lowest"),
+        ('"75 ± 0.2 km"', '"130 km"', "release altitude 130 km is at or above the highest"),
+        ('"120 km"', '"2000 km"', "highest altitude 2000 km is outside the atmosphere"),
+        ("2026-06-21T12:00:00Z", '"soon"', "mission.toml:2: mission.date"),
+        ('latitude = "45 deg"', 'latitude = "95 deg"', "mission.toml:3: mission.latitude"),
+        ('"30 h"', '"30 m"', "mission.toml:6: mission.duration"),
+        ('every = "5 min"', "tilt_share = 0.5", "tilt_share has no effect"),
+        ("members = 6", "members = 1", "mission.toml:12: mission.ensemble.members"),
+        ("members = 6", "member = 6", "mission.toml:12: mission.ensemble.member is not a key"),
+        ("[mission.ensemble]\nmembers = 6", "[mission.swarm]\nmembers = 6", "mission.swarm"),
+        ("wind.nc", "nowhere.nc", "nowhere.nc"),
+        ('diameter = "2 mm"', "", "mission.toml:20: [flyer] needs diameter"),
+    ],
+)
+def test_mistakes_get_a_line_each(fly, old, new, says):
+    code, shown, errors = fly((old, new))
+    assert code == 2
+    assert not shown
+    assert says in errors
+    assert len(errors.splitlines()) <= 3

@@ -5,7 +5,9 @@ import os
 # in the lock file; another's might not know them, and would refuse to start.
 if importlib.metadata.version("jaxlib").startswith("0.10."):
     os.environ.setdefault(
-        "XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+        "XLA_FLAGS",
+        "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false "
+        "--xla_cpu_opt_preset=CPU_OPT_PRESET_FAST_COMPILE",
     )
 
 os.environ.setdefault("LIGHTFLYER_CACHE", "off")  # tests of it choose a folder of their own

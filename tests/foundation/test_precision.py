@@ -7,7 +7,11 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.foundation.precision import elementwise_entry_point, quick_entry_point
+from lightflyer.foundation.precision import (
+    elementwise_entry_point,
+    jit_with_options,
+    quick_entry_point,
+)
 
 
 @lf.entry_point
@@ -103,3 +107,12 @@ def test_pieces_keep_shapes_and_leave_tables_whole(monkeypatch):
     np.testing.assert_allclose(
         interpolated(np.linspace(0.0, 4.0, 33), table), np.linspace(0.0, 1.0, 33), atol=1e-15
     )
+
+
+def test_options_that_this_xla_does_not_know_are_left_out():
+    options = {"xla_backend_optimization_level": 0, "xla_of_tomorrow": True, "xla_of_old": 1}
+    twice = jit_with_options(lambda x: 2.0 * x, options)
+    assert float(twice(3.0)) == float(twice(3.0)) == 6.0
+    wrong = jit_with_options(lambda x: x, {"xla_backend_optimization_level": "no number"})
+    with pytest.raises(jax.errors.JaxRuntimeError, match="not a valid"):
+        wrong(1.0)

@@ -82,6 +82,7 @@ PIECE = 50_000
 _QUICK_COMPILATION: dict[str, Any] = {
     "xla_backend_optimization_level": 0,
     "xla_cpu_use_fusion_emitters": False,
+    "xla_cpu_opt_preset": "CPU_OPT_PRESET_FAST_COMPILE",  # a sixth less for large programs
 }
 
 
@@ -167,15 +168,21 @@ def jit_with_options(function: Callable[..., Any], options: dict[str, Any]) -> C
     -------
     callable
     """
-    chosen, plain = jax.jit(function, compiler_options=options), jax.jit(function)
+    known = dict(options)
+    chosen = jax.jit(function, compiler_options=known)
 
     def compiled(*args: Any, **kwargs: Any) -> Any:
-        try:
-            return chosen(*args, **kwargs)
-        except jax.errors.JaxRuntimeError as error:
-            if "compile option" not in str(error):
-                raise
-            return plain(*args, **kwargs)  # another XLA, which has no such option
+        nonlocal chosen
+        while True:
+            try:
+                return chosen(*args, **kwargs)
+            except jax.errors.JaxRuntimeError as error:
+                unknown = {name for name in known if f"'{name}'" in str(error)}
+                if "No such compile option" not in str(error) or not unknown:
+                    raise
+            for name in unknown:  # to another XLA
+                del known[name]
+            chosen = jax.jit(function, compiler_options=dict(known) or None)
 
     return compiled
 

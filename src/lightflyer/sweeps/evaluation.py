@@ -28,6 +28,7 @@ MOST_PREPARED = 5_000
 _COMPILATION: dict[str, Any] = {
     "xla_backend_optimization_level": 3,
     "xla_cpu_use_fusion_emitters": True,
+    "xla_cpu_opt_preset": "CPU_OPT_PRESET_DEFAULT",
 }
 """XLA's own defaults, whatever its flags say: the last bits of a result must not depend on the
 process that computes it. Less optimised, XLA joins products and sums into one rounding or not

@@ -8,7 +8,8 @@ FILE = """\
 diameter = "2 cm"
 [film]
 areal_density = "1.0 g/m^2"
-absorptance = 0.75
+absorptance = "0.9 ± 0.03"
+transmittance = 0.05
 emittance = "0.08 ± 0.01"
 tac_top = "0.8 ± 0.01"
 tac_bottom = "0.9 ± 0.01"
@@ -37,6 +38,9 @@ def test_bands_for_a_file_with_uncertainties(run, folder):
     assert "correlated by 0.5" in told.replace("\n", " ")
     summary = json.loads((folder / "out" / "prediction.json").read_text(encoding="utf-8"))
     assert {"altitude_band_km", "minimum_irradiance", "best", "at", "uncertainty"} <= set(summary)
+    (warning,) = summary["uncertainty"]["warnings"]  # of films that absorb and pass more than all
+    assert "were drawn again (transmittance = 0.05 and absorptance = 0.9" in warning
+    assert f"warning: {warning}" in told
     payload = summary["uncertainty"]["results"]["best.payload_mg"]
     assert payload["value"] == summary["best"]["payload_mg"]
     assert payload["monte_carlo"]["low"] < payload["value"] < payload["monte_carlo"]["high"]

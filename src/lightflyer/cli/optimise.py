@@ -1,7 +1,7 @@
 """``lightflyer optimise``: the best design of a study."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.table import Table
@@ -37,7 +37,8 @@ def optimise_command(
     study_file
         TOML file with flyer = "flyer.toml" and the sections [optimise] and [optimise.over].
     out
-        Folder to write the result (JSON) into and, with several objectives, its figure.
+        Folder to write the result (JSON) and its figure into: the elasticities of the best
+        design or, with several objectives, the front.
     write
         Flyer file to write with the best design in place of the study's; it must be new, or one
         that this command wrote.
@@ -60,13 +61,13 @@ def optimise_command(
             raise ConfigurationError("--write: several objectives have no single best design")
         front = pareto(problem)
         summary = front.summary()
-        written = _write(out, summary, front, figures)
+        written = _write(out, front, "front", figures)
         if not json_output:
             _show_front(console, front)
     else:
         optimum = optimise(problem)
         summary = optimum.summary()
-        written = _write(out, summary, None, figures)
+        written = _write(out, optimum, "elasticities", figures)
         if not json_output:
             _show_optimum(console, problem, optimum)
             show_flyer(console, optimum.prediction)
@@ -98,19 +99,17 @@ def _write_flyer(path: Path, study_file: Path, optimum: "Optimum") -> None:
 
 
 def _write(
-    out: Path | None, summary: dict[str, Any], front: "Front | None", figures: FigureOptions
+    out: Path | None, found: "Optimum | Front", title: str, figures: FigureOptions
 ) -> list[Path]:
+    """The result, and its figure under a title."""
     if out is None:
         return []
     from lightflyer.foundation.files import output_directory
 
     names = ["optimum.json"]
     with output_directory(out) as stage:
-        write_json(stage("optimum.json"), summary)
-        if front is not None:
-            from lightflyer.search.figures import front_figure
-
-            names += figures.write(stage, lambda: {"front": front_figure(front)})
+        write_json(stage("optimum.json"), found.summary())
+        names += figures.write(stage, lambda: {title: found.plot()})
     return [out / name for name in names]
 
 

@@ -64,6 +64,8 @@ from .mission import Release as Release
 from .mission import drift as drift
 from .mission import fly as fly
 from .mission import hanging_stability as hanging_stability
+from .mission import spread as spread
+from .mission import swarm as swarm
 from .prediction import predict as predict
 from .search import optimise as optimise
 from .search import pareto as pareto

@@ -228,6 +228,14 @@ Thickness = Annotated[
     ),
 ]
 Distance = Annotated[Numeric, Quantity("m", 0.0, sizes=(1e-10, 1e4), why=_BETWEEN)]
+LinearDensity = Annotated[
+    Numeric,
+    Quantity("kg/m", 0.0, sizes=(1e-15, 1e2), why="nanotubes and ropes are between"),
+]
+GroundDistance = Annotated[
+    Numeric,
+    Quantity("m", 0.0, open_below=True, sizes=(1.0, 1e8), why="no planet under a flyer is wider"),
+]
 Altitude = Annotated[
     Numeric, Quantity("m", 0.0, sizes=(0.0, 1e9), why="the moon is nearer than that")
 ]

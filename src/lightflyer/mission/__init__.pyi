@@ -1,3 +1,6 @@
+from .areas import AbstractArea as AbstractArea
+from .areas import Circle as Circle
+from .areas import Polygon as Polygon
 from .attitude import AbstractAttitudeRule as AbstractAttitudeRule
 from .attitude import FollowSun as FollowSun
 from .attitude import Level as Level
@@ -12,5 +15,9 @@ from .integration import Track as Track
 from .mission import fly as fly
 from .mission import trajectory as trajectory
 from .release import Release as Release
+from .spreading import spread as spread
 from .stability import Hanging as Hanging
 from .stability import hanging_stability as hanging_stability
+from .tethers import Swarm as Swarm
+from .tethers import Tether as Tether
+from .tethers import swarm as swarm

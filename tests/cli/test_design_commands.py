@@ -83,7 +83,7 @@ def test_a_sweep_its_repetition_and_its_maps(run, study, tmp_path):
         assert words in drawing
     assert "smallest irradiance" in (maps / "relative_payload-pareto.svg").read_text()
     code, text, _ = run(*ask, "--at", "altitude = 71.2 km, emittance = 0.08")
-    assert "at altitude 71000 m" in text
+    assert "at altitude 71 km" in text
     for wrong, message in (
         (("--y", "altitud"), 'did you mean "altitude"'),
         (("--y", "diameter"), "--x and --y are both flyer.diameter"),

@@ -133,5 +133,5 @@ def elasticity_figure(optimum: "Optimum") -> Figure:
     part = optimum.problem.objectives[0]
     ax.set_xlabel(f"elasticity of {part.name.replace('_', ' ')} at the optimum [1]")
     ax.grid(alpha=_OPACITY, axis="x")
-    legend_below(ax, most=2)
+    legend_below(ax, most=1)
     return figure

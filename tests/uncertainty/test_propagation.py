@@ -12,8 +12,7 @@ from lightflyer.flight.design import ObjectDesign
 from lightflyer.force.lu2023 import Lu2023ForceSection
 from lightflyer.foundation.quantity import Fraction
 from lightflyer.uncertainty.inputs import draw, draw_possible, uncertain_inputs
-from lightflyer.uncertainty.monte_carlo import edges, optimum
-from lightflyer.uncertainty.propagation import _least_light
+from lightflyer.uncertainty.monte_carlo import edges, least_light, optimum
 
 FILM = {
     "areal_density": "1.0 g/m^2",
@@ -226,7 +225,7 @@ def test_an_optimum_at_an_end_is_the_end_though_the_curve_bends_upwards():
 def test_samples_that_need_no_light_need_none():
     x = np.linspace(0.0, 1.0, 5)
     needed = np.array([[3.0, 2.0, 1.0, 2.0, 3.0], [3.0, 0.0, 0.0, 2.0, np.inf]])
-    place, there = _least_light(
+    place, there = least_light(
         x, {"levitation_irradiance": needed, "heat": np.tile(x, (2, 1))}, (True, True)
     )
     np.testing.assert_allclose(place, [0.5, 0.25])

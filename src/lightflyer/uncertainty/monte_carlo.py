@@ -148,3 +148,35 @@ def optimum(
     spacing = coordinate[1] - coordinate[0]
     place = np.where(known & ~beyond, coordinate[index] + way * spacing, np.nan)
     return place, {name: interpolate(values) for name, values in table.items()}
+
+
+def least_light(
+    coordinate: np.ndarray, table: Table, ends: tuple[bool, bool]
+) -> tuple[np.ndarray, Table]:
+    """Find where each sample needs the least light, and the table there.
+
+    Parameters
+    ----------
+    coordinate, table, ends
+        As for :func:`optimum`; the table has the ``"levitation_irradiance"``.
+
+    Returns
+    -------
+    coordinate : array, shape (samples,)
+        Of samples that need no light, the first such one.
+    table : dict of str to array, shape (samples,)
+    """
+    needed = table["levitation_irradiance"]
+    dark = needed == 0.0
+    with np.errstate(divide="ignore"):
+        logarithm = np.where(dark, np.nan, np.log(needed))
+    place, there = optimum(
+        coordinate, -logarithm, table | {"levitation_irradiance": logarithm}, ends
+    )
+    there["levitation_irradiance"] = np.exp(there["levitation_irradiance"])
+    rows, first = np.arange(len(needed)), np.argmax(dark, axis=1)
+    in_the_dark = dark[rows, first]
+    return np.where(in_the_dark, coordinate[first], place), {
+        name: np.where(in_the_dark, table[name][rows, first], values)
+        for name, values in there.items()
+    }

@@ -455,7 +455,7 @@ def _sampled(
     lower, upper = monte_carlo.edges(even, over_grid["lift_over_weight"])
     found["lower"], found["upper"] = (lower, {}), (upper, {})
     found["payload"] = monte_carlo.optimum(even, over_grid["payload"], over_grid, ends)
-    found["levitation_irradiance"] = _least_light(even, over_grid, ends)
+    found["levitation_irradiance"] = monte_carlo.least_light(even, over_grid, ends)
     results = {}
     for target in targets:
         if target.mover:
@@ -466,29 +466,6 @@ def _sampled(
             values = table[target.quantity][:, even.size + target.point]
         results[target.name] = target.scale * values
     return results
-
-
-def _least_light(
-    even: np.ndarray, table: Table, ends: tuple[bool, bool]
-) -> tuple[np.ndarray, Table]:
-    """Where each sample needs the least light, and its results there.
-
-    Samples that need none somewhere are taken where they first need none.
-    """
-    needed = table["levitation_irradiance"]
-    dark = needed == 0.0
-    with np.errstate(divide="ignore"):
-        logarithm = np.where(dark, np.nan, np.log(needed))
-    place, there = monte_carlo.optimum(
-        even, -logarithm, table | {"levitation_irradiance": logarithm}, ends
-    )
-    there["levitation_irradiance"] = np.exp(there["levitation_irradiance"])
-    rows, first = np.arange(len(needed)), np.argmax(dark, axis=1)
-    in_the_dark = dark[rows, first]
-    return np.where(in_the_dark, even[first], place), {
-        name: np.where(in_the_dark, table[name][rows, first], values)
-        for name, values in there.items()
-    }
 
 
 def _quantiles(table: Table) -> tuple[Table, Table]:

@@ -163,7 +163,7 @@ def spread(
     Notes
     -----
     The interval is what the finite number of members leaves open. Wrong inputs are not in it.
-    Members do not feel each other. The first members are the same ones in a larger swarm.
+    Members do not feel each other.
 
     Examples
     --------
@@ -176,7 +176,7 @@ def spread(
     ...     areas=[lf.mission.Circle(45.0, 0.0, "300 km")],
     ... )
     >>> f"{float(swarm.inside[0, -1]):.2f}"
-    '0.60'
+    '0.36'
     """
     design = as_design(what, environment, model)
     setup, rule = design.setup, attitude or Own()

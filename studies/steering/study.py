@@ -1,0 +1,75 @@
+"""How fast a tilted disk drifts, and how far below it a payload may hang.
+
+Run as ``python studies/steering/study.py``; prints the tables of docs/swarms.md and writes
+docs/images/steering.png.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+import lightflyer as lf
+from lightflyer.foundation import drawing as plot
+
+IMAGE = Path(__file__).parents[2] / "docs" / "images" / "steering.png"
+FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+SIZES = {"5 mm": 5e-3, "1 cm": 1e-2, "2 cm": 2e-2}
+COLOURS = dict(zip(SIZES, (plot.BLUE, plot.VERMILION, plot.GREEN), strict=True))
+ALTITUDES = np.arange(50e3, 90.1e3, 1e3)
+TILTS = np.radians(np.arange(0.0, 60.1, 1.0))
+SHARE = 0.3  # of the film's mass, which the hanging payload has
+
+
+def fastest(disk, model):
+    """Fastest drift that keeps altitude [m/s] and its tilt [rad], NaN where none does."""
+    found = lf.drift(disk, lf.Earth(), model, altitude=ALTITUDES[:, None], tilt=TILTS)
+    climb, speed = found.climb, found.speed
+    holds = (climb[:, :-1] >= 0.0) & (climb[:, 1:] < 0.0)
+    row, at = np.arange(ALTITUDES.size), np.argmax(holds, axis=1)
+    share = climb[row, at] / (climb[row, at] - climb[row, at + 1])
+    at_hold = (1.0 - share) * speed[row, at] + share * speed[row, at + 1]
+    tilt = (1.0 - share) * TILTS[at] + share * TILTS[at + 1]
+    some = holds.any(axis=1)
+    return np.where(some, at_hold, np.nan), np.where(some, tilt, np.nan)
+
+
+def rods(diameter):
+    """Longest rod that is stable over ALTITUDES [m]."""
+    disk = lf.Disk(FILM, radius=0.5 * diameter)
+    disk = lf.Disk(FILM, radius=disk.radius, payload=SHARE * float(disk.own_mass))
+    earth = lf.Earth()
+    return np.array([lf.hanging_stability(disk, earth.state(altitude), rod=1e-3).longest_rod
+                     for altitude in ALTITUDES])  # fmt: skip
+
+
+def main():
+    """Both panels and tables."""
+    figure = plot.new_figure(columns=2, width=4.6, height=3.6)
+    left, right = figure.axes
+    print("| altitude | " + " | ".join(SIZES) + " |")
+    speeds, tilts, lengths = {}, {}, {}
+    for name, diameter in SIZES.items():
+        disk = lf.Disk(FILM, radius=0.5 * diameter)
+        speeds[name], tilts[name] = fastest(disk, lf.Lu2023())
+        kinetic, _ = fastest(disk, lf.Kinetic())
+        lengths[name] = rods(diameter)
+        left.plot(ALTITUDES / 1e3, speeds[name], color=COLOURS[name], label=f"{name}, lu2023")
+        left.plot(ALTITUDES / 1e3, kinetic, "--", color=COLOURS[name], label=f"{name}, kinetic")
+        right.plot(ALTITUDES / 1e3, 1e3 * lengths[name], color=COLOURS[name], label=name)
+    for number in range(10, ALTITUDES.size, 5):
+        cells = [f"{speeds[name][number]:.2f} m/s at {np.degrees(tilts[name][number]):.0f}°"
+                 for name in SIZES]  # fmt: skip
+        cells += [f"{1e3 * lengths[name][number]:.2g} mm" for name in SIZES]
+        print(f"| {ALTITUDES[number] / 1e3:.0f} km | " + " | ".join(cells) + " |")
+    left.set(xlabel="altitude [km]", ylabel="fastest drift at constant altitude [m/s]",
+             xlim=(55, 90), ylim=(0, None))  # fmt: skip
+    right.set(xlabel="altitude [km]", ylabel="longest stable rod [mm]", yscale="log")
+    plot.plain_decades(right.yaxis)
+    for ax in (left, right):
+        ax.grid(alpha=0.25)
+        ax.legend(fontsize="small")
+    plot.save(figure, [IMAGE])
+
+
+if __name__ == "__main__":
+    main()

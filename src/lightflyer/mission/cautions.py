@@ -9,6 +9,7 @@ from lightflyer.flight.cautions import cautions_in
 from lightflyer.mission.ending import MissionEnd
 from lightflyer.mission.motion import Craft
 
+_OWN = object()  # an environment of a user's own may move its sun as it likes
 _AT_A_POLE = 0.5 * np.pi - 1e-3  # radians of latitude; a few kilometres around it
 
 
@@ -38,11 +39,16 @@ def cautions_along(craft: Craft, place: Place, values: dict[str, Any]) -> tuple[
     return (
         *cautions_in(setup, state, temperature),
         *dict.fromkeys((*broadside, *edgewise)),
-        *_of_light(values["irradiance"]),
+        *_of_light(setup.environment, values["irradiance"]),
     )
 
 
-def _of_light(irradiance: np.ndarray) -> tuple[str, ...]:
+def _of_light(environment: AbstractEnvironment, irradiance: np.ndarray) -> tuple[str, ...]:
+    if getattr(environment, "sky", _OWN) is None:
+        return (
+            "there is no day and night: the light is the same at all times, as irradiance and "
+            "incidence of [environment], or an environment without a sky, have it",
+        )
     if np.any(irradiance > 0.0):
         return ()
     return ("the mission never finds light: the sun is below the horizon throughout",)

@@ -1,0 +1,126 @@
+"""Positions, attitudes, errors of the wind, times, spans of day and night."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import lightflyer as lf
+from lightflyer.environment import Place, Radiation, Wind
+from lightflyer.mission import FollowSun
+from lightflyer.mission.coastline import coastline
+from lightflyer.mission.facts import day_and_night
+from lightflyer.mission.mission import times_of
+from lightflyer.mission.position import directions, latitude_and_longitude, unit_vector
+from lightflyer.mission.wind_error import WindError, draw_wind_errors
+
+
+def test_positions_come_back_and_directions_are_at_right_angles(rng):
+    latitude, longitude = rng.uniform(-1.57, 1.57, 50), rng.uniform(-3.14, 3.14, 50)
+    with lf.float64():
+        position = unit_vector(latitude, longitude)
+        back = latitude_and_longitude(position)
+        east, north = directions(latitude, longitude)
+    np.testing.assert_allclose(back, [latitude, longitude], atol=1e-13)
+    np.testing.assert_allclose(np.cross(east, north), position, atol=1e-15)
+    assert np.all(np.asarray(north)[:, 2] > 0.0)
+
+
+def test_a_pole_has_a_place():
+    with lf.float64():
+        found = latitude_and_longitude(np.array([0.0, 0.0, 1.0]))
+    np.testing.assert_allclose(found, [0.5 * np.pi, 0.0])
+
+
+def test_following_the_sun_halves_its_angle_and_lets_go_of_it_at_night():
+    def tilt(zenith_angle, visible):
+        light = Radiation(zenith_angle=zenith_angle, azimuth=0.7, visible=visible)
+        found = FollowSun().attitude(light, None)
+        assert float(found.azimuth) == pytest.approx(0.7)
+        return float(found.tilt)
+
+    assert tilt(1.0, 1.0) == pytest.approx(0.5, rel=1e-6)
+    assert tilt(1.7, 1.0) == pytest.approx(0.25 * np.pi, rel=1e-6)
+    assert tilt(1.7, 0.0) == 0.0
+
+
+def test_errors_of_the_wind_have_the_stated_size_and_memory():
+    lag, memory = 6.0 * 3600.0, 12.0 * 3600.0
+    errors = draw_wind_errors(20_000, 10.0, 0.1, memory, seed=1)
+    first = [errors.cosines.sum(axis=-1)[:, axis] for axis in range(4)]
+    phases = errors.frequencies[:, None] * lag
+    waves = errors.cosines * np.cos(phases) + errors.sines * np.sin(phases)
+    later = [waves.sum(axis=-1)[:, axis] for axis in range(4)]
+    for here, there, spread in zip(first, later, (10.0, 10.0, 10.0, 0.1), strict=True):
+        assert here.std() == pytest.approx(spread, rel=0.02)
+        correlation = np.mean(here * there) / here.var()
+        assert correlation == pytest.approx(np.exp(-0.5 * (lag / memory) ** 2), abs=0.03)
+
+
+@pytest.mark.parametrize("place", [Place(0.8, 2.0, 0.0), Place(0.5 * np.pi, -1.0, 0.0)])
+def test_an_error_of_the_wind_is_a_vector_along_the_ground(place):
+    one = WindError(np.zeros(1), np.array([[3.0], [4.0], [12.0], [0.5]]), np.zeros((4, 1)))
+    with lf.float64():
+        found = one.added(Wind(1.0, 2.0, 0.0), place, 100.0)
+        up = np.asarray(unit_vector(place.latitude, place.longitude))
+    along = np.array([3.0, 4.0, 12.0]) - up * (up @ [3.0, 4.0, 12.0])
+    size = np.hypot(float(found.east) - 1.0, float(found.north) - 2.0)
+    assert size == pytest.approx(np.linalg.norm(along), rel=1e-12)
+    assert float(found.up) == 0.5
+
+
+def test_times_end_with_the_duration():
+    assert times_of("1 h").size == 61
+    assert times_of("1 h", "20 min").tolist() == [0.0, 1200.0, 2400.0, 3600.0]
+    assert times_of(1000.0, 300.0)[-1] == 1000.0
+    with pytest.raises(lf.ParameterError, match="duration"):
+        times_of(-5.0)
+
+
+def test_day_and_night_change_where_half_of_the_light_is_left():
+    elapsed = np.arange(7.0) * 600.0
+    light = np.array([1000.0, 1000.0, 250.0, 0.0, 0.0, 1000.0, 1000.0])
+    flight = xr.Dataset(
+        {"irradiance": ("elapsed", light), "end_elapsed": 3600.0}, coords={"elapsed": elapsed}
+    )
+    spans = day_and_night(flight)
+    assert [is_day for _, _, is_day in spans] == [True, False, True]
+    np.testing.assert_allclose([end for _, end, _ in spans], [1000.0, 2700.0, 3600.0])
+
+
+def test_coastlines_keep_to_the_world_and_do_not_cross_it():
+    longitude, latitude = coastline()
+    steps = np.abs(np.diff(longitude))
+    assert np.nanmax(steps) < 30.0
+    assert np.nanmax(np.abs(longitude)) <= 180.0
+    assert np.nanmin(latitude) > -86.0
+    near_gibraltar = np.hypot(longitude + 5.6, latitude - 36.0)
+    assert np.nanmin(near_gibraltar) < 0.5
+
+
+def test_a_release_reads_dates_and_units():
+    release = lf.Release("75 km", latitude=45.0, longitude="10 deg", time="2000-01-01T13:00+01:00")
+    assert (release.altitude, release.time) == (75e3, 0.0)
+    with pytest.raises(lf.ParameterError, match="soon"):
+        lf.Release(75e3, latitude=0.0, longitude=0.0, time="soon")
+
+
+def test_a_flyer_without_a_law_of_drag_cannot_fly(disk):
+    class Unknown(lf.Disk):
+        def drag(self, *arguments, **named):
+            return lf.AbstractFlyer.drag(self, *arguments, **named)
+
+    release = lf.Release(75e3, latitude=0.0, longitude=0.0, time=0.0)
+    with pytest.raises(lf.ConfigurationError, match="has no law of drag"):
+        lf.fly(
+            Unknown(disk.film, disk.radius),
+            lf.Earth(),
+            lf.Lu2023(),
+            release=release,
+            duration="1 h",
+        )
+
+
+def test_a_mission_needs_a_planet(disk):
+    release = lf.Release(75e3, latitude=0.0, longitude=0.0, time=0.0)
+    with pytest.raises(lf.ParameterError, match="over altitude"):
+        lf.fly(disk, lf.Chamber(), lf.Lu2023(), release=release, duration="1 h")

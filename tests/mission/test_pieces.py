@@ -5,11 +5,13 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
-from lightflyer.environment import Place, Radiation, Wind
-from lightflyer.mission import FollowSun
+from lightflyer.environment import EARTH_PLANET, Attitude, Place, Radiation, Wind
+from lightflyer.mission import FollowSun, Own
 from lightflyer.mission.coastline import coastline
 from lightflyer.mission.facts import day_and_night
+from lightflyer.mission.integration import rate_of
 from lightflyer.mission.mission import times_of
+from lightflyer.mission.motion import Craft, steady_speeds, velocity
 from lightflyer.mission.position import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.wind_error import WindError, draw_wind_errors
 
@@ -124,3 +126,43 @@ def test_a_mission_needs_a_planet(disk):
     release = lf.Release(75e3, latitude=0.0, longitude=0.0, time=0.0)
     with pytest.raises(lf.ParameterError, match="over altitude"):
         lf.fly(disk, lf.Chamber(), lf.Lu2023(), release=release, duration="1 h")
+
+
+def test_a_tilted_disk_glides_so_that_all_forces_vanish(isothermal_air, closed_form_disk):
+    tilt, azimuth = 0.4, 1.0
+    up = np.array([0.0, 0.0, 1.0])
+    normal = np.array(
+        [np.sin(tilt) * np.sin(azimuth), np.sin(tilt) * np.cos(azimuth), np.cos(tilt)]
+    )
+    down = normal * np.cos(tilt) - up
+    down /= np.linalg.norm(down)
+    disk = closed_form_disk(5e-3)
+    flyer = type(disk)(disk.film, disk.radius, attitude=Attitude(tilt, azimuth))
+    craft = Craft(lf.Setup(flyer, isothermal_air, lf.FreeMolecular()), Own())
+    with lf.float64():
+        around = craft.surroundings(70e3, Place(0.3, 0.2, 835_030_000.0), 0.0)
+        unknowns = craft.heat(around).unknowns
+        forces = craft.forces(around, unknowns)
+        axial, slope = steady_speeds(around, forces, unknowns)
+        moving = np.array([float(part) for part in velocity(around, axial, slope)])
+        pushed = float(lf.FreeMolecular().force(flyer, around.state, unknowns))
+        drags = [
+            float(flyer.drag(around.state, unknowns, speed, way))
+            for speed, way in ((axial, "broadside"), (slope, "edgewise"))
+        ]
+    weight = float(forces.weight)
+    total = pushed * normal - weight * up - drags[0] * normal - drags[1] * down
+    assert np.linalg.norm(total) < 1e-9 * weight
+    assert min(abs(drags[0]), drags[1]) > 0.1 * weight
+    np.testing.assert_allclose(moving, float(axial) * normal + float(slope) * down, rtol=1e-9)
+
+
+def test_a_degree_is_longer_at_the_pole_and_along_the_equator():
+    # World Geodetic System 1984: radii of curvature of meridian and prime vertical at the equator
+    altitude, place = 1e3, Place(0.0, 0.0, 0.0)
+    with lf.float64():
+        rate = np.asarray(rate_of(Wind(1.0, 1.0, 5.0), place, altitude, EARTH_PLANET))
+    assert 1.0 / rate[1] - altitude == pytest.approx(6_378_137.0, rel=1e-9)
+    assert 1.0 / rate[2] - altitude == pytest.approx(6_335_439.327, rel=1e-9)
+    assert rate[0] == 0.0
+    assert rate[3] * 100e3 == pytest.approx(5.0)

@@ -49,8 +49,8 @@ def fly_command(
     dataset = fly(mission.design, **mission.mission.arguments())
     dataset.attrs["configuration"] = mission.design.text
     summary = facts_of(dataset) | {
-        "assumptions": dataset.attrs["assumptions"].splitlines(),
-        "warnings": dataset.attrs["warnings"].splitlines(),
+        "assumptions": dataset.attrs["assumptions"].split("; "),
+        "warnings": [text for text in dataset.attrs["warnings"].split("; ") if text],
     }
     written = [] if out is None else _write(out, dataset, summary, figures)
     if json_output:

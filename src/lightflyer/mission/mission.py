@@ -325,7 +325,7 @@ def _flown(mission: _Mission, plan: _Plan, track: Track) -> "xr.Dataset":
     variables = VARIABLES | node_variables(mission.setup.flyer.nodes)
     dataset = dataset_of(plan.elapsed, released, track, found, variables)
     dataset.attrs["end"] = _end(mission.setup.environment, released, track)
-    dataset.attrs["warnings"] = "\n".join(
+    dataset.attrs["warnings"] = "; ".join(
         dict.fromkeys((*mission.design.warnings, *cautions_along(craft, place, shown)))
     )
     return dataset
@@ -351,5 +351,5 @@ def _record(
         "force_model": described(setup.model),
         "planet": planet_of(setup.environment).name,
         "planet_radius_km": float(planet_of(setup.environment).radius) / 1e3,
-        "assumptions": "\n".join(assumptions_of(setup, mission.rule, ensemble, inertia)),
+        "assumptions": "; ".join(assumptions_of(setup, mission.rule, ensemble, inertia)),
     }

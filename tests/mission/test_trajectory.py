@@ -150,10 +150,10 @@ def test_air_that_turns_as_a_whole_carries_along_a_circle(flown):
 
 
 class Afternoon:
-    """A flight of an hour through sunset, and its end by emittance and time of release."""
+    """A flight of half an hour through sunset; its end by emittance and time of release."""
 
     release = (75e3, 17.0, 11.0)
-    begin, duration = 835_076_000.0, 3600.0
+    begin, duration = 835_077_800.0, 1800.0
 
     def __init__(self, air, disk):
         self.around, self.disk = air, disk
@@ -191,14 +191,12 @@ def test_gradient_of_the_last_altitude_is_that_of_differences(
     with lf.float64():
         here = np.array([0.08, afternoon.begin - 3600.0 * hours_earlier])
         _, slope = afternoon.value_and_slope(here)
-        for number, step in enumerate((2e-3, 20.0)):
+        for number, step in enumerate((5e-4, 10.0)):
             shift = step * np.eye(2)[number]
-            ends = {
-                way: float(afternoon.value_and_slope(here + way * shift)[0])
-                for way in (-2.0, -1.0, 1.0, 2.0)
-            }
-            difference = 8.0 * (ends[1.0] - ends[-1.0]) - (ends[2.0] - ends[-2.0])
-            expected = difference / (12.0 * step)
+            high, low = (
+                float(afternoon.value_and_slope(here + way * shift)[0]) for way in (1.0, -1.0)
+            )
+            expected = (high - low) / (2.0 * step)
             slack = slack_in_time if number else 0.0
             assert float(slope[number]) == pytest.approx(expected, rel=1e-4, abs=slack)
 
@@ -219,5 +217,5 @@ def test_velocity_and_temperature_follow_at_once(afternoon):
             Inertia(),
         )
     assert int(found.ending) == MissionEnd.STILL_FLYING
-    assert abs(float(steady) - altitude) > 500.0
+    assert abs(float(steady) - altitude) > 200.0
     assert 1e-3 < abs(float(found.end_altitude - steady)) < 1.0

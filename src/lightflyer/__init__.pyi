@@ -18,6 +18,7 @@ from . import uncertainty as uncertainty
 from .calibration import calibrate as calibrate
 from .comparison import compare as compare
 from .config.flyer_file import FlyerFile as FlyerFile
+from .config.mission_file import read_mission_file as read_mission_file
 from .config.reader import read_flyer_file as read_flyer_file
 from .environment import Chamber as Chamber
 from .environment import Earth as Earth

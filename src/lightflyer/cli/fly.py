@@ -46,7 +46,7 @@ def fly_command(
     from lightflyer.mission.mission import fly
 
     mission = read_mission_file(mission_file)
-    dataset = fly(mission.design, **mission.mission.arguments())
+    dataset = fly(mission.design, **mission.arguments())
     dataset.attrs["configuration"] = mission.design.text
     summary = facts_of(dataset) | {
         "assumptions": dataset.attrs["assumptions"].split("; "),

@@ -54,6 +54,10 @@ class MissionFile:
     design: FileDesign
     mission: MissionSection
 
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of :func:`lightflyer.fly` beside the design."""
+        return self.mission.arguments()
+
 
 def read_mission_file(path: str | Path) -> MissionFile:
     """Read and check a mission file.

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 import lightflyer as lf
+from lightflyer.force.lu2023 import PRINTED
 from lightflyer.foundation import drawing as plot
 
 IMAGE = Path(__file__).parents[2] / "docs" / "images" / "steering.png"
@@ -17,6 +18,7 @@ SIZES = {"5 mm": 5e-3, "1 cm": 1e-2, "2 cm": 2e-2}
 COLOURS = dict(zip(SIZES, (plot.BLUE, plot.VERMILION, plot.GREEN), strict=True))
 ALTITUDES = np.arange(50e3, 90.1e3, 1e3)
 TILTS = np.radians(np.arange(0.0, 60.1, 1.0))
+FIBRE = lf.mission.Tether(7e-9)  # kg/m: 3 µm of polyethylene
 SHARE = 0.3  # of the film's mass, which the hanging payload has
 
 
@@ -42,8 +44,28 @@ def rods(diameter):
                      for altitude in ALTITUDES])  # fmt: skip
 
 
+def gram():
+    """Flyers for one gram of payload, by size, film and force model, in the sun overhead."""
+    models = (lf.Lu2023(), lf.Lu2023(reading=PRINTED), lf.Kinetic())
+    for density in (1e-3, 0.37e-3):
+        film = lf.FilmProperties(density, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+        for diameter in (5e-3, 1e-2, 2e-2, 3e-2):
+            cells = []
+            for model in models:
+                try:
+                    found = lf.swarm(lf.Disk(film, radius=0.5 * diameter), lf.Earth(), model,
+                                     payload="1 g", tether=FIBRE)  # fmt: skip
+                    cells.append(f"{found.count} at {found.altitude / 1e3:g} km, "
+                                 f"radius {found.layer_radius:.1f} m, tethers "
+                                 f"{1e3 * found.tether_mass:.2g} g")  # fmt: skip
+                except lf.ParameterError:
+                    cells.append("none")
+            print(f"| {1e3 * density:g} g/m², {1e3 * diameter:g} mm | {' | '.join(cells)} |")
+
+
 def main():
     """Both panels and tables."""
+    gram()
     figure = plot.new_figure(columns=2, width=4.6, height=3.6)
     left, right = figure.axes
     print("| altitude | " + " | ".join(SIZES) + " |")

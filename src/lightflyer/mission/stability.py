@@ -73,7 +73,7 @@ class Hanging:
         return self.growth_rate < -_NEUTRAL * float(np.abs(self.modes).max())
 
 
-class _Payload(Checked):
+class _Hung(Checked):
     """How the payload hangs; checks its numbers."""
 
     rod: Distance
@@ -136,7 +136,8 @@ def hanging_stability(
     """
     if not isinstance(flyer, Disk | Plate | Sandwich):
         raise ConfigurationError(f"hanging_stability is for flat flyers, not {flyer.describe()}")
-    _Payload(rod, string)
+    hung = _Hung(rod, string)
+    rod, string = float(hung.rod), float(hung.string)
     payload, gravity = float(flyer.payload), float(state.gravity)
     if payload <= 0.0:
         raise ParameterError("nothing hangs below the flyer: its payload is zero")

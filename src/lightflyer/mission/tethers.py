@@ -47,7 +47,7 @@ class Tether(Checked):
     Attributes
     ----------
     linear_density : array
-        Mass over length [kg/m]; a fibre of 10 µm of polyethylene has 8e-8 kg/m.
+        Mass over length [kg/m]; a fibre of 3 µm of polyethylene has 7e-9.
     """
 
     linear_density: LinearDensity = 0.0

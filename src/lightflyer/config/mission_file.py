@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from lightflyer.config.flyer_file import FileDesign, flyer_file_type, section_at
 from lightflyer.foundation.errors import ConfigurationError
@@ -34,6 +34,9 @@ MISSION_FILE = FileKind(
     "a mission file", _keys_of, "'lightflyer init --kind mission' writes an example"
 )
 """How messages speak of a mission file."""
+
+
+_Kind = TypeVar("_Kind", bound=Section)
 
 
 class _MissionPart(Section):
@@ -79,14 +82,24 @@ def read_mission_file(path: str | Path) -> MissionFile:
     path = Path(path)
     document, text = load(path, MISSION_FILE)
     rest = {name: content for name, content in document.items() if name != _MISSION}
-    if _MISSION not in document:
-        raise ConfigurationError(
-            f"{path}: the section [{_MISSION}] is missing; {MISSION_FILE.hint}"
-        )
-    part = {_MISSION: document[_MISSION]}
-    mission = validate(_MissionPart, part, text, path, MISSION_FILE).mission
-    file = validate(flyer_file_type(), _placed(rest, part[_MISSION]), text, path, MISSION_FILE)
-    return MissionFile(file.design(text), mission)
+    part = {name: content for name, content in document.items() if name == _MISSION}
+    mission, missions_mistakes = _checked(_MissionPart, part, text, path)
+    # the place of a mission that is mistaken would be found mistaken again
+    placed = _placed(rest, {} if mission is None else part[_MISSION])
+    file, mistakes = _checked(flyer_file_type(), placed, text, path)
+    if mission is None or file is None:
+        raise ConfigurationError("\n".join([*mistakes, *missions_mistakes]))
+    return MissionFile(file.design(text), mission.mission)
+
+
+def _checked(
+    kind: type[_Kind], content: dict[str, Any], text: str, path: Path
+) -> tuple[_Kind | None, list[str]]:
+    """Part of the file, or None, and the mistakes in it."""
+    try:
+        return validate(kind, content, text, path, MISSION_FILE), []
+    except ConfigurationError as error:
+        return None, [str(error)]
 
 
 def _placed(document: dict[str, Any], mission: dict[str, Any]) -> dict[str, Any]:
@@ -99,5 +112,6 @@ def _placed(document: dict[str, Any], mission: dict[str, Any]) -> dict[str, Any]
     if "sun" in kind.model_fields and not _OF_GIVEN_LIGHT & given.keys():
         known["sun"] = "ephemeris"
     if known or getattr(kind, "place_matters", False):
-        known |= {key: mission[key] for key in _SHARED if key in kind.model_fields}
+        shared = (key for key in _SHARED if key in kind.model_fields and key in mission)
+        known |= {key: mission[key] for key in shared}
     return document | {"environment": known | given}

@@ -8,6 +8,7 @@ import numpy as np
 
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flight.setup import Setup
+from lightflyer.force.lu2023 import READINGS, Reading
 from lightflyer.mission.attitude import AbstractAttitudeRule
 from lightflyer.mission.dynamics import Inertia
 from lightflyer.mission.fleet import Ensemble
@@ -30,11 +31,19 @@ def described(part: Any) -> str:
     told = []
     for field in fields(part):
         value = getattr(part, field.name)
-        if isinstance(value, eqx.Module):
+        if isinstance(value, Reading):
+            told.append(f"{field.name}={_reading(value)}")
+        elif isinstance(value, eqx.Module):
             told.append(f"{field.name}={described(value)}")
         elif isinstance(value, str | bool | int) or np.ndim(value) == 0:
             told.append(f"{field.name}={value}")
     return f"{type(part).__name__}({', '.join(told)})"
+
+
+def _reading(value: Reading) -> str:
+    """Name of a reading of the paper, or its numbers."""
+    names = (name for name, known in READINGS.items() if known == value)
+    return next(names, str(value))
 
 
 def assumptions_of(

@@ -160,7 +160,7 @@ def _launches(dataset: "xr.Dataset") -> Figure:
     axes.set_xlabel("time since the release [h]")
     axes.set_ylabel("altitude [km]")
     if len(delays) <= _MOST_NAMED:
-        axes.legend(title="released", fontsize="small", ncols=2)
+        figure.legend(title="released", fontsize="small", loc="outside right upper")
     return figure
 
 

@@ -217,6 +217,12 @@ def test_drift_at_constant_altitude_is_the_closed_form(holding):
     assert found.lift_over_weight == pytest.approx(force * np.cos(tilt) / weight, rel=1e-12)
 
 
+def test_drift_tells_where_its_models_are_beyond_their_range(holding):
+    found = holding[3]
+    assert any("lu2023 were fitted to disks of 2 to 4 cm" in text for text in found.warnings)
+    assert any("edgewise" in text for text in found.warnings)
+
+
 def test_drift_goes_where_the_top_face_is_tilted_and_a_level_disk_does_not_drift(holding):
     _, _, disk, _ = holding
     around = lf.Earth(), lf.Lu2023()

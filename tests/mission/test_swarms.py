@@ -158,6 +158,21 @@ def test_a_folder_of_another_swarm_is_refused(flown, tmp_path):
     assert json.loads((folder / "spread.json").read_text())["release"]
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"ensemble": lf.Ensemble(members=0)}, "0 members"),
+        ({"areas": ["Bavaria"]}, "not str"),
+        ({"duration": "-1 h"}, "duration"),
+        ({"lowest": 71e3}, "release altitude 70 km"),
+    ],
+)
+def test_what_cannot_spread_is_refused_in_one_line(flown, arguments, message):
+    with pytest.raises(lf.ParameterError, match=message) as caught:
+        flown[0](**arguments)
+    assert "\n" not in str(caught.value)
+
+
 def test_forces_on_a_tethered_flyer_are_in_balance():
     hung = _Hung(own=3e-6, spare=4e-6, thread=1e-7, spacing=0.3, depth=1.0)
     carried, lengths, tilts = hung.carried(30)

@@ -21,9 +21,10 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.environment.base import AbstractEnvironment, Place, Wind
+from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place, Wind
 from lightflyer.environment.radiation import Attitude
 from lightflyer.flight.balance import require_converged
+from lightflyer.flight.cautions import cautions_in
 from lightflyer.flight.design import as_design
 from lightflyer.flight.setup import Setup
 from lightflyer.flyer.base import AbstractFlyer
@@ -48,12 +49,15 @@ class Drift(NamedTuple):
         Horizontal force of the gas on the flyer at rest [N].
     lift_over_weight : array, shape (...)
         Vertical force of the gas on the flyer at rest, with buoyancy, over its weight [1].
+    warnings : tuple of str
+        Where model or drag are beyond their range; none under JAX's transformations.
     """
 
     speed: Array
     climb: Array
     force: Array
     lift_over_weight: Array
+    warnings: tuple[str, ...] = ()
 
 
 def drift(
@@ -109,27 +113,50 @@ def drift(
     0.85 m/s along, 0.61 m/s up
     """
     setup = as_design(what, environment, model).setup
-    found, ending, residual = _drift(setup, altitude, Attitude(tilt, azimuth), place)
-    if is_concrete(found.speed):
-        require_converged("heat balance of the tilted flyer", ending, residual)
-    return found
+    height = setup.environment.coordinate.quantity.number("altitude", altitude)
+    found, moving = _drift(setup, height, Attitude(tilt, azimuth), place)
+    if not is_concrete(found.speed):
+        return found
+    require_converged("heat balance of the tilted flyer", moving.ending, moving.residual)
+    return found._replace(warnings=_warnings(setup, moving))
+
+
+class _Moving(NamedTuple):
+    """What warnings hang on: surroundings, temperature [K], speeds [m/s], how the search ended."""
+
+    state: EnvironmentState
+    temperature: Array
+    axial: Array
+    slope: Array
+    ending: Array
+    residual: Array
 
 
 @entry_point
 def _drift(
     setup: Setup, altitude: Numeric, attitude: Attitude, place: Place | None
-) -> tuple[Drift, Array, Array]:
+) -> tuple[Drift, _Moving]:
     shape = jnp.broadcast_shapes(*map(jnp.shape, (altitude, attitude.tilt, attitude.azimuth)))
     state = replace(setup.environment.state(jnp.broadcast_to(altitude, shape), place), wind=None)
     around = Surroundings(_lying(setup.flyer, attitude), state, Wind(0.0, 0.0, 0.0))
     craft = Craft(setup, Own())
     heat = craft.heat(around)
     forces = craft.forces(around, heat.unknowns)
-    moving = velocity(around, *steady_speeds(around, forces, heat.unknowns))
+    axial, slope = steady_speeds(around, forces, heat.unknowns)
+    moving = velocity(around, axial, slope)
     speed = moving.east * jnp.sin(attitude.azimuth) + moving.north * jnp.cos(attitude.azimuth)
     force = setup.model.force(around.flyer, state, heat.unknowns) * jnp.sin(attitude.tilt)
     found = Drift(speed, moving.up, force, forces.lift / forces.weight)
-    return found, heat.ending, heat.residual
+    return found, _Moving(state, heat.temperature, axial, slope, heat.ending, heat.residual)
+
+
+def _warnings(setup: Setup, moving: _Moving) -> tuple[str, ...]:
+    flyer, state, temperature = setup.flyer, moving.state, moving.temperature
+    drags = (
+        *flyer.drag_caveats(state, moving.axial, "broadside", temperature),
+        *flyer.drag_caveats(state, moving.slope, "edgewise", temperature),
+    )
+    return (*cautions_in(setup, state, temperature), *dict.fromkeys(drags))
 
 
 def _lying(flyer: AbstractFlyer, attitude: Attitude) -> AbstractFlyer:

@@ -17,7 +17,7 @@ from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flight.design import AbstractDesign, as_design, digest
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.clock import dates_of
-from lightflyer.foundation.errors import OutputError
+from lightflyer.foundation.errors import OutputError, ParameterError
 from lightflyer.foundation.extras import extra
 from lightflyer.foundation.files import output_directory
 from lightflyer.foundation.pickling import dumps
@@ -182,9 +182,11 @@ def spread(
     setup, rule = design.setup, attitude or Own()
     limits = limits_of(setup.environment, lowest, highest)
     require_release_inside(release, limits)
+    _require_members(ensemble, areas)
     elapsed = times_of(duration, every)
-    with lightflyer.float64():
+    with lightflyer.float64():  # raises where the data of winds or ground do not reach
         start = release.start()
+        setup.environment.state(float(release.altitude), start.place)
     accuracy = Accuracy.lasting(float(elapsed[-1]), tolerance)
     swarm = _Swarm(design, rule, start, ensemble, tuple(areas), limits, elapsed, accuracy)
     counts = _counted(swarm, None if folder is None else Path(folder), scheduler)
@@ -198,6 +200,14 @@ def spread(
         "warnings": "; ".join((*design.warnings, *_cautions(counts))),
     }
     return dataset
+
+
+def _require_members(ensemble: Ensemble, areas: Sequence[AbstractArea]) -> None:
+    if ensemble.members < 1:
+        raise ParameterError(f"a swarm of {ensemble.members} members is none")
+    for area in areas:
+        if not isinstance(area, AbstractArea):
+            raise ParameterError(f"areas are a Circle or a Polygon, not {type(area).__name__}")
 
 
 def count_batch(swarm: _Swarm, batch: int) -> Counts:

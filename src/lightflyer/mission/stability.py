@@ -170,8 +170,11 @@ def _drags(
 ) -> tuple[float, float, tuple[str, ...]]:
     """Drag over speed edgewise, torque over rate, and caveats."""
     unknowns: Any = (np.zeros(()),) * (len(flyer.nodes) + len(flyer.flows))
+    found: list[str] = []
     if model is not None:
-        unknowns = equilibrium(flyer, state, model).unknowns
+        balance = equilibrium(flyer, state, model)
+        unknowns = balance.unknowns
+        found += model.caveats(flyer, state, np.asarray(balance.temperature))
     tac: tuple[Numeric, Numeric]
     if isinstance(flyer, Disk):
         tac, excess = (flyer.film.tac_top, flyer.film.tac_bottom), (unknowns[0], unknowns[0])
@@ -182,8 +185,8 @@ def _drags(
     gas = (state.pressure, state.temperature, state.gas)
     torque = turning_disk_torque(1.0, flyer.radius, *gas, tac, excess, transmission)
     edgewise = float(flyer.drag(state, unknowns, _SLOW, "edgewise")) / _SLOW
-    caveats = (*flyer.drag_caveats(state, _SLOW, "edgewise"), TURNING_CAVEAT)
-    return edgewise, float(torque), caveats
+    found += (*flyer.drag_caveats(state, _SLOW, "edgewise"), TURNING_CAVEAT)
+    return edgewise, float(torque), tuple(found)
 
 
 def modes_of(body: _Body, rod: float, string: float, payload_drag: float) -> np.ndarray:

@@ -27,7 +27,7 @@ from lightflyer.flight.loads import payload as payload_of
 from lightflyer.flight.setup import Setup
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.quantity import Checked, Distance, LinearDensity, Mass
+from lightflyer.foundation.quantity import Altitude, Checked, Distance, LinearDensity, Mass
 
 CLOSE = 3.0
 """Distance of neighbours, over their diameter, below which a warning says that they are close."""
@@ -57,6 +57,7 @@ class _Wanted(Checked):
     """What is to be carried; checks its numbers."""
 
     payload: Mass
+    altitude: Altitude | None = None
     spacing: Distance | None = None
     depth: Distance | None = None
 
@@ -101,7 +102,7 @@ def swarm(
     model: AbstractForceModel | None = None,
     *,
     payload: Any,
-    altitude: float | None = None,
+    altitude: Any = None,
     place: Place | None = None,
     spacing: Any = None,
     depth: Any = None,
@@ -151,9 +152,9 @@ def swarm(
     3267 flyers at 72 km
     """
     setup = as_design(what, environment, model).setup
-    wanted = _Wanted(payload, spacing, depth)
-    if altitude is None:
-        altitude = _best_altitude(setup, place)
+    wanted = _Wanted(payload, altitude, spacing, depth)
+    given = wanted.altitude
+    altitude = _best_altitude(setup, place) if given is None else float(given)
     state = setup.environment.state(altitude, place)
     spare = float(payload_of(setup.flyer, state, setup.model)) * float(state.gravity)
     own = float(setup.flyer.own_mass) * float(state.gravity)
@@ -171,7 +172,7 @@ def swarm(
     _, lengths, tilts = hung.carried(count)
     return Swarm(
         count,
-        float(altitude),
+        altitude,
         spare,
         hung.radius(count),
         hung.depth_of(count),

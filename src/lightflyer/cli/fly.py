@@ -2,14 +2,14 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
-from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.options import Json
+from lightflyer.cli.output import print_json, printer, write_json
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,7 +22,7 @@ def fly_command(
     /,
     *,
     out: Path | None = None,
-    json_output: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    json_output: Json = False,
     figures: FigureOptions = AS_USUAL,
 ) -> None:
     """Fly a mission: where a flyer goes, whether it survives the night, what ends it.
@@ -84,8 +84,7 @@ def _write(
         dataset.to_netcdf(stage("mission.nc"), engine="h5netcdf")
         write_csv(dataset, stage("mission.csv"))
         write_kml(dataset, stage("mission.kml"))
-        text = json.dumps(summary, indent=2, allow_nan=False)
-        stage("mission.json").write_text(text + "\n", encoding="utf-8")
+        write_json(stage("mission.json"), summary)
         names += figures.write(stage, draw)
     return [out / name for name in names]
 

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place, Wind
@@ -152,10 +153,9 @@ def _drift(
 
 def _warnings(setup: Setup, moving: _Moving) -> tuple[str, ...]:
     flyer, state, temperature = setup.flyer, moving.state, moving.temperature
-    drags = (
-        *flyer.drag_caveats(state, moving.axial, "broadside", temperature),
-        *flyer.drag_caveats(state, moving.slope, "edgewise", temperature),
-    )
+    drags = flyer.drag_caveats(state, moving.axial, "broadside", temperature)
+    if np.any(moving.slope != 0.0):
+        drags += flyer.drag_caveats(state, moving.slope, "edgewise", temperature)
     return (*cautions_in(setup, state, temperature), *dict.fromkeys(drags))
 
 

@@ -15,15 +15,15 @@ LOOKS = {
     "albedo 0.5": (plot.BLUE, "--"),
     "wind 0.1 m/s down": (plot.VERMILION, ":"),
     "wind 0.1 m/s up": (plot.VERMILION, "--"),
-    "kinetic force": (plot.GREEN, "-"),
-    "force as printed": (plot.ORANGE, "-"),
+    "lu2023": (plot.GREEN, "-"),
+    "lu2023 as printed": (plot.ORANGE, "-"),
     "follows the sun": (plot.PURPLE, "-"),
 }
 
 
 def draw_season(sizes, latitudes, names):
     """Map of the largest disk over season and latitude."""
-    figure = plot.new_figure(columns=len(sizes), width=4.6, height=4.0)
+    figure = plot.new_figure(columns=len(sizes), width=3.4, height=4.0)
     levels = [0.5, 1, 2, 5, 10, 20]
     filled = None
     for ax, size, name in zip(figure.axes, sizes, names, strict=True):

@@ -30,7 +30,7 @@ SIZES = 0.5e-3 * RATIO ** np.arange(9)  # metres, to 21 mm
 RATIOS = np.array([0.0, 0.4, 0.8, 1.2, 1.6, 2.0])  # of payload to film
 BATCH = 128
 TOLERANCE = 1e-7
-LU2023, LEVEL = lf.Lu2023(), Level()
+KINETIC, LEVEL = lf.Kinetic(), Level()
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 
 
@@ -39,7 +39,7 @@ class Case:
     """What is the same for all flights."""
 
     name: str = "as stated"
-    model: lf.AbstractForceModel = LU2023
+    model: lf.AbstractForceModel = KINETIC
     albedo: float = 0.29
     wind_up: float = 0.0
     rule: AbstractAttitudeRule = LEVEL
@@ -148,7 +148,7 @@ def largest(stays, coarse, count):
     some = np.flatnonzero(found.any(axis=1))
     low = coarse[last[some]]
     high = np.append(coarse, coarse[-1])[last[some] + 1]
-    for _ in range(HALVINGS):
+    for _ in range(HALVINGS if some.size else 0):
         middle = 0.5 * (low + high)
         up = stays(middle[:, None], some)[:, 0]
         low, high = np.where(up, middle, low), np.where(up, high, middle)

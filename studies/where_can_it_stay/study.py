@@ -35,23 +35,30 @@ MONTH = SOLSTICE + 15.0 * DAY * np.array([-1.0, 0.0, 1.0])
 DENSITIES = (1e-3, 0.7e-3, THIN)
 
 STATED = Case()
+LU2023 = STATED.but("lu2023", model=lf.Lu2023())
 CASES = (
     STATED,
     STATED.but("albedo 0.1", albedo=0.1),
     STATED.but("albedo 0.5", albedo=0.5),
     STATED.but("wind 0.1 m/s up", wind_up=0.1),
     STATED.but("wind 0.1 m/s down", wind_up=-0.1),
-    STATED.but("kinetic force", model=lf.Kinetic()),
-    STATED.but("force as printed", model=lf.Lu2023(reading=PRINTED)),
+    LU2023,
+    STATED.but("lu2023 as printed", model=lf.Lu2023(reading=PRINTED)),
     STATED.but("follows the sun", rule=FollowSun()),
+)
+
+MAPS = (
+    (STATED, 1e-3, "1 g/m²"),
+    (LU2023, 1e-3, "1 g/m², lu2023"),
+    (STATED, THIN, "0.37 g/m²"),
 )
 
 
 def season():
-    """Largest disk that stays over areal density, date, latitude [m]."""
+    """Largest disk that stays over map, date, latitude [m]."""
     return [
-        largest_size(STATED, LATITUDES, DATES[:, None], areal_density=density)
-        for density in (1e-3, THIN)
+        largest_size(case, LATITUDES, DATES[:, None], areal_density=density)
+        for case, density, _ in MAPS
     ]
 
 
@@ -124,10 +131,10 @@ def main(names):
     for name in [name for name in names if name != "draw"]:
         start = time.process_time()
         found[name] = rounded(PARTS[name]())
-        RESULTS.write_text(json.dumps(found), encoding="utf-8")
+        RESULTS.write_text(json.dumps(found) + "\n", encoding="utf-8")
         print(f"{name}: {time.process_time() - start:.0f} s of CPU", flush=True)
     if set(PARTS) <= set(found):
-        drawing.draw_season(found["season"], LATITUDES, FILMS)
+        drawing.draw_season(found["season"], LATITUDES, [name for *_, name in MAPS])
         drawing.draw_cases(found["cases"], NORTH, FILMS)
 
 

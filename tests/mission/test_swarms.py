@@ -10,6 +10,7 @@ from scipy.stats import binomtest
 
 import lightflyer as lf
 from lightflyer.mission import Circle, Polygon, Tether, spreading
+from lightflyer.mission.figures import plot_spread
 from lightflyer.mission.spreading import binomial_interval
 from lightflyer.mission.tethers import _Hung
 
@@ -136,6 +137,14 @@ def test_shares_are_those_of_members_inside_and_flying(flown):
     assert (dataset.inside_high >= dataset.inside).all()
     assert int(dataset.ends.sum()) == MEMBERS
     assert "wind" in dataset.attrs["assumptions"]
+
+
+def test_the_figure_of_a_spread_shows_every_share_in_percent(flown):
+    (axes,) = plot_spread(flown[2]).axes
+    drawn = np.array([line.get_ydata() for line in axes.lines])
+    expected = 100.0 * np.concatenate([flown[2].flying.values[None], flown[2].inside.values])
+    np.testing.assert_allclose(drawn, expected)
+    assert len(axes.collections) == len(drawn)  # an interval each
 
 
 def test_an_interrupted_swarm_goes_on_and_is_the_same(flown):

@@ -1,5 +1,6 @@
 """Figures of a mission: altitude over time, ground track, flyer over time, survival."""
 
+import itertools
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -8,7 +9,18 @@ from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 from matplotlib.figure import Figure
 
 from lightflyer.environment.planet import EARTH_PLANET
-from lightflyer.foundation.drawing import BLUE, GREY, ORANGE, SKY, VERMILION, new_figure
+from lightflyer.foundation.drawing import (
+    BLUE,
+    GREY,
+    INTERVAL,
+    LINES,
+    ORANGE,
+    PALETTE,
+    SKY,
+    VERMILION,
+    new_figure,
+    wrapped,
+)
 from lightflyer.mission.coastline import coastline
 from lightflyer.mission.dataset import ELAPSED
 from lightflyer.mission.facts import day_and_night
@@ -25,6 +37,8 @@ _LEAST_VIEW = 20.0  # degrees of a map's width and height
 _MOST_NAMED = 16  # launches in a legend
 _WORLD = 300.0  # degrees of a map's width from which on the whole world is drawn
 _MARGIN = 1.2
+_ENDS = "", "_low", "_high"  # of the names of a share and its interval
+_LABEL = 30  # characters of a line in a legend
 _QUARTER_TURN, _HALF_TURN, _TURN = 90.0, 180.0, 360.0
 _FLATTEST = 0.2  # cosine of the latitude beyond which a map is not stretched further
 
@@ -52,6 +66,37 @@ def mission_figures(dataset: "xr.Dataset") -> dict[str, Figure]:
     if "launch_altitude" in dataset:
         figures["launches"] = _launches(dataset)
     return figures
+
+
+def plot_spread(dataset: "xr.Dataset") -> Figure:
+    """Shares of a swarm that still fly, and that are inside areas, over time.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From :func:`lightflyer.spread`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        With the 95 % intervals.
+    """
+    figure = new_figure(width=8.0)
+    (axes,) = figure.axes
+    shares = {"still flying": [dataset["flying" + end].values for end in _ENDS]}
+    for number, area in enumerate(dataset.area.values if "area" in dataset.coords else ()):
+        shares[str(area)] = [dataset["inside" + end].values[number] for end in _ENDS]
+    looks = zip(itertools.cycle(PALETTE), itertools.cycle(LINES), strict=False)
+    for (name, values), (colour, line) in zip(shares.items(), looks, strict=False):
+        share, low, high = 100.0 * np.array(values)
+        label = wrapped(name, _LABEL)
+        axes.plot(dataset.time.values, share, color=colour, ls=line, label=label)
+        axes.fill_between(dataset.time.values, low, high, color=colour, alpha=0.2, lw=0.0)
+    axes.set_ylim(0.0, 105.0)
+    axes.set_ylabel(f"share of {int(dataset.members)} members [%]")
+    _over_time(axes, dataset)
+    figure.legend(title=f"shaded: {INTERVAL}", fontsize="small", loc="outside right upper")
+    return figure
 
 
 def _altitude(dataset: "xr.Dataset") -> Figure:

@@ -144,6 +144,8 @@ def test_a_flyer_without_payload_or_without_faces_is_refused():
     with pytest.raises(lf.ParameterError, match="payload is zero"):
         lf.hanging_stability(lf.Disk(FILM, radius=0.01), state, rod=1e-3)
     balloon = as_design(DATA / "flyer-balloon.toml").setup.flyer
+    with pytest.raises(lf.ParameterError, match="one flyer at one place"):
+        lf.hanging_stability(lf.Disk(FILM, radius=0.01), lf.Earth().state([7e4, 8e4]), rod=1e-3)
     with pytest.raises(lf.ConfigurationError, match="flat"):
         lf.hanging_stability(balloon, state, rod=1e-3)
 

@@ -66,8 +66,8 @@ class Counts(NamedTuple):
         Sum of the differences of their unit vectors from that of the release.
     moved_squared : array, shape (times,)
         Sum of the squares of these.
-    altitude, altitude_squared : array, shape (times,)
-        Sums [m], [m²].
+    climbed, climbed_squared : array, shape (times,)
+        Sums of their altitudes above the release's [m], and of the squares [m²].
     ends : array, shape (reasons,)
         Members by what ended their flight.
     """
@@ -76,8 +76,8 @@ class Counts(NamedTuple):
     inside: np.ndarray
     moved: np.ndarray
     moved_squared: np.ndarray
-    altitude: np.ndarray
-    altitude_squared: np.ndarray
+    climbed: np.ndarray
+    climbed_squared: np.ndarray
     ends: np.ndarray
 
 
@@ -227,7 +227,7 @@ def _silent(step: Step) -> None:
 def _counts_of(tracks: Track, swarm: _Swarm) -> Counts:
     flying = np.isfinite(tracks.altitude)
     moved = np.where(flying[..., None], tracks.position - _release(swarm), 0.0)
-    altitude = np.where(flying, tracks.altitude, 0.0)
+    climbed = np.where(flying, tracks.altitude - float(swarm.start.altitude), 0.0)
     radius = float(planet_of(swarm.design.setup.environment).radius)
     inside = [
         np.sum(flying & area.contains(_release(swarm) + moved, radius), axis=0)
@@ -238,8 +238,8 @@ def _counts_of(tracks: Track, swarm: _Swarm) -> Counts:
         np.reshape(inside, (len(swarm.areas), swarm.elapsed.size)).astype(int),
         moved.sum(axis=0),
         np.square(moved).sum(axis=(0, 2)),
-        altitude.sum(axis=0),
-        np.square(altitude).sum(axis=0),
+        climbed.sum(axis=0),
+        np.square(climbed).sum(axis=0),
         np.bincount(np.asarray(tracks.ending), minlength=len(MissionEnd)),
     )
 
@@ -443,8 +443,9 @@ def _moments(swarm: _Swarm, counts: Counts) -> dict[str, tuple[np.ndarray, str, 
     length = np.linalg.norm(middle, axis=-1)
     latitude, longitude = degrees_of(middle / length[:, None])
     radius = float(planet_of(swarm.design.setup.environment).radius)
-    altitude = counts.altitude / flying
-    variance = np.maximum(counts.altitude_squared / flying - altitude**2, 0.0)
+    climbed = counts.climbed / flying
+    variance = np.maximum(counts.climbed_squared / flying - climbed**2, 0.0)
+    altitude = float(swarm.start.altitude) + climbed
     # the middle lies inside the planet by 1 - length, and was pushed out to its surface
     distance = radius * np.sqrt(np.maximum(2.0 * scatter / (1.0 + length), 0.0))
     return {

@@ -136,6 +136,10 @@ def hanging_stability(
     """
     if not isinstance(flyer, Disk | Plate | Sandwich):
         raise ConfigurationError(f"hanging_stability is for flat flyers, not {flyer.describe()}")
+    if any(
+        np.ndim(part) for part in (flyer.radius, flyer.payload, state.pressure, state.temperature)
+    ):
+        raise ParameterError("hanging_stability is for one flyer at one place: give single numbers")
     hung = _Hung(rod, string)
     rod, string = float(hung.rod), float(hung.string)
     payload, gravity = float(flyer.payload), float(state.gravity)

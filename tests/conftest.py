@@ -1,5 +1,7 @@
+import gc
 import importlib.metadata
 import os
+from pathlib import Path
 
 # Most of the suite's time is XLA's optimisation of small kernels. These are the flags of the XLA
 # in the lock file; another's might not know them, and would refuse to start.
@@ -35,6 +37,20 @@ def disk(film):
 @pytest.fixture
 def rng():
     return np.random.default_rng(20231118)
+
+
+MOST_MAPS = 40_000
+"""Of the 65,530 mappings of memory that Linux grants a process; each program takes some."""
+
+
+@pytest.fixture(autouse=True, scope="module")
+def room_for_programs():
+    """Forget compiled programs before there are too many for one process, which would crash."""
+    yield
+    maps = Path("/proc/self/maps")
+    if maps.exists() and len(maps.read_bytes().splitlines()) > MOST_MAPS:
+        jax.clear_caches()
+        gc.collect()
 
 
 @pytest.fixture(autouse=True)

@@ -12,7 +12,7 @@ import lightflyer as lf
 
 ROOT = Path(lf.__file__).parents[2]
 ROOMS = ["environment", "film", "flight", "flyer", "force", "gas", "prediction", "uncertainty",
-         "calibration", "comparison", "sweeps", "search", "lab", "kinetic", "drag",
+         "calibration", "comparison", "sweeps", "search", "lab", "kinetic", "mission", "drag",
          "budget"]  # fmt: skip
 
 

@@ -79,8 +79,8 @@ def test_emittance_is_between_nothing_and_a_black_body(rng):
         n, k, d = rng.uniform(1.0, 5.0), 10 ** rng.uniform(-3, 1), 10 ** rng.uniform(-8, -4)
         values = emittance(Film((Layer(flat(n, k), d),)), TEMPERATURES).value
         assert np.all((values > 0.0) & (values <= 1.0))
-    matched = Film((Layer(flat(1.0, 1e-3), 1.0),))  # no reflection, and opaque
-    assert emittance(matched, 300.0, normal=True).value == pytest.approx(1.0, abs=1e-5)
+    matched = Film((Layer(flat(1.0, 4e-3), 0.01),))  # no reflection, and opaque
+    assert emittance(matched, 1500.0, normal=True).value == pytest.approx(1.0, abs=1e-5)
 
 
 def test_what_is_left_out_is_stated_and_bounded():

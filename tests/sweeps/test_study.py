@@ -79,7 +79,7 @@ MISTAKES = [
     ('"lift"', '"band_width"', 9, "is searched over all altitudes"),
     ("altitude = {", '"force.c_fm" = 0.4 #', 9, '"temperature" needs altitude'),
     ("[outputs]", "[output]", 8, "output is not a key of a study file"),
-    ("variables", "variable", 8, 'did you mean "variables"?'),
+    ("variables", "variable", 9, 'did you mean "variables"?'),
     ('flyer = "flyer.toml" ', 'flyer = "fly.toml" ', 1, 'flyer = "fly.toml" does not exist'),
 ]  # fmt: skip
 

@@ -293,7 +293,11 @@ def test_options_are_written_with_blanks(run, folder, monkeypatch):
 
 POINTS = [
     ("pressure [mTorr]", "pressure", 'has no unit; write "pressure [Pa]"'),
-    ("pressure [mTorr]", "druck [mTorr]", "needed: pressure [Pa], irradiance [W/m^2]; found: sample, druck"),
+    (
+        "pressure [mTorr]",
+        "druck [mTorr]",
+        "needed: pressure [Pa], irradiance [W/m^2]; found: sample, druck",
+    ),
     ("pressure [mTorr]", "pressure [kg]", "of the wrong kind"),
     ("irradiance [W/m^2], irr", "irr", "the column irradiance is missing"),
     ("Ge 2 cm, 8, 5973", "Ge 2 cm, -8, 5973", "pressure = -8 mTorr is not positive"),

@@ -11,9 +11,7 @@ from lightflyer.cli.init import templates
 from lightflyer.config.reader import read_flyer_file
 from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED
 
-TEMPLATES = {
-    kind: template.read() for kind, template in templates().items() if template.is_flyer
-}
+TEMPLATES = {kind: template.read() for kind, template in templates().items() if template.is_flyer}
 OPTION = re.compile(r"^# (\w+ = .*)$", re.M)
 CHOICE = re.compile(
     r'^(?:# )?(?P<key>\w+) = (?P<value>"[^"]*") +# (?:or|.*; or) (?P<others>.*)$', re.M

@@ -255,7 +255,10 @@ def test_arguments_that_cannot_be_used(flyer):
         ({"over": {}}, "over names no number"),
         ({"over": {"altitude": 70e3}}, r"altitude: 70000.0 has no unit"),
         ({"over": {"altitude": ["70 km"]}, "points": 0}, r"points = 0: must be at least 1"),
-        ({"over": {"altitude": ["70 km"]}, "method": "sobl"}, 'method = "sobl" is unknown; did you mean "sobol"?'),
+        (
+            {"over": {"altitude": ["70 km"]}, "method": "sobl"},
+            'method = "sobl" is unknown; did you mean "sobol"?',
+        ),
         ({"over": {"altitude": ["70 km"]}, "scheduler": "tcp://x"}, "give out as well"),
         ({"over": {"altitude": ["70 km"]}, "outputs": "paylod"}, 'did you mean "payload"'),
     ):

@@ -97,9 +97,11 @@ STUDY_FILE = FileKind(
     "a study file",
     lambda section, _: list(_SECTIONS[section].model_fields),
     'it needs flyer = "flyer.toml" and a section [sweep]',
-    lambda document: ""
-    if isinstance(document.get("flyer", 0), str | int)
-    else 'a flyer file: a study file names one, flyer = "flyer.toml"',
+    lambda document: (
+        ""
+        if isinstance(document.get("flyer", 0), str | int)
+        else 'a flyer file: a study file names one, flyer = "flyer.toml"'
+    ),
 )
 """How messages speak of a study file."""
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 import pytest
+import tomlkit
 
 import lightflyer as lf
 from lightflyer.cli.init import templates
@@ -85,6 +86,11 @@ def require_readable(text):
             path.write_text(text, encoding="utf-8")
         return
     base = tomllib.loads(templates()[fitting(content)].read())
+    if "mission" in content:
+        path = Path("page.toml")
+        path.write_text(tomlkit.dumps(base | content), encoding="utf-8")
+        lf.read_mission_file(path)
+        return
     merged = {name: {**base.get(name, {}), **content.get(name, {})} for name in {**base, **content}}
     for name, section in content.items():
         if "layers" in section:
@@ -96,6 +102,8 @@ def require_readable(text):
 
 def fitting(content):
     """Kind of flyer file in which some sections may stand."""
+    if "mission" in content:
+        return "mission"
     shape = content.get("flyer", {}).get("shape", "earth")
     return {"disk": "earth"}.get(shape, shape)
 

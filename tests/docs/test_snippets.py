@@ -84,6 +84,8 @@ def require_readable(text):
         validate(StudyFile, base | content, text, path, STUDY_FILE)
         if "flyer" in content:
             path.write_text(text, encoding="utf-8")
+        elif not set(content) & set(base):  # further sections of the same file
+            path.write_text(f"{path.read_text(encoding='utf-8')}\n{text}", encoding="utf-8")
         return
     base = tomllib.loads(templates()[fitting(content)].read())
     if "mission" in content:

@@ -19,8 +19,9 @@ import numpy as np
 
 from lightflyer.calibration.least_squares import LeastSquares
 from lightflyer.calibration.problem import UNREACHABLE
+from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
 
-RADIUS = 1.959963984540054
+RADIUS = NORMAL_HALF_WIDTH_95
 """Radius of the ellipsoid in standard uncertainties, for 95 %."""
 
 _STEP = 0.125  # of the radius, the longest on the way to the ellipsoid

@@ -10,11 +10,10 @@ from rich.table import Table
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, write_json
+from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
 
 if TYPE_CHECKING:
     from lightflyer.search.sobol import Indices
-
-_STANDARD_DEVIATIONS = 1.959963984540054  # of a normal distribution, in half a 95 % interval
 
 
 def sensitivity_command(
@@ -120,7 +119,7 @@ def _show(console: Console, found: "Indices") -> None:
 
 def _share(share: float, half_width: float) -> str:
     """A share in percent with its standard uncertainty, from that and half its 95 % interval."""
-    return f"{100.0 * share:.1f} ± {100.0 * half_width / _STANDARD_DEVIATIONS:.1f}"
+    return f"{100.0 * share:.1f} ± {100.0 * half_width / NORMAL_HALF_WIDTH_95:.1f}"
 
 
 def _short(value: float) -> str:

@@ -215,7 +215,7 @@ class Mars(AbstractEnvironment):
     0.881 Pa, 144.2 K, 3.599 m/s²
     """
 
-    atmosphere: AbstractAtmosphere = MarsAtmosphere()
+    atmosphere: AbstractAtmosphere = eqx.field(default_factory=MarsAtmosphere)
     gas: AbstractGas = air_of_mars()
     gravity: Acceleration | None = None
     radiation: Radiation = mars_sunlight()

@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.special import ndtri
 
 from lightflyer.film.averages import POINTS_PER_E_FOLD, Average, Shares, heat_shares, light_shares
 from lightflyer.film.findings import film_warnings
@@ -14,6 +13,7 @@ from lightflyer.film.spectra import SPECTRUM_RANGE, Spectrum, am0
 from lightflyer.film.stack import Film, Side
 from lightflyer.film.thickness import COARSE_POINTS_PER_E_FOLD, thickness_uncertainty
 from lightflyer.film.transfer_matrix import StackOptics
+from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.types import Numeric
 
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SPECTRUM_POINTS = 1000
-
-COVERAGE_FACTOR = float(ndtri(0.975))
-"""Half width of a 95 % interval over the standard uncertainty of a normal variable."""
 
 _GRAMS = 1e3
 _SIDES: tuple[Side, Side] = ("top", "bottom")
@@ -244,7 +241,7 @@ def possible_interval(value: Numeric, uncertainty: Numeric, highest: float) -> n
     -------
     array, shape (2, ...)
     """
-    half = COVERAGE_FACTOR * np.asarray(uncertainty)
+    half = NORMAL_HALF_WIDTH_95 * np.asarray(uncertainty)
     return np.clip(np.stack([value - half, value + half]), 0.0, highest)
 
 

@@ -12,7 +12,6 @@ which goes to :math:`\lambda/(2\pi D)` for wide holes. The flyers here take :mat
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.special import itj0y0
 
 from lightflyer.foundation.types import Numeric
 
@@ -55,6 +54,8 @@ def diffraction_deficit(hole_radius: Numeric, wavelength: Numeric) -> np.ndarray
     >>> print(f"{diffraction_deficit(50e-6, 15e-6):.3f}")
     0.023
     """
+    from scipy.special import itj0y0  # slow to import
+
     x = 4.0 * np.pi * np.asarray(hole_radius) / wavelength
     return np.asarray(itj0y0(x)[0] / x)
 

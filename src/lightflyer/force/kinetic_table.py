@@ -22,6 +22,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.table import shipped_table
 from lightflyer.foundation.types import Numeric
@@ -50,7 +51,6 @@ HEAT_EQUATION_ERROR = 0.0035
 
 _STEEPEST = (-1.5, 0.0)  # slopes of the force's function that are believed below the table
 _COLDEST = -0.3  # (T_h − T_c)/T_h down to which the fit's curve in temperature is continued
-_NORMAL_95 = 1.959964  # standard errors in half a 95 % interval
 
 
 @dataclass(frozen=True)
@@ -360,4 +360,4 @@ def error_fit(bounds: np.ndarray, position: np.ndarray) -> Any:
     """Logarithm of the largest relative standard error at each Knudsen number, smoothed."""
     places = np.unique(position)
     largest = np.array([bounds[position == place].max() for place in places])
-    return least_squares(np.log(largest / _NORMAL_95), (places,), _ERROR_POWERS)
+    return least_squares(np.log(largest / NORMAL_HALF_WIDTH_95), (places,), _ERROR_POWERS)

@@ -72,3 +72,6 @@ PLANCK: Final = 6.62607015e-34
 
 SPEED_OF_LIGHT: Final = 299_792_458.0
 """Speed of light in vacuum [m/s]; exact, [CODATA2018]_."""
+
+NORMAL_HALF_WIDTH_95: Final = 1.959963984540054
+"""Standard deviations in half the interval that holds 95 % of a normal distribution."""

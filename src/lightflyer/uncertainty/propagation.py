@@ -16,6 +16,7 @@ from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flight.design import as_design
 from lightflyer.flight.outputs import outputs_of
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.progress import report
 from lightflyer.prediction.prediction import Place, Prediction, predict_design
@@ -50,7 +51,6 @@ BANDS = (
 )
 """Outputs that have bands over the coordinate, besides those of the force model's own."""
 
-_STANDARD_DEVIATIONS = 1.959963984540054  # of a normal distribution, for 95 %
 _POSITIVE = "levitation_irradiance"  # goes with the inverse of the TACs' difference
 _MARGIN = 10  # points of the prediction's table searched beyond the nominal range
 _LIGHT_SPAN = 30.0  # irradiance, over the least, up to which the nominal range reaches
@@ -413,7 +413,7 @@ def _even_grid(prediction: Prediction) -> np.ndarray:
 
 def _normal_ends(value: Any, spread: Any, *, positive: bool) -> tuple[Any, Any]:
     """Ends of a 95 % band to first order; in the logarithm for what is positive."""
-    half = _STANDARD_DEVIATIONS * spread
+    half = NORMAL_HALF_WIDTH_95 * spread
     if not positive:
         return value - half, value + half
     with np.errstate(invalid="ignore", divide="ignore"):

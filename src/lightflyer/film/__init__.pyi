@@ -16,10 +16,11 @@ from .figures import draw_spectra as draw_spectra
 from .figures import film_figures as film_figures
 from .layered_section import AnyFilmSection as AnyFilmSection
 from .layered_section import LayeredFilmSection as LayeredFilmSection
-from .materials import Extrapolation as Extrapolation
 from .materials import Material as Material
 from .materials import material_from_csv as material_from_csv
 from .materials import tabulated_material as tabulated_material
+from .medium import Extrapolation as Extrapolation
+from .medium import Medium as Medium
 from .properties import FilmProperties as FilmProperties
 from .properties import area_weighted as area_weighted
 from .section import FilmSection as FilmSection

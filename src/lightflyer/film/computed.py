@@ -15,7 +15,7 @@ from lightflyer.film.averages import (
     thermal_coverage,
 )
 from lightflyer.film.curve import NODES, EmittanceCurve, node_temperatures
-from lightflyer.film.findings import gap_warnings, property_warnings
+from lightflyer.film.findings import medium_warnings, property_warnings
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.spectra import Spectrum
 from lightflyer.film.stack import GRAZING, Film, Side
@@ -134,7 +134,7 @@ class ComputedFilm:
             for text in property_warnings(name, mean, self.film)
         ]
         extrapolated = (f"extrapolated {text}" for text in self._extrapolated())
-        return (*missing, *extrapolated, *gap_warnings(self.film))
+        return (*missing, *extrapolated, *medium_warnings(self.film))
 
     @classmethod
     def of(

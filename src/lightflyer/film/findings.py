@@ -6,7 +6,6 @@ import numpy as np
 
 from lightflyer.film.averages import Average, thermal_coverage
 from lightflyer.film.curve import EmittanceCurve
-from lightflyer.film.materials import MICROMETRE
 from lightflyer.film.spectra import Spectrum, am0
 from lightflyer.film.stack import Film
 
@@ -51,7 +50,7 @@ def film_warnings(
         found += _shares(average, name, "absorptance", "")
     heat = f" ({_range(temperatures, 'g')} K)"
     found += _shares(thermal["top"], "a black body's radiation", "emittance", heat)
-    found += gap_warnings(film)
+    found += medium_warnings(film)
     return (*found, *_unstated(film, thickness_uncertainty))
 
 
@@ -107,15 +106,9 @@ def _range(values: np.ndarray, form: str) -> str:
     return " to ".join(dict.fromkeys(ends))
 
 
-def gap_warnings(film: Film) -> list[str]:
-    """Warnings of materials whose data have a gap, one line each."""
-    materials = dict.fromkeys(layer.material for layer in film.layers)
-    return [
-        f"{material.name} has no optical data from {gap[0] / MICROMETRE:.4g} µm to "
-        f"{gap[1] / MICROMETRE:.4g} µm; n and k are linear between these"
-        for material in materials
-        for gap in material.gaps
-    ]
+def medium_warnings(film: Film) -> list[str]:
+    """What a reader must know of the optical data of a film's media, one line each."""
+    return list(dict.fromkeys(text for one in film.layers for text in one.material.caveats))
 
 
 def _unstated(film: Film, uncertainty: Sequence[float | None]) -> list[str]:

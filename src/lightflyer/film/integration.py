@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.film.materials import MICROMETRE
+from lightflyer.film.medium import MICROMETRE
 from lightflyer.film.spectra import Spectrum, planck
 from lightflyer.film.stack import Film, Side
 from lightflyer.film.transfer_matrix import transfer
@@ -180,27 +180,27 @@ def spectral_shares(film: Film, side: Side, grid: Grid) -> SpectralShares:
     Returns
     -------
     SpectralShares
-        Differentiable in the thicknesses and the directions.
+        Differentiable in the thicknesses, the media's parameters and the directions.
     """
-    lit = film if side == "top" else film.flipped()
-    if is_traced(lit.thickness, grid.cosine):
-        n, k = lit.index(grid.wavelength)
+    lit = (film if side == "top" else film.flipped()).homogeneous()
+    n, k = lit.index(grid.wavelength)
+    if is_traced(n, k, lit.thickness, grid.cosine):
         return _spectral(n, k, lit.thickness, grid.wavelength, grid.cosine, grid.share)
-    chunks = [_spectral(*chunk) for chunk in _chunks(lit, grid)]
+    chunks = [_spectral(*chunk) for chunk in _chunks(n, k, np.asarray(lit.thickness), grid)]
     parts = zip(*chunks, strict=True)
     return SpectralShares(*(np.concatenate(part)[: grid.wavelength.size] for part in parts))
 
 
-def _chunks(lit: Film, grid: Grid) -> list[tuple[np.ndarray, ...]]:
+def _chunks(
+    n: np.ndarray, k: np.ndarray, thickness: np.ndarray, grid: Grid
+) -> list[tuple[np.ndarray, ...]]:
     """Arguments of the compiled function, always of one shape: one compilation serves all."""
-    n, k = lit.index(grid.wavelength)
     cosines, shares = np.ones(DIRECTIONS), np.zeros(DIRECTIONS)
     cosines[: np.size(grid.cosine)], shares[: np.size(grid.share)] = grid.cosine, grid.share
     padding = (0, -grid.wavelength.size % _CHUNK)
     n, k = (np.pad(table, [(0, 0), padding], mode="edge") for table in (n, k))
     padded = np.pad(grid.wavelength, padding, mode="edge")
     pieces = [slice(start, start + _CHUNK) for start in range(0, padded.size, _CHUNK)]
-    thickness = np.asarray(lit.thickness)
     return [(n[:, at], k[:, at], thickness, padded[at], cosines, shares) for at in pieces]
 
 

@@ -91,7 +91,7 @@ class LayerSection(Section):
         if self.material in PAGES:
             known = material(self.material, extrapolation=chosen)
             return known.with_density(density) if density is not None else known
-        own = material_from_csv(self.material, density=density, tac=self.tac)
+        own = material_from_csv(self.material, density=density)
         return own.with_extrapolation(chosen)
 
 
@@ -191,7 +191,8 @@ class LayeredFilmSection(FilmSection):
         lacking = self.lacking()
         if lacking:
             raise ConfigurationError(f"the film needs {lacking}")
-        traced = is_traced(incidence, [layer.thickness.value for layer in self.layers])
+        numbers = [value.value for _, _, value in self.numbers() if value is not None]
+        traced = is_traced(incidence, numbers)
         compute = _compute if traced else _computed
         return compute(self, incidence, passing)
 

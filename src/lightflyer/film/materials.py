@@ -1,41 +1,40 @@
-"""Refractive index and density of what a film is made of.
+"""Materials of measured n and k.
 
 A :class:`Material` interpolates measured n and k between the wavelengths of its source and
 knows where they end. Outside that range it raises, unless the user has chosen one of the named
-:class:`Extrapolation` policies; every result then lists the materials that were extrapolated.
+:class:`~lightflyer.film.medium.Extrapolation` policies; every result then lists the materials that
+were extrapolated.
 """
 
 import dataclasses
-import enum
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+import equinox as eqx
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lightflyer.film.material_csv import read_index_csv
+from lightflyer.film.medium import MICROMETRE, Extrapolation, Medium, require_covered
+from lightflyer.foundation.checks import require_positive
 from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 
-MICROMETRE = 1e-6
+__all__ = [
+    "GIVEN",
+    "MICROMETRE",
+    "Extrapolation",
+    "Material",
+    "Segment",
+    "material_from_csv",
+    "tabulated_material",
+]
+
 GIVEN = "given by the user"
 
-_RANGE_TOLERANCE = 1e-9  # relative: rounding of a unit conversion is not an extrapolation
 _WIDEST_STEP = 0.01  # relative: what lies between two sources' ends closer than this is no gap
-
-
-class Extrapolation(enum.StrEnum):
-    """Policy of a material outside the wavelengths of its data.
-
-    Comparing results of HOLD and LOSSLESS shows how much they depend on the extrapolation.
-    """
-
-    ERROR = "error"
-    """Raise. Averages are taken over the covered part, with bounds for the rest."""
-    HOLD = "hold"
-    """Keep n and k of the nearest wavelength with data."""
-    LOSSLESS = "lossless"
-    """Keep n of the nearest wavelength with data and set k to zero."""
 
 
 class Segment(NamedTuple):
@@ -57,16 +56,15 @@ class Segment(NamedTuple):
     lookup: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Material:
-    """Complex refractive index n + ik and mass density of a material.
+class Material(Medium):
+    """Complex refractive index n + ik and mass density of a material, from fixed tables.
 
     Attributes
     ----------
     name : str
     segments : tuple of Segment
         In order of wavelength. Across a gap between two of them n and k are linear.
-    density : float or None
+    density : array or None
         Mass density [kg/m³]; None where it depends on the sample and must be given.
     density_source : str
     description : str
@@ -76,6 +74,8 @@ class Material:
     tac_source : str
     extrapolation : Extrapolation
         Policy outside the range.
+    remarks : tuple of str
+        What a reader of results must know of the tables, one line each.
 
     Raises
     ------
@@ -83,23 +83,30 @@ class Material:
         If a density is not positive.
     """
 
-    name: str
-    segments: tuple[Segment, ...]
-    density: float | None = None
-    density_source: str = ""
-    description: str = ""
-    tac: Measured | None = None
-    tac_source: str = ""
-    extrapolation: Extrapolation = Extrapolation.ERROR
+    name: str = eqx.field(static=True)
+    segments: tuple[Segment, ...] = eqx.field(static=True)  # type: ignore[misc]
+    density: Numeric | None = None
+    density_source: str = eqx.field(static=True, default="")
+    description: str = eqx.field(static=True, default="")
+    tac: Measured | None = eqx.field(static=True, default=None)
+    tac_source: str = eqx.field(static=True, default="")
+    extrapolation: Extrapolation = eqx.field(static=True, default=Extrapolation.ERROR)
+    remarks: tuple[str, ...] = eqx.field(static=True, default=())
 
-    def __post_init__(self) -> None:
-        if self.density is not None and not (np.isfinite(self.density) and self.density > 0.0):
-            raise ParameterError(f"density of {self.name} = {self.density:g} is not positive")
+    def __check_init__(self) -> None:
+        if self.density is not None:
+            require_positive(**{f"density of {self.name}": self.density})
 
     @property
     def wavelength_range(self) -> tuple[float, float]:
         """Shortest and longest wavelength with data [m]."""
         return self.segments[0].shortest, self.segments[-1].longest
+
+    @property
+    def usable_range(self) -> tuple[float, float]:
+        """See :attr:`Medium.usable_range`."""
+        extrapolates = self.extrapolation is not Extrapolation.ERROR
+        return (0.0, np.inf) if extrapolates else self.wavelength_range
 
     @property
     def gaps(self) -> tuple[tuple[float, float], ...]:
@@ -109,92 +116,44 @@ class Material:
         return tuple(gap for gap in found if gap[1] > gap[0] * (1.0 + _WIDEST_STEP))
 
     @property
+    def caveats(self) -> tuple[str, ...]:
+        """See :attr:`Medium.caveats`: gaps between sources, and the remarks."""
+        gaps = (
+            f"{self.name} has no optical data from {gap[0] / MICROMETRE:.4g} µm to "
+            f"{gap[1] / MICROMETRE:.4g} µm; n and k are linear between these"
+            for gap in self.gaps
+        )
+        return (*gaps, *self.remarks)
+
+    @property
     def source(self) -> str:
         """Where n and k come from."""
         return "; ".join(segment.source for segment in self.segments)
 
     def with_extrapolation(self, policy: Extrapolation | str) -> "Material":
-        """The same material with another policy outside its data.
+        """See :meth:`Medium.with_extrapolation`."""
+        return dataclasses.replace(self, extrapolation=Extrapolation.of(policy))
 
-        Parameters
-        ----------
-        policy : Extrapolation or str
-
-        Returns
-        -------
-        Material
-
-        Raises
-        ------
-        ParameterError
-            If the policy is unknown.
-        """
-        try:
-            return dataclasses.replace(self, extrapolation=Extrapolation(policy))
-        except ValueError:
-            names = ", ".join(Extrapolation)
-            raise ParameterError(
-                f'extrapolation "{policy}" is unknown; choose from {names}'
-            ) from None
-
-    def with_density(self, density: float) -> "Material":
+    def with_density(self, density: Numeric) -> "Material":
         """The same material with another density [kg/m³]."""
         return dataclasses.replace(self, density=density, density_source=GIVEN)
 
-    def covers(self, wavelength: np.ndarray | float) -> np.ndarray:
-        """Whether there is data at each wavelength.
+    def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
+        """See :meth:`Medium.extrapolated`."""
+        if self.extrapolation is Extrapolation.ERROR or np.all(self.covers([shortest, longest])):
+            return ()
+        return (f"{self.name}: {self.extrapolation} beyond {self.describe_range(named=False)}",)
 
-        Parameters
-        ----------
-        wavelength : array, shape (...)
-            [m].
-
-        Returns
-        -------
-        bool array, shape (...)
-        """
-        shortest, longest = self.wavelength_range
-        wavelength = np.asarray(wavelength)
-        above = wavelength >= shortest * (1.0 - _RANGE_TOLERANCE)
-        return above & (wavelength <= longest * (1.0 + _RANGE_TOLERANCE))
-
-    def index(self, wavelength: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
-        """Refractive index and extinction coefficient.
-
-        Parameters
-        ----------
-        wavelength : array, shape (...)
-            Vacuum wavelength [m], concrete.
-
-        Returns
-        -------
-        n, k : array, shape (...)
-            Real and imaginary part of the complex index [1]; k is positive where the material
-            absorbs.
-
-        Raises
-        ------
-        ParameterError
-            If a wavelength is outside the range and the policy is ERROR. The message names
-            material, wavelength, range and policies.
-        """
+    def index(self, wavelength: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """See :meth:`Medium.index`; always NumPy arrays."""
         wavelength = np.asarray(wavelength, float)
-        inside = self.covers(wavelength)
-        if self.extrapolation is Extrapolation.ERROR and not np.all(inside):
-            self._refuse(wavelength[~inside].flat[0])
+        if self.extrapolation is Extrapolation.ERROR:
+            require_covered(self, wavelength)
         shortest, longest = self.wavelength_range
         n, k = self._inside(np.clip(wavelength, shortest, longest).ravel())
         if self.extrapolation is Extrapolation.LOSSLESS:
-            k = np.where(inside.ravel(), k, 0.0)
+            k = np.where(self.covers(wavelength).ravel(), k, 0.0)
         return n.reshape(wavelength.shape)[()], k.reshape(wavelength.shape)[()]
-
-    def _refuse(self, wavelength: float) -> None:
-        shortest, longest = (end / MICROMETRE for end in self.wavelength_range)
-        raise ParameterError(
-            f"{self.name} has no data at {wavelength / MICROMETRE:.5g} µm, only from "
-            f"{shortest:.5g} µm to {longest:.5g} µm; to go beyond, set extrapolation to "
-            f'"{Extrapolation.HOLD}" or "{Extrapolation.LOSSLESS}"'
-        )
 
     def _inside(self, wavelength: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         n, k = np.empty_like(wavelength), np.empty_like(wavelength)
@@ -261,8 +220,8 @@ def tabulated_material(
 
     segment = Segment(float(table[0, 0]), float(table[0, -1]), source, lookup)
     return Material(
-        name,
-        (segment,),
+        name=name,
+        segments=(segment,),
         density=density,
         density_source="" if density is None else GIVEN,
         tac=tac,

@@ -6,10 +6,11 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.film.materials import MICROMETRE, Extrapolation, Material
+from lightflyer.film.medium import Medium
 from lightflyer.film.transfer_matrix import StackOptics, stack_optics
 from lightflyer.foundation.checks import require_positive, require_range
 from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.precision import entry_point, is_traced
 from lightflyer.foundation.quantity import Checked, Thickness
 from lightflyer.foundation.types import Numeric
 
@@ -23,21 +24,30 @@ class Layer(Checked):
 
     Attributes
     ----------
-    material : Material
+    material : Medium
+        The film's properties are differentiable in its parameters.
     thickness : array
         [m]; the film's properties are differentiable in it.
 
     Raises
     ------
     ParameterError
-        If a concrete thickness is not positive, or none that a film has.
+        If a concrete thickness is not positive, or none that a film has; or the material is none.
     """
 
-    material: Material = eqx.field(static=True)
+    material: Medium
     thickness: Thickness
 
     def __check_init__(self) -> None:
         require_positive(**{f"thickness of {self.material.name}": self.thickness})
+
+    @property
+    def sheets(self) -> tuple["Layer", ...]:
+        """Homogeneous layers that stand for this one: itself, unless its medium is graded."""
+        media = self.material.sheets
+        if len(media) == 1:
+            return (self,)
+        return tuple(Layer(medium, self.thickness / len(media)) for medium in media)
 
 
 class Film(eqx.Module):
@@ -94,15 +104,13 @@ class Film(eqx.Module):
         ParameterError
             If the intersection is empty.
         """
-        strict = [
-            layer.material
-            for layer in self.layers
-            if layer.material.extrapolation is Extrapolation.ERROR
-        ]
-        shortest = max((material.wavelength_range[0] for material in strict), default=0.0)
-        longest = min((material.wavelength_range[1] for material in strict), default=np.inf)
+        ranges = [layer.material.usable_range for layer in self.layers]
+        shortest = max((ends[0] for ends in ranges), default=0.0)
+        longest = min((ends[1] for ends in ranges), default=np.inf)
         if shortest >= longest:
-            spans = ", ".join(_span(material) for material in dict.fromkeys(strict))
+            limited = (layer.material for layer in self.layers
+                       if layer.material.usable_range != (0.0, np.inf))  # fmt: skip
+            spans = ", ".join(dict.fromkeys(medium.describe_range() for medium in limited))
             raise ParameterError(f"the materials' data have no wavelength in common: {spans}")
         return shortest, longest
 
@@ -120,10 +128,7 @@ class Film(eqx.Module):
             Such as ``"PET: hold beyond 0.4 µm to 19.942 µm"``.
         """
         found = (
-            f"{material.name}: {material.extrapolation} beyond {_span(material, named=False)}"
-            for material in (layer.material for layer in self.layers)
-            if material.extrapolation is not Extrapolation.ERROR
-            and not np.all(material.covers(np.array([shortest, longest])))
+            text for layer in self.layers for text in layer.material.extrapolated(shortest, longest)
         )
         return tuple(dict.fromkeys(found))
 
@@ -138,6 +143,7 @@ class Film(eqx.Module):
         Returns
         -------
         n, k : array, shape (layers, ...)
+            NumPy arrays where all media's parameters are concrete.
 
         Raises
         ------
@@ -147,13 +153,21 @@ class Film(eqx.Module):
         wavelength = np.asarray(wavelength, float)
         pairs = [layer.material.index(wavelength) for layer in self.layers]
         empty = np.empty((0, *wavelength.shape))
-        n = np.stack([pair[0] for pair in pairs]) if pairs else empty
-        k = np.stack([pair[1] for pair in pairs]) if pairs else empty
+        stack = _stacked if is_traced(pairs) else np.stack
+        n = stack(tuple(pair[0] for pair in pairs)) if pairs else empty
+        k = stack(tuple(pair[1] for pair in pairs)) if pairs else empty
         return n, k
 
     def flipped(self) -> "Film":
         """The film upside down."""
-        return Film(self.layers[::-1])
+        layers = (Layer(one.material.flipped(), one.thickness) for one in reversed(self.layers))
+        return Film(tuple(layers))
+
+    def homogeneous(self) -> "Film":
+        """The film with the sheets of its graded layers as layers of their own."""
+        if all(len(layer.material.sheets) == 1 for layer in self.layers):
+            return self
+        return Film(tuple(sheet for layer in self.layers for sheet in layer.sheets))
 
     def optics(
         self, wavelength: np.ndarray | float, incidence: Numeric = 0.0, side: Side = "top"
@@ -182,19 +196,21 @@ class Film(eqx.Module):
         Notes
         -----
         Coherent: valid for films with parallel faces, up to about ten wavelengths thick.
-        Differentiable in the thicknesses and the angle.
+        Differentiable in the thicknesses, the media's parameters and the angle.
         """
         require_range("incidence", incidence, 0.0, GRAZING)
         film = self if side == "top" else self.flipped()
         wavelength = np.asarray(wavelength, float)
         require_positive(wavelength=wavelength)
-        n, k = film.index(wavelength)
+        sheets = film.homogeneous()
+        n, k = sheets.index(wavelength)
         trailing = (1,) * max(wavelength.ndim, np.ndim(incidence))
-        shape = (len(self.layers), *(1,) * (len(trailing) - wavelength.ndim), *wavelength.shape)
-        thickness = film.thickness.reshape(-1, *trailing)
-        return stack_optics(n.reshape(shape), k.reshape(shape), thickness, wavelength, incidence)
+        shape = (n.shape[0], *(1,) * (len(trailing) - wavelength.ndim), *wavelength.shape)
+        thickness = sheets.thickness.reshape(-1, *trailing)
+        optics = stack_optics(n.reshape(shape), k.reshape(shape), thickness, wavelength, incidence)
+        return optics if sheets is film else optics.merged([len(one.sheets) for one in film.layers])
 
 
-def _span(material: Material, *, named: bool = True) -> str:
-    shortest, longest = (f"{end / MICROMETRE:.5g} µm" for end in material.wavelength_range)
-    return f"{material.name + ' ' if named else ''}{shortest} to {longest}"
+@entry_point
+def _stacked(values: tuple[Numeric, ...]) -> Numeric:
+    return jnp.stack(jnp.broadcast_arrays(*values))

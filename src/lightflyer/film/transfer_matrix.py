@@ -15,8 +15,11 @@ matrices, but only ever multiplies by decaying exponentials: nothing overflows h
 opaque a layer is.
 """
 
+from collections.abc import Sequence
+
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from lightflyer.foundation.precision import entry_point
@@ -45,6 +48,18 @@ class StackOptics(eqx.Module):
         """Absorptance of the stack, shape (2, ...) [1]."""
         return self.layer_absorptance.sum(axis=0)
 
+    def merged(self, sizes: Sequence[int]) -> "StackOptics":
+        """The absorptances of neighbouring layers added up.
+
+        Parameters
+        ----------
+        sizes : sequence of int
+            How many layers each group has, the lit side first.
+        """
+        groups = np.repeat(np.eye(len(sizes)), sizes, axis=1)
+        absorptance = _summed(groups, self.layer_absorptance)
+        return StackOptics(self.reflectance, self.transmittance, absorptance)
+
     def unpolarised(self) -> "StackOptics":
         """The mean of both polarisations, without their axis."""
         return StackOptics(
@@ -52,6 +67,11 @@ class StackOptics(eqx.Module):
             transmittance=self.transmittance.mean(axis=0),
             layer_absorptance=self.layer_absorptance.mean(axis=1),
         )
+
+
+@entry_point
+def _summed(groups: Numeric, parts: Numeric) -> Numeric:
+    return jnp.tensordot(groups, parts, axes=1)
 
 
 @entry_point

@@ -479,7 +479,7 @@ def section_at(name: str, content: Any) -> type[Section] | None:
 def _inner_section(kind: type[Section], key: str, given: Any) -> type[Section] | None:
     if key not in kind.model_fields:
         return None
-    found = _sections_in(kind.model_fields[key].annotation)
+    found = sections_in(kind.model_fields[key].annotation)
     inside = given.get(key) if isinstance(given, Mapping) else None
     tagged = [part for part in found if issubclass(part, Alternative)]
     if tagged:
@@ -490,9 +490,10 @@ def _inner_section(kind: type[Section], key: str, given: Any) -> type[Section] |
     return found[0] if found else None
 
 
-def _sections_in(annotation: Any) -> list[type[Section]]:
+def sections_in(annotation: Any) -> list[type[Section]]:
+    """Classes of sections within a type annotation, such as that of ``Section | None``."""
     if isinstance(annotation, type) and issubclass(annotation, Section):
         return [annotation]
     return [
-        section for part in getattr(annotation, "__args__", ()) for section in _sections_in(part)
+        section for part in getattr(annotation, "__args__", ()) for section in sections_in(part)
     ]

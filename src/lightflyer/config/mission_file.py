@@ -7,7 +7,8 @@ from typing import Any, TypeVar
 from lightflyer.config.flyer_file import FileDesign, flyer_file_type, section_at
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.section import Section
-from lightflyer.foundation.toml_file import FileKind, load, validate
+from lightflyer.foundation.text import read_text
+from lightflyer.foundation.toml_file import FileKind, parsed, validate
 from lightflyer.mission.section import EnsembleSection, LaunchesSection, MissionSection
 
 _MISSION = "mission"
@@ -80,7 +81,28 @@ def read_mission_file(path: str | Path) -> MissionFile:
         One line for each mistake: file, line, key, value and what is allowed.
     """
     path = Path(path)
-    document, text = load(path, MISSION_FILE)
+    return mission_of_text(read_text(path), path)
+
+
+def mission_of_text(text: str, path: Path) -> MissionFile:
+    """What the text of a mission file describes.
+
+    Parameters
+    ----------
+    text : str
+    path : Path
+        Where the text is from, for messages and for files that it names.
+
+    Returns
+    -------
+    MissionFile
+
+    Raises
+    ------
+    ConfigurationError
+        As from :func:`read_mission_file`.
+    """
+    document = parsed(text, path, MISSION_FILE)
     rest = {name: content for name, content in document.items() if name != _MISSION}
     part = {name: content for name, content in document.items() if name == _MISSION}
     mission, missions_mistakes = _checked(_MissionPart, part, text, path)

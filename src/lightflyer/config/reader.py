@@ -7,10 +7,12 @@ from lightflyer.config.flyer_file import FileDesign, FlyerFile, flyer_file_type,
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.section import Section
+from lightflyer.foundation.text import read_text
 from lightflyer.foundation.toml_file import (
     FileKind,
     load,
     named_keys,
+    parsed,
     place_of,
     read_file,
     validate,
@@ -72,10 +74,31 @@ def read_design(path: str | Path) -> FileDesign:
         not possible.
     """
     path = Path(path)
-    file, text = read_file(flyer_file_type(), path, FLYER_FILE)
-    design = file.design(text)
+    return design_of_text(read_text(path), path)
+
+
+def design_of_text(text: str, path: Path) -> FileDesign:
+    """What the text of a flyer file describes.
+
+    Parameters
+    ----------
+    text : str
+    path : Path
+        Where the text is from, for messages and for files that it names.
+
+    Returns
+    -------
+    FileDesign
+
+    Raises
+    ------
+    ConfigurationError
+        As from :func:`read_design`.
+    """
+    document = parsed(text, path, FLYER_FILE)
+    design = validate(flyer_file_type(), document, text, path, FLYER_FILE).design(text)
     try:
-        file.environment.require_search_range(design.setup.environment)
+        design.file.environment.require_search_range(design.setup.environment)
     except ParameterError as error:
         raise ConfigurationError(
             f"{place_of(named_keys(str(error)), text, path)}: {error}"

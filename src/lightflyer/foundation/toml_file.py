@@ -122,10 +122,32 @@ def load(path: Path, kind: FileKind) -> tuple[dict[str, Any], str]:
         If the file cannot be read, is empty or is not TOML.
     """
     text = read_text(path)
+    return parsed(text, path, kind), text
+
+
+def parsed(text: str, path: Path, kind: FileKind) -> dict[str, Any]:
+    """Content of a TOML text.
+
+    Parameters
+    ----------
+    text : str
+    path : Path
+        That messages name.
+    kind : FileKind
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    ConfigurationError
+        If the text is empty or is not TOML.
+    """
     if not text.strip():
         raise ConfigurationError(f"{path}: is empty; {kind.hint}")
     try:
-        return tomllib.loads(text), text
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise ConfigurationError(_not_toml(str(error), text, path)) from None
 

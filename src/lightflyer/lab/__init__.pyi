@@ -11,8 +11,8 @@ from .figures.tac import tac_figures as tac_figures
 from .figures.thermography import thermography_figures as thermography_figures
 from .ftir import Averages as Averages
 from .ftir import Ftir as Ftir
-from .ftir import planck_weights as planck_weights
 from .ftir import reduce_ftir as reduce_ftir
+from .ftir_means import planck_weights as planck_weights
 from .height_map import HeightMap as HeightMap
 from .height_map import read_height_map as read_height_map
 from .levitation import Comparison as Comparison
@@ -23,7 +23,8 @@ from .levitation_data import LiftOffs as LiftOffs
 from .levitation_data import read_lift_offs as read_lift_offs
 from .levitation_model import calibrate_curves as calibrate_curves
 from .levitation_model import model_curve as model_curve
-from .spectrum_data import MeasuredSpectrum as MeasuredSpectrum
+from .spectra.meaning import MeasuredSpectrum as MeasuredSpectrum
+from .spectra.raw import SpectrumFacts as SpectrumFacts
 from .spectrum_data import read_spectrum as read_spectrum
 from .surface import Roughness as Roughness
 from .surface import find_particles as find_particles

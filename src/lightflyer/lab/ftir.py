@@ -10,24 +10,32 @@ upper bound of the emissivity, not its value.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.special import ndtri
 
-from lightflyer.film.spectra import SECOND_RADIATION_CONSTANT, blackbody_fraction
 from lightflyer.foundation.checks import require_positive, require_range
 from lightflyer.foundation.errors import ParameterError
-from lightflyer.lab.estimate import CONFIDENCE, NORMAL_FACTOR, Estimate, student_factor
+from lightflyer.lab.estimate import CONFIDENCE, Estimate
 from lightflyer.lab.ftir_checks import (
     Bounds,
     accuracy_warnings,
     coverage_warnings,
     spectrum_warnings,
 )
+from lightflyer.lab.ftir_means import (
+    Share,
+    band_mean,
+    combined,
+    planck_mean,
+    remainder,
+    uncovered_power,
+)
 from lightflyer.lab.record import dataset
-from lightflyer.lab.spectrum_data import PER_CENTIMETRE, MeasuredSpectrum
+from lightflyer.lab.spectra.meaning import MeasuredSpectrum
+from lightflyer.lab.spectra.names import PER_CENTIMETRE
 from lightflyer.lab.spectrum_noise import noise_density
 
 if TYPE_CHECKING:
@@ -51,9 +59,6 @@ ONE_SIDED_FACTOR = float(ndtri(CONFIDENCE))
 """One-sided 95 % limit of a normal variable, in standard deviations."""
 
 _BAND_MEAN = "over the band"
-_WIDEST_STEP = 1.0  # of hcν/kT in one piece of the quadrature
-_NODES, _FEW_NODES = 8, 2  # Gauss-Legendre, per piece
-_FINE = 50_000  # points above which a spectrum is fine enough for few nodes
 _ROUNDING = 1e-9  # fraction of the band below which a gap is rounding
 
 
@@ -198,31 +203,6 @@ def _by_temperature(estimates: dict[float, Estimate]) -> dict[str, Any]:
     return {f"{temperature:g}": one.to_json() for temperature, one in estimates.items()}
 
 
-class _Share(NamedTuple):
-    """A mean share with its standard uncertainties, not yet cut at what is possible."""
-
-    value: float
-    random: float
-    freedom: float  # degrees of freedom of the random part
-    accuracy: float
-
-    def estimate(self) -> Estimate:
-        half = np.hypot(student_factor(self.freedom) * self.random, NORMAL_FACTOR * self.accuracy)
-        return Estimate.covering(self.value, float(half))
-
-
-def _remainder(parts: Sequence[_Share]) -> _Share:
-    """One minus the parts, with independent errors; degrees of freedom after Welch."""
-    variances = np.array([part.random**2 for part in parts])
-    lost = sum(one**2 / part.freedom for one, part in zip(variances, parts, strict=True))
-    return _Share(
-        1.0 - sum(part.value for part in parts),
-        float(np.sqrt(variances.sum())),
-        float(variances.sum() ** 2 / lost) if lost > 0.0 else np.inf,
-        float(np.sqrt(sum(part.accuracy**2 for part in parts))),
-    )
-
-
 def reduce_ftir(
     spectra: Sequence[MeasuredSpectrum],
     reflectances: Sequence[MeasuredSpectrum] = (),
@@ -255,8 +235,9 @@ def reduce_ftir(
     Raises
     ------
     ParameterError
-        If there is no spectrum, one shows another quantity or has no data in the band, an
-        argument is impossible, or a share is below 0 or above 1 by more than its uncertainty.
+        If there is no spectrum, one shows another quantity, diffuse reflectance alone, or has no
+        data in the band, an argument is impossible, or a share is below 0 or above 1 by more than
+        its uncertainty.
 
     Notes
     -----
@@ -278,7 +259,7 @@ def reduce_ftir(
         for group in (spectra, reflectances)
         if group
     ]
-    rest = {where: _remainder([one[where] for one in raw]) for where in raw[0]}
+    rest = {where: remainder([one[where] for one in raw]) for where in raw[0]}
     bounds, unsaid = Bounds(), Bounds()
     transmittance = _cut(bounds, "transmittance", raw[0])
     reflectance = _cut(bounds, "reflectance", raw[1]) if reflectances else None
@@ -292,7 +273,7 @@ def reduce_ftir(
         reflectance=reflectance,
         emissivity=emissivity.band if reflectances else None,
         upper_bound=unsaid.cut(
-            "emissivity", _BAND_MEAN, _remainder([raw[0][_BAND_MEAN]]).estimate()
+            "emissivity", _BAND_MEAN, remainder([raw[0][_BAND_MEAN]]).estimate()
         ),
         planck_emissivity=emissivity.planck,
         uncovered_band=uncovered_band,
@@ -324,6 +305,11 @@ def _check(
         for one in group:
             if one.quantity != quantity:
                 raise ParameterError(f"{one.source}: shows {one.quantity}, not {quantity}")
+            if quantity == "reflectance" and one.collection == "diffuse":
+                raise ParameterError(
+                    f"{one.source}: holds diffuse reflectance, which leaves out the specular beam; "
+                    "no emissivity follows without it"
+                )
 
 
 def _common_range(spectra: Sequence[MeasuredSpectrum]) -> tuple[float, float]:
@@ -341,20 +327,20 @@ def _averages(
     measured: tuple[float, float],
     temperatures: Sequence[float],
     accuracy: float,
-) -> dict[str | float, _Share]:
+) -> dict[str | float, Share]:
     """Means of repeated spectra over the band, and by temperature."""
     densities = [noise_density(one.value) for one in group]
     noisy = list(zip(group, densities, strict=True))
-    found: dict[str | float, _Share] = {
-        _BAND_MEAN: _combined([_band_mean(one, noise, band) for one, noise in noisy], accuracy)
+    found: dict[str | float, Share] = {
+        _BAND_MEAN: combined([band_mean(one, noise, band) for one, noise in noisy], accuracy)
     }
     for temperature in temperatures:
-        means = [_planck_mean(one, noise, measured, temperature) for one, noise in noisy]
-        found[temperature] = _combined(means, accuracy)
+        means = [planck_mean(one, noise, measured, temperature) for one, noise in noisy]
+        found[temperature] = combined(means, accuracy)
     return found
 
 
-def _cut(bounds: Bounds, quantity: str, shares: dict[str | float, _Share]) -> Averages:
+def _cut(bounds: Bounds, quantity: str, shares: dict[str | float, Share]) -> Averages:
     """Estimates of the shares, cut at what is possible."""
     band = bounds.cut(quantity, _BAND_MEAN, shares[_BAND_MEAN].estimate())
     planck = {
@@ -377,108 +363,10 @@ def _uncovered_band(band: tuple[float, float], low: float, high: float, source: 
     return 0.0 if covered > 1.0 - _ROUNDING else 1.0 - covered
 
 
-def uncovered_power(covered: tuple[float, float], temperature: float) -> float:
-    """Fraction of a black body's power outside a range of wavenumbers.
-
-    Parameters
-    ----------
-    covered : tuple of float
-        Lowest and highest wavenumber [1/m].
-    temperature : float
-        [K].
-
-    Returns
-    -------
-    float
-        [1].
-    """
-    below = 1.0 - blackbody_fraction(1.0 / covered[0], temperature) if covered[0] > 0.0 else 0.0
-    return below + blackbody_fraction(1.0 / covered[1], temperature)
-
-
-def _part(
-    spectrum: MeasuredSpectrum, noise: np.ndarray, ends: tuple[float, float]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points of a spectrum and their noise between two wavenumbers, including both ends."""
-    inside = (spectrum.wavenumber > ends[0]) & (spectrum.wavenumber < ends[1])
-    wavenumber = np.concatenate([ends[:1], spectrum.wavenumber[inside], ends[1:]])
-    value, density = (
-        np.interp(wavenumber, spectrum.wavenumber, one) for one in (spectrum.value, noise)
-    )
-    return wavenumber, value, density
-
-
-def _mean(weights: np.ndarray, value: np.ndarray, density: np.ndarray) -> tuple[float, float]:
-    """Mean and its standard uncertainty from noise."""
-    first = value[0]  # subtracted, so that the mean of a flat spectrum is exact
-    return first + float(weights @ (value - first)), float(np.sqrt(weights**2 @ density))
-
-
-def _band_mean(
-    spectrum: MeasuredSpectrum, noise: np.ndarray, ends: tuple[float, float]
-) -> tuple[float, float]:
-    """Mean over a band, linear between points, and its noise."""
-    wavenumber, value, density = _part(spectrum, noise, ends)
-    width = np.diff(wavenumber)
-    share = 0.5 * (np.append(width, 0.0) + np.append(0.0, width)) / (ends[1] - ends[0])
-    return _mean(share, value, density)
-
-
-def planck_weights(wavenumber: np.ndarray, temperature: float, nodes: int = _NODES) -> np.ndarray:
-    r"""Weights of points for a Planck-weighted mean, linear between the points.
-
-    Parameters
-    ----------
-    wavenumber : array, shape (n,)
-        Increasing [1/m].
-    temperature : float
-        [K].
-    nodes : int
-        Nodes of Gauss-Legendre quadrature in each piece.
-
-    Returns
-    -------
-    array, shape (n,)
-        Their sum is one.
-
-    Notes
-    -----
-    The weight of a point is the integral of :math:`B_\nu(T)` times the hat function that is one at
-    the point and zero at its neighbours.
-    """
-    per_metre = SECOND_RADIATION_CONSTANT / temperature
-    steps = np.maximum(1, np.ceil(np.diff(wavenumber) * per_metre / _WIDEST_STEP)).astype(int)
-    left = np.repeat(np.arange(len(steps)), steps)
-    piece = np.arange(len(left)) - np.repeat(np.cumsum(steps) - steps, steps)
-    width = np.diff(wavenumber)[left] / steps[left]
-    start = wavenumber[left] + piece * width
-    weights = np.zeros(len(wavenumber))
-    for node, weight in zip(*np.polynomial.legendre.leggauss(nodes), strict=True):
-        at = start + 0.5 * (1.0 + node) * width
-        x = at * per_metre
-        power = 0.5 * weight * width * x**3 * np.exp(-x) / -np.expm1(-x)
-        share = (at - wavenumber[left]) / np.diff(wavenumber)[left]
-        weights += np.bincount(left, power * (1.0 - share), len(weights))
-        weights += np.bincount(left + 1, power * share, len(weights))
-    return weights / weights.sum()
-
-
-def _planck_mean(
-    spectrum: MeasuredSpectrum, noise: np.ndarray, ends: tuple[float, float], temperature: float
-) -> tuple[float, float]:
-    """Planck-weighted mean and its noise."""
-    wavenumber, value, density = _part(spectrum, noise, ends)
-    nodes = _FEW_NODES if len(wavenumber) > _FINE else _NODES
-    return _mean(planck_weights(wavenumber, temperature, nodes), value, density)
-
-
-def _combined(means: Sequence[tuple[float, float]], accuracy: float) -> _Share:
-    """Mean of repeats, with the scatter of the means or the noise of the only one."""
-    values = np.array([mean for mean, _ in means])
-    if len(values) == 1:
-        return _Share(float(values[0]), means[0][1], np.inf, accuracy)
-    scatter = float(values.std(ddof=1) / np.sqrt(len(values)))
-    return _Share(float(values.mean()), scatter, len(values) - 1, accuracy)
+def _said(spectrum: MeasuredSpectrum) -> dict[str, str]:
+    """What the file says of its spectrum, without what it leaves open."""
+    facts = {name: text for name, text in asdict(spectrum.facts).items() if text}
+    return facts | ({"collection": spectrum.collection} if spectrum.collection else {})
 
 
 def to_dataset(result: Ftir) -> "xr.Dataset":
@@ -503,7 +391,7 @@ def to_dataset(result: Ftir) -> "xr.Dataset":
             )  # fmt: skip
             variables[name] = (
                 dimension, one.value,
-                {"units": "1", "long_name": one.quantity, "file": one.source},
+                {"units": "1", "long_name": one.quantity, "file": one.source} | _said(one),
             )  # fmt: skip
     files = [one.source for one in (*result.spectra, *result.reflectances)]
     return dataset("infrared spectra", variables, files, warnings=result.warnings)

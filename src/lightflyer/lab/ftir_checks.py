@@ -7,12 +7,12 @@ import numpy as np
 from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.lab.estimate import Estimate
-from lightflyer.lab.spectrum_data import PER_CENTIMETRE, MeasuredSpectrum
+from lightflyer.lab.spectra.meaning import MeasuredSpectrum
+from lightflyer.lab.spectra.names import PER_CENTIMETRE
 from lightflyer.lab.spectrum_noise import LEAST_POINTS, point_noise
 
 _TOLERANCE = 3.0  # standard deviations of accuracy and noise by which points may be beyond 0 and 1
 _WORTH_SAYING = 0.01  # share of points beyond, of a band or of a black body's power without data
-_DARK = 0.015  # ordinate that is nowhere exceeded if a fraction is taken for a percentage
 _WIDE_STEP = 10.0  # over the usual distance of points
 _PERCENT = 100.0
 _ADVICE = {
@@ -99,7 +99,7 @@ def spectrum_warnings(
     found: list[str] = []
     for one in (*spectra, *reflectances):
         found += _impossible_points(one, accuracy)
-        found += _dark(one)
+        found += [f"{one.source}: {note}" for note in one.notes]
         found += _gaps(one, band)
         if len(one.wavenumber) < LEAST_POINTS:
             found.append(
@@ -107,6 +107,7 @@ def spectrum_warnings(
                 "neighbours is correlated; it is taken as independent"
             )
     if reflectances:
+        found += _partial(reflectances)
         found += _too_much_light(spectra, reflectances, accuracy)
     return found
 
@@ -123,13 +124,17 @@ def _impossible_points(spectrum: MeasuredSpectrum, accuracy: float) -> Iterator[
         )
 
 
-def _dark(spectrum: MeasuredSpectrum) -> Iterator[str]:
-    highest = float(spectrum.value.max())
-    if highest < _DARK:
-        yield (
-            f"{spectrum.source}: {spectrum.quantity} is nowhere above "
-            f"{_PERCENT * highest:.2f} %; if the file holds fractions, its header must not say %"
-        )
+def _partial(reflectances: Sequence[MeasuredSpectrum]) -> Iterator[str]:
+    """Reflectance that may leave out part of the light."""
+    too_high = "what the film scatters is then taken as emitted, and the emissivity is too high"
+    for one in reflectances:
+        if one.collection is None:
+            yield (
+                f"{one.source}: does not say which light was collected (--collection); if it was "
+                f"the specular beam alone, {too_high}"
+            )
+        elif one.collection == "specular":
+            yield f"{one.source}: holds specular reflectance; {too_high} unless the film is smooth"
 
 
 def _gaps(spectrum: MeasuredSpectrum, band: tuple[float, float]) -> Iterator[str]:

@@ -1,6 +1,7 @@
 """``lightflyer lab ftir``: emissivity, or its upper bound, from infrared spectra."""
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.lab.ftir import Ftir
-    from lightflyer.lab.spectrum_data import MeasuredSpectrum
+    from lightflyer.lab.spectra.meaning import MeasuredSpectrum
 
 _PERCENT = 100.0
 
@@ -37,6 +38,10 @@ def ftir_command(
     *,
     reflectance: Path | None = None,
     columns: str | None = None,
+    spectrum: str | None = None,
+    reflectance_spectrum: str | None = None,
+    scale: Literal["%", "1"] | None = None,
+    collection: Literal["specular", "diffuse", "total"] | None = None,
     band: str = "900 ± 400 cm^-1",
     temperatures: str = "300 K,400 K,441 K,500 K",
     accuracy: str | None = None,
@@ -54,13 +59,23 @@ def ftir_command(
     Parameters
     ----------
     files
-        Spectra of transmittance of one film: JCAMP-DX (.jdx, .dx), or tables of wavenumber or
-        wavelength and transmittance or absorbance, units in the header. Several are repeats.
+        Spectra of transmittance of one film, several being repeats: files of JASCO (text, .jws),
+        Bruker OPUS, Thermo OMNIC (.spa, .spg), PerkinElmer (.sp, .asc), GRAMS (.spc), JCAMP-DX, or
+        tables of wavenumber or wavelength and transmittance or absorbance, units in the header.
     reflectance
         Spectrum of its reflectance. Without it, only an upper bound of the emissivity follows,
         which is never written into a flyer file.
     columns
         Columns of tables without a header: "wavenumber [cm^-1], transmittance [%]".
+    spectrum
+        Which one of several spectra in each file of transmittance: its number or title.
+    reflectance_spectrum
+        Which one of several spectra in the file of reflectance.
+    scale
+        Whether values are per cent ("%") or fractions ("1"), where a file is wrong or unclear.
+    collection
+        Light that the reflectance collects: the specular beam, diffuse light, or both ("total").
+        Default: as the file names its accessory.
     band
         Centre and half width of the band.
     temperatures
@@ -91,8 +106,16 @@ def ftir_command(
             "--update: transmittance alone gives only an upper bound of the emittance; add "
             "--reflectance"
         )
-    spectra = [read_spectrum(file, columns=columns) for file in files]
-    mirrors = [] if reflectance is None else [read_spectrum(reflectance, columns=columns)]
+    spectra = [
+        read_spectrum(
+            file, columns=columns, quantity="transmittance", scale=scale, spectrum=spectrum
+        )
+        for file in files
+    ]
+    mirrors = [] if reflectance is None else [
+        read_spectrum(reflectance, columns=columns, quantity="reflectance", scale=scale,
+                      spectrum=reflectance_spectrum, collection=collection)
+    ]  # fmt: skip
     result = reduce_ftir(
         spectra, mirrors,
         band=_ends(band),
@@ -147,6 +170,8 @@ def _read(spectrum: "MeasuredSpectrum") -> dict[str, Any]:
     return {
         "file": spectrum.source,
         "quantity": spectrum.quantity,
+        **asdict(spectrum.facts),
+        "collection": spectrum.collection,
         "points": len(spectrum.wavenumber),
         "rejected": [{"line": row.line, "reason": row.reason} for row in spectrum.rejected],
     }
@@ -174,7 +199,7 @@ def _figures(result: "Ftir", computed: dict[str, Any]) -> "dict[str, Figure]":
 
 
 def _show_read(console: Console, spectra: "Sequence[MeasuredSpectrum]") -> None:
-    from lightflyer.lab.spectrum_data import PER_CENTIMETRE
+    from lightflyer.lab.spectra.names import PER_CENTIMETRE
 
     for one in spectra:
         ends = one.wavenumber[[0, -1]] / PER_CENTIMETRE
@@ -182,11 +207,27 @@ def _show_read(console: Console, spectra: "Sequence[MeasuredSpectrum]") -> None:
             f"read {len(one.wavenumber)} points of {one.quantity} from {one.source}, "
             f"{ends[0]:.5g} to {ends[1]:.5g} cm⁻¹", soft_wrap=True,
         )  # fmt: skip
+        console.print(f"  {_facts(one)}", soft_wrap=True, markup=False)
         show_rejected(console, one.rejected)
 
 
+def _facts(spectrum: "MeasuredSpectrum") -> str:
+    """What the file says of its spectrum, as it says it."""
+    facts = spectrum.facts
+    words = [
+        f'{facts.format} with "{facts.ordinate}"',
+        facts.instrument,
+        f"resolution {facts.resolution}" if facts.resolution else "resolution not stated",
+        facts.accessory,
+        f"{spectrum.collection} light" if spectrum.collection else "",
+        f'sample "{facts.sample}"' if facts.sample else "",
+        f"of {facts.measured}" if facts.measured else "",
+    ]
+    return ", ".join(filter(None, words))
+
+
 def _show(console: Console, result: "Ftir") -> None:
-    from lightflyer.lab.spectrum_data import PER_CENTIMETRE
+    from lightflyer.lab.spectra.names import PER_CENTIMETRE
 
     low, high = (end / PER_CENTIMETRE for end in result.band)
     accuracy = f"{_PERCENT * result.accuracy:.3g} %"

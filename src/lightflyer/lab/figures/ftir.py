@@ -16,7 +16,7 @@ from lightflyer.foundation.drawing import (
     legend_below,
     new_figure,
 )
-from lightflyer.lab.spectrum_data import PER_CENTIMETRE
+from lightflyer.lab.spectra.names import PER_CENTIMETRE
 
 if TYPE_CHECKING:
     from lightflyer.lab.ftir import Ftir

@@ -1,0 +1,1 @@
+"""Files of spectra as instruments write them: one format a module, all named in ``formats``."""

@@ -87,7 +87,7 @@ HEADER = "pressure [Pa],irradiance [W/m^2]\n"
     ("text", "place", "says"),
     [
         ("", "", "is empty"),
-        (b"\x00\n\xff\xfe", ":2", "not a text file"),
+        (b"\x00\n\xff\xfe", ":1", "not a text file"),
         ("\n\nfoo,bar\n1,2\n", ":3", "has no known column"),
         ("Größe,Fluß\n1,2\n", ":1", "has no known column"),
         (HEADER, "", "has a header but no rows"),

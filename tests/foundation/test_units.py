@@ -86,3 +86,47 @@ def test_a_denominator_may_stand_in_brackets(text):
 def test_brackets_that_do_not_match_are_refused(text):
     with pytest.raises(lf.ConfigurationError, match="is not a unit"):
         parse(text, "W/(m*K)")
+
+
+# NIST SP 811 (2008), appendix B.8, but for torr and suns; ITS-90 for temperatures
+@pytest.mark.parametrize(
+    ("text", "unit", "value", "digits"),
+    [
+        *[(f"1 {torr}", "Pa", 133.3224, 7) for torr in ("torr", "Torr", "TORR", "mmHg", "mm Hg")],
+        ("1 mTORR", "Pa", 0.1333224, 7),
+        ("1 micron", "Pa", 0.1333224, 7),
+        ("1 micron", "m", 1e-6, 12),
+        ("1 Pascal", "Pa", 1.0, 12),
+        ("1 hPa", "Pa", 100.0, 12),
+        ("1 inHg", "Pa", 3386.389, 7),
+        ("1 in. Hg", "Pa", 3386.389, 7),
+        ("32 °F", "K", 273.15, 12),
+        ("212 degF", "K", 373.15, 12),
+        ("68 ± 9 F", "K", 293.15, 12),
+        ("25 ℃", "K", 298.15, 12),
+        ("25 degC", "K", 298.15, 12),
+        ("25 C", "K", 298.15, 12),
+        ("1.5 suns", "W/m^2", 1500.0, 12),
+        ("1 W m⁻²", "W/m^2", 1.0, 12),
+        ("1 W·m−2", "W/m^2", 1.0, 12),
+        ("1 mW/cm2", "W/m^2", 10.0, 12),
+        ("1 W/cm²", "W/m^2", 1e4, 12),
+        ("1 µm", "m", 1e-6, 12),
+        ("1 μm", "m", 1e-6, 12),
+        ("1 Å", "m", 1e-10, 12),
+        ("1 angstrom", "m", 1e-10, 12),
+        ("1 eV", "J", 1.602176634e-19, 12),
+        ("100 Ω", "ohm", 100.0, 12),
+    ],
+)
+def test_spellings_of_laboratories(text, unit, value, digits):
+    measured = parse(text, unit)
+    assert measured.value == pytest.approx(value, rel=0.5 * 10.0 ** (1 - digits))
+    if measured.uncertainty is not None:
+        assert measured.uncertainty == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize("unit", ["MTorr", "MTORR", "Mbar", "MBAR"])
+def test_megatorr_is_asked_for(unit):
+    with pytest.raises(lf.ConfigurationError, match="may be milli or mega; write m"):
+        parse(f"1 {unit}", "Pa")

@@ -99,6 +99,8 @@ class Points:
         Rows of the file that could not be read.
     unused : tuple of str
         Columns of the file that are not known.
+    reading : tuple of str
+        What must be known of how the file was read, one line each.
     step : float
         Step in which the light was raised [W/m²], whose middle the irradiances are; 0 where it
         was raised steadily.
@@ -113,6 +115,7 @@ class Points:
     lines: tuple[int, ...] = ()
     rejected: tuple[Rejected, ...] = ()
     unused: tuple[str, ...] = ()
+    reading: tuple[str, ...] = ()
     step: float = 0.0
     notes: tuple[str, ...] = ()
 
@@ -163,7 +166,7 @@ class Points:
             near = difflib.get_close_matches(plain, known, n=1, cutoff=_LEAST_ALIKE)
             hint = f'; did you mean "{near[0]}"?' if near else ""
             rows.append(f"{self.source}: the column {name} is not used{hint}")
-        return (*rows, *self.notes)
+        return (*rows, *self.reading, *self.notes)
 
     @property
     def table(self) -> Table:
@@ -175,6 +178,7 @@ class Points:
             texts=self.texts,
             rejected=list(self.rejected),
             unused=list(self.unused),
+            notes=list(self.reading),
         )
 
     def of(self, sample: str) -> np.ndarray:
@@ -307,6 +311,7 @@ def read_points(path: str | Path, *, columns: str | None = None, strict: bool = 
         lines=tuple(table.lines.tolist()),
         rejected=tuple(table.rejected),
         unused=tuple(table.unused),
+        reading=tuple(table.notes),
     )
 
 

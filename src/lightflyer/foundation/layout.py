@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.quantity import Quantity, quantity_of
-from lightflyer.foundation.units import scale_and_offset
+from lightflyer.foundation.units import scale_and_offset, spelled
 
 PREAMBLE = 200
 """Lines in which the header is looked for."""
@@ -21,16 +21,18 @@ _COMMA_IN_NUMBER = re.compile(r"^\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*$")
 _NAME_AND_UNIT = re.compile(r"^(.*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])])?$")
 _NAME_AND_SUFFIX = re.compile(r"^(.*[^\s_])[\s_]+(\S+)$")
 _SPACED_CELL = re.compile(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?")
-_UNIT_SPELLINGS = {
-    "C": "°C", "deg C": "°C", "deg. C": "°C", "Celsius": "°C", "Kelvin": "K", "torr": "Torr",
-    "mtorr": "mTorr", "\N{GREEK CAPITAL LETTER OMEGA}": "ohm", "\N{OHM SIGN}": "ohm",
-    "Ohm": "ohm", "micron": "um", "microns": "um", "1/cm": "cm^-1", "cm⁻¹": "cm^-1",
-    "1/m": "m^-1", "volts": "V", "amps": "A", "1": "", "-": "", "fraction": "", "a.u.": "",
-}  # fmt: skip
+_NO_UNIT = ("1", "-", "fraction", "a.u.", "arb. units")
+_ERRORS = ("err", "error", "std", "stdev", "sd", "sigma", "se", "unc", "uncertainty", "u", "min",
+           "max", "low", "high", "lower", "upper", "plus", "minus")  # fmt: skip
+_DELIMITERS = ("\t", ";", ",")
 
 # as spectrometers write their headers
-_WHOLE_NAMES = {"cm-1": ("wavenumber", "cm^-1"), "%t": ("transmittance", "%"),
-                "%r": ("reflectance", "%"), "t%": ("transmittance", "%")}  # fmt: skip
+_WHOLE_NAMES = {"cm-1": ("wavenumber", "cm^-1"), "cm^-1": ("wavenumber", "cm^-1"),
+                "%t": ("transmittance", "%"),
+                "%r": ("reflectance", "%"), "t%": ("transmittance", "%"),
+                "nm": ("wavelength", "nm"), "um": ("wavelength", "um"),
+                "\N{GREEK SMALL LETTER MU}m": ("wavelength", "um"),
+                "ev": ("photon_energy", "eV")}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -162,19 +164,20 @@ def is_comment(line: str) -> bool:
 
 
 def find_layout(
-    path: Path,
+    path: str | Path,
     lines: list[str],
     columns: Sequence[Column],
     *,
     option: str | None = None,
     strict: bool = False,
     closed: bool = False,
+    delimiter: str | None = None,
 ) -> Layout:
     """Layout of a file, from an option, its first line, or the line that is most like a header.
 
     Parameters
     ----------
-    path : Path
+    path : str or path
         Name of the file, for messages.
     lines : list of str
     columns : sequence of Column
@@ -184,6 +187,8 @@ def find_layout(
         Take the first line that is not a comment as the header.
     closed : bool
         Refuse unknown columns.
+    delimiter : str, optional
+        That the file states.
 
     Returns
     -------
@@ -198,10 +203,10 @@ def find_layout(
         known = ", ".join(column.with_unit for column in columns)
         raise ConfigurationError(f"{path}: is empty; known columns: {known}")
     if option:
-        return _from_option(path, lines, columns, option)
+        return _from_option(path, lines, columns, option, delimiter)
     if strict:
-        return _from_first_line(path, lines, columns, closed=closed)
-    return _from_header(path, lines, columns)
+        return _from_first_line(path, lines, columns, delimiter, closed=closed)
+    return _from_header(path, lines, columns, delimiter)
 
 
 def names_columns(layout: Layout, cells: Sequence[str]) -> bool:
@@ -219,15 +224,17 @@ def _is_number(cell: str) -> bool:
     return True
 
 
-def _delimiter(line: str) -> str | None:
-    return next((mark for mark in ("\t", ";", ",") if mark in line), None)
-
-
 def _normal(name: str) -> str:
     return re.sub(r"[\s\-.]+", "_", name.strip().strip('"').casefold())
 
 
-def _from_option(path: Path, lines: list[str], columns: Sequence[Column], option: str) -> Layout:
+def _from_option(
+    path: str | Path,
+    lines: list[str],
+    columns: Sequence[Column],
+    option: str,
+    delimiter: str | None,
+) -> Layout:
     """Layout by the names that ``--columns`` gives, from the first row of numbers on."""
     names = [name.strip() for name in option.split(",")]
     first = next(
@@ -236,23 +243,28 @@ def _from_option(path: Path, lines: list[str], columns: Sequence[Column], option
             for index, line in enumerate(lines)
             if line.strip()
             and not is_comment(line)
-            and _is_number(split_cells(line, _delimiter_of_row(line, len(names)))[0])
+            and _is_number(split_cells(line, _delimiter_of_row(line, len(names), delimiter))[0])
         ),
         None,
     )
     if first is None:
         raise ConfigurationError(f"{path}: has no row that starts with a number")
     known = _placed(columns, names, f"--columns of {path}", closed=True)
-    return Layout(_delimiter_of_row(lines[first], len(names)), names, first, known)
+    return Layout(_delimiter_of_row(lines[first], len(names), delimiter), names, first, known)
 
 
-def _delimiter_of_row(line: str, width: int) -> str | None:
-    marked = next((mark for mark in ("\t", ";") if mark in line), None)
-    return marked if marked or len(line.split()) == width else _delimiter(line)
+def _delimiter_of_row(line: str, width: int, stated: str | None) -> str | None:
+    marked = stated or next((mark for mark in ("\t", ";") if mark in line), None)
+    return marked if marked or len(line.split()) == width or "," not in line else ","
 
 
 def _from_first_line(
-    path: Path, lines: list[str], columns: Sequence[Column], *, closed: bool
+    path: str | Path,
+    lines: list[str],
+    columns: Sequence[Column],
+    stated: str | None,
+    *,
+    closed: bool,
 ) -> Layout:
     """Layout by the first line that is not a comment."""
     first = next(
@@ -261,26 +273,39 @@ def _from_first_line(
     if first is None:
         known = ", ".join(column.with_unit for column in columns)
         raise ConfigurationError(f"{path}: has comments only; known columns: {known}")
-    delimiter, names = _header_cells(lines[first])
+    delimiter, names, _ = _header_cells(lines[first], columns, stated)
     known_columns = _placed(columns, names, f"{path}:{first + 1}", closed=closed)
     return Layout(delimiter, names, first + 1, known_columns)
 
 
-def _header_cells(line: str) -> tuple[str | None, list[str]]:
-    text = line.strip().lstrip("#/! ")
-    delimiter = _delimiter(text)
-    cells = split_cells(text, delimiter) if delimiter else _SPACED_CELL.findall(text)
-    return delimiter, cells[:-1] if cells and not cells[-1] else cells
+def _header_cells(
+    line: str, columns: Sequence[Column], stated: str | None
+) -> tuple[str | None, list[str], int]:
+    """Delimiter and names by which a line has the most known columns, and how many."""
+    text = line if stated else line.strip()
+    text = text.lstrip("#/! ") if is_comment(text) else text
+    best: tuple[str | None, list[str], int] | None = None
+    for delimiter in (stated,) if stated else (*_DELIMITERS, None):
+        if delimiter and delimiter not in text:
+            continue
+        cells = split_cells(text, delimiter) if delimiter else _SPACED_CELL.findall(text)
+        cells = cells[:-1] if len(cells) > 1 and not cells[-1] and not stated else cells
+        score = len(_matches(columns, cells))
+        # names with spaces in them are no columns of their own
+        if best is None or (score > best[2] and delimiter):
+            best = delimiter, cells, score
+    return best or (stated, [text.strip()], 0)
 
 
-def _from_header(path: Path, lines: list[str], columns: Sequence[Column]) -> Layout:
+def _from_header(
+    path: str | Path, lines: list[str], columns: Sequence[Column], stated: str | None
+) -> Layout:
     """Layout by the line with the most known columns, above the first row of numbers."""
     best: tuple[int, int] | None = None
     for index, line in enumerate(lines[:PREAMBLE]):
-        _, cells = _header_cells(line)
-        if cells and all(_is_number(cell) for cell in cells):
+        _, cells, score = _header_cells(line, columns, stated)
+        if any(cells) and all(_is_number(cell) or not cell for cell in cells):
             break
-        score = len(_matches(columns, cells))
         if score and (best is None or score > best[0]):
             best = (score, index)
     if best is None:
@@ -290,7 +315,7 @@ def _from_header(path: Path, lines: list[str], columns: Sequence[Column]) -> Lay
             f"{path}:{first}: has no known column; name its columns in a header or by --columns: "
             f"{known}"
         )
-    delimiter, names = _header_cells(lines[best[1]])
+    delimiter, names, _ = _header_cells(lines[best[1]], columns, stated)
     place = f"{path}:{best[1] + 1}"
     return Layout(delimiter, names, best[1] + 1, _placed(columns, names, place))
 
@@ -316,17 +341,15 @@ def _matches(columns: Sequence[Column], cells: Sequence[str]) -> dict[int, tuple
 def _split_name(cell: str) -> tuple[str, str]:
     """Name and unit of ``pressure [Pa]``, ``Pressure (Pa)`` or ``pressure / Pa``."""
     text = cell.strip().strip('"')
-    if text.lower() in _WHOLE_NAMES:
-        return _WHOLE_NAMES[text.lower()]
+    whole = spelled(text, "").casefold()
+    if whole in _WHOLE_NAMES:
+        return _WHOLE_NAMES[whole]
     match = _NAME_AND_UNIT.match(text)
     base, unit = (match[1], match[2] or "") if match else (text, "")
-    if not unit and "/" in base:
-        base, _, unit = base.partition("/")
-    return base, _spelled(unit)
-
-
-def _spelled(unit: str) -> str:
-    return _UNIT_SPELLINGS.get(unit.strip(), unit.strip())
+    for mark in ("/", ",", " in "):
+        if not unit and mark in base:
+            base, _, unit = base.partition(mark)
+    return base, "" if unit.strip() in _NO_UNIT else unit.strip()
 
 
 def _suffix(column: Column, cell: str) -> str | None:
@@ -334,11 +357,12 @@ def _suffix(column: Column, cell: str) -> str | None:
     text = cell.strip().strip('"')
     names = [_normal(name) for name in (column.name, *column.aliases)]
     if column.any_unit:
-        return "" if any(_normal(text).startswith(f"{name}_") for name in names) else None
+        rest = [_normal(text).removeprefix(f"{name}_") for name in names]
+        return "" if any(one not in (_normal(text), *_ERRORS) for one in rest) else None
     match = _NAME_AND_SUFFIX.match(text)
     if match is None or _normal(match[1]) not in names or not column.quantity.unit:
         return None
-    unit = _spelled(match[2])
+    unit = match[2]
     try:
         scale_and_offset(unit, column.quantity.unit)
     except ConfigurationError:

@@ -1,17 +1,15 @@
-"""Tables in text files: any delimiter, units in the header, faulty rows named with their line.
+"""Tables in text files and workbooks: units in the header, faulty rows named with their line.
 
 Two kinds of fault are told apart. A row that cannot be read (an empty cell, "OVLD", too few
 values) is rejected and named; a strict reader refuses the file instead. A value that is impossible
 (a negative irradiance, a unit inside a cell) refuses the file, because all of it is then in doubt.
 """
 
-import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,33 +21,16 @@ from lightflyer.foundation.layout import (
     Placed,
     find_layout,
     is_comment,
-    names_columns,
     split_cells,
 )
-from lightflyer.foundation.text import read_text
+from lightflyer.foundation.table_file import Lines, read_lines
+from lightflyer.foundation.table_rows import Rejected, Row, is_possible, marks_of, read_rows
+from lightflyer.foundation.units import stated_convention
 
-_SMALLEST, _LARGEST = 1e-30, 1e30  # of measured values in any unit; powers of others overflow
-_BLOCK = 50_000  # rows read at once; a block with a faulty row is read again row by row
-_NUMBER_AND_UNIT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*[A-Za-zµμ°Ω%/^]+")
+__all__ = ["Rejected", "Table", "read_table", "shipped_table"]
 
-
-class Rejected(NamedTuple):
-    """A row that was rejected.
-
-    Attributes
-    ----------
-    file : str
-    line : int
-        Counted from 1.
-    reason : str
-    """
-
-    file: str
-    line: int
-    reason: str
-
-    def __str__(self) -> str:
-        return f"{self.file}:{self.line}: {self.reason}"
+# of spreadsheets; such a row is no comment
+_ERROR_CELL = re.compile(r"^\s*#(?:[A-Z\u00c0-\u00dc]+[!?]|DIV/0!|N/A|NV\b)")
 
 
 @dataclass(frozen=True)
@@ -70,6 +51,8 @@ class Table:
         Rejected rows in the order of the file.
     unused : list of str
         Unknown columns of the file.
+    notes : list of str
+        What a reader of the values must know of how they were read, one line each.
     """
 
     source: str
@@ -78,6 +61,7 @@ class Table:
     texts: dict[str, list[str]] = field(default_factory=dict)
     rejected: list[Rejected] = field(default_factory=list)
     unused: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
     def __len__(self) -> int:
         """Number of rows."""
@@ -120,13 +104,14 @@ def read_table(
     strict: bool = False,
     closed: bool = False,
 ) -> Table:
-    """Read the known columns of a text file.
+    """Read the known columns of a table.
 
     Parameters
     ----------
     path : str or path
-        UTF-8 text, delimited by commas, semicolons, tabs or white space. Lines that start with
-        ``#``, ``//`` or ``!`` are comments.
+        Text (UTF-8, UTF-16 or Windows-1252) delimited by commas, semicolons, tabs or white space,
+        or a workbook (``.xlsx``), of which ``book.xlsx#sheet`` names a sheet. Lines that start
+        with ``#``, ``//`` or ``!`` are comments.
     columns : sequence of Column
         Known columns.
     layout : str, optional
@@ -135,9 +120,9 @@ def read_table(
     unique : bool
         Reject a line that repeats an earlier one. Always so where there is a column ``time``.
     strict : bool
-        Refuse the file at the first row that cannot be read, and take its first line that is
-        not a comment as the header. Otherwise the header may be a comment and stand below an
-        instrument's preamble.
+        Refuse the file at the first row that cannot be read, or where anything would have to be
+        noted, and take its first line that is not a comment as the header. Otherwise the header
+        may be a comment and stand below an instrument's preamble.
     closed : bool
         Refuse unknown columns.
 
@@ -149,28 +134,35 @@ def read_table(
     ------
     ConfigurationError
         One line that names the file and the line or option: not text, an unknown, missing or
-        repeated column, a missing or wrong unit, an impossible value, or no row that can be read.
+        repeated column, a missing or wrong unit, numbers that can be read in two ways, an
+        impossible value, or no row that can be read.
+    MissingExtraError
+        If the file is a workbook, and openpyxl is not installed.
     """
-    path = Path(path)
-    text = read_text(path)
-    lines = text.splitlines()
-    found = find_layout(path, lines, columns, option=layout, strict=strict, closed=closed)
+
+    def layout_of(one: Lines) -> Layout:
+        return find_layout(
+            one.name, one.lines, columns, option=layout, strict=strict, closed=closed,
+            delimiter=one.delimiter,
+        )  # fmt: skip
+
+    file, found, notes = _chosen(Path(path), read_lines(Path(path)), layout_of)
     empty = f"{found.delimiter} \t" if strict and found.delimiter else None  # as spreadsheets do
     rows = [
         (number, line)
-        for number, line in enumerate(lines[found.first :], start=found.first + 1)
-        if line.strip(empty) and not is_comment(line)
+        for number, line in enumerate(file.lines[found.first :], start=found.first + 1)
+        if line.strip(empty) and not _is_left_out(line)
     ]
     if not rows:
-        raise ConfigurationError(f"{path}: has a header but no rows")
+        raise ConfigurationError(f"{file.name}: has a header but no rows")
     timed = any(one.column.name == "time" for one in found.columns.values())
-    repeated = _repeated(path, rows) if unique or timed else {}
-    _require_whole(path, rows, found, ended=text.endswith(("\n", "\r")))
-    table = _read_rows(path, [row for row in rows if row[0] not in repeated], found)
+    repeated = _repeated(file.name, rows) if unique or timed else {}
+    notes += _require_whole(file, rows, found)
+    table = _with_si(file, [row for row in rows if row[0] not in repeated], found, say=not strict)
     rejected = sorted([*table.rejected, *repeated.values()], key=lambda row: row.line)
     if strict and rejected:
         raise ConfigurationError(str(rejected[0]))
-    table = _possible(replace(table, rejected=rejected), found)
+    table = _possible(replace(table, rejected=rejected, notes=[*notes, *table.notes]), found)
     if not len(table):
         raise ConfigurationError(f"{table.rejected[0]}; none of its {len(rows)} rows can be read")
     return table
@@ -210,7 +202,32 @@ def shipped_table(name: str) -> Table:
     return Table(name, np.array([number for number, _ in body]), numbers, texts)
 
 
-def _repeated(path: Path, rows: list[tuple[int, str]]) -> dict[int, Rejected]:
+def _chosen(
+    path: Path, tables: list[Lines], layout_of: Callable[[Lines], Layout]
+) -> tuple[Lines, Layout, list[str]]:
+    """The one table of a file with known columns, its layout, and what to say of the choice."""
+    if len(tables) == 1:
+        return tables[0], layout_of(tables[0]), []
+    fits, problems = [], []
+    for one in tables:
+        try:
+            fits.append((one, layout_of(one)))
+        except ConfigurationError as error:
+            problems.append(error)
+    if not fits:
+        raise problems[0]
+    names = ", ".join(f'"{one.name}"' for one, _ in fits)
+    if len(fits) > 1:
+        raise ConfigurationError(f"{path}: has several tables; name one of {names}")
+    left = [one.name for one in tables if one is not fits[0][0]]
+    return *fits[0], [f"{fits[0][0].name} is read; {', '.join(left)}: no known columns"]
+
+
+def _is_left_out(line: str) -> bool:
+    return is_comment(line) and not _ERROR_CELL.match(line)
+
+
+def _repeated(name: str, rows: list[Row]) -> dict[int, Rejected]:
     if len({line for _, line in rows}) == len(rows):
         return {}
     first: dict[str, int] = {}
@@ -218,158 +235,57 @@ def _repeated(path: Path, rows: list[tuple[int, str]]) -> dict[int, Rejected]:
     for number, line in rows:
         before = first.setdefault(line, number)
         if before != number:
-            found[number] = Rejected(str(path), number, f"repeats line {before}")
+            found[number] = Rejected(name, number, f"repeats line {before}")
     return found
 
 
-def _require_whole(path: Path, rows: list[tuple[int, str]], layout: Layout, *, ended: bool) -> None:
-    """Refuse a file that ends within a row: more than that row may be missing."""
+def _require_whole(file: Lines, rows: list[Row], layout: Layout) -> list[str]:
+    """Refuse a file that ends within a row: more than that row may be missing.
+
+    A file that ends within its last number cannot be told; a note asks for a look at it.
+    """
     number, line = rows[-1]
     cells, width = split_cells(line, layout.delimiter), len(layout.names)
     # without a line end, an empty last cell has been cut off
-    cut = not ended and len(cells) == width and not cells[-1] and width - 1 in layout.columns
+    cut = not file.ended and len(cells) == width and not cells[-1] and width - 1 in layout.columns
     if (len(cells) < width or cut) and len(rows) > 1:
         before = len(split_cells(rows[-2][1], layout.delimiter))
         if before >= len(layout.names):
             raise ConfigurationError(
-                f"{path}:{number}: the file ends within a row and is incomplete"
+                f"{file.name}:{number}: the file ends within a row and is incomplete"
             )
+    last = layout.number_columns.get(len(cells) - 1)
+    if file.ended or last is None or number != len(file.lines):
+        return []
+    return [
+        f"{file.name}:{number}: the file has no line end after its last value, "
+        f"{last.column.name} = {cells[-1]}; check that it is whole"
+    ]
 
 
-def _read_rows(path: Path, rows: list[tuple[int, str]], layout: Layout) -> Table:
-    known = layout.number_columns
-    decimal_comma = layout.delimiter != "," and any("," in line for _, line in rows[:PREAMBLE])
-    blocks, rejected = [], []
-    texts: dict[str, list[str]] = {one.column.name: [] for one in layout.text_columns.values()}
-    lines: list[np.ndarray] = []
-    for block in _blocks(rows):
-        values = None if texts else _read_block(block, layout, list(known), decimal_comma)
-        numbers = [number for number, _ in block]
-        if values is None:
-            numbers, values, more, wrong = _read_slowly(path, block, layout, decimal_comma)
-            rejected += wrong
-            for name, cells in more.items():
-                texts[name] += cells
-        blocks.append(values)
-        lines.append(np.array(numbers, int))
-    stacked = np.concatenate(blocks) if blocks else np.empty((0, len(known)))
+def _with_si(file: Lines, rows: list[Row], layout: Layout, *, say: bool) -> Table:
+    """Rows that can be read, in SI units."""
+    said_in = [line for line in file.lines[: layout.first + PREAMBLE] if is_comment(line)]
+    marks = marks_of(file.name, rows, layout, said_in, in_sheet=file.is_sheet, say=say)
+    values = read_rows(file.name, rows, layout, marks)
+    known = layout.number_columns.values()
+    said = [(one, stated_convention(one.unit)) for one in known]
     return Table(
-        source=str(path),
-        lines=np.concatenate(lines),
+        source=file.name,
+        lines=values.lines,
         numbers={
-            one.column.name: stacked[:, index] * one.scale + one.offset
-            for index, one in enumerate(known.values())
+            one.column.name: values.numbers[:, index] * one.scale + one.offset
+            for index, one in enumerate(known)
         },
-        texts=texts,
-        rejected=rejected,
+        texts=values.texts,
+        rejected=values.rejected,
         unused=[
             name.strip()
             for position, name in enumerate(layout.names)
             if position not in layout.columns and name not in ("", "-")
         ],
+        notes=[*marks.notes, *(f"{one.column.name}: {text}" for one, text in said if text)],
     )
-
-
-def _blocks(rows: list[tuple[int, str]]) -> Iterator[list[tuple[int, str]]]:
-    for start in range(0, len(rows), _BLOCK):
-        yield rows[start : start + _BLOCK]
-
-
-def _read_block(
-    block: list[tuple[int, str]], layout: Layout, positions: list[int], decimal_comma: bool
-) -> np.ndarray | None:
-    """All numbers of a block, or None where one of its rows must be looked at."""
-    width, delimiter = len(layout.names), layout.delimiter
-    lines = [line for _, line in block]
-    if any(_count(line, delimiter) != width for line in lines):
-        return None
-    if decimal_comma:
-        lines = [line.replace(",", ".") for line in lines]
-    try:
-        values = np.loadtxt(
-            lines, delimiter=delimiter, usecols=positions, comments=None, ndmin=2, dtype=float
-        )
-    except ValueError:
-        return None
-    sizes = np.abs(values)
-    if len(values) != len(block) or not ((sizes <= _LARGEST) & _measurable(sizes)).all():
-        return None
-    return values
-
-
-def _measurable(size: Any) -> Any:
-    """Whether a magnitude is zero, or not too small for a measured value."""
-    return (size == 0.0) | (size >= _SMALLEST)
-
-
-def _count(line: str, delimiter: str | None) -> int:
-    return len(line.split()) if delimiter is None else line.count(delimiter) + 1
-
-
-def _read_slowly(
-    path: Path, block: list[tuple[int, str]], layout: Layout, decimal_comma: bool
-) -> tuple[list[int], np.ndarray, dict[str, list[str]], list[Rejected]]:
-    """Line numbers, numbers and texts of the rows that can be read, and the other rows."""
-    width = len(layout.names)
-    numbers: list[int] = []
-    values: list[list[float]] = []
-    texts: dict[str, list[str]] = {one.column.name: [] for one in layout.text_columns.values()}
-    rejected: list[Rejected] = []
-    for number, line in block:
-        cells = split_cells(line, layout.delimiter)
-        if len(cells) == width + 1 and not cells[-1]:
-            del cells[-1]
-        if names_columns(layout, cells):
-            raise ConfigurationError(
-                f"{path}:{number}: is a second header: the rows below may have other units; "
-                "split the file here"
-            )
-        if len(cells) != width:
-            count = f"{len(cells)} value{'s' * (len(cells) != 1)}"
-            reason = f"has {count}, the header names {width} columns"
-            rejected.append(Rejected(str(path), number, reason))
-            continue
-        row, said = _read_row(cells, layout, decimal_comma, f"{path}:{number}")
-        if isinstance(row, str):
-            rejected.append(Rejected(str(path), number, row))
-            continue
-        numbers.append(number)
-        values.append(row)
-        for name, word in said.items():
-            texts[name].append(word)
-    shape = len(numbers), len(layout.number_columns)
-    return numbers, np.array(values, float).reshape(shape), texts, rejected
-
-
-def _read_row(
-    cells: list[str], layout: Layout, decimal_comma: bool, place: str
-) -> tuple[list[float] | str, dict[str, str]]:
-    """Numbers and texts of a row; in place of the numbers, why it cannot be read."""
-    row: list[float] = []
-    said: dict[str, str] = {}
-    for position, one in layout.columns.items():
-        cell, column = cells[position], one.column
-        if column.text:
-            if not (cell or column.blank):
-                raise ConfigurationError(f"{place}: {column.name} is empty")
-            said[column.name] = cell
-            continue
-        try:
-            value = float(cell.replace(",", ".") if decimal_comma else cell)
-        except ValueError:
-            if _NUMBER_AND_UNIT.match(cell):
-                raise ConfigurationError(
-                    f'{place}: {column.name}: "{cell}" is more than a number; the unit of a '
-                    "column belongs in its header"
-                ) from None
-            return (f'{column.name}: "{cell}" is not a number' if cell
-                    else f"{column.name} is empty"), said  # fmt: skip
-        if not math.isfinite(value):
-            return f"{column.name} is {cell}", said
-        if abs(value) > _LARGEST or not _measurable(abs(value)):
-            return f"{column.name} is {cell}, which is no measured value", said
-        row.append(value)
-    return row, said
 
 
 def _possible(table: Table, layout: Layout) -> Table:
@@ -378,11 +294,10 @@ def _possible(table: Table, layout: Layout) -> Table:
     for one in layout.number_columns.values():
         column, quantity = one.column, one.column.quantity
         values = table.numbers[column.name]
-        low = values <= quantity.lowest if quantity.open_below else values < quantity.lowest
-        for row in np.flatnonzero(low | (values > quantity.highest)):
-            reason = (
-                f"{column.name} = {_written(float(values[row]), one)} is not {quantity.allowed}"
-            )
+        for row in np.flatnonzero(~is_possible(values, quantity)):
+            why = quantity.implausible(values[row])
+            said = why.partition(" ")[2] if why else f"is not {quantity.allowed}"
+            reason = f"{column.name} = {_written(float(values[row]), one)} {said}"
             if column.outside == "stop":
                 raise ConfigurationError(f"{table.source}:{table.lines[row]}: {reason}")
             out.setdefault(int(row), reason)

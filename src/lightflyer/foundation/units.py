@@ -7,6 +7,7 @@ takes to compute.
 
 import math
 import re
+import unicodedata
 from collections.abc import Callable
 from functools import cache
 from importlib import resources
@@ -44,6 +45,31 @@ _EXPONENT = re.compile(r"(?<=[A-Za-zµμ°])(-?[1-9])")  # of "m2" and "m-2", wh
 _BELOW = rf"\(\s*{_FACTOR}(?:\s*[*·]\s*{_FACTOR}|\s+{_FACTOR})*\s*\)"  # as in "W/(m*K)"
 _UNIT = re.compile(rf"^{_FACTOR}(?:\s*[*/·]\s*{_FACTOR}|\s+{_FACTOR}|\s*/\s*{_BELOW})*$")
 
+_MINUS, _DOT = "\N{MINUS SIGN}", "\N{DOT OPERATOR}"
+# Words in any case; symbols are not here, in which case tells mega from milli.
+_WORDS = {
+    "pascal": "Pa", "pascals": "Pa", "torr": "Torr", "millitorr": "mTorr", "millibar": "mbar",
+    "inhg": "inHg", "in hg": "inHg", "in. hg": "inHg", "inches hg": "inHg", "mm hg": "mmHg",
+    "mmhg": "mmHg", "micron hg": "mTorr", "microns hg": "mTorr", "kelvin": "K", "kelvins": "K",
+    "celsius": "°C", "deg c": "°C", "deg. c": "°C", "degc": "°C", "° c": "°C",
+    "fahrenheit": "°F", "deg f": "°F", "deg. f": "°F", "degf": "°F", "° f": "°F",
+    "micrometer": "um", "micrometers": "um", "micrometre": "um", "micrometres": "um",
+    "nanometer": "nm", "nanometers": "nm", "nanometre": "nm", "nanometres": "nm",
+    "angstrom": "angstrom", "angstroms": "angstrom", "\N{LATIN SMALL LETTER A WITH RING ABOVE}":
+    "angstrom", "ohm": "ohm", "ohms": "ohm", "\N{GREEK SMALL LETTER OMEGA}": "ohm", "volt": "V",
+    "volts": "V", "amp": "A", "amps": "A", "watt": "W", "watts": "W", "sec": "s", "secs": "s",
+    "second": "s", "seconds": "s", "sun": "sun", "suns": "sun", "ev": "eV", "percent": "%",
+    "1/cm": "cm^-1", "1/m": "m^-1",
+}  # fmt: skip
+_BY_TARGET = {
+    ("micron", "Pa"): "mTorr", ("microns", "Pa"): "mTorr",
+    ("micron", "m"): "um", ("microns", "m"): "um",
+    ("c", "K"): "°C", ("f", "K"): "°F",
+}  # fmt: skip
+_TORR = re.compile(r"^([mµμu]?)(?:torr|TORR)$")
+_MEGA_OR_MILLI = re.compile(r"M(?:[Tt]orr|TORR|[Bb]ar|BAR)")
+_CONVENTIONS = {"sun": "1 sun is taken as 1000 W/m^2"}
+
 
 @cache
 def registry() -> pint.UnitRegistry:
@@ -58,18 +84,68 @@ def registry() -> pint.UnitRegistry:
         return pint.UnitRegistry(str(path))
 
 
+def spelled(unit: str, target: str) -> str:
+    """A unit in the package's spelling, from that of instruments and spreadsheets.
+
+    Parameters
+    ----------
+    unit : str
+        Such as ``"TORR"``, ``"m⁻²"`` or ``"micron"``.
+    target : str
+        SI unit of the quantity: a micron of pressure is 1 mTorr, one of length 1 µm.
+
+    Returns
+    -------
+    str
+        The unit itself where it has no other spelling.
+
+    Examples
+    --------
+    >>> spelled("TORR", "Pa"), spelled("micron", "Pa"), spelled("micron", "m")
+    ('Torr', 'mTorr', 'um')
+    """
+    # full-width, raised and squared letters as plain ones: ⁻², ℃, ㎛, Å
+    text = unicodedata.normalize("NFKC", unit).replace(_MINUS, "-").replace(_DOT, "·").strip()
+    text = _TORR.sub(r"\1Torr", text)
+    word = " ".join(text.casefold().split())
+    return _BY_TARGET.get((word, target)) or _WORDS.get(word, text)
+
+
+def stated_convention(unit: str) -> str:
+    """What a reader must know of a unit that is not the same everywhere.
+
+    Parameters
+    ----------
+    unit : str
+
+    Returns
+    -------
+    str
+        Empty where all agree.
+    """
+    return _CONVENTIONS.get(spelled(unit, ""), "")
+
+
 def _converter(unit: str, target: str, text: str) -> Callable[[float], float]:
     """Conversion of values from ``unit`` to ``target``, offset included."""
     units = registry()
+    written, unit = unit, spelled(unit, target)
+    if _MEGA_OR_MILLI.fullmatch(unit):
+        milli = "mbar" if "b" in unit.casefold() else "mTorr"
+        raise ConfigurationError(f'"{text}": unit "{written}" may be milli or mega; write {milli}')
     # checked here because Pint's parser meets malformed text with errors of many kinds
     if not _UNIT.match(unit):
-        raise ConfigurationError(f'"{text}": "{unit}" is not a unit')
+        raise ConfigurationError(f'"{text}": "{written}" is not a unit')
     try:
         parsed = units.parse_units(_EXPONENT.sub(r"**\1", unit))
     except pint.UndefinedUnitError:
-        raise ConfigurationError(f'"{text}": unit "{unit}" is unknown; {_wanted(target)}') from None
+        raise ConfigurationError(
+            f'"{text}": unit "{written}" is unknown; {_wanted(target)}'
+        ) from None
     if not units.is_compatible_with(parsed, units.parse_units(target)):
-        raise ConfigurationError(f'"{text}": unit "{unit}" is of the wrong kind; {_wanted(target)}')
+        raise ConfigurationError(
+            f'"{text}": unit "{written}" is of the wrong kind; {_wanted(target)}'
+        )
     return lambda value: float(units.Quantity(value, parsed).to(target).magnitude)
 
 

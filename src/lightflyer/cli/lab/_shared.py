@@ -145,6 +145,7 @@ def read_summary(tables: Sequence["LabTable"]) -> list[dict[str, Any]]:
             "rows": len(table),
             "rejected": [{"line": row.line, "reason": row.reason} for row in table.rejected],
             "columns_not_used": table.unused,
+            "notes": table.notes,
         }
         for table in tables
     ]
@@ -157,6 +158,8 @@ def show_read(console: Console, tables: Sequence["LabTable"]) -> None:
         rows = f"{len(table)} row{'s' * (len(table) != 1)}"
         console.print(f"read {rows} of {table.source}{unused}", markup=False)
         show_rejected(console, table.rejected)
+        for note in table.notes:
+            console.print(f"  note: {note}", markup=False, soft_wrap=True)
 
 
 def show_rejected(console: Console, rejected: Sequence["Rejected"]) -> None:

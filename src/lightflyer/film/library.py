@@ -233,4 +233,7 @@ def canonical_name(name: str) -> str:
     near = difflib.get_close_matches(name.lower(), known, n=3, cutoff=0.5)
     names = list(dict.fromkeys(known[match] for match in near))
     hint = f"did you mean {' or '.join(names)}?" if names else f"the library has {', '.join(PAGES)}"
-    raise ParameterError(f'material "{name}" is unknown; {hint} (or give a CSV file of n and k)')
+    raise ParameterError(
+        f'material "{name}" is unknown; {hint} (or give a page of refractiveindex.info, as '
+        "lightflyer materials --search lists them, or a CSV file of n and k)"
+    )

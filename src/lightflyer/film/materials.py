@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from lightflyer.film.material_csv import read_index_csv
 from lightflyer.film.medium import MICROMETRE, Extrapolation, Medium, require_covered
-from lightflyer.foundation.checks import require_positive
+from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
@@ -30,9 +30,13 @@ __all__ = [
     "Segment",
     "material_from_csv",
     "tabulated_material",
+    "vacuum",
 ]
 
 GIVEN = "given by the user"
+
+ROOM_TEMPERATURES = (270.0, 320.0)
+"""Temperatures of samples that need no mention [K]."""
 
 _WIDEST_STEP = 0.01  # relative: what lies between two sources' ends closer than this is no gap
 
@@ -76,15 +80,17 @@ class Material(Medium):
         Policy outside the range.
     remarks : tuple of str
         What a reader of results must know of the tables, one line each.
+    temperature : float or None
+        Of the sample, where it is stated [K].
 
     Raises
     ------
     ParameterError
-        If a density is not positive.
+        If a density is negative.
     """
 
     name: str = eqx.field(static=True)
-    segments: tuple[Segment, ...] = eqx.field(static=True)  # type: ignore[misc]
+    segments: tuple[Segment, ...] = eqx.field(static=True)
     density: Numeric | None = None
     density_source: str = eqx.field(static=True, default="")
     description: str = eqx.field(static=True, default="")
@@ -92,10 +98,10 @@ class Material(Medium):
     tac_source: str = eqx.field(static=True, default="")
     extrapolation: Extrapolation = eqx.field(static=True, default=Extrapolation.ERROR)
     remarks: tuple[str, ...] = eqx.field(static=True, default=())
+    temperature: float | None = eqx.field(static=True, default=None)
 
     def __check_init__(self) -> None:
-        if self.density is not None:
-            require_positive(**{f"density of {self.name}": self.density})
+        require_range(f"density of {self.name}", self.density, 0.0)
 
     @property
     def wavelength_range(self) -> tuple[float, float]:
@@ -117,13 +123,16 @@ class Material(Medium):
 
     @property
     def caveats(self) -> tuple[str, ...]:
-        """See :attr:`Medium.caveats`: gaps between sources, and the remarks."""
+        """See :attr:`Medium.caveats`: gaps between sources, an unusual temperature, the remarks."""
         gaps = (
             f"{self.name} has no optical data from {gap[0] / MICROMETRE:.4g} µm to "
             f"{gap[1] / MICROMETRE:.4g} µm; n and k are linear between these"
             for gap in self.gaps
         )
-        return (*gaps, *self.remarks)
+        coldest, hottest = ROOM_TEMPERATURES
+        usual = self.temperature is None or coldest <= self.temperature <= hottest
+        sample = () if usual else (f"{self.name} has n and k at {self.temperature:g} K",)
+        return (*gaps, *sample, *self.remarks)
 
     @property
     def source(self) -> str:
@@ -170,6 +179,33 @@ class Material(Medium):
                     for pair in zip(start, stop, strict=True)
                 )
         return n, k
+
+
+def vacuum() -> Material:
+    """Empty space, for pores and gaps.
+
+    Returns
+    -------
+    Material
+
+    Examples
+    --------
+    >>> print(*vacuum().index(1e-6))
+    1.0 0.0
+    """
+    return _VACUUM
+
+
+def _nothing(wavelength: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return np.ones_like(wavelength), np.zeros_like(wavelength)
+
+
+_VACUUM = Material(
+    name="vacuum",
+    segments=(Segment(0.0, np.inf, "n = 1, k = 0", _nothing),),
+    density=0.0,
+    density_source="empty",
+)
 
 
 def tabulated_material(

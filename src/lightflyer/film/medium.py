@@ -7,6 +7,7 @@ parameters are its leaves: films are then differentiable in them and fits can fr
 
 import abc
 import enum
+from typing import TYPE_CHECKING
 
 import equinox as eqx
 import numpy as np
@@ -66,9 +67,27 @@ class Medium(eqx.Module):
         Where the density comes from, or why it is unknown.
     """
 
-    name: eqx.AbstractVar[str]
-    density: eqx.AbstractVar[Numeric | None]
-    density_source: eqx.AbstractVar[str]
+    if TYPE_CHECKING:  # a subclass may have them as fields or as properties, which mypy must know
+
+        @property
+        def name(self) -> str:
+            """Name."""
+            ...
+
+        @property
+        def density(self) -> Numeric | None:
+            """Mass density [kg/m³]."""
+            ...
+
+        @property
+        def density_source(self) -> str:
+            """Where the density comes from."""
+            ...
+
+    else:
+        name: eqx.AbstractVar[str]
+        density: eqx.AbstractVar[Numeric | None]
+        density_source: eqx.AbstractVar[str]
 
     @abc.abstractmethod
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:

@@ -211,7 +211,9 @@ def _spectral(
     """Shares of unpolarised light at each wavelength, weighted over directions."""
     incidence = jnp.arccos(jnp.atleast_1d(cosine))[:, None]
     layers = thickness.reshape(-1, 1, 1)
-    optics = transfer(n[:, None], k[:, None], layers, wavelength, incidence).unpolarised()
+    optics = transfer(
+        n[:, None], k[:, None], layers, wavelength, incidence, inside=False
+    ).unpolarised()
     absorbed = 1.0 - optics.reflectance - optics.transmittance
     shares = jnp.atleast_1d(share)
     return SpectralShares(

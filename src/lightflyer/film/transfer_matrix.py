@@ -1,47 +1,55 @@
-r"""Reflection, transmission and absorption of a stack of layers: coherent transfer matrix.
+r"""Reflection, transmission and absorption of a stack of layers.
 
-The stack stands free: vacuum above and below. A plane wave comes from above. With the relative
-normal wave number :math:`q_j=\sqrt{(n_j+ik_j)^2-\sin^2\theta}` and the admittance
-:math:`y_j=q_j` (s polarisation) or :math:`y_j=(n_j+ik_j)^2/q_j` (p), the ratio of upward to
-downward tangential electric field is carried from the bottom up,
-
-.. math::
-    \Gamma_j=\frac{r_j+\Gamma_{j+1}e^{2i\varphi_{j+1}}}{1+r_j\Gamma_{j+1}e^{2i\varphi_{j+1}}},
-    \qquad r_j=\frac{y_j-y_{j+1}}{y_j+y_{j+1}},\qquad
-    \varphi_j=\frac{2\pi q_jd_j}{\lambda},
-
-and then the downward field from the top down. It is algebraically the product of transfer
-matrices, but only ever multiplies by decaying exponentials: nothing overflows however thick or
-opaque a layer is.
+Fields of neighbouring coherent layers are added (:mod:`lightflyer.film.coherent`). In an
+incoherent layer, one so thick or uneven that interference averages out, powers are added instead:
+it has a downward and an upward power, and the groups of coherent layers above and below it reflect
+and pass shares of them.
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.film.coherent import (
+    Beam,
+    Complex,
+    Fields,
+    Half,
+    Sheets,
+    magnitude,
+    net_power,
+    respond,
+    sheets,
+)
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
 
 
 class StackOptics(eqx.Module):
-    """Shares of the light on a stack that are reflected, transmitted and absorbed.
+    """Shares of the light on a stack that are reflected, transmitted, absorbed and scattered.
 
     The first axis of each field is the polarisation: s, then p.
 
     Attributes
     ----------
     reflectance, transmittance : array, shape (2, ...)
-        [1].
+        Specular [1]. What enters an endless substrate is transmitted.
     layer_absorptance : array, shape (layers, 2, ...)
         Absorptance of each layer, the lit side first [1].
+    scattered : array, shape (2, ...), or float
+        Share that rough interfaces scatter out of the specular beams [1]. It is not followed:
+        layers may absorb some of it.
     """
 
     reflectance: Numeric
     transmittance: Numeric
     layer_absorptance: Numeric
+    scattered: Numeric = 0.0
 
     @property
     def absorptance(self) -> Numeric:
@@ -58,14 +66,16 @@ class StackOptics(eqx.Module):
         """
         groups = np.repeat(np.eye(len(sizes)), sizes, axis=1)
         absorptance = _summed(groups, self.layer_absorptance)
-        return StackOptics(self.reflectance, self.transmittance, absorptance)
+        return StackOptics(self.reflectance, self.transmittance, absorptance, self.scattered)
 
     def unpolarised(self) -> "StackOptics":
         """The mean of both polarisations, without their axis."""
+        scattered = self.scattered
         return StackOptics(
             reflectance=self.reflectance.mean(axis=0),
             transmittance=self.transmittance.mean(axis=0),
             layer_absorptance=self.layer_absorptance.mean(axis=1),
+            scattered=scattered.mean(axis=0) if np.ndim(scattered) else scattered,
         )
 
 
@@ -74,11 +84,40 @@ def _summed(groups: Numeric, parts: Numeric) -> Numeric:
     return jnp.tensordot(groups, parts, axes=1)
 
 
-@entry_point
+class Structure(eqx.Module):
+    """What a stack is besides its layers: by default free-standing, smooth and coherent.
+
+    Attributes
+    ----------
+    above : array, shape (...)
+        Refractive index of the medium that the light comes from, which absorbs nothing [1].
+    below : pair of array, shape (...)
+        n and k of the endless medium below [1].
+    roughness : array, shape (layers + 1, ...), or None
+        Standard deviation of the height of each interface, top to bottom [m].
+    coherent : tuple of bool
+        Whether light interferes in each layer; empty where it does in all.
+    """
+
+    above: Numeric = 1.0
+    below: tuple[Numeric, Numeric] = (1.0, 0.0)
+    roughness: Numeric | None = None
+    coherent: tuple[bool, ...] = eqx.field(static=True, default=())
+
+
 def stack_optics(
-    n: Numeric, k: Numeric, thickness: Numeric, wavelength: Numeric, incidence: Numeric = 0.0
+    n: Numeric,
+    k: Numeric,
+    thickness: Numeric,
+    wavelength: Numeric,
+    incidence: Numeric = 0.0,
+    *,
+    above: Numeric = 1.0,
+    below: tuple[Numeric, Numeric] = (1.0, 0.0),
+    roughness: Numeric | None = None,
+    coherent: Sequence[bool] = (),
 ) -> StackOptics:
-    """Reflectance, transmittance and absorptance of each layer, for light from above.
+    r"""Reflectance, transmittance and absorptance of each layer, for light from above.
 
     Parameters
     ----------
@@ -89,7 +128,16 @@ def stack_optics(
     wavelength : array, shape (...)
         In vacuum [m].
     incidence : array, shape (...)
-        Angle between the light and the stack's normal [rad], below pi/2.
+        Angle between the light and the stack's normal in the medium above [rad], below pi/2.
+    above : array, shape (...)
+        Refractive index of the medium that the light comes from, which absorbs nothing [1]; by
+        default vacuum.
+    below : pair of array, shape (...)
+        n and k of the endless medium below [1]; by default vacuum.
+    roughness : array, shape (layers + 1, ...), optional
+        Standard deviation of the height of each interface, top to bottom [m]; by default zero.
+    coherent : sequence of bool, optional
+        Whether light interferes in each layer; by default in all.
 
     Returns
     -------
@@ -98,111 +146,187 @@ def stack_optics(
 
     Notes
     -----
-    Differentiable in every argument, except where a layer's index equals the sine of the
-    incidence (grazing inside the layer). Values are not checked here; :class:`Film` checks them.
+    Differentiable in every numeric argument, except where a medium's index equals the sine of the
+    incidence times the index above (grazing inside). Values are not checked here;
+    :class:`Film` checks them.
+
+    Rough interfaces reflect and pass the mean field of a surface whose heights are normal and vary
+    over lengths long against the wavelength (scalar theory). That holds for
+    :math:`4\pi\sigma n\cos\theta/\lambda\lesssim1`; finer relief is better an effective medium.
+    All that is missing from the specular beams is scattered; each passage scatters independently.
 
     References
     ----------
-    [Byrnes2016]_ for the definitions of absorption; the recursion is Rouard's, [Heavens1955]_.
+    [Byrnes2016]_ for the definitions of absorption and for incoherent layers; the recursion is
+    Rouard's, [Heavens1955]_. [BennettPorteus1961]_ and [Ohlidal1999]_ for rough interfaces.
 
     Examples
     --------
     >>> optics = stack_optics([1.5], [0.0], [1e-7], 5e-7)
     >>> print(f"{optics.reflectance[0]:.6f} {optics.transmittance[0]:.6f}")
     0.135720 0.864280
+
+    A millimetre of glass, in which light does not interfere:
+
+    >>> glass = stack_optics([1.5], [0.0], [1e-3], 5e-7, coherent=[False])
+    >>> print(f"{glass.transmittance[0]:.6f}")
+    0.923077
     """
-    return transfer(n, k, thickness, wavelength, incidence)
+    everywhere = () if all(coherent) else tuple(bool(one) for one in coherent)
+    structure = Structure(above, (below[0], below[1]), roughness, everywhere)
+    return structured_optics(n, k, thickness, wavelength, incidence, structure)
+
+
+@entry_point
+def structured_optics(
+    n: Numeric,
+    k: Numeric,
+    thickness: Numeric,
+    wavelength: Numeric,
+    incidence: Numeric,
+    structure: Structure,
+) -> StackOptics:
+    """:func:`stack_optics` of a :class:`Structure`."""
+    return transfer(n, k, thickness, wavelength, incidence, structure)
 
 
 def transfer(
-    n: Numeric, k: Numeric, thickness: Numeric, wavelength: Numeric, incidence: Numeric
+    n: Numeric,
+    k: Numeric,
+    thickness: Numeric,
+    wavelength: Numeric,
+    incidence: Numeric,
+    structure: Structure | None = None,
+    *,
+    inside: bool = True,
 ) -> StackOptics:
     """:func:`stack_optics` for use inside other compiled functions.
 
-    Complex numbers are pairs of real ones here: XLA compiles those into far faster loops.
+    With ``inside`` false the absorptances of layers are left out, as an array without rows.
     """
-    n, k, thickness = (jnp.asarray(value) for value in (n, k, thickness))
-    cosine, sine = jnp.cos(incidence), jnp.sin(incidence)
-    outside = jnp.stack(jnp.broadcast_arrays(cosine, 1.0 / cosine, jnp.ones_like(wavelength))[:2])
-    permittivity = (n * n - k * k, 2.0 * n * k)
-    normal = _root(permittivity[0] - sine * sine, permittivity[1])
-    phase = (4.0 * jnp.pi) * thickness / wavelength
-    decay = jnp.exp(-phase * normal[1])  # of the power, down through a layer
-    turn = phase * normal[0]
-    round_trip = jnp.stack([decay * jnp.cos(turn), decay * jnp.sin(turn)], axis=1)
-    magnetic = _quotient(permittivity, normal)
-    real = jnp.stack(jnp.broadcast_arrays(normal[0], magnetic[0]), axis=1)
-    imaginary = jnp.stack(jnp.broadcast_arrays(normal[1], magnetic[1]), axis=1)
-    return _recursion((real, imaginary), round_trip, decay, outside)
+    structure = Structure() if structure is None else structure
+    n, k, thickness, wavelength = (jnp.asarray(one) for one in (n, k, thickness, wavelength))
+    above, (below_n, below_k) = jnp.asarray(structure.above), structure.below
+    beam = Beam(above, jnp.cos(incidence))
+    outside, substrate = beam.half, beam.into(jnp.asarray(below_n), jnp.asarray(below_k))
+    layers = sheets(beam, n, k, (4.0 * jnp.pi) * thickness / wavelength)
+    roughness = structure.roughness
+    kappa = None if roughness is None else (2.0 * jnp.pi) * jnp.asarray(roughness) / wavelength
+    shape = jnp.broadcast_shapes(
+        layers.round_trip[0].shape[1:], outside.magnetic[0].shape, substrate.normal[0].shape,
+        wavelength.shape, () if kappa is None else kappa.shape[1:],
+    )  # fmt: skip
+    group = _Grouped(outside, layers, substrate, kappa, structure.coherent, shape, inside)
+    shares = [jnp.stack(pair) for pair in zip(*group.shares(), strict=True)]
+    reflected, passed, absorbed = shares[0], shares[1], jnp.swapaxes(shares[2], 0, 1)
+    scattered: Numeric = 0.0
+    if kappa is not None and inside:
+        scattered = 1.0 - reflected - passed - absorbed.sum(axis=0)
+    return StackOptics(reflected, passed, absorbed, scattered)
 
 
-def _root(real: Array, imaginary: Array) -> tuple[Array, Array]:
-    """Square root in the first quadrant of a number in the upper half-plane."""
-    modulus = jnp.sqrt(real * real + imaginary * imaginary)
-    larger = jnp.sqrt(0.5 * (modulus + jnp.abs(real)))
-    smaller = 0.5 * imaginary / larger  # by division, as a difference would cancel
-    propagates = real >= 0.0
-    return jnp.where(propagates, larger, smaller), jnp.where(propagates, smaller, larger)
+class _Grouped(NamedTuple):
+    """Layers, cut where light does not interfere."""
+
+    outside: Half
+    layers: Sheets
+    substrate: Half
+    kappa: Array | None
+    coherent: tuple[bool, ...]
+    shape: tuple[int, ...]
+    inside: bool
+
+    @property
+    def thick(self) -> tuple[int, ...]:
+        """Numbers of the incoherent layers."""
+        return tuple(number for number, one in enumerate(self.coherent) if not one)
+
+    def shares(self) -> list[tuple[Array, Array, Array]]:
+        """Reflectance, transmittance and layers' absorptances of s and of p polarisation."""
+        count = self.layers.decay.shape[0]
+        starts = [0, *(number + 1 for number in self.thick)]
+        ends = [*self.thick, count]
+        halves = [self.outside, *(self._medium(number) for number in self.thick), self.substrate]
+        down, up = [], []
+        for place, (start, end) in enumerate(zip(starts, ends, strict=True)):
+            part, above, below = self.layers.cut(start, end), halves[place], halves[place + 1]
+            kappa = None if self.kappa is None else self.kappa[start : end + 1]
+            down.append(respond(above, part, below, kappa, self.shape, inside=self.inside))
+            if place < len(self.thick):
+                turned = None if kappa is None else kappa[::-1]
+                flipped = part.flipped()
+                up.append(respond(below, flipped, above, turned, self.shape, inside=self.inside))
+        decays = [self.layers.decay[number] for number in self.thick]
+        return [
+            _shares_of_powers(
+                [pair[number] for pair in down],
+                [pair[number] for pair in up],
+                [half.admittances[number] for half in halves],
+                decays,
+                self.inside,
+            )
+            for number in (0, 1)
+        ]
+
+    def _medium(self, number: int) -> Half:
+        one: Half = jax.tree.map(lambda part: part[number], self.layers.half)
+        return one
 
 
-def _quotient(over: tuple[Array, Array], under: tuple[Array, Array]) -> tuple[Array, Array]:
-    (a, b), (c, d) = over, under
-    scale = 1.0 / (c * c + d * d)
-    return (a * c + b * d) * scale, (b * c - a * d) * scale
+def _shares_of_powers(
+    down: list[Fields],
+    up: list[Fields],
+    admittances: list[Complex],
+    decays: list[Array],
+    inside: bool,
+) -> tuple[Array, Array, Array]:
+    """Shares of one polarisation, by adding powers in the incoherent layers.
 
-
-def _interface(
-    above: tuple[Array, Array], below: tuple[Array, Array], ratio: tuple[Array, Array]
-) -> tuple[tuple[Array, Array], Array]:
-    """Upward over downward field above an interface, and the downward power it lets through.
-
-    ``ratio`` is upward over downward field below it; the arguments are complex numbers.
+    ``down`` and ``up`` are what groups of coherent layers do to waves from above and from below,
+    ``admittances`` those of the media between them, ``decays`` the falls of power in these.
     """
-    plus = (above[0] + below[0], above[1] + below[1])
-    minus = (above[0] - below[0], above[1] - below[1])
-    over = (
-        minus[0] + plus[0] * ratio[0] - plus[1] * ratio[1],
-        minus[1] + plus[0] * ratio[1] + plus[1] * ratio[0],
-    )
-    under = (
-        plus[0] + minus[0] * ratio[0] - minus[1] * ratio[1],
-        plus[1] + minus[0] * ratio[1] + minus[1] * ratio[0],
-    )
-    gain = 4.0 * (above[0] ** 2 + above[1] ** 2) / (under[0] ** 2 + under[1] ** 2)
-    return _quotient(over, under), gain
-
-
-def _recursion(
-    admittance: tuple[Array, Array], round_trip: Array, decay: Array, outside: Array
-) -> StackOptics:
-    """Carry the field ratio up and the power down; axes (layers, polarisations, ...)."""
-    real, imaginary = admittance
-    layers = real.shape[0]
-    nothing = jnp.zeros_like(outside)
-    below, ratio = (outside, nothing), (nothing, nothing)
+    reflected = magnitude(down[-1].ratio)
+    returns: list[Array] = []  # upward over downward power at the top of each incoherent layer
     gains: list[Array] = []
-    ratios: list[tuple[Array, Array]] = []
-    for j in range(layers - 1, -1, -1):
-        above = (real[j], imaginary[j])
-        reflected, gain = _interface(above, below, ratio)
-        turn = round_trip[j]
-        ratio = (
-            reflected[0] * turn[0] - reflected[1] * turn[1],
-            reflected[0] * turn[1] + reflected[1] * turn[0],
-        )
-        below = above
+    for first, back, decay in zip(down[-2::-1], up[::-1], decays[::-1], strict=True):
+        returned = decay * decay * reflected
+        gain = 1.0 / (1.0 - magnitude(back.ratio) * returned)
+        reflected = magnitude(first.ratio) + first.passed * back.passed * returned * gain
+        returns.insert(0, returned)
         gains.insert(0, gain)
-        ratios.insert(0, ratio)
-    reflected, power = _interface((outside, nothing), below, ratio)
-    fluxes = []
-    for j in range(layers):
-        up = ratios[j]
-        net = real[j] * (1.0 - up[0] ** 2 - up[1] ** 2) + 2.0 * imaginary[j] * up[1]
-        fluxes.append(power * net / outside)
-        power = power * decay[j] * gains[j]
-    flux = jnp.stack([*fluxes, power])
-    return StackOptics(
-        reflectance=reflected[0] ** 2 + reflected[1] ** 2,
-        transmittance=power,
-        layer_absorptance=flux[:-1] - flux[1:],
-    )
+    beams = [jnp.ones_like(reflected)]  # squared downward field above each group
+    rising = []  # squared upward field below each group but the last
+    for one, gain, returned, decay in zip(down[:-1], gains, returns, decays, strict=True):
+        entered = beams[-1] * one.passed * gain
+        rising.append(entered * returned)
+        beams.append(entered * decay)
+    outside = admittances[0][0]
+    passed = beams[-1] * down[-1].passed * admittances[-1][0] / outside
+    absorbed = _absorbed(down, up, admittances, beams, rising) if inside else []
+    rows = [jnp.zeros((0, *reflected.shape)), *(part / outside for part in absorbed)]
+    return reflected, passed, jnp.concatenate(rows)
+
+
+def _absorbed(
+    down: list[Fields],
+    up: list[Fields],
+    admittances: list[Complex],
+    beams: list[Array],
+    rising: list[Array],
+) -> list[Array]:
+    """Power that layers absorb, top to bottom: groups of coherent ones and incoherent ones."""
+    found = []
+    for place, one in enumerate(down):
+        group = beams[place] * one.absorbed
+        if place < len(up):
+            group = group + rising[place] * up[place].absorbed[::-1]
+        found.append(group)
+        if place < len(up):
+            own, following = admittances[place + 1], down[place + 1]
+            top = own[0] * one.passed * beams[place]
+            top = top - net_power(own, up[place].ratio) * rising[place]
+            bottom = net_power(own, following.ratio) * beams[place + 1]
+            if place + 1 < len(up):
+                bottom = bottom - own[0] * up[place + 1].passed * rising[place + 1]
+            found.append((top - bottom)[None])
+    return found

@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 
 from lightflyer.budget.payload import light_on_cells
-from lightflyer.environment.base import EnvironmentState
+from lightflyer.environment.base import AbstractEnvironment, EnvironmentState
 from lightflyer.flight.balance import equilibrium
 from lightflyer.flight.bands import levitation_band
 from lightflyer.flight.design import AbstractDesign
 from lightflyer.flight.setup import Setup
+from lightflyer.foundation.precision import quick_entry_point
 from lightflyer.foundation.types import Numeric
 
 UNSTATED_LIMIT = 500.0
@@ -18,6 +19,7 @@ UNSTATED_LIMIT = 500.0
 polymer films shrink and melt near it."""
 
 _LOOKS = 31  # places within a band that are looked at
+_AT_ONCE = 320  # places: a prediction's table and what is reported beside it
 _ROUNDING = 1e-5  # relative, within which a search meets a limit
 
 
@@ -38,7 +40,15 @@ def cautions(setup: Setup, coordinate: Numeric, temperature: Numeric) -> tuple[s
     tuple of str
         One line each; empty where all is within range.
     """
-    return cautions_in(setup, setup.environment.state(np.asarray(coordinate, float)), temperature)
+    coordinate = np.asarray(coordinate, float)
+    repeats = (0, -coordinate.size % _AT_ONCE)  # of the last place, so that one program serves all
+    places, hottest = (np.pad(row, repeats, mode="edge") for row in (coordinate, temperature))
+    return cautions_in(setup, _state(setup.environment, places), hottest)
+
+
+@quick_entry_point
+def _state(environment: AbstractEnvironment, coordinate: Numeric) -> EnvironmentState:
+    return environment.state(coordinate)
 
 
 def cautions_in(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ caller. To keep all digits::
 import math
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from functools import wraps
+from functools import partial, wraps
 from typing import Any, ParamSpec, TypeVar
 
 import jax
@@ -30,6 +30,7 @@ import numpy as np
 
 from lightflyer.foundation.batches import in_batches
 from lightflyer.foundation.errors import ParameterError
+from lightflyer.foundation.kept_programs import KeptProgram
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -141,7 +142,7 @@ def quick_entry_point(function: Callable[P, R]) -> Callable[P, R]:
     """Like :func:`entry_point`, for a function that runs on little data in a short process.
 
     It is compiled twice as fast into code that runs several times slower, and cannot be used
-    under JAX's transformations.
+    under JAX's transformations. A later process finds it compiled where JAX keeps programs.
 
     Parameters
     ----------
@@ -152,7 +153,14 @@ def quick_entry_point(function: Callable[P, R]) -> Callable[P, R]:
     -------
     callable
     """
-    return _scoped(function, jit_with_options(_promoting(function), _QUICK_COMPILATION))
+    traced = jit_with_options(_promoting(function), _QUICK_COMPILATION)
+    kept = KeptProgram(function, partial(_compile_flat, _QUICK_COMPILATION))
+
+    def compiled(*args: Any, **kwargs: Any) -> Any:
+        program = None if kwargs else kept.find(jax.tree.map(_in_double, args))
+        return traced(*args, **kwargs) if program is None else program()
+
+    return _scoped(function, compiled)
 
 
 def jit_with_options(function: Callable[..., Any], options: dict[str, Any]) -> Callable[..., Any]:
@@ -168,23 +176,38 @@ def jit_with_options(function: Callable[..., Any], options: dict[str, Any]) -> C
     -------
     callable
     """
-    known = dict(options)
-    chosen = jax.jit(function, compiler_options=known)
+    jitted = _Tolerant(function, options)
+    return lambda *args, **kwargs: jitted.use(lambda chosen: chosen(*args, **kwargs))
 
-    def compiled(*args: Any, **kwargs: Any) -> Any:
-        nonlocal chosen
+
+class _Tolerant:
+    """A jitted function, without those of its options that this XLA does not know."""
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]):
+        self._function, self._known = function, dict(options)
+        self._chosen = jax.jit(function, compiler_options=self._known)
+
+    def use(self, how: Callable[[Any], Any]) -> Any:
         while True:
             try:
-                return chosen(*args, **kwargs)
+                return how(self._chosen)
             except jax.errors.JaxRuntimeError as error:
-                unknown = {name for name in known if f"'{name}'" in str(error)}
+                unknown = {name for name in self._known if f"'{name}'" in str(error)}
                 if "No such compile option" not in str(error) or not unknown:
                     raise
-            for name in unknown:  # to another XLA
-                del known[name]
-            chosen = jax.jit(function, compiler_options=dict(known) or None)
+            self._known = {k: v for k, v in self._known.items() if k not in unknown}
+            self._chosen = jax.jit(self._function, compiler_options=self._known or None)
 
-    return compiled
+
+def _compile_flat(
+    options: dict[str, Any], function: Callable[[list[Any]], list[Any]], leaves: list[Any]
+) -> Any:
+    return _Tolerant(function, options).use(lambda chosen: chosen.lower(leaves).compile())
+
+
+def _in_double(leaf: Any) -> np.ndarray:
+    array = np.asarray(leaf)
+    return array if array.dtype == bool else array.astype(np.float64)
 
 
 def _promoting(function: Callable[..., Any]) -> Callable[..., Any]:

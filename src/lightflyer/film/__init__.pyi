@@ -21,6 +21,7 @@ from .effective_media import series as series
 from .figures import draw_layers as draw_layers
 from .figures import draw_spectra as draw_spectra
 from .figures import film_figures as film_figures
+from .graded import Graded as Graded
 from .layered_section import AnyFilmSection as AnyFilmSection
 from .layered_section import LayeredFilmSection as LayeredFilmSection
 from .materials import Material as Material
@@ -29,11 +30,8 @@ from .materials import tabulated_material as tabulated_material
 from .materials import vacuum as vacuum
 from .medium import Extrapolation as Extrapolation
 from .medium import Medium as Medium
-from .mixture import Graded as Graded
 from .mixture import Mixture as Mixture
-from .mixture import Tempered as Tempered
 from .mixture import porous as porous
-from .mixture import tempered as tempered
 from .properties import FilmProperties as FilmProperties
 from .properties import area_weighted as area_weighted
 from .section import FilmSection as FilmSection
@@ -47,6 +45,8 @@ from .spectra import spectrum_from_csv as spectrum_from_csv
 from .stack import Film as Film
 from .stack import Layer as Layer
 from .summary import FilmSummary as FilmSummary
+from .tempered import Tempered as Tempered
+from .tempered import at_temperature as at_temperature
 from .thickness import thickness_uncertainty as thickness_uncertainty
 from .transfer_matrix import StackOptics as StackOptics
 from .transfer_matrix import stack_optics as stack_optics

@@ -13,6 +13,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from lightflyer.film.pairs import Pair, over, plus, root, scaled, summed, times
+from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
 
@@ -253,6 +254,22 @@ class Rule(enum.StrEnum):
     MAXWELL_GARNETT = "maxwell-garnett"
     PARALLEL = "parallel"
     SERIES = "series"
+
+    @classmethod
+    def of(cls, name: "Rule | str") -> "Rule":
+        """The rule of a name.
+
+        Raises
+        ------
+        ParameterError
+            If there is none.
+        """
+        try:
+            return cls(name)
+        except ValueError:
+            raise ParameterError(
+                f'rule "{name}" is unknown; choose from {", ".join(cls)}'
+            ) from None
 
     @property
     def law(self) -> Law:

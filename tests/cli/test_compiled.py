@@ -26,7 +26,7 @@ def predict(flyer_file):
 
 
 def entries(folder):
-    return {path.name for path in folder.rglob("*-cache")}
+    return {path for kind in ("*-cache", "*.program") for path in folder.rglob(kind)}
 
 
 def test_what_was_compiled_is_kept_and_used_again(predict, tmp_path):
@@ -35,7 +35,7 @@ def test_what_was_compiled_is_kept_and_used_again(predict, tmp_path):
     assert str(folder) in first.stderr
     assert first.stderr.count("\n") == 1
     kept = entries(folder)
-    assert kept
+    assert {path.suffix for path in kept} == {"", ".program"}
     second = predict(folder)
     assert second.stderr == ""
     assert second.stdout == first.stdout
@@ -51,7 +51,7 @@ def test_none_is_kept_where_none_is_wanted_or_can_be(predict, tmp_path):
 
 def test_a_damaged_entry_is_compiled_again(predict, tmp_path):
     first = predict(tmp_path / "cache")
-    for path in (tmp_path / "cache").rglob("*-cache"):
+    for path in entries(tmp_path / "cache"):
         path.write_bytes(b"damaged")
     second = predict(tmp_path / "cache")
     assert second.stdout == first.stdout

@@ -25,6 +25,9 @@ app = cyclopts.App(
     help="Design, test and fly photophoretic light-flyers: thin films that levitate in sunlight.",
     version=lightflyer.__version__,
 )
+app.register_install_completion_command(
+    help="Install completion of commands and options for this shell: bash, zsh, fish or PowerShell."
+)
 app.command(
     "lightflyer.cli.init:init", name="init", help="Write a commented flyer file to start from."
 )
@@ -92,6 +95,11 @@ app.command(
     "lightflyer.cli.kinetic:kinetic_command",
     name="kinetic",
     help="Solve the kinetic equation around a hot thin disk.",
+)
+app.command(
+    "lightflyer.cli.doctor:doctor_command",
+    name="doctor",
+    help="Say what is installed: extras, devices, libraries, caches.",
 )
 
 

@@ -18,27 +18,46 @@ SETTING = "LIGHTFLYER_CACHE"
 """Environment variable: ``off``, or the folder to keep compiled programs in."""
 
 _LARGEST = 500_000_000  # bytes
-_COMPILES_NOTHING = {"init", "materials", "--help", "-h", "--version"}
+_COMPILES_NOTHING = {
+    *("init", "materials", "doctor"),
+    *("--help", "-h", "--version", "--install-completion"),
+}
+_OF_JAX = ("JAX_COMPILATION_CACHE_DIR", "JAX_ENABLE_COMPILATION_CACHE")
+_OF_NUMBA = "NUMBA_CACHE_DIR"
+
+
+def compiled_folder() -> Path | None:
+    """Folder for the compiled programs of this processor.
+
+    Returns
+    -------
+    Path or None
+        It need not exist yet; None where the user wants none, or names one of JAX's own.
+    """
+    setting = os.environ.get(SETTING, "")
+    if setting.lower() == "off" or os.environ.keys() & set(_OF_JAX):
+        return None
+    import platformdirs
+
+    return Path(setting or platformdirs.user_cache_dir("lightflyer")) / _processor()
 
 
 def keep_compiled(arguments: Sequence[str]) -> None:
-    """Have JAX keep compiled programs; to be called before JAX is loaded.
+    """Have JAX and Numba keep compiled programs; to be called before they are loaded.
 
     Nothing is kept where the folder cannot be made or written. What the environment says for JAX
-    itself (``JAX_COMPILATION_CACHE_DIR``) takes precedence.
+    or Numba itself (``JAX_COMPILATION_CACHE_DIR``, ``NUMBA_CACHE_DIR``) takes precedence.
 
     Parameters
     ----------
     arguments : sequence of str
         Of the command line.
     """
-    setting = os.environ.get(SETTING, "")
-    asked = {"JAX_COMPILATION_CACHE_DIR", "JAX_ENABLE_COMPILATION_CACHE"} & os.environ.keys()
-    if setting.lower() == "off" or asked or not arguments or _COMPILES_NOTHING & set(arguments):
+    if not arguments or _COMPILES_NOTHING & set(arguments):
         return
-    import platformdirs
-
-    folder = Path(setting or platformdirs.user_cache_dir("lightflyer")) / _processor()
+    folder = compiled_folder()
+    if folder is None:
+        return
     is_new = not folder.exists()
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -52,6 +71,7 @@ def keep_compiled(arguments: Sequence[str]) -> None:
         "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
         "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1",
     }
+    os.environ.setdefault(_OF_NUMBA, str(folder / "numba"))
     if is_new:
         print(  # noqa: T201
             f"lightflyer: compiled programs are kept in {folder.parent}, so that the next command "

@@ -69,7 +69,7 @@ class KeptProgram:
         callable or None
             Runs it; None where such programs cannot be kept, or no folder is named.
         """
-        folder = jax.config.jax_compilation_cache_dir
+        folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
         if not folder:
             return None
         leaves, structure = jax.tree.flatten(args)
@@ -133,7 +133,7 @@ def _require_same(one: list[Any], other: list[Any]) -> None:
 
 @contextmanager
 def _not_kept_by_jax() -> Iterator[None]:
-    before = jax.config.jax_persistent_cache_min_compile_time_secs
+    before = jax.config.jax_persistent_cache_min_compile_time_secs  # type: ignore[attr-defined]
     jax.config.update("jax_persistent_cache_min_compile_time_secs", np.inf)
     try:
         yield

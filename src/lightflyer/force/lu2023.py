@@ -10,7 +10,6 @@ from typing import ClassVar, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
@@ -303,7 +302,7 @@ class Lu2023(AbstractForceModel):
         """
         if (float(self.c_fm), float(self.c_cont)) != (_FITTED_C_FM, _FITTED_C_CONT):
             return ()
-        diameter, ratio = 2.0 * np.asarray(flyer.radius), temperature / state.temperature
+        diameter, ratio = 2.0 * flyer.radius, temperature / state.temperature
         return (
             *_FITTED_DIAMETERS.caveats(diameter, state.pressure),
             *_FITTED_WARMER.caveats(ratio, state.pressure),

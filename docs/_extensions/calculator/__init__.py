@@ -1,0 +1,71 @@
+"""A calculator for the pages: the package's model, compiled to JavaScript when they are built.
+
+``graph`` holds scalar operations, ``primitives`` and ``control`` make them from JAX's trace,
+``javascript`` writes them. ``model`` says what is traced, ``page`` and ``core.js``, ``view.js`` and
+``calculator.css`` how it is shown. The directive ``calculator`` puts it on a page.
+"""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from docutils.parsers.rst import Directive
+from sphinx.application import Sphinx
+
+_HERE = Path(__file__).parent
+_MODEL = "calculator-model.js"
+_COPIED = {"core.js": "calculator-core.js", "view.js": "calculator-view.js"}
+_STYLE = "calculator.css"
+
+
+class Calculator(Directive):
+    """``{calculator}``: the calculator, here."""
+
+    def run(self) -> list[nodes.Node]:
+        """Its HTML."""
+        from .page import html
+
+        return [nodes.raw("", html(), format="html")]
+
+
+def write(folder: Path) -> None:
+    """Write the scripts and the style that the page needs.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if need be.
+    """
+    from .model import compile_all
+
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / _MODEL).write_text(compile_all(), encoding="utf-8")
+    for source, target in _COPIED.items():
+        shutil.copyfile(_HERE / source, folder / target)
+    shutil.copyfile(_HERE / _STYLE, folder / _STYLE)
+
+
+def _prepare(app: Sphinx) -> None:
+    if app.builder.format == "html":
+        folder = Path(app.doctreedir) / "calculator"
+        write(folder)
+        app.config.html_static_path.append(str(folder))
+
+
+def _load(app: Sphinx, _page: str, _template: str, context: dict[str, Any], _tree: Any) -> None:
+    """Load the scripts on pages that have a calculator, and on no other."""
+    if 'id="lf-calculator"' in context.get("body", ""):
+        app.add_css_file(_STYLE)
+        for script in (_MODEL, *_COPIED.values()):
+            app.add_js_file(script, loading_method="defer")
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Register the directive."""
+    app.add_directive("calculator", Calculator)
+    app.connect("builder-inited", _prepare)
+    app.connect("html-page-context", _load)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

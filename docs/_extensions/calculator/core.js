@@ -1,0 +1,198 @@
+/* What the calculator knows: results, warnings, bands and the flyer file. No page in here. */
+(function () {
+  "use strict";
+
+  const { functions, about } = globalThis.lightflyerModel;
+  const computed = about.numbers.filter((number) => number.computed);
+  const ALTITUDE = computed.findIndex((number) => number.name === "altitude");
+  const DIAMETER = computed.findIndex((number) => number.name === "flyer.diameter");
+  const LIMIT = "film.highest_temperature";
+  const LIMIT_ROUNDING = 1 + 1e-5; // as in the package
+  const MOST_DIGITS = 16;
+  const SMALLEST = 1e-9; // elasticity that is more than rounding
+  const CLOSER = 60; // places looked at around the least light
+  const HALVINGS = 40; // of a bracket of a kilometre: to rounding
+
+  const place = Object.fromEntries(about.outputs.map((output, index) => [output.name, index]));
+  const CONVERGED = about.outputs.length;
+
+  /** Values that a reader sees, by name, at the start. */
+  function defaults() {
+    return Object.fromEntries(about.numbers.map((number) => [number.name, number.default]));
+  }
+
+  /** Arguments of the compiled functions, in the package's units. */
+  function argumentsOf(values) {
+    return computed.map((number) => values[number.name] * number.factor);
+  }
+
+  /** Results of one place by name, in the package's units, with warnings. */
+  function evaluate(model, values) {
+    const found = functions[model].evaluate(...argumentsOf(values));
+    const results = Object.fromEntries(
+      about.outputs.map((output, index) => [output.name, found[index]]),
+    );
+    results.converged = found[CONVERGED];
+    results.warnings = warnings(model, values, results, found.slice(CONVERGED + 1));
+    return results;
+  }
+
+  function warnings(model, values, results, looked) {
+    const { ranges, notes } = about.models[model];
+    const said = [...notes];
+    ranges.forEach((range, index) => {
+      said.push(...beyond(range, looked[index], results.pressure));
+    });
+    const limit = values[LIMIT];
+    if (results.temperature > limit * LIMIT_ROUNDING) {
+      said.push(
+        `the flyer reaches ${results.temperature.toFixed(0)} K, and its film bears ` +
+          `${limit.toFixed(0)} K`,
+      );
+    }
+    if (results.lift_over_weight < 0) said.push(about.pushed.down);
+    if (results.lift_over_weight === 0) said.push(about.pushed.not);
+    return [...new Set(said)];
+  }
+
+  function beyond(range, value, pressure) {
+    const { name, lowest, highest } = range;
+    const at = `at ${general(pressure, 3)} Pa`;
+    const line = (word, limit) =>
+      `${name} is ${apart(value, limit)} ${at}, ${word} ${general(limit, 3)}: ${range.beyond}`;
+    if (lowest !== null && value < lowest) return [line("below", lowest)];
+    if (highest !== null && value > highest) return [line("above", highest)];
+    return [];
+  }
+
+  /** A value with as many digits as show that it is not the limit. */
+  function apart(value, limit) {
+    for (let digits = 3; digits < MOST_DIGITS; digits += 1) {
+      if (general(value, digits) !== general(limit, 3)) return general(value, digits);
+    }
+    return String(value);
+  }
+
+  /** A number in some significant digits, as Python's format "g" has it. */
+  function general(value, digits) {
+    if (!Number.isFinite(value)) return String(value);
+    const [mantissa, power] = value.toExponential(digits - 1).split("e");
+    const exponent = Number(power);
+    const plain = (text) => (text.includes(".") ? text.replace(/\.?0+$/, "") : text);
+    if (exponent >= -4 && exponent < digits) return plain(value.toFixed(digits - 1 - exponent));
+    const size = String(Math.abs(exponent)).padStart(2, "0");
+    return `${plain(mantissa)}e${exponent < 0 ? "-" : "+"}${size}`;
+  }
+
+  /** Rows of outputs over altitudes [m]. */
+  function profile(model, values, altitudes) {
+    const given = argumentsOf(values);
+    return altitudes.map((altitude) => {
+      given[ALTITUDE] = altitude;
+      return functions[model].evaluate(...given);
+    });
+  }
+
+  /** Ranges of altitude [m] in which it levitates, lowest first. */
+  function bands(model, values, altitudes, rows) {
+    const given = argumentsOf(values);
+    const spare = (row) => row[place.lift_over_weight] - 1;
+    const at = (altitude) => {
+      given[ALTITUDE] = altitude;
+      return spare(functions[model].evaluate(...given));
+    };
+    const found = [];
+    let start = spare(rows[0]) >= 0 ? altitudes[0] : null;
+    for (let index = 1; index < rows.length; index += 1) {
+      const flies = spare(rows[index]) >= 0;
+      if (flies === (start !== null)) continue;
+      let [low, high] = [altitudes[index - 1], altitudes[index]];
+      for (let step = 0; step < HALVINGS; step += 1) {
+        const middle = 0.5 * (low + high);
+        if (at(middle) >= 0 === flies) high = middle;
+        else low = middle;
+      }
+      if (flies) start = high;
+      else {
+        found.push([start, low]);
+        start = null;
+      }
+    }
+    if (start !== null) found.push([start, altitudes[altitudes.length - 1]]);
+    return found;
+  }
+
+  /** Where it needs the least light: altitude [m] and irradiance [W/m²]; null if nowhere. */
+  function easiest(model, values, altitudes, rows) {
+    const lights = rows.map((row) => row[place.levitation_irradiance]);
+    const least = lights.indexOf(Math.min(...lights));
+    if (least < 0 || !Number.isFinite(lights[least])) return null;
+    const [low, high] = [Math.max(least - 1, 0), Math.min(least + 1, rows.length - 1)];
+    const step = (altitudes[high] - altitudes[low]) / CLOSER;
+    const near = Array.from({ length: CLOSER + 1 }, (_, at) => altitudes[low] + at * step);
+    const closer = profile(model, values, near).map((row) => row[place.levitation_irradiance]);
+    const best = closer.indexOf(Math.min(...closer));
+    return { altitude: near[best], irradiance: closer[best] };
+  }
+
+  /** Payload [kg] and temperature [K] over diameters [m] and altitudes [m], row by row. */
+  function map(model, values, diameters, altitudes) {
+    const given = argumentsOf(values);
+    const payload = new Float64Array(diameters.length * altitudes.length);
+    const temperature = new Float64Array(payload.length);
+    altitudes.forEach((altitude, row) => {
+      given[ALTITUDE] = altitude;
+      diameters.forEach((diameter, column) => {
+        given[DIAMETER] = diameter;
+        const found = functions[model].evaluate(...given);
+        const index = row * diameters.length + column;
+        payload[index] = found[CONVERGED] ? found[place.payload] : NaN;
+        temperature[index] = found[place.temperature];
+      });
+    });
+    return { payload, temperature };
+  }
+
+  /** Change in percent of the irradiance to levitate if a number grows by 1 %. */
+  function elasticities(model, values, irradiance) {
+    const given = argumentsOf(values);
+    const slopes = functions[model].slopes(...given);
+    return computed
+      .map((number, index) => ({ number, value: (slopes[index] * given[index]) / irradiance }))
+      .filter(({ number, value }) => number.name !== "altitude" && Math.abs(value) > SMALLEST);
+  }
+
+  /** The flyer file of some values; the package gives the same numbers for it. */
+  function flyerFile(model, values) {
+    const { version, template } = about;
+    const lines = [
+      `# Made by the calculator of the documentation of lightflyer ${version}. The same numbers:`,
+      `# lightflyer predict FILE --at "${values.altitude} km"`,
+    ];
+    for (const [section, fixed] of Object.entries(template)) {
+      lines.push("", `[${section}]`);
+      for (const [key, value] of Object.entries(fixed)) lines.push(`${key} = "${value}"`);
+      for (const { name, unit } of about.numbers) {
+        const [part, key] = name.split(".");
+        if (part !== section) continue;
+        lines.push(`${key} = ${unit ? `"${values[name]} ${unit}"` : values[name]}`);
+      }
+      if (section === "force") lines.push(`model = "${model}"`);
+    }
+    return `${lines.join("\n")}\n`;
+  }
+
+  globalThis.lightflyerCore = {
+    about,
+    place,
+    defaults,
+    evaluate,
+    profile,
+    bands,
+    easiest,
+    map,
+    elasticities,
+    flyerFile,
+    general,
+  };
+})();

@@ -1,0 +1,197 @@
+"""A graph of scalar operations: what a traced function computes, number by number.
+
+Equal operations on equal operands are one node, and what is known is computed at once. Every node
+lies in the outermost loop in which all its operands exist, so that no loop repeats what does not
+change in it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+
+class Operator(NamedTuple):
+    """How an operation is written in JavaScript, and how NumPy does it.
+
+    Attributes
+    ----------
+    text : str
+        An infix or prefix operator, or the name of a function.
+    precedence : int
+        JavaScript's, higher binds closer; 0 for a function.
+    fold : callable or None
+        The same on NumPy's numbers; None where constants stay to be computed in JavaScript.
+    """
+
+    text: str
+    precedence: int
+    fold: Any
+
+
+PRIMARY, PREFIX, PRODUCT, SUM, ORDER, EQUALITY, AND, OR, CHOICE = 20, 14, 12, 11, 9, 8, 4, 3, 2
+
+OPERATORS = {
+    "add": Operator("+", SUM, np.add),
+    "sub": Operator("-", SUM, np.subtract),
+    "mul": Operator("*", PRODUCT, np.multiply),
+    "div": Operator("/", PRODUCT, np.divide),
+    "rem": Operator("%", PRODUCT, np.fmod),
+    "lt": Operator("<", ORDER, np.less),
+    "le": Operator("<=", ORDER, np.less_equal),
+    "gt": Operator(">", ORDER, np.greater),
+    "ge": Operator(">=", ORDER, np.greater_equal),
+    "eq": Operator("===", EQUALITY, np.equal),
+    "ne": Operator("!==", EQUALITY, np.not_equal),
+    "and": Operator("&&", AND, np.logical_and),
+    "or": Operator("||", OR, np.logical_or),
+    "neg": Operator("-", PREFIX, np.negative),
+    "not": Operator("!", PREFIX, np.logical_not),
+    "number": Operator("+", PREFIX, lambda flag: int(flag)),
+    "pow": Operator("Math.pow", 0, np.power),
+    "max": Operator("Math.max", 0, np.maximum),
+    "min": Operator("Math.min", 0, np.minimum),
+    "atan2": Operator("Math.atan2", 0, np.arctan2),
+    "abs": Operator("Math.abs", 0, np.abs),
+    "sign": Operator("Math.sign", 0, np.sign),
+    "sqrt": Operator("Math.sqrt", 0, np.sqrt),
+    "cbrt": Operator("Math.cbrt", 0, np.cbrt),
+    "exp": Operator("Math.exp", 0, np.exp),
+    "expm1": Operator("Math.expm1", 0, np.expm1),
+    "log": Operator("Math.log", 0, np.log),
+    "log1p": Operator("Math.log1p", 0, np.log1p),
+    "sin": Operator("Math.sin", 0, np.sin),
+    "cos": Operator("Math.cos", 0, np.cos),
+    "tan": Operator("Math.tan", 0, np.tan),
+    "asin": Operator("Math.asin", 0, np.arcsin),
+    "acos": Operator("Math.acos", 0, np.arccos),
+    "atan": Operator("Math.atan", 0, np.arctan),
+    "sinh": Operator("Math.sinh", 0, np.sinh),
+    "cosh": Operator("Math.cosh", 0, np.cosh),
+    "tanh": Operator("Math.tanh", 0, np.tanh),
+    "floor": Operator("Math.floor", 0, np.floor),
+    "ceil": Operator("Math.ceil", 0, np.ceil),
+    "trunc": Operator("Math.trunc", 0, np.trunc),
+    "is_finite": Operator("Number.isFinite", 0, np.isfinite),
+}
+"""All operations but constants, choices, look-ups in tables and what belongs to loops."""
+
+_SAME = {"add": -0.0, "sub": 0.0, "mul": 1, "div": 1}  # right operands that change nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Scope:
+    """The body of a loop, or the function itself, at depth 0."""
+
+    depth: int
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """One scalar.
+
+    Attributes
+    ----------
+    operation : str
+        A key of :data:`OPERATORS`, or ``constant``, ``choice``, ``table``, ``variable``,
+        ``result``.
+    operands : tuple of Node
+    data : object
+        Value of a constant, values of a table, place of a loop's result.
+    scope : Scope
+    """
+
+    operation: str
+    operands: tuple[Node, ...]
+    data: Any
+    scope: Scope
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether its value is known."""
+        return self.operation == "constant"
+
+
+@dataclass(eq=False)
+class Loop:
+    """Variables that change together for as long as a condition holds."""
+
+    scope: Scope
+    start: list[Node]
+    variables: list[Node] = field(default_factory=list)
+    condition: Node | None = None
+    following: list[Node] = field(default_factory=list)
+
+
+class Graph:
+    """All nodes of one function."""
+
+    def __init__(self) -> None:
+        self._root = Scope(0)
+        self._nodes: dict[Any, Node] = {}
+
+    def constant(self, value: Any) -> Node:
+        """A number or truth value that is known."""
+        plain = value.item() if isinstance(value, np.generic) else value
+        # the text tells 0.0 from -0.0, and finds NaN again
+        return self._node("constant", (), plain, key=(type(plain), repr(plain)))
+
+    def variable(self, scope: Scope | None = None) -> Node:
+        """A number that a caller gives, or that a loop changes."""
+        return Node("variable", (), None, scope or self._root)
+
+    def operation(self, name: str, *operands: Node) -> Node:
+        """One of :data:`OPERATORS`."""
+        fold = OPERATORS[name].fold
+        if all(operand.is_constant for operand in operands):
+            with np.errstate(all="ignore"):
+                return self.constant(fold(*(np.asarray(one.data)[()] for one in operands)))
+        if name in _SAME and operands[1].is_constant:
+            value, same = operands[1].data, _SAME[name]
+            if value == same and math.copysign(1.0, value) == math.copysign(1.0, same):
+                return operands[0]
+        if name == "mul" and operands[0].is_constant and operands[0].data == 1:
+            return operands[1]
+        return self._node(name, operands)
+
+    def choice(self, condition: Node, true: Node, false: Node) -> Node:
+        """One of two numbers."""
+        if condition.is_constant:
+            return true if condition.data else false
+        return true if true is false else self._node("choice", (condition, true, false))
+
+    def element(self, values: list[Node], index: Node) -> Node:
+        """One of many numbers, by an index that is within range."""
+        if index.is_constant:
+            return values[int(index.data)]
+        if all(value.is_constant for value in values):
+            table = tuple(value.data for value in values)
+            return self._node("table", (index,), table)
+        found = values[-1]
+        for place in reversed(range(len(values) - 1)):
+            here = self.operation("eq", index, self.constant(place))
+            found = self.choice(here, values[place], found)
+        return found
+
+    def loop(self, start: list[Node], outer: Scope | None) -> Loop:
+        """Open a loop; its condition and what follows are to be filled in."""
+        scope = Scope((outer or self._root).depth + 1)
+        return Loop(scope, start, [self.variable(scope) for _ in start])
+
+    def results(self, loop: Loop, outer: Scope | None) -> list[Node]:
+        """What the variables of a loop are after it."""
+        places = range(len(loop.variables))
+        return [Node("result", (), (loop, place), outer or self._root) for place in places]
+
+    def _node(
+        self, operation: str, operands: tuple[Node, ...], data: Any = None, key: Any = None
+    ) -> Node:
+        key = operation, *map(id, operands), data if key is None else key
+        if key not in self._nodes:
+            scopes = (operand.scope for operand in operands)
+            scope = max(scopes, key=lambda scope: scope.depth, default=self._root)
+            self._nodes[key] = Node(operation, operands, data, scope)
+        return self._nodes[key]

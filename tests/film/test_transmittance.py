@@ -46,17 +46,17 @@ def computed():
 
 
 def by_tmm(film, side, wavelengths, weights, angles, shares):
-    """Absorbed, passed and reflected, with what each layer absorbs summed up."""
+    """Absorbed, passed, reflected and scattered, with what each layer absorbs summed up."""
     layers = film.layers if side == "top" else film.layers[::-1]
     d = [np.inf, *(layer.thickness for layer in layers), np.inf]
     index = [1.0, *(complex(*layer.material.index(1e-5)) for layer in layers), 1.0]
-    total = np.zeros(3)
+    total = np.zeros(4)
     for wavelength, weight in zip(wavelengths, weights, strict=True):
         for angle, share in zip(angles, shares, strict=True):
             for polarisation in "sp":
                 data = tmm.coh_tmm(polarisation, index, d, angle, wavelength)
                 inside = sum(tmm.absorp_in_each_layer(data)[1:-1])
-                total += 0.5 * weight * share * np.array([inside, data["T"], data["R"]])
+                total += 0.5 * weight * share * np.array([inside, data["T"], data["R"], 0.0])
     return total
 
 

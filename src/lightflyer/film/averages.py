@@ -89,13 +89,15 @@ class Shares(NamedTuple):
 
     Attributes
     ----------
-    absorptance, transmittance, reflectance : Average
-        Their values have the sum one. The absorptance for heat radiation is the emittance.
+    absorptance, transmittance, reflectance, scattered : Average
+        Their values have the sum one. The absorptance for heat radiation is the emittance. What
+        rough interfaces scatter is not followed: the film may absorb some of it.
     """
 
     absorptance: Average
     transmittance: Average
     reflectance: Average
+    scattered: Average
 
 
 def light_shares(
@@ -323,7 +325,7 @@ def emittance_curve(
 
 def _has_data(film: Film, wavelength: np.ndarray) -> np.ndarray:
     """Whether all materials have data, at each wavelength."""
-    covers = [layer.material.covers(wavelength) for layer in film.layers]
+    covers = [medium.covers(wavelength) for medium in film.media]
     return np.all(covers, axis=0) if covers else np.ones(wavelength.shape, bool)
 
 

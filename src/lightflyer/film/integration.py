@@ -1,7 +1,9 @@
 """Wavelengths, directions and weights of a film's averages, and what becomes of light there."""
 
-from typing import NamedTuple
+import dataclasses
+from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -9,7 +11,7 @@ from jax import Array
 from lightflyer.film.medium import MICROMETRE
 from lightflyer.film.spectra import Spectrum, planck
 from lightflyer.film.stack import Film, Side
-from lightflyer.film.transfer_matrix import transfer
+from lightflyer.film.transfer_matrix import Structure, transfer
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.precision import entry_point, is_traced
 from lightflyer.foundation.types import Numeric
@@ -53,13 +55,14 @@ class SpectralShares(NamedTuple):
 
     Attributes
     ----------
-    absorptance, transmittance, reflectance : array, shape (w,)
+    absorptance, transmittance, reflectance, scattered : array, shape (w,)
         [1]; their sum is one.
     """
 
     absorptance: Numeric
     transmittance: Numeric
     reflectance: Numeric
+    scattered: Numeric
 
 
 def data_range(film: Film) -> tuple[float, float]:
@@ -74,7 +77,7 @@ def data_range(film: Film) -> tuple[float, float]:
     shortest, longest : float
         Equal if the materials have no wavelength in common.
     """
-    ranges = [layer.material.wavelength_range for layer in film.layers]
+    ranges = [medium.wavelength_range for medium in film.media]
     shortest = max((ends[0] for ends in ranges), default=0.0)
     longest = min((ends[1] for ends in ranges), default=np.inf)
     return shortest, max(shortest, longest)
@@ -184,41 +187,76 @@ def spectral_shares(film: Film, side: Side, grid: Grid) -> SpectralShares:
     """
     lit = (film if side == "top" else film.flipped()).homogeneous()
     n, k = lit.index(grid.wavelength)
-    if is_traced(n, k, lit.thickness, grid.cosine):
-        return _spectral(n, k, lit.thickness, grid.wavelength, grid.cosine, grid.share)
-    chunks = [_spectral(*chunk) for chunk in _chunks(n, k, np.asarray(lit.thickness), grid)]
-    parts = zip(*chunks, strict=True)
-    return SpectralShares(*(np.concatenate(part)[: grid.wavelength.size] for part in parts))
+    structure = lit.structure(grid.wavelength, axes=2)
+    if is_traced(n, k, lit.thickness, grid.cosine, structure):
+        arguments = (n, k, lit.thickness, grid.wavelength, grid.cosine, grid.share, structure)
+        found = _spectral(*arguments)
+    else:
+        chunks = _chunks(n, k, np.asarray(lit.thickness), grid, structure)
+        parts = zip(*(_spectral(*chunk) for chunk in chunks), strict=True)
+        joined = (np.concatenate(part)[: grid.wavelength.size] for part in parts)
+        found = SpectralShares(*joined)
+    return found if film.open_share is None else _with_holes(found, film.open_share)
+
+
+def _with_holes(shares: SpectralShares, open_share: Numeric) -> SpectralShares:
+    """Shares of a film with holes, through which all light passes."""
+    solid = 1.0 - open_share
+    found = SpectralShares(*(solid * share for share in shares))
+    return found._replace(transmittance=found.transmittance + open_share)
 
 
 def _chunks(
-    n: np.ndarray, k: np.ndarray, thickness: np.ndarray, grid: Grid
-) -> list[tuple[np.ndarray, ...]]:
+    n: np.ndarray, k: np.ndarray, thickness: np.ndarray, grid: Grid, structure: Structure
+) -> list[tuple[Any, ...]]:
     """Arguments of the compiled function, always of one shape: one compilation serves all."""
     cosines, shares = np.ones(DIRECTIONS), np.zeros(DIRECTIONS)
     cosines[: np.size(grid.cosine)], shares[: np.size(grid.share)] = grid.cosine, grid.share
     padding = (0, -grid.wavelength.size % _CHUNK)
-    n, k = (np.pad(table, [(0, 0), padding], mode="edge") for table in (n, k))
-    padded = np.pad(grid.wavelength, padding, mode="edge")
-    pieces = [slice(start, start + _CHUNK) for start in range(0, padded.size, _CHUNK)]
-    return [(n[:, at], k[:, at], thickness, padded[at], cosines, shares) for at in pieces]
+    size = grid.wavelength.size
+
+    def padded(table: np.ndarray) -> np.ndarray:
+        """A table over the wavelengths, continued to whole pieces; another one as it is."""
+        if np.ndim(table) == 0 or table.shape[-1] != size:
+            return table
+        return np.pad(table, [(0, 0)] * (table.ndim - 1) + [padding], mode="edge")
+
+    tables = jax.tree.map(padded, (n, k, grid.wavelength, structure.above, structure.below))
+    found = []
+    for start in range(0, size + padding[1], _CHUNK):
+        at = slice(start, start + _CHUNK)
+        n, k, wavelength, above, below = jax.tree.map(
+            lambda table: table[..., at] if np.ndim(table) else table,  # noqa: B023
+            tables,
+        )
+        around = dataclasses.replace(structure, above=above, below=below)
+        found.append((n, k, thickness, wavelength, cosines, shares, around))
+    return found
 
 
 @entry_point
 def _spectral(
-    n: Numeric, k: Numeric, thickness: Numeric, wavelength: Numeric, cosine: Numeric, share: Numeric
+    n: Numeric,
+    k: Numeric,
+    thickness: Numeric,
+    wavelength: Numeric,
+    cosine: Numeric,
+    share: Numeric,
+    structure: Structure,
 ) -> SpectralShares:
     """Shares of unpolarised light at each wavelength, weighted over directions."""
     incidence = jnp.arccos(jnp.atleast_1d(cosine))[:, None]
     layers = thickness.reshape(-1, 1, 1)
     optics = transfer(
-        n[:, None], k[:, None], layers, wavelength, incidence, inside=False
+        n[:, None], k[:, None], layers, wavelength, incidence, structure, inside=False
     ).unpolarised()
-    absorbed = 1.0 - optics.reflectance - optics.transmittance
+    scattered = optics.scattered + jnp.zeros_like(optics.reflectance)
+    absorbed = 1.0 - optics.reflectance - optics.transmittance - scattered
     shares = jnp.atleast_1d(share)
     return SpectralShares(
-        shares @ absorbed, shares @ optics.transmittance, shares @ optics.reflectance
-    )
+        shares @ absorbed, shares @ optics.transmittance, shares @ optics.reflectance,
+        shares @ scattered,
+    )  # fmt: skip
 
 
 @entry_point

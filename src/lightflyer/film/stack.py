@@ -1,5 +1,6 @@
 """A film as layers, top to bottom."""
 
+import dataclasses
 from typing import Literal, TypeAlias
 
 import equinox as eqx
@@ -7,16 +8,20 @@ import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.film.medium import Medium
-from lightflyer.film.transfer_matrix import StackOptics, stack_optics
+from lightflyer.film.transfer_matrix import StackOptics, Structure, structured_optics
 from lightflyer.foundation.checks import require_positive, require_range
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.precision import entry_point, is_traced
-from lightflyer.foundation.quantity import Checked, Thickness
+from lightflyer.foundation.quantity import Checked, Length, OpenFraction, Roughness, Thickness
 from lightflyer.foundation.types import Numeric
 
 Side: TypeAlias = Literal["top", "bottom"]
 
 GRAZING = np.nextafter(np.pi / 2, 0.0)
+
+_CLEAR = 1e-3
+"""Largest extinction coefficient of a medium that light may come from [1]. Its square is neglected
+against that of the index; what it absorbs on the way is not counted."""
 
 
 class Layer(Checked):
@@ -28,6 +33,11 @@ class Layer(Checked):
         The film's properties are differentiable in its parameters.
     thickness : array
         [m]; the film's properties are differentiable in it.
+    coherent : bool
+        Whether light interferes in it. It does not in a layer so thick or uneven that the spectrum
+        or the beam averages over many fringes, such as a substrate.
+    roughness : array or None
+        Standard deviation of the height of its upper face [m]; None where it is smooth.
 
     Raises
     ------
@@ -37,6 +47,8 @@ class Layer(Checked):
 
     material: Medium
     thickness: Thickness
+    coherent: bool = eqx.field(static=True, default=True)
+    roughness: Roughness | None = None
 
     def __check_init__(self) -> None:
         require_positive(**{f"thickness of {self.material.name}": self.thickness})
@@ -47,16 +59,35 @@ class Layer(Checked):
         media = self.material.sheets
         if len(media) == 1:
             return (self,)
-        return tuple(Layer(medium, self.thickness / len(media)) for medium in media)
+        thickness = self.thickness / len(media)
+        faces = (self.roughness, *(None for _ in media[1:]))
+        return tuple(
+            Layer(medium, thickness, self.coherent, face)
+            for medium, face in zip(media, faces, strict=True)
+        )
 
 
-class Film(eqx.Module):
-    """A free-standing film of smooth, homogeneous layers.
+class Film(Checked):
+    """A film of layers, free-standing or between other media.
 
     Attributes
     ----------
     layers : tuple of Layer
         Top to bottom.
+    above, below : Medium or None
+        Endless media above and below it; None for vacuum. A substrate of known thickness is the
+        lowest layer instead, and not coherent.
+    roughness_below : array or None
+        Standard deviation of the height of the lowest face [m]; None where it is smooth.
+    open_share : array or None
+        Share of the area that is holes [1]; None where there are none.
+    hole_diameter : float or None
+        [m]; for the warning of holes too narrow for geometric optics.
+
+    Raises
+    ------
+    ParameterError
+        If a film with holes is not free-standing, or a number is not possible.
 
     Examples
     --------
@@ -66,11 +97,39 @@ class Film(eqx.Module):
     0.801 g/m²
     """
 
-    layers: tuple[Layer, ...]
+    layers: tuple[Layer, ...] = eqx.field()  # a field: "Checked" reads no sequences
+    above: Medium | None = None
+    below: Medium | None = None
+    roughness_below: Roughness | None = None
+    open_share: OpenFraction | None = None
+    hole_diameter: Length | None = None
+
+    def __check_init__(self) -> None:
+        if self.open_share is not None and not self.free_standing:
+            raise ParameterError(
+                "open_share: behind the holes of a film on a substrate lies the substrate; average "
+                "the optics of both by area"
+            )
+
+    @property
+    def free_standing(self) -> bool:
+        """Whether vacuum is above and below."""
+        return self.above is None and self.below is None
+
+    @property
+    def lit_sides(self) -> tuple[Side, ...]:
+        """Sides that light can come from: no light is taken to come out of an endless substrate."""
+        return ("top", "bottom") if self.below is None else ("top",)
+
+    @property
+    def media(self) -> tuple[Medium, ...]:
+        """All media that have optical data: above, those of the layers, below."""
+        ends = (one for one in (self.above, self.below) if one is not None)
+        return (*(layer.material for layer in self.layers), *ends)
 
     @property
     def areal_density(self) -> Numeric:
-        """Mass per area [kg/m²].
+        """Mass per area, with what the holes leave out [kg/m²].
 
         Raises
         ------
@@ -83,15 +142,13 @@ class Film(eqx.Module):
                 raise ParameterError(
                     f"density of {layer.material.name} is unknown{f' ({note})' if note else ''}"
                 )
-        return sum(layer.thickness * layer.material.density for layer in self.layers)
+        solid = sum(layer.thickness * layer.material.density for layer in self.layers)
+        return solid if self.open_share is None else solid * (1.0 - self.open_share)
 
     @property
     def thickness(self) -> Numeric:
         """Thickness of each layer [m], shape (layers,)."""
-        values = [layer.thickness for layer in self.layers]
-        if all(isinstance(value, int | float | np.ndarray | np.floating) for value in values):
-            return np.array(values, float)
-        return jnp.stack([jnp.asarray(value) for value in values])
+        return _column([layer.thickness for layer in self.layers])
 
     @property
     def covered_range(self) -> tuple[float, float]:
@@ -104,12 +161,11 @@ class Film(eqx.Module):
         ParameterError
             If the intersection is empty.
         """
-        ranges = [layer.material.usable_range for layer in self.layers]
+        ranges = [medium.usable_range for medium in self.media]
         shortest = max((ends[0] for ends in ranges), default=0.0)
         longest = min((ends[1] for ends in ranges), default=np.inf)
         if shortest >= longest:
-            limited = (layer.material for layer in self.layers
-                       if layer.material.usable_range != (0.0, np.inf))  # fmt: skip
+            limited = (one for one in self.media if one.usable_range != (0.0, np.inf))
             spans = ", ".join(dict.fromkeys(medium.describe_range() for medium in limited))
             raise ParameterError(f"the materials' data have no wavelength in common: {spans}")
         return shortest, longest
@@ -127,9 +183,7 @@ class Film(eqx.Module):
         tuple of str
             Such as ``"PET: hold beyond 0.4 µm to 19.942 µm"``.
         """
-        found = (
-            text for layer in self.layers for text in layer.material.extrapolated(shortest, longest)
-        )
+        found = (text for one in self.media for text in one.extrapolated(shortest, longest))
         return tuple(dict.fromkeys(found))
 
     def index(self, wavelength: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -160,14 +214,59 @@ class Film(eqx.Module):
 
     def flipped(self) -> "Film":
         """The film upside down."""
-        layers = (Layer(one.material.flipped(), one.thickness) for one in reversed(self.layers))
-        return Film(tuple(layers))
+        faces = [*(layer.roughness for layer in self.layers), self.roughness_below]
+        layers = tuple(
+            Layer(one.material.flipped(), one.thickness, one.coherent, face)
+            for one, face in zip(reversed(self.layers), reversed(faces[1:]), strict=True)
+        )
+        return dataclasses.replace(
+            self, layers=layers, above=self.below, below=self.above, roughness_below=faces[0]
+        )
 
     def homogeneous(self) -> "Film":
         """The film with the sheets of its graded layers as layers of their own."""
         if all(len(layer.material.sheets) == 1 for layer in self.layers):
             return self
-        return Film(tuple(sheet for layer in self.layers for sheet in layer.sheets))
+        sheets = tuple(sheet for layer in self.layers for sheet in layer.sheets)
+        return dataclasses.replace(self, layers=sheets)
+
+    def structure(self, wavelength: np.ndarray, axes: int) -> Structure:
+        """What the film is besides its layers, at wavelengths.
+
+        Parameters
+        ----------
+        wavelength : array, shape (...)
+            Concrete [m].
+        axes : int
+            How many axes the optics have behind that of the layers.
+
+        Returns
+        -------
+        Structure
+
+        Raises
+        ------
+        ParameterError
+            If a wavelength is outside a medium's data and its policy is ERROR, or the medium above
+            absorbs.
+        """
+        above, below = 1.0, (1.0, 0.0)
+        if self.above is not None:
+            above, lost = self.above.index(wavelength)
+            if not is_traced(lost) and np.max(lost, initial=0.0) > _CLEAR:
+                raise ParameterError(
+                    f"{self.above.name} is above the film and absorbs light on its way to it: "
+                    f"k = {np.max(lost):.3g}"
+                )
+        if self.below is not None:
+            below = self.below.index(wavelength)
+        faces = [*(layer.roughness for layer in self.layers), self.roughness_below]
+        roughness = None
+        if any(face is not None for face in faces):
+            heights = [0.0 if face is None else face for face in faces]
+            roughness = _column(heights).reshape(-1, *(1,) * axes)
+        coherent = tuple(layer.coherent for layer in self.layers)
+        return Structure(above, below, roughness, () if all(coherent) else coherent)
 
     def optics(
         self, wavelength: np.ndarray | float, incidence: Numeric = 0.0, side: Side = "top"
@@ -195,7 +294,7 @@ class Film(eqx.Module):
 
         Notes
         -----
-        Coherent: valid for films with parallel faces, up to about ten wavelengths thick.
+        Light interferes in coherent layers with parallel faces, up to about ten wavelengths thick.
         Differentiable in the thicknesses, the media's parameters and the angle.
         """
         require_range("incidence", incidence, 0.0, GRAZING)
@@ -207,8 +306,20 @@ class Film(eqx.Module):
         trailing = (1,) * max(wavelength.ndim, np.ndim(incidence))
         shape = (n.shape[0], *(1,) * (len(trailing) - wavelength.ndim), *wavelength.shape)
         thickness = sheets.thickness.reshape(-1, *trailing)
-        optics = stack_optics(n.reshape(shape), k.reshape(shape), thickness, wavelength, incidence)
-        return optics if sheets is film else optics.merged([len(one.sheets) for one in film.layers])
+        structure = sheets.structure(wavelength, len(trailing))
+        optics = structured_optics(
+            n.reshape(shape), k.reshape(shape), thickness, wavelength, incidence, structure
+        )
+        if sheets is not film:
+            optics = optics.merged([len(one.sheets) for one in film.layers])
+        return optics if self.open_share is None else optics.with_holes(self.open_share)
+
+
+def _column(values: list[Numeric]) -> Numeric:
+    """Numbers as one array."""
+    if all(isinstance(value, int | float | np.ndarray | np.floating) for value in values):
+        return np.array(values, float)
+    return jnp.stack([jnp.asarray(value) for value in values])
 
 
 @entry_point

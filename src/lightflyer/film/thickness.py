@@ -1,5 +1,6 @@
 """Uncertainty of a film's properties from that of its layers' thicknesses."""
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
@@ -7,7 +8,7 @@ import jax
 import numpy as np
 
 from lightflyer.film.integration import POINTS_PER_E_FOLD
-from lightflyer.film.stack import Film, Layer
+from lightflyer.film.stack import Film
 from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ParameterError
 
@@ -87,8 +88,9 @@ def _add(total: np.ndarray, middle: np.ndarray, above: np.ndarray, below: np.nda
 
 def _changed(film: Film, number: int, change: float) -> Film:
     layers = list(film.layers)
-    layers[number] = Layer(layers[number].material, layers[number].thickness + change)
-    return Film(tuple(layers))
+    thickness = layers[number].thickness + change
+    layers[number] = dataclasses.replace(layers[number], thickness=thickness)
+    return dataclasses.replace(film, layers=tuple(layers))
 
 
 def _check(film: Film, uncertainty: Sequence[float]) -> None:

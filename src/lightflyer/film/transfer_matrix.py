@@ -68,6 +68,22 @@ class StackOptics(eqx.Module):
         absorptance = _summed(groups, self.layer_absorptance)
         return StackOptics(self.reflectance, self.transmittance, absorptance, self.scattered)
 
+    def with_holes(self, share: Numeric) -> "StackOptics":
+        """Optics of the stack with holes, through which all light passes.
+
+        Parameters
+        ----------
+        share : array, shape (...)
+            Of the area that is holes [1].
+        """
+        solid = 1.0 - share
+        return StackOptics(
+            reflectance=solid * self.reflectance,
+            transmittance=solid * self.transmittance + share,
+            layer_absorptance=solid * self.layer_absorptance,
+            scattered=solid * self.scattered,
+        )
+
     def unpolarised(self) -> "StackOptics":
         """The mean of both polarisations, without their axis."""
         scattered = self.scattered
@@ -202,7 +218,8 @@ def transfer(
 ) -> StackOptics:
     """:func:`stack_optics` for use inside other compiled functions.
 
-    With ``inside`` false the absorptances of layers are left out, as an array without rows.
+    With ``inside`` false the absorptances of layers are left out, as an array without rows, unless
+    interfaces are rough: what is scattered is what is missing beside them.
     """
     structure = Structure() if structure is None else structure
     n, k, thickness, wavelength = (jnp.asarray(one) for one in (n, k, thickness, wavelength))
@@ -211,6 +228,7 @@ def transfer(
     outside, substrate = beam.half, beam.into(jnp.asarray(below_n), jnp.asarray(below_k))
     layers = sheets(beam, n, k, (4.0 * jnp.pi) * thickness / wavelength)
     roughness = structure.roughness
+    inside = inside or roughness is not None
     kappa = None if roughness is None else (2.0 * jnp.pi) * jnp.asarray(roughness) / wavelength
     shape = jnp.broadcast_shapes(
         layers.round_trip[0].shape[1:], outside.magnetic[0].shape, substrate.normal[0].shape,
@@ -220,7 +238,7 @@ def transfer(
     shares = [jnp.stack(pair) for pair in zip(*group.shares(), strict=True)]
     reflected, passed, absorbed = shares[0], shares[1], jnp.swapaxes(shares[2], 0, 1)
     scattered: Numeric = 0.0
-    if kappa is not None and inside:
+    if kappa is not None:
         scattered = 1.0 - reflected - passed - absorbed.sum(axis=0)
     return StackOptics(reflected, passed, absorbed, scattered)
 

@@ -227,6 +227,10 @@ Thickness = Annotated[
         "m", 0.0, open_below=True, sizes=(1e-10, 1e-2), why="atoms are larger, films are thinner"
     ),
 ]
+Roughness = Annotated[
+    Numeric,
+    Quantity("m", 0.0, sizes=(1e-11, 1e-4), why="atoms are larger, films are smoother"),
+]
 Distance = Annotated[Numeric, Quantity("m", 0.0, sizes=(1e-10, 1e4), why=_BETWEEN)]
 LinearDensity = Annotated[
     Numeric,
@@ -339,6 +343,7 @@ DataRate = Annotated[
 Decibels = Annotated[Numeric, Quantity("", -100.0, 100.0)]
 Efficiency = Annotated[Numeric, Quantity("", 0.0, 1.0, open_below=True)]
 Fraction = Annotated[Numeric, Quantity("", 0.0, 1.0)]
+Depolarisation = Annotated[Numeric, Quantity("", 0.0, 1.0)]
 OpenFraction = Annotated[Numeric, Quantity("", 0.0, HIGHEST_OPEN_FRACTION)]
 Emittance = Annotated[Numeric, Quantity("", 0.0, 1.0, open_below=True)]
 AccommodationCoefficient = Annotated[Numeric, Quantity("", 0.0, HIGHEST_TAC, open_below=True)]

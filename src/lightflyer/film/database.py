@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import yaml
 
+from lightflyer.film.material_csv import names_file
 from lightflyer.film.materials import Material, Segment
 from lightflyer.film.medium import MICROMETRE
 from lightflyer.foundation.errors import ParameterError
@@ -95,7 +96,7 @@ class PageDetails(NamedTuple):
 
 def looks_like_page(name: str) -> bool:
     """Whether a material's name is meant as a page of the database."""
-    return "/" in name and not name.lower().endswith(".csv")
+    return "/" in name and not names_file(name)
 
 
 @cache

@@ -2,6 +2,7 @@
 
 import csv
 import re
+import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -225,7 +226,8 @@ def _is_number(cell: str) -> bool:
 
 
 def _normal(name: str) -> str:
-    return re.sub(r"[\s\-.]+", "_", name.strip().strip('"').casefold())
+    plain = unicodedata.normalize("NFKC", name)  # subscripts as digits
+    return re.sub(r"[\s\-.]+", "_", plain.strip().strip('"').casefold())
 
 
 def _from_option(

@@ -27,7 +27,7 @@ from lightflyer.foundation.table_file import Lines, read_lines
 from lightflyer.foundation.table_rows import Rejected, Row, is_possible, marks_of, read_rows
 from lightflyer.foundation.units import stated_convention
 
-__all__ = ["Rejected", "Table", "read_table", "shipped_table"]
+__all__ = ["Rejected", "Table", "read_table", "shipped_table", "table_of"]
 
 # of spreadsheets; such a row is no comment
 _ERROR_CELL = re.compile(r"^\s*#(?:[A-Z\u00c0-\u00dc]+[!?]|DIV/0!|N/A|NV\b)")
@@ -103,6 +103,7 @@ def read_table(
     unique: bool = False,
     strict: bool = False,
     closed: bool = False,
+    preamble: bool | None = None,
 ) -> Table:
     """Read the known columns of a table.
 
@@ -120,11 +121,13 @@ def read_table(
     unique : bool
         Reject a line that repeats an earlier one. Always so where there is a column ``time``.
     strict : bool
-        Refuse the file at the first row that cannot be read, or where anything would have to be
-        noted, and take its first line that is not a comment as the header. Otherwise the header
-        may be a comment and stand below an instrument's preamble.
+        Refuse the file at the first row that cannot be read, or where its numbers could be read
+        with a note only.
     closed : bool
-        Refuse unknown columns.
+        Refuse unknown columns, if there is no preamble.
+    preamble : bool, optional
+        Whether the header may be a comment and stand below an instrument's preamble. Otherwise it
+        is the first line that is not a comment. By default not if strict.
 
     Returns
     -------
@@ -139,14 +142,41 @@ def read_table(
     MissingExtraError
         If the file is a workbook, and openpyxl is not installed.
     """
+    first = strict if preamble is None else not preamble
 
     def layout_of(one: Lines) -> Layout:
         return find_layout(
-            one.name, one.lines, columns, option=layout, strict=strict, closed=closed,
+            one.name, one.lines, columns, option=layout, strict=first, closed=closed,
             delimiter=one.delimiter,
         )  # fmt: skip
 
     file, found, notes = _chosen(Path(path), read_lines(Path(path)), layout_of)
+    table = _read(file, found, unique=unique, strict=strict)
+    return replace(table, notes=[*notes, *table.notes])
+
+
+def table_of(file: Lines, columns: Sequence[Column]) -> Table:
+    """Read the known columns of a part of a file, strictly.
+
+    Parameters
+    ----------
+    file : Lines
+    columns : sequence of Column
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    ConfigurationError
+        As for :func:`read_table`.
+    """
+    found = find_layout(file.name, file.lines, columns, strict=True, delimiter=file.delimiter)
+    return _read(file, found, strict=True)
+
+
+def _read(file: Lines, found: Layout, *, strict: bool, unique: bool = False) -> Table:
     empty = f"{found.delimiter} \t" if strict and found.delimiter else None  # as spreadsheets do
     rows = [
         (number, line)
@@ -157,7 +187,7 @@ def read_table(
         raise ConfigurationError(f"{file.name}: has a header but no rows")
     timed = any(one.column.name == "time" for one in found.columns.values())
     repeated = _repeated(file.name, rows) if unique or timed else {}
-    notes += _require_whole(file, rows, found)
+    notes = _require_whole(file, rows, found)
     table = _with_si(file, [row for row in rows if row[0] not in repeated], found, say=not strict)
     rejected = sorted([*table.rejected, *repeated.values()], key=lambda row: row.line)
     if strict and rejected:

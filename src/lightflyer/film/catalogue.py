@@ -10,8 +10,8 @@ from lightflyer.film.database import (
     page_material,
     read_table,
 )
-from lightflyer.film.library import PAGES, TAC_SOURCE, Page, canonical_name
-from lightflyer.film.materials import Material, Segment
+from lightflyer.film.library import PAGES, TAC_SOURCE, VACUUM, Page, canonical_name
+from lightflyer.film.materials import Material, Segment, vacuum
 from lightflyer.film.medium import MICROMETRE, Extrapolation
 
 
@@ -53,7 +53,9 @@ def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ER
     """
     if looks_like_page(name):
         return page_material(database_page(name)).with_extrapolation(extrapolation)
-    return _read(canonical_name(name)).with_extrapolation(extrapolation)
+    found = canonical_name(name)
+    known = vacuum() if found == VACUUM else _read(found)
+    return known.with_extrapolation(extrapolation)
 
 
 def material_names() -> list[str]:

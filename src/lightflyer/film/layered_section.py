@@ -1,98 +1,30 @@
 """``[film]`` given by its layers: what is not measured is computed."""
 
+from collections.abc import Mapping
 from functools import cache
-from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, TypeAlias
+from typing import Annotated, Any, ClassVar, TypeAlias
 
 import pydantic
 from pydantic import Discriminator, Field, Tag, ValidationInfo
 
-from lightflyer.film.catalogue import material
 from lightflyer.film.computed import ComputedFilm, with_measured
-from lightflyer.film.library import PAGES, canonical_name
-from lightflyer.film.materials import Extrapolation, Material, material_from_csv
+from lightflyer.film.layer_section import LayerSection, Policy, file_beside, is_varied
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.section import FACES, FilmSection, MeasuredFilmSection
 from lightflyer.film.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
-from lightflyer.film.stack import Film, Layer
+from lightflyer.film.stack import Film
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.precision import is_traced
 from lightflyer.foundation.quantity import (
     AccommodationCoefficient,
     ArealDensity,
-    Density,
     Fraction,
-    Thickness,
 )
-from lightflyer.foundation.section import Section
-from lightflyer.foundation.toml_file import FOLDER
 from lightflyer.foundation.units import Measured
 
 _LAMPS = {"AM0": am0, "cold-white-led": cold_white_led}
 
 _LIMIT = "highest_temperature"
-
-_Policy = Literal["error", "hold", "lossless"]
-
-
-def _file(name: str, info: ValidationInfo) -> str:
-    folder = (info.context or {}).get(FOLDER)
-    return str(Path(folder, name)) if folder else name
-
-
-class LayerSection(Section):
-    """An entry of ``layers``."""
-
-    material: str
-    thickness: Thickness
-    density: Density | None = None
-    tac: AccommodationCoefficient | None = None
-    extrapolation: _Policy | None = None
-
-    @pydantic.field_validator("material")
-    @classmethod
-    def _known(cls, name: str, info: ValidationInfo) -> str:
-        if not name.lower().endswith(".csv"):
-            return canonical_name(name)
-        path = _file(name, info)
-        material_from_csv(path)  # raises here, where the line of the flyer file is known
-        return path
-
-    @pydantic.field_validator("thickness")
-    @classmethod
-    def _known_to_better_than_itself(cls, thickness: Measured) -> Measured:
-        if not (thickness.uncertainty or 0.0) < thickness.value:
-            raise ValueError("± is one standard deviation and must be below the thickness")
-        return thickness
-
-    @property
-    def library_tac(self) -> Measured | None:
-        """TAC of the material, where the library has one [1]."""
-        return PAGES[self.material].tac if self.material in PAGES else None
-
-    @property
-    def surface_tac(self) -> Measured | None:
-        """TAC of the material's surface, where somebody has measured it [1]."""
-        return self.tac or self.library_tac
-
-    @property
-    def has_density(self) -> bool:
-        """Whether the layer's mass can be computed."""
-        known = self.material in PAGES and PAGES[self.material].density is not None
-        return known or self.density is not None
-
-    def build(self, policy: str) -> Layer:
-        """The layer; ``policy`` is the film's extrapolation policy."""
-        return Layer(self._material(policy), self.thickness.value)
-
-    def _material(self, policy: str) -> Material:
-        chosen = Extrapolation(self.extrapolation or policy)
-        density = None if self.density is None else self.density.value
-        if self.material in PAGES:
-            known = material(self.material, extrapolation=chosen)
-            return known.with_density(density) if density is not None else known
-        own = material_from_csv(self.material, density=density)
-        return own.with_extrapolation(chosen)
 
 
 class LayeredFilmSection(FilmSection):
@@ -101,8 +33,14 @@ class LayeredFilmSection(FilmSection):
     kind: ClassVar[str] = "layered"
     layered: ClassVar[bool] = True
 
+    not_varied: ClassVar[Mapping[str, str]] = {
+        **FilmSection.not_varied,
+        "at": "is that of a table",
+        "grain": "changes no result, only what is said of it",
+    }
+
     layers: Annotated[tuple[LayerSection, ...], Field(min_length=1)]
-    extrapolation: _Policy = "error"
+    extrapolation: Policy = "error"
     spectrum: str = "AM0"
     areal_density: ArealDensity | None = None
     absorptance: Fraction | None = None
@@ -121,7 +59,7 @@ class LayeredFilmSection(FilmSection):
             raise ConfigurationError(
                 f'spectrum "{name}" is unknown; choose from {known}, or a CSV file'
             )
-        path = _file(name, info)
+        path = file_beside(name, info)
         spectrum_from_csv(path)
         return path
 
@@ -148,12 +86,12 @@ class LayeredFilmSection(FilmSection):
     def implied_materials(self) -> dict[str, str]:
         """See :attr:`FilmSection.implied_materials`."""
         surfaces = self._surfaces()
-        return {name: surfaces[name].material for name in self.implied}
+        return {name: surfaces[name].label for name in self.implied}
 
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
         """See :attr:`FilmSection.correlations`; the same material has the same error."""
-        materials = {layer.material for layer in self._surfaces().values()}
+        materials = {layer.label for layer in self._surfaces().values()}
         if len(self.implied) == len(FACES) and len(materials) == 1:
             return {(FACES[0], FACES[1]): 1.0}
         return super().correlations
@@ -174,7 +112,7 @@ class LayeredFilmSection(FilmSection):
         """Temperature that the film bears by the file, else by the first material to melt [K]."""
         if self.highest_temperature is not None:
             return float(self.highest_temperature.value)
-        known = [PAGES[layer.material] for layer in self.layers if layer.material in PAGES]
+        known = (entry for layer in self.layers for entry in layer.entries)
         limits = [entry.highest_temperature for entry in known if entry.highest_temperature]
         return min(limits, default=None)
 
@@ -191,9 +129,7 @@ class LayeredFilmSection(FilmSection):
         lacking = self.lacking()
         if lacking:
             raise ConfigurationError(f"the film needs {lacking}")
-        numbers = [value.value for _, _, value in self.numbers() if value is not None]
-        traced = is_traced(incidence, numbers)
-        compute = _compute if traced else _computed
+        compute = _compute if is_traced(incidence) or is_varied(self) else _computed
         return compute(self, incidence, passing)
 
     def bounds(
@@ -210,10 +146,11 @@ class LayeredFilmSection(FilmSection):
         """See :meth:`FilmSection.lacking`: TACs and densities that nobody knows."""
         for name, layer in self._surfaces().items():
             if getattr(self, name) is None and layer.surface_tac is None:
-                return f"{name}: no measured accommodation coefficient of {layer.material} is known"
+                return f"{name}: no measured accommodation coefficient of {layer.label} is known"
         for layer in self.layers:
-            if self.areal_density is None and not layer.has_density:
-                return f"areal_density, or the layer of {layer.material} its density"
+            if self.areal_density is None and (unknown := layer.lacks_density):
+                why = "" if unknown == layer.label else f", as that of {unknown} is unknown"
+                return f"areal_density, or the layer of {layer.label} its density{why}"
         return None
 
     def with_optics(self, properties: FilmProperties) -> "LayeredFilmSection":

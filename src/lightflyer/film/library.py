@@ -191,6 +191,9 @@ PAGES: dict[str, Entry] = {
 }
 """Materials by their name in a flyer file."""
 
+VACUUM = "vacuum"
+"""Name of empty space, as a part of mixtures."""
+
 ALIASES = {
     "germanium": "Ge",
     "mylar": "PET",
@@ -206,6 +209,8 @@ ALIASES = {
     "kapton": "polyimide",
     "amorphous carbon": "a-C",
     "CNT": "SWCNT",
+    "air": VACUUM,
+    "void": VACUUM,
 }
 """Other names of the same materials."""
 
@@ -227,7 +232,7 @@ def canonical_name(name: str) -> str:
         If the name is unknown; the message has the nearest names.
     """
     known = {alias.lower(): target for alias, target in ALIASES.items()}
-    known |= {target.lower(): target for target in PAGES}
+    known |= {target.lower(): target for target in (*PAGES, VACUUM)}
     if name.lower() in known:
         return known[name.lower()]
     near = difflib.get_close_matches(name.lower(), known, n=3, cutoff=0.5)

@@ -1,0 +1,274 @@
+"""An entry of ``layers`` in ``[film]``: a material, a mixture, tables at several temperatures."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import pydantic
+from pydantic import Field, ValidationInfo
+
+from lightflyer.film.catalogue import material
+from lightflyer.film.database import database_page, looks_like_page
+from lightflyer.film.effective_media import SPHERES, Rule
+from lightflyer.film.graded import SHEETS, Graded
+from lightflyer.film.library import PAGES, VACUUM, Entry, canonical_name
+from lightflyer.film.materials import Material, material_from_csv, vacuum
+from lightflyer.film.medium import Extrapolation, Medium
+from lightflyer.film.mixture import Mixture
+from lightflyer.film.stack import Layer
+from lightflyer.film.tempered import Tempered
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.precision import is_traced
+from lightflyer.foundation.quantity import (
+    AccommodationCoefficient,
+    Density,
+    Depolarisation,
+    Fraction,
+    Temperature,
+    Thickness,
+)
+from lightflyer.foundation.section import Section
+from lightflyer.foundation.toml_file import FOLDER
+from lightflyer.foundation.units import Measured
+
+Policy = Literal["error", "hold", "lossless"]
+
+_MOST_SHEETS = 200
+_OF_MIXTURES = ("rule", "depolarisation", "grain", "sheets")
+
+
+def file_beside(name: str, info: ValidationInfo) -> str:
+    """Path of a file that is named relative to the file that names it."""
+    folder = (info.context or {}).get(FOLDER)
+    return str(Path(folder, name)) if folder else name
+
+
+class _Named(Section):
+    """A material by its name, or a CSV file."""
+
+    @pydantic.field_validator("material", check_fields=False)
+    @classmethod
+    def _known(cls, name: str | None, info: ValidationInfo) -> str | None:
+        """Its canonical name; raises here, where the line of the flyer file is known."""
+        if name is None:
+            return None
+        if name.lower().endswith(".csv"):
+            path = file_beside(name, info)
+            material_from_csv(path)
+            return path
+        if looks_like_page(name):
+            found = database_page(name).name
+            material(found)
+            return found
+        return canonical_name(name)
+
+
+def _medium(name: str, policy: Extrapolation, density: Measured | None) -> Material:
+    own = name.lower().endswith(".csv")
+    found = material_from_csv(name) if own else material(name)
+    if density is not None:
+        found = found.with_density(density.value)
+    return found.with_extrapolation(policy)
+
+
+class PartSection(_Named):
+    """An entry of ``parts``."""
+
+    material: str
+    fraction: Fraction | None = None
+    fraction_bottom: Fraction | None = None
+    density: Density | None = None
+
+
+class TableSection(_Named):
+    """An entry of ``tables``."""
+
+    material: str
+    at: Temperature | None = None
+
+    def temperature(self) -> float:
+        """Of the sample: as the file has it, or as the material states it [K].
+
+        Raises
+        ------
+        ConfigurationError
+            If neither does.
+        """
+        stated = self.at.value if self.at else _medium(
+            self.material, Extrapolation.ERROR, None
+        ).temperature  # fmt: skip
+        if stated is None:
+            raise ConfigurationError(
+                f'{self.material} states no temperature; give it, such as at = "300 K"'
+            )
+        return float(stated)
+
+
+class LayerSection(_Named):
+    """An entry of ``layers``."""
+
+    material: str | None = None
+    parts: Annotated[tuple[PartSection, ...], Field(min_length=2)] | None = None
+    tables: Annotated[tuple[TableSection, ...], Field(min_length=2)] | None = None
+    thickness: Thickness
+    porosity: Fraction | None = None
+    porosity_bottom: Fraction | None = None
+    rule: Literal["bruggeman", "maxwell-garnett", "parallel", "series"] = "bruggeman"
+    depolarisation: Depolarisation = Measured(SPHERES)
+    grain: Thickness | None = None
+    sheets: Annotated[int, Field(ge=1, le=_MOST_SHEETS)] = SHEETS
+    temperature: Temperature | None = None
+    density: Density | None = None
+    tac: AccommodationCoefficient | None = None
+    extrapolation: Policy | None = None
+
+    @pydantic.field_validator("thickness")
+    @classmethod
+    def _known_to_better_than_itself(cls, thickness: Measured) -> Measured:
+        if not (thickness.uncertainty or 0.0) < thickness.value:
+            raise ValueError("± is one standard deviation and must be below the thickness")
+        return thickness
+
+    @pydantic.model_validator(mode="after")
+    def _one_kind(self) -> "LayerSection":
+        kinds = [name for name in ("material", "parts", "tables") if getattr(self, name)]
+        if len(kinds) != 1:
+            raise ConfigurationError(
+                "give one of material, parts (of a mixture) and tables (at several temperatures), "
+                f"not {' and '.join(kinds) or 'none'}"
+            )
+        if self.material == VACUUM:
+            raise ConfigurationError("vacuum is for parts of mixtures; a film has no empty layers")
+        self._check_keys()
+        return self
+
+    def _check_keys(self) -> None:
+        """Raise if a key has no meaning beside the others, or is missing."""
+        given = self.model_fields_set
+        mixed = self.parts is not None or self.porosity is not None
+        for name in _OF_MIXTURES:
+            if name in given and not mixed:
+                raise ConfigurationError(f"{name} is for layers with porosity or parts")
+        if self.porosity is not None and self.material is None:
+            raise ConfigurationError(
+                "porosity is for layers with material; among parts, pores are a part of vacuum"
+            )
+        if self.porosity_bottom is not None and self.porosity is None:
+            raise ConfigurationError("porosity_bottom needs porosity, that of the layer's top")
+        if (self.temperature is None) is not (self.tables is None):
+            raise ConfigurationError("temperature and tables need each other")
+        if self.parts is not None:
+            self._check_parts(self.parts)
+        if mixed or self.tables is not None:
+            self.medium(Extrapolation.ERROR)  # raises here, where the line of the file is known
+
+    def _check_parts(self, parts: tuple[PartSection, ...]) -> None:
+        rest = [part.material for part in parts if part.fraction is None]
+        if len(rest) != 1:
+            raise ConfigurationError(
+                "every part but one has a fraction; the one without fills the rest "
+                f"(without are {', '.join(rest) or 'none'})"
+            )
+        for part in parts:
+            if part.fraction is None and part.fraction_bottom is not None:
+                raise ConfigurationError(
+                    f"fraction_bottom of {part.material} needs its fraction, at the layer's top"
+                )
+
+    @property
+    def label(self) -> str:
+        """What the layer is made of, in words."""
+        if self.material is None:
+            return " + ".join(self._names)
+        return self.material if self.porosity is None else f"porous {self.material}"
+
+    @property
+    def entries(self) -> Iterator[Entry]:
+        """Entries of the library in the layer."""
+        names = [self.material] if self.material else self._names
+        return (PAGES[name] for name in names if name in PAGES)
+
+    @property
+    def _names(self) -> list[str]:
+        """Materials of the parts, or of the tables."""
+        if self.parts is not None:
+            return [part.material for part in self.parts]
+        return [table.material for table in self.tables or ()]
+
+    @property
+    def library_tac(self) -> Measured | None:
+        """TAC of the material, where the library has one [1]; of no mixture."""
+        known = self.material is not None and self.porosity is None and self.material in PAGES
+        return PAGES[str(self.material)].tac if known else None
+
+    @property
+    def surface_tac(self) -> Measured | None:
+        """TAC of the material's surface, where somebody has measured it [1]."""
+        return self.tac or self.library_tac
+
+    @property
+    def lacks_density(self) -> str | None:
+        """Name of what has no known density, None where the layer's mass can be computed."""
+        medium = self.medium(Extrapolation.ERROR)
+        if medium.density is not None:
+            return None
+        unknown = [one for one in getattr(medium, "parts", (medium,)) if one.density is None]
+        return unknown[0].name
+
+    def build(self, policy: str) -> Layer:
+        """The layer; ``policy`` is the film's extrapolation policy."""
+        chosen = Extrapolation(self.extrapolation or policy)
+        return Layer(self.medium(chosen), self.thickness.value)
+
+    def medium(self, policy: Extrapolation) -> Medium:
+        """What the layer is made of."""
+        if self.parts is not None:
+            found = self._mixture(policy)
+        elif self.tables is not None:
+            return self._tempered(self.tables, policy)
+        elif self.porosity is not None:
+            solid = _medium(str(self.material), policy, None)
+            return self._mixed((solid, vacuum()), (self.porosity,), (self.porosity_bottom,))
+        else:
+            return _medium(str(self.material), policy, self.density)
+        return found if self.density is None else found.with_density(self.density.value)
+
+    def _mixture(self, policy: Extrapolation) -> Medium:
+        rest, *others = sorted(self.parts or (), key=lambda part: part.fraction is not None)
+        media = tuple(_medium(part.material, policy, part.density) for part in (rest, *others))
+        return self._mixed(
+            media,
+            tuple(part.fraction for part in others),
+            tuple(part.fraction_bottom for part in others),
+        )
+
+    def _mixed(
+        self,
+        media: tuple[Medium, ...],
+        top: tuple[Measured | None, ...],
+        bottom: tuple[Measured | None, ...],
+    ) -> Medium:
+        how: dict[str, Any] = {
+            "rule": Rule(self.rule),
+            "depolarisation": self.depolarisation.value,
+            "grain": None if self.grain is None else float(self.grain.value),
+        }
+        upper = tuple(one.value for one in top if one is not None)
+        if not any(bottom):
+            return Mixture(media, upper, **how)
+        lower = tuple((end or start).value for start, end in zip(top, bottom, strict=True) if start)
+        return Graded(media, upper, lower, **how, count=self.sheets)
+
+    def _tempered(self, tables: tuple[TableSection, ...], policy: Extrapolation) -> Medium:
+        known = {table.temperature(): _medium(table.material, policy, None) for table in tables}
+        if len(known) != len(tables):
+            raise ConfigurationError("two tables are for the same temperature")
+        assert self.temperature is not None  # as checked
+        at = tuple(sorted(known))
+        found = Tempered(tuple(known[one] for one in at), at, self.temperature.value)
+        return found if self.density is None else found.with_density(self.density.value)
+
+
+def is_varied(section: Section) -> bool:
+    """Whether a number of a section is traced."""
+    return is_traced([value.value for _, _, value in section.numbers() if value is not None])

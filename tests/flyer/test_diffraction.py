@@ -5,9 +5,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.film import am0, blackbody_fraction
-from lightflyer.flight.cautions import cautions_at
-from lightflyer.flight.setup import Setup
-from lightflyer.flyer.diffraction import (
+from lightflyer.film.diffraction import (
     LARGEST_DEFICIT,
     MEDIAN_WAVELENGTH_BY_TEMPERATURE,
     MEDIAN_WAVELENGTH_OF_SUNLIGHT,
@@ -15,6 +13,8 @@ from lightflyer.flyer.diffraction import (
     narrow_channels,
     narrow_holes,
 )
+from lightflyer.flight.cautions import cautions_at
+from lightflyer.flight.setup import Setup
 
 
 def test_half_of_the_radiation_lies_beyond_the_median_wavelengths():

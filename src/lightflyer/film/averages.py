@@ -60,6 +60,9 @@ class Average(eqx.Module):
     within : array or None
         Mean over the part of the spectrum that has data [1]; None if nothing is extrapolated, when
         it is ``value``.
+    scattered : array
+        Share of the spectrum's power that rough interfaces scatter [1]. It is not in ``value``,
+        where some of it may belong.
     """
 
     value: Numeric
@@ -67,6 +70,7 @@ class Average(eqx.Module):
     extrapolated_share: Numeric = 0.0
     extrapolated: tuple[str, ...] = eqx.field(static=True, default=())
     within: Numeric | None = None
+    scattered: Numeric = 0.0
 
     @property
     def left_out(self) -> Numeric:
@@ -347,6 +351,11 @@ def _averages(
     weight = grid.mean_weight
     extrapolated = film.extrapolated(grid.wavelength[0], grid.wavelength[-1])
 
+    found = spectral_shares(film, side, grid)
+    scattered: Numeric = 0.0
+    if film.is_rough:
+        scattered = weighted(found.scattered, weight).reshape(shape)
+
     def average(spectral: Numeric) -> Average:
         return Average(
             value=weighted(spectral, weight).reshape(shape),
@@ -354,6 +363,7 @@ def _averages(
             extrapolated_share=np.maximum(computed - covered, 0.0).reshape(shape)[()],
             extrapolated=extrapolated,
             within=None if known is None else weighted(spectral, known).reshape(shape),
+            scattered=scattered,
         )
 
-    return Shares(*map(average, spectral_shares(film, side, grid)))
+    return Shares(*map(average, found))

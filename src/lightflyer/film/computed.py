@@ -15,7 +15,7 @@ from lightflyer.film.averages import (
     thermal_coverage,
 )
 from lightflyer.film.curve import NODES, EmittanceCurve, node_temperatures
-from lightflyer.film.findings import medium_warnings, property_warnings
+from lightflyer.film.findings import medium_warnings, property_warnings, roughness_warnings
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.spectra import Spectrum
 from lightflyer.film.stack import GRAZING, Film, Side
@@ -134,7 +134,9 @@ class ComputedFilm:
             for text in property_warnings(name, mean, self.film)
         ]
         extrapolated = (f"extrapolated {text}" for text in self._extrapolated())
-        return (*missing, *extrapolated, *medium_warnings(self.film))
+        return (
+            *missing, *extrapolated, *medium_warnings(self.film), *roughness_warnings(self.film)
+        )  # fmt: skip
 
     @classmethod
     def of(
@@ -171,8 +173,10 @@ class ComputedFilm:
         Raises
         ------
         ParameterError
-            If a density is unknown, or a face emits no thermal radiation.
+            If a density is unknown, a face emits no thermal radiation, or the film does not stand
+            free and whole, as a flyer's does.
         """
+        require_free(film)
         given: dict[str, Any] = dict(measured)
         if not passing:
             given |= dict.fromkeys((*_IN_LIGHT, _IN_INFRARED))
@@ -221,6 +225,29 @@ class ComputedFilm:
             covered = {f"{t:g}": float(thermal_coverage(self.film, t)) for t in REPORT_TEMPERATURES}
         shown = {end: _over_temperatures(value) for end, value in bounds.items()}
         return {"origin": "computed", "covered": covered, **shown}
+
+
+def require_free(film: Film) -> None:
+    """Raise where a film cannot be that of a flyer: on a substrate, or with holes of its own.
+
+    Parameters
+    ----------
+    film : Film
+
+    Raises
+    ------
+    ParameterError
+    """
+    if not film.free_standing:
+        raise ParameterError(
+            "substrate: a flyer's film stands free; samples on substrates are for the command film "
+            "and for Film.optics"
+        )
+    if film.open_share is not None:
+        raise ParameterError(
+            "open_share: a flyer's holes belong to the flyer, as gas flows through them; a "
+            "perforated film is for the command film and for Film.optics"
+        )
 
 
 def _property(mean: Numeric) -> Any:

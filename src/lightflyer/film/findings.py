@@ -6,11 +6,16 @@ import numpy as np
 
 from lightflyer.film.averages import Average, thermal_coverage
 from lightflyer.film.curve import EmittanceCurve
+from lightflyer.film.diffraction import narrow_holes
+from lightflyer.film.medium import MICROMETRE
 from lightflyer.film.spectra import Spectrum, am0
 from lightflyer.film.stack import Film
+from lightflyer.foundation.types import Numeric
 
 WORTH_SAYING = 0.001
 """Least share of a spectrum's power whose absence or extrapolation is named [1]."""
+
+_REFERENCE_WAVELENGTH = 0.5e-6  # [m], near the peak of sunlight
 
 TYPICAL_TEMPERATURE = 350.0
 """Temperature of light-flyers at which a warning gives the bounds of an emittance [K]."""
@@ -50,7 +55,11 @@ def film_warnings(
         found += _shares(average, name, "absorptance", "")
     heat = f" ({_range(temperatures, 'g')} K)"
     found += _shares(thermal["top"], "a black body's radiation", "emittance", heat)
-    found += medium_warnings(film)
+    found += _scattered(solar["top"], "sunlight (AM0)", "absorptance", "")
+    found += _scattered(thermal["top"], "a black body's radiation", "emittance", heat)
+    found += [*medium_warnings(film), *roughness_warnings(film), *_surroundings(film)]
+    if film.open_share is not None and film.hole_diameter is not None:
+        found += narrow_holes(0.5 * film.hole_diameter, temperatures)
     return (*found, *_unstated(film, thickness_uncertainty))
 
 
@@ -82,6 +91,69 @@ def property_warnings(name: str, mean: Average, film: Film) -> Iterator[str]:
             f"{name} is computed from data for {100.0 * float(covered):.3g} % {spectrum}; what is "
             f"missing leaves it between {float(lower):.3g} and {float(upper):.3g}"
         )
+    if np.max(mean.scattered) > WORTH_SAYING:
+        share = _range(np.asarray(mean.scattered), ".2g")
+        of = "a black body's radiation" if np.ndim(mean.covered) else "the light"
+        yield (
+            f"rough faces scatter {share} of {of}; {name} leaves it out and is up to as much higher"
+        )
+
+
+def _scattered(average: Average, spectrum: str, quantity: str, where: str) -> list[str]:
+    """What rough interfaces scatter, and where it may be missing."""
+    if np.max(average.scattered) <= WORTH_SAYING:
+        return []
+    return [
+        f"{_range(np.asarray(average.scattered), '.1%')} of {spectrum}{where} is scattered at "
+        f"rough faces and not followed: {quantity} and transmittance leave it out, and each is up "
+        "to as much higher"
+    ]
+
+
+def roughness_warnings(film: Film) -> list[str]:
+    """Where a film's faces are too rough for the theory of their scattering, one line each.
+
+    Parameters
+    ----------
+    film : Film
+        With concrete numbers.
+
+    Returns
+    -------
+    list of str
+    """
+    if not film.is_rough:
+        return []
+    wavelength = float(np.clip(_REFERENCE_WAVELENGTH, *film.covered_range))
+    n, _ = film.index(np.array([wavelength]))
+    ends = [1.0 if one is None else float(one.index(np.array([wavelength]))[0][0])
+            for one in (film.above, film.below)]  # fmt: skip
+    indices = np.array([ends[0], *n[:, 0], ends[1]])
+    highest = np.maximum(indices[:-1], indices[1:])
+    limit = wavelength / (4.0 * np.pi * highest)
+    return [
+        f"face {number} from the top has a roughness of {_nanometres(height)}: the scalar theory "
+        f"of scattering holds up to about {_nanometres(most)} at {wavelength / MICROMETRE:.2g} µm"
+        for number, (height, most) in enumerate(zip(film.faces, limit, strict=True), 1)
+        if height is not None and height > most
+    ]
+
+
+def _nanometres(length: Numeric) -> str:
+    return f"{float(length) * 1e9:.3g} nm"
+
+
+def _surroundings(film: Film) -> list[str]:
+    """What the averages of a sample on a substrate mean."""
+    found = []
+    if film.below is not None:
+        found.append(
+            f"the substrate, {film.below.name}, has no lower face: what enters it counts as "
+            "transmitted, and the emittance is that of the layers alone"
+        )
+    if film.above is not None:
+        found.append(f"the film is in {film.above.name}: angles and the emittance are those in it")
+    return found
 
 
 def _shares(average: Average, spectrum: str, quantity: str, where: str) -> list[str]:
@@ -108,7 +180,7 @@ def _range(values: np.ndarray, form: str) -> str:
 
 def medium_warnings(film: Film) -> list[str]:
     """What a reader must know of the optical data of a film's media, one line each."""
-    return list(dict.fromkeys(text for one in film.layers for text in one.material.caveats))
+    return list(dict.fromkeys(text for one in film.media for text in one.caveats))
 
 
 def _unstated(film: Film, uncertainty: Sequence[float | None]) -> list[str]:

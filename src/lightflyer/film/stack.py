@@ -117,6 +117,16 @@ class Film(Checked):
         return self.above is None and self.below is None
 
     @property
+    def faces(self) -> tuple[Numeric | None, ...]:
+        """Roughness of each interface, top to bottom [m]; None where one is smooth."""
+        return (*(layer.roughness for layer in self.layers), self.roughness_below)
+
+    @property
+    def is_rough(self) -> bool:
+        """Whether an interface has a roughness."""
+        return any(face is not None for face in self.faces)
+
+    @property
     def lit_sides(self) -> tuple[Side, ...]:
         """Sides that light can come from: no light is taken to come out of an endless substrate."""
         return ("top", "bottom") if self.below is None else ("top",)
@@ -214,13 +224,12 @@ class Film(Checked):
 
     def flipped(self) -> "Film":
         """The film upside down."""
-        faces = [*(layer.roughness for layer in self.layers), self.roughness_below]
         layers = tuple(
             Layer(one.material.flipped(), one.thickness, one.coherent, face)
-            for one, face in zip(reversed(self.layers), reversed(faces[1:]), strict=True)
+            for one, face in zip(reversed(self.layers), reversed(self.faces[1:]), strict=True)
         )
         return dataclasses.replace(
-            self, layers=layers, above=self.below, below=self.above, roughness_below=faces[0]
+            self, layers=layers, above=self.below, below=self.above, roughness_below=self.faces[0]
         )
 
     def homogeneous(self) -> "Film":
@@ -260,10 +269,9 @@ class Film(Checked):
                 )
         if self.below is not None:
             below = self.below.index(wavelength)
-        faces = [*(layer.roughness for layer in self.layers), self.roughness_below]
         roughness = None
-        if any(face is not None for face in faces):
-            heights = [0.0 if face is None else face for face in faces]
+        if self.is_rough:
+            heights = [0.0 if face is None else face for face in self.faces]
             roughness = _column(heights).reshape(-1, *(1,) * axes)
         coherent = tuple(layer.coherent for layer in self.layers)
         return Structure(above, below, roughness, () if all(coherent) else coherent)

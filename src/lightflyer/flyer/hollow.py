@@ -12,10 +12,10 @@ from lightflyer.drag.convex import Outline, convex_caveats, convex_drag
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude, Exitances, Radiation
+from lightflyer.film.diffraction import narrow_channels
 from lightflyer.film.layered_section import AnyFilmSection
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.flyer.diffraction import narrow_channels
 from lightflyer.flyer.hollow_geometry import FORMS, Form, HollowForm, seen_below_horizon
 from lightflyer.flyer.hollow_outline import hollow_outline
 from lightflyer.flyer.section import FlyerSection

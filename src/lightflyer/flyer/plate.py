@@ -16,10 +16,10 @@ from lightflyer.drag.disk import (
 )
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
+from lightflyer.film.diffraction import narrow_channels
 from lightflyer.film.layered_section import AnyFilmSection
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.flyer.diffraction import narrow_channels
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.sheets import net_gains, sheet_in_light

@@ -17,10 +17,10 @@ from lightflyer.drag.disk import (
 )
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
+from lightflyer.film.diffraction import narrow_holes
 from lightflyer.film.layered_section import AnyFilmSection
 from lightflyer.film.properties import FilmProperties, excess_of_growth
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.flyer.diffraction import narrow_holes
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.sheets import (
     DARK,

@@ -6,7 +6,7 @@ integral for a round hole in a thin conducting screen, at normal incidence, give
 .. math::
     1 - T = \frac1x\int_0^x J_0(t)\,dt, \qquad x = \frac{2\pi D}{\lambda},
 
-which goes to :math:`\lambda/(2\pi D)` for wide holes. The flyers here take :math:`T = 1`.
+which goes to :math:`\lambda/(2\pi D)` for wide holes. Films and flyers here take :math:`T = 1`.
 """
 
 from collections.abc import Iterator

@@ -37,6 +37,11 @@ app.command(
     help="Predict where a flyer levitates, what it carries and how hot it gets.",
 )
 app.command(
+    "lightflyer.cli.explore:explore_command",
+    name="explore",
+    help="Open a page on which a flyer's numbers can be moved.",
+)
+app.command(
     "lightflyer.cli.fly:fly_command",
     name="fly",
     help="Fly a mission: where a flyer goes, whether it survives the night, what ends it.",

@@ -1,0 +1,339 @@
+"""Results of the design that the page shows: the package's own, and nothing else.
+
+JAX compiles a program once for each kind of flyer, environment and force model, and runs it for
+all numbers: moving a slider compiles nothing. What was computed for a design is kept for a while.
+"""
+
+import math
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache, wraps
+from typing import Any, NamedTuple, ParamSpec, TypeVar
+
+import numpy as np
+
+from lightflyer.config.flyer_file import FileDesign
+from lightflyer.environment.base import Coordinate
+from lightflyer.flight.outputs import OUTPUTS, Output, outputs_of
+from lightflyer.flight.setup import Setup
+from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.units import parse, scale_and_offset
+from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
+from lightflyer.prediction.prediction import Prediction, predict_design, search_grid
+from lightflyer.uncertainty.propagation import PredictionUncertainty, propagate
+
+KEPT = 48
+"""Predictions that are kept: those of the designs that somebody looks at."""
+
+_DIGITS = 4
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class Quick(NamedTuple):
+    """What follows a slider: the outputs over the coordinate.
+
+    Attributes
+    ----------
+    setup : Setup
+    coordinates : array, shape (n,)
+        Altitudes [m] or pressures [Pa].
+    table : dict of str to array, shape (n,)
+        Outputs by name, in SI units.
+    """
+
+    setup: Setup
+    coordinates: np.ndarray
+    table: Table
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A result in words and numbers.
+
+    Attributes
+    ----------
+    name : str
+        As in the prediction's JSON, such as ``"best.payload_mg"``.
+    label : str
+    text : str
+        Value and unit.
+    value : float or None
+        In the JSON's unit; None where there is none, and for a band, which has two.
+    spread : str
+        95 % half-width to first order with its unit; empty where no ± is stated.
+    """
+
+    name: str
+    label: str
+    text: str
+    value: float | None
+    spread: str = ""
+
+
+def _once(function: Callable[P, R]) -> Callable[P, R]:
+    """Keep results, and compute each only once however many threads ask for it."""
+    lock, pending = threading.Lock(), {}  # type: tuple[threading.Lock, dict[Any, threading.Lock]]
+    kept = lru_cache(KEPT)(function)
+
+    @wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        with lock:
+            own = pending.setdefault(args, threading.Lock())
+        try:
+            with own:
+                return kept(*args, **kwargs)  # type: ignore[arg-type]
+        finally:
+            with lock:
+                pending.pop(args, None)
+
+    return wrapper
+
+
+def quick(design: FileDesign) -> Quick:
+    """Outputs over the coordinate, as a prediction tabulates them.
+
+    Parameters
+    ----------
+    design : FileDesign
+
+    Returns
+    -------
+    Quick
+    """
+    setup = design.setup
+    coordinates = search_grid(setup, POINTS)
+    return Quick(setup, coordinates, Evaluator(setup)(coordinates))
+
+
+@_once
+def prediction_of(design: FileDesign) -> Prediction:
+    """The prediction of a design, as :func:`lightflyer.predict` gives it.
+
+    Parameters
+    ----------
+    design : FileDesign
+
+    Returns
+    -------
+    Prediction
+    """
+    return predict_design(design)
+
+
+@_once
+def uncertainty_of(design: FileDesign) -> PredictionUncertainty | None:
+    """The uncertainty of a design's prediction, to first order.
+
+    Parameters
+    ----------
+    design : FileDesign
+
+    Returns
+    -------
+    PredictionUncertainty or None
+        None where no ± is stated.
+    """
+    return propagate(design, prediction=prediction_of(design), samples=0)
+
+
+def warm(design: FileDesign) -> None:
+    """Compile what a design needs, before somebody waits for it.
+
+    Parameters
+    ----------
+    design : FileDesign
+    """
+    prediction_of(design)
+    uncertainty_of(design)
+
+
+def place_of(text: str, setup: Setup) -> float | None:
+    """Coordinate that a page asks about.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``"75 km"``; empty for none.
+    setup : Setup
+
+    Returns
+    -------
+    float or None
+        [m] or [Pa].
+
+    Raises
+    ------
+    ConfigurationError
+        If it is no altitude or pressure of the surroundings.
+    """
+    where = setup.environment.coordinate
+    if not text.strip():
+        return None
+    try:
+        value = parse(text, where.unit).value
+    except ConfigurationError as error:
+        raise ConfigurationError(f"at: {error}") from None
+    factor, _ = scale_and_offset(where.unit, where.shown_unit)
+    low, high = float(where.quantity.lowest), float(where.quantity.highest)
+    if not low <= value <= high:
+        ends = f"{low * factor:.4g} and {high * factor:.4g} {where.shown_unit}"
+        raise ConfigurationError(f"at = {text}: must be between {ends}")
+    return value
+
+
+def readings(prediction: Prediction, uncertainty: PredictionUncertainty | None) -> list[Reading]:
+    """What a prediction says in a few numbers.
+
+    Parameters
+    ----------
+    prediction : Prediction
+    uncertainty : PredictionUncertainty or None
+
+    Returns
+    -------
+    list of Reading
+        Where it levitates, the least light, the largest payload, and the flyer itself.
+    """
+    where = prediction.coordinate
+    _, factor = prediction.coordinate_key
+    spreads = {} if uncertainty is None else uncertainty.first_order
+    found = [_band(prediction, spreads)]
+    group, light = where.easiest_keys
+    if prediction.easiest is not None:
+        least = prediction.easiest.values["levitation_irradiance"]
+        at = _number(prediction.easiest.coordinate * factor, where.shown_unit)
+        found.append(_reading(f"{group}.{light}", f"least light, at {at}", least, "W/m²", spreads))
+    best = _number(prediction.best.coordinate * factor, where.shown_unit)
+    for name in ("payload", "lift_over_weight", "temperature"):
+        output = OUTPUTS[name]
+        json_key, json_scale = output.json
+        value = prediction.best.values[name]
+        scale, unit = output.shown_for(value)
+        reading = _reading(
+            f"best.{json_key}",
+            f"{_SHORT[name]}, at {best}",
+            value * json_scale,
+            pretty_unit(unit),
+            spreads,
+            scale / json_scale,
+        )
+        found.append(reading)
+    found += [_own(prediction.setup, name) for name in ("own_mass", "areal_density")]
+    return found
+
+
+_SHORT = {
+    "payload": "largest payload",
+    "lift_over_weight": "lift over weight",
+    "temperature": "flyer's temperature",
+    "own_mass": "flyer's mass",
+    "areal_density": "areal density",
+}
+
+
+def _band(prediction: Prediction, spreads: Mapping[str, float]) -> Reading:
+    where = prediction.coordinate
+    key, factor = prediction.coordinate_key
+    name = f"{where.name}_band{key.removeprefix(where.name)}"
+    if prediction.widest is None:
+        return Reading(name, "levitates", "nowhere in this light", None)
+    low, high = (edge * factor for edge in prediction.bands[prediction.widest])
+    more = len(prediction.bands) - 1
+    label = "levitates" if not more else f"levitates (and in {more} more bands)"
+    edges = [spreads.get(f"{name}.{end}") for end in ("lower", "upper")]
+    spread = ""
+    if None not in edges:
+        shown = [f"{edge:.2g}" for edge in edges if edge is not None]
+        spread = f"edges ± {' and '.join(shown)} {where.shown_unit} (1 σ)"
+    text = f"{low:.{_DIGITS}g} to {high:.{_DIGITS}g} {where.shown_unit}"
+    return Reading(name, label, text, None, spread)
+
+
+def _own(setup: Setup, name: str) -> Reading:
+    value = float(np.asarray(_design_output(setup, name)))
+    scale, unit = OUTPUTS[name].shown_for(value)
+    return Reading(name, _SHORT[name], _number(value * scale, pretty_unit(unit)), value)
+
+
+def _design_output(setup: Setup, name: str) -> Any:
+    mass = setup.flyer.own_mass
+    return mass if name == "own_mass" else mass / setup.flyer.area
+
+
+def _reading(
+    name: str,
+    label: str,
+    value: float,
+    unit: str,
+    spreads: Mapping[str, float],
+    scale: float = 1.0,
+) -> Reading:
+    spread = spreads.get(name)
+    shown = "" if not spread else f"± {NORMAL_HALF_WIDTH_95 * spread * scale:.2g} {unit}".rstrip()
+    finite = float(value) if math.isfinite(value) else None
+    return Reading(name, label, _number(value * scale, unit), finite, shown)
+
+
+def _number(value: float, unit: str) -> str:
+    if not math.isfinite(value):
+        return "none"
+    large = abs(value) >= 10.0**_DIGITS
+    return f"{f'{value:.0f}' if large else f'{value:.{_DIGITS}g}'} {unit}".rstrip()
+
+
+def values_at(setup: Setup, place: float) -> list[Reading]:
+    """Outputs at one altitude or pressure.
+
+    Parameters
+    ----------
+    setup : Setup
+    place : float
+        [m] or [Pa].
+
+    Returns
+    -------
+    list of Reading
+    """
+    known = outputs_of(setup)
+    table = Evaluator(setup)(np.array([place]))
+    return [_at_place(known[name], float(column[0])) for name, column in table.items()]
+
+
+def _at_place(output: Output, value: float) -> Reading:
+    scale, unit = output.shown_for(value)
+    json_key, json_scale = output.json
+    finite = value * json_scale if math.isfinite(value) else None
+    return Reading(json_key, output.long_name, _number(value * scale, pretty_unit(unit)), finite)
+
+
+def pretty_unit(unit: str) -> str:
+    """A unit as people write it.
+
+    Parameters
+    ----------
+    unit : str
+        As Pint reads it.
+
+    Returns
+    -------
+    str
+    """
+    return unit.replace("^2", "²").replace("^3", "³")
+
+
+def coordinate_factor(where: Coordinate) -> float:
+    """Factor from a coordinate's SI unit to the one shown.
+
+    Parameters
+    ----------
+    where : Coordinate
+
+    Returns
+    -------
+    float
+    """
+    return scale_and_offset(where.unit, where.shown_unit)[0]

@@ -1,0 +1,268 @@
+"""Changes of a document that take more than a text: other alternatives, and where sliders end."""
+
+import math
+import re
+from collections.abc import Mapping
+from copy import deepcopy
+from typing import Any, NamedTuple
+
+from lightflyer.config.flyer_file import FileDesign, models_for, sections_in
+from lightflyer.explorer.grammar import BASES, MISSION, kinds_of_part, quantity_text
+from lightflyer.explorer.hints import base_of, example, templates
+from lightflyer.explorer.state import Document, plain
+from lightflyer.flyer.section import FlyerSection
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.quantity import Quantity
+from lightflyer.foundation.section import Alternative, Section
+from lightflyer.foundation.units import Measured, scale_and_offset
+
+_DECADE = 10.0  # a slider of a positive number reaches so many times below and above
+_TWICE = 2.0  # one of a number that may be zero, from there to so many times
+_KELVIN = "K"  # temperatures: twice, not ten times
+_FROM_ZERO = 10.0  # of the unit, where the number is zero
+_UNIT = re.compile(r"[A-Za-zµμ°%].*$")
+_EXPONENT = re.compile(r"^([-+]?[\d.]+)[eE][-+]?\d+")
+
+
+class Slider(NamedTuple):
+    """Ends of a slider, in the unit in which the number is written.
+
+    Attributes
+    ----------
+    value, low, high : float
+    logarithmic : bool
+    text : str
+        The number as it is written, or would be.
+    """
+
+    value: float
+    low: float
+    high: float
+    logarithmic: bool
+    text: str
+
+
+def sliders(design: FileDesign, document: Document) -> dict[str, Slider]:
+    """Sliders of the numbers that a design has, by dotted name.
+
+    Parameters
+    ----------
+    design : FileDesign
+    document : dict
+        That describes it.
+
+    Returns
+    -------
+    dict of str to Slider
+        Without those of numbers that are neither given nor have a default.
+    """
+    found = {}
+    for part, section in design.file.parts().items():
+        for name, quantity, value in section.numbers():
+            if value is not None and math.isfinite(value.value):
+                given = value_at(document, f"{part}.{name}")
+                text = quantity_text(value, quantity) if given in (None, "") else str(given)
+                found[f"{part}.{name}"] = slider(text, value, quantity)
+    return found
+
+
+def slider(text: str, value: Measured, quantity: Quantity) -> Slider:
+    """Slider of one number.
+
+    Parameters
+    ----------
+    text : str
+        As it is written.
+    value : Measured
+        What that means.
+    quantity : Quantity
+
+    Returns
+    -------
+    Slider
+
+    Examples
+    --------
+    >>> slider("2 ± 0.1 cm", Measured(0.02), Quantity("m", 0.0, open_below=True))[:4]
+    (2.0, 0.2, 20.0, True)
+    >>> slider("0.75", Measured(0.75), Quantity("", 0.0, 1.0))[:4]
+    (0.75, 0.0, 1.0, False)
+    """
+    found = _UNIT.search(_EXPONENT.sub(r"\1", text.strip()))
+    scale, offset = scale_and_offset(found[0], quantity.unit) if found else (1.0, 0.0)
+    own = _rounded((value.value - offset) / scale)
+    lowest, highest = ((end - offset) / scale for end in _limits(quantity))
+    if math.isfinite(quantity.highest - quantity.lowest):
+        low, high, logarithmic = lowest, highest, False
+        if quantity.open_below:  # such as an emittance: zero itself is impossible
+            low = lowest + _smallest(own, lowest)
+    elif quantity.open_below and offset == 0.0:
+        reach = _TWICE if quantity.unit == _KELVIN else _DECADE
+        low, high, logarithmic = max(own / reach, lowest), min(own * reach, highest), True
+    else:
+        reach = _TWICE * abs(own) or _FROM_ZERO
+        low, high, logarithmic = max(-reach, lowest), min(reach, highest), False
+    return Slider(own, _rounded(low), _rounded(high), logarithmic, text)
+
+
+def _limits(quantity: Quantity) -> tuple[float, float]:
+    smallest, largest = quantity.sizes
+    low = max(quantity.lowest, smallest if quantity.open_below else -largest)
+    return low, min(quantity.highest, largest)
+
+
+def _smallest(value: float, lowest: float) -> float:
+    """A hundredth, or less where the number is less itself."""
+    return min(0.01, 0.1 * (value - lowest))
+
+
+def _rounded(number: float) -> float:
+    return float(f"{number:.12g}")
+
+
+def switched(document: Document, name: str, tag: str) -> Document:
+    """A document with another alternative of one of its sections.
+
+    The section's content is that of the first template with the alternative. Parts that do not
+    belong to it change with it.
+
+    Parameters
+    ----------
+    document : dict
+    name : str
+        Dotted name of the section, such as ``"flyer"`` or ``"flyer.top"``.
+    tag : str
+        Of the alternative; empty removes the section.
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    ConfigurationError
+        If there is no such section or alternative.
+    """
+    changed = deepcopy(document)
+    *outer, last = name.split(".")
+    place = changed
+    for key in outer:
+        place = place.setdefault(key, {})
+        if not isinstance(place, dict):
+            raise ConfigurationError(f"{name} is not a section")
+    kind = _section_kind(changed, name, tag)
+    if kind is None:
+        place.pop(last, None)
+    else:
+        place[last] = _content(kind, tag, place.get(last) or {})
+    return _fitting(changed) if name == "flyer" else changed
+
+
+def _section_kind(document: Document, name: str, tag: str) -> type[Section] | None:
+    if not tag:
+        return None
+    for kind in _candidates(document, name):
+        base = base_of(kind)
+        if base is None and tag == "given":
+            return kind
+        if base is not None and tag in base.alternatives:
+            return base.alternatives[tag]
+    raise ConfigurationError(f"{name} has no alternative {tag[:60]}")
+
+
+def _candidates(document: Document, name: str) -> list[type[Section]]:
+    first, *inner = name.split(".")
+    if first not in (*BASES, "payload", MISSION):
+        return []
+    kinds, content = kinds_of_part(first), document.get(first)
+    for key in inner:
+        kinds = [kind for kind in kinds if key in kind.model_fields and _is_chosen(kind, content)]
+        kinds = [
+            found for kind in kinds for found in sections_in(kind.model_fields[key].annotation)
+        ]
+        content = content.get(key) if isinstance(content, Mapping) else None
+    return kinds
+
+
+def _is_chosen(kind: type[Section], content: Any) -> bool:
+    base = base_of(kind)
+    return base is None or base.tag_of(content) == kind.tag()  # type: ignore[attr-defined]
+
+
+def _content(kind: type[Section], tag: str, before: Mapping[str, Any]) -> dict[str, Any]:
+    """What a section begins with."""
+    found = _from_template(kind)
+    base = base_of(kind)
+    chosen: dict[str, Any] = {}
+    if base is not None:
+        names = [key for key, _ in base.choosing_keys]
+        chosen = dict(zip(names, tag.split(" "), strict=False))
+        same = bool(names) and before.get(names[0], base.choosing_keys[0][1]) == chosen[names[0]]
+        if found is None or same:
+            found = {key: entry for key, entry in before.items() if key in kind.model_fields}
+    content = chosen | {k: v for k, v in (found or {}).items() if k not in chosen}
+    for key, info in kind.model_fields.items():
+        if info.is_required() and key not in content:
+            start = {} if sections_in(info.annotation) else plain(example(kind, key))
+            content |= {} if start is None else {key: start}
+    return content
+
+
+def _from_template(kind: type[Section]) -> dict[str, Any] | None:
+    for template in templates().values():
+        for section in _all_sections(template.document):
+            if isinstance(section, dict) and _describes(kind, section):
+                found: dict[str, Any] = plain(section)
+                return found
+    return None
+
+
+def _all_sections(document: Mapping[str, Any]) -> list[Any]:
+    return [part for part in document.values() if isinstance(part, Mapping)]
+
+
+def _describes(kind: type[Section], content: Mapping[str, Any]) -> bool:
+    base = base_of(kind)
+    if base is None or not issubclass(kind, Alternative):
+        return False
+    required = [key for key, info in kind.model_fields.items() if info.is_required()]
+    fits = set(content) <= set(kind.model_fields) and set(required) <= set(content)
+    return fits and base.tag_of(content) == kind.tag()
+
+
+def _fitting(document: Document) -> Document:
+    """The document with a film where its flyer needs one, and a force model that is for it."""
+    kind = FlyerSection.alternatives[FlyerSection.tag_of(document["flyer"])]
+    assert issubclass(kind, FlyerSection)  # an alternative of that base
+    if not kind.needs_film:
+        document.pop("film", None)
+    elif "film" not in document:
+        with_film = (t.document for t in templates().values() if "film" in t.document)
+        document["film"] = plain(deepcopy(next(with_film)["film"]))
+    force = document.get("force")
+    if isinstance(force, Mapping) and str(force.get("model", "")) not in models_for(kind):
+        document["force"] = {"model": kind.default_model}
+    return document
+
+
+def value_at(document: Document, name: str) -> Any:
+    """What a document says at a dotted name, None where it says nothing.
+
+    Parameters
+    ----------
+    document : dict
+    name : str
+
+    Returns
+    -------
+    object
+    """
+    place: Any = document
+    for key in name.split("."):
+        if isinstance(place, Mapping):
+            place = place.get(key)
+        elif isinstance(place, list) and key.isdigit() and int(key) < len(place):
+            place = place[int(key)]
+        else:
+            return None
+    return place

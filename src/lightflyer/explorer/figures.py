@@ -1,0 +1,140 @@
+"""Figures for print: those of the package, and those that only the explorer has."""
+
+import tempfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.comparison import compare
+from lightflyer.explorer import jobs
+from lightflyer.explorer.compute import prediction_of, uncertainty_of
+from lightflyer.explorer.maps import Choices, payload_map
+from lightflyer.explorer.state import Document, Workplace
+from lightflyer.foundation.drawing import ORANGE, VERMILION, legend_below, new_figure, save
+from lightflyer.foundation.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FORMATS = ("png", "svg")
+"""Endings of figures that the page offers."""
+
+Drawing = Callable[[Workplace, Document, Choices], "Figure"]
+
+
+def figure_bytes(
+    name: str, ending: str, workplace: Workplace, document: Document, choices: Choices
+) -> bytes:
+    """A figure of the page as a file for print.
+
+    Parameters
+    ----------
+    name : str
+        One of :data:`DRAWINGS`.
+    ending : str
+        One of :data:`FORMATS`.
+    workplace : Workplace
+    document : dict
+    choices : Choices
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    ConfigurationError
+        If there is no such figure or format.
+    """
+    if name not in DRAWINGS or ending not in FORMATS:
+        raise ConfigurationError(f"there is no figure {name[:40]}.{ending[:10]}")
+    figure = DRAWINGS[name](workplace, document, choices)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, f"{name}.{ending}")
+        save(figure, [path])
+        return path.read_bytes()
+
+
+def _predicted(panel: str) -> Drawing:
+    def draw(workplace: Workplace, document: Document, _: Choices) -> "Figure":
+        design = workplace.design(document)
+        uncertainty = uncertainty_of(design)
+        found: Figure = (
+            prediction_of(design).plot(panel) if uncertainty is None else uncertainty.plot(panel)
+        )
+        return found
+
+    return draw
+
+
+def _film(workplace: Workplace, document: Document, _: Choices) -> "Figure":
+    return jobs.film_summary(workplace.design(document))[1].plot()
+
+
+def _models(workplace: Workplace, document: Document, _: Choices) -> "Figure":
+    designs, _left_out = jobs.designs_by_model(workplace, document)
+    return compare(*designs.values(), names=list(designs), samples=0).plot()
+
+
+def _mission(workplace: Workplace, document: Document, _: Choices) -> "Figure":
+    from lightflyer.mission.figures import mission_figures
+    from lightflyer.mission.mission import fly
+
+    flight = workplace.mission(document)
+    return mission_figures(fly(flight.design, **flight.arguments()))["altitude"]
+
+
+def _map(workplace: Workplace, document: Document, choices: Choices) -> "Figure":
+    data = payload_map(workplace, document, choices)
+    figure = new_figure()
+    (axes,) = figure.axes
+    cells = {name: np.array(column, float) for name, column in data["sources"]["cells"].items()}
+    x, y = np.unique(cells["x"]), np.unique(cells["y"])
+    values = cells["value"].reshape(x.size, y.size).T
+    drawn = axes.pcolormesh(x, y, values, cmap="cividis", shading="nearest", rasterized=True)
+    figure.colorbar(drawn, label=data["colours"]["label"])
+    _scales(axes, data)
+    for source, marker, colour, label in (
+        ("best", "*", ORANGE, "optimum"),
+        ("here", "x", VERMILION, "this design"),
+    ):
+        place = data["sources"][source]
+        axes.plot(place["x"], place["y"], marker, color=colour, ms=11, label=label)
+    legend_below(axes)
+    return figure
+
+
+def _scales(axes: Any, data: Mapping[str, Any]) -> None:
+    axes.set_xscale("log")
+    if data["place_unit"] == "Pa":
+        axes.set_yscale("log")
+    axes.set_xlim(*data["x"])
+    axes.set_ylim(*data["y"])
+    axes.set_xlabel(data["labels"][0])
+    axes.set_ylabel(data["labels"][1])
+
+
+def _sensitivity(workplace: Workplace, document: Document, choices: Choices) -> "Figure":
+    data = jobs.sensitivity(workplace, document, choices)
+    bars = data["sources"]["bars"]
+    figure = new_figure(height=1.2 + 0.3 * len(bars["name"]))
+    (axes,) = figure.axes
+    axes.barh(bars["name"], bars["value"], color=bars["colour"])
+    axes.axvline(0.0, color="black", lw=0.8)
+    axes.set_xlabel(data["labels"][0])
+    return figure
+
+
+DRAWINGS: dict[str, Drawing] = {
+    "irradiance": _predicted("irradiance"),
+    "temperature": _predicted("temperature"),
+    "payload": _predicted("payload"),
+    "map": _map,
+    "models": _models,
+    "film": _film,
+    "sensitivity": _sensitivity,
+    "mission": _mission,
+}
+"""Figures by the name that the page gives them."""

@@ -1,0 +1,426 @@
+"""Slow figures: each computes in a thread of its own, says how far it is, and can be stopped.
+
+A job takes the workplace, the page's document and what the page chose, and returns the data of
+its figure with what a reader must know.
+"""
+
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from lightflyer.comparison.comparison import FEWEST, compare
+from lightflyer.config.flyer_file import FileDesign, models_for
+from lightflyer.explorer import view
+from lightflyer.explorer.compute import (
+    coordinate_factor,
+    prediction_of,
+    readings,
+    uncertainty_of,
+)
+from lightflyer.explorer.maps import Choices, payload_map, variable_numbers, words_of
+from lightflyer.explorer.state import Document, Workplace
+from lightflyer.film.layered_section import LayeredFilmSection
+from lightflyer.film.spectra import planck
+from lightflyer.film.summary import FilmSummary
+from lightflyer.foundation.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from lightflyer.foundation.errors import ConfigurationError, LightflyerError
+from lightflyer.foundation.progress import Step, report, reported_to
+from lightflyer.mission.facts import day_and_night
+from lightflyer.prediction.evaluator import Evaluator
+from lightflyer.prediction.prediction import Prediction
+
+STEP = 1e-3
+"""Relative change of a number in central differences; their error is of the order of its square."""
+
+_MOST_BARS = 14
+_SMALL = 1e-6  # of an effect, not shown
+_MICROMETRE, _HOUR, _KILOMETRE = 1e-6, 3600.0, 1e3
+_TEMPERATURES = np.array([250.0, 300.0, 350.0, 400.0])
+_HEAT = 300.0  # K, of the black body behind a spectrum
+_BEHIND = 0.45  # height of the shaded spectra
+_MODEL_COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
+_DASHES = ("solid", "dashed", "dotdash", "dotted")
+
+
+class StoppedError(Exception):
+    """The page no longer wants the result."""
+
+
+class Listeners:
+    """Lets several threads report their steps, each to its own listener."""
+
+    def __init__(self) -> None:
+        self._here = threading.local()
+
+    def __call__(self, step: Step) -> None:
+        """Pass a step on to whoever listens in this thread."""
+        listener = getattr(self._here, "listener", None)
+        if listener is not None:
+            listener(step)
+
+    @contextmanager
+    def within(self, listener: Callable[[Step], None]) -> Iterator[None]:
+        """Have the steps of this thread passed to a function within the block."""
+        self._here.listener = listener
+        try:
+            yield
+        finally:
+            self._here.listener = None
+
+
+LISTENERS = Listeners()
+"""Where all steps of jobs go, once :func:`listening` has begun."""
+
+
+@contextmanager
+def listening() -> Iterator[None]:
+    """Pass the steps of long work on to the jobs that do it, for as long as the server runs."""
+    with reported_to(LISTENERS):
+        yield
+
+
+def bands(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
+    """95 % bands of the curves and of the results, to first order, from derivatives."""
+    del choices
+    design = workplace.design(document)
+    report("propagating the ±")
+    uncertainty = uncertainty_of(design)
+    note = "No ± is stated: write one, such as 0.90 ± 0.03, to see bands."
+    if uncertainty is not None:
+        names = ", ".join(uncertainty.inputs.names)
+        note = (
+            f"Shaded: 95 % bands to first order, by derivatives, from the ± of {names}. "
+            "lightflyer predict samples them."
+        )
+    found = readings(prediction_of(design), uncertainty)
+    return {
+        "figures": view.bands(uncertainty),
+        "readings": [reading.__dict__ for reading in found],
+        "note": note,
+        "warnings": [] if uncertainty is None else list(uncertainty.warnings),
+    }
+
+
+def force_models(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
+    """The least irradiance by all force models that are for the flyer, by ``lf.compare``."""
+    del choices
+    designs, left_out = designs_by_model(workplace, document)
+    report("comparing")
+    found = compare(*designs.values(), names=list(designs), samples=0)
+    return _models_data(found, left_out)
+
+
+def designs_by_model(
+    workplace: Workplace, document: Document
+) -> tuple[dict[str, FileDesign], list[str]]:
+    """The same flyer under each force model that is for it.
+
+    Parameters
+    ----------
+    workplace : Workplace
+    document : dict
+
+    Returns
+    -------
+    designs : dict of str to FileDesign
+        By the model's name.
+    left_out : list of str
+        Models that cannot be used here, and why.
+
+    Raises
+    ------
+    ConfigurationError
+        If there are not two models to compare.
+    """
+    designs: dict[str, FileDesign] = {}
+    left_out = []
+    for tag in models_for(type(workplace.design(document).file.flyer)):
+        own = document.get("force", {}).get("model") == tag
+        force = document["force"] if own else {"model": tag}
+        report(f"computing with {tag}")
+        try:
+            design = workplace.design({**document, "force": force})
+            prediction_of(design)
+        except LightflyerError as error:
+            left_out.append(f"{tag}: {str(error).partition(chr(10))[0]}")
+        else:
+            designs[tag] = design
+    if len(designs) < FEWEST:
+        only = ", ".join(designs) or "none"
+        reasons = "; ".join(left_out) or "the package has no other"
+        raise ConfigurationError(f"this flyer has one usable force model, {only}: {reasons}")
+    return designs, left_out
+
+
+def _models_data(found: Any, left_out: list[str]) -> dict[str, Any]:
+    where = found.coordinate
+    factor = coordinate_factor(where)
+    looks = [(colour, dash) for dash in _DASHES for colour in _MODEL_COLOURS]
+    lines: dict[str, list[Any]] = {"xs": [], "ys": [], "colour": [], "name": [], "dash": []}
+    legend, words = [], []
+    for one, (colour, dash) in zip(found.flyers, looks, strict=False):
+        needed = one.table["levitation_irradiance"]
+        for column, entry in zip(
+            lines, (found.coordinates * factor, needed, colour, one.name, dash), strict=True
+        ):
+            lines[column].append(entry)
+        legend.append(view.Line(one.name, colour, dash))
+        easiest = one.prediction.easiest
+        if easiest is not None:
+            least = easiest.values["levitation_irradiance"]
+            words.append(f"{one.name}: at least {least:.4g} W/m²")
+    available = float(found.flyers[0].setup.environment.radiation.irradiance)
+    legend.append(view.Line("available", VERMILION, "dashed"))
+    every = np.concatenate([*lines["ys"], [available]])
+    finite = every[np.isfinite(every) & (every > 0.0)]
+    low = view.round_down(0.7 * float(finite.min()))
+    high = min(view.round_up(1.2 * float(finite.max())), view.round_up(3e2 * low))
+    ends = tuple(float(end) * factor for end in found.coordinates[[0, -1]])
+    return view.figure_data(
+        {"models": lines, "level": {"x": np.array(ends), "y": np.full(2, available)}},
+        x=ends,  # type: ignore[arg-type]
+        y=(low, max(high, 1.2 * available)),
+        labels=(view.axis_label(where), "irradiance needed [W/m²]"),
+        legend=legend,
+        words="; ".join(words) + ".",
+        warnings=[*(f"left out: {text}" for text in left_out), *found.warnings],
+    )
+
+
+def film_summary(design: FileDesign) -> tuple[str, FilmSummary]:
+    """Name and optics of the first film of layers.
+
+    Parameters
+    ----------
+    design : FileDesign
+
+    Returns
+    -------
+    name : str
+        Dotted, such as ``"flyer.top"``.
+    summary : FilmSummary
+
+    Raises
+    ------
+    ConfigurationError
+        If no film has layers.
+    """
+    for name, section in design.file.films().items():
+        if isinstance(section, LayeredFilmSection):
+            report(f"computing the optics of {name}")
+            return name, FilmSummary.of(section.film(), section.light(), _TEMPERATURES)
+    raise ConfigurationError(
+        "the film is given by measured numbers: choose layers to see their spectrum"
+    )
+
+
+def film_spectrum(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
+    """Reflectance, transmittance and absorptance of a film of layers over wavelength."""
+    del choices
+    name, summary = film_summary(workplace.design(document))
+    optics, micrometres = summary.optics, summary.wavelength / _MICROMETRE
+    ends = float(micrometres[0]), float(micrometres[-1])
+    lit = (summary.light.wavelength >= ends[0] * _MICROMETRE) & (
+        summary.light.wavelength <= ends[1] * _MICROMETRE
+    )
+    light = summary.light.wavelength[lit], summary.light.irradiance[lit]
+    heat = summary.wavelength, planck(summary.wavelength, _HEAT)
+    legend = [
+        view.Line("absorptance", VERMILION),
+        view.Line("reflectance", BLUE, "dashed"),
+        view.Line("transmittance", GREEN, "dashdot"),
+        view.Line(f"{summary.light.name} (shape)", ORANGE, "area"),
+        view.Line(f"black body, {_HEAT:g} K (shape)", GREY, "area"),
+    ]
+    absorbed = float(summary.lamp["top"].value)
+    emitted = float(np.asarray(summary.thermal["top"].value)[1])
+    return view.figure_data(
+        {
+            "curve": {
+                "x": micrometres,
+                "absorptance": np.asarray(optics.absorptance),
+                "reflectance": np.asarray(optics.reflectance),
+                "transmittance": np.asarray(optics.transmittance),
+            },
+            "light": _shape(*light),
+            "heat": _shape(*heat),
+        },
+        x=ends,
+        y=(0.0, 1.0),
+        labels=("wavelength [µm]", "share of light, normal incidence on top"),
+        legend=legend,
+        words=f"Of {name}: absorptance {absorbed:.3f} for {summary.light.name}, emittance of the "
+        f"top face {emitted:.3f} at {_TEMPERATURES[1]:g} K.",
+        warnings=list(summary.warnings),
+    )
+
+
+def _shape(wavelength: np.ndarray, spectrum: np.ndarray) -> dict[str, np.ndarray]:
+    """A spectrum per logarithm of wavelength, so that equal areas are equal powers."""
+    per_log = np.asarray(wavelength * spectrum)
+    return {
+        "x": np.asarray(wavelength) / _MICROMETRE,
+        "zero": np.zeros_like(per_log),
+        "y": _BEHIND * per_log / per_log.max(),
+    }
+
+
+SENSITIVE = {
+    "levitation_irradiance": "least irradiance",
+    "lift_over_weight": "lift over weight",
+    "temperature": "flyer's temperature",
+}
+"""Outputs whose sensitivities are shown, in words."""
+
+
+def sensitivity(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
+    """By how many per cent a result changes where a number of the design changes by one."""
+    design = workplace.design(document)
+    output = choices.output if choices.output in SENSITIVE else next(iter(SENSITIVE))
+    prediction = prediction_of(design)
+    place = prediction.best if prediction.easiest is None else prediction.easiest
+    if not np.isfinite(place.values[output]):
+        raise ConfigurationError(f"no light lifts this flyer: {SENSITIVE[output]} is not finite")
+    known = variable_numbers(design)
+    at = np.array([place.coordinate])
+    found: dict[str, float] = {}
+    for done, (name, quantity) in enumerate(known.items()):
+        report("computing sensitivities", done, len(known), "numbers")
+        own = float(design.number(name) or 0.0)
+        ends = [own * (1.0 - STEP), min(own * (1.0 + STEP), quantity.highest)]
+        low, high = (float(Evaluator(design.build({name: end}))(at)[output][0]) for end in ends)
+        if low > 0.0 and high > 0.0 and np.isfinite(low * high):
+            found[name] = float(np.log(high / low) / np.log(ends[1] / ends[0]))
+    return _bars(found, prediction, place.coordinate, output)
+
+
+def _bars(
+    found: Mapping[str, float], prediction: Prediction, place: float, output: str
+) -> dict[str, Any]:
+    where = prediction.coordinate
+    felt = {name: value for name, value in found.items() if abs(value) > _SMALL}
+    names = sorted(felt, key=lambda name: abs(felt[name]))[-_MOST_BARS:]
+    values = np.array([felt[name] for name in names])
+    reach = float(np.abs(values).max(initial=0.1)) * 1.1
+    labels = [words_of(name) for name in names]
+    texts = [f"{value:+.3g} % for +1 %" for value in values]
+    at = f"{place * coordinate_factor(where):.4g} {where.shown_unit}"
+    largest = ", ".join(
+        f"{label} {text}" for label, text in list(zip(labels, texts, strict=True))[:-4:-1]
+    )
+    return view.figure_data(
+        {
+            "bars": {
+                "name": labels,
+                "value": values,
+                "colour": [BLUE if value > 0.0 else VERMILION for value in values],
+                "text": texts,
+            }
+        },
+        x=(-reach, reach),
+        y=(0.0, 1.0),
+        labels=(f"change of the {SENSITIVE[output]} [%] for +1 % of", ""),
+        legend=(view.Line("grows with it", BLUE, "area"), view.Line("falls", VERMILION, "area")),
+        words=f"Sensitivity of the {SENSITIVE[output]} at {at}: {largest}. By central differences "
+        f"of {100.0 * STEP:g} %.",
+        factors=labels,
+        elasticities=dict(found),
+        outputs=SENSITIVE,
+        output=output,
+    )
+
+
+def mission(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
+    """Altitude over time with day and night, by ``lf.fly``."""
+    del choices
+    from lightflyer.mission.mission import fly
+
+    flight = workplace.mission(document)
+    report("flying; the first flight of a kind of flyer compiles for half a minute")
+    dataset = fly(flight.design, **flight.arguments())
+    hours = dataset.elapsed.values / _HOUR
+    altitude = dataset.altitude.values / _KILOMETRE
+    spans = day_and_night(dataset)
+    nights = [(begin / _HOUR, end / _HOUR) for begin, end, is_day in spans if not is_day]
+    end = float(dataset.end_elapsed) / _HOUR, float(dataset.end_altitude) / _KILOMETRE
+    warnings = [text for text in dataset.attrs["warnings"].split("; ") if text]
+    return view.figure_data(
+        {
+            "curve": {
+                "x": hours,
+                "y": altitude,
+                "light": dataset.irradiance.values,
+                "temperature": dataset.temperature.values,
+            },
+            "nights": {
+                "low": np.array([night[0] for night in nights]),
+                "high": np.array([night[1] for night in nights]),
+            },
+            "end": {"x": np.array([end[0]]), "y": np.array([end[1]])},
+        },
+        x=(0.0, float(hours[-1])),
+        y=view.round_range(altitude),
+        labels=("time since the release [h]", "altitude [km]"),
+        legend=(view.Line("flyer", BLUE), view.Line("night", GREY, "area")),
+        words=f"The flyer {dataset.attrs['end']} after {end[0]:.4g} h, at {end[1]:.4g} km.",
+        warnings=warnings,
+        assumptions=dataset.attrs["assumptions"].split("; "),
+    )
+
+
+JOBS: dict[str, Callable[[Workplace, Document, Choices], dict[str, Any]]] = {
+    "bands": bands,
+    "map": payload_map,
+    "models": force_models,
+    "film": film_spectrum,
+    "sensitivity": sensitivity,
+    "mission": mission,
+}
+"""Jobs by the name of the figure that they fill."""
+
+
+def run(
+    name: str,
+    workplace: Workplace,
+    document: Document,
+    choices: Choices,
+    tell: Callable[[Step], None],
+    stop: threading.Event,
+) -> dict[str, Any]:
+    """Do a job.
+
+    Parameters
+    ----------
+    name : str
+        One of :data:`JOBS`.
+    workplace : Workplace
+    document : dict
+    choices : Choices
+    tell : callable
+        Takes each :class:`~lightflyer.foundation.progress.Step`.
+    stop : threading.Event
+        Ends the job at its next step.
+
+    Returns
+    -------
+    dict
+        Data of the figure.
+
+    Raises
+    ------
+    LightflyerError
+        If the design does not allow it, in words.
+    StoppedError
+        If ``stop`` was set.
+    """
+
+    def listener(step: Step) -> None:
+        if stop.is_set():
+            raise StoppedError
+        tell(step)
+
+    with LISTENERS.within(listener):
+        return JOBS[name](workplace, document, choices)

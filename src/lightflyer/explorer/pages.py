@@ -1,0 +1,374 @@
+"""What the page asks for and gets: one function for each question, from JSON to JSON."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import lightflyer
+from lightflyer.calibration.points import read_points
+from lightflyer.config.flyer_file import FileDesign, models_for
+from lightflyer.explorer import view
+from lightflyer.explorer.compute import (
+    Quick,
+    coordinate_factor,
+    place_of,
+    prediction_of,
+    quick,
+    readings,
+    values_at,
+)
+from lightflyer.explorer.compute import (
+    warm as warm_up,
+)
+from lightflyer.explorer.downloads import python_lines
+from lightflyer.explorer.editing import sliders, switched
+from lightflyer.explorer.grammar import MISSION, grammar
+from lightflyer.explorer.hints import templates
+from lightflyer.explorer.state import (
+    MOST_PINS,
+    Document,
+    View,
+    Workplace,
+    from_url,
+    plain,
+    require_document,
+    tags_of,
+    to_toml,
+    to_url,
+)
+from lightflyer.foundation.errors import ConfigurationError, LightflyerError
+
+Answer = dict[str, Any]
+
+_KEY = re.compile(r"^\[?([a-z][\w.]*)\]?")
+_NEEDS = re.compile(r"^\[([\w.]+)\] needs ([\w, ]+)$")
+_LONGEST = 500  # characters of a message: it may quote what the user gave
+
+
+def mistake(text: str, key: str = "") -> dict[str, str]:
+    """A mistake for the page: one line, and the field that it is about.
+
+    Parameters
+    ----------
+    text : str
+    key : str
+
+    Returns
+    -------
+    dict
+    """
+    shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
+    return {"key": key, "text": shown}
+
+
+def mistakes(message: str) -> list[dict[str, str]]:
+    """Mistakes of a design, from the lines of an error.
+
+    Parameters
+    ----------
+    message : str
+
+    Returns
+    -------
+    list of dict
+
+    Examples
+    --------
+    >>> mistakes("[flyer] needs gap and diameter")[1]["key"]
+    'flyer.diameter'
+    """
+    found = []
+    for line in message.splitlines() or [""]:
+        needs, named = _NEEDS.match(line), _KEY.match(line)
+        if needs:
+            keys = needs[2].replace(" and ", ", ").split(", ")
+            found += [mistake(line, f"{needs[1]}.{key.strip()}") for key in keys]
+        else:
+            found.append(mistake(line, named[1] if named else ""))
+    return found
+
+
+def document_of(content: Mapping[str, Any]) -> Document:
+    """The design that a request brings.
+
+    Parameters
+    ----------
+    content : dict
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    ConfigurationError
+        If it cannot be one.
+    """
+    document = content.get("document")
+    require_document(document)
+    assert isinstance(document, dict)  # require_document saw to it
+    return document
+
+
+def grammar_of_page(workplace: Workplace, largest_upload: int) -> Answer:
+    """All that the page needs before it shows a design.
+
+    Parameters
+    ----------
+    workplace : Workplace
+    largest_upload : int
+        Bytes.
+
+    Returns
+    -------
+    dict
+    """
+    starts = [{"name": one.name, "title": one.title} for one in templates().values()]
+    return grammar() | {
+        "starts": starts,
+        "version": lightflyer.__version__,
+        "largest_upload": largest_upload,
+        "most_pins": MOST_PINS,
+        "pin_colours": list(view.PIN_COLOURS),
+        "file": workplace.name,
+    }
+
+
+def opened(workplace: Workplace, text: str, name: str) -> Answer:
+    """Document of a flyer or mission file that the user gave."""
+    return {"document": workplace.from_toml(text, Path(name).name)}
+
+
+def _open(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
+    """Document of an address, of a template, or the first one."""
+    start, url = str(content.get("start", "")), str(content.get("url", ""))
+    if start:
+        if start not in templates():
+            raise ConfigurationError(f"there is no start {start[:40]}")
+        return {"document": plain(templates()[start].document), "at": "", "pins": []}
+    if not url:
+        return {"document": workplace.initial, "at": "", "pins": []}
+    try:
+        found = from_url(url)
+    except LightflyerError as error:
+        first = {"document": workplace.initial, "at": "", "pins": []}
+        return first | {"errors": mistakes(f"{error}; the first design is shown")}
+    document = found.document or workplace.initial
+    return {"document": document, "at": found.at, "pins": list(found.pins)}
+
+
+def _switch(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
+    """The document with another alternative of a section."""
+    del workplace
+    return {
+        "document": switched(
+            document_of(content), str(content.get("section", "")), str(content.get("tag", ""))
+        )
+    }
+
+
+def _view_of(content: Mapping[str, Any]) -> View:
+    pins = content.get("pins") or []
+    for pin in pins:
+        require_document(pin)
+    return View(document_of(content), str(content.get("at", "")), tuple(pins[:MOST_PINS]))
+
+
+def _move(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
+    """What follows a slider: curves, ends of sliders, address; or what is wrong."""
+    shown = _view_of(content)
+    answer: Answer = {"url": to_url(shown), "tags": tags_of(shown.document)}
+    design, wrong = _checked(workplace, shown.document)
+    if wrong or design is None:
+        return answer | {"errors": wrong}
+    where = design.setup.environment.coordinate
+    found = quick(design)
+    answer |= {
+        "errors": [],
+        "figures": view.curves(found),
+        "sliders": {name: one._asdict() for name, one in sliders(design, shown.document).items()},
+        "models": models_for(type(design.file.flyer)),
+        "coordinate": {
+            "name": where.name,
+            "unit": where.shown_unit,
+            "logarithmic": where.logarithmic,
+        },
+    }
+    try:
+        place = place_of(shown.at, design.setup)
+    except ConfigurationError as error:
+        return answer | {"errors": mistakes(str(error))}
+    if place is not None:
+        rows = [asdict(one) for one in values_at(design.setup, place)]
+        answer["place"] = {"x": place * coordinate_factor(where), "rows": rows}
+    return answer
+
+
+def _checked(
+    workplace: Workplace, document: Document
+) -> tuple[FileDesign | None, list[dict[str, str]]]:
+    """The design, and what is wrong with the document, its mission included."""
+    wrong: list[dict[str, str]] = []
+    design = None
+    try:
+        design = workplace.design(document)
+        design.setup  # noqa: B018  # built here, where its mistakes are told
+    except LightflyerError as error:
+        wrong += mistakes(str(error))
+    if MISSION in document and not wrong:
+        try:
+            workplace.mission(document)
+        except LightflyerError as error:
+            wrong += mistakes(str(error))
+            design = None
+    return design, wrong
+
+
+def _predict(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
+    """The whole prediction, where a slider has come to rest."""
+    document = document_of(content)
+    design = workplace.design(document)
+    prediction = prediction_of(design)
+    found = Quick(prediction.setup, prediction.coordinates, prediction.table)
+    return {
+        "summary": prediction.summary(),
+        "readings": [asdict(one) for one in readings(prediction, None)],
+        "figures": view.marks(prediction),
+        "rows": view.rows(found),
+        "assumptions": list(prediction.assumptions),
+        "warnings": list(prediction.warnings),
+        "description": f"{prediction.setup.flyer.describe()}, "
+        f"{type(prediction.setup.model).__name__}",
+        "python": python_lines(document),
+        "toml": to_toml(document),
+    }
+
+
+def _pins(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
+    """Designs side by side: curves of those pinned, results and differences of all."""
+    shown = _view_of(content)
+    scale = float(content.get("scale") or 1.0)
+    designs = [workplace.design(document) for document in (shown.document, *shown.pins)]
+    found = [prediction_of(design) for design in designs]
+    where = found[0].coordinate
+    same = [one.coordinate.name == where.name for one in found]
+    sources: dict[str, dict[str, list[Any]]] = {
+        figure: {"xs": [], "ys": [], "colour": []} for figure in _PINNED
+    }
+    for one, fits, colour in zip(found[1:], same[1:], view.PIN_COLOURS, strict=False):
+        if not fits:
+            continue
+        x = view.plain_list(one.coordinates * coordinate_factor(where))
+        for figure, output in _PINNED.items():
+            factor = scale if figure == "payload" else 1.0
+            sources[figure]["xs"].append(x)
+            sources[figure]["ys"].append(view.plain_list(one.table[output] * factor))
+            sources[figure]["colour"].append(colour)
+    results = [[asdict(one) for one in readings(one_found, None)] for one_found in found]
+    return {
+        "figures": {name: {"sources": {"pins": columns}} for name, columns in sources.items()},
+        "results": results,
+        "differences": _differences((shown.document, *shown.pins)),
+        "warnings": [] if all(same) else ["designs over pressure and over altitude: not drawn"],
+    }
+
+
+_PINNED = {
+    "irradiance": "levitation_irradiance",
+    "temperature": "temperature",
+    "payload": "payload",
+}
+
+
+def _differences(documents: tuple[Document, ...]) -> list[dict[str, Any]]:
+    """Keys in which documents differ, with the texts of each."""
+    flat = [dict(_flattened(document)) for document in documents]
+    keys = dict.fromkeys(key for one in flat for key in one if not key.startswith(f"{MISSION}."))
+    rows = ({"key": key, "values": [one.get(key, "–") for one in flat]} for key in keys)
+    return [row for row in rows if len(set(row["values"])) > 1]
+
+
+def _flattened(content: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
+    found = []
+    for key, entry in content.items():
+        if isinstance(entry, Mapping):
+            found += _flattened(entry, f"{prefix}{key}.")
+        elif isinstance(entry, list):
+            found += _flattened(
+                {str(index): part for index, part in enumerate(entry)}, prefix=f"{prefix}{key}."
+            )
+        elif entry not in ("", None):
+            found.append((f"{prefix}{key}", str(entry)))
+    return found
+
+
+def points(workplace: Workplace, path: Path, name: str, document: Any) -> Answer:
+    """Levitation points of a file, placed on the figure of the irradiance.
+
+    Parameters
+    ----------
+    workplace : Workplace
+    path : Path
+    name : str
+        Of the file, for messages.
+    document : object
+        The page's design: over altitude, points are drawn where the air has their pressure.
+
+    Returns
+    -------
+    dict
+        Columns of the source ``points``, and what a reader must know.
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names file, line and column.
+    """
+    found = read_points(path)
+    require_document(document)
+    design = workplace.design(document)
+    where = design.setup.environment.coordinate
+    place, warnings = found.pressure, [text.replace(str(path), name) for text in found.warnings]
+    if not where.logarithmic:
+        table = quick(design)
+        pressure = np.log(table.table["pressure"])
+        place = np.interp(-np.log(found.pressure), -pressure, table.coordinates)
+        warnings.append("points are drawn at the altitude whose pressure they have")
+    spread = found.numbers.get("irradiance_uncertainty", np.zeros(len(found)))
+    low = np.maximum(found.irradiance - 1.96 * spread, 1e-3 * found.irradiance)
+    samples = ", ".join(dict.fromkeys(found.samples))
+    return {
+        "columns": {
+            "x": view.plain_list(place * coordinate_factor(where)),
+            "y": view.plain_list(found.irradiance),
+            "low": view.plain_list(low),
+            "high": view.plain_list(found.irradiance + 1.96 * spread),
+            "sample": list(found.samples),
+        },
+        "words": f"{len(found)} points of {samples} from {name}; bars are 95 % intervals.",
+        "warnings": warnings,
+    }
+
+
+ANSWERS: dict[str, Callable[[Workplace, Mapping[str, Any]], Answer]] = {
+    "open": _open,
+    "switch": _switch,
+    "move": _move,
+    "predict": _predict,
+    "pins": _pins,
+}
+"""Questions of the page that are answered at once, by name."""
+
+
+def warm(workplace: Workplace) -> None:
+    """Compile what the first design needs, before a page asks for it.
+
+    Parameters
+    ----------
+    workplace : Workplace
+    """
+    warm_up(workplace.design(workplace.initial))

@@ -1,0 +1,449 @@
+"""The server of the page: on the loopback address, for pages that it served itself.
+
+It keeps nothing of a page. Each request brings the whole design; programs and recent results are
+kept for all pages together. Quick answers and slow jobs have threads of their own, so that a job
+of one page does not hold up another.
+"""
+
+import asyncio
+import contextlib
+import json
+import logging
+import socket
+import tempfile
+import threading
+import traceback
+from collections.abc import Awaitable, Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import bokeh.server
+import tornado.httpserver
+import tornado.iostream
+import tornado.web
+
+import lightflyer
+from lightflyer.explorer import jobs, pages
+from lightflyer.explorer.downloads import download
+from lightflyer.explorer.maps import Choices
+from lightflyer.explorer.panes import panes
+from lightflyer.explorer.state import Workplace
+from lightflyer.foundation.errors import ConfigurationError, LightflyerError, OutputError
+from lightflyer.foundation.progress import Step
+
+ADDRESS = "127.0.0.1"
+
+LARGEST_UPLOAD = 1 << 20
+"""Bytes of a file that the page takes."""
+
+LARGEST_BODY = LARGEST_UPLOAD + (1 << 18)
+"""Bytes of a request: a file in JSON, with a design."""
+
+QUICK_THREADS, SLOW_THREADS = 4, 3
+
+_STATIC = Path(__file__).parent / "static"
+_BOKEH = Path(bokeh.server.__file__).parent / "static" / "js"
+_PORTS_TRIED = 20
+_POLICY = "; ".join(
+    (
+        "default-src 'none'",
+        "script-src 'self'",
+        "style-src 'self' 'unsafe-inline'",  # Bokeh styles its canvas so; no script comes of it
+        "img-src 'self' data: blob:",
+        "connect-src 'self'",
+        "font-src 'self' data:",
+        "base-uri 'none'",
+        "form-action 'none'",
+        "frame-ancestors 'none'",
+    )
+)
+HEADERS = {
+    "Content-Security-Policy": _POLICY,
+    "X-Frame-Options": "DENY",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cache-Control": "no-cache",
+}
+"""Headers of every answer."""
+
+_LOG = logging.getLogger("lightflyer.explorer")
+
+
+@dataclass
+class Service:
+    """What the handlers share.
+
+    Attributes
+    ----------
+    workplace : Workplace
+    origins : set of str
+        Hosts with port by which the page may be asked for.
+    quick, slow : ThreadPoolExecutor
+        Threads for answers that follow a slider, and for jobs.
+    """
+
+    workplace: Workplace
+    origins: set[str] = field(default_factory=set)
+    quick: ThreadPoolExecutor = field(
+        default_factory=lambda: ThreadPoolExecutor(QUICK_THREADS, "quick")
+    )
+    slow: ThreadPoolExecutor = field(
+        default_factory=lambda: ThreadPoolExecutor(SLOW_THREADS, "slow")
+    )
+
+
+class _Handler(tornado.web.RequestHandler):
+    """Refuses strangers, and answers mistakes in words."""
+
+    service: Service
+
+    def initialize(self, service: Service) -> None:
+        """Take what the handlers share."""
+        self.service = service
+
+    def set_default_headers(self) -> None:
+        """Say what browsers may do with an answer."""
+        for name, value in HEADERS.items():
+            self.set_header(name, value)
+        self.clear_header("Server")
+
+    def prepare(self) -> None:
+        """Refuse another host's name, which may be a stranger's for this address, and origins."""
+        _require_own(self, self.service)
+
+    def body(self) -> dict[str, Any]:
+        """Content of the request."""
+        if not self.request.headers.get("Content-Type", "").startswith("application/json"):
+            raise tornado.web.HTTPError(415)
+        try:
+            content = json.loads(self.request.body)
+        except (ValueError, RecursionError):
+            raise tornado.web.HTTPError(400) from None
+        if not isinstance(content, dict):
+            raise tornado.web.HTTPError(400)
+        return content
+
+    def say(self, content: Any) -> None:
+        """Answer with JSON, which has neither infinity nor NaN."""
+        self.set_header("Content-Type", "application/json; charset=utf-8")
+        self.finish(json.dumps(content, allow_nan=False))
+
+    async def in_thread(self, work: Callable[[], Any]) -> Any:
+        """Result of work in a thread for quick answers."""
+        return await asyncio.get_running_loop().run_in_executor(self.service.quick, work)
+
+    def write_error(self, status_code: int, **more: Any) -> None:
+        """Say what went wrong in one line, without the program's own."""
+        self.set_header("Content-Type", "application/json; charset=utf-8")
+        self.finish(json.dumps({"errors": [pages.mistake(_STATUS.get(status_code, self._reason))]}))
+        del more
+
+    def log_exception(self, *args: Any) -> None:
+        """Log what is a defect of the program's, not of a request's."""
+        if not isinstance(args[1], tornado.web.HTTPError):
+            _LOG.error("%s", "".join(traceback.format_exception(*args)))
+
+
+_STATUS = {
+    400: "the request cannot be read",
+    403: "this page belongs to another program on this computer",
+    404: "there is no such page",
+    413: "this is too large",
+    415: "the request is not JSON",
+    500: "the explorer made a mistake; its terminal says which",
+}
+
+
+def _require_own(handler: tornado.web.RequestHandler, service: Service) -> None:
+    request = handler.request
+    own = request.host.lower() in service.origins
+    origin = request.headers.get("Origin")
+    known = origin is None or origin.lower() in {f"http://{host}" for host in service.origins}
+    site = request.headers.get("Sec-Fetch-Site", "none")
+    visits = request.headers.get("Sec-Fetch-Mode", "navigate") == "navigate"
+    strange = site not in ("none", "same-origin") and not (visits and request.method == "GET")
+    if not own or not known or strange:
+        raise tornado.web.HTTPError(403)
+
+
+class _File(tornado.web.StaticFileHandler):
+    """A file of the page."""
+
+    service: Service
+
+    def initialize(self, service: Service, **more: Any) -> None:  # type: ignore[override]
+        """Take what the handlers share."""
+        self.service = service
+        super().initialize(**more)
+
+    def prepare(self) -> None:
+        """Refuse strangers."""
+        _require_own(self, self.service)
+
+    def set_extra_headers(self, path: str) -> None:
+        """Say what browsers may do with it."""
+        del path
+        for name, value in HEADERS.items():
+            self.set_header(name, value)
+        self.clear_header("Server")
+
+
+class _Missing(_Handler):
+    def prepare(self) -> None:
+        super().prepare()
+        raise tornado.web.HTTPError(404)
+
+
+@cache
+def _panes_text(logarithmic: bool) -> str:
+    return json.dumps(panes(logarithmic=logarithmic))
+
+
+class _Panes(_Handler):
+    def get(self, kind: str) -> None:
+        self.set_header("Content-Type", "application/json; charset=utf-8")
+        self.finish(_panes_text(kind == "logarithmic"))
+
+
+class _Grammar(_Handler):
+    def get(self) -> None:
+        self.say(pages.grammar_of_page(self.service.workplace, LARGEST_UPLOAD))
+
+
+class _Answer(_Handler):
+    """What follows a slider: everything that :data:`lightflyer.explorer.pages.ANSWERS` knows."""
+
+    async def post(self, name: str) -> None:
+        answer = pages.ANSWERS.get(name)
+        if answer is None:
+            raise tornado.web.HTTPError(404)
+        content, workplace = self.body(), self.service.workplace
+        try:
+            self.say(await self.in_thread(lambda: answer(workplace, content)))
+        except LightflyerError as error:
+            self.say({"errors": pages.mistakes(str(error))})
+
+
+class _Upload(_Handler):
+    """A file of the user's: a flyer file, or levitation points."""
+
+    async def post(self, name: str) -> None:
+        content = self.body()
+        text, file = content.get("text"), content.get("name")
+        if not isinstance(text, str) or not isinstance(file, str):
+            raise tornado.web.HTTPError(400)
+        if len(text.encode("utf-8", "surrogatepass")) > LARGEST_UPLOAD:
+            raise tornado.web.HTTPError(413)
+        workplace = self.service.workplace
+        try:
+            if name == "points":
+                found = await self.in_thread(lambda: _points(text, file, content, workplace))
+            else:
+                found = await self.in_thread(lambda: pages.opened(workplace, text, file))
+            self.say(found)
+        except LightflyerError as error:
+            self.say({"errors": pages.mistakes(str(error))})
+
+
+def _points(text: str, name: str, content: dict[str, Any], workplace: Workplace) -> dict[str, Any]:
+    """Points of a file, which the reader of ``lab levitation`` reads."""
+    shown = Path(name).name or "points.csv"
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "points.csv")
+        path.write_text(text, encoding="utf-8", errors="replace")
+        try:
+            return pages.points(workplace, path, shown, content.get("document"))
+        except LightflyerError as error:
+            raise ConfigurationError(str(error).replace(str(path), shown)) from None
+
+
+class _Download(_Handler):
+    async def post(self, what: str) -> None:
+        content, workplace = self.body(), self.service.workplace
+        document = pages.document_of(content)
+        choices = _choices(content)
+        loop = asyncio.get_running_loop()
+        try:
+            found = await loop.run_in_executor(
+                self.service.slow, lambda: download(what, workplace, document, choices)
+            )
+        except LightflyerError as error:
+            self.set_status(422)
+            self.say({"errors": pages.mistakes(str(error))})
+            return
+        self.set_header("Content-Type", found.kind)
+        self.set_header("Content-Disposition", f'attachment; filename="{found.name}"')
+        self.finish(found.content)
+
+
+class _Job(_Handler):
+    """A slow figure: a line of JSON for each step, and one with the result."""
+
+    async def post(self, name: str) -> None:
+        if name not in jobs.JOBS:
+            raise tornado.web.HTTPError(404)
+        content = self.body()
+        document, choices = pages.document_of(content), _choices(content)
+        loop, lines = asyncio.get_running_loop(), asyncio.Queue[dict[str, Any] | None]()
+        self._stop = threading.Event()
+
+        def put(line: dict[str, Any] | None) -> None:
+            with contextlib.suppress(RuntimeError):  # the server has ended meanwhile
+                loop.call_soon_threadsafe(lines.put_nowait, line)
+
+        def work() -> None:
+            try:
+                put(_outcome(name, self.service.workplace, document, choices, put, self._stop))
+            finally:
+                put(None)
+
+        self.set_header("Content-Type", "application/x-ndjson; charset=utf-8")
+        self.service.slow.submit(work)
+        with contextlib.suppress(tornado.iostream.StreamClosedError):
+            while (line := await lines.get()) is not None:
+                self.write(json.dumps(line, allow_nan=False) + "\n")
+                await self.flush()
+
+    def on_connection_close(self) -> None:
+        """Stop a job whose page has gone on."""
+        if hasattr(self, "_stop"):
+            self._stop.set()
+
+
+def _outcome(
+    name: str,
+    workplace: Workplace,
+    document: dict[str, Any],
+    choices: Choices,
+    put: Callable[[dict[str, Any]], None],
+    stop: threading.Event,
+) -> dict[str, Any]:
+    """Result of a job, or its mistakes."""
+
+    def tell(step: Step) -> None:
+        share = None if not step.total else (step.done or 0) / step.total
+        put({"doing": step.doing, "share": share})
+
+    if stop.is_set():
+        return {"stopped": True}
+    try:
+        return {"result": jobs.run(name, workplace, document, choices, tell, stop)}
+    except jobs.StoppedError:
+        return {"stopped": True}
+    except LightflyerError as error:
+        return {"errors": pages.mistakes(str(error))}
+    except Exception:  # a defect: the page says so, and stays usable
+        _LOG.exception("job %s", name)
+        return {"errors": [pages.mistake(_STATUS[500])]}
+
+
+def _choices(content: dict[str, Any]) -> Choices:
+    given = content.get("choices")
+    known = given if isinstance(given, dict) else {}
+    return Choices(**{name: str(known[name]) for name in Choices._fields if name in known})
+
+
+def application(service: Service) -> tornado.web.Application:
+    """The server's pages.
+
+    Parameters
+    ----------
+    service : Service
+
+    Returns
+    -------
+    tornado.web.Application
+    """
+    shared = {"service": service}
+    files = {**shared, "path": str(_STATIC)}
+    return tornado.web.Application(
+        [
+            (r"/()", _File, {**files, "default_filename": "index.html"}),
+            (r"/static/([\w.-]+)", _File, files),
+            (r"/bokeh/(bokeh\.min\.js)", _File, {**shared, "path": str(_BOKEH)}),
+            (r"/api/grammar", _Grammar, shared),
+            (r"/api/panes/(\w+)", _Panes, shared),
+            (r"/api/upload/(design|points)", _Upload, shared),
+            (r"/api/download/([\w.]+)", _Download, shared),
+            (r"/api/job/(\w+)", _Job, shared),
+            (r"/api/(\w+)", _Answer, shared),
+        ],
+        default_handler_class=_Missing,
+        default_handler_args=shared,
+        log_function=lambda _: None,
+    )
+
+
+def listen(service: Service, port: int) -> tuple[tornado.httpserver.HTTPServer, int]:
+    """Begin to listen on the loopback address.
+
+    Parameters
+    ----------
+    service : Service
+    port : int
+        The next free one is taken where it is in use; 0 for any.
+
+    Returns
+    -------
+    server : tornado.httpserver.HTTPServer
+    port : int
+
+    Raises
+    ------
+    OutputError
+        If no port is free.
+    """
+    server = tornado.httpserver.HTTPServer(application(service), max_body_size=LARGEST_BODY)
+    listener = _free(range(port, min(port + _PORTS_TRIED, 65_536)) if port else (0,))
+    server.add_sockets([listener])
+    found = int(listener.getsockname()[1])
+    service.origins |= {f"{name}:{found}" for name in (ADDRESS, "localhost")}
+    return server, found
+
+
+def _free(ports: Sequence[int]) -> socket.socket:
+    for port in ports:
+        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            listener.bind((ADDRESS, port))
+        except OSError:
+            listener.close()
+            continue
+        listener.listen(128)
+        listener.setblocking(False)
+        return listener
+    raise OutputError(f"ports {ports[0]} to {ports[-1]} are in use; --port chooses another")
+
+
+def serve(workplace: Workplace, port: int, opened: Callable[[str], Awaitable[None] | None]) -> None:
+    """Serve the page until interrupted.
+
+    Parameters
+    ----------
+    workplace : Workplace
+    port : int
+    opened : callable
+        Called with the page's address, once it answers.
+
+    Raises
+    ------
+    OutputError
+        If no port is free.
+    """
+
+    async def run() -> None:
+        service = Service(workplace)
+        _, found = listen(service, port)
+        service.slow.submit(pages.warm, workplace)
+        opened(f"http://{ADDRESS}:{found}/")
+        await asyncio.Event().wait()
+
+    _LOG.info("lightflyer %s", lightflyer.__version__)
+    with jobs.listening():
+        asyncio.run(run())

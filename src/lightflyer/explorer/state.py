@@ -1,0 +1,440 @@
+"""What the page holds: a document, which is a flyer file, and its forms as URL and as TOML.
+
+Everything that a page sends passes through the parser of flyer files, with its messages.
+"""
+
+import datetime
+import json
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Any
+from urllib.parse import parse_qsl, urlencode
+
+from lightflyer.config.flyer_file import PARTS, FileDesign, section_at
+from lightflyer.config.mission_file import MissionFile, mission_of_text
+from lightflyer.config.reader import FLYER_FILE, design_of_text
+from lightflyer.explorer.grammar import MISSION
+from lightflyer.explorer.hints import templates
+from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.extras import extra
+from lightflyer.foundation.section import Alternative
+from lightflyer.foundation.text import read_text
+from lightflyer.foundation.toml_file import parsed
+
+Document = dict[str, Any]
+"""Content of a flyer file, with numbers as the user wrote them and dates as texts."""
+
+KEPT = 64
+"""Designs whose programs and optics are kept between requests."""
+
+MOST_PINS = 4
+"""Designs that can be pinned beside the one that is moved."""
+
+_PIN, _AT = "pin", "at"
+_MOST_TEXT = 200_000  # characters of a URL or of a document
+_DEEPEST = 12  # sections within sections
+_KEY = re.compile(r"^[A-Za-z0-9_-]{1,60}$")
+_DATE = re.compile(r"^\d{4}-\d{2}-\d{2}(?:[Tt ]\d{2}:\d{2}.*)?$")
+
+
+@dataclass(frozen=True)
+class View:
+    """What the URL of a page holds.
+
+    Attributes
+    ----------
+    document : dict
+    at : str
+        Altitude or pressure at which results are listed, empty where the best is.
+    pins : tuple of dict
+        Documents pinned beside it.
+    """
+
+    document: Document
+    at: str = ""
+    pins: tuple[Document, ...] = ()
+
+
+@dataclass(frozen=True)
+class Workplace:
+    """Where documents are read: the folder whose files they may name.
+
+    Attributes
+    ----------
+    folder : Path
+    name : str
+        Of the flyer file, in messages and downloads.
+    initial : dict
+        The document that the page opens with; files that it names may be anywhere.
+    """
+
+    folder: Path
+    name: str
+    initial: Document = field(hash=False)
+
+    @classmethod
+    def of_file(cls, path: Path | None) -> "Workplace":
+        """The workplace of a flyer or mission file, by default of the first template.
+
+        Parameters
+        ----------
+        path : Path or None
+
+        Returns
+        -------
+        Workplace
+
+        Raises
+        ------
+        ConfigurationError
+            If the file cannot be used.
+        """
+        if path is None:
+            first = next(iter(templates().values()))
+            return cls(Path.cwd(), "flyer.toml", plain(first.document))
+        document = parsed(read_text(path), path, FLYER_FILE)
+        workplace = cls(path.parent, path.name, plain(document))
+        workplace.design(workplace.initial)  # its mistakes end the command
+        return workplace
+
+    def design(self, document: Document) -> FileDesign:
+        """What a document describes, without its mission.
+
+        Parameters
+        ----------
+        document : dict
+
+        Returns
+        -------
+        FileDesign
+
+        Raises
+        ------
+        ConfigurationError
+            One line for each mistake, without the name of a file.
+        """
+        content = {name: entry for name, entry in document.items() if name != MISSION}
+        return self._designs(self._checked(content))
+
+    def mission(self, document: Document) -> MissionFile:
+        """The mission that a document describes.
+
+        Parameters
+        ----------
+        document : dict
+
+        Returns
+        -------
+        MissionFile
+
+        Raises
+        ------
+        ConfigurationError
+            One line for each mistake.
+        """
+        return self._missions(self._checked(document))
+
+    @cached_property
+    def _designs(self) -> Any:
+        return lru_cache(KEPT)(lambda text: self._read(design_of_text, text))
+
+    @cached_property
+    def _missions(self) -> Any:
+        return lru_cache(KEPT)(lambda text: self._read(mission_of_text, text))
+
+    def _read(self, reader: Any, text: str) -> Any:
+        path = self.folder / self.name
+        try:
+            return reader(text, path)
+        except ConfigurationError as error:
+            place = re.compile(rf"^{re.escape(str(path))}(?::\d+)?: ", re.MULTILINE)
+            raise ConfigurationError(place.sub("", str(error))) from None
+
+    def _checked(self, document: Document) -> str:
+        """The document as TOML, unless it names files elsewhere."""
+        for text in _texts(document):
+            if _leaves_folder(text) and text not in self._trusted:
+                raise ConfigurationError(
+                    f'"{text}" is outside the folder of the flyer file: put it there and give its '
+                    "name, or name it in the file that explore opens"
+                )
+        return to_toml(document)
+
+    @cached_property
+    def _trusted(self) -> frozenset[str]:
+        return frozenset(_texts(self.initial))
+
+    def from_toml(self, text: str, name: str) -> Document:
+        """Document of a file that was uploaded.
+
+        Parameters
+        ----------
+        text : str
+        name : str
+            Of the file, for messages.
+
+        Returns
+        -------
+        dict
+
+        Raises
+        ------
+        ConfigurationError
+            If it is not a flyer or mission file; one line for each mistake.
+        """
+        document = plain(parsed(text, Path(name or "the file"), FLYER_FILE))
+        require_document(document)
+        self.mission(document) if MISSION in document else self.design(document)
+        return document
+
+
+def plain(content: Any) -> Any:
+    """Content of a TOML file as JSON has it: dates become texts."""
+    if isinstance(content, Mapping):
+        return {key: plain(entry) for key, entry in content.items()}
+    if isinstance(content, list | tuple):
+        return [plain(entry) for entry in content]
+    is_date = isinstance(content, datetime.date | datetime.time)
+    return content.isoformat() if is_date else content
+
+
+def require_document(document: Any) -> None:
+    """Raise unless a page's document can be a flyer file.
+
+    Parameters
+    ----------
+    document : object
+        From JSON.
+
+    Raises
+    ------
+    ConfigurationError
+    """
+    if not isinstance(document, dict):
+        raise ConfigurationError("a design is a table of sections")
+    if len(json.dumps(document)) > _MOST_TEXT:
+        raise ConfigurationError(f"a design has at most {_MOST_TEXT} characters")
+    _require_keys(document, 0)
+    unknown = [name for name in document if name not in (*PARTS, MISSION)]
+    if unknown:
+        raise ConfigurationError(
+            f"[{unknown[0]}] is not a section of a design; choose from "
+            f"{', '.join((*PARTS, MISSION))}"
+        )
+
+
+def _require_keys(content: Any, depth: int) -> None:
+    if depth > _DEEPEST:
+        raise ConfigurationError(f"a design has at most {_DEEPEST} sections within each other")
+    if isinstance(content, dict):
+        for key, entry in content.items():
+            if not _KEY.match(key):
+                raise ConfigurationError(f'"{key[:60]}" cannot be a key')
+            _require_keys(entry, depth + 1)
+    elif isinstance(content, list):
+        for entry in content:
+            _require_keys(entry, depth + 1)
+
+
+def to_toml(document: Document) -> str:
+    """A document as the text of a flyer file, which the command line reads to the last digit.
+
+    Parameters
+    ----------
+    document : dict
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print(to_toml({"film": {"absorptance": "0.75", "emittance": ""}}))
+    [film]
+    absorptance = 0.75
+    <BLANKLINE>
+    """
+    writer = extra("tomli_w", "the explorer", "explorer")
+    names = [name for name in (*PARTS, MISSION) if name in document]
+    written: str = writer.dumps({name: _typed(document[name]) for name in names})
+    return written
+
+
+def _typed(content: Any) -> Any:
+    """What TOML writes without quotes as such, and nothing where a field is empty."""
+    if isinstance(content, Mapping):
+        kept = {key: _typed(entry) for key, entry in content.items()}
+        return {key: entry for key, entry in kept.items() if entry not in ("", None)}
+    if isinstance(content, list | tuple):
+        return [_typed(entry) for entry in content]
+    return _value(content.strip()) if isinstance(content, str) else content
+
+
+def _value(text: str) -> Any:
+    """Number, truth value or date that a text stands for, else the text."""
+    if not (text in ("true", "false") or _DATE.match(text) or text[:1] in set("+-.0123456789")):
+        return text
+    try:
+        value = tomllib.loads(f"value = {text}")
+    except (tomllib.TOMLDecodeError, ValueError):
+        return text
+    return value["value"] if set(value) == {"value"} else text
+
+
+def to_url(view: View) -> str:
+    """What follows the ``#`` of the page's address.
+
+    Parameters
+    ----------
+    view : View
+
+    Returns
+    -------
+    str
+        One entry for each key, such as ``flyer.diameter=2+cm``.
+
+    Examples
+    --------
+    >>> to_url(View({"flyer": {"shape": "disk", "diameter": "2 cm"}}, at="75 km"))
+    'flyer.shape=disk&flyer.diameter=2+cm&at=75+km'
+    """
+    entries = list(_entries(view.document))
+    if view.at:
+        entries.append((_AT, view.at))
+    entries += [(_PIN, json.dumps(pin, ensure_ascii=False)) for pin in view.pins]
+    return urlencode(entries)
+
+
+def _entries(content: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    for key, entry in content.items():
+        if isinstance(entry, Mapping) and entry:
+            yield from _entries(entry, f"{prefix}{key}.")
+        elif isinstance(entry, str) and entry[:1] not in set('[{"'):
+            if entry:
+                yield f"{prefix}{key}", entry
+        elif entry is not None:
+            yield f"{prefix}{key}", json.dumps(entry, ensure_ascii=False)
+
+
+def from_url(text: str) -> View:
+    """What the part of an address after ``#`` holds; inverse of :func:`to_url`.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    View
+        Its document is not checked as a flyer file yet.
+
+    Raises
+    ------
+    ConfigurationError
+        If the text cannot be from a page.
+
+    Examples
+    --------
+    >>> from_url("flyer.diameter=2+cm&film.absorptance=0.75").document
+    {'flyer': {'diameter': '2 cm'}, 'film': {'absorptance': 0.75}}
+    """
+    if len(text) > _MOST_TEXT:
+        raise ConfigurationError(f"the address has more than {_MOST_TEXT} characters")
+    try:
+        entries = parse_qsl(
+            text, keep_blank_values=True, strict_parsing=True, errors="strict", max_num_fields=2000
+        )
+        return _view_of(entries)
+    except (ValueError, RecursionError) as error:
+        if isinstance(error, ConfigurationError):
+            raise
+        raise ConfigurationError(
+            "the address does not hold a design: key=value is missing"
+        ) from None
+
+
+def _view_of(entries: list[tuple[str, str]]) -> View:
+    document: Document = {}
+    at, pins = "", []
+    for name, text in entries:
+        if name == _AT:
+            at = text
+        elif name == _PIN:
+            pins.append(_from_json(name, text))
+        else:
+            json_value = text[:1] in set('[{"')
+            _put(document, name, _from_json(name, text) if json_value else plain(_value(text)))
+    for one in (document, *pins):
+        require_document(one)
+    if len(pins) > MOST_PINS:
+        raise ConfigurationError(f"the address pins more than {MOST_PINS} designs")
+    return View(document, at, tuple(pins))
+
+
+def _from_json(name: str, text: str) -> Any:
+    try:
+        return json.loads(text)
+    except ValueError:
+        raise ConfigurationError(f"the address: {name[:60]} is not valid JSON") from None
+
+
+def _put(document: Document, name: str, value: Any) -> None:
+    *sections, key = name.split(".")
+    place = document
+    for section in sections[:_DEEPEST]:
+        place = place.setdefault(section, {})
+        if not isinstance(place, dict):
+            raise ConfigurationError(
+                f"the address: {section[:60]} is a value and a section at once"
+            )
+    if not sections or key in place:
+        reason = "is given twice" if sections else "belongs to no section"
+        raise ConfigurationError(f"the address: {name[:60]} {reason}")
+    place[key] = value
+
+
+def _texts(content: Any) -> Iterator[str]:
+    if isinstance(content, Mapping):
+        for entry in content.values():
+            yield from _texts(entry)
+    elif isinstance(content, list | tuple):
+        for entry in content:
+            yield from _texts(entry)
+    elif isinstance(content, str):
+        yield content
+
+
+def _leaves_folder(text: str) -> bool:
+    paths = PurePosixPath(text), PureWindowsPath(text)
+    outside = any(path.is_absolute() or path.drive or ".." in path.parts for path in paths)
+    return outside or text.startswith(("~", "\\\\"))
+
+
+def tags_of(document: Document) -> dict[str, str]:
+    """Which alternative each section of a document is, by dotted name.
+
+    Parameters
+    ----------
+    document : dict
+
+    Returns
+    -------
+    dict of str to str
+    """
+    found: dict[str, str] = {}
+    for name, content in _sections(document, ""):
+        kind = section_at(name, document) if name.partition(".")[0] != MISSION else None
+        if kind is not None and issubclass(kind, Alternative):
+            found[name] = kind.tag_of(content)
+    return found
+
+
+def _sections(content: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+    for key, entry in content.items():
+        if isinstance(entry, Mapping):
+            yield f"{prefix}{key}", entry
+            yield from _sections(entry, f"{prefix}{key}.")

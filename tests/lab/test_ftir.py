@@ -1,7 +1,5 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.fft import dct
 from scipy.integrate import quad
 
@@ -359,23 +357,3 @@ def test_one_clear_line_for_each_mistake(tmp_path, name, content, says):
     assert message.startswith(str(path))
     assert says in message
     assert "\n" not in message
-
-
-@settings(max_examples=150, deadline=None)
-@given(data=st.data())
-def test_no_jcamp_gives_a_traceback(tmp_path_factory, data):
-    text = bytearray(GOOD if data.draw(st.booleans()) else NIST, "utf-8")
-    for _ in range(data.draw(st.integers(0, 5))):
-        at = data.draw(st.integers(0, len(text) - 1))
-        text[at : at + data.draw(st.integers(0, 3))] = data.draw(st.binary(max_size=4))
-    path = tmp_path_factory.mktemp("fuzz") / "s.jdx"
-    path.write_bytes(text)
-    try:
-        found = read_spectrum(path)
-    except lf.ConfigurationError as error:
-        said = str(error)
-        assert said.startswith(str(path))
-        assert "\n" not in said
-        return
-    assert np.isfinite(found.value).all()
-    assert np.all(np.diff(found.wavenumber) > 0.0)

@@ -14,6 +14,7 @@ from lightflyer.lab.spectrum_noise import LEAST_POINTS, point_noise
 _TOLERANCE = 3.0  # standard deviations of accuracy and noise by which points may be beyond 0 and 1
 _WORTH_SAYING = 0.01  # share of points beyond, of a band or of a black body's power without data
 _WIDE_STEP = 10.0  # over the usual distance of points
+_MOST_GAPS = 3  # that are named one by one
 _PERCENT = 100.0
 _ADVICE = {
     "transmittance": "check the background measurement, and whether the ordinate is in %",
@@ -142,7 +143,16 @@ def _gaps(spectrum: MeasuredSpectrum, band: tuple[float, float]) -> Iterator[str
     wide = (steps > _WIDE_STEP * np.median(steps)) & (
         steps > _WORTH_SAYING * min(band[1] - band[0], np.ptp(spectrum.wavenumber))
     )
-    for at in np.flatnonzero(wide):
+    places = np.flatnonzero(wide)
+    if len(places) > _MOST_GAPS:
+        ends = spectrum.wavenumber[[places[0], places[-1] + 1]] / PER_CENTIMETRE
+        yield (
+            f"{spectrum.source}: has {len(places)} gaps between {ends[0]:.5g} and {ends[1]:.5g} "
+            f"cm^-1, up to {steps[places].max() / PER_CENTIMETRE:.3g} cm^-1 wide; "
+            f"{spectrum.quantity} is taken as linear there"
+        )
+        return
+    for at in places:
         ends = spectrum.wavenumber[at : at + 2] / PER_CENTIMETRE
         yield (
             f"{spectrum.source}: has no points between {ends[0]:.5g} and {ends[1]:.5g} cm^-1; "

@@ -5,6 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 from lightflyer.foundation.errors import ConfigurationError, MissingExtraError
 from lightflyer.lab.spectra import (
     jasco_jws,
@@ -16,7 +18,7 @@ from lightflyer.lab.spectra import (
     spc,
 )
 from lightflyer.lab.spectra.meaning import Wanted, readable, shows
-from lightflyer.lab.spectra.raw import RawSpectrum, Source
+from lightflyer.lab.spectra.raw import RawSpectrum, Source, one_line
 
 
 class Format(NamedTuple):
@@ -50,7 +52,7 @@ FORMATS = (
 
 _BINARY = {".spa": omnic.FORMAT, ".spg": omnic.FORMAT, ".spc": spc.FORMAT, ".sp": perkin_elmer.SP,
            ".jws": jasco_jws.FORMAT, ".jrs": jasco_jws.FORMAT}  # fmt: skip
-_LISTED = 12  # spectra that a message names
+_LISTED, _TITLE = 8, 40  # spectra that a message names, and characters of a title
 
 
 def opened(path: Path) -> Source:
@@ -104,12 +106,13 @@ def read_raw(source: Source, kind: Format, wanted: Wanted) -> RawSpectrum:
         If the file is damaged, or it is not known which of its spectra is wanted.
     """
     try:
-        spectra = kind.read(source)
+        with np.errstate(all="ignore"):  # what is not finite is refused or left out later
+            spectra = kind.read(source)
     except (ConfigurationError, MissingExtraError):
         raise
     # readers of binary formats go beyond the end of a damaged file in many ways
     except (ArithmeticError, LookupError, OSError, TypeError, ValueError, struct.error) as error:
-        said = " ".join(str(error).split())[:100]
+        said = one_line(str(error))[:100]
         raise ConfigurationError(
             f"{source.path}: is damaged and cannot be read as {kind.name}: {said}"
         ) from None
@@ -140,7 +143,7 @@ def _chosen(source: Source, spectra: list[RawSpectrum], wanted: Wanted) -> RawSp
 
 def _listed(spectra: list[RawSpectrum], fit: list[RawSpectrum]) -> str:
     names = [
-        f"{number} {one.ordinate_name}{f' of {one.facts.sample}' if one.facts.sample else ''}"
+        f"{number} {one.ordinate_name} of {one.facts.sample[:_TITLE] or 'no title'}"
         for number, one in enumerate(spectra, start=1)
         if any(one is other for other in fit)
     ]

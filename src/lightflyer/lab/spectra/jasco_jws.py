@@ -22,7 +22,7 @@ _ORDINATES = {0x00: "%T", 0x02: "%R", 0x03: "Abs", 0x08: "single beam (backgroun
               0x0E: "Raman intensity"}  # fmt: skip
 _GRID = struct.Struct("<iddd")  # points, first, last, step
 _AT_GRID, _AT_UNITS, _AT_LENGTH = 0x84, 0xA0, 0xC8
-_AT_INSTRUMENT, _AT_TITLE = 0x140, 0x180
+_AT_INSTRUMENT, _AT_TITLE, _AT_DATA = 0x140, 0x180, 0x740
 _WORDS = 32  # width of the fields of text
 _FLOAT = 4  # bytes of an ordinate
 _OLE_GRID = struct.Struct("<6I3d2I")  # version, 2 unknown, channels, 1 unknown, then the grid
@@ -66,9 +66,9 @@ def read_jws(source: Source) -> list[RawSpectrum]:
     count, first, last, step = _GRID.unpack_from(data, _AT_GRID)
     unit, mode = data[_AT_UNITS], data[_AT_UNITS + 4]
     (length,) = struct.unpack_from("<q", data, _AT_LENGTH)
-    if length != _FLOAT * count or len(data) - length <= _AT_TITLE:
+    if length != _FLOAT * count or len(data) - length != _AT_DATA:
         source.refuse(f"is damaged: its {len(data)} bytes do not hold the {count} points it names")
-    y = np.frombuffer(data[len(data) - length :], "<f4")
+    y = np.frombuffer(data[_AT_DATA:], "<f4")
     facts = SpectrumFacts(
         FORMAT,
         instrument=plain(data[_AT_INSTRUMENT : _AT_INSTRUMENT + _WORDS]),

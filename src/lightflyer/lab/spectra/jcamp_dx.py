@@ -123,11 +123,11 @@ def _spectrum(source: Source, block: _Block) -> RawSpectrum:
     table = block.entries[label]
     form = re.sub(r"\s", "", table.text).upper()
     try:
-        if form.startswith("(X++"):
+        if re.fullmatch(r"\(X\+\+\(Y\.\.Y\)+", form):
             rows = read_rows(table.rows)
             y = rows.ordinate * _factor(source, block, "YFACTOR")
             x = _even(source, block, rows, table.line)
-        elif form.startswith("(XY"):
+        elif form == "(XY..XY)":
             x, y = read_pairs(table.rows)
             x, y = x * _factor(source, block, "XFACTOR"), y * _factor(source, block, "YFACTOR")
             _count(source, block, len(x))

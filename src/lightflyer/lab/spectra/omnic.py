@@ -68,9 +68,7 @@ def read_omnic(source: Source) -> list[RawSpectrum]:
             f"is damaged or holds no spectrum: {len(headers)} headers, {len(values)} sets of values"
         )
     name = plain(source.content[_AT_NAME : _AT_NAME + _NAME])
-    titles = [
-        plain(source.content[one.place : one.place + _NAME], "utf-8") for one in groups[_TITLE]
-    ]
+    titles = [plain(source.content[one.place : one.place + _NAME]) for one in groups[_TITLE]]
     if len(headers) == 1 or len(titles) != len(headers):
         titles = [name if len(headers) == 1 else ""] * len(headers)
     resolution = _resolution(source.content, groups[_HISTORY])

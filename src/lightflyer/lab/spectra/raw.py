@@ -62,7 +62,7 @@ class Source(NamedTuple):
             One line that names the file.
         """
         place = f"{self.path}" if line is None else f"{self.path}:{line}"
-        raise ConfigurationError(f"{place}: {why}")
+        raise ConfigurationError(f"{place}: {one_line(why)}")
 
 
 @dataclass(frozen=True)
@@ -125,13 +125,14 @@ class RawSpectrum:
     rejected: tuple[Rejected, ...] = field(default=())
 
 
-def plain(text: bytes, encoding: str = "cp1252") -> str:
+def plain(text: bytes, encoding: str = "utf-8") -> str:
     r"""Words from a field of fixed width: up to its first zero byte, on one line.
 
     Parameters
     ----------
     text : bytes
     encoding : str
+        Tried before cp1252.
 
     Returns
     -------
@@ -142,7 +143,11 @@ def plain(text: bytes, encoding: str = "cp1252") -> str:
     >>> plain(b"Nicolet  iS50\x00\x07\x07")
     'Nicolet iS50'
     """
-    return one_line(text.partition(b"\x00")[0].decode(encoding, "replace"))
+    words = text.partition(b"\x00")[0]
+    try:
+        return one_line(words.decode(encoding))
+    except UnicodeDecodeError:
+        return one_line(words.decode("cp1252", "replace"))
 
 
 def one_line(text: str) -> str:

@@ -19,6 +19,7 @@ _SHORT, _SEVERAL, _LABELS, _OWN_X, _X = 0x01, 0x04, 0x20, 0x40, 0x80  # flags
 # flags, version, technique, exponent, points, first and last x, spectra, types of x, y and z
 _NEW_HEADER = "BBBbIddIBBB"
 _NEW_SIZE, _NEW_RESOLUTION, _NEW_SOURCE, _NEW_COMMENT, _NEW_LABELS = 512, 36, 45, 88, 218
+_NEW_LOG = 248
 _OLD_HEADER = "<BBhfffBB"  # flags, version, exponent, points, first and last x, types of x and y
 _OLD_SIZE, _OLD_RESOLUTION, _OLD_COMMENT, _OLD_LABELS = 224, 24, 64, 194
 _SUB_SIZE = 32
@@ -43,6 +44,7 @@ class _Header(NamedTuple):
     ordinate: str
     order: str  # of bytes
     size: int
+    log: int  # where the log behind the spectra starts, 0 without one
     facts: SpectrumFacts
 
 
@@ -75,9 +77,16 @@ def read_spc(source: Source) -> list[RawSpectrum]:
     header = _old(source) if source.content[1] == _OLD else _new(source)
     if not 1 <= header.spectra <= len(source.content) // _SUB_SIZE:
         source.refuse(f"is damaged: it names {header.spectra} spectra")
+    curves = list(_curves(source, header))
+    end = header.log or len(source.content)
+    notes = (
+        ()
+        if curves[-1][2] == end or header.flags & _OWN_X
+        else (f"{end - curves[-1][2]} bytes behind its values are not read: is it damaged?",)
+    )
     return [
-        RawSpectrum(x, y, header.abscissa, header.ordinate, header.facts)
-        for x, y in _curves(source, header)
+        RawSpectrum(x, y, header.abscissa, header.ordinate, header.facts, notes=notes)
+        for x, y, _ in curves
     ]
 
 
@@ -93,9 +102,10 @@ def _new(source: Source) -> _Header:
         resolution=plain(data[_NEW_RESOLUTION : _NEW_RESOLUTION + 9]),
         sample=plain(data[_NEW_COMMENT : _NEW_COMMENT + _COMMENT]),
     )
+    (log,) = struct.unpack_from(order + "I", data, _NEW_LOG)
     named = _names(flags, x, y, data[_NEW_LABELS : _NEW_LABELS + _LABEL_TEXT])
     return _Header(flags, exponent, points, first, last, spectra if flags & _SEVERAL else 1,
-                   *named, order, _NEW_SIZE, facts)  # fmt: skip
+                   *named, order, _NEW_SIZE, log, facts)  # fmt: skip
 
 
 def _old(source: Source) -> _Header:
@@ -112,7 +122,7 @@ def _old(source: Source) -> _Header:
     )
     named = _names(flags, x & 0x7F, y, data[_OLD_LABELS : _OLD_LABELS + _LABEL_TEXT])
     return _Header(flags & ~(_X | _OWN_X), exponent, int(points), first, last, 1, *named, "old",
-                   _OLD_SIZE, facts)  # fmt: skip
+                   _OLD_SIZE, 0, facts)  # fmt: skip
 
 
 def _names(flags: int, x: int, y: int, labels: bytes) -> tuple[str, str]:
@@ -124,7 +134,8 @@ def _names(flags: int, x: int, y: int, labels: bytes) -> tuple[str, str]:
     return _ABSCISSAE.get(x, f"unit {x}"), _ORDINATES.get(y, f"ordinate {y}")
 
 
-def _curves(source: Source, header: _Header) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+def _curves(source: Source, header: _Header) -> Iterator[tuple[np.ndarray, np.ndarray, int]]:
+    """Abscissae and ordinates of each spectrum, and where they end."""
     data, at = source.content, header.size
     order = "<" if header.order == "old" else header.order
     own = header.flags & _X and header.flags & _OWN_X
@@ -146,7 +157,7 @@ def _curves(source: Source, header: _Header) -> Iterator[tuple[np.ndarray, np.nd
         if own:
             x, at = _take(source, at, order + "f4", points)
         y, at = _values(source, header, at, exponent, points)
-        yield x.astype(float), y
+        yield x.astype(float), y, at
 
 
 def _values(

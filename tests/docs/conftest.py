@@ -55,3 +55,13 @@ def run_javascript(node, tmp_path_factory):
 def numbers():
     """A function that makes an array of what JavaScript gave."""
     return lambda found: np.array([float(value) for value in found])
+
+
+@pytest.fixture(scope="session")
+def calculator_files(tmp_path_factory):
+    """Folder with the scripts and the style that the calculator's page loads."""
+    from calculator import write
+
+    folder = tmp_path_factory.mktemp("calculator")
+    write(folder)
+    return folder

@@ -15,7 +15,6 @@ from lightflyer.flight.outputs import tabulate
 from lightflyer.foundation.precision import quick_entry_point
 
 model = pytest.importorskip("calculator.model")
-from calculator import write  # noqa: E402
 from calculator.page import html  # noqa: E402
 
 MODELS = model.force_models()
@@ -94,18 +93,10 @@ def _nudged(shown):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """The files that the page loads."""
-    made = tmp_path_factory.mktemp("static")
-    write(made)
-    return made
-
-
-@pytest.fixture(scope="module")
-def script(folder):
-    """Those that need no page."""
+def script(calculator_files):
+    """The scripts that need no page."""
     names = ("calculator-model.js", "calculator-core.js")
-    return "".join((folder / name).read_text(encoding="utf-8") for name in names)
+    return "".join((calculator_files / name).read_text(encoding="utf-8") for name in names)
 
 
 @pytest.fixture(scope="module")
@@ -261,6 +252,7 @@ def test_a_downloaded_file_is_the_design_shown(computed, designs):
             assert float(altitude[1]) == row[ALTITUDE]
 
 
+@pytest.mark.snippets  # seconds
 def test_predict_reproduces_a_downloaded_file(computed, designs, tmp_path):
     name = MODELS[-1]
     file = tmp_path / "flyer.toml"
@@ -285,7 +277,7 @@ def test_the_start_is_the_file_of_init(tmp_path):
         assert start.number(name) == ours.number(name)
 
 
-def test_the_page_is_safe_and_labelled(folder):
+def test_the_page_is_safe_and_labelled(calculator_files):
     page = html()
     assert not re.search(r"<script|<style|\son\w+=|\sstyle=|javascript:", page)
     labels = set(re.findall(r'<label for="([^"]+)"', page))
@@ -293,11 +285,11 @@ def test_the_page_is_safe_and_labelled(folder):
     assert len(inputs) == 2 * len(model.NUMBERS) + 1
     for text in inputs:
         assert "aria-label" in text or re.search(r'\bid="([^"]+)"', text)[1] in labels
-    scripts = "".join(file.read_text(encoding="utf-8") for file in folder.glob("*.js"))
+    scripts = "".join(file.read_text(encoding="utf-8") for file in calculator_files.glob("*.js"))
     unsafe = r"\beval\(|new Function|innerHTML|document\.write|fetch\(|XMLHttpRequest"
     assert not re.search(unsafe, scripts)
     assert set(re.findall(r"https?://[^\s\"']*", scripts)) == {"http://www.w3.org/2000/svg"}
 
 
-def test_all_of_it_is_small(folder):
-    assert sum(file.stat().st_size for file in folder.iterdir()) + len(html()) < LARGEST
+def test_all_of_it_is_small(calculator_files):
+    assert sum(file.stat().st_size for file in calculator_files.iterdir()) + len(html()) < LARGEST

@@ -65,6 +65,18 @@
     return [];
   }
 
+  /** Whether a row of results is within all ranges of a force model. */
+  function isInRange(model, row) {
+    const { ranges } = about.models[model];
+    for (let index = 0; index < ranges.length; index += 1) {
+      const { lowest, highest } = ranges[index];
+      const value = row[CONVERGED + 1 + index];
+      if (lowest !== null && value < lowest) return false;
+      if (highest !== null && value > highest) return false;
+    }
+    return true;
+  }
+
   /** A value with as many digits as show that it is not the limit. */
   function apart(value, limit) {
     for (let digits = 3; digits < MOST_DIGITS; digits += 1) {
@@ -135,11 +147,15 @@
     return { altitude: near[best], irradiance: closer[best] };
   }
 
-  /** Payload [kg] and temperature [K] over diameters [m] and altitudes [m], row by row. */
+  /**
+   * Payload [kg], temperature [K], and whether the force model is within its ranges where there is
+   * a payload, over diameters [m] and altitudes [m], row by row.
+   */
   function map(model, values, diameters, altitudes) {
     const given = argumentsOf(values);
     const payload = new Float64Array(diameters.length * altitudes.length);
     const temperature = new Float64Array(payload.length);
+    const inRange = new Uint8Array(payload.length);
     altitudes.forEach((altitude, row) => {
       given[ALTITUDE] = altitude;
       diameters.forEach((diameter, column) => {
@@ -148,9 +164,10 @@
         const index = row * diameters.length + column;
         payload[index] = found[CONVERGED] ? found[place.payload] : NaN;
         temperature[index] = found[place.temperature];
+        inRange[index] = !(payload[index] > 0) || isInRange(model, found);
       });
     });
-    return { payload, temperature };
+    return { payload, temperature, inRange };
   }
 
   /** Change in percent of the irradiance to levitate if a number grows by 1 %. */
@@ -187,6 +204,7 @@
     place,
     defaults,
     evaluate,
+    isInRange,
     profile,
     bands,
     easiest,

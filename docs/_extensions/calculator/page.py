@@ -53,7 +53,8 @@ def _number(number: Number) -> str:
 
 _PAGE = """\
 <div class="lf-calculator" id="lf-calculator">
-<noscript><p>The calculator needs JavaScript. <code>lightflyer predict</code> does not.</p></noscript>
+<noscript><p>The calculator needs JavaScript; <code>lightflyer predict</code> does not.</p>
+</noscript>
 <p class="lf-verdict" id="lf-verdict"></p>
 <form class="lf-controls" autocomplete="off" aria-label="Design">
 <div class="lf-model"><label for="lf-model">force model</label>

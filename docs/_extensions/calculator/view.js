@@ -9,6 +9,7 @@
   const CENTI = 1e-2;
   const STEPS = 1000; // of a logarithmic slider
   const SPOKEN_AFTER = 600; // ms without a move
+  const SAVED_AFTER = 10e3; // ms
   const SLOPES = 8; // numbers of most effect that are shown
   const SLIDER_DIGITS = 3;
 
@@ -114,7 +115,7 @@
     link.href = URL.createObjectURL(file);
     link.download = "flyer.toml";
     link.click();
-    URL.revokeObjectURL(link.href);
+    setTimeout(() => URL.revokeObjectURL(link.href), SAVED_AFTER);
   }
 
   // --- words ---
@@ -137,7 +138,7 @@
       return `Levitates ${where}, and lifts up to ${most} beside its film: ${share} of its own mass.`;
     }
     if (needed === Infinity) return `Does not levitate ${where}: no light lifts it.`;
-    const more = light > 0 ? `, ${general(needed / light, 3)} times the light there is` : "";
+    const more = light > 0 ? `, ${general(needed / light, 3)} times the available light` : "";
     return `Does not levitate ${where}: it needs ${amount("levitation_irradiance", needed)}${more}.`;
   }
 
@@ -236,13 +237,14 @@
     curve.lines = Object.fromEntries(
       Object.keys(about.models).map((name) => [name, draw(curve.over, "path", {})]),
     );
+    curve.beyond = draw(curve.over, "path", { class: "lf-needed lf-beyond" });
     curve.light = draw(curve.over, "line", { class: "lf-light" });
     curve.here = draw(curve.over, "line", { class: "lf-here" });
     curve.least = draw(curve.over, "circle", { class: "lf-dot", r: 4 });
     curve.keys = Object.fromEntries(
       Object.entries(about.models).map(([name, { title }]) => [name, legendKey(title)]),
     );
-    legendKey("light there is").setAttribute("class", "lf-light");
+    legendKey("available light").setAttribute("class", "lf-light");
     legendKey("levitates in it").setAttribute("class", "lf-band-key");
   }
 
@@ -254,13 +256,13 @@
     return draw(swatch, "path", { d: "M0 5h30" });
   }
 
-  function pathOf(rows) {
+  function pathOf(rows, isShown = () => true) {
     const { box } = curve;
     let path = "";
     let pen = "M";
     rows.forEach((row, index) => {
       const light = row[place.levitation_irradiance];
-      if (!Number.isFinite(light) || light > LIGHTS[1]) {
+      if (!Number.isFinite(light) || light > LIGHTS[1] || !isShown(row)) {
         pen = "M";
         return;
       }
@@ -277,10 +279,12 @@
       const rows = core.profile(name, values, ALTITUDES);
       if (name === model) own = rows;
       const line = curve.lines[name];
-      line.setAttribute("d", pathOf(rows));
+      const isShown = name === model ? (row) => core.isInRange(name, row) : undefined;
+      line.setAttribute("d", pathOf(rows, isShown));
       const style = name === model ? "lf-needed" : `lf-other lf-other-${index}`;
       [line, curve.keys[name]].forEach((made) => made.setAttribute("class", style));
     });
+    curve.beyond.setAttribute("d", pathOf(own));
     const { box } = curve;
     const found = core.bands(model, values, ALTITUDES, own);
     curve.bands.replaceChildren();
@@ -299,7 +303,9 @@
       curve.least.setAttribute("cx", curve.x(least.altitude / KILO));
       curve.least.setAttribute("cy", lightAt(least.irradiance));
     }
-    const words = curveWords(found, least, light);
+    const isBeyond = own.some((row) => !core.isInRange(model, row));
+    const faint = isBeyond ? " The line is faint where the force model is beyond its range." : "";
+    const words = curveWords(found, least, light) + faint;
     element("lf-curve-text").textContent = words;
     element("lf-curve").setAttribute("aria-label", `Irradiance to levitate over altitude. ${words}`);
   }
@@ -398,7 +404,7 @@
   }
 
   function paintMap() {
-    const { payload, temperature } = core.map(model, values, MAP_DIAMETERS, MAP_ALTITUDES);
+    const { payload, temperature, inRange } = core.map(model, values, MAP_DIAMETERS, MAP_ALTITUDES);
     const limit = values["film.highest_temperature"];
     let best = -1;
     payload.forEach((mass, index) => {
@@ -416,6 +422,7 @@
       const column = index % canvas.width;
       const row = canvas.height - 1 - Math.floor(index / canvas.width);
       const share = 1 + (Math.log10(mass / MILLIGRAM) - top) / DECADES;
+      if (!inRange[index] && (row + column) % 2) return;
       const opacity = temperature[index] > limit ? TOO_HOT : 255;
       image.data.set([...colour(share), opacity], 4 * (row * canvas.width + column));
     });
@@ -423,10 +430,10 @@
     chart.marks.forEach((mark, decade) => {
       mark.textContent = general(10 ** (top - DECADES + decade), 3);
     });
-    markBest(best, most);
+    markBest(best, most, inRange.includes(0));
   }
 
-  function markBest(best, most) {
+  function markBest(best, most, isBeyond) {
     chart.best.setAttribute("visibility", best < 0 ? "hidden" : "visible");
     let words = "In this light no disk levitates with a film that bears it.";
     if (best >= 0) {
@@ -439,7 +446,10 @@
         `Most on this map (cross): ${amount("payload", most)}, at ${general(diameter, 3)} cm and ` +
         `${general(altitude, 3)} km.`;
     }
-    const described = "Largest payload [mg] over diameter and altitude; pale where the film is hotter than it bears.";
+    const chequered = isBeyond ? ", chequered where the force model is beyond its range" : "";
+    const described =
+      "Largest payload [mg] over diameter and altitude; pale where the film is hotter than it " +
+      `bears${chequered}.`;
     element("lf-map-text").textContent = `${described} ${words} Click to go there.`;
     element("lf-map-axes").setAttribute("aria-label", `${described} ${words}`);
   }

@@ -1,0 +1,164 @@
+"""The calculator in a browser, under a strict policy and without a network."""
+
+import re
+import shutil
+import tomllib
+
+import pytest
+
+model = pytest.importorskip("calculator.model")
+from calculator.page import html  # noqa: E402
+
+playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
+expect = playwright.expect
+
+pytestmark = pytest.mark.snippets
+
+SITE = "http://calculator.test/"
+POLICY = "default-src 'none'; script-src 'self'; style-src 'self'"
+SCRIPTS = ("calculator-model.js", "calculator-core.js", "calculator-view.js")
+PAGE = (
+    '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>t</title>'
+    '<meta name="viewport" content="width=device-width">'
+    '<link rel="stylesheet" href="calculator.css">{scripts}</head><body>{body}</body></html>'
+)
+FLAGS = ("--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-sync")
+KINDS = {".js": "text/javascript", ".css": "text/css", "": "text/html"}
+AT_FIRST = "840.4 W/m²"
+TIMED = """() => {
+  window.times = [];
+  const next = requestAnimationFrame.bind(window);
+  window.requestAnimationFrame = (update) =>
+    next((time) => {
+      const start = performance.now();
+      update(time);
+      window.times.push(performance.now() - start);
+    });
+}"""
+SLOWEST = 0.1  # seconds a move, on a machine that does eight other things
+
+
+@pytest.fixture(scope="module")
+def browser():
+    found = shutil.which("chromium") or shutil.which("google-chrome")
+    if found is None:
+        pytest.skip("Chromium is not installed: the calculator's page is not tried")
+    with playwright.sync_playwright() as started:
+        opened = started.chromium.launch(executable_path=found, args=FLAGS)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture(scope="module")
+def files(calculator_files, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("page") / "site"
+    shutil.copytree(calculator_files, folder)
+    scripts = "".join(f'<script defer src="{name}"></script>' for name in SCRIPTS)
+    page = PAGE.format(scripts=scripts, body=html())
+    (folder / "index.html").write_text(page, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def page(browser, files):
+    """The page, served with a policy that allows no inline script or style; it has to be quiet."""
+    context = browser.new_context(viewport={"width": 360, "height": 700})
+    opened, said = context.new_page(), []
+    opened.on("console", lambda message: said.append(message.text))
+    opened.on("pageerror", lambda error: said.append(str(error)))
+
+    def answer(route):
+        path = files / (route.request.url.removeprefix(SITE) or "index.html")
+        if not path.is_file():  # such as the icon that a browser asks for
+            route.fulfill(status=204)
+            return
+        kind = KINDS.get(path.suffix, KINDS[""])
+        headers = {"Content-Security-Policy": POLICY, "Content-Type": f"{kind}; charset=utf-8"}
+        route.fulfill(body=path.read_text(encoding="utf-8"), headers=headers)
+
+    context.route(f"{SITE}**", answer)
+    opened.goto(SITE)
+    expect(opened.locator("#lf-verdict")).not_to_be_empty()
+    yield opened
+    assert said == []
+    context.close()
+
+
+def _value(page, name):
+    return page.locator(f"#lf-value-{name}")
+
+
+def test_it_starts_with_the_disk_of_init_and_fits_a_phone(page):
+    expect(_value(page, "levitation_irradiance")).to_have_text(AT_FIRST)
+    expect(page.locator("#lf-verdict")).to_contain_text("Levitates at 70 km")
+    assert page.locator("html").evaluate("(html) => html.scrollWidth") <= 360
+    assert "67.1 to 79.8 km" in page.get_attribute("#lf-curve", "aria-label")
+
+
+def test_keys_move_a_slider_and_results_follow(page):
+    page.focus("#lf-film-absorptance")
+    page.keyboard.press("ArrowLeft")
+    expect(_value(page, "levitation_irradiance")).not_to_have_text(AT_FIRST)
+    expect(page.locator("#lf-film-absorptance-box")).to_have_value("0.74")
+    expect(page.locator("#lf-spoken")).to_contain_text("Levitates at 70 km")
+    page.click("#lf-reset")
+    expect(_value(page, "levitation_irradiance")).to_have_text(AT_FIRST)
+
+
+BAD = {
+    "<img src=x onerror=alert(1)>": "must be a number; results are for 0.75",
+    "": "must be a number",
+    "1.5": "must be at most 1;",
+    "-0.1": "must be at least 0;",
+    "1e999": "must be a number",
+}
+
+
+def test_bad_input_is_told_beside_its_box(page):
+    box, told = page.locator("#lf-film-absorptance-box"), page.locator("#lf-film-absorptance-error")
+    for text, said in BAD.items():
+        box.fill(text)
+        expect(told).to_contain_text(said)
+        expect(box).to_have_attribute("aria-invalid", "true")
+        expect(_value(page, "levitation_irradiance")).to_have_text(AT_FIRST)
+    box.fill("0.75")
+    expect(told).to_be_empty()
+
+
+def test_what_is_beyond_a_range_is_said(page):
+    page.fill("#lf-flyer-diameter-box", "10")
+    expect(page.locator("#lf-warnings")).to_contain_text("fitted to disks of 2 to 4 cm")
+
+
+def test_the_download_is_what_is_shown(page):
+    page.select_option("#lf-model", "kinetic")
+    page.fill("#lf-flyer-diameter-box", "0,5")
+    with page.expect_download() as waiting:
+        page.click("#lf-download")
+    content = tomllib.loads(waiting.value.path().read_text(encoding="utf-8"))
+    assert content["flyer"]["diameter"] == "0.5 cm"
+    assert content["force"] == {"model": "kinetic"}
+
+
+def test_a_click_on_the_map_goes_there_and_a_move_is_quick(page):
+    page.locator("html").evaluate(TIMED)
+    page.locator("#lf-map-axes").click(position={"x": 150, "y": 100})
+    expect(page.locator("#lf-flyer-diameter-box")).not_to_have_value("2")
+    diameter, altitude = (page.input_value(f"#lf-{n}-box") for n in ("flyer-diameter", "altitude"))
+    assert 0.1 < float(diameter) < 20.0
+    assert 20.0 < float(altitude) < 120.0
+    page.focus("#lf-film-emittance_top")
+    for _ in range(8):
+        page.keyboard.press("ArrowRight")
+    times = sorted(page.locator("html").evaluate("() => window.times"))
+    assert times[len(times) // 2] < SLOWEST * 1e3
+
+
+def test_it_works_from_a_folder(browser, files):
+    asked = []
+    page = browser.new_page()
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto((files / "index.html").as_uri())
+    expect(_value(page, "pressure")).to_have_text("5.221 Pa")
+    assert all(re.match("file:|data:", url) for url in asked)
+    page.close()

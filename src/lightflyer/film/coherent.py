@@ -202,7 +202,9 @@ def respond(
         widened = jax.tree.map(lambda part: part + full, (layer.half, risen))
         return widened, (met if inside else None)
 
-    (under, waves), met = jax.lax.scan(step, (lowest, waves), rows, reverse=True)
+    # derivatives compute a step again, which is faster than to keep what was in it
+    kept = jax.checkpoint(step, prevent_cse=False)
+    (under, waves), met = jax.lax.scan(kept, (lowest, waves), rows, reverse=True)
     damping = None if roughness is None else _damping(above, under, roughness[0])
     found = []
     for number, wave in enumerate(waves):

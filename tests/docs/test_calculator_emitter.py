@@ -53,7 +53,8 @@ def _collatz(x, y):
         inner, _ = jax.lax.while_loop(
             lambda s: s[1] < 3, lambda s: (s[0] + jnp.sin(x) * y * number, s[1] + 1), (total, 0)
         )
-        return jnp.where(number % 2 < 1.0, number / 2, 3 * number + 1), other, inner, unused + total
+        following = jnp.where(number % 2 < 1.0, number / 2, 3 * number + 1)
+        return following, other, inner - total, unused + total
 
     start = jnp.floor(5.0 + jnp.abs(x)), y, x, x
     return jax.lax.while_loop(lambda state: state[0] > 1.0, step, start)[:3]

@@ -336,7 +336,11 @@ GOOD = HEADER.format(yunits="TRANSMITTANCE") + FORMS["fix"] + "\n##END=\n"
             GOOD.replace("TRANSMITTANCE", "COUNTS"),
             'shows "COUNTS", which is not known',
         ),
-        ("s.jdx", GOOD.replace("0.0001", "0.1"), "7 of its 7 values exceed 1.5 (highest 200.3)"),
+        (
+            "s.jdx",
+            GOOD.replace("0.0001", "0.1"),
+            "7 of its 7 values of TRANSMITTANCE exceed 1.5 (highest 200.3)",
+        ),
         ("s.jdx", HEADER.split("##XYDATA")[0] + "##END=\n", "contains no spectrum"),
         (
             "s.csv",

@@ -420,7 +420,7 @@ def test_per_cent_that_is_not_marked_is_read_by_value():
     )
     unclear = np.where(WAVES > 3000.0, 2.0, 1.0)  # 1 to 2 %, or noise above 1
     said = fault("s.dx", jdx(unclear))
-    assert "7 of its 25 values exceed 1.5 (highest 2)" in said
+    assert "7 of its 25 values of TRANSMITTANCE exceed 1.5 (highest 2), and it is not" in said
     assert "say --scale % or --scale 1" in said
     np.testing.assert_allclose(read("s.dx", jdx(unclear), scale="%").value[0], 0.01)
     assert "is not between -0.2 and 1.5" in fault("s.dx", jdx(unclear), scale="1")
@@ -433,6 +433,9 @@ def test_table_in_per_cent_without_the_mark(tmp_path):
     np.testing.assert_allclose(found.value, [0.7, 0.8])
     np.testing.assert_allclose(found.wavelength, [1e-6, 5e-7])
     assert "taken as per cent" in found.notes[0]
+    path.write_text("wavelength [nm],%T\n500,8000\n1000,7000\n")
+    with pytest.raises(lf.ConfigurationError, match=r"2 of its 2 values of transmittance exceed"):
+        read_spectrum(path)
     path.write_text("wavelength [nm],transmittance [%],reflectance [%]\n500,80,10\n1000,70,20\n")
     with pytest.raises(lf.ConfigurationError, match="needs one of the columns"):
         read_spectrum(path)

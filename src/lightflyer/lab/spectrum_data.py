@@ -10,11 +10,19 @@ from lightflyer.lab.spectra.formats import format_of, opened, read_raw
 from lightflyer.lab.spectra.meaning import MeasuredSpectrum as MeasuredSpectrum
 from lightflyer.lab.spectra.meaning import Wanted, measured
 from lightflyer.lab.spectra.names import PER_CENTIMETRE as PER_CENTIMETRE
-from lightflyer.lab.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumFacts
+from lightflyer.lab.spectra.raw import (
+    Collection,
+    Ordinate,
+    RawSpectrum,
+    Source,
+    SpectrumFacts,
+)
 
 # as fractions, or as per cent that the header does not mark
 _SHARE = Quantity("", -20.0, 150.0)
 _ABSORBANCE = Quantity("", -1.0, 1000.0)
+_WORKBOOKS = (".xlsx", ".xlsm")
+_HEADER = 20_000  # characters in which a header stands
 
 COLUMNS = (
     Column(
@@ -22,8 +30,8 @@ COLUMNS = (
         suggested_unit="cm^-1",
     ),
     Column("wavelength", Length, ("lambda", "wl"), suggested_unit="um"),
-    Column("transmittance", _SHARE, ("t", "transmission")),
-    Column("reflectance", _SHARE, ("r", "reflection")),
+    Column("transmittance", _SHARE, ("t", "transmission", "%transmittance", "%transmission")),
+    Column("reflectance", _SHARE, ("r", "reflection", "%reflectance")),
     Column("absorbance", _ABSORBANCE, ("a", "abs")),
 )  # fmt: skip
 """Columns of a spectrum: one of the first two, and one of the others."""
@@ -89,16 +97,20 @@ def read_spectrum(
     """
     wanted = Wanted(quantity, scale, spectrum, collection)
     wanted.check()
-    source = opened(Path(path))
-    kind = format_of(source)
+    workbook = str(path).partition("#")[0].lower().endswith(_WORKBOOKS)
+    source = Source(Path(path), b"") if workbook else opened(Path(path))
+    kind = None if workbook else format_of(source)
     if kind is None:
-        raw = _from_table(read_table(path, COLUMNS, layout=columns), wanted)
+        table = read_table(path, COLUMNS, layout=columns)
+        # values beyond what a per cent in the header allows are not taken as per cent once more
+        marked = "%" in source.text[:_HEADER] or "%" in (columns or "")
+        raw = _from_table(table, wanted, percent=False if marked else None)
     else:
         raw = read_raw(source, kind, wanted)
     return measured(source, raw, wanted)
 
 
-def _from_table(table: Table, wanted: Wanted) -> RawSpectrum:
+def _from_table(table: Table, wanted: Wanted, *, percent: bool | None) -> RawSpectrum:
     """Spectrum of a table, whose units have been read."""
     numbers = table.numbers
     if ("wavenumber" in numbers) == ("wavelength" in numbers):
@@ -113,5 +125,5 @@ def _from_table(table: Table, wanted: Wanted) -> RawSpectrum:
     x = numbers["wavenumber"] / PER_CENTIMETRE if waves else numbers["wavelength"] * 1e6
     return RawSpectrum(
         x, numbers[chosen[0]], "cm-1" if waves else "um", chosen[0], SpectrumFacts("table"),
-        rejected=tuple(table.rejected),
+        percent=percent, notes=tuple(table.notes), rejected=tuple(table.rejected),
     )  # fmt: skip

@@ -52,6 +52,9 @@ FORMATS = (
 
 _BINARY = {".spa": omnic.FORMAT, ".spg": omnic.FORMAT, ".spc": spc.FORMAT, ".sp": perkin_elmer.SP,
            ".jws": jasco_jws.FORMAT, ".jrs": jasco_jws.FORMAT}  # fmt: skip
+_NOT_READ = {".srs": "a series of OMNIC", ".map": "a map of OMNIC", ".jwb": "a block of JASCO",
+             ".fsm": "an image of PerkinElmer", ".wdf": "Raman data of Renishaw",
+             ".ispd": "a file of Shimadzu", ".seq": "a sequence of Agilent"}  # fmt: skip
 _LISTED, _TITLE = 8, 40  # spectra that a message names, and characters of a title
 
 
@@ -78,12 +81,15 @@ def format_of(source: Source) -> Format | None:
     Raises
     ------
     ConfigurationError
-        If its name is of a binary format and its content is not.
+        If its name is of a binary format and its content is not, or its format is not read.
     """
     found = next((one for one in FORMATS if one.recognises(source)), None)
     named = _BINARY.get(source.path.suffix.lower())
     if found is None and named is not None:
         source.refuse(f"is damaged or not {named}, which its name says")
+    other = _NOT_READ.get(source.path.suffix.lower())
+    if found is None and other is not None:
+        source.refuse(f"is {other}, which is not read; export the spectrum as text or JCAMP-DX")
     return found
 
 

@@ -241,10 +241,10 @@ def _fraction(
     beyond = float(np.mean(ordinate > SHARE.highest))
     if beyond < _MOSTLY or highest > _PERCENT * SHARE.highest or raw.percent is False:
         source.refuse(
-            f"{raw.ordinate_name or 'its ordinate'} is not marked as %, but "
-            f"{np.count_nonzero(ordinate > SHARE.highest)} of its {ordinate.size} values exceed "
-            f"{SHARE.highest:g} (highest {highest:.4g}); as %, the mean would be "
-            f"{ordinate.mean():.3g} %, as fractions {ordinate.mean():.3g}: say --scale % or "
+            f"{np.count_nonzero(ordinate > SHARE.highest)} of its {ordinate.size} values of "
+            f"{raw.ordinate_name or 'an unnamed ordinate'} exceed {SHARE.highest:g} (highest "
+            f"{highest:.4g}), and it is not clear that they are per cent: as %, the mean would be "
+            f"{ordinate.mean():.3g} %, as fractions {ordinate.mean():.3g}; say --scale % or "
             '--scale 1 (scale="%" or "1")'
         )
     notes.append(

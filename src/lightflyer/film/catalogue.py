@@ -1,6 +1,9 @@
 """Materials by name: entries of the library, and pages of the database."""
 
+from collections.abc import Callable
 from functools import cache, partial
+
+import numpy as np
 
 from lightflyer.film.database import (
     SITE,
@@ -10,6 +13,7 @@ from lightflyer.film.database import (
     page_material,
     read_table,
 )
+from lightflyer.film.effective_media import Shape, maxwell_garnett
 from lightflyer.film.library import PAGES, TAC_SOURCE, VACUUM, Page, canonical_name
 from lightflyer.film.materials import Material, Segment, vacuum
 from lightflyer.film.medium import MICROMETRE, Extrapolation
@@ -73,21 +77,39 @@ def _read(name: str) -> Material:
     entry = PAGES[name]
     return Material(
         name=name,
-        segments=tuple(_segment(page) for page in entry.pages),
+        segments=tuple(_segment(page, entry.mat_fraction) for page in entry.pages),
         density=entry.density,
         density_source=entry.density_source,
         description=entry.description,
         tac=entry.tac,
         tac_source="" if entry.tac is None else TAC_SOURCE,
+        remarks=(entry.remark,) if entry.remark else (),
     )
 
 
-def _segment(page: Page) -> Segment:
+def _segment(page: Page, mat_fraction: float | None) -> Segment:
     table = read_table(page.shelf, page.book, page.page)
     first, last = table.get_wl_range(unit="um", quantity="nk")
+    lookup = partial(index_of, table)
+    if mat_fraction is not None:
+        lookup = partial(_index_of_mat, lookup, mat_fraction)
     return Segment(
         max(float(first), page.shortest_um) * MICROMETRE,
         min(float(last), page.longest_um) * MICROMETRE,
         f"{SITE} {page.shelf}/{page.book}/{page.page}",
-        partial(index_of, table),
+        lookup,
     )
+
+
+def _index_of_mat(
+    solid: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+    fraction: float,
+    wavelength: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Values of n and k of a mat of needles in vacuum."""
+    n, k = solid(wavelength)
+    pairs = np.stack([np.ones_like(n), n]), np.stack([np.zeros_like(k), k])
+    found = maxwell_garnett(
+        *pairs, np.array([1.0 - fraction, fraction]), np.array(Shape.MAT.factors)
+    )
+    return np.asarray(found[0]), np.asarray(found[1])

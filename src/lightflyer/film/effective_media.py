@@ -18,10 +18,7 @@ from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
 
 SPHERES = 1.0 / 3.0
-"""Depolarisation factor of spheres, for the law of Bruggeman and that of Maxwell Garnett."""
-
-COLUMNS = 0.5
-"""Depolarisation factor of columns along the film's normal, for light along the normal."""
+"""Depolarisation factor of spheres."""
 
 _POLISHING = 2  # Newton steps, after which first and second derivatives are exact too
 
@@ -43,8 +40,7 @@ def bruggeman(
     fraction : array, shape (parts, ...) or (parts,)
         Volume fractions, whose sum is one [1].
     depolarisation : float
-        Depolarisation factor L of the grains, above 0 and below 1: :data:`SPHERES` or
-        :data:`COLUMNS` [1].
+        Depolarisation factor L of the grains along the field, above 0 and below 1 [1].
 
     Returns
     -------
@@ -126,9 +122,11 @@ def maxwell_garnett(
     r"""Separate inclusions in a host.
 
     .. math::
-        \frac{\varepsilon-\varepsilon_0}{\varepsilon_0+L(\varepsilon-\varepsilon_0)}
-        = \sum_{i>0} f_i\frac{\varepsilon_i-\varepsilon_0}
-        {\varepsilon_0+L(\varepsilon_i-\varepsilon_0)}
+        \frac{\varepsilon}{\varepsilon_0}
+        = 1+\frac{\sum_{i>0} f_i\langle a_{ij}\rangle_j}
+        {1-\sum_{i>0} f_i\langle L_ja_{ij}\rangle_j},\qquad
+        a_{ij}=\frac{\varepsilon_i-\varepsilon_0}
+        {\varepsilon_0+L_j(\varepsilon_i-\varepsilon_0)}
 
     Parameters
     ----------
@@ -136,8 +134,9 @@ def maxwell_garnett(
         Real and imaginary part of each part's refractive index, the host's first [1].
     fraction : array, shape (parts, ...) or (parts,)
         Volume fractions, whose sum is one [1].
-    depolarisation : float
-        Depolarisation factor L of the inclusions, at least 0 and at most 1 [1].
+    depolarisation : float or array, shape (orientations,)
+        Depolarisation factors :math:`L_j` of the inclusions along the field, from 0 to 1, in
+        orientations that are equally frequent; one for spheres [1].
 
     Returns
     -------
@@ -150,7 +149,7 @@ def maxwell_garnett(
 
     References
     ----------
-    [MaxwellGarnett1904]_.
+    [MaxwellGarnett1904]_; for ellipsoids in all orientations [Sihvola1999]_ ch. 4.
 
     Examples
     --------
@@ -162,10 +161,13 @@ def maxwell_garnett(
     permittivity = times(index, index)
     host = permittivity[0][0], permittivity[1][0]
     rest = permittivity[0][1:] - host[0], permittivity[1][1:] - host[1]
-    one = over(rest, plus(host, scaled(rest, depolarisation)))
-    sum_ = summed(scaled(one, fraction[1:]))
-    less = 1.0 - depolarisation * sum_[0], -depolarisation * sum_[1]
-    more = over(sum_, less)
+    factors = jnp.atleast_1d(depolarisation)
+    moment = above = jnp.zeros(()), jnp.zeros(())
+    for factor in factors:
+        one = summed(scaled(over(rest, plus(host, scaled(rest, factor))), fraction[1:]))
+        moment = plus(moment, scaled(one, 1.0 / factors.size))
+        above = plus(above, scaled(one, factor / factors.size))
+    more = over(moment, (1.0 - above[0], -above[1]))
     return _index(times(host, (1.0 + more[0], more[1])))
 
 
@@ -276,6 +278,51 @@ class Rule(enum.StrEnum):
         """Its function."""
         return _LAWS[self]
 
+
+class Shape(enum.StrEnum):
+    """Shape and orientation of grains, by its name in a flyer file."""
+
+    SPHERES = "spheres"
+    COLUMNS = "columns"
+    """Along the film's normal."""
+    NEEDLES = "needles"
+    """Long, in all directions."""
+    MAT = "mat"
+    """Long, in all directions within the plane of the film."""
+
+    @property
+    def factors(self) -> tuple[float, ...]:
+        """Depolarisation factors along a field in the film's plane, of equal frequency [1]."""
+        return _FACTORS[self]
+
+    @property
+    def is_isotropic(self) -> bool:
+        """Whether a mixture of such grains is the same in all directions."""
+        return self in (Shape.SPHERES, Shape.NEEDLES)
+
+    @classmethod
+    def of(cls, name: "Shape | str") -> "Shape":
+        """The shape of a name.
+
+        Raises
+        ------
+        ParameterError
+            If there is none.
+        """
+        try:
+            return cls(name)
+        except ValueError:
+            raise ParameterError(
+                f'shape "{name}" is unknown; choose from {", ".join(cls)}'
+            ) from None
+
+
+_FACTORS: dict[Shape, tuple[float, ...]] = {
+    Shape.SPHERES: (SPHERES,),
+    Shape.COLUMNS: (0.5,),
+    Shape.NEEDLES: (0.0, 0.5, 0.5),
+    Shape.MAT: (0.0, 0.5),
+}
 
 _LAWS: dict[Rule, Law] = {
     Rule.BRUGGEMAN: bruggeman,

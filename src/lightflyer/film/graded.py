@@ -4,7 +4,7 @@ import equinox as eqx
 from numpy.typing import ArrayLike
 
 from lightflyer.film.compound import Compound, vector
-from lightflyer.film.effective_media import SPHERES, Rule
+from lightflyer.film.effective_media import Rule, Shape
 from lightflyer.film.medium import Medium
 from lightflyer.film.mixture import Mixture
 from lightflyer.foundation.errors import ParameterError
@@ -24,7 +24,7 @@ class Graded(Compound):
         See :class:`Mixture`.
     top, bottom : array, shape (parts - 1,)
         Volume fractions of the parts behind the first at the layer's upper and lower end [1].
-    rule, depolarisation, grain, measured_density
+    rule, shape, depolarisation, grain, measured_density
         See :class:`Mixture`.
     count : int
         Sheets; each has the composition of its middle.
@@ -48,7 +48,8 @@ class Graded(Compound):
     top: Numeric = eqx.field(converter=vector)
     bottom: Numeric = eqx.field(converter=vector)
     rule: Rule = eqx.field(static=True, default=Rule.BRUGGEMAN, converter=Rule.of)
-    depolarisation: Numeric = SPHERES
+    shape: Shape = eqx.field(static=True, default=Shape.SPHERES, converter=Shape.of)
+    depolarisation: Numeric | None = None
     grain: float | None = eqx.field(static=True, default=None)
     measured_density: Numeric | None = None
     count: int = eqx.field(static=True, default=SHEETS)
@@ -62,8 +63,9 @@ class Graded(Compound):
         """The mixture at a depth, as a share of the thickness."""
         fractions = _between(self.top, self.bottom, depth)
         return Mixture(
-            self.parts, fractions, self.rule, self.depolarisation, self.grain, self.measured_density
-        )
+            self.parts, fractions, self.rule, self.shape, self.depolarisation, self.grain,
+            self.measured_density,
+        )  # fmt: skip
 
     @property
     def name(self) -> str:

@@ -9,7 +9,7 @@ from pydantic import Field, ValidationInfo
 
 from lightflyer.film.catalogue import material
 from lightflyer.film.database import database_page, looks_like_page
-from lightflyer.film.effective_media import SPHERES, Rule
+from lightflyer.film.effective_media import Rule, Shape
 from lightflyer.film.graded import SHEETS, Graded
 from lightflyer.film.library import PAGES, VACUUM, Entry, canonical_name
 from lightflyer.film.materials import Material, material_from_csv, vacuum
@@ -22,8 +22,8 @@ from lightflyer.foundation.precision import is_traced
 from lightflyer.foundation.quantity import (
     AccommodationCoefficient,
     Density,
-    Depolarisation,
     Fraction,
+    Roughness,
     Temperature,
     Thickness,
 )
@@ -34,7 +34,7 @@ from lightflyer.foundation.units import Measured
 Policy = Literal["error", "hold", "lossless"]
 
 _MOST_SHEETS = 200
-_OF_MIXTURES = ("rule", "depolarisation", "grain", "sheets")
+_OF_MIXTURES = ("rule", "shape", "grain", "sheets")
 
 
 def file_beside(name: str, info: ValidationInfo) -> str:
@@ -114,13 +114,15 @@ class LayerSection(_Named):
     porosity: Fraction | None = None
     porosity_bottom: Fraction | None = None
     rule: Literal["bruggeman", "maxwell-garnett", "parallel", "series"] = "bruggeman"
-    depolarisation: Depolarisation = Measured(SPHERES)
+    shape: Literal["spheres", "columns", "needles", "mat"] = "spheres"
     grain: Thickness | None = None
     sheets: Annotated[int, Field(ge=1, le=_MOST_SHEETS)] = SHEETS
     temperature: Temperature | None = None
     density: Density | None = None
     tac: AccommodationCoefficient | None = None
     extrapolation: Policy | None = None
+    coherent: bool = True
+    roughness: Roughness | None = None
 
     @pydantic.field_validator("thickness")
     @classmethod
@@ -218,7 +220,8 @@ class LayerSection(_Named):
     def build(self, policy: str) -> Layer:
         """The layer; ``policy`` is the film's extrapolation policy."""
         chosen = Extrapolation(self.extrapolation or policy)
-        return Layer(self.medium(chosen), self.thickness.value)
+        roughness = None if self.roughness is None else self.roughness.value
+        return Layer(self.medium(chosen), self.thickness.value, self.coherent, roughness)
 
     def medium(self, policy: Extrapolation) -> Medium:
         """What the layer is made of."""
@@ -250,7 +253,7 @@ class LayerSection(_Named):
     ) -> Medium:
         how: dict[str, Any] = {
             "rule": Rule(self.rule),
-            "depolarisation": self.depolarisation.value,
+            "shape": Shape(self.shape),
             "grain": None if self.grain is None else float(self.grain.value),
         }
         upper = tuple(one.value for one in top if one is not None)

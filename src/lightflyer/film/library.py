@@ -46,6 +46,11 @@ class Entry:
         Measured thermal accommodation coefficient [1].
     highest_temperature : float or None
         Temperature at which a film of it melts or loses its shape [K].
+    mat_fraction : float or None
+        Volume fraction of the pages' medium as a mat of needles in vacuum; None where it is all
+        [1].
+    remark : str
+        What results must say of it.
     """
 
     description: str
@@ -54,6 +59,8 @@ class Entry:
     density_source: str
     tac: Measured | None = None
     highest_temperature: float | None = None
+    mat_fraction: float | None = None
+    remark: str = ""
 
 
 TAC_SOURCE = "measured in air, Lu et al. (2023), table 1; alumina: text on TACs [Lu2023]"
@@ -188,6 +195,18 @@ PAGES: dict[str, Entry] = {
         "porous, different in every film: give the sample's",
         Measured(1.08, 0.05),
     ),
+    # studies/nanotube_film: fraction and pellet that absorb and emit as the film of [Lu2023]
+    "CNT-mat": Entry(
+        "model of a mat of carbon nanotubes: needles of graphite (pellet of Micro 260) in the film's "
+        "plane, 30 % by volume, which absorb and emit as the nanotube film of [Lu2023]",
+        (Page("main", "C", "Querry-AsburyMicro260"),),
+        660.0,
+        f"30 % of graphite, {_CRC}",
+        Measured(1.08, 0.05),
+        mat_fraction=0.30,
+        remark="CNT-mat is a model: n and k of graphite needles in vacuum, along the film's plane; "
+        "its one number, 30 % by volume, is fitted to one film of [Lu2023]",
+    ),
 }
 """Materials by their name in a flyer file."""
 
@@ -209,6 +228,7 @@ ALIASES = {
     "kapton": "polyimide",
     "amorphous carbon": "a-C",
     "CNT": "SWCNT",
+    "nanotube mat": "CNT-mat",
     "air": VACUUM,
     "void": VACUUM,
 }

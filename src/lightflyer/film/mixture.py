@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lightflyer.film.compound import Compound, indices, vector
-from lightflyer.film.effective_media import SPHERES, Rule
+from lightflyer.film.effective_media import Rule, Shape
 from lightflyer.film.materials import GIVEN, vacuum
 from lightflyer.film.medium import MICROMETRE, Medium
 from lightflyer.foundation.checks import is_concrete, require_positive, require_range
@@ -37,8 +37,12 @@ class Mixture(Compound):
     rule : Rule or str
         ``"bruggeman"`` for grains of which none is the host, ``"maxwell-garnett"`` for few
         inclusions in a host, ``"parallel"`` and ``"series"`` for Wiener's bounds.
-    depolarisation : array
-        Depolarisation factor of grains or inclusions [1].
+    shape : Shape or str
+        Of grains or inclusions: ``"spheres"``; ``"columns"`` along the normal; with the rule of
+        Maxwell Garnett also ``"needles"`` in all directions, and a ``"mat"`` of needles in the
+        film's plane.
+    depolarisation : float or None
+        Depolarisation factor along a field in the film's plane; by default that of the shape [1].
     grain : float or None
         Size of grains and gaps, with which results say where they are too coarse [m].
     measured_density : array or None
@@ -70,7 +74,8 @@ class Mixture(Compound):
     parts: tuple[Medium, ...]
     fractions: Numeric = eqx.field(converter=vector)
     rule: Rule = eqx.field(static=True, default=Rule.BRUGGEMAN, converter=Rule.of)
-    depolarisation: Numeric = SPHERES
+    shape: Shape = eqx.field(static=True, default=Shape.SPHERES, converter=Shape.of)
+    depolarisation: Numeric | None = None
     grain: float | None = eqx.field(static=True, default=None)
     measured_density: Numeric | None = None
 
@@ -86,15 +91,24 @@ class Mixture(Compound):
             raise ParameterError(
                 f"fractions of {self.name} add up to {np.sum(self.fractions):g}, more than 1"
             )
-        bruggeman = self.rule is Rule.BRUGGEMAN
-        require_range("depolarisation", self.depolarisation, 0.0, 1.0, open_below=bruggeman)
-        if bruggeman and is_concrete(self.depolarisation) and np.any(self.depolarisation >= 1.0):
-            raise ParameterError(
-                'depolarisation = 1 is no grain; the rule "series" has such layers'
-            )
+        self._check_shape()
         require_range(f"density of {self.name}", self.measured_density, 0.0)
         if self.grain is not None:
             require_positive(grain=self.grain)
+
+    def _check_shape(self) -> None:
+        if self.rule is not Rule.BRUGGEMAN:
+            require_range("depolarisation", self.depolarisation, 0.0, 1.0)
+            return
+        if self.depolarisation is None and len(self.shape.factors) > 1:
+            raise ParameterError(
+                f'the rule "{self.rule}" has no {self.shape}; "{Rule.MAXWELL_GARNETT}" has'
+            )
+        require_range("depolarisation", self.depolarisation, 0.0, 1.0, open_below=True)
+        if is_concrete(self.depolarisation) and np.any(self.depolarisation == 1.0):
+            raise ParameterError(
+                f'depolarisation = 1 is no grain; the rule "{Rule.SERIES}" has such layers'
+            )
 
     @property
     def name(self) -> str:
@@ -131,7 +145,14 @@ class Mixture(Compound):
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:
         """See :meth:`Medium.index`."""
         n, k = indices(self.parts, np.asarray(wavelength, float))
-        return self.rule.law(n, k, self.all_fractions, self.depolarisation)
+        return self.rule.law(n, k, self.all_fractions, self._factors)
+
+    @property
+    def _factors(self) -> Numeric:
+        if self.depolarisation is not None:
+            return self.depolarisation
+        factors = self.shape.factors
+        return factors[0] if len(factors) == 1 else np.array(factors)
 
     @property
     def caveats(self) -> tuple[str, ...]:
@@ -144,6 +165,11 @@ class Mixture(Compound):
                     f"{self.name}: inclusions fill {share:.0%}; Maxwell Garnett's rule is for few, "
                     f"up to about {MOST_INCLUSIONS:.0%}"
                 )
+        if not self.shape.is_isotropic:
+            found.append(
+                f"{self.name}: {self.shape} have n and k of light along the film's normal; the "
+                "layer is taken to have them in all directions"
+            )
         if self.grain is None:
             found.append(
                 f"{self.name}: no size of its grains is stated; they are taken as far smaller than "
@@ -176,7 +202,7 @@ def porous(
     porosity: Numeric,
     *,
     rule: Rule | str = Rule.BRUGGEMAN,
-    depolarisation: Numeric = SPHERES,
+    shape: Shape | str = Shape.SPHERES,
     grain: float | None = None,
 ) -> Mixture:
     """A medium with empty pores.
@@ -186,14 +212,14 @@ def porous(
     medium : Medium
     porosity : float
         Volume fraction of the pores [1].
-    rule, depolarisation, grain
+    rule, shape, grain
         See :class:`Mixture`.
 
     Returns
     -------
     Mixture
     """
-    return Mixture((medium, vacuum()), (porosity,), Rule.of(rule), depolarisation, grain)
+    return Mixture((medium, vacuum()), (porosity,), Rule.of(rule), Shape.of(shape), grain=grain)
 
 
 @entry_point

@@ -343,7 +343,6 @@ DataRate = Annotated[
 Decibels = Annotated[Numeric, Quantity("", -100.0, 100.0)]
 Efficiency = Annotated[Numeric, Quantity("", 0.0, 1.0, open_below=True)]
 Fraction = Annotated[Numeric, Quantity("", 0.0, 1.0)]
-Depolarisation = Annotated[Numeric, Quantity("", 0.0, 1.0)]
 OpenFraction = Annotated[Numeric, Quantity("", 0.0, HIGHEST_OPEN_FRACTION)]
 Emittance = Annotated[Numeric, Quantity("", 0.0, 1.0, open_below=True)]
 AccommodationCoefficient = Annotated[Numeric, Quantity("", 0.0, HIGHEST_TAC, open_below=True)]

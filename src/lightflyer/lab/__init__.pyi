@@ -14,6 +14,7 @@ from .ftir import Ftir as Ftir
 from .ftir import reduce_ftir as reduce_ftir
 from .ftir_means import planck_weights as planck_weights
 from .height_map import HeightMap as HeightMap
+from .height_map import list_channels as list_channels
 from .height_map import read_height_map as read_height_map
 from .levitation import Comparison as Comparison
 from .levitation import LevitationCurve as LevitationCurve

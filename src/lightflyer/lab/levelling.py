@@ -3,7 +3,7 @@
 from typing import Literal
 
 import numpy as np
-from scipy import fft
+from scipy import fft, ndimage
 
 Flatten = Literal["none", "rows"]
 """What is done to the rows of a map before it is levelled."""
@@ -43,6 +43,28 @@ def level(height: np.ndarray, mask: np.ndarray | None = None, order: int = 2) ->
         coefficients[first, second] = np.linalg.solve(normal, moments[first, second])
         residual = residual - ys.T @ coefficients @ xs
     return residual
+
+
+def filled(height: np.ndarray) -> np.ndarray:
+    """Heights with each missing one replaced by the nearest that is there.
+
+    Parameters
+    ----------
+    height : array, shape (rows, columns)
+        [m]; NaN where there is none.
+
+    Returns
+    -------
+    array, shape (rows, columns)
+        [m].
+    """
+    missing = np.isnan(height)
+    if not missing.any():
+        return height
+    nearest: np.ndarray = np.asarray(
+        ndimage.distance_transform_edt(missing, return_distances=False, return_indices=True)
+    )
+    return np.asarray(height[nearest[0], nearest[1]])
 
 
 def flatten_rows(height: np.ndarray, order: int = 0) -> np.ndarray:

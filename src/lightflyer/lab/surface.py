@@ -20,7 +20,7 @@ from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
 from lightflyer.lab.height_map import NANOMETRE, HeightMap
-from lightflyer.lab.levelling import Flatten, flatten_rows, kept_power, level
+from lightflyer.lab.levelling import Flatten, filled, flatten_rows, kept_power, level
 from lightflyer.lab.particles import THRESHOLD, Objects, find_particles
 from lightflyer.lab.record import dataset, joint_warnings
 from lightflyer.lab.surface_intervals import DRAWS, SPECTRUM, spread
@@ -68,7 +68,8 @@ class Roughness:
     height : array, shape (rows, columns)
         Levelled height [m]; its mean outside the mask is zero.
     particles, holes : bool array, shape (rows, columns)
-        True where the map stands out above, or below as where the tip lost the surface.
+        True where the map stands out above, or below as where the tip lost the surface. Pixels
+        without a height count as holes.
     parameters : dict of str to Estimate
         Parameters of the surface without particles and holes, by names of :data:`PARAMETERS`;
         heights in nm. Skewness and kurtosis are those of the map: their intervals are open, since
@@ -132,6 +133,7 @@ class Roughness:
             "particle_fraction": float(self.particles.mean()),
             "holes": count_objects(self.holes),
             "hole_fraction": float(self.holes.mean()),
+            "missing_fraction": float(self.source.missing.mean()),
             "independent_patches": self.patches,
             "lost_in_levelling": self.lost,
             "height_accuracy": self.height_accuracy,
@@ -234,8 +236,10 @@ def roughness(
     require_range("flatten_order", flatten_order, 0, 1)
     require_range("height_accuracy", height_accuracy, 0.0, 0.5)
     rows = None if flatten == "none" else flatten_order
-    raw = source.height if rows is None else flatten_rows(source.height, rows)
-    whole = level(raw, None, order)
+    missing = source.missing
+    raw = filled(source.height)
+    raw = raw if rows is None else flatten_rows(raw, rows)
+    whole = level(raw, missing, order)
     if mask == "none":
         nothing = np.zeros(raw.shape, bool)
         found = Objects(whole, nothing, nothing)
@@ -244,11 +248,15 @@ def roughness(
             found = find_particles(raw, threshold=threshold, order=order)
         except ConfigurationError as error:
             raise ConfigurationError(f"{source.source}: {error}") from None
+    if missing.any():
+        holes = (found.holes | missing) & ~found.particles
+        found = Objects(level(raw, found.particles | holes, order), found.particles, holes)
     masked = found.particles | found.holes
     accuracy = HEIGHT_ACCURACY if height_accuracy is None else height_accuracy
     kept = kept_power(raw.shape, min(*raw.shape, SPECTRUM), order, rows)
-    inside, lost, patches = _estimates(found.height, masked, kept, accuracy, seed)
-    everything = _estimates(whole, np.zeros_like(masked), kept, accuracy, seed)[0]
+    common = (kept, accuracy, seed, source.pixel_aspect)
+    inside, lost, patches = _estimates(found.height, masked, *common)
+    everything = _estimates(whole, missing, *common)[0]
     said = warnings_of(source, raw, masked, inside["skewness"].value, lost, patches,
                        flattened=rows is not None)  # fmt: skip
     if height_accuracy is None:
@@ -258,14 +266,15 @@ def roughness(
 
 
 def _estimates(
-    height: np.ndarray, mask: np.ndarray, kept: np.ndarray, accuracy: float, seed: int
-) -> tuple[dict[str, Estimate], float, float]:
+    height: np.ndarray, mask: np.ndarray, kept: np.ndarray, accuracy: float, seed: int,
+    pixel_aspect: float,
+) -> tuple[dict[str, Estimate], float, float]:  # fmt: skip
     """Parameters with intervals, power lost in levelling, independent patches."""
     values = surface_parameters(height[~mask])
     rng = np.random.default_rng(seed)
     ratios, lost, patches = np.ones((2, DRAWS)), 0.0, 0.0
     if values[0] > 0.0:
-        ratios, lost, patches = spread(height - height[~mask].mean(), mask, kept, rng)
+        ratios, lost, patches = spread(height - height[~mask].mean(), mask, kept, rng, pixel_aspect)
     ratios = ratios * (1.0 + accuracy * rng.standard_normal(DRAWS))
     found = {}
     for index, (name, unit) in enumerate(zip(PARAMETERS, _UNITS, strict=True)):

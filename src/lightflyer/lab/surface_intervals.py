@@ -52,7 +52,11 @@ class Spread(NamedTuple):
 
 
 def spread(
-    height: np.ndarray, mask: np.ndarray, kept: np.ndarray, rng: np.random.Generator
+    height: np.ndarray,
+    mask: np.ndarray,
+    kept: np.ndarray,
+    rng: np.random.Generator,
+    pixel_aspect: float = 1.0,
 ) -> Spread:
     """How far a surface's rms and mean absolute height may be from those of its map.
 
@@ -65,6 +69,8 @@ def spread(
     kept : array, shape (modes, modes)
         Share of the power of each mode that levelling keeps.
     rng : numpy.random.Generator
+    pixel_aspect : float
+        Width of a pixel over its length; the surface is taken to be isotropic.
 
     Returns
     -------
@@ -72,11 +78,11 @@ def spread(
     """
     values = height[~mask]
     rms, mean = np.sqrt(np.mean(values**2)), np.abs(values).mean()
-    lost = _lost(np.where(mask, 0.0, height / rms), kept, rng)
+    lost = _lost(np.where(mask, 0.0, height / rms), kept, rng, pixel_aspect)
     # levelling takes low frequencies from the squares too
     missing = 1.0 + min(_LOST_IN_SQUARES * float(np.median(lost)), _MOST_LOST_IN_SQUARES)
     scaled = np.stack([(height / rms) ** 2 - 1.0, 2.0 * (np.abs(height) / mean - 1.0)])
-    power = np.array([_low_power(np.where(mask, 0.0, one)) for one in scaled])
+    power = np.array([_low_power(np.where(mask, 0.0, one), pixel_aspect) for one in scaled])
     variances = np.maximum(missing * power, _LEAST_VARIANCE) / values.size  # of relative squares
     drawn = variances[:, None] * _MODES / rng.chisquare(_MODES, DRAWS)
     freedom = np.maximum(2.0 / drawn, 1.0)
@@ -87,12 +93,12 @@ def spread(
     )
 
 
-def _low_power(values: np.ndarray) -> float:
+def _low_power(values: np.ndarray, pixel_aspect: float) -> float:
     """Power of a field in its lowest cosine modes, without the mean."""
     rows, columns = values.shape
     numbers = sorted(
         ((i, j) for i in range(_MODES) for j in range(_MODES) if i + j),
-        key=lambda one: (one[0] / rows) ** 2 + (one[1] / columns) ** 2,
+        key=lambda one: (one[0] * pixel_aspect / rows) ** 2 + (one[1] / columns) ** 2,
     )[:_MODES]
     power = _cosine_power(values)
     return float(np.mean([power[one] for one in numbers]))
@@ -105,7 +111,9 @@ def _cosine_power(values: np.ndarray) -> np.ndarray:
     return fft.dct(along, axis=1, norm="ortho")[:, :modes] ** 2
 
 
-def _lost(scaled: np.ndarray, kept: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def _lost(
+    scaled: np.ndarray, kept: np.ndarray, rng: np.random.Generator, pixel_aspect: float
+) -> np.ndarray:
     r"""Draws of the power that levelling took, over the power left.
 
     The spectrum :math:`A (1 + b n^2/m)^{-m}` of the squared mode number is fitted to the modes
@@ -114,7 +122,7 @@ def _lost(scaled: np.ndarray, kept: np.ndarray, rng: np.random.Generator) -> np.
     """
     power = _cosine_power(scaled)
     rows, columns = np.indices(power.shape)
-    aspect = scaled.shape[1] / scaled.shape[0]
+    aspect = pixel_aspect * scaled.shape[1] / scaled.shape[0]  # width of the map over its length
     square = (rows * aspect) ** 2 + columns**2.0  # of the wave number, in modes of a row
     used = (kept > _MOST_LOST) & (square > 0.0)
     order = np.argsort(square[used])

@@ -11,6 +11,7 @@ _MOST_LOST = 0.1  # power lost in levelling, over that left
 _SKEWED = 1.0
 _MOST_CLIPPED = 0.01  # of the pixels at the very highest or lowest value
 _SHIFTED = 3.0  # scatter of the steps between rows, over that between columns
+_OBLONG = 1.5  # longer side of a pixel over the shorter one
 _PERCENT = 100.0
 
 
@@ -45,7 +46,7 @@ def warnings_of(
     -------
     tuple of str
     """
-    said = []
+    said = [*source.notes, *_of_pixels(source)]
     share = float(masked.mean())
     if np.ptp(raw) == 0.0:
         said.append("all heights are equal: this is no map of a surface")
@@ -76,7 +77,23 @@ def warnings_of(
     return tuple(said)
 
 
+def _of_pixels(source: HeightMap) -> list[str]:
+    said = []
+    if missing := int(source.missing.sum()):
+        said.append(
+            f"{missing} pixels ({_PERCENT * missing / source.height.size:.2g} %) have no height; "
+            "they are left out like holes"
+        )
+    if max(source.pixel_aspect, 1.0 / source.pixel_aspect) > _OBLONG:
+        said.append(
+            f"pixels are {source.pixel_aspect:.3g} times as wide as long: particles are searched "
+            "for in circles of pixels, which are ellipses on the surface"
+        )
+    return said
+
+
 def _clipped(height: np.ndarray) -> float:
+    height = height[np.isfinite(height)]
     ends = (height == height.max()).mean(), (height == height.min()).mean()
     return float(max(ends))
 

@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+from cyclopts import Parameter
 from rich.console import Console
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
@@ -39,6 +40,7 @@ def roughness_command(
     size: str | None = None,
     unit: str | None = None,
     channel: str | None = None,
+    list_channels: Annotated[bool, Parameter(negative=())] = False,
     mask: Literal["auto", "none"] = "auto",
     threshold: float = 5.0,
     order: int = 2,
@@ -55,13 +57,16 @@ def roughness_command(
     Parameters
     ----------
     files
-        Maps: Asylum's .ibw, Gwyddion's .gwy, or text files with a matrix of heights.
+        Maps: Asylum's .ibw, Gwyddion's .gwy, Nanoscope's .spm, Nanosurf's .nid, JPK's .jpk,
+        Digital Surf's .sur, WSxM's .stp, Agilent's .mi, or text files with a matrix of heights.
     size
         Width of a matrix, such as "10 um", where the file does not state it.
     unit
         Unit of a matrix's heights, such as "nm", where the file does not state it.
     channel
         Channel of a file with several, such as HeightRetrace.
+    list_channels
+        Print the channels of the files and their units, and stop.
     mask
         auto masks particles and holes such as lost pixels; none takes the map as it is.
     threshold
@@ -85,6 +90,9 @@ def roughness_command(
         How figures are written.
     """
     figures.check(out)
+    if list_channels:
+        _show_channels(files, json_output=json_output)
+        return
     from lightflyer.lab.height_map import read_height_map
     from lightflyer.lab.surface import roughness, summary, to_dataset
 
@@ -113,6 +121,28 @@ def roughness_command(
     _show(console, results)
     show_warnings(console, document["warnings"])
     finish(console, written, [], None)
+
+
+def _show_channels(files: "Sequence[Path]", *, json_output: bool) -> None:
+    from lightflyer.lab.height_map import list_channels
+
+    found = {str(file): list_channels(file) for file in files}
+    if json_output:
+        fields = ("name", "unit", "is_height")
+        print_json(
+            {
+                name: [{field: getattr(one, field) for field in fields} for one in channels]
+                for name, channels in found.items()
+            }
+        )
+        return
+    console = printer()
+    for name, channels in found.items():
+        console.print(f"{name}:", markup=False, soft_wrap=True)
+        for one in channels:
+            rows, columns = one.shape
+            about = f"{columns} x {rows} pixels{'' if one.is_height else ', not a height'}"
+            console.print(f"  {one.description}: {about}", markup=False, soft_wrap=True)
 
 
 def _figures(results: "Sequence[Roughness]") -> "dict[str, Figure]":

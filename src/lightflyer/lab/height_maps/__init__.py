@@ -1,0 +1,1 @@
+"""Formats of height maps, one module each; :mod:`lightflyer.lab.height_map` reads them all."""

@@ -1,0 +1,332 @@
+"""Files of microscopes: numbers of the file, read again from the published descriptions."""
+
+import re
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.lab.height_map import HeightMap, list_channels, read_height_map
+from lightflyer.lab.height_maps.channel import Channel, chosen
+from lightflyer.lab.number_matrix import read_number_matrix
+from lightflyer.lab.surface import roughness
+
+pytest.importorskip("SurfaceTopography")
+FILES = Path(__file__).parent / "height_maps"
+SHAPE = (40, 48)
+
+
+def header(content, end):
+    return content[: content.index(end)].decode("latin-1")
+
+
+def number(pattern, text):
+    return float(re.search(pattern, text)[1])
+
+
+def nanoscope(content, index, sensitivity, bits):
+    """Raw value times hard scale times soft scale (Nanoscope file description, version 4.3 on)."""
+    text = header(content, b"\\*File list end")
+    image = text.split("\\*Ciao image list")[1 + index]
+    offset, size = (int(number(rf"Data {what}: (\d+)", image)) for what in ("offset", "length"))
+    raw = np.frombuffer(content[offset : offset + size], f"<i{bits // 8}").reshape(SHAPE)
+    volts = number(r"@2:Z scale: V \[.*?\] \(.*?\) ([\d.]+) V", image)
+    nanometres = number(rf"@{re.escape(sensitivity)}: V ([\d.]+) nm/V", text)
+    return raw * (volts / 2.0**bits * nanometres * 1e-9)
+
+
+def nanosurf(content):
+    text = header(content, b"#!")
+    first = text.split("[DataSet-0:1]")[1]
+    least, wide = (number(rf"Dim2{what}=(\S+)", first) for what in ("Min", "Range"))
+    start = content.index(b"#!") + 2 + 4 * 40 * 48  # after deflection
+    raw = np.frombuffer(content[start : start + 4 * 40 * 48], "<i4").reshape(SHAPE)
+    return least + wide * (raw + 2.0**31) / 2.0**32
+
+
+def digital_surf(content):
+    raw = np.frombuffer(content[-4 * 40 * 48 :], "<i4").reshape(SHAPE)
+    least = struct.unpack_from("<i", content, 100)[0]
+    step = struct.unpack_from("<f", content, 128)[0]  # [mm]
+    return np.where(raw < least, np.nan, raw * step * 1e-3)
+
+
+def wsxm(content, dtype):
+    text = header(content, b"[Header end]")
+    raw = np.frombuffer(content[-SHAPE[0] * SHAPE[1] * np.dtype(dtype).itemsize :], dtype)
+    if dtype == "<f8":  # in the unit of Z
+        return raw.reshape(SHAPE) * 1e-9
+    high, low = (number(rf"{what}: (\S+)", text) for what in ("Maximum", "Minimum"))
+    return raw.reshape(SHAPE) * number(r"Z Amplitude: (\S+)", text) / (high - low) * 1e-9
+
+
+def picoview(content):
+    start = content.index(b"data          BINARY_32\n") + 24
+    text = content[:start].decode("latin-1")
+    raw = np.frombuffer(content[start : start + 4 * 40 * 48], "<i4").reshape(SHAPE)
+    return raw / 2.0**31 * number(r"bufferRange\s+(\S+)", text) * 1e-6
+
+
+READERS = {
+    "nanoscope.001": ("Height", lambda b: nanoscope(b, 0, "Sens. Zscan", 16), 300e-9 / 512),
+    "nanoscope-9.1.spm": ("Height", lambda b: nanoscope(b, 3, "Sens. Zsens", 16), 10e-6 / 256),
+    "nanoscope-10.spm": ("ZSensor", lambda b: nanoscope(b, 0, "Sens. ZsensSens", 32), 1e-6 / 512),
+    "nanosurf.nid": ("Scan forward (Z-Axis)", nanosurf, 20e-6 / 256),
+    "mountains.sur": ("Z", digital_surf, 3.484e-6),
+    "wsxm.stp": ("Topography", lambda b: wsxm(b, "<f8"), 600e-9 / 256),
+    "wsxm.top": ("Topography", lambda b: wsxm(b, "<i2"), 600e-9 / 256),
+    "picoview.mi": ("Topography", picoview, 20e-6 / 256),
+}
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_heights_are_those_of_the_file(name):
+    channel, truth, pixel = READERS[name]
+    found = read_height_map(FILES / name)
+    assert found.channel == channel
+    assert found.height.shape == SHAPE
+    assert (found.width, found.length) == pytest.approx((48 * pixel, 40 * pixel), rel=1e-4)
+    expected = truth((FILES / name).read_bytes())
+    assert np.nanstd(expected) > 1e-10
+    # the first line of a file may be the lower or the upper edge
+    turned = [expected, expected[::-1], expected[:, ::-1], expected[::-1, ::-1]]
+    assert any(np.allclose(found.height, one, 1e-6, 1e-15, equal_nan=True) for one in turned)
+
+
+def jpk(path, heights, unit="m"):
+    """Image scan of JPK: a thumbnail and one page a channel, scaled by tags of the default slot."""
+    tifffile = pytest.importorskip("tifffile")
+    tags = {
+        0x8003: ("s", "2020-01-01 10:00:00"), 0x8040: ("d", 0.0), 0x8041: ("d", 0.0),
+        0x8042: ("d", 8e-6), 0x8043: ("d", 5e-6), 0x8044: ("d", 0.0), 0x8045: ("i", 0),
+    }  # fmt: skip
+    raw = np.round(heights / 1e-12).astype(np.int32)
+    pages = [("Phase", "deg", raw), ("Height (measured)", unit, raw)]
+    with tifffile.TiffWriter(path) as out:
+        write(out, np.zeros((8, 8), np.uint8), tags)
+        for name, of, values in pages:
+            slot = {
+                0x8050: ("s", name), 0x8051: ("i", 0), 0x8052: ("s", name), 0x8080: ("i", 1),
+                0x8081: ("s", "nominal"), 0x8090: ("s", "nominal"), 0x8091: ("s", "absolute"),
+                0x80A1: ("s", "metres"), 0x80A2: ("s", of), 0x80A3: ("s", "LinearScaling"),
+                0x80A4: ("d", 1e-12), 0x80A5: ("d", 2e-6),
+            }  # fmt: skip
+            write(out, values, slot)
+
+
+def write(out, values, tags):
+    kinds = {"s": 2, "d": 12, "i": 4}
+    extra = [
+        (code, kinds[kind], 0 if kind == "s" else 1, value, True)
+        for code, (kind, value) in tags.items()
+    ]
+    out.write(values, extratags=extra, contiguous=False, metadata=None, photometric="minisblack")
+
+
+def surface(shape=(24, 32)):
+    return 1e-8 * np.random.default_rng(0).normal(size=shape)
+
+
+def test_jpk(tmp_path):
+    height = surface()
+    jpk(tmp_path / "map.jpk", height)
+    found = read_height_map(tmp_path / "map.jpk")
+    assert found.channel == "Height (measured)"
+    assert (found.width, found.length) == pytest.approx((8e-6, 5e-6))
+    assert np.allclose(found.height[::-1], height + 2e-6, 0.0, 1e-12)
+    jpk(tmp_path / "volts.jpk", height, "V")
+    with pytest.raises(lf.ConfigurationError, match=r"volts\.jpk: contains no map of heights$"):
+        read_height_map(tmp_path / "volts.jpk")
+
+
+def test_channels_are_listed_and_others_refused():
+    names = [one.description for one in list_channels(FILES / "picoview.mi")]
+    assert names == ["Topography [µm]", "Deflection [V]", "Friction [V]", "Friction [V]"]
+    for name in ("Deflection", "Friction (2)"):
+        with pytest.raises(lf.ConfigurationError, match=r'" is not a height; choose one .*Topog'):
+            read_height_map(FILES / "picoview.mi", channel=name)
+    with pytest.raises(lf.ConfigurationError, match=r'has no channel "Hight"; choose one .*Topog'):
+        read_height_map(FILES / "picoview.mi", channel="Hight")
+    with pytest.raises(lf.ConfigurationError, match=r"Deflection \[nm\]\" is not a height"):
+        read_height_map(FILES / "nanoscope.001", channel="Deflection")
+
+
+def test_other_heights_are_said():
+    found = read_height_map(FILES / "nanoscope-9.1.spm")
+    assert "other heights in the file, by --channel: ZSensor" in found.notes[0]
+    assert found.notes[0] in roughness(found).warnings
+    sensor = read_height_map(FILES / "nanoscope-9.1.spm", channel="zsensor")
+    assert sensor.notes == ()
+    assert np.std(sensor.height) != pytest.approx(np.std(found.height), rel=0.01)
+
+
+def channels(*named):
+    return [Channel(name, unit, (20, 20), 1e-6, 1e-6, dict) for name, unit in named]
+
+
+@pytest.mark.parametrize(
+    ("named", "expected"),
+    [
+        ([("Phase", "deg"), ("Height", "nm")], "Height"),
+        ([("Amplitude", "nm"), ("Channel 2", "nm")], "Channel 2"),  # an amplitude is a length too
+        ([("Height", "V"), ("Piezo", "nm")], "Piezo"),  # a height in volts is not one
+        ([("HeightTrace", ""), ("PhaseTrace", "")], "HeightTrace"),
+        ([("Height Error", "nm"), ("Z-Axis", "m")], "Z-Axis"),
+    ],
+)
+def test_a_height_is_known_by_name_and_unit(named, expected):
+    assert chosen(Path("a"), channels(*named), None)[0].name == expected
+
+
+def test_no_channel_is_guessed():
+    with pytest.raises(lf.ConfigurationError, match="several channels of heights; choose"):
+        chosen(Path("a"), channels(("Channel 1", "nm"), ("Channel 2", "nm")), None)
+    with pytest.raises(lf.ConfigurationError, match="no channel of heights; choose"):
+        chosen(Path("a"), channels(("Channel 1", "V"), ("Phase", "nm")), None)
+
+
+def changed(name, old, new):
+    content = (FILES / name).read_bytes()
+    assert old in content
+    return content.replace(old, new)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        ("a.stp", lambda: changed("wsxm.stp", b"13.7008 nm", b"13.7008 pA"), "[pA]"),
+        ("a.stp", lambda: changed("wsxm.stp", b"channel: Topography", b"channel: Phase     "),
+         'channel "Phase [nm]" is not a height'),
+        ("a.sur", lambda: changed("mountains.sur", b"mm   ", b"V    "), '"Z [V]" is not a height'),
+        ("a.sur", lambda: b"DSCOMPRESSED" + bytes(400), "save it in MountainsMap without"),
+        ("a.spm", lambda: changed("nanoscope-10.spm", b"Samps/line: 48", b"Samps/line: 99"),
+         "cannot be read as a Nanoscope file"),
+        ("a.001", lambda: b"?*File list\r\n", "save it in binary form"),
+        ("a.spm", lambda: b"", "cannot be read as a Nanoscope file"),
+        ("a.jpk-qi-data", lambda: b"PK", "a map of force curves, not a map of heights"),
+        ("a.jpk", lambda: b"II*\0", "cannot be read as a JPK file"),
+        ("a.nid", lambda: changed("nanosurf.nid", b"Dim2Unit=m", b"Dim2Unit=V"), "no map of"),
+        ("a.mi", lambda: changed("picoview.mi", b"xPixels       48", b"xPixels       9999999"),
+         "9999999 x 40 pixels, more than the file holds"),
+        ("a.mi", lambda: changed("picoview.mi", b"bufferUnit    um", b"bufferUnit    m "),
+         "0.1 m is the most"),
+    ],
+)  # fmt: skip
+def test_one_clear_line_for_each_mistake(tmp_path, name, content, says):
+    path = tmp_path / name
+    path.write_bytes(content())
+    with pytest.raises(lf.ConfigurationError) as error:
+        read_height_map(path)
+    assert str(error.value).startswith(f"{path}: ")
+    assert says in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_options_of_a_matrix_are_refused_where_the_file_states_them():
+    with pytest.raises(lf.ConfigurationError, match="--unit is for a matrix"):
+        read_height_map(FILES / "wsxm.stp", unit="nm")
+
+
+def test_a_name_need_not_tell_the_format(tmp_path):
+    (tmp_path / "map.dat").write_bytes((FILES / "wsxm.top").read_bytes())
+    assert read_height_map(tmp_path / "map.dat").channel == "Topography"
+
+
+def damaged(content, rng, header_size):
+    """Bytes changed, put in or taken out of the header, or the end cut off."""
+    kind = rng.integers(4)
+    at = int(rng.integers(header_size))
+    size = int(rng.integers(1, 5))
+    noise = rng.integers(0, 256, size, dtype=np.uint8).tobytes()
+    if kind == 0:
+        return content[: int(rng.integers(len(content)))], "cut"
+    if kind == 1:
+        return content[:at] + noise + content[at + size :], "changed"
+    if kind == 2:
+        return content[:at] + noise + content[at:], "put in"
+    return content[:at] + content[at + size :], "taken out"
+
+
+@pytest.mark.parametrize("name", [*READERS, "map.jpk"])
+def test_damage_gives_a_map_or_one_line(name, tmp_path):
+    if name == "map.jpk":
+        jpk(tmp_path / name, surface())
+    content = (tmp_path / name if name == "map.jpk" else FILES / name).read_bytes()
+    header_size = len(content) - 2 * 40 * 48 if len(content) > 6000 else 600
+    whole = read_height_map(tmp_path / name if name == "map.jpk" else FILES / name)
+    rng = np.random.default_rng(1)
+    path = tmp_path / f"damaged{Path(name).suffix}"
+    said = []
+    for _ in range(200):
+        bad, how = damaged(content, rng, header_size)
+        path.write_bytes(bad)
+        try:
+            found = read_height_map(path)
+        except lf.ConfigurationError as error:
+            said.append(str(error))
+            continue
+        assert not np.isinf(found.height).any()
+        if how == "cut":  # what is left over is all there was
+            assert np.array_equal(found.height, whole.height, equal_nan=True)
+    assert len(said) > 10
+    assert all(text.startswith(f"{path}") and "\n" not in text for text in said)
+
+
+def test_missing_heights_do_not_count():
+    height = surface((96, 96))
+    clean = roughness(HeightMap("a", height, 1e-6, 1e-6), mask="none")
+    holed = height.copy()
+    holed[10:14, 20:50] = np.nan
+    holed[60:63, 5:9] = np.nan
+    found = roughness(HeightMap("a", holed, 1e-6, 1e-6))
+    everywhere = found.parameters_all["rms_height"].value
+    assert everywhere == pytest.approx(1e9 * height[~np.isnan(holed)].std(), rel=2e-3)
+    assert found.parameters["rms_height"].value == pytest.approx(
+        clean.parameters["rms_height"].value, rel=0.02
+    )
+    assert found.holes[np.isnan(holed)].all()
+    assert found.summary()["missing_fraction"] == pytest.approx(132 / 96**2)
+    assert any("132 pixels (1.4 %) have no height" in text for text in found.warnings)
+
+
+def test_pixels_need_not_be_square():
+    """Every other row of a map is the same surface with pixels half as wide as long."""
+    fine = 1e-8 * np.random.default_rng(3).normal(size=(160, 160))
+    fine = np.real(np.fft.ifft2(np.fft.fft2(fine) * np.exp(-(np.fft.fftfreq(160) ** 2) * 2e3)))
+    square = roughness(HeightMap("a", fine, 1e-6, 1e-6), mask="none")
+    oblong = HeightMap("a", fine[::2], 1e-6, 1e-6)
+    assert oblong.pixel_aspect == 0.5
+    found = roughness(oblong, mask="none")
+    one, other = (each.parameters["rms_height"] for each in (found, square))
+    assert one.interval == pytest.approx(other.interval, rel=0.05)
+    assert any("0.5 times as wide as long" in text for text in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("1.234,5\t2,0\n3,0\t4,0", 'with a comma, "1.234,5", and with a point'),
+        ("1,469\t2,345\n3,210\t1,111", '"1,469" may be 1.469 or 1469'),
+        ("23,05,24,10\n23,15,24,20", '"05" between commas suggest decimal commas'),
+        ("a b\n1 2\n3 x", ':3: "x" is not a number'),
+        ("1 2\n1.2.3 4", ':2: "1.2.3" is not a number'),
+        ("1 2 x\n1 2 3\n1 2 3", ':1: "x" is not a number'),
+    ],
+)
+def test_a_matrix_that_may_be_read_in_two_ways_is_refused(tmp_path, text, says):
+    path = tmp_path / "m.txt"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(lf.ConfigurationError, match=re.escape(says)):
+        read_number_matrix(path, "heights")
+
+
+def test_a_matrix_below_a_heading_with_numbered_rows(tmp_path):
+    path = tmp_path / "m.csv"
+    path.write_text("Emissivity;0,95\n\n;0;1;2\n0;20,5;20,25;1\n1;21;22;23\n2;-0,5;1;1e3\n",
+                    encoding="utf-8")  # fmt: skip
+    found = read_number_matrix(path, "temperatures")
+    assert found.values.tolist() == [[20.5, 20.25, 1.0], [21.0, 22.0, 23.0], [-0.5, 1.0, 1000.0]]
+    assert found.above[0] == "Emissivity;0,95"
+    assert "first column counts the rows" in found.notes[0]

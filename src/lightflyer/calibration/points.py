@@ -160,7 +160,8 @@ class Points:
     def warnings(self) -> tuple[str, ...]:
         """What a reader of results must know of the file, one line each."""
         rows = [f"rejected {row}" for row in self.rejected]
-        known = [column.name for column in LEVITATION_COLUMNS]
+        read = {*self.numbers, *self.texts}
+        known = [column.name for column in LEVITATION_COLUMNS if column.name not in read]
         for name in self.unused:
             plain = name.partition("[")[0].strip().casefold()
             near = difflib.get_close_matches(plain, known, n=1, cutoff=_LEAST_ALIKE)

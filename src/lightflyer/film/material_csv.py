@@ -287,14 +287,16 @@ def _tables(path: Path, page: object) -> Iterator[tuple[str, np.ndarray]]:
             raise ConfigurationError(f"{path}: holds two tables of {name}")
         seen.add(name)
         try:
-            rows = np.loadtxt(str(entry.get("data", "")).splitlines(), ndmin=2).T
+            lines = str(entry.get("data", "")).split("\n")
+            rows = np.array([line.split() for line in lines if line.strip()], float).T
         except ValueError:
             raise ConfigurationError(f"{path}: its table of {name} is damaged") from None
         yield name, _checked(path, name, rows)
 
 
 def _checked(path: Path, name: str, rows: np.ndarray) -> np.ndarray:
-    if len(rows) != len(name) + 1 or rows.shape[1] < 2 or not np.isfinite(rows).all():
+    whole = rows.ndim == 2 and len(rows) == len(name) + 1 and rows.shape[1] > 1
+    if not (whole and np.isfinite(rows).all()):
         raise ConfigurationError(f"{path}: its table of {name} is damaged")
     rows[0] *= _MICROMETRE
     if not np.all(rows[0] > 0.0):

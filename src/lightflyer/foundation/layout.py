@@ -5,6 +5,7 @@ import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -25,6 +26,7 @@ _SPACED_CELL = re.compile(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?")
 _NO_UNIT = ("1", "-", "fraction", "a.u.", "arb. units")
 _ERRORS = ("err", "error", "std", "stdev", "sd", "sigma", "se", "unc", "uncertainty", "u", "min",
            "max", "low", "high", "lower", "upper", "plus", "minus")  # fmt: skip
+_STANDARD = ("unc", "std", "sigma", "sd")  # words for a standard uncertainty, not for any error
 _DELIMITERS = ("\t", ";", ",")
 
 # as spectrometers write their headers
@@ -95,7 +97,8 @@ class Column:
     def uncertainty(self) -> "Column":
         """Column of the standard uncertainties of this one."""
         kind = Quantity(self.quantity.unit, 0.0)
-        return Column(f"{self.name}_uncertainty", kind, difference=True)
+        names = [f"{name}_{word}" for name in (self.name, *self.aliases) for word in _STANDARD]
+        return Column(f"{self.name}_uncertainty", kind, tuple(names), difference=True)
 
 
 class Placed(NamedTuple):
@@ -225,9 +228,20 @@ def _is_number(cell: str) -> bool:
     return True
 
 
+@lru_cache(maxsize=4096)
 def _normal(name: str) -> str:
     plain = unicodedata.normalize("NFKC", name)  # subscripts as digits
     return re.sub(r"[\s\-.]+", "_", plain.strip().strip('"').casefold())
+
+
+@lru_cache(maxsize=512)
+def _names_of(column: Column) -> tuple[str, ...]:
+    return tuple(_normal(name) for name in (column.name, *column.aliases))
+
+
+@lru_cache(maxsize=64)
+def _by_name(columns: tuple[Column, ...]) -> dict[str, Column]:
+    return {name: one for one in columns for name in _names_of(one)}
 
 
 def _from_option(
@@ -324,7 +338,7 @@ def _from_header(
 
 def _matches(columns: Sequence[Column], cells: Sequence[str]) -> dict[int, tuple[Column, str]]:
     """Known columns of a header with the units it names, by position."""
-    by_name = {_normal(name): one for one in columns for name in (one.name, *one.aliases)}
+    by_name = _by_name(tuple(columns))
     found = {}
     for position, cell in enumerate(cells):
         base, unit = _split_name(cell)
@@ -357,7 +371,9 @@ def _split_name(cell: str) -> tuple[str, str]:
 def _suffix(column: Column, cell: str) -> str | None:
     """Unit in a header such as ``pressure_mTorr``; None where it is of another column."""
     text = cell.strip().strip('"')
-    names = [_normal(name) for name in (column.name, *column.aliases)]
+    names = _names_of(column)
+    if not _normal(text).startswith(names):
+        return None
     if column.any_unit:
         rest = [_normal(text).removeprefix(f"{name}_") for name in names]
         return "" if any(one not in (_normal(text), *_ERRORS) for one in rest) else None

@@ -15,7 +15,7 @@ from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from lightflyer.film import Film
-    from lightflyer.film.layered_section import LayeredFilmSection
+    from lightflyer.film.sample_section import SampleSection
     from lightflyer.film.summary import FilmSummary
 
 _LEAST_SHARE = 0.0005  # of a spectrum, printed as 0.1 %
@@ -64,21 +64,22 @@ def film_command(
     section = read_film_file(film_file)
     asked = _quantities("--temperatures", temperatures, "K")
     film = section.film()
-    spreads = [layer.thickness.uncertainty for layer in section.layers]
+    written = section.written_layers
+    spreads = [layer.thickness.uncertainty for layer in written]
     points, beyond = _points(film, at, spreads)
     summary = FilmSummary.of(
         film, section.light(), asked,
         thickness_uncertainty=spreads,
         density_uncertainty=[
             None if layer.density is None else layer.density.uncertainty
-            for layer in section.layers
+            for layer in written
         ],
     )  # fmt: skip
     warnings = [*summary.warnings, *beyond]
     described = summary.to_json() | {"origin": _origins(section), "warnings": warnings}
     if at is not None:
         described["at"] = points
-    written = [] if out is None else _write(out, summary, described, figures)
+    paths = [] if out is None else _write(out, summary, described, figures)
     if json_output:
         print_json(described)
         return
@@ -87,7 +88,7 @@ def film_command(
     show_warnings(console, warnings)
     if summary.uncertainty is None:
         console.print("state ± of the layers' thicknesses for intervals")
-    for path in written:
+    for path in paths:
         console.print(f"wrote {path}", soft_wrap=True)
     if out is None:
         console.print("add --out FOLDER to write figures and data")
@@ -120,9 +121,9 @@ def _points(
 
     def optics(one: "Film") -> dict[str, Any]:
         found = one.optics(wavelengths).unpolarised()
-        absorbed = 1.0 - found.reflectance - found.transmittance
-        return {"reflectance": found.reflectance, "transmittance": found.transmittance,
-                "absorptance": absorbed}  # fmt: skip
+        shares = {"reflectance": found.reflectance, "transmittance": found.transmittance,
+                  "absorptance": found.absorptance}  # fmt: skip
+        return shares | ({"scattered": found.scattered} if one.is_rough else {})
 
     values = optics(film)
     points: list[dict[str, Any]] = [{"wavelength_um": float(one) * 1e6} for one in wavelengths]
@@ -143,7 +144,7 @@ def _points(
     return points, beyond
 
 
-def _origins(section: "LayeredFilmSection") -> dict[str, Any]:
+def _origins(section: "SampleSection") -> dict[str, Any]:
     """Measured values of the file, which replace the computed ones in predictions."""
     return {
         name: {"origin": "measured", "value": value.value, "uncertainty": value.uncertainty}
@@ -166,7 +167,7 @@ def _write(
 
 def _show(
     console: Console,
-    section: "LayeredFilmSection",
+    section: "SampleSection",
     summary: "FilmSummary",
     points: list[dict[str, Any]],
 ) -> None:
@@ -181,26 +182,31 @@ def _show(
     for point in points:
         parts = [
             f"{name} {point[name]:.4f}" + _span(point.get("interval_95", {}).get(name))
-            for name in ("reflectance", "transmittance", "absorptance")
+            for name in ("reflectance", "transmittance", "absorptance", "scattered")
+            if name in point
         ]
         console.print(f"at {point['wavelength_um']:.5g} µm: {', '.join(parts)}", soft_wrap=True)
     limit = section.limit()
     if limit is not None:
         console.print(f"highest temperature that the film bears {limit:g} K")
-    for name, value in section.measured().items():
+    measured = section.measured() if summary.film.free_standing else {}
+    for name, value in measured.items():
         spread = "" if value.uncertainty is None else f" ± {value.uncertainty:g}"
         console.print(f"measured, used in predictions: {name} {value.value:g}{spread}")
 
 
-def _show_layers(console: Console, section: "LayeredFilmSection", summary: "FilmSummary") -> None:
+def _show_layers(console: Console, section: "SampleSection", summary: "FilmSummary") -> None:
     """Print the layers, their mass and what they absorb of the light."""
-    for layer, written in zip(summary.film.layers, section.layers, strict=True):
+    for layer, written in zip(summary.film.layers, section.written_layers, strict=True):
         spread = written.thickness.uncertainty
         stated = "" if spread is None else f" ± {spread * _NANOMETRES:g}"
         console.print(
             f"{layer.material.name:10} {float(layer.thickness) * _NANOMETRES:8.4g}{stated} nm  "
             f"{layer.material.source}", soft_wrap=True,
         )  # fmt: skip
+    for name, medium in (("above", summary.film.above), ("below", summary.film.below)):
+        if medium is not None:
+            console.print(f"{name} it {medium.name}, endless  {medium.source}", soft_wrap=True)
     mass = float(summary.film.areal_density) * _GRAMS
     console.print(f"areal density     {mass:.4g} g/m²{_interval(summary, 'areal_density_g_m2')}")
     lights = {"AM0": ("solar", summary.solar)}
@@ -242,11 +248,13 @@ def _table(title: str, headings: Sequence[str]) -> Table:
 
 
 def _emittances(summary: "FilmSummary") -> Table:
-    table = _table("emittance", ("at\n[K]", "hemispherical\ntop", "\nbottom", "normal\ntop",
-                                 "\nbottom", "absorptance\n/ emittance",
+    sides = tuple(summary.thermal)
+    table = _table("emittance", ("at\n[K]", *_of_sides("hemispherical", sides),
+                                 *_of_sides("normal", sides), "absorptance\n/ emittance",
                                  "infrared\ntransmittance"))  # fmt: skip
     values = summary.values()
-    names = ("emittance_top", "emittance_bottom", "emittance_normal_top", "emittance_normal_bottom")
+    kinds = ("emittance", "emittance_normal")
+    names = [f"{kind}_{side}" for kind in kinds for side in sides]
     for row, temperature in enumerate(summary.temperatures):
         table.add_row(
             f"{temperature:g}",
@@ -257,17 +265,21 @@ def _emittances(summary: "FilmSummary") -> Table:
     return table
 
 
+def _of_sides(what: str, sides: Sequence[str]) -> list[str]:
+    """Headings of a column a side, of which the first says what it is."""
+    return [f"{what if not number else ''}\n{side}" for number, side in enumerate(sides)]
+
+
 def _intervals(summary: "FilmSummary") -> Table | None:
     """95 % intervals from the thicknesses."""
     if summary.uncertainty is None:
         return None
     title = "95 % intervals from the stated ± of thicknesses and densities"
-    table = _table(title, ("at\n[K]", "hemispherical\ntop", "\nbottom",
+    sides = tuple(summary.thermal)
+    table = _table(title, ("at\n[K]", *_of_sides("hemispherical", sides),
                            "absorptance\n/ emittance", "infrared\ntransmittance"))  # fmt: skip
-    columns = [
-        summary.interval(name)
-        for name in ("emittance_top", "emittance_bottom", "selectivity", "infrared_transmittance")
-    ]
+    names = (*(f"emittance_{side}" for side in sides), "selectivity", "infrared_transmittance")
+    columns = [summary.interval(name) for name in names]
     for row, temperature in enumerate(summary.temperatures):
         ends = [column[:, row] for column in columns if column is not None]
         table.add_row(f"{temperature:g}", *(f"{low:.4g} to {high:.4g}" for low, high in ends))
@@ -276,7 +288,7 @@ def _intervals(summary: "FilmSummary") -> Table | None:
 
 def _missing(summary: "FilmSummary") -> Table | None:
     """Shares of the radiation without data, and bounds of the emittance."""
-    top, bottom = summary.thermal["top"], summary.thermal["bottom"]
+    top = summary.thermal["top"]
     if (1.0 - top.covered).max() < _LEAST_SHARE:
         return None
     title = (
@@ -284,13 +296,13 @@ def _missing(summary: "FilmSummary") -> Table | None:
         "passes, there"
     )
     table = _table(title, ("at\n[K]", "outside\nthe data", "of which\nextrapolated",
-                           "hemispherical\ntop", "\nbottom",
+                           *_of_sides("hemispherical", tuple(summary.thermal)),
                            "infrared\ntransmittance"))  # fmt: skip
     for row, temperature in enumerate(summary.temperatures):
         table.add_row(
             f"{temperature:g}", f"{1.0 - top.covered[row]:.1%}",
             f"{top.extrapolated_share[row]:.1%}",
             *(f"{one.lower[row]:.3f} to {one.upper[row]:.3f}"
-              for one in (top, bottom, summary.passing["thermal"])),
+              for one in (*summary.thermal.values(), summary.passing["thermal"])),
         )  # fmt: skip
     return table

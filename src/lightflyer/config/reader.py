@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from lightflyer.config.flyer_file import FileDesign, FlyerFile, flyer_file_type, section_at
-from lightflyer.film.layered_section import LayeredFilmSection
+from lightflyer.film.sample_section import SampleSection
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.section import Section
 from lightflyer.foundation.text import read_text
@@ -106,18 +106,18 @@ def design_of_text(text: str, path: Path) -> FileDesign:
     return design
 
 
-def read_film_file(path: str | Path) -> LayeredFilmSection:
+def read_film_file(path: str | Path) -> SampleSection:
     """Read the layers of a film.
 
     Parameters
     ----------
     path : str or path
         A TOML file with a section ``[film]`` that has ``layers``; a flyer file will do, its
-        other sections have no effect.
+        other sections have no effect. A sample may have a substrate, an ambient and holes.
 
     Returns
     -------
-    LayeredFilmSection
+    SampleSection
 
     Raises
     ------
@@ -134,4 +134,4 @@ def read_film_file(path: str | Path) -> LayeredFilmSection:
 
 
 class _FilmFile(Section):
-    film: LayeredFilmSection
+    film: SampleSection

@@ -203,8 +203,8 @@ def respond(
         return widened, (met if inside else None)
 
     # derivatives compute a step again, which is faster than to keep what was in it
-    kept = jax.checkpoint(step, prevent_cse=False)
-    (under, waves), met = jax.lax.scan(kept, (lowest, waves), rows, reverse=True)
+    frugal = jax.checkpoint(step, prevent_cse=False)
+    (under, waves), met = jax.lax.scan(frugal, (lowest, waves), rows, reverse=True)
     damping = None if roughness is None else _damping(above, under, roughness[0])
     found = []
     for number, wave in enumerate(waves):

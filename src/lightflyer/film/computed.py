@@ -243,9 +243,9 @@ def require_free(film: Film) -> None:
             "substrate: a flyer's film stands free; samples on substrates are for the command film "
             "and for Film.optics"
         )
-    if film.open_share is not None:
+    if film.open_fraction is not None:
         raise ParameterError(
-            "open_share: a flyer's holes belong to the flyer, as gas flows through them; a "
+            "open_fraction: a flyer's holes belong to the flyer, as gas flows through them; a "
             "perforated film is for the command film and for Film.optics"
         )
 

@@ -58,7 +58,7 @@ def film_warnings(
     found += _scattered(solar["top"], "sunlight (AM0)", "absorptance", "")
     found += _scattered(thermal["top"], "a black body's radiation", "emittance", heat)
     found += [*medium_warnings(film), *roughness_warnings(film), *_surroundings(film)]
-    if film.open_share is not None and film.hole_diameter is not None:
+    if film.open_fraction is not None and film.hole_diameter is not None:
         found += narrow_holes(0.5 * film.hole_diameter, temperatures)
     return (*found, *_unstated(film, thickness_uncertainty))
 

@@ -196,14 +196,14 @@ def spectral_shares(film: Film, side: Side, grid: Grid) -> SpectralShares:
         parts = zip(*(_spectral(*chunk) for chunk in chunks), strict=True)
         joined = (np.concatenate(part)[: grid.wavelength.size] for part in parts)
         found = SpectralShares(*joined)
-    return found if film.open_share is None else _with_holes(found, film.open_share)
+    return found if film.open_fraction is None else _with_holes(found, film.open_fraction)
 
 
-def _with_holes(shares: SpectralShares, open_share: Numeric) -> SpectralShares:
+def _with_holes(shares: SpectralShares, open_fraction: Numeric) -> SpectralShares:
     """Shares of a film with holes, through which all light passes."""
-    solid = 1.0 - open_share
+    solid = 1.0 - open_fraction
     found = SpectralShares(*(solid * share for share in shares))
-    return found._replace(transmittance=found.transmittance + open_share)
+    return found._replace(transmittance=found.transmittance + open_fraction)
 
 
 def _chunks(

@@ -19,12 +19,23 @@ from lightflyer.foundation.quantity import (
     AccommodationCoefficient,
     ArealDensity,
     Fraction,
+    Roughness,
 )
 from lightflyer.foundation.units import Measured
 
 _LAMPS = {"AM0": am0, "cold-white-led": cold_white_led}
 
 _LIMIT = "highest_temperature"
+
+_FREE = 'is for samples, which "lightflyer film" reads: a flyer\'s film stands free'
+_HOLES = 'is for the flyer, as gas flows through its holes; here only "lightflyer film" reads it'
+_OF_SAMPLES = {
+    "substrate": _FREE,
+    "ambient": _FREE,
+    "open_fraction": _HOLES,
+    "hole_diameter": _HOLES,
+}
+"""Keys of a film that is no flyer's, and why they are refused in a flyer file."""
 
 
 class LayeredFilmSection(FilmSection):
@@ -46,8 +57,17 @@ class LayeredFilmSection(FilmSection):
     absorptance: Fraction | None = None
     tac_top: AccommodationCoefficient | None = None
     tac_bottom: AccommodationCoefficient | None = None
+    roughness_bottom: Roughness | None = None
 
     _optics: FilmProperties | None = pydantic.PrivateAttr(None)
+
+    @pydantic.model_validator(mode="before")
+    @classmethod
+    def _stands_free(cls, content: Any) -> Any:
+        found = [name for name in _OF_SAMPLES if isinstance(content, Mapping) and name in content]
+        if found and found[0] not in cls.model_fields:
+            raise ConfigurationError(f"{found[0]} {_OF_SAMPLES[found[0]]}")
+        return content
 
     @pydantic.field_validator("spectrum")
     @classmethod
@@ -65,7 +85,9 @@ class LayeredFilmSection(FilmSection):
 
     def film(self) -> Film:
         """The layers with their materials."""
-        return Film(tuple(layer.build(self.extrapolation) for layer in self.layers))
+        layers = tuple(layer.build(self.extrapolation) for layer in self.layers)
+        bottom = None if self.roughness_bottom is None else self.roughness_bottom.value
+        return Film(layers, roughness_below=bottom)
 
     def light(self) -> Spectrum:
         """The light's spectrum."""
@@ -170,7 +192,8 @@ class LayeredFilmSection(FilmSection):
         """See :meth:`FilmSection.changes_optics`."""
         through = passing and self.transmittance is None
         computed = self.absorptance is None or through
-        return name.startswith("layers.") or (name == "incidence" and computed)
+        own = name.startswith("layers.") or name == "roughness_bottom"
+        return own or (name == "incidence" and computed)
 
     def report(self, incidence: float = 0.0, *, passing: bool = True) -> dict[str, Any]:
         """See :meth:`FilmSection.report`."""

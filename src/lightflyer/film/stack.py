@@ -79,7 +79,7 @@ class Film(Checked):
         lowest layer instead, and not coherent.
     roughness_below : array or None
         Standard deviation of the height of the lowest face [m]; None where it is smooth.
-    open_share : array or None
+    open_fraction : array or None
         Share of the area that is holes [1]; None where there are none.
     hole_diameter : float or None
         [m]; for the warning of holes too narrow for geometric optics.
@@ -101,14 +101,14 @@ class Film(Checked):
     above: Medium | None = None
     below: Medium | None = None
     roughness_below: Roughness | None = None
-    open_share: OpenFraction | None = None
+    open_fraction: OpenFraction | None = None
     hole_diameter: Length | None = None
 
     def __check_init__(self) -> None:
-        if self.open_share is not None and not self.free_standing:
+        if self.open_fraction is not None and not self.free_standing:
             raise ParameterError(
-                "open_share: behind the holes of a film on a substrate lies the substrate; average "
-                "the optics of both by area"
+                "open_fraction: behind the holes of a film on a substrate lies the substrate; "
+                "average the optics of both by area"
             )
 
     @property
@@ -153,7 +153,7 @@ class Film(Checked):
                     f"density of {layer.material.name} is unknown{f' ({note})' if note else ''}"
                 )
         solid = sum(layer.thickness * layer.material.density for layer in self.layers)
-        return solid if self.open_share is None else solid * (1.0 - self.open_share)
+        return solid if self.open_fraction is None else solid * (1.0 - self.open_fraction)
 
     @property
     def thickness(self) -> Numeric:
@@ -320,7 +320,7 @@ class Film(Checked):
         )
         if sheets is not film:
             optics = optics.merged([len(one.sheets) for one in film.layers])
-        return optics if self.open_share is None else optics.with_holes(self.open_share)
+        return optics if self.open_fraction is None else optics.with_holes(self.open_fraction)
 
 
 def _column(values: list[Numeric]) -> Numeric:

@@ -10,7 +10,7 @@ from lightflyer.film.averages import POINTS_PER_E_FOLD, Average, Shares, heat_sh
 from lightflyer.film.findings import film_warnings
 from lightflyer.film.materials import MICROMETRE
 from lightflyer.film.spectra import SPECTRUM_RANGE, Spectrum, am0
-from lightflyer.film.stack import Film, Side
+from lightflyer.film.stack import Film
 from lightflyer.film.thickness import COARSE_POINTS_PER_E_FOLD, thickness_uncertainty
 from lightflyer.film.transfer_matrix import StackOptics
 from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 SPECTRUM_POINTS = 1000
 
 _GRAMS = 1e3
-_SIDES: tuple[Side, Side] = ("top", "bottom")
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -37,7 +36,8 @@ class FilmSummary:
     light : Spectrum
         Light on the film: sunlight or a lamp.
     solar : dict of str to Average
-        Absorptance of sunlight at normal incidence, of each face, ``"top"`` and ``"bottom"``.
+        Absorptance of sunlight at normal incidence, of each face, ``"top"`` and ``"bottom"``; the
+        top alone where the film lies on an endless substrate.
     lamp : dict of str to Average
         The same for ``light``.
     thermal : dict of str to Average
@@ -139,7 +139,7 @@ class FilmSummary:
         return list(dict.fromkeys(found))
 
     def selectivity(self) -> np.ndarray:
-        """Absorptance of the top for the light, over the mean emittance of both faces [1]."""
+        """Absorptance of the top for the light, over the mean emittance of the faces [1]."""
         return _selectivity(self.lamp, self.thermal)
 
     def values(self) -> dict[str, Any]:
@@ -198,10 +198,15 @@ class FilmSummary:
                 "transmittance": self.optics.transmittance.tolist(),
                 "absorptance": self.optics.absorptance.tolist(),
                 "layer_absorptance": self.optics.layer_absorptance.tolist(),
-            },
+            }
+            | self._scattered(),
             "extrapolated": self.extrapolated,
             "warnings": list(self.warnings),
         }
+
+    def _scattered(self) -> dict[str, Any]:
+        """What rough interfaces scatter, over the wavelengths."""
+        return {"scattered": self.optics.scattered.tolist()} if self.film.is_rough else {}
 
     def _described(self, value: Any) -> Any:
         """A number, or numbers by temperature."""
@@ -255,16 +260,16 @@ def _averages(
             side: heat_shares(
                 film, temperatures, side=side, normal=normal, points_per_e_fold=points_per_e_fold
             )
-            for side in _SIDES
+            for side in film.lit_sides
         }
 
     def absorbed(shares: Mapping[str, Shares]) -> dict[str, Average]:
         return {side: share.absorptance for side, share in shares.items()}
 
-    solar: dict[str, Shares] = {side: light_shares(film, side=side) for side in _SIDES}
+    solar: dict[str, Shares] = {side: light_shares(film, side=side) for side in film.lit_sides}
     lamp, hemispherical = solar, heat(False)
     if light is not am0():
-        lamp = {side: light_shares(film, light, side=side) for side in _SIDES}
+        lamp = {side: light_shares(film, light, side=side) for side in film.lit_sides}
     through = {"solar": solar, "lamp": lamp, "thermal": hemispherical}
     absorbed_solar = absorbed(solar)
     return {
@@ -299,7 +304,8 @@ def _values(film: Film, light: Spectrum, averages: dict[str, dict[str, Average]]
 
 
 def _selectivity(lamp: dict[str, Average], thermal: dict[str, Average]) -> np.ndarray:
-    return np.asarray(lamp["top"].value / (0.5 * (thermal["top"].value + thermal["bottom"].value)))
+    emitted = sum(mean.value for mean in thermal.values()) / len(thermal)
+    return np.asarray(lamp["top"].value / emitted)
 
 
 def _uncertainty(

@@ -1,6 +1,6 @@
 """JCAMP-DX: infrared and UV-visible spectra, alone or in linked blocks.
 
-After R. S. McDonald and P. A. Wilks, Appl. Spectrosc. 42, 151 (1988).
+After [McDonaldWilks1988]_.
 """
 
 import re

@@ -1,7 +1,6 @@
 """Numbers of JCAMP-DX tables: free (AFFN), packed, squeezed, difference and duplicate forms.
 
-After R. S. McDonald and P. A. Wilks, Appl. Spectrosc. 42, 151 (1988). The checksums of the
-difference form are checked.
+After [McDonaldWilks1988]_. The checksums of the difference form are checked.
 """
 
 import re

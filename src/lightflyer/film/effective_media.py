@@ -58,7 +58,7 @@ def bruggeman(
 
     References
     ----------
-    [Bruggeman1935]_; with depolarisation factors [GranqvistHunderi1978]_.
+    [Bruggeman1935]_; with depolarisation factors [Markel2016]_.
 
     Examples
     --------
@@ -149,7 +149,7 @@ def maxwell_garnett(
 
     References
     ----------
-    [MaxwellGarnett1904]_; for ellipsoids in all orientations [Sihvola1999]_ ch. 4.
+    [MaxwellGarnett1904]_; for several parts and ellipsoids in several orientations [Markel2016]_.
 
     Examples
     --------
@@ -196,7 +196,7 @@ def parallel(
 
     References
     ----------
-    [Wiener1912]_.
+    [Markel2016]_.
 
     Examples
     --------
@@ -234,7 +234,7 @@ def series(
 
     References
     ----------
-    [Wiener1912]_.
+    [Markel2016]_.
 
     Examples
     --------

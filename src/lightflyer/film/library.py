@@ -197,7 +197,7 @@ PAGES: dict[str, Entry] = {
     ),
     # studies/nanotube_film: fraction and pellet that absorb and emit as the film of [Lu2023]
     "CNT-mat": Entry(
-        "model of a mat of carbon nanotubes: needles of graphite (pellet of Micro 260) in the film's "
+        "model of a mat of carbon nanotubes: needles of graphite (Micro 260) in the film's "
         "plane, 30 % by volume, which absorb and emit as the nanotube film of [Lu2023]",
         (Page("main", "C", "Querry-AsburyMicro260"),),
         660.0,

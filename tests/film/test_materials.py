@@ -86,11 +86,11 @@ def test_ones_own_table(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("400,", "900,", r"mine\.csv:4: wavelengths must increase"),
-        (",k\n", "\n", "mine.csv:2: the column k is missing; needed: wavelength"),
+        ("400,", "800,", r"mine\.csv:4: the wavelength appears twice"),
+        (",k\n", ",x\n", "mine.csv: has n but no k; add a column k"),
         ("[nm]", "[furlong]", 'mine.csv:2: column wavelength: unit "furlong" is unknown'),
         ("[nm]", "", r'wavelength has no unit; write "wavelength \[um\]"'),
-        ("wavelength", "length", "the column wavelength is missing"),
+        ("wavelength", "length", r"needs one of the columns wavelength \[um\], photon_energy"),
         ("0.2", "", r"mine\.csv:4: k is empty"),
         ("0.2", "x", r'"x" is not a number'),
         ("0.2", "nan", r"mine\.csv:4: k is nan"),

@@ -5,7 +5,7 @@ import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -36,6 +36,12 @@ _WHOLE_NAMES = {"cm-1": ("wavenumber", "cm^-1"), "cm^-1": ("wavenumber", "cm^-1"
                 "nm": ("wavelength", "nm"), "um": ("wavelength", "um"),
                 "\N{GREEK SMALL LETTER MU}m": ("wavelength", "um"),
                 "ev": ("photon_energy", "eV")}  # fmt: skip
+
+
+@lru_cache(maxsize=4096)
+def _normal(name: str) -> str:
+    plain = unicodedata.normalize("NFKC", name)  # subscripts as digits
+    return re.sub(r"[\s\-.]+", "_", plain.strip().strip('"').casefold())
 
 
 @dataclass(frozen=True)
@@ -87,6 +93,11 @@ class Column:
     def quantity(self) -> Quantity:
         """SI unit and possible range."""
         return quantity_of(self.kind) or Quantity()
+
+    @cached_property
+    def headers(self) -> tuple[str, ...]:
+        """Names that headers may use, in lower case and with underscores."""
+        return tuple(_normal(name) for name in (self.name, *self.aliases))
 
     @property
     def with_unit(self) -> str:
@@ -228,22 +239,6 @@ def _is_number(cell: str) -> bool:
     return True
 
 
-@lru_cache(maxsize=4096)
-def _normal(name: str) -> str:
-    plain = unicodedata.normalize("NFKC", name)  # subscripts as digits
-    return re.sub(r"[\s\-.]+", "_", plain.strip().strip('"').casefold())
-
-
-@lru_cache(maxsize=512)
-def _names_of(column: Column) -> tuple[str, ...]:
-    return tuple(_normal(name) for name in (column.name, *column.aliases))
-
-
-@lru_cache(maxsize=64)
-def _by_name(columns: tuple[Column, ...]) -> dict[str, Column]:
-    return {name: one for one in columns for name in _names_of(one)}
-
-
 def _from_option(
     path: str | Path,
     lines: list[str],
@@ -338,15 +333,16 @@ def _from_header(
 
 def _matches(columns: Sequence[Column], cells: Sequence[str]) -> dict[int, tuple[Column, str]]:
     """Known columns of a header with the units it names, by position."""
-    by_name = _by_name(tuple(columns))
+    by_name = {name: one for one in columns for name in one.headers}
     found = {}
     for position, cell in enumerate(cells):
         base, unit = _split_name(cell)
         if _normal(base) in by_name:
             found[position] = (by_name[_normal(base)], unit)
     missing = [one for one in columns if not any(one is column for column, _ in found.values())]
-    for column in missing:
-        for position, cell in enumerate(cells):
+    named = [(place, cell) for place, cell in enumerate(cells) if cell[:1].isalpha()]
+    for column in missing if named else ():
+        for position, cell in named:
             suffix = None if position in found else _suffix(column, cell)
             if suffix is not None:
                 found[position] = (column, suffix)
@@ -371,7 +367,7 @@ def _split_name(cell: str) -> tuple[str, str]:
 def _suffix(column: Column, cell: str) -> str | None:
     """Unit in a header such as ``pressure_mTorr``; None where it is of another column."""
     text = cell.strip().strip('"')
-    names = _names_of(column)
+    names = column.headers
     if not _normal(text).startswith(names):
         return None
     if column.any_unit:

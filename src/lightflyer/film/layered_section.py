@@ -28,7 +28,10 @@ _LAMPS = {"AM0": am0, "cold-white-led": cold_white_led}
 _LIMIT = "highest_temperature"
 
 _FREE = 'is for samples, which "lightflyer film" reads: a flyer\'s film stands free'
-_HOLES = 'is for the flyer, as gas flows through its holes; here only "lightflyer film" reads it'
+_HOLES = (
+    'is for samples, which "lightflyer film" reads: gas flows through a flyer\'s holes, which '
+    "[flyer] gives"
+)
 _OF_SAMPLES = {
     "substrate": _FREE,
     "ambient": _FREE,

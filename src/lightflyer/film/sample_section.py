@@ -1,5 +1,7 @@
 """``[film]`` of a sample: layers as in a flyer file, which may lie on a substrate."""
 
+from typing import ClassVar
+
 import pydantic
 
 from lightflyer.film.layer_section import LayerSection
@@ -20,6 +22,8 @@ class SubstrateSection(LayerSection):
 
 class SampleSection(LayeredFilmSection):
     """``[film]`` for ``lightflyer film``: of a flyer, or of a sample on a substrate."""
+
+    of_other_files: ClassVar[bool] = True
 
     substrate: SubstrateSection | None = None
     ambient: SubstrateSection | None = None

@@ -122,11 +122,15 @@ class Alternative(Section):
     """Base of a section that has alternatives; a key or two of the file choose between them.
 
     A direct subclass is the base of one section and states which keys choose. Every concrete
-    subclass of that is an alternative, under the values of its literal keys.
+    subclass of that is an alternative, under the values of its literal keys, unless it says
+    that it is of other files.
     """
 
     choosing_keys: ClassVar[tuple[tuple[str, str], ...]] = ()
     """Keys that choose, with the values they have where the file leaves them out."""
+
+    of_other_files: ClassVar[bool] = False
+    """Whether files with alternatives do not know it."""
 
     alternatives: ClassVar[dict[str, type["Alternative"]]] = {}
 
@@ -135,7 +139,7 @@ class Alternative(Section):
         super().__pydantic_init_subclass__(**kwargs)
         if Alternative in cls.__bases__:
             cls.alternatives = {}
-        elif not inspect.isabstract(cls):
+        elif not (cls.of_other_files or inspect.isabstract(cls)):
             cls.alternatives[cls.tag()] = cls
 
     @classmethod

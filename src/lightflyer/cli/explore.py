@@ -1,12 +1,12 @@
 """``lightflyer explore``: a page on which a flyer's numbers can be moved."""
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
+from lightflyer.cli.output import printer
 from lightflyer.foundation.extras import extra
 
 _PORT = 8470
@@ -43,7 +43,7 @@ def explore_command(
     from lightflyer.explorer.state import Workplace
 
     def opened(address: str) -> None:
-        print(f"explore at {address}  (Ctrl-C ends)", file=sys.stderr, flush=True)  # noqa: T201
+        printer().print(f"explore at {address}  (Ctrl-C ends)")
         if browser:
             import webbrowser
 

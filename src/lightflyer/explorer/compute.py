@@ -17,7 +17,6 @@ from lightflyer.config.flyer_file import FileDesign
 from lightflyer.environment.base import Coordinate
 from lightflyer.flight.outputs import OUTPUTS, Output, outputs_of
 from lightflyer.flight.setup import Setup
-from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.units import parse, scale_and_offset
 from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
@@ -28,6 +27,7 @@ KEPT = 48
 """Predictions that are kept: those of the designs that somebody looks at."""
 
 _DIGITS = 4
+_INTERVAL_DIGITS = 3
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -64,7 +64,8 @@ class Reading:
     value : float or None
         In the JSON's unit; None where there is none, and for a band, which has two.
     spread : str
-        95 % half-width to first order with its unit; empty where no ± is stated.
+        95 % interval to first order; empty where no ± is stated. Edges of the band have none to
+        first order: for them it is the standard uncertainty.
     """
 
     name: str
@@ -200,7 +201,7 @@ def readings(prediction: Prediction, uncertainty: PredictionUncertainty | None) 
     """
     where = prediction.coordinate
     _, factor = prediction.coordinate_key
-    spreads = {} if uncertainty is None else uncertainty.first_order
+    spreads = {} if uncertainty is None else uncertainty.summary()["results"]
     found = [_band(prediction, spreads)]
     group, light = where.easiest_keys
     if prediction.easiest is not None:
@@ -235,7 +236,7 @@ _SHORT = {
 }
 
 
-def _band(prediction: Prediction, spreads: Mapping[str, float]) -> Reading:
+def _band(prediction: Prediction, spreads: Mapping[str, Any]) -> Reading:
     where = prediction.coordinate
     key, factor = prediction.coordinate_key
     name = f"{where.name}_band{key.removeprefix(where.name)}"
@@ -244,11 +245,11 @@ def _band(prediction: Prediction, spreads: Mapping[str, float]) -> Reading:
     low, high = (edge * factor for edge in prediction.bands[prediction.widest])
     more = len(prediction.bands) - 1
     label = "levitates" if not more else f"levitates (and in {more} more bands)"
-    edges = [spreads.get(f"{name}.{end}") for end in ("lower", "upper")]
     spread = ""
-    if None not in edges:
-        shown = [f"{edge:.2g}" for edge in edges if edge is not None]
-        spread = f"edges ± {' and '.join(shown)} {where.shown_unit} (1 σ)"
+    if f"{name}.lower" in spreads:
+        edges = (spreads[f"{name}.{end}"]["first_order"] for end in ("lower", "upper"))
+        shown = " and ".join(f"{edge['standard_uncertainty']:.2g}" for edge in edges)
+        spread = f"edges ± {shown} {where.shown_unit}"
     text = f"{low:.{_DIGITS}g} to {high:.{_DIGITS}g} {where.shown_unit}"
     return Reading(name, label, text, None, spread)
 
@@ -269,11 +270,14 @@ def _reading(
     label: str,
     value: float,
     unit: str,
-    spreads: Mapping[str, float],
+    spreads: Mapping[str, Any],
     scale: float = 1.0,
 ) -> Reading:
-    spread = spreads.get(name)
-    shown = "" if not spread else f"± {NORMAL_HALF_WIDTH_95 * spread * scale:.2g} {unit}".rstrip()
+    band = spreads[name]["first_order"] if name in spreads else {"low": None}
+    shown = ""
+    if band["low"] is not None:
+        ends = (f"{band[end] * scale:.{_INTERVAL_DIGITS}g}" for end in ("low", "high"))
+        shown = f"95 %: {' to '.join(ends)} {unit}".rstrip()
     finite = float(value) if math.isfinite(value) else None
     return Reading(name, label, _number(value * scale, unit), finite, shown)
 

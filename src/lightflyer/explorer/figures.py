@@ -94,7 +94,7 @@ def _map(workplace: Workplace, document: Document, choices: Choices) -> "Figure"
     x, y = np.unique(cells["x"]), np.unique(cells["y"])
     values = cells["value"].reshape(x.size, y.size).T
     drawn = axes.pcolormesh(x, y, values, cmap="cividis", shading="nearest", rasterized=True)
-    figure.colorbar(drawn, label=data["colours"]["label"])
+    figure.colorbar(drawn, label=f"largest payload [{data['shown']}]")
     _scales(axes, data)
     for source, marker, colour, label in (
         ("best", "*", ORANGE, "optimum"),

@@ -10,12 +10,12 @@ from lightflyer.explorer import view
 from lightflyer.explorer.compute import Quick, coordinate_factor, prediction_of, pretty_unit
 from lightflyer.explorer.state import Document, Workplace
 from lightflyer.flight.outputs import OUTPUTS
+from lightflyer.foundation.drawing import BLUE, ORANGE, VERMILION
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.progress import report
 from lightflyer.foundation.quantity import Quantity
 from lightflyer.foundation.units import scale_and_offset
 from lightflyer.prediction.evaluator import POINTS, Evaluator
-from lightflyer.prediction.prediction import search_grid
 
 MAP_COLUMNS = 33
 """Values of the varied number in a map."""
@@ -27,6 +27,7 @@ _MAP_SPAN = 5.0  # a map reaches so many times below and above the design's own 
 _EVERY = POINTS // (MAP_ROWS - 1)
 _CLOSER = 9  # columns of the closer looks at the optimum
 _LOOKS = 2
+_AROUND = 0.2  # of the range in which the design itself nearly flies, shown beyond it
 _LENGTH = "m"
 
 
@@ -81,8 +82,7 @@ def payload_map(workplace: Workplace, document: Document, choices: Choices) -> d
     own = float(design.number(over) or 0.0)
     low, high = _ends(own, known[over])
     values = np.geomspace(low, high, MAP_COLUMNS)
-    setup = design.setup
-    coordinates = search_grid(setup, POINTS)
+    coordinates = _map_coordinates(design)
     columns = []
     for done, value in enumerate(values):
         report("computing the map", done, MAP_COLUMNS, "designs")
@@ -97,6 +97,19 @@ def _ends(own: float, quantity: Quantity) -> tuple[float, float]:
     smallest, largest = quantity.sizes
     low = max(own / _MAP_SPAN, quantity.lowest, smallest)
     return low, min(own * _MAP_SPAN, quantity.highest, largest)
+
+
+def _map_coordinates(design: FileDesign) -> np.ndarray:
+    """Coordinates around those at which the design itself nearly flies."""
+    prediction = prediction_of(design)
+    found = Quick(prediction.setup, prediction.coordinates, prediction.table)
+    where, (low, high) = prediction.coordinate, view.shown_range(found)
+    first, last = float(found.coordinates[0]), float(found.coordinates[-1])
+    if where.logarithmic:
+        reach = (high / low) ** _AROUND
+        return np.geomspace(max(low / reach, first), min(high * reach, last), POINTS)
+    reach = _AROUND * (high - low)
+    return np.linspace(max(low - reach, first), min(high + reach, last), POINTS)
 
 
 def _refined(
@@ -132,10 +145,7 @@ def _map_data(
 ) -> dict[str, Any]:
     where = design.setup.environment.coordinate
     prediction = prediction_of(design)
-    found = Quick(prediction.setup, coordinates, prediction.table)
-    low, high = view.shown_range(found)
     chosen = np.arange(0, coordinates.size, _EVERY)
-    chosen = chosen[(coordinates[chosen] >= low) & (coordinates[chosen] <= high)]
     unit = _shown_unit(known[over].unit, values)
     across = scale_and_offset(known[over].unit, unit)[0]
     up = coordinate_factor(where)
@@ -177,12 +187,20 @@ def _map_data(
         y=(float(y_edges[0]), float(y_edges[-1])),
         labels=(f"{words_of(over)}{_bracketed(unit)}", view.axis_label(where)),
         words=words,
-        colours={"low": 0.0, "high": max(best[2] * scale, 1e-12), "label": f"payload [{shown}]"},
+        legend=(
+            view.Line(f"colour: largest payload [{shown}]", BLUE, "area"),
+            view.Line("star: optimum", ORANGE, "area"),
+            view.Line("cross: this design", VERMILION, "area"),
+        ),
+        colours={"low": 0.0, "high": max(best[2] * scale, 1e-12)},
         numbers=list(known),
         over=over,
+        shown=shown,
         unit=unit,
         place_unit=where.shown_unit,
         best=list(best),
+        across=across,
+        up=up,
     )
 
 

@@ -40,6 +40,7 @@ from lightflyer.explorer.state import (
     to_toml,
     to_url,
 )
+from lightflyer.flyer.section import FlyerSection
 from lightflyer.foundation.errors import ConfigurationError, LightflyerError
 
 Answer = dict[str, Any]
@@ -140,7 +141,7 @@ def grammar_of_page(workplace: Workplace, largest_upload: int) -> Answer:
 
 def opened(workplace: Workplace, text: str, name: str) -> Answer:
     """Document of a flyer or mission file that the user gave."""
-    return {"document": workplace.from_toml(text, Path(name).name)}
+    return _shown(workplace.from_toml(text, Path(name).name))
 
 
 def _open(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
@@ -149,26 +150,35 @@ def _open(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     if start:
         if start not in templates():
             raise ConfigurationError(f"there is no start {start[:40]}")
-        return {"document": plain(templates()[start].document), "at": "", "pins": []}
+        return _shown(plain(templates()[start].document))
     if not url:
-        return {"document": workplace.initial, "at": "", "pins": []}
+        return _shown(workplace.initial)
     try:
         found = from_url(url)
     except LightflyerError as error:
-        first = {"document": workplace.initial, "at": "", "pins": []}
-        return first | {"errors": mistakes(f"{error}; the first design is shown")}
-    document = found.document or workplace.initial
-    return {"document": document, "at": found.at, "pins": list(found.pins)}
+        wrong = mistakes(f"{error}; the first design is shown")
+        return _shown(workplace.initial) | {"errors": wrong}
+    return _shown(found.document or workplace.initial, found.at, found.pins)
+
+
+def _shown(document: Document, at: str = "", pins: tuple[Document, ...] = ()) -> Answer:
+    """A document with what the form needs, at once: results come with the next question."""
+    shape = document.get("flyer")
+    kind = FlyerSection.alternatives.get(FlyerSection.tag_of(shape))
+    return {
+        "document": document,
+        "at": at,
+        "pins": list(pins),
+        "tags": tags_of(document),
+        "models": models_for(kind) if kind is not None else [],  # type: ignore[arg-type]
+    }
 
 
 def _switch(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     """The document with another alternative of a section."""
     del workplace
-    return {
-        "document": switched(
-            document_of(content), str(content.get("section", "")), str(content.get("tag", ""))
-        )
-    }
+    section, tag = str(content.get("section", "")), str(content.get("tag", ""))
+    return _shown(switched(document_of(content), section, tag))
 
 
 def _view_of(content: Mapping[str, Any]) -> View:
@@ -203,9 +213,14 @@ def _move(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     except ConfigurationError as error:
         return answer | {"errors": mistakes(str(error))}
     if place is not None:
-        rows = [asdict(one) for one in values_at(design.setup, place)]
-        answer["place"] = {"x": place * coordinate_factor(where), "rows": rows}
+        answer["place"] = _place(design, place)
     return answer
+
+
+def _place(design: FileDesign, place: float) -> Answer:
+    """Results at one altitude or pressure."""
+    rows = [asdict(one) for one in values_at(design.setup, place)]
+    return {"x": place * coordinate_factor(design.setup.environment.coordinate), "rows": rows}
 
 
 def _checked(
@@ -238,6 +253,7 @@ def _predict(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
         "summary": prediction.summary(),
         "readings": [asdict(one) for one in readings(prediction, None)],
         "figures": view.marks(prediction),
+        "place": _place(design, prediction.best.coordinate),
         "rows": view.rows(found),
         "assumptions": list(prediction.assumptions),
         "warnings": list(prediction.warnings),

@@ -12,8 +12,8 @@ from bokeh.models import (
     FactorRange,
     HoverTool,
     LinearColorMapper,
+    LogTicker,
     Range1d,
-    TapTool,
 )
 from bokeh.palettes import Cividis256
 from bokeh.plotting import figure
@@ -25,7 +25,6 @@ Mode = Literal["mouse", "vline"]
 LOGARITHMIC: Scale = "log"
 LINEAR: Scale = "linear"
 
-_HEIGHT, _TALL = 300, 420  # [px]
 _LINE = 2.5
 _FONT = "13px"
 _PINNED = "pins"
@@ -66,12 +65,11 @@ def _range(name: str) -> Range1d:
     return Range1d(start=0.1, end=1.0, name=name)
 
 
-def _figure(name: str, x: Scale, y: Scale, height: int = _HEIGHT, **more: Any) -> Any:
+def _figure(name: str, x: Scale, y: Scale, **more: Any) -> Any:
     ranges = {"x_range": _range("x"), "y_range": _range("y")}
     made = figure(
         name=name,
-        height=height,
-        sizing_mode="stretch_width",
+        sizing_mode="stretch_both",
         x_axis_type=x,
         y_axis_type=y,
         tools="",
@@ -81,6 +79,9 @@ def _figure(name: str, x: Scale, y: Scale, height: int = _HEIGHT, **more: Any) -
         **(ranges | more),
     )
     made.xaxis.name, made.yaxis.name = "x-axis", "y-axis"
+    for scale, axis in ((x, made.xaxis), (y, made.yaxis)):
+        if scale == LOGARITHMIC:
+            axis.ticker = LogTicker(mantissas=[1, 2, 5], desired_num_ticks=8)
     for axis in (made.xaxis, made.yaxis):
         axis.axis_label_text_font_style = "normal"
         axis.axis_label_text_font_size = axis.major_label_text_font_size = _FONT
@@ -160,25 +161,25 @@ def _payload(along: Scale) -> Any:
 
 def _map(along: Scale) -> Any:
     """Payload as coloured cells; a click is the page's."""
-    pane = _figure("map", LOGARITHMIC, along, _TALL)
+    pane = _figure("map", LOGARITHMIC, along)
     mapper = LinearColorMapper(palette=Cividis256, low=0.0, high=1.0, nan_color="#00000000")
     mapper.name = "colours"
     cells = _empty("cells", "left", "right", "bottom", "top", "value", "x", "y")
     quads = pane.quad(
         "left", "right", "bottom", "top", source=cells,
-        fill_color={"field": "value", "transform": mapper}, line_color=None,
+        fill_color={"field": "value", "transform": mapper},
+        line_color={"field": "value", "transform": mapper},  # no seams between cells
     )  # fmt: skip
-    quads.selection_glyph = quads.nonselection_glyph = None
-    pane.scatter("x", "y", source=_empty("here", "x", "y"), marker="circle_cross", size=16,
-                 fill_color=None, line_color=VERMILION, line_width=2.5)  # fmt: skip
+    here = _empty("here", "x", "y")
+    for colour, width in (("white", 6.0), (VERMILION, 2.5)):
+        pane.scatter("x", "y", source=here, marker="cross", size=18, line_color=colour,
+                     line_width=width)  # fmt: skip
     pane.scatter("x", "y", source=_empty("best", "x", "y"), marker="star", size=20,
                  fill_color=ORANGE, line_color="black")  # fmt: skip
-    bar = quads.construct_color_bar(width=12, title="", name="bar", bar_line_color=None)
-    bar.major_label_text_font_size = _FONT
+    bar = quads.construct_color_bar(width=12, bar_line_color=None)
     pane.add_layout(bar, "right")
     _hover(pane, [quads], [("size", "@x{0.000}"), ("at", "@y{0.0}"), ("payload", "@value{0.0000}")],
            "mouse")  # fmt: skip
-    pane.add_tools(TapTool(renderers=[quads]))
     return pane
 
 
@@ -212,7 +213,7 @@ def _film() -> Any:
 
 
 def _sensitivity() -> Any:
-    pane = _figure("sensitivity", LINEAR, "auto", _TALL, y_range=FactorRange(name="y"))
+    pane = _figure("sensitivity", LINEAR, "auto", y_range=FactorRange(name="y"))
     bars = pane.hbar(
         y="name", left=0.0, right="value", height=0.7,
         source=_empty("bars", "name", "value", "colour", "text"), fill_color="colour",

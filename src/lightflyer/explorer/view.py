@@ -127,10 +127,35 @@ def curves(found: Quick) -> dict[str, Any]:
     x = found.coordinates[inside] * factor
     table = {name: values[inside] for name, values in found.table.items()}
     axis = (low * factor, high * factor), axis_label(where)
-    return {
+    drawn = {
         "irradiance": _irradiance(found.setup, x, table, axis),
         "temperature": _temperature(found.setup, x, table, axis),
         "payload": _payload(x, table, axis),
+    }
+    flies = _flies(found, factor)
+    for data in drawn.values():
+        data["sources"] |= {"flies": flies, "band": {"x": [], "low": [], "high": []}}
+    return drawn
+
+
+def _flies(found: Quick, factor: float) -> Columns:
+    """Bands of flight by the table, until the prediction has found their edges."""
+    margin, x = found.table["lift_over_weight"] - 1.0, found.coordinates * factor
+    flying = np.concatenate([[False], margin >= 0.0, [False]])
+    first, last = (
+        np.flatnonzero(flying[1:] & ~flying[:-1]),
+        np.flatnonzero(~flying[1:] & flying[:-1]),
+    )
+
+    def edge(inside: int, outside: int) -> float:
+        if not 0 <= outside < x.size:
+            return float(x[inside])
+        share = margin[inside] / (margin[inside] - margin[outside])
+        return float(x[inside] + share * (x[outside] - x[inside]))
+
+    return {
+        "low": [edge(int(index), int(index) - 1) for index in first],
+        "high": [edge(int(index) - 1, int(index)) for index in last],
     }
 
 
@@ -209,6 +234,7 @@ def _irradiance(setup: Any, x: np.ndarray, table: Mapping[str, Any], axis: _Axis
         {
             "curve": {"x": x, "needed": needed},
             "level": {"x": np.array(axis[0]), "y": np.full(2, available)},
+            "best": _lowest(x, needed),
         },
         x=axis[0],
         y=(low, high),
@@ -262,7 +288,7 @@ def _payload(x: np.ndarray, table: Mapping[str, Any], axis: _Axis) -> dict[str, 
     high = round_up(_ROOM * most * scale) if most > 0.0 else high
     low = max(low, -0.15 * high) if most > 0.0 else low
     return figure_data(
-        {"curve": {"x": x, "payload": values}},
+        {"curve": {"x": x, "payload": values}, "best": _lowest(x, -values, -1.0)},
         x=axis[0],
         y=(low, high),
         labels=(axis[1], f"largest payload [{unit}]"),
@@ -270,6 +296,15 @@ def _payload(x: np.ndarray, table: Mapping[str, Any], axis: _Axis) -> dict[str, 
         words=f"Largest payload over {axis[1]}: at most {most * scale:.4g} {unit}.",
         scale=scale,
     )
+
+
+def _lowest(x: np.ndarray, values: np.ndarray, sign: float = 1.0) -> dict[str, np.ndarray]:
+    """The least of a curve, where it is finite."""
+    known = np.flatnonzero(np.isfinite(values))
+    if not known.size:
+        return {"x": x[:0], "y": x[:0]}
+    place = known[[int(np.argmin(values[known]))]]
+    return {"x": x[place], "y": sign * values[place]}
 
 
 def marks(prediction: Prediction) -> dict[str, Any]:

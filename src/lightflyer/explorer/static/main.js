@@ -1,0 +1,311 @@
+// The page: what it holds, and what happens when something moves.
+import { ask, at, fill, get, make, work } from "./api.js";
+import { Figures, frame } from "./figures.js";
+import { Form, put } from "./form.js";
+import { Tabs, goText } from "./tabs.js";
+
+const REST = 180; // ms without a move, after which slow figures begin
+const SLOW = 700; // ms after which the page says that it compiles
+
+class Explorer {
+  constructor(grammar) {
+    this.grammar = grammar;
+    this.figures = new Figures();
+    this.pins = [];
+    this.document = {};
+    this.version = 0; // of the design, counted up by each move
+    this.tags = {};
+    this.form = new Form(at("form"), grammar, {
+      edit: (dotted, value, anew) => this.edit(dotted, value, anew),
+      change: (section, tag) => this.change(section, tag),
+    });
+    for (const figure of document.querySelectorAll(".figures figure")) frame(figure, (what) => this.tabs.download(what));
+    this.tabs = new Tabs(this);
+    this.figures.onTap = (x, y) => this.goTo(x, y);
+  }
+
+  // ---- what the page holds ----
+
+  async open(question) {
+    const answer = await ask("open", question);
+    this.take(answer, answer.errors ?? []);
+  }
+
+  async take(answer, told = []) {
+    this.told = told;
+    if (!answer.document) return this.mistakes(told);
+    Object.assign(this, { document: answer.document, pins: answer.pins });
+    at("at").value = answer.at;
+    this.show(answer);
+    await this.move();
+  }
+
+  // The form of another document, at once; results follow.
+  show({ document, tags, models }) {
+    Object.assign(this, { document, tags });
+    this.form.show(document, tags, models);
+    this.tabs.showMission(this.form, document);
+  }
+
+  edit(dotted, value, anew = false) {
+    put(this.document, dotted, value);
+    this.told = [];
+    if (anew) this.anew = true;
+    this.moved(performance.now());
+  }
+
+  async change(section, tag) {
+    const answer = await ask("switch", { document: this.document, section, tag });
+    if (answer.errors) return this.mistakes(answer.errors);
+    this.show(answer);
+    await this.move();
+  }
+
+  goTo(x, y) {
+    const map = this.tabs.map;
+    if (!map) return;
+    put(this.document, map.over, goText(x, map.unit));
+    at("at").value = goText(y, map.place_unit);
+    this.anew = true;
+    this.moved();
+  }
+
+  view() { return { document: this.document, at: at("at").value, pins: this.pins }; }
+
+  // ---- what happens when something moves ----
+
+  moved(since) {
+    this.since ??= since;
+    this.tabs.stop();
+    this.bands?.abort();
+    this.move();
+  }
+
+  // One question at a time; what moves meanwhile makes one more.
+  async move() {
+    this.version += 1;
+    if (this.asking) { this.again = true; return; }
+    this.asking = true;
+    const slow = setTimeout(() => this.say("compiling for this kind of design, once", true), SLOW);
+    do {
+      this.again = false;
+      const { since } = this;
+      this.since = undefined;
+      const answer = await ask("move", this.view());
+      await this.applied(answer, since);
+    } while (this.again);
+    clearTimeout(slow);
+    this.asking = false;
+    this.rest();
+  }
+
+  async applied(answer, since) {
+    if (answer.tags) this.tags = answer.tags;
+    const kinds = answer.models ?? this.form.models;
+    if (this.anew) {
+      this.anew = false;
+      this.show({ document: this.document, tags: this.tags, models: kinds });
+    }
+    this.mistakes([...(answer.errors ?? []), ...(this.told ?? [])]);
+    this.wrong = !answer.figures;
+    document.body.classList.toggle("stale", this.wrong);
+    if (answer.url !== undefined) { this.url = answer.url; history.replaceState(null, "", `#${answer.url}`); }
+    if (!answer.figures) return;
+    this.coordinate = answer.coordinate;
+    await this.figures.prepare(answer.coordinate.logarithmic);
+    this.scale = answer.figures.payload.scale;
+    for (const [name, data] of Object.entries(answer.figures)) this.figures.put(name, data);
+    this.form.setEnds(answer.sliders);
+    this.showPlace(answer.place);
+    requestAnimationFrame(() => setTimeout(() => {
+      document.body.dataset.drawn = Number(document.body.dataset.drawn ?? 0) + 1;
+      if (since) performance.measure("redraw", { start: since, end: performance.now() });
+    }));
+  }
+
+  // Nothing moves any more: first the numbers, then what takes longer.
+  async rest() {
+    const { version } = this;
+    if (this.wrong) { this.say("mistakes must be mended first; the figures show the design before"); return; }
+    this.say("computing", true);
+    const answer = await ask("predict", { document: this.document });
+    if (version !== this.version) return;
+    if (answer.errors) { this.mistakes(answer.errors); this.say(""); return; }
+    this.showResults(answer);
+    this.say("up to date");
+    document.body.dataset.settled = version;
+    clearTimeout(this.later);
+    this.later = setTimeout(() => this.slowly(version), REST);
+  }
+
+  async slowly(version) {
+    if (version !== this.version) return;
+    this.tabs.refresh();
+    this.showPins();
+    const mine = this.bands = new AbortController();
+    try {
+      const last = await work("bands", { document: this.document }, mine.signal, () => {});
+      if (version !== this.version || mine.signal.aborted) return;
+      if (last.result) {
+        for (const [name, data] of Object.entries(last.result.figures)) this.figures.put(name, data);
+        this.showReadings(last.result.readings);
+        at("bands").textContent = [last.result.note, ...last.result.warnings].join(" ");
+      }
+      if (last.errors) at("bands").textContent = `Bands: ${last.errors.map((one) => one.text).join("; ")}`;
+      document.body.dataset.banded = version;
+    } catch (error) {
+      if (error.name !== "AbortError") throw error;
+    }
+  }
+
+  // ---- what it shows ----
+
+  say(text, busy = false) {
+    document.body.classList.toggle("busy", busy);
+    at("doing").textContent = text;
+  }
+
+  mistakes(list) {
+    this.form.showMistakes(list);
+    const place = at("mistakes");
+    place.hidden = list.length === 0;
+    const texts = [...new Set(list.map((one) => one.text))];
+    fill(place, texts.length > 1 ? make("ul", {}, ...texts.map((text) => make("li", {}, text))) : make("p", {}, texts[0] ?? ""));
+  }
+
+  showReadings(list) {
+    fill(at("readings"), ...list.map((one) => make("div", { "data-reading": one.name },
+      make("dt", {}, one.label), make("dd", {}, one.text), ...(one.spread ? [make("dd", { class: "spread" }, one.spread)] : []))));
+    at("brief").textContent = [list[0], list[2]].filter(Boolean).map((one) => one.text).join(" · ");
+  }
+
+  showResults(answer) {
+    this.summary = answer.summary;
+    this.showReadings(answer.readings);
+    for (const [name, data] of Object.entries(answer.figures)) this.figures.put(name, data);
+    if (!at("at").value.trim()) this.showPlace(answer.place);
+    at("description").textContent = answer.description;
+    fill(at("assumptions"), ...answer.assumptions.map((text) => make("li", {}, text)));
+    fill(at("warnings"), ...answer.warnings.map((text) => make("li", {}, text)));
+    at("python").textContent = answer.python;
+    at("toml").textContent = answer.toml;
+    fill(at("rows"), make("thead", {}, make("tr", {}, ...answer.rows.columns.map((text) => make("th", { scope: "col" }, text)))),
+      make("tbody", {}, ...answer.rows.rows.map((row) => make("tr", {}, ...row.map((text) => make("td", {}, text))))));
+  }
+
+  showPlace(place) {
+    const { name, unit } = this.coordinate;
+    const such = name === "altitude" ? "75 km" : `5 ${unit}`;
+    at("at-words").textContent = `${name}, such as ${such}; empty: where the payload is largest`;
+    const [low, high] = this.figures.data.get("irradiance").x;
+    const slider = at("at-slider");
+    Object.assign(slider.dataset, { low, high, unit, logarithmic: this.coordinate.logarithmic });
+    for (const figure of ["irradiance", "payload", "temperature"]) {
+      this.figures.put(figure, { sources: { place: { x: place ? [place.x] : [] } } });
+    }
+    if (!place) { slider.setAttribute("aria-valuetext", "where the payload is largest"); return; }
+    slider.setAttribute("aria-valuetext", `${place.x.toPrecision(4)} ${unit}`);
+    if (document.activeElement !== slider) {
+      const part = this.coordinate.logarithmic ? Math.log(place.x / low) / Math.log(high / low) : (place.x - low) / (high - low);
+      slider.value = Math.round(1000 * part);
+    }
+    fill(at("place"), make("tbody", {}, ...place.rows.map((one) => make("tr", {}, make("th", { scope: "row" }, one.label), make("td", {}, one.text)))));
+  }
+
+  async showPins() {
+    at("pin").disabled = this.pins.length >= this.grammar.most_pins;
+    const { version } = this;
+    const none = { results: [[]], differences: [], warnings: [] };
+    const answer = this.pins.length ? await ask("pins", { ...this.view(), scale: this.scale }) : none;
+    if (version !== this.version) return;
+    if (answer.errors) { this.say(answer.errors[0].text); return; }
+    const empty = { sources: { pins: { xs: [], ys: [], colour: [] } } };
+    for (const name of ["irradiance", "temperature", "payload"]) this.figures.put(name, answer.figures?.[name] ?? empty);
+    this.tabs.showPins(answer, this.grammar.pin_colours, (index) => { this.pins.splice(index, 1); this.move(); });
+    document.body.dataset.pinned = this.pins.length;
+  }
+
+  pin() {
+    if (this.wrong || this.pins.length >= this.grammar.most_pins) return;
+    const { mission, ...design } = structuredClone(this.document);
+    this.pins.push(design);
+    this.tabs.select("pins", false);
+    this.move();
+  }
+
+  // ---- files ----
+
+  async read(input, what, told) {
+    const [file] = input.files;
+    input.value = "";
+    if (!file) return null;
+    if (file.size > this.grammar.largest_upload) {
+      told(`${file.name}: has ${(file.size / 2 ** 20).toFixed(1)} MiB; at most ${this.grammar.largest_upload / 2 ** 20} MiB can be read`);
+      return null;
+    }
+    const answer = await ask(`upload/${what}`, { text: await file.text(), name: file.name, document: this.document });
+    if (answer.errors) { told(answer.errors.map((one) => one.text).join("\n")); return null; }
+    return answer;
+  }
+
+  async openFile(input) {
+    const answer = await this.read(input, "design", (text) => this.mistakes(text.split("\n").map((line) => ({ key: "", text: line }))));
+    if (answer) await this.take(answer);
+  }
+
+  async openPoints(input) {
+    const answer = await this.read(input, "points", (text) => { at("points-words").textContent = text; });
+    if (!answer) return;
+    this.figures.put("irradiance", { sources: { points: answer.columns } });
+    at("points-words").textContent = [answer.words, ...answer.warnings].join(" ");
+    at("points-clear").hidden = false;
+  }
+
+  clearPoints() {
+    this.figures.put("irradiance", { sources: { points: { x: [], y: [], low: [], high: [], sample: [] } } });
+    at("points-words").textContent = "";
+    at("points-clear").hidden = true;
+  }
+}
+
+function themed(explorer) {
+  const root = document.documentElement, button = at("theme");
+  const show = () => button.setAttribute("aria-pressed", root.dataset.theme === "dark");
+  button.addEventListener("click", () => {
+    root.dataset.theme = root.dataset.theme === "dark" ? "light" : "dark";
+    try { localStorage.setItem("lightflyer-theme", root.dataset.theme); } catch { /* storage may be off */ }
+    show();
+    explorer.figures.dress();
+  });
+  show();
+}
+
+function slidePlace(explorer) {
+  const { value, dataset: { low, high, unit, logarithmic } } = at("at-slider");
+  const part = value / 1000;
+  const place = logarithmic === "true" ? low * (high / low) ** part : Number(low) + part * (high - low);
+  at("at").value = `${Number(place.toPrecision(4))} ${unit}`;
+  explorer.moved(performance.now());
+}
+
+async function begin() {
+  const grammar = await get("api/grammar");
+  fill(at("materials"), ...grammar.materials.map((name) => make("option", { value: name })));
+  at("start").append(...grammar.starts.map((one) => make("option", { value: one.name }, one.title)));
+  at("foot").textContent = `lightflyer ${grammar.version}. This page is served by this computer, and asks no other.`;
+  const explorer = new Explorer(grammar);
+  globalThis.explorer = explorer;
+  themed(explorer);
+  at("start").addEventListener("change", (event) => { if (event.target.value) explorer.open({ start: event.target.value }); event.target.value = ""; });
+  at("pin").addEventListener("click", () => explorer.pin());
+  at("at").addEventListener("input", () => explorer.moved(performance.now()));
+  at("at-slider").addEventListener("input", () => slidePlace(explorer));
+  at("open-file").addEventListener("change", (event) => explorer.openFile(event.target));
+  at("points-file").addEventListener("change", (event) => explorer.openPoints(event.target));
+  at("points-clear").addEventListener("click", () => explorer.clearPoints());
+  addEventListener("hashchange", () => { if (location.hash.slice(1) !== explorer.url) explorer.open({ url: location.hash.slice(1) }); });
+  await explorer.open({ url: location.hash.slice(1) });
+  document.body.dataset.ready = "1";
+}
+
+begin();

@@ -48,6 +48,35 @@ def test_every_layout_gives_the_same(write, text):
     assert table.rejected == []
 
 
+@pytest.mark.parametrize(
+    ("header", "pascals"),
+    [
+        ("Pressure (TORR)", 133.3224), ("pressure_torr", 133.3224), ("Pressure [mTORR]", 0.1333224),
+        ("pressure / micron", 0.1333224), ("pressure [microns Hg]", 0.1333224),
+        ("Pressure (in. Hg)", 3386.389), ("Pressure in Pascal", 1.0), ("pressure, hPa", 100.0),
+        ("PRESSURE_hPa", 100.0), ("p (µbar)", 0.1), ("p (\N{GREEK SMALL LETTER MU}bar)", 0.1),
+        ("p [N m⁻²]", 1.0), ("p [N·m^-2]", 1.0),
+    ],
+)  # fmt: skip
+def test_units_of_headers(write, header, pascals):
+    found = read_table(write(f"{header}\ttemperature [℉]\n1.5\t32\n"), COLUMNS).numbers
+    assert found["pressure"] == pytest.approx([1.5 * pascals], rel=5e-7)
+    assert found["temperature"] == pytest.approx([273.15])
+
+
+def test_suns_are_said(write):
+    table = read_table(write("pressure [Pa],irradiance [suns]\n1,1.5\n"), COLUMNS)
+    assert table.numbers["irradiance"].tolist() == [1500.0]
+    assert table.notes == ["irradiance: 1 sun is taken as 1000 W/m^2"]
+
+
+def test_columns_of_errors_are_not_values(write):
+    column = Column("n", Quantity("", 0.0), any_unit=True)
+    for name in ("n_err", "n std", "n (err)", "n_uncertainty", "n_max"):
+        with pytest.raises(lf.ConfigurationError, match="has no known column"):
+            read_table(write(f"{name},x\n1,2\n"), (column,), strict=True, closed=False)
+
+
 def test_columns_by_option(write):
     table = read_table(write("30 x 1.5\n20 y 2.5\n"), COLUMNS,
                        layout="pressure [Pa], -, irradiance [kW/m^2]")  # fmt: skip

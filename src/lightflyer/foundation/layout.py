@@ -337,8 +337,9 @@ def _matches(columns: Sequence[Column], cells: Sequence[str]) -> dict[int, tuple
     found = {}
     for position, cell in enumerate(cells):
         base, unit = _split_name(cell)
-        if _normal(base) in by_name:
-            found[position] = (by_name[_normal(base)], unit)
+        column = by_name.get(_normal(base))
+        if column and not (column.any_unit and _normal(unit) in _ERRORS):
+            found[position] = (column, unit)
     missing = [one for one in columns if not any(one is column for column, _ in found.values())]
     named = [(place, cell) for place, cell in enumerate(cells) if cell[:1].isalpha()]
     for column in missing if named else ():

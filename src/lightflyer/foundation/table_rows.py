@@ -26,6 +26,7 @@ _BLOCK = 50_000  # rows read at once; a block with a faulty row is read again ro
 _HEAD = 200  # rows that settle the marks of most files
 _NUMBER_AND_UNIT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*[A-Za-zµμ°Ω%/^]+")
 _DATE = re.compile(r"^\d{4}-\d\d-\d\d(?:T[\d:.]+)?$|^\d\d:\d\d:\d\d")
+_SPACED = re.compile(rf"\d[{SPACES}{APOSTROPHES}]\d")
 _PERCENT = 100.0
 
 Row = tuple[int, str]
@@ -110,15 +111,15 @@ def marks_of(
         return Marks(stated, (COMMA if stated == POINT else POINT) + SPACES[0])
     present = {
         mark
-        for mark in (POINT, COMMA, '"', *SPACES, *APOSTROPHES)
+        for mark in (POINT, COMMA, '"')
         if mark != layout.delimiter and any(mark in line for _, line in rows)
     }
-    if layout.delimiter is None:
-        present -= {SPACES[0]}
-    if not present or (present == {POINT} and in_sheet):
+    spaced = layout.delimiter is not None and any(_SPACED.search(line) for _, line in rows)
+    if not spaced and (not present or (present == {POINT} and in_sheet)):
         return Marks()
-    for mark in present if len(present) == 1 else ():
-        if shows_decimal((one for _, _, one in _cells(rows[:_HEAD], layout)), mark):
+    if not spaced and len(present) == 1:
+        (mark,) = present
+        if shows_decimal((cell for _, _, cell in _cells(rows[:_HEAD], layout)), mark):
             return Marks(mark)
     columns: dict[str, list[Row]] = {}
     for line, name, cell in _cells(rows, layout):

@@ -202,7 +202,8 @@ def read_resistance_calibration(path: str | Path) -> ResistanceThermometer:
     ConfigurationError
         One line that names the file and the fault.
     """
-    table = read_table(path, _CALIBRATION_COLUMNS)
+    # strictly: nobody would see which rows of a calibration were left out
+    table = read_table(path, _CALIBRATION_COLUMNS, strict=True, preamble=True)
     resistance, temperature = table.numbers["resistance"], table.numbers["temperature"]
     if np.unique(resistance).size < 2:
         raise ConfigurationError(f"{path}: has one resistance; two or more are needed")

@@ -372,7 +372,7 @@ def _suffix(column: Column, cell: str) -> str | None:
     if not _normal(text).startswith(names):
         return None
     if column.any_unit:
-        rest = [_normal(text).removeprefix(f"{name}_") for name in names]
+        rest = [_normal(text).removeprefix(f"{name}_").strip("()[]") for name in names]
         return "" if any(one not in (_normal(text), *_ERRORS) for one in rest) else None
     match = _NAME_AND_SUFFIX.match(text)
     if match is None or _normal(match[1]) not in names or not column.quantity.unit:

@@ -80,7 +80,7 @@ def _edges():
 
 
 def _entries():
-    return [model._number(number) for number in model.COMPUTED]
+    return [model.described(number) for number in model.COMPUTED]
 
 
 def _nudged(shown):

@@ -148,7 +148,7 @@ def _points(name):
 
 def _written(function, tables, name="f", count=2):
     with float64():
-        _, arguments, results = control.trace(function, count)
+        arguments, results = control.trace(function, count)
     return write_function(name, arguments, results, tables)
 
 

@@ -37,7 +37,7 @@ def _cond(to: Interpreter, equation: Any, which: Any, *inputs: Any) -> Any:
     if any(_has_loop(branch.jaxpr) for branch in branches):
         raise UnsupportedError('primitive "while" inside of "cond"')
     found = [to.run(branch, list(inputs)) for branch in branches]
-    number = to.apply("number", which)[()]
+    number = to.apply("number", which).item()
     place = within(to, number, len(branches) - 1)
     return [
         to.map(lambda *nodes: to.graph.element(list(nodes), place), *results)
@@ -101,7 +101,7 @@ def _while(to: Interpreter, equation: Any, *inputs: Any) -> Any:
     (condition,) = to.run(given["cond_jaxpr"], [*for_condition, *variables])
     following = to.run(given["body_jaxpr"], [*for_body, *variables])
     to.scope = outer
-    loop.condition = condition[()]
+    loop.condition = condition.item()
     loop.following = [node for array in following for node in array.ravel()]
     return _like(start, graph.results(loop, outer))
 
@@ -116,7 +116,7 @@ def _like(arrays: Any, nodes: list[Node]) -> list[np.ndarray]:
     return found
 
 
-def trace(function: Callable[..., Any], count: int) -> tuple[Graph, list[Node], list[Node]]:
+def trace(function: Callable[..., Any], count: int) -> tuple[list[Node], list[Node]]:
     """Trace a function of numbers.
 
     Parameters
@@ -127,7 +127,6 @@ def trace(function: Callable[..., Any], count: int) -> tuple[Graph, list[Node], 
 
     Returns
     -------
-    graph : Graph
     arguments, results : list of Node
     """
     number = jax.ShapeDtypeStruct((), jnp.float64)
@@ -140,4 +139,4 @@ def trace(function: Callable[..., Any], count: int) -> tuple[Graph, list[Node], 
         scalar[()] = node
         inputs.append(scalar)
     found = Interpreter(graph).run(closed, inputs)
-    return graph, arguments, [node for array in found for node in array.ravel()]
+    return arguments, [node for array in found for node in array.ravel()]

@@ -13,9 +13,8 @@ from typing import Any
 from .graph import CHOICE, OPERATORS, PREFIX, PRIMARY, Loop, Node, Scope
 
 _LONGEST = 400  # characters of an expression; a longer one gets a name
-_RESERVED = {"do", "if", "in", "as", "is", "of"}
+_RESERVED = {"do", "if", "in", "for", "let", "new", "try", "var", "NaN"}
 _DEEPEST = 20_000  # nodes above each other
-_INPUTS = ("constant", "variable")  # always at hand
 
 
 def names() -> Iterator[str]:
@@ -58,10 +57,13 @@ class Tables:
 
     def text(self) -> str:
         """The declarations."""
-        return "".join(
-            f"const {name}=[{','.join(map(number, values))}];\n"
-            for values, name in self._names.items()
-        )
+        return "".join(map(_table, self._names.values(), self._names))
+
+
+def _table(name: str, values: tuple[Any, ...]) -> str:
+    listed = f"[{','.join(map(number, values))}]"
+    flags = any(isinstance(value, bool) for value in values)
+    return f"const {name}={listed if flags else f'new Float64Array({listed})'};\n"
 
 
 def write_function(name: str, arguments: list[Node], results: list[Node], tables: Tables) -> str:

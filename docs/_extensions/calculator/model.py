@@ -6,7 +6,7 @@ import json
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any
 from unittest.mock import patch
@@ -117,9 +117,8 @@ TITLES = {
 }
 """What force models are called where room is short; others keep their names."""
 
-_PART_OF_ALTITUDE = "altitude"
-_ALTITUDE = 70.0  # to start from, near the middle of the paper's band [km]
-_WORD_OF_MODEL = "model"
+_ALTITUDE = "altitude"
+_START = 70.0  # altitude to start from, near the middle of the paper's band [km]
 
 
 def template() -> dict[str, Any]:
@@ -133,7 +132,7 @@ def template() -> dict[str, Any]:
 @cache
 def design(model: str) -> FileDesign:
     """The design of ``lightflyer init`` under a force model."""
-    content = template() | {"force": {_WORD_OF_MODEL: model}}
+    content = template() | {"force": {"model": model}}
     return flyer_file_type()(**content).design()
 
 
@@ -153,7 +152,7 @@ def factor(number: Number) -> float:
 def case(base: FileDesign, values: Any) -> Case:
     """The flyer of some numbers, in the order of :data:`COMPUTED`."""
     named = {number.name: value for number, value in zip(COMPUTED, values, strict=True)}
-    return Case(base.build(named), named[_PART_OF_ALTITUDE])
+    return Case(base.build(named), named[_ALTITUDE])
 
 
 @contextmanager
@@ -230,11 +229,9 @@ def compile_model(name: str, tables: Tables) -> Compiled:
         return *results, one.converged, *(value for _, value in ranges)
 
     with float64():
-        graph, arguments, results = trace(point, len(COMPUTED))
-        text = write_function(identifier, arguments, results, tables)
-        graph, arguments, results = trace(slopes_of(base), len(COMPUTED))
-        text += write_function(f"{identifier}_slopes", arguments, results, tables)
-    del graph
+        text = write_function(identifier, *trace(point, len(COMPUTED)), tables)
+        slopes = trace(slopes_of(base), len(COMPUTED))
+        text += write_function(f"{identifier}_slopes", *slopes, tables)
     return Compiled(name, text, identifier, tuple(looked_at), tuple(notes))
 
 
@@ -273,9 +270,9 @@ def compile_all() -> str:
 
 def _about(compiled: list[Compiled]) -> str:
     """Names, units, ranges and words, in JSON."""
-    described = {
+    about = {
         "version": lightflyer.__version__,
-        "numbers": [_number(number) for number in NUMBERS],
+        "numbers": [described(number) for number in NUMBERS],
         "outputs": [_output(name) for name in SHOWN],
         "models": {
             one.name: {
@@ -290,37 +287,28 @@ def _about(compiled: list[Compiled]) -> str:
             for sign, lift in (("down", -1.0), ("not", 0.0))
         },
         "template": _fixed(),
-        "assumptions": design(force_models()[0]).setup.environment.assumptions_of_air(),
     }
-    return json.dumps(described, ensure_ascii=False, allow_nan=False)
+    return json.dumps(about, ensure_ascii=False, allow_nan=False)
 
 
 def _fixed() -> dict[str, dict[str, str]]:
     """Words of the flyer file that no number stands for, by section."""
     found = {}
     for section, content in template().items():
-        varied = {number.name for number in NUMBERS} | {f"force.{_WORD_OF_MODEL}"}
+        varied = {number.name for number in NUMBERS} | {"force.model"}
         found[section] = {
             key: value for key, value in content.items() if f"{section}.{key}" not in varied
         }
     return found
 
 
-def _number(number: Number) -> dict[str, Any]:
+def described(number: Number) -> dict[str, Any]:
+    """What the script must know of a number, with its default and range in the shown unit."""
     start = design(force_models()[0])
-    described = {
-        "name": number.name,
-        "label": number.label,
-        "unit": number.unit,
-        "low": number.low,
-        "high": number.high,
-        "digits": number.digits,
-        "logarithmic": number.logarithmic,
-        "computed": number.computed,
-    }
-    if number.name == _PART_OF_ALTITUDE:
+    shown = asdict(number)
+    if number.name == _ALTITUDE:
         low, high = (end / factor(number) for end in start.setup.searched)
-        return described | {"factor": factor(number), "default": _ALTITUDE, "least": low,
+        return shown | {"factor": factor(number), "default": _START, "least": low,
                             "most": high, "positive": False}  # fmt: skip
     section, key = number.name.split(".")
     default = str(template()[section][key]).removesuffix(number.unit)
@@ -328,7 +316,7 @@ def _number(number: Number) -> dict[str, Any]:
     smallest, largest = quantity.sizes
     least, most = max(quantity.lowest, smallest), min(quantity.highest, largest)
     scale = factor(number) if number.computed else 1.0
-    return described | {
+    return shown | {
         "default": float(default),
         "factor": scale,
         # sizes are those of values other than zero

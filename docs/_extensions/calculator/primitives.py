@@ -269,7 +269,7 @@ def _dynamic_slice(to: Interpreter, equation: Any, value: Any, *start: Any) -> A
         to.map(lambda node, last=full - size: within(to, node, last), one)
         for one, full, size in zip(start, value.shape, sizes, strict=True)
     ]
-    return _window(to, value, [place[()] for place in places], sizes)
+    return _window(to, value, [place.item() for place in places], sizes)
 
 
 @rule("gather")

@@ -92,6 +92,18 @@ def test_few_inclusions_add_their_polarisability(shape):
     assert (found - 1.0) / few == pytest.approx(expected, rel=1e-4)
 
 
+def test_many_needles_by_complex_arithmetic():
+    """Sum over orientations as in the review of Markel (2016), in plain complex numbers."""
+    share, more = 0.25, (3.0 + 2.0j) ** 2 - 1.0
+    moment = [more / (1.0 + factor * more) for factor in (0.0, 0.5, 0.5)]
+    back = np.mean([0.0, 0.5, 0.5] * np.array(moment))
+    expected = 1.0 + share * np.mean(moment) / (1.0 - share * back)
+    found = permittivity(
+        maxwell_garnett, (1.0, 3.0 + 2.0j), (0.75, 0.25), np.array(Shape.NEEDLES.factors)
+    )
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
 def test_three_parts_solve_the_equation_between_their_directions(rng):
     """What is unique: a root whose direction lies between those of the parts."""
     n, k = rng.uniform(0.05, 5.0, (3, 4000)), 10.0 ** rng.uniform(-4.0, 1.5, (3, 4000))

@@ -21,7 +21,7 @@ COARSEST_GRAIN = 0.1
 """Size of grains over the wavelength in the mixture above which their scattering counts [1]."""
 
 _ROUNDING = 1e-12
-_TRIED = 200  # wavelengths at which the size of grains is compared
+_TRIED = 2000  # wavelengths at which the size of grains is compared
 
 
 class Mixture(Compound):

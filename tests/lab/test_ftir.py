@@ -339,7 +339,7 @@ GOOD = HEADER.format(yunits="TRANSMITTANCE") + FORMS["fix"] + "\n##END=\n"
         (
             "s.jdx",
             GOOD.replace("0.0001", "0.1"),
-            "7 of its 7 values of TRANSMITTANCE exceed 1.5 (highest 200.3)",
+            "transmittance = 2 at 401 cm^-1 is not between -0.2 and 1.5",
         ),
         ("s.jdx", HEADER.split("##XYDATA")[0] + "##END=\n", "contains no spectrum"),
         (
@@ -349,7 +349,11 @@ GOOD = HEADER.format(yunits="TRANSMITTANCE") + FORMS["fix"] + "\n##END=\n"
         ),
         ("s.csv", "wavenumber [cm^-1],transmittance\n1000,0.8\n", "has 1 wavenumber"),
         ("s.csv", "wavenumber [cm^-1]\n1000\n", "needs one of the columns transmittance"),
-        ("s.csv", "transmittance\n0.8\n", "needs a column wavenumber or wavelength"),
+        (
+            "s.csv",
+            "transmittance\n0.8\n",
+            "needs one column wavenumber, wavelength or photon_energy",
+        ),
         ("s.csv", "wavenumber,transmittance\n1000,0.8\n", "wavenumber has no unit"),
     ],
 )

@@ -434,12 +434,20 @@ def test_table_in_per_cent_without_the_mark(tmp_path):
     np.testing.assert_allclose(found.wavelength, [1e-6, 5e-7])
     assert "taken as per cent" in found.notes[0]
     path.write_text("wavelength [nm],%T\n500,8000\n1000,7000\n")
-    with pytest.raises(lf.ConfigurationError, match=r"2 of its 2 values of transmittance exceed"):
+    with pytest.raises(lf.ConfigurationError, match="transmittance = 80 at 20000"):
         read_spectrum(path)
     path.write_text("wavelength [nm],transmittance [%],reflectance [%]\n500,80,10\n1000,70,20\n")
     with pytest.raises(lf.ConfigurationError, match="needs one of the columns"):
         read_spectrum(path)
     np.testing.assert_allclose(read_spectrum(path, quantity="reflectance").value, [0.2, 0.1])
+
+
+def test_table_over_photon_energy(tmp_path):
+    path = tmp_path / "s.csv"
+    path.write_text("eV,%T\n1,80\n2,70\n")
+    np.testing.assert_allclose(read_spectrum(path).wavelength, [1.239841984e-6, 0.619920992e-6])
+    with pytest.raises(lf.ConfigurationError, match='is a table of one spectrum, not of "2"'):
+        read_spectrum(path, spectrum="2")
 
 
 def test_ends_without_light_are_left_out():

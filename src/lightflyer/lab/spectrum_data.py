@@ -1,7 +1,12 @@
 """Measured spectra, from the files that instruments write and from tables."""
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
+from lightflyer.foundation.constants import PLANCK, SPEED_OF_LIGHT
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.layout import Column
 from lightflyer.foundation.quantity import Length, Quantity
@@ -21,6 +26,11 @@ from lightflyer.lab.spectra.raw import (
 # as fractions, or as per cent that the header does not mark
 _SHARE = Quantity("", -20.0, 150.0)
 _ABSORBANCE = Quantity("", -1.0, 1000.0)
+_TO_WAVENUMBER: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "wavenumber": lambda wavenumber: wavenumber,
+    "wavelength": lambda wavelength: 1.0 / wavelength,
+    "photon_energy": lambda energy: energy / (PLANCK * SPEED_OF_LIGHT),
+}
 _WORKBOOKS = (".xlsx", ".xlsm")
 _HEADER = 20_000  # characters in which a header stands
 
@@ -30,11 +40,12 @@ COLUMNS = (
         suggested_unit="cm^-1",
     ),
     Column("wavelength", Length, ("lambda", "wl"), suggested_unit="um"),
+    Column("photon_energy", Quantity("J", 0.0, open_below=True), ("energy",), suggested_unit="eV"),
     Column("transmittance", _SHARE, ("t", "transmission", "%transmittance", "%transmission")),
     Column("reflectance", _SHARE, ("r", "reflection", "%reflectance")),
     Column("absorbance", _ABSORBANCE, ("a", "abs")),
 )  # fmt: skip
-"""Columns of a spectrum: one of the first two, and one of the others."""
+"""Columns of a spectrum: one of the first three, and one of the others."""
 
 
 def read_spectrum(
@@ -53,8 +64,8 @@ def read_spectrum(
     path : str or path
         A file of JASCO (text, ``.jws``), Bruker OPUS, Thermo OMNIC (``.spa``, ``.spg``),
         PerkinElmer (``.sp``, ``.asc``), GRAMS (``.spc``), JCAMP-DX, told apart by content; or a
-        table of ``wavenumber`` or ``wavelength`` and ``transmittance``, ``reflectance`` or
-        (decadic) ``absorbance``, units in the header.
+        table of ``wavenumber``, ``wavelength`` or ``photon_energy`` and ``transmittance``,
+        ``reflectance`` or (decadic) ``absorbance``, units in the header.
     columns : str, optional
         The columns of a table without a header, in their order; see
         :func:`~lightflyer.foundation.table.read_table`.
@@ -101,29 +112,35 @@ def read_spectrum(
     source = Source(Path(path), b"") if workbook else opened(Path(path))
     kind = None if workbook else format_of(source)
     if kind is None:
+        if spectrum not in (None, "1"):
+            source.refuse(f'is a table of one spectrum, not of "{spectrum}"')
         table = read_table(path, COLUMNS, layout=columns)
         # values beyond what a per cent in the header allows are not taken as per cent once more
         marked = "%" in source.text[:_HEADER] or "%" in (columns or "")
         raw = _from_table(table, wanted, percent=False if marked else None)
     else:
         raw = read_raw(source, kind, wanted)
+        if columns is not None:
+            raw = replace(raw, notes=(*raw.notes, f"columns are not used: it is {kind.name}"))
     return measured(source, raw, wanted)
 
 
 def _from_table(table: Table, wanted: Wanted, *, percent: bool | None) -> RawSpectrum:
     """Spectrum of a table, whose units have been read."""
     numbers = table.numbers
-    if ("wavenumber" in numbers) == ("wavelength" in numbers):
-        raise ConfigurationError(f"{table.source}: needs a column wavenumber or wavelength")
+    axes = [name for name in _TO_WAVENUMBER if name in numbers]
+    if len(axes) != 1:
+        raise ConfigurationError(
+            f"{table.source}: needs one column wavenumber, wavelength or photon_energy"
+        )
     given = [name for name in ("transmittance", "reflectance", "absorbance") if name in numbers]
     chosen = [name for name in given if name == wanted.quantity] or given
     if len(chosen) != 1:
         raise ConfigurationError(
             f"{table.source}: needs one of the columns transmittance, reflectance, absorbance"
         )
-    waves = "wavenumber" in numbers
-    x = numbers["wavenumber"] / PER_CENTIMETRE if waves else numbers["wavelength"] * 1e6
+    wavenumber = _TO_WAVENUMBER[axes[0]](numbers[axes[0]])
     return RawSpectrum(
-        x, numbers[chosen[0]], "cm-1" if waves else "um", chosen[0], SpectrumFacts("table"),
+        wavenumber / PER_CENTIMETRE, numbers[chosen[0]], "cm-1", chosen[0], SpectrumFacts("table"),
         percent=percent, notes=tuple(table.notes), rejected=tuple(table.rejected),
     )  # fmt: skip

@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -120,3 +121,26 @@ def test_bad_input(examples, lab, arguments, says):
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert says in err
     assert not (folder / "o").exists()
+
+
+def test_what_an_instrument_says_is_shown_and_recorded(lab):
+    samples = Path(__file__).parents[2] / "lab" / "spectra"
+    file = str(samples / "opus.0")
+    code, out, err = lab("ftir", file, "--accuracy", "0.5 %")
+    assert (code, err) == (0, "")
+    assert 'Bruker OPUS with "absorbance", Tensor 27, resolution 4 cm-1, TRANS' in " ".join(
+        out.split()
+    )
+    _, out, _ = lab("ftir", file, "--json")
+    read = json.loads(out)["read"][0]
+    assert (read["format"], read["instrument"], read["resolution"], read["collection"]) == (
+        "Bruker OPUS", "Tensor 27", "4 cm-1", None
+    )  # fmt: skip
+    code, _, err = lab("ftir", str(samples / "linked.jdx"), "--out", "o")
+    assert code == 2
+    assert "holds 5 spectra; choose one with --spectrum" in err
+    code, _, err = lab("ftir", str(samples / "perkin-elmer-r.sp"))
+    assert (code, err.endswith("perkin-elmer-r.sp: shows reflectance, not transmittance\n")) == (
+        2,
+        True,
+    )

@@ -120,6 +120,8 @@ def measured(source: Source, raw: RawSpectrum, wanted: Wanted) -> MeasuredSpectr
     with np.errstate(over="ignore"):
         if shown.quantity in ("absorbance", "log(1/R)"):
             value = 10.0**-ordinate
+            if wanted.scale is not None:
+                notes.append(f"the scale {wanted.scale} is not used: the file shows absorbance")
         else:
             value = _fraction(source, ordinate, raw, shown, wanted, notes)
             if wanted.scale is None and value.max(initial=-np.inf) < _DARK:
@@ -236,10 +238,10 @@ def _fraction(
     highest = float(ordinate.max(initial=-np.inf))
     if percent:
         return ordinate / _PERCENT
-    if highest <= SHARE.highest:
+    if highest <= SHARE.highest or raw.percent is False:
         return ordinate
     beyond = float(np.mean(ordinate > SHARE.highest))
-    if beyond < _MOSTLY or highest > _PERCENT * SHARE.highest or raw.percent is False:
+    if beyond < _MOSTLY:
         source.refuse(
             f"{np.count_nonzero(ordinate > SHARE.highest)} of its {ordinate.size} values of "
             f"{raw.ordinate_name or 'an unnamed ordinate'} exceed {SHARE.highest:g} (highest "
@@ -272,7 +274,7 @@ def _possible(
         at = int(np.argmax(outside))
         source.refuse(
             f"{quantity} = {value[at]:g} at {wavenumber[at] / PER_CENTIMETRE:g} cm^-1 is not "
-            f"{SHARE.allowed}{'; is it in %?' if value[at] > SHARE.highest else ''}"
+            f"{SHARE.allowed}; check its background"
         )
     kept = order[first:last]
     ends = wavenumber[kept[[0, -1]]] / PER_CENTIMETRE

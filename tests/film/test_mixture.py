@@ -139,7 +139,7 @@ def test_constants_between_temperatures():
     ("how", "words"),
     [
         ({}, "no size of its grains is stated"),
-        ({"grain": 50e-9}, r"its grains exceed 0\.1 wavelengths .* below 1\.5 µm"),
+        ({"grain": 50e-9}, r"its grains exceed 0\.1 wavelengths .* below 1\.51 µm"),
         ({"rule": "maxwell-garnett"}, "inclusions fill 40%; Maxwell Garnett's rule is for few"),
         ({"shape": "columns"}, "columns have n and k of light along the film's normal"),
     ],

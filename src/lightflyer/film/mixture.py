@@ -21,6 +21,7 @@ COARSEST_GRAIN = 0.1
 """Size of grains over the wavelength in the mixture above which their scattering counts [1]."""
 
 _ROUNDING = 1e-12
+_FINE = 1e3  # wavelengths over the grain's size beyond which no medium's n makes it coarse
 _TRIED = 2000  # wavelengths at which the size of grains is compared
 
 
@@ -184,11 +185,11 @@ class Mixture(Compound):
 
     def _too_coarse(self) -> float:
         """Longest wavelength at which the grains are too coarse, zero if there is none [m]."""
-        # beyond a thousand grains' size no medium's n makes them coarse
         shortest, longest = self.wavelength_range
-        longest = min(longest, 1e3 * self.grain)  # type: ignore[operator]
-        if not 0.0 < shortest < longest:
-            shortest = 1e-3 * longest
+        longest = min(longest, _FINE * self.grain)  # type: ignore[operator]
+        shortest = shortest or longest / _FINE
+        if shortest >= longest:
+            return 0.0
         wavelength = np.geomspace(shortest, longest, _TRIED)
         n, _ = self.index(wavelength)
         if is_traced(n):

@@ -12,6 +12,7 @@ from lightflyer.film.database import database_page, looks_like_page
 from lightflyer.film.effective_media import Rule, Shape
 from lightflyer.film.graded import SHEETS, Graded
 from lightflyer.film.library import PAGES, VACUUM, Entry, canonical_name
+from lightflyer.film.material_csv import names_file
 from lightflyer.film.materials import Material, material_from_csv, vacuum
 from lightflyer.film.medium import Extrapolation, Medium
 from lightflyer.film.mixture import Mixture
@@ -44,7 +45,7 @@ def file_beside(name: str, info: ValidationInfo) -> str:
 
 
 class _Named(Section):
-    """A material by its name, or a CSV file."""
+    """A material by its name, or a file."""
 
     @pydantic.field_validator("material", check_fields=False)
     @classmethod
@@ -52,7 +53,7 @@ class _Named(Section):
         """Its canonical name; raises here, where the line of the flyer file is known."""
         if name is None:
             return None
-        if name.lower().endswith(".csv"):
+        if names_file(name):
             path = file_beside(name, info)
             material_from_csv(path)
             return path
@@ -64,8 +65,7 @@ class _Named(Section):
 
 
 def _medium(name: str, policy: Extrapolation, density: Measured | None) -> Material:
-    own = name.lower().endswith(".csv")
-    found = material_from_csv(name) if own else material(name)
+    found = material_from_csv(name) if names_file(name) else material(name)
     if density is not None:
         found = found.with_density(density.value)
     return found.with_extrapolation(policy)

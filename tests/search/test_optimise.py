@@ -267,10 +267,11 @@ def test_mistakes_are_said(flyer, section, message):
 
 
 def test_what_else_cannot_be_asked(flyer, payload):
-    layered = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=LAYERED)
-    thickness = {"film.layers.1.thickness": {"from": "5 nm", "to": "50 nm"}, "altitude": "70 km"}
-    with pytest.raises(lf.ConfigurationError, match="too costly to optimise over"):
-        problem(layered, maximise="payload", over=thickness)
+    porous = [LAYERED["layers"][0], {"material": "Ge", "thickness": "20 nm", "porosity": 0.1}]
+    layered = lf.FlyerFile(flyer={"diameter": "2 cm"}, film={"layers": porous, "tac_bottom": 0.9})
+    pores = {"film.layers.1.porosity": {"from": 0.1, "to": 0.5}, "altitude": "70 km"}
+    with pytest.raises(lf.ConfigurationError, match="porosity changes the index of a layer"):
+        problem(layered, maximise="payload", over=pores)
     with pytest.raises(lf.ParameterError, match="already states"):
         lf.optimise(payload.problem, maximise="payload")
     both = {"maximise": "payload", "minimise": "temperature", "over": {"altitude": ALTITUDE}}

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.options import Json
-from lightflyer.cli.output import print_json, printer, write_json
+from lightflyer.cli.output import print_json, printer, say, write_json
 from lightflyer.cli.prediction_tables import show_flyer, show_results
 from lightflyer.foundation.errors import ConfigurationError
 
@@ -28,7 +28,7 @@ def optimise_command(
     out: Path | None = None,
     write: Path | None = None,
     json_output: Json = False,
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Find the best design within bounds and constraints.
 
@@ -47,7 +47,7 @@ def optimise_command(
     figures
         How figures are written.
     """
-    figures.check(out)
+    out = figures.folder(out)
     from lightflyer.search import optimise, pareto, read_problem
 
     problem = read_problem(study_file)
@@ -78,10 +78,9 @@ def optimise_command(
     if json_output:
         print_json(summary)
         return
-    for path in written:
-        console.print(f"wrote {path}", soft_wrap=True)
+    figures.tell(console, written)
     if write is not None:
-        console.print(f"next: lightflyer predict {write}", soft_wrap=True)
+        say(console, f"next: lightflyer predict {write}")
 
 
 def _write_flyer(path: Path, study_file: Path, optimum: "Optimum") -> None:
@@ -132,6 +131,7 @@ def _show_optimum(console: Console, problem: "Problem", optimum: "Optimum") -> N
         name = bounds.field.name
         end = optimum.active_bounds.get(name)
         note = "" if end is None else f"at its {'lower' if end == 'low' else 'upper'} bound"
+        note = " ".join(filter(None, (problem.design.label(name), note)))
         factor, unit = suitable(bounds.field.quantity.unit, optimum.design[name])
         numbers = optimum.design[name], bounds.low, bounds.high
         best, low, high = (f"{number * factor:.6g}" for number in numbers)
@@ -144,6 +144,7 @@ def _show_optimum(console: Console, problem: "Problem", optimum: "Optimum") -> N
         f"{optimum.agreeing} of {optimum.starts} starts agree ({optimum.evaluations} gradients)"
         f"{note}"
     )
+    _show_made(console, problem, optimum)
     _show_elasticities(console, optimum)
     for text in optimum.warnings:
         console.print(f"warning: {text}", soft_wrap=True)
@@ -165,6 +166,34 @@ def _show_constraint(
         effect = f"active: 1 % looser is worth {worth}"
     at, limit_shown = (amount(value, unit) for value in (optimum.outputs[name], limit))
     console.print(f"{name} {at} ({word} {limit_shown}; {effect})", soft_wrap=True)
+
+
+def _show_made(console: Console, problem: "Problem", optimum: "Optimum") -> None:
+    """What is lost where the design is not made exactly."""
+    from lightflyer.sweeps.shown import amount, suitable
+
+    made = optimum.as_made
+    if made is None:
+        return
+    objective = problem.objectives[0]
+    unit = problem.unit_of(objective.name)
+    sizes = [size for effect in made.effects.values() for size in (effect.less, effect.more)]
+    factor, shown = suitable(unit, max(map(abs, sizes)))
+    table = Table(box=None, padding=(0, 1))
+    table.add_column("made with ± (1 σ)", justify="left")
+    for heading in ("", f"too small: {objective.name} [{shown or '1'}]", "too large"):
+        table.add_column(heading, justify="right")
+    for name, effect in made.effects.items():
+        size = amount(effect.spread, problem.design.field(name).quantity.unit, 3)
+        note = " (assumed)" if effect.assumed else ""
+        changes = (f"{factor * change:+.3g}" for change in (effect.less, effect.more))
+        table.add_row(name, f"± {size}{note}", *changes)
+    console.print(table)
+    console.print(
+        f"made so, with all errors at once: mean {amount(made.mean, unit, 4)}, and "
+        f"{100.0 * (1.0 - made.low_share):g} % are better than {amount(made.low, unit, 4)}",
+        soft_wrap=True,
+    )
 
 
 def _show_elasticities(console: Console, optimum: "Optimum") -> None:

@@ -1,7 +1,7 @@
 """The flyer file: its sections, and the design that it describes."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache, cached_property, reduce
 from itertools import combinations
 from typing import Annotated, Any
@@ -12,6 +12,7 @@ from pydantic import Discriminator, Tag
 
 from lightflyer.budget.section import PayloadSection
 from lightflyer.config.discovery import discover
+from lightflyer.config.quick_films import QuickFilms, part_at
 from lightflyer.environment.section import EnvironmentSection
 from lightflyer.film.section import FilmSection
 from lightflyer.flight.design import AbstractDesign, digest
@@ -311,6 +312,11 @@ class FileDesign(AbstractDesign):
         section, inner, _, _ = self._all[name]
         return section.reason_not_varied(inner)
 
+    def label(self, name: str) -> str:
+        """See :meth:`AbstractDesign.label`: what a layer is made of."""
+        section = part_at(self.file.parts(), name.rpartition(".")[0])
+        return str(getattr(section, "label", ""))
+
     def conflict(self, names: list[str]) -> tuple[str, str] | None:
         """See :meth:`AbstractDesign.conflict`: an emittance for both faces and one for a face."""
         for name in names:
@@ -333,10 +339,17 @@ class FileDesign(AbstractDesign):
     @property
     def warnings(self) -> tuple[str, ...]:
         """See :attr:`AbstractDesign.warnings`: those of films within the flyer name the film."""
+        return self.warnings_for({})
+
+    def warnings_for(self, values: Mapping[str, float]) -> tuple[str, ...]:
+        """See :meth:`AbstractDesign.warnings_for`."""
+        costly = self.costly(list(values))  # others leave the optics, and their warnings, alone
+        parts = self._replaced({name: values[name] for name in costly})
+        incidence = float(parts["environment"].light_incidence)
         return tuple(
             text if name == "film" else f"{name}: {text}"
-            for name, film in self.file.films().items()
-            for text in film.warnings(self._incidence, passing=self._passing)
+            for name in self.file.films()
+            for text in part_at(parts, name).warnings(incidence, passing=self._passing)
         )
 
     @property
@@ -368,10 +381,14 @@ class FileDesign(AbstractDesign):
         parts = self._replaced(values)
         incidence = parts["environment"].light_incidence
         return {
-            name: _part_at(parts, name).build(incidence, passing=self._passing)
+            name: part_at(parts, name).build(incidence, passing=self._passing)
             for name, film in self.file.films().items()
             if film.layered
         }
+
+    def quick_parts(self, names: Sequence[str]) -> QuickFilms:
+        """See :meth:`AbstractDesign.quick_parts`: films whose thicknesses change."""
+        return QuickFilms(self.file, self._replaced, names)
 
     def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:
         """See :meth:`AbstractDesign.build`."""
@@ -380,7 +397,7 @@ class FileDesign(AbstractDesign):
             prepared = self._own_films  # measured numbers may be traced, layers stay as they are
         parts = self._replaced(values)
         for name, properties in (prepared or {}).items():
-            film = _part_at(parts, name).with_optics(properties)
+            film = part_at(parts, name).with_optics(properties)
             first, _, inner = name.partition(".")
             parts[first] = parts[first].model_copy(update={inner: film}) if inner else film
         return build(parts)
@@ -419,12 +436,6 @@ def _within(section: str, name: str) -> str:
     """Name of a number within a section, empty where it is outside."""
     inside = name.startswith(f"{section}.")
     return name.removeprefix(f"{section}.") if inside else ""
-
-
-def _part_at(parts: Mapping[str, Any], name: str) -> Any:
-    """Section at a dotted name, such as ``"flyer.top"``."""
-    first, _, inner = name.partition(".")
-    return getattr(parts[first], inner) if inner else parts[first]
 
 
 def _flattened(content: Mapping[str, Any]) -> list[tuple[str, Any]]:

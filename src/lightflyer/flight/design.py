@@ -11,11 +11,11 @@ import hashlib
 import inspect
 import pickle
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields as dataclass_fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import equinox as eqx
 import jax
@@ -54,6 +54,30 @@ class Field(NamedTuple):
         """Attributes of a coordinate that holds its values."""
         words = self.name.replace(".", " ").replace("_", " ")
         return {"units": dataset_unit(self.quantity.unit), "long_name": words}
+
+
+class QuickParts(Protocol):
+    """What :meth:`AbstractDesign.prepare` computes, within a few thousandths and to be traced.
+
+    Attributes
+    ----------
+    tables : pytree of array
+        Whatever it needs that is the same for all values.
+    """
+
+    tables: Any
+
+    def knows(self, name: str) -> bool:
+        """Whether a costly number may have other values."""
+
+    def __call__(self, values: Mapping[str, Numeric], tables: Any) -> Any:
+        """The same pytree as from :meth:`AbstractDesign.prepare`, for one design.
+
+        Parameters
+        ----------
+        values : dict of str to array, shape ()
+        tables : pytree of array
+        """
 
 
 class AbstractDesign(abc.ABC):
@@ -111,6 +135,25 @@ class AbstractDesign(abc.ABC):
         """Whatever :meth:`build` needs for other values of costly numbers: arrays in a pytree."""
         del values
 
+    def quick_parts(self, names: Sequence[str]) -> "QuickParts":
+        """A quick stand-in of :meth:`prepare`, for searches over costly numbers.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Of the costly numbers.
+
+        Returns
+        -------
+        QuickParts
+
+        Raises
+        ------
+        ConfigurationError
+            If there is none for one of them.
+        """
+        raise ConfigurationError(f"{', '.join(names)}: there is no quick way to compute the rest")
+
     def open_parts(self) -> dict[str, tuple[Any, Any]]:
         """What missing data leave open between bounds.
 
@@ -126,6 +169,21 @@ class AbstractDesign(abc.ABC):
         """What a reader of any result of the design must know, one line each."""
         return ()
 
+    def warnings_for(self, values: Mapping[str, float]) -> tuple[str, ...]:
+        """The same for a design with other numbers.
+
+        Parameters
+        ----------
+        values : dict of str to float
+            By name.
+
+        Returns
+        -------
+        tuple of str
+        """
+        del values
+        return self.warnings
+
     @property
     def sampling_warnings(self) -> tuple[str, ...]:
         """The same for results over samples of the numbers that have a ±."""
@@ -138,6 +196,11 @@ class AbstractDesign(abc.ABC):
         """Reason why a number of the design cannot be varied, None where there is none."""
         del name
         return None
+
+    def label(self, name: str) -> str:
+        """What a number belongs to, where its name does not tell; such as a layer's material."""
+        del name
+        return ""
 
     def conflict(self, names: list[str]) -> tuple[str, str] | None:
         """Two of some numbers that cannot be given at once, None where there are none."""

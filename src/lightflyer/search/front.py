@@ -149,9 +149,13 @@ def pareto(
         seed=seed,
         beyond_range=beyond_range,
     )
-    places, losses = _search(problem, population, generations)
+    function = ObjectiveFunction(problem)
+    places, losses = _search(function, population, generations)
     order = np.argsort(-problem.objectives[0].sign * losses[:, 0])
     places, losses = places[order], losses[order]
+    if function.is_quick:
+        function.match(places[len(places) // 2])
+        losses = -function.scores_of_many(places, population)[:, : len(problem.objectives)]
     designs = {
         bounds.field.name: np.asarray(bounds.value(places[:, row]))
         for row, bounds in enumerate(problem.bounds)
@@ -169,19 +173,27 @@ def pareto(
 
 def _warnings(problem: Problem, designs: Mapping[str, np.ndarray]) -> Iterator[str]:
     """Cautions about the designs at both ends of a front."""
+    if problem.costly:
+        yield (
+            "the films of the front are computed on a coarse grid, within a few thousandths; in "
+            "full at its middle only"
+        )
     for word, row in (("first", 0), ("last", -1)):
         design = {name: float(column[row]) for name, column in designs.items()}
         for text in cautions_about(problem, design):
             yield f"{word} design: {text}"
 
 
-def _search(problem: Problem, population: int, generations: int) -> tuple[np.ndarray, np.ndarray]:
+def _search(
+    function: ObjectiveFunction, population: int, generations: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Points of the front in the unit cube, and their losses."""
+    problem = function.problem
     core = extra("pymoo.core.problem", "a Pareto front", "optimise")
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.optimize import minimize
 
-    function, count = ObjectiveFunction(problem), len(problem.objectives)
+    count = len(problem.objectives)
     counted = Counted("computing generations of designs", generations)
 
     class Vectorised(core.Problem):  # type: ignore[name-defined]
@@ -191,7 +203,7 @@ def _search(problem: Problem, population: int, generations: int) -> tuple[np.nda
 
         def _evaluate(self, points: np.ndarray, out: dict[str, Any], *_: Any, **__: Any) -> None:
             counted.add()
-            scores = function.scores_of_many(points)
+            scores = function.scores_of_many(points, population)
             losses = np.where(np.isfinite(scores), -scores, _NO_VALUE)
             out["F"], out["G"] = losses[:, :count], losses[:, count:]
 

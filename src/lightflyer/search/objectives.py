@@ -1,19 +1,72 @@
 """Objectives and constraints as compiled functions with derivatives."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.scipy.special import ndtr
 
 from lightflyer.flight.outputs import evaluate
+from lightflyer.foundation.batches import in_batches
 from lightflyer.foundation.precision import float64
 from lightflyer.search.problem import PROBABILITY, Constraint, Objective, Problem
 
+SCREENED = 512
+"""Designs evaluated at once: first over the whole cube, then around the starts."""
+
 _SILVERMAN = 1.06  # width of a kernel over the spread, times n^(1/5)
+
+
+class Context(eqx.Module):
+    """What the films of layers of a search are computed with.
+
+    Attributes
+    ----------
+    tables : pytree
+        See :class:`~lightflyer.flight.design.QuickParts`; None where no film changes.
+    shift : pytree or None
+        Films computed in full less those on a coarse grid, where the two were last compared.
+    """
+
+    tables: Any
+    shift: Any = None
+
+
+class _Moving(eqx.Module):
+    """Films, and how they change with the errors of uncertain thicknesses.
+
+    Attributes
+    ----------
+    films : pytree of array, shape (1 + 2 n, ...)
+        Nominal, then with each error at plus and at minus one standard uncertainty.
+    uncertain : tuple of str
+        Names of the n numbers.
+    """
+
+    films: Any
+    uncertain: tuple[str, ...] = eqx.field(static=True)
+
+    def at(self, errors: Mapping[str, Any]) -> Any:
+        """Films at some errors, in standard uncertainties: of second order in each of them.
+
+        Products of two errors are left out.
+        """
+
+        def moved(leaf: Any) -> Any:
+            found = leaf[0]
+            for number, name in enumerate(self.uncertain):
+                above, below = leaf[1 + 2 * number], leaf[2 + 2 * number]
+                error = errors[name]
+                bend = above - 2.0 * leaf[0] + below
+                found = found + 0.5 * error * (above - below) + 0.5 * error * error * bend
+            return found
+
+        return jax.tree.map(moved, self.films)
 
 
 class ObjectiveFunction:
@@ -29,60 +82,150 @@ class ObjectiveFunction:
 
     def __init__(self, problem: Problem):
         self.problem = problem
+        costly = problem.costly
+        self._quick = problem.design.quick_parts(costly) if costly else None
+        self._context = Context(None if self._quick is None else self._quick.tables)
 
-    def outputs(self, point: Any, changed: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Outputs at a point, with uncertain ones reduced to one number; to be traced.
+    @property
+    def is_quick(self) -> bool:
+        """Whether films of layers change, which are then computed on a coarse grid."""
+        return self._quick is not None
+
+    def match(self, point: np.ndarray) -> None:
+        """Compute the films at a point in full; from now on all are shifted by the difference.
+
+        Parameters
+        ----------
+        point : array, shape (k,)
+        """
+        values = {
+            name: float(value)
+            for name, value in self.given(np.asarray(point)).items()
+            if name != self.problem.design.coordinate_name
+        }
+        exact = self.problem.design.prepare(values)
+        quick = self._quick_films(values)
+        shift = jax.tree.map(lambda one, other: np.asarray(one - other), exact, quick)
+        self._context = Context(self._context.tables, shift)
+
+    @cached_property
+    def _quick_films(self) -> Callable[[Mapping[str, Any]], Any]:
+        compiled = _compiled(lambda values, tables: self._quick(values, tables))  # type: ignore[misc]
+        return lambda values: compiled(values, self._context.tables)
+
+    def given(self, point: Any, changed: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """Values of all numbers that are free, fixed or uncertain, at a point; may be traced.
 
         Parameters
         ----------
         point : array, shape (k,)
         changed : dict of str to array, shape ()
-            Numbers of the design with other values; for an uncertain one, its mean.
+            See :meth:`scores`.
 
         Returns
         -------
         dict of str to array, shape ()
-            The value of a number that is an objective and a constraint is that of the objective.
+            By name; of an uncertain number its mean.
         """
-        parts: tuple[Objective | Constraint, ...] = (
-            *self.problem.constraints,
-            *self.problem.objectives,
-        )
-        values = self._values(point, changed)
-        return {part.name: values[part.name, part.sign] for part in parts}
+        problem = self.problem
+        free = {
+            bounds.field.name: bounds.value(point[index])
+            for index, bounds in enumerate(problem.bounds)
+        }
+        return problem.means() | problem.fixed | free | dict(changed or {})
+
+    def outputs_at(self, point: np.ndarray) -> dict[str, float]:
+        """Outputs at a point, with uncertain ones reduced to one number.
+
+        Parameters
+        ----------
+        point : array, shape (k,)
+
+        Returns
+        -------
+        dict of str to float
+            In SI units. The value of a number that is an objective and a constraint is that of the
+            objective.
+        """
+        scores, _ = self.scores_and_jacobian(point)
+        problem, count = self.problem, len(self.problem.objectives)
+        limited = {
+            part.name: float(part.limit + part.sign * part.scale * score)
+            for part, score in zip(problem.constraints, scores[count:], strict=True)
+        }
+        return limited | {
+            part.name: float(part.sign * score)
+            for part, score in zip(problem.objectives, scores[:count], strict=True)
+        }
+
+    def _films(
+        self, given: Mapping[str, Any], context: "Context | None" = None
+    ) -> "_Moving | None":
+        """Films at some values, and how they change with the errors of uncertain thicknesses."""
+        if self._quick is None:
+            return None
+        quick, problem = self._quick, self.problem
+        context = self._context if context is None else context
+        uncertain = problem.design.costly(list(problem.samples))
+        rows = [dict(given)]
+        for name in uncertain:
+            step = self._spread(name, given)
+            rows += [{**given, name: given[name] + sign * step} for sign in (1.0, -1.0)]
+        coordinate = problem.design.coordinate_name
+        table = {
+            name: jnp.stack([jnp.asarray(row[name], float) for row in rows])
+            for name in given
+            if name != coordinate
+        }
+        films = jax.lax.map(lambda values: quick(values, context.tables), table)
+        if context.shift is not None:
+            films = jax.tree.map(jnp.add, films, context.shift)
+        return _Moving(films, tuple(uncertain))
+
+    def _spread(self, name: str, given: Mapping[str, Any]) -> Any:
+        """Standard uncertainty of a number."""
+        tolerance = self.problem.tolerances.get(name)
+        if tolerance is not None:
+            return tolerance.spread(given[name])
+        return float(np.std(self.problem.samples[name])) or 1.0
 
     def _values(
-        self, point: Any, changed: Mapping[str, Any] | None = None
+        self, given: Mapping[str, Any], films: "_Moving | None"
     ) -> dict[tuple[str, float], Any]:
         """Outputs by name and by whether more (1) or less (-1) is better."""
         problem = self.problem
         judged: tuple[Objective | Constraint, ...] = (*problem.objectives, *problem.constraints)
         parts = {(part.name, part.sign) for part in judged}
-        free = {
-            bounds.field.name: bounds.value(point[index])
-            for index, bounds in enumerate(problem.bounds)
-        }
-        given = problem.fixed | free | dict(changed or {})
         coordinate = problem.design.coordinate_name
 
-        def of_sample(sample: Mapping[str, Any]) -> dict[str, Any]:
-            values = given | dict(sample)
-            setup = problem.design.build(values)
+        def of_sample(errors: Mapping[str, Any]) -> dict[str, Any]:
+            values = dict(given) | {
+                name: given[name] + self._spread(name, given) * error
+                for name, error in errors.items()
+            }
+            prepared = None if films is None else films.at(errors)
+            setup = problem.design.build(values, prepared)
             return evaluate(setup, problem.outputs, values.get(coordinate))[0]
 
         if not problem.samples:
             alone = of_sample({})
             return {(name, sign): alone[name] for name, sign in parts}
-        samples = {
-            name: values + (given[name] - np.mean(values) if name in given else 0.0)
-            for name, values in problem.samples.items()
-        }
-        table = jax.vmap(of_sample)(samples)
+        table = jax.vmap(of_sample)(self._errors())
         return {
             (name, sign): _smooth_share(table["lift_over_weight"] - 1.0)
             if name == PROBABILITY
             else self._reduce(table[name], sign)
             for name, sign in parts
+        }
+
+    def _errors(self) -> dict[str, np.ndarray]:
+        """Errors of the uncertain numbers in their standard uncertainties, by name."""
+        tolerances = self.problem.tolerances
+        return {
+            name: column
+            if name in tolerances
+            else (column - np.mean(column)) / self._spread(name, {})
+            for name, column in self.problem.samples.items()
         }
 
     def _reduce(self, column: Any, sign: float) -> Any:
@@ -92,21 +235,28 @@ class ObjectiveFunction:
             return jnp.mean(column)
         return jnp.quantile(column, quantile if sign > 0.0 else 1.0 - quantile)
 
-    def scores(self, point: Any, changed: Mapping[str, Any] | None = None) -> Any:
+    def scores(
+        self, point: Any, changed: Mapping[str, Any] | None = None, context: "Context | None" = None
+    ) -> Any:
         """Objectives, larger is better, then constraints, positive where satisfied; to be traced.
 
         Parameters
         ----------
         point : array, shape (k,)
         changed : dict of str to array, shape ()
-            See :meth:`outputs`.
+        context : Context, optional
+            See :meth:`scores`.
 
         Returns
         -------
         array, shape (objectives + constraints,)
             Constraints are in units of their limits.
         """
-        values = self._values(point, changed)
+        given = self.given(point, changed)
+        return self._scores(given, self._films(given, context))
+
+    def _scores(self, given: Mapping[str, Any], films: "_Moving | None") -> Any:
+        values = self._values(given, films)
         problem = self.problem
         objectives = [part.sign * values[part.name, part.sign] for part in problem.objectives]
         constraints = [
@@ -115,26 +265,89 @@ class ObjectiveFunction:
         ]
         return jnp.stack([*objectives, *constraints])
 
-    @cached_property
-    def scores_of_many(self) -> Callable[[np.ndarray], np.ndarray]:
-        """:meth:`scores` at points of shape (n, k); compiled."""
-        return _compiled(jax.vmap(self.scores))
+    def scores_of_many(self, points: np.ndarray, size: int = SCREENED) -> np.ndarray:
+        """:meth:`scores` at points.
+
+        Parameters
+        ----------
+        points : array, shape (n, k)
+        size : int
+            Number of designs computed at once, for which the model is compiled.
+
+        Returns
+        -------
+        array, shape (n, objectives + constraints)
+        """
+        free = {
+            bounds.field.name: np.asarray(bounds.value(column))
+            for bounds, column in zip(self.problem.bounds, points.T, strict=True)
+        }
+        others = (self.problem.means() | self.problem.fixed).items()
+        columns = {name: np.full(len(points), value) for name, value in others}
+        return self.scores_of_designs(columns | free, size)
+
+    def scores_of_designs(
+        self, designs: Mapping[str, np.ndarray], size: int = SCREENED
+    ) -> np.ndarray:
+        """:meth:`scores` of designs, by all numbers that are free, fixed or uncertain.
+
+        Parameters
+        ----------
+        designs : dict of str to array, shape (n,)
+        size : int
+            See :meth:`scores_of_many`.
+
+        Returns
+        -------
+        array, shape (n, objectives + constraints)
+        """
+        names = list(designs)
+        found: np.ndarray = in_batches(
+            lambda *columns: self._many(dict(zip(names, columns, strict=True))),
+            list(designs.values()),
+            size,
+        )
+        return found
 
     @cached_property
-    def outputs_at(self) -> Callable[[np.ndarray], dict[str, np.ndarray]]:
-        """:meth:`outputs` at a point; compiled."""
-        return _compiled(self.outputs)
+    def _many(self) -> Callable[[Mapping[str, Any]], np.ndarray]:
+        def many(designs: Mapping[str, Any], context: Context) -> Any:
+            # one film after the other stays in the processor's cache
+            films = jax.lax.map(lambda one: self._films(one, context), designs)
+            return jax.vmap(self._scores)(designs, films)
+
+        return self._in_context(many)
+
+    def without_errors(self) -> "ObjectiveFunction":
+        """The objective of designs as they are drawn, with the same films."""
+        if not self.problem.samples:
+            return self
+        nominal = replace(self.problem, samples={}, quantile=None, constraints=())
+        function = ObjectiveFunction(nominal)
+        function._context = self._context
+        return function
 
     @cached_property
     def scores_and_jacobian(self) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
         """:meth:`scores` at a point and their derivatives, shape (m, k); compiled."""
 
-        def both(point: Any) -> Any:
-            # forwards: there are few free numbers
-            scores, push = jax.linearize(self.scores, point)
-            return scores, jax.vmap(push, out_axes=1)(jnp.eye(len(self.problem.bounds)))
+        def both(point: Any, context: Context) -> Any:
+            def scores(one: Any) -> Any:
+                return self.scores(one, None, context)
 
-        return _compiled(both)
+            count = len(self.problem.bounds)
+            if self.is_quick and len(self.problem.asked) < count:
+                found, pull = jax.vjp(scores, point)
+                return found, jax.vmap(pull)(jnp.eye(found.size))[0]
+            # forwards: there are few free numbers
+            found, push = jax.linearize(scores, point)
+            return found, jax.vmap(push, out_axes=1)(jnp.eye(count))
+
+        return self._in_context(both)
+
+    def _in_context(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        compiled = _compiled(function)
+        return lambda *arguments: compiled(*arguments, self._context)
 
     @cached_property
     def parameter_gradient(self) -> Callable[[np.ndarray, np.ndarray], dict[str, np.ndarray]]:
@@ -144,19 +357,23 @@ class ObjectiveFunction:
         """
         numbers = self._parameters()
 
-        def lagrangian(growth: Mapping[str, Any], point: Any, multipliers: Any) -> Any:
+        def lagrangian(
+            growth: Mapping[str, Any], point: Any, multipliers: Any, context: Context
+        ) -> Any:
             changed = {name: growth[name] * value for name, value in numbers.items()}
-            scores = self.scores(point, changed)
+            scores = self.scores(point, changed, context)
             return scores[0] + jnp.dot(multipliers, scores[1:])
 
-        gradient = _compiled(jax.grad(lagrangian))
+        gradient = self._in_context(jax.grad(lagrangian))
         return lambda point, multipliers: gradient(dict.fromkeys(numbers, 1.0), point, multipliers)
 
     def _parameters(self) -> dict[str, float]:
         """Numbers of the design that are neither free nor zero nor costly, by dotted name."""
         problem, design = self.problem, self.problem.design
-        means = {name: float(np.mean(column)) for name, column in problem.samples.items()}
+        means = problem.means()
         costly = design.costly(list(design.quantities))
+        if self._quick is not None:
+            costly = [name for name in costly if not self._quick.knows(name)]
         stated = {
             name: value
             for name in design.quantities

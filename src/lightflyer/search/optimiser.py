@@ -16,41 +16,29 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.optimize import minimize
 from scipy.stats import qmc
 
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flight.design import as_design
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.batches import in_batches
 from lightflyer.foundation.errors import ConfigurationError, LightflyerError
 from lightflyer.foundation.progress import report
 from lightflyer.prediction.prediction import Prediction, predict_design
-from lightflyer.search.objectives import ObjectiveFunction
+from lightflyer.search.climb import AGREEMENT, FEASIBLE, INFEASIBLE, Found, climb, climb_in_full
+from lightflyer.search.objectives import SCREENED, ObjectiveFunction
 from lightflyer.search.problem import Problem, as_problem
 from lightflyer.search.range_check import cautions_about, require_within_range
+from lightflyer.search.tolerance import AsMade, made
 from lightflyer.sweeps.shown import amount
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SCREENED = 512
-"""Designs evaluated at once: first over the whole cube, then around the starts."""
-
-AGREEMENT = 1e-6
-"""Relative difference up to which the results of two starts are the same."""
-
-FEASIBLE = 1e-6
-"""Largest violation of a constraint, over the size of its limit."""
-
 _APART = 0.1  # least distance of two starts, in sides of the cube
 _HALF_SIDES = (0.1, 0.03, 0.01)  # of the cubes that are sampled around the starts
 _AT_BOUND = 1e-6  # distance from a bound, in sides of the cube
-_STOP = 1e-10  # tolerance of SLSQP, in scales of the objective
-_STEPS = 200
 # outputs that say whether a flyer lifts its weight, and the least of one that does
 _LEAST_OF_FLYING = {"payload": 0.0, "relative_payload": 0.0, "lift_over_weight": 1.0}
-_INFEASIBLE = 1e6  # loss of a design that has no value, in scales of the objective
 
 
 @dataclass(frozen=True)
@@ -78,6 +66,9 @@ class Optimum:
         Number of searches, and of those that found this optimum.
     evaluations : int
         Number of evaluations of the objective with its gradient.
+    as_made : AsMade or None
+        What is lost where the best design is not made exactly: numbers with an ``uncertainty``,
+        and thicknesses of layers. None where there are none.
     warnings : tuple of str
         Where the best design is outside the range of the force model or of its film, which only a
         problem that allows it has.
@@ -94,6 +85,7 @@ class Optimum:
     agreeing: int
     evaluations: int
     warnings: tuple[str, ...]
+    as_made: AsMade | None = None
 
     @cached_property
     def prediction(self) -> Prediction:
@@ -127,6 +119,7 @@ class Optimum:
             "starts": self.starts,
             "agreeing": self.agreeing,
             "evaluations": self.evaluations,
+            "as_made": None if self.as_made is None else self.as_made.summary(),
             "warnings": list(self.warnings),
         }
 
@@ -160,7 +153,9 @@ def optimise(
         The objective: the name of an output, or ``"probability_of_flying"``.
     over : dict of str to object
         By the name of a number: bounds ``{"from": "1 cm", "to": "5 cm"}``, perhaps with
-        ``"scale": "log"``, one value, or a distribution.
+        ``"scale": "log"`` and the ``"uncertainty"`` with which it is made, such as ``"5 %"``;
+        one value; or a distribution. Thicknesses of layers are numbers such as
+        ``"film.layers.0.thickness"``; layer 0 is the top one.
     constraints : dict of str to dict, optional
         By the name of an output, such as ``{"temperature": {"at_most": "330 K"}}``.
     uncertainty : dict, optional
@@ -247,10 +242,10 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
             "several objectives have no single optimum; call pareto for their front"
         )
     starts, scale = _screen(function)
-    searches: list[_Found] = []
+    searches: list[Found] = []
     for start in starts:
         report("climbing from several starts", len(searches), len(starts))
-        searches.append(_search(function, start, scale))
+        searches.append(climb(function, start, scale))
     report("sensitivities of the optimum")
     satisfying = [found for found in searches if found.violation <= FEASIBLE]
     if not satisfying:
@@ -262,11 +257,14 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
         )
     best = max(satisfying, key=lambda found: found.score)
     near = AGREEMENT * max(abs(best.score), scale)
+    agreeing = sum(abs(found.score - best.score) <= near for found in satisfying)
+    if function.is_quick:
+        best = climb_in_full(function, satisfying, scale)
     return _describe(
         function,
         best,
         starts=len(searches),
-        agreeing=sum(abs(found.score - best.score) <= near for found in satisfying),
+        agreeing=agreeing,
         evaluations=sum(found.evaluations for found in searches),
     )
 
@@ -305,7 +303,7 @@ def _apart(points: np.ndarray, scores: np.ndarray, scale: float, most: int) -> n
 def _merit(scores: np.ndarray, scale: float) -> np.ndarray:
     """Objective less a penalty, by which points that satisfy the constraints come first."""
     violation = np.maximum(-scores[:, 1:], 0.0).sum(axis=1)
-    merit = scores[:, 0] / scale - _INFEASIBLE * violation
+    merit = scores[:, 0] / scale - INFEASIBLE * violation
     return np.where(np.isfinite(merit), merit, -np.inf)
 
 
@@ -319,64 +317,13 @@ def _best_nearby(
     near = np.clip(starts[:, None] + steps[:each], 0.0, 1.0)
     near[:, 0] = starts
     flat = near.reshape(-1, starts.shape[1])
-    scores = in_batches(function.scores_of_many, (flat,), len(steps))
+    scores = function.scores_of_many(flat)
     merit = _merit(scores, scale).reshape(len(starts), each)
     return near[np.arange(len(starts)), np.argmax(merit, axis=1)]
 
 
-@dataclass(frozen=True)
-class _Found:
-    """Where a search ended."""
-
-    point: np.ndarray
-    score: float
-    violation: float
-    violated: str  # the output whose constraint is violated most
-    evaluations: int
-
-
-def _search(function: ObjectiveFunction, start: np.ndarray, scale: float) -> _Found:
-    """Climb from one start."""
-    seen: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
-
-    def look(point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        key = point.tobytes()
-        if key not in seen:
-            scores, slopes = function.scores_and_jacobian(point)
-            known = np.isfinite(scores)[:, None] & np.isfinite(slopes)
-            scores = np.where(np.isfinite(scores), scores, -_INFEASIBLE * scale)
-            seen[key] = scores, np.where(known, slopes, 0.0)
-        return seen[key]
-
-    constraints = [
-        {
-            "type": "ineq",
-            "fun": lambda point, row=row: look(point)[0][row],
-            "jac": lambda point, row=row: look(point)[1][row],
-        }
-        for row in range(1, 1 + len(function.problem.constraints))
-    ]
-    found = minimize(
-        lambda point: (-look(point)[0][0] / scale, -look(point)[1][0] / scale),
-        start,
-        jac=True,
-        method="SLSQP",
-        bounds=[(0.0, 1.0)] * start.size,
-        constraints=constraints,
-        options={"ftol": _STOP, "maxiter": _STEPS},
-    )
-    point = np.clip(found.x, 0.0, 1.0)
-    scores, _ = look(point)
-    violation = float(np.maximum(-scores[1:], 0.0).max(initial=0.0))
-    if not np.isfinite(scores).all() or scores[0] <= -_INFEASIBLE * scale:
-        violation = np.inf
-    names = [one.name for one in function.problem.constraints]
-    violated = names[int(np.argmin(scores[1:]))] if names else ""
-    return _Found(point, float(scores[0]), violation, violated, len(seen))
-
-
 def _describe(
-    function: ObjectiveFunction, best: _Found, *, starts: int, agreeing: int, evaluations: int
+    function: ObjectiveFunction, best: Found, *, starts: int, agreeing: int, evaluations: int
 ) -> Optimum:
     problem = function.problem
     names = [bounds.field.name for bounds in problem.bounds]
@@ -391,13 +338,14 @@ def _describe(
     }
     objective = problem.objectives[0]
     warnings = cautions_about(problem, design)
-    require_within_range(problem, warnings, _in_words(problem, objective.sign * best.score, design))
+    words = _in_words(problem, objective.sign * best.score, design)
+    require_within_range(problem, warnings, design, words)
     multipliers = _multipliers(function, best.point)
     return Optimum(
         problem=problem,
         value=objective.sign * best.score,
         design=design,
-        outputs={name: float(value) for name, value in function.outputs_at(best.point).items()},
+        outputs=function.outputs_at(best.point),
         active_bounds=at_bound,
         active_constraints={
             part.name: objective.sign * float(multiplier) / part.scale
@@ -409,6 +357,7 @@ def _describe(
         agreeing=agreeing,
         evaluations=evaluations,
         warnings=(*warnings, *_does_not_lift(problem, best.score)),
+        as_made=made(function, best.point),
     )
 
 
@@ -446,7 +395,7 @@ def _multipliers(function: ObjectiveFunction, point: np.ndarray) -> np.ndarray:
 
 
 def _elasticities(
-    function: ObjectiveFunction, best: _Found, multipliers: np.ndarray
+    function: ObjectiveFunction, best: Found, multipliers: np.ndarray
 ) -> dict[str, float]:
     """Elasticity of the optimum in every number that is not free."""
     slopes = function.parameter_gradient(best.point, multipliers)

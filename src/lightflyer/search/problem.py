@@ -1,6 +1,7 @@
 """Optimisation problems: objectives, free numbers, constraints, and what is uncertain."""
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +16,12 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.quantity import Quantity
 from lightflyer.sweeps.axes import Axis, read_ends, read_entry
-from lightflyer.sweeps.distributions import Distribution, draw_samples, stated_distributions
+from lightflyer.sweeps.distributions import (
+    Distribution,
+    Normal,
+    draw_samples,
+    stated_distributions,
+)
 from lightflyer.sweeps.sections import OptimiseSection, SamplingSection, from_arguments
 from lightflyer.sweeps.study import Source, errors_at, read_study_file, require_compatible
 
@@ -24,8 +30,39 @@ PROBABILITY = "probability_of_flying"
 
 _MARGIN = "lift_over_weight"
 _HEAT = "temperature"
-_BOUNDS = ("from", "to", "scale")
+_BOUNDS = ("from", "to", "scale", "uncertainty")
+_PERCENT = re.compile(r"\s*([-+.\deE]+)\s*%\s*")
+_WORST_TOLERANCE = 0.3  # relative, beyond which a normal error could make a thickness negative
 _LIMITS = ("at_least", "at_most")
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How exactly a number can be made.
+
+    Attributes
+    ----------
+    size : float
+        Standard uncertainty of the made number: in the unit of the field, or relative.
+    relative : bool
+    """
+
+    size: float
+    relative: bool
+
+    def spread(self, value: Any) -> Any:
+        """Standard uncertainty in the unit of the field.
+
+        Parameters
+        ----------
+        value : array, shape (...)
+            What is to be made; may be traced.
+
+        Returns
+        -------
+        array, shape (...)
+        """
+        return self.size * abs(value) if self.relative else self.size + 0.0 * value
 
 
 @dataclass(frozen=True)
@@ -39,12 +76,15 @@ class Bounds:
         In the unit of the field.
     logarithmic : bool
         Whether the search proceeds in the logarithm.
+    tolerance : Tolerance or None
+        How exactly the number can be made; None where nothing is stated.
     """
 
     field: Field
     low: float
     high: float
     logarithmic: bool
+    tolerance: "Tolerance | None" = None
 
     def value(self, fraction: Any) -> Any:
         """Value at a fraction of the way from the low end (0) to the high end (1).
@@ -127,7 +167,8 @@ class Problem:
         Numbers that have one value, by dotted name.
     constraints : tuple of Constraint
     samples : dict of str to array, shape (m,)
-        Values of the uncertain numbers; empty where there are none.
+        Values of the uncertain numbers; empty where there are none. Of a free number they are its
+        errors in standard uncertainties.
     quantile : float or None
         Quantile of the samples that stands for an output of which more is better; for one of which
         less is better, one minus it. None for the mean.
@@ -148,6 +189,26 @@ class Problem:
     beyond_range: bool
     starts: int
     seed: int
+
+    @property
+    def tolerances(self) -> dict[str, Tolerance]:
+        """How exactly free numbers can be made, by name, where it is stated."""
+        return {one.field.name: one.tolerance for one in self.bounds if one.tolerance}
+
+    @property
+    def costly(self) -> list[str]:
+        """Numbers that have other values than the design's own and change the optics of layers."""
+        names = [bounds.field.name for bounds in self.bounds]
+        return self.design.costly(list(dict.fromkeys([*names, *self.fixed, *self.samples])))
+
+    def means(self) -> dict[str, float]:
+        """Means of the uncertain numbers that are not free, by name."""
+        free = {bounds.field.name for bounds in self.bounds}
+        return {
+            name: float(np.mean(column))
+            for name, column in self.samples.items()
+            if name not in free
+        }
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -268,14 +329,16 @@ def make_problem(
     objectives = _objectives(design, section, source)
     uncertain = section.uncertainty
     if uncertain is not None:
-        distributions = distributions or stated_distributions(design, given)
+        errors = [_errors_of(one) for one in bounds if one.tolerance is not None]
+        distributions = [*(distributions or stated_distributions(design, given)), *errors]
     with errors_at(source, "optimise", "uncertainty"):
         if uncertain is not None and not distributions:
             raise ConfigurationError(
-                "no number is uncertain; state an uncertainty in the flyer file or give a "
-                'distribution, such as "0.80 ± 0.01", in over'
+                "no number is uncertain; state an uncertainty in the flyer file, give a "
+                'distribution, such as "0.80 ± 0.01", in over, or give a free number an '
+                'uncertainty = "5 %"'
             )
-    _refuse_costly(design, [*given, *(part.field.name for part in distributions)], source)
+    _require_quick(design, [*given, *(part.field.name for part in distributions)], source)
     constraints = _constraints(design, section, source)
     names = {part.name for part in objectives} | {part.name for part in constraints}
     with errors_at(source, "optimise"):
@@ -324,7 +387,8 @@ def _read_over(
 
 def _read_free(entry: Any, known: Field) -> Bounds | Axis | Distribution:
     if isinstance(entry, Mapping) and "distribution" not in entry:
-        return Bounds(known, *read_ends(entry, known, _BOUNDS))
+        ends = read_ends(entry, known, _BOUNDS)
+        return Bounds(known, *ends, _read_tolerance(entry.get("uncertainty"), known, ends[0]))
     found = read_entry(entry, known)
     if isinstance(found, Axis) and not found.single:
         raise ConfigurationError(
@@ -333,14 +397,46 @@ def _read_free(entry: Any, known: Field) -> Bounds | Axis | Distribution:
     return found
 
 
-def _refuse_costly(design: AbstractDesign, names: list[str], source: Source | None) -> None:
-    """Raise where the optics of a film of layers would have to be computed at every step."""
+def _read_tolerance(text: Any, known: Field, low: float) -> Tolerance | None:
+    """How exactly a free number can be made; ``low`` is the least that it may be."""
+    if text is None:
+        return None
+    share = _PERCENT.fullmatch(text) if isinstance(text, str) else None
+    if share and known.quantity.unit:
+        found = Tolerance(float(share[1]) / 100.0, relative=True)
+    else:
+        # a spread is a difference: any size, and without the offset of a temperature scale
+        found = Tolerance(Quantity(known.quantity.unit).read(text).value, relative=False)
+    if not found.size > 0.0:
+        raise ConfigurationError(f'uncertainty = "{text}" must be positive')
+    if known.quantity.lowest == 0.0 and found.spread(low) > _WORST_TOLERANCE * low:
+        raise ConfigurationError(
+            f'uncertainty = "{text}" is one standard deviation and must be at most '
+            f"{100.0 * _WORST_TOLERANCE:g} % of the number wherever it may lie"
+        )
+    return found
+
+
+def _require_quick(design: AbstractDesign, names: list[str], source: Source | None) -> None:
+    """Raise where the optics of a film of layers would have to be computed in full every time."""
     for name in design.costly(names):
         with errors_at(source, "optimise", "over", name):
-            raise ConfigurationError(
-                "changes the optics of the layers and is too costly to optimise over; fix it or "
-                "sweep it"
-            )
+            design.quick_parts([name])
+
+
+def _errors_of(bounds: Bounds) -> Distribution:
+    """Errors of a free number, in its standard uncertainties."""
+    return _Errors(bounds.field, 0.0, 1.0)
+
+
+class _Errors(Normal):
+    """Normal errors, whatever values the number itself may have."""
+
+    def quantile(self, share: np.ndarray) -> np.ndarray:
+        """See :meth:`Distribution.quantile`."""
+        from scipy.special import ndtri  # slow to import
+
+        return np.asarray(ndtri(share))
 
 
 def _objectives(

@@ -2,8 +2,6 @@
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from lightflyer.flight.cautions import cautions_of_design
 from lightflyer.foundation.errors import LightflyerError
 from lightflyer.search.problem import Problem
@@ -23,21 +21,27 @@ def cautions_about(problem: Problem, design: Mapping[str, float]) -> tuple[str, 
     tuple of str
         Where no coordinate is given, of the whole band in which the design flies.
     """
-    means = {name: float(np.mean(column)) for name, column in problem.samples.items()}
-    values = means | problem.fixed | dict(design)
-    return cautions_of_design(problem.design, values)
+    return cautions_of_design(problem.design, _values(problem, design))
 
 
-def require_within_range(problem: Problem, found: tuple[str, ...], design: str) -> None:
+def _values(problem: Problem, design: Mapping[str, float]) -> dict[str, float]:
+    return problem.means() | problem.fixed | dict(design)
+
+
+def require_within_range(
+    problem: Problem, found: tuple[str, ...], values: Mapping[str, float], design: str
+) -> None:
     """Raise where a design is outside of a range, unless the problem allows it.
 
-    What the flyer file itself is warned of, such as optical data that end, refuses no design.
+    What the film itself is warned of, such as optical data that end, refuses no design.
 
     Parameters
     ----------
     problem : Problem
     found : tuple of str
         From :func:`cautions_about`.
+    values : dict of str to float
+        The free numbers, in the units of the design.
     design : str
         The design in words.
 
@@ -45,9 +49,12 @@ def require_within_range(problem: Problem, found: tuple[str, ...], design: str) 
     ------
     LightflyerError
     """
-    # what is said of the flyer file itself holds for every design: no other search would avoid it
-    beyond = [text for text in found if text not in problem.design.warnings]
-    if beyond and not problem.beyond_range:
+    if problem.beyond_range:
+        return
+    # what is said of data that end holds for every thickness: no other search would avoid it
+    own = problem.design.warnings_for(_values(problem, values))
+    beyond = [text for text in found if text not in own]
+    if beyond:
         raise LightflyerError(
             f"the best design found ({design}) is not to be relied on: {'; '.join(beyond)}; narrow "
             "the bounds, take another force model, add a constraint, or accept it with "

@@ -273,9 +273,9 @@ def _reading(
     spreads: Mapping[str, Any],
     scale: float = 1.0,
 ) -> Reading:
-    band = spreads[name]["first_order"] if name in spreads else {"low": None}
+    band: dict[str, Any] = spreads[name]["first_order"] if name in spreads else {}
     shown = ""
-    if band["low"] is not None:
+    if band.get("low") is not None:
         ends = (f"{band[end] * scale:.{_INTERVAL_DIGITS}g}" for end in ("low", "high"))
         shown = f"95 %: {' to '.join(ends)} {unit}".rstrip()
     finite = float(value) if math.isfinite(value) else None

@@ -199,7 +199,7 @@ def _move(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     found = quick(design)
     answer |= {
         "errors": [],
-        "figures": view.curves(found),
+        "figures": view.curves(found, len(shown.pins)),
         "sliders": {name: one._asdict() for name, one in sliders(design, shown.document).items()},
         "models": models_for(type(design.file.flyer)),
         "coordinate": {

@@ -27,7 +27,7 @@ _STEPS = 20  # a range ends at multiples of about so many parts of it
 _ROWS = 13  # of a table beside a figure
 _WIDEST = 300.0  # of a ratio beyond which a figure shows no further decades
 NODE_COLOURS = (ORANGE, PURPLE, GREEN, SKY)
-PIN_COLOURS = (VERMILION, GREEN, PURPLE, ORANGE)
+PIN_COLOURS = (GREEN, PURPLE, ORANGE, SKY)
 
 
 class Line(NamedTuple):
@@ -108,12 +108,14 @@ def plain_list(values: Any) -> list[Any]:
     ]
 
 
-def curves(found: Quick) -> dict[str, Any]:
+def curves(found: Quick, pins: int = 0) -> dict[str, Any]:
     """Irradiance, temperature and payload over the coordinate.
 
     Parameters
     ----------
     found : Quick
+    pins : int
+        Number of pinned designs, for the legends.
 
     Returns
     -------
@@ -133,7 +135,12 @@ def curves(found: Quick) -> dict[str, Any]:
         "payload": _payload(x, table, axis),
     }
     flies = _flies(found, factor)
+    pinned = [
+        Line(f"pin {number}", colour, "dashdot").described()
+        for number, colour in enumerate(PIN_COLOURS[:pins], start=1)
+    ]
     for data in drawn.values():
+        data["legend"] += pinned
         data["sources"] |= {"flies": flies, "band": {"x": [], "low": [], "high": []}}
     return drawn
 

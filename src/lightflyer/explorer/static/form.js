@@ -76,13 +76,13 @@ export class Form {
   }
 
   // Fields of a section: those given or needed, then the others under "more".
-  section(name, path) {
+  section(name, path, terse = false) {
     const shown = [], more = [];
     for (const field of this.grammar.sections[name].fields) {
       const dotted = `${path}.${field.name}`;
       const given = this.value(dotted) !== undefined;
       const row = this.row(field, dotted);
-      (given || field.required || field.default ? shown : more).push(row);
+      (given || field.required || (field.default && !terse) ? shown : more).push(row);
     }
     if (more.length) {
       shown.push(make("details", { class: "further", id: `more-${path}` },
@@ -105,7 +105,7 @@ export class Form {
     const entries = this.value(dotted) ?? [];
     const act = (change) => () => { const copy = structuredClone(entries); change(copy); this.edit(dotted, copy, true); };
     const rows = entries.map((_, index) => make("div", { class: "entry", role: "group", "aria-label": `${field.label} ${index + 1}` },
-      ...this.section(field.section, `${dotted}.${index}`),
+      ...this.section(field.section, `${dotted}.${index}`, true),
       make("div", { class: "moves" },
         make("button", { type: "button", class: "small", disabled: index === 0, onclick: act((copy) => copy.splice(index - 1, 0, ...copy.splice(index, 1))), "aria-label": `Move ${field.label} ${index + 1} up` }, "up"),
         make("button", { type: "button", class: "small", onclick: act((copy) => copy.splice(index, 0, structuredClone(copy[index]))), "aria-label": `Double ${field.label} ${index + 1}` }, "double"),

@@ -122,7 +122,7 @@ def cautions_of_design(design: AbstractDesign, values: Mapping[str, float]) -> t
         if band.exists:
             places = np.linspace(band.lower, band.upper, _LOOKS)
     found = cautions_at(setup, places) if np.size(places) else ()
-    return (*design.warnings, *found)
+    return (*design.warnings_for(values), *found)
 
 
 def _of_walls(setup: Setup, state: EnvironmentState) -> tuple[str, ...]:

@@ -1,24 +1,26 @@
 """``lightflyer film``: optics and areal density of a film from its layers."""
 
 import gc
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from lightflyer.film import Film
+    from lightflyer.film.angles import AngularSummary
     from lightflyer.film.sample_section import SampleSection
     from lightflyer.film.summary import FilmSummary
 
 _LEAST_SHARE = 0.0005  # of a spectrum, printed as 0.1 %
+_SHOWN_TEMPERATURE = 300.0  # [K], nearest to which an emittance by angle is printed
 _NANOMETRES, _GRAMS = 1e9, 1e3
 _TEMPERATURES = "200 K,250 K,300 K,350 K,400 K,450 K,500 K"
 
@@ -30,8 +32,9 @@ def film_command(
     out: Path | None = None,
     temperatures: str = _TEMPERATURES,
     at: str | None = None,
+    angles: str | None = None,
     json_output: Json = False,
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Compute absorptance, transmittance, emittance and areal density of a film from its layers.
 
@@ -50,12 +53,15 @@ def film_command(
     at
         Wavelengths, such as "550 nm,10 um", at which to give reflectance, transmittance and
         absorptance.
+    angles
+        Angles to the normal, such as "0 deg,30 deg,60 deg", or a step, such as "5 deg", at which to
+        give shares of the light and the emittance of the top by polarisation.
     json_output
         Print one JSON object instead of tables.
     figures
         How figures are written.
     """
-    figures.check(out)
+    out = figures.folder(out)
     gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
     from lightflyer.cli.lab._shared import show_warnings
     from lightflyer.config.reader import read_film_file
@@ -75,23 +81,25 @@ def film_command(
             for layer in written
         ],
     )  # fmt: skip
+    by_angle = _by_angle(film, summary, angles)
     warnings = [*summary.warnings, *beyond]
     described = summary.to_json() | {"origin": _origins(section), "warnings": warnings}
     if at is not None:
         described["at"] = points
-    paths = [] if out is None else _write(out, summary, described, figures)
+    if by_angle is not None:
+        described["angles"] = _angles_json(by_angle)
+    paths = [] if out is None else _write(out, summary, by_angle, described, figures)
     if json_output:
         print_json(described)
         return
     console = printer()
     _show(console, section, summary, points)
+    if by_angle is not None:
+        _show_angles(console, by_angle)
     show_warnings(console, warnings)
     if summary.uncertainty is None:
         console.print("state ± of the layers' thicknesses for intervals")
-    for path in paths:
-        console.print(f"wrote {path}", soft_wrap=True)
-    if out is None:
-        console.print("add --out FOLDER to write figures and data")
+    figures.tell(console, paths, "add --out FOLDER to write figures and data")
 
 
 def _quantities(option: str, text: str, unit: str) -> Any:
@@ -152,8 +160,28 @@ def _origins(section: "SampleSection") -> dict[str, Any]:
     }
 
 
+def _by_angle(film: "Film", summary: "FilmSummary", angles: str | None) -> "AngularSummary | None":
+    if angles is None:
+        return None
+    import numpy as np
+
+    from lightflyer.film.angles import AngularSummary
+
+    asked = _quantities("--angles", angles, "rad")
+    right = 0.5 * np.pi
+    if asked.size == 1 and 0.0 < asked[0] < right:
+        asked = np.arange(0.0, right * (1.0 - 1e-9), asked[0])
+    if np.any(asked < 0.0) or np.any(asked >= right):
+        raise ConfigurationError(f'--angles "{angles}": angles are from 0 to below 90 degrees')
+    return AngularSummary.of(film, summary.light, asked, summary.temperatures)
+
+
 def _write(
-    out: Path, summary: "FilmSummary", described: dict[str, Any], figures: FigureOptions
+    out: Path,
+    summary: "FilmSummary",
+    by_angle: "AngularSummary | None",
+    described: dict[str, Any],
+    figures: FigureOptions,
 ) -> list[Path]:
     from lightflyer.film.figures import film_figures
     from lightflyer.foundation import files as output
@@ -162,7 +190,61 @@ def _write(
     with output.output_directory(out) as stage:
         write_json(stage("film.json"), described)
         names += figures.write(stage, lambda: film_figures(summary))
+        if by_angle is not None:
+            names += _write_angles(by_angle, stage, figures)
     return [out / name for name in names]
+
+
+def _write_angles(
+    by_angle: "AngularSummary", stage: Callable[[str], Path], figures: FigureOptions
+) -> list[str]:
+    from lightflyer.film.angle_figures import angle_figures
+    from lightflyer.film.angle_tables import write_csv, write_spectral_csv
+
+    tables = {"film-angles.csv": write_csv, "film-angles-spectral.csv": write_spectral_csv}
+    for name, write in tables.items():
+        write(by_angle, stage(name))
+    by_angle.to_dataset().to_netcdf(stage("film-angles.nc"), engine="h5netcdf")
+    return [*tables, "film-angles.nc", *figures.write(stage, lambda: angle_figures(by_angle))]
+
+
+def _angles_json(by_angle: "AngularSummary") -> dict[str, Any]:
+    """Averages by angle, as lists over the angles."""
+    import numpy as np
+
+    from lightflyer.film.angles import POLARISATIONS, table_of
+
+    def listed(values: Any) -> dict[str, Any]:
+        return {name: values[row].tolist() for row, name in enumerate(POLARISATIONS)}
+
+    emittance = table_of(by_angle.thermal)["absorptance"]
+    return {
+        "angle_deg": np.degrees(by_angle.incidence).tolist(),
+        "light": {name: listed(values) for name, values in table_of(by_angle.lit).items()},
+        "emittance_top": {
+            f"{temperature:g}": listed(emittance[..., number])
+            for number, temperature in enumerate(by_angle.temperatures)
+        },
+    }
+
+
+def _show_angles(console: Console, by_angle: "AngularSummary") -> None:
+    """Print shares of the light, and the emittance at one temperature, by angle."""
+    import numpy as np
+
+    from lightflyer.film.angles import table_of
+
+    number = int(np.argmin(abs(by_angle.temperatures - _SHOWN_TEMPERATURE)))
+    shown = f"{by_angle.temperatures[number]:g} K"
+    light, heat = table_of(by_angle.lit), table_of(by_angle.thermal)["absorptance"][..., number]
+    columns = [light["reflectance"], light["transmittance"], light["absorptance"], heat]
+    heads = ("angle\n[deg]", *(f"{name}\ns / p / mean" for name in
+             ("reflectance", "transmittance", "absorptance", f"emittance, {shown}")))  # fmt: skip
+    table = _table(f"by angle, of {by_angle.light.name}, top", heads)
+    for place, angle in enumerate(np.degrees(by_angle.incidence)):
+        cells = (" / ".join(f"{one:.3f}" for one in part[:, place]) for part in columns)
+        table.add_row(f"{angle:.4g}", *cells)
+    console.print(table)
 
 
 def _show(
@@ -199,11 +281,11 @@ def _show_layers(console: Console, section: "SampleSection", summary: "FilmSumma
     """Print the layers, their mass and what they absorb of the light."""
     for layer, written in zip(summary.film.layers, section.written_layers, strict=True):
         spread = written.thickness.uncertainty
-        stated = "" if spread is None else f" ± {spread * _NANOMETRES:g}"
+        stated = "" if spread is None else f" ± {spread * _NANOMETRES:g} nm"
         console.print(
-            f"{layer.material.name:10} {float(layer.thickness) * _NANOMETRES:8.4g}{stated} nm  "
-            f"{layer.material.source}", soft_wrap=True,
-        )  # fmt: skip
+            f"{layer.material.name:10} {layer.thickness_text:>8}{stated}  {layer.material.source}",
+            soft_wrap=True,
+        )
     for name, medium in (("above", summary.film.above), ("below", summary.film.below)):
         if medium is not None:
             console.print(f"{name} it {medium.name}, endless  {medium.source}", soft_wrap=True)

@@ -34,7 +34,8 @@ _SHADED_HEIGHT = 0.45  # of a spectrum drawn behind the curves, over the height 
 _LAYER_COLOURS = (BLUE, ORANGE, GREEN, VERMILION, SKY, PURPLE, YELLOW, GREY)
 
 
-def _wavelength_axis(ax: Axes) -> None:
+def wavelength_axis(ax: Axes) -> None:
+    """Make a horizontal axis that of the wavelengths, and the vertical one that of shares."""
     ax.set_xscale("log")
     ax.set_xlim(SPECTRUM_RANGE[0] / MICROMETRE, SPECTRUM_RANGE[1] / MICROMETRE)
     ax.xaxis.set_major_locator(FixedLocator(_TICKS_UM))
@@ -100,7 +101,7 @@ def draw_spectra(summary: "FilmSummary", ax: Axes) -> Axes:
     ax.plot(micrometres, optics.reflectance, color=BLUE, ls="--", label="reflectance")
     ax.plot(micrometres, optics.transmittance, color=GREEN, ls="-.", label="transmittance")
     ax.plot(micrometres, optics.absorptance, color=VERMILION, label="absorptance")
-    _wavelength_axis(ax)
+    wavelength_axis(ax)
     ax.set_ylabel("share of light, normal incidence on top [1]\n(shaded: arbitrary height)")
     legend_below(ax)
     return ax
@@ -118,15 +119,12 @@ def draw_layers(summary: "FilmSummary", ax: Axes) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    labels = [
-        f"{layer.material.name}, {float(layer.thickness) * 1e9:.4g} nm"
-        for layer in summary.film.layers
-    ]
+    labels = [f"{layer.material.name}, {layer.thickness_text}" for layer in summary.film.layers]
     colours = [_LAYER_COLOURS[index % len(_LAYER_COLOURS)] for index in range(len(labels))]
     parts = summary.optics.layer_absorptance
     ax.stackplot(summary.wavelength / MICROMETRE, parts, labels=labels, colors=colours, lw=0)
     _mark_extrapolated(ax, summary)
-    _wavelength_axis(ax)
+    wavelength_axis(ax)
     ax.set_ylabel("absorptance, normal incidence on top [1]")
     legend_below(ax, title="layers, top to bottom")
     return ax

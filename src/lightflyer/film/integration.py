@@ -3,7 +3,6 @@
 import dataclasses
 from typing import Any, NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -185,17 +184,17 @@ def spectral_shares(film: Film, side: Side, grid: Grid) -> SpectralShares:
     SpectralShares
         Differentiable in the thicknesses, the media's parameters and the directions.
     """
-    lit = (film if side == "top" else film.flipped()).homogeneous()
-    n, k = lit.index(grid.wavelength)
-    structure = lit.structure(grid.wavelength, axes=2)
-    if is_traced(n, k, lit.thickness, grid.cosine, structure):
-        arguments = (n, k, lit.thickness, grid.wavelength, grid.cosine, grid.share, structure)
-        found = _spectral(*arguments)
+    pieces = spectral_pieces(film, side, grid.wavelength)
+    cosines, shares = grid.cosine, grid.share
+    if not is_traced(pieces, cosines):  # always of one length: one compilation serves all
+        cosines, shares = np.ones(DIRECTIONS), np.zeros(DIRECTIONS)
+        cosines[: np.size(grid.cosine)], shares[: np.size(grid.share)] = grid.cosine, grid.share
+    parts = [_spectral(*arguments) for arguments in ((*one, cosines, shares) for one in pieces)]
+    if len(parts) == 1:
+        found = parts[0]
     else:
-        chunks = _chunks(n, k, np.asarray(lit.thickness), grid, structure)
-        parts = zip(*(_spectral(*chunk) for chunk in chunks), strict=True)
-        joined = (np.concatenate(part)[: grid.wavelength.size] for part in parts)
-        found = SpectralShares(*joined)
+        found = SpectralShares(*map(np.concatenate, zip(*parts, strict=True)))
+    found = SpectralShares(*(share[: grid.wavelength.size] for share in found))
     return found if film.open_fraction is None else _with_holes(found, film.open_fraction)
 
 
@@ -206,31 +205,51 @@ def _with_holes(shares: SpectralShares, open_fraction: Numeric) -> SpectralShare
     return found._replace(transmittance=found.transmittance + open_fraction)
 
 
-def _chunks(
-    n: np.ndarray, k: np.ndarray, thickness: np.ndarray, grid: Grid, structure: Structure
+def spectral_pieces(
+    film: Film, side: Side, wavelength: np.ndarray, *weights: np.ndarray
 ) -> list[tuple[Any, ...]]:
-    """Arguments of the compiled function, always of one shape: one compilation serves all."""
-    cosines, shares = np.ones(DIRECTIONS), np.zeros(DIRECTIONS)
-    cosines[: np.size(grid.cosine)], shares[: np.size(grid.share)] = grid.cosine, grid.share
-    padding = (0, -grid.wavelength.size % _CHUNK)
-    size = grid.wavelength.size
+    """A lit film as numbers at wavelengths, in pieces to be computed one after another.
 
-    def padded(table: np.ndarray) -> np.ndarray:
-        """A table over the wavelengths, continued to whole pieces; another one as it is."""
-        if np.ndim(table) == 0 or table.shape[-1] != size:
-            return table
-        return np.pad(table, [(0, 0)] * (table.ndim - 1) + [padding], mode="edge")
+    Parameters
+    ----------
+    film : Film
+    side : {"top", "bottom"}
+        Where the light comes from.
+    wavelength : array, shape (w,)
+        [m].
+    *weights : array, shape (m, w)
 
-    tables = jax.tree.map(padded, (n, k, grid.wavelength, structure.above, structure.below))
+    Returns
+    -------
+    list of tuple
+        n and k, shape (layers, v); thickness, shape (layers,); wavelength, shape (v,); weights,
+        shape (m, v); :class:`Structure`. Pieces of a film that is not traced all have one length:
+        the last one repeats its last wavelength, with weight zero.
+    """
+    lit = (film if side == "top" else film.flipped()).homogeneous()
+    n, k = lit.index(wavelength)
+    structure = lit.structure(wavelength, axes=2)
+    thickness = lit.thickness
+    if is_traced(n, k, thickness, structure):
+        return [(n, k, thickness, wavelength, *weights, structure)]
+    size, missing = wavelength.size, -wavelength.size % _CHUNK
+
+    def longer(table: Any, mode: Any) -> np.ndarray:
+        """A table over the wavelengths, to a whole number of pieces."""
+        wide = np.broadcast_to(table, (*np.shape(table)[:-1], size))
+        return np.pad(wide, [(0, 0)] * (wide.ndim - 1) + [(0, missing)], mode=mode)
+
+    tables = (n, k, wavelength, structure.above, *structure.below)
+    padded = [longer(table, "edge") for table in tables]
+    heavy = [longer(table, "constant") for table in weights]
     found = []
-    for start in range(0, size + padding[1], _CHUNK):
+    for start in range(0, size, _CHUNK):
         at = slice(start, start + _CHUNK)
-        n, k, wavelength, above, below = jax.tree.map(
-            lambda table: table[..., at] if np.ndim(table) else table,  # noqa: B023
-            tables,
-        )
-        around = dataclasses.replace(structure, above=above, below=below)
-        found.append((n, k, thickness, wavelength, cosines, shares, around))
+        n, k, here, above, *below = (table[..., at] for table in padded)
+        around = dataclasses.replace(structure, above=above, below=(below[0], below[1]))
+        if film.free_standing:
+            around = structure
+        found.append((n, k, thickness, here, *(one[..., at] for one in heavy), around))
     return found
 
 
@@ -240,9 +259,9 @@ def _spectral(
     k: Numeric,
     thickness: Numeric,
     wavelength: Numeric,
+    structure: Structure,
     cosine: Numeric,
     share: Numeric,
-    structure: Structure,
 ) -> SpectralShares:
     """Shares of unpolarised light at each wavelength, weighted over directions."""
     incidence = jnp.arccos(jnp.atleast_1d(cosine))[:, None]
@@ -252,11 +271,8 @@ def _spectral(
     ).unpolarised()
     scattered = optics.scattered + jnp.zeros_like(optics.reflectance)
     absorbed = 1.0 - optics.reflectance - optics.transmittance - scattered
-    shares = jnp.atleast_1d(share)
-    return SpectralShares(
-        shares @ absorbed, shares @ optics.transmittance, shares @ optics.reflectance,
-        shares @ scattered,
-    )  # fmt: skip
+    found = SpectralShares(absorbed, optics.transmittance, optics.reflectance, scattered)
+    return SpectralShares(*(jnp.atleast_1d(share) @ part for part in found))
 
 
 @entry_point

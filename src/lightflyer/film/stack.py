@@ -19,6 +19,9 @@ Side: TypeAlias = Literal["top", "bottom"]
 
 GRAZING = np.nextafter(np.pi / 2, 0.0)
 
+_UNITS = ((1e-9, "nm"), (1e-6, "µm"), (1e-3, "mm"))
+_TOO_MANY = 1e4  # of a unit, so that the next one is written
+
 _CLEAR = 1e-3
 """Largest extinction coefficient of a medium that light may come from [1]. Its square is neglected
 against that of the index; what it absorbs on the way is not counted."""
@@ -52,6 +55,13 @@ class Layer(Checked):
 
     def __check_init__(self) -> None:
         require_positive(**{f"thickness of {self.material.name}": self.thickness})
+
+    @property
+    def thickness_text(self) -> str:
+        """Concrete thickness in nanometres, or in the unit that suits a thick layer."""
+        thickness = float(self.thickness)
+        scale, unit = next((pair for pair in _UNITS if thickness < _TOO_MANY * pair[0]), _UNITS[-1])
+        return f"{thickness / scale:.4g} {unit}"
 
     @property
     def sheets(self) -> tuple["Layer", ...]:

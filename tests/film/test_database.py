@@ -1,0 +1,101 @@
+"""Pages of refractiveindex.info by name and by search."""
+
+import numpy as np
+import pytest
+import yaml
+
+import lightflyer as lf
+from lightflyer.film import Film, Layer, material, search_pages
+from lightflyer.film.database import database_page, database_pages, page_details
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "main/Cr/Johnson",
+        "MAIN/cr/johnson",
+        "Cr/Johnson",
+        "https://refractiveindex.info/?shelf=main&book=Cr&page=Johnson",
+    ],
+)
+def test_a_page_has_several_spellings(name):
+    assert material(name).name == "main/Cr/Johnson"
+
+
+def test_a_page_holds_the_published_table():
+    """Chromium of Johnson and Christy (1974), from the file of the page itself."""
+    content = yaml.safe_load(database_page("main/Cr/Johnson").path.read_text(encoding="utf-8"))
+    rows = np.array([row.split() for row in content["DATA"][0]["data"].splitlines()], float)
+    n, k = material("main/Cr/Johnson").index(rows[:, 0] * 1e-6)
+    np.testing.assert_allclose(np.stack([n, k], axis=1), rows[:, 1:], rtol=1e-12)
+
+
+def test_a_formula_gives_the_published_index():
+    """Fused silica at the sodium line, n = 1.4585 (Malitson 1965); and k is said to be zero."""
+    silica = material("main/SiO2/Malitson")
+    n, k = silica.index(0.58929e-6)
+    assert n == pytest.approx(1.4584, abs=1e-4)
+    assert k == 0.0
+    assert silica.caveats == (
+        "main/SiO2/Malitson has n only: k is taken as zero, so the layer absorbs nothing",
+    )
+
+
+def test_what_is_unusual_is_said():
+    assert material("main/Si/Franta-100K").caveats == ("main/Si/Franta-100K has n and k at 100 K",)
+    assert "ordinary ray" in material("main/C/Djurisic-o").caveats[0]
+    noisy = material("main/GaP/Jellison")
+    assert "k down to -0.003: negative k is taken as zero" in noisy.caveats[0]
+    assert noisy.index(np.linspace(0.5e-6, 0.8e-6, 300))[1].min() == 0.0
+
+
+def test_density_comes_from_the_page_or_is_asked_for():
+    assert material("specs/SCHOTT-optical/N-BK7").density == pytest.approx(2510.0)
+    with pytest.raises(lf.ParameterError, match=r"density of main/Cr/Johnson is unknown"):
+        _ = Film((Layer(material("main/Cr/Johnson"), 1e-8),)).areal_density
+    assert Film((Layer(material("Cr/Johnson").with_density(7150.0), 1e-8),)).areal_density > 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("main/Cr/Jonson", "did you mean main/Cr/Johnson"),
+        ("Rakic/BB", "is no page of refractiveindex.info"),
+        ("https://refractiveindex.info/?shelf=main", "is no page of refractiveindex.info"),
+        ("main/Si/Daub", "has no refractive index n, only k"),
+        ("other/CR-39/poly", "has n and k at no range of wavelengths"),
+        ("main/GaSe/Kato-o", "has n = nan"),
+        ("main/AgGaSe2/Boyd-o", "cannot be read: list index out of range"),
+        ("main/Al2O3/Querry-o", r"k = -0\.052 at 0\.21 µm, which no passive medium has"),
+    ],
+)
+def test_pages_of_no_use_get_one_line(name, message):
+    with pytest.raises(lf.ParameterError, match=message) as caught:
+        material(name)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_search_finds_formula_author_and_words():
+    names = [page.name for page in search_pages("Cr")]
+    assert "main/Cr/Johnson" in names[:5]
+    assert [page.name for page in search_pages("cr 1974")] == ["main/Cr/Johnson"]
+    assert all(page.book == "Ge" for page in search_pages("germanium film"))
+    assert search_pages("germaniu")  # a part of a word, as no page has it whole
+    assert search_pages("xyzzy") == []
+    with pytest.raises(lf.ParameterError, match="has no word"):
+        search_pages("  ")
+
+
+def test_any_page_loads_or_says_why_not(rng):
+    """Of hundreds of pages, those that load are sound over their whole range."""
+    pages = list(database_pages().values())
+    assert len(pages) > 3000
+    for number in rng.choice(len(pages), 150, replace=False):
+        details = page_details(pages[number])
+        assert details.reference
+        try:
+            known = material(pages[number].name)
+        except lf.ParameterError:
+            continue
+        n, k = known.index(np.geomspace(*known.wavelength_range, 300))
+        assert np.all(np.isfinite(n) & (n > 0.0) & np.isfinite(k) & (k >= 0.0))

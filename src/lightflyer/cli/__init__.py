@@ -15,6 +15,7 @@ import cyclopts
 
 import lightflyer
 from lightflyer.cli.progress import Display, working
+from lightflyer.cli.report import note_warning, reporting
 from lightflyer.foundation.errors import LightflyerError, ParameterWarning
 
 EXIT_FAILURE = 2
@@ -119,6 +120,7 @@ class _Warnings:
         if str(message) not in self._shown:
             self._shown.add(str(message))
             self._display.note(f"lightflyer: warning: {message}")
+            note_warning(str(message))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -134,7 +136,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         with working(next(iter(given), app.name[0])) as display, warnings.catch_warnings():
             warnings.simplefilter("always", ParameterWarning)
             warnings.showwarning = _Warnings(display)
-            app(given, exit_on_error=False, print_error=False)
+            with reporting(given):
+                app(given, exit_on_error=False, print_error=False)
             sys.stdout.flush()  # a full device says so here, not while Python ends
     except cyclopts.CycloptsError as error:
         _fail(f"{_one_line(error)}; see lightflyer {_help_of(given)} --help".replace("  ", " "))

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.lab._points import open_interval_text
 from lightflyer.cli.lab._shared import optional_share, quantity, show_warnings
 from lightflyer.cli.options import Json, Samples, Seed
@@ -39,7 +39,7 @@ def calibrate_command(
     samples: Samples = 2000,
     seed: Seed = 0,
     json_output: Json = False,
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Fit force coefficients and film properties to measured levitation points.
 
@@ -90,7 +90,7 @@ def calibrate_command(
     figures
         How figures are written.
     """
-    figures.check(out)
+    out = figures.folder(out)
     from lightflyer.calibration.calibration import calibrate
     from lightflyer.calibration.points import read_points
     from lightflyer.config.reader import read_flyer_file
@@ -122,10 +122,8 @@ def calibrate_command(
             f"flyer: the paper's 2-cm disk in a chamber at {warmth:g} K; use --flyer for yours"
         )
     _show(console, fit, drawn)
-    for path in written:
-        console.print(f"wrote {path}", soft_wrap=True)
-    if out is None:
-        console.print("add --out FOLDER to write the fit and a figure of the residuals")
+    hint = "add --out FOLDER to write the fit and a figure of the residuals"
+    figures.tell(console, written, hint)
 
 
 def _draw(fit: "Calibration", samples: int, seed: int) -> "Posterior":

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.options import Json, Samples, Seed
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.foundation.errors import ConfigurationError
@@ -26,7 +26,7 @@ def compare_command(
     json_output: Json = False,
     samples: Samples = 500,
     seed: Seed = 0,
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Compare flyers: payload, lift and temperature side by side, each in its own surroundings.
 
@@ -50,7 +50,7 @@ def compare_command(
     figures
         How figures are written.
     """
-    figures.check(out)
+    out = figures.folder(out)
     from lightflyer.comparison.comparison import compare
     from lightflyer.config.reader import read_flyer_file
 
@@ -64,10 +64,7 @@ def compare_command(
         return
     console = printer()
     _show(console, comparison)
-    for path in written:
-        console.print(f"wrote {path}", soft_wrap=True)
-    if out is None:
-        console.print("add --out FOLDER to write the figure and data")
+    figures.tell(console, written, "add --out FOLDER to write the figure and data")
 
 
 def _range(

@@ -1,16 +1,19 @@
 """Options of figures, the same in every command that writes some."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from lightflyer.cli import report as reports
+from lightflyer.cli.output import say
 from lightflyer.foundation.errors import ParameterError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from rich.console import Console
 
 _DOTS = (30, 1200)
 
@@ -94,12 +97,75 @@ class FigureOptions:
 
         names = []
         with styled(self.style):
-            for title, figure in draw().items():
+            drawn = draw()
+            if reports.current is not None:
+                reports.current.draw(drawn)
+            for title, figure in drawn.items():
                 files = [f"{title}.{ending}" for ending in self.endings]
                 save(figure, [stage(name) for name in files], dpi=self.dpi)
                 names += files
         return names
 
 
-AS_USUAL = FigureOptions()
-"""Figures where nothing else is asked."""
+@Parameter(name="*")
+@dataclass(frozen=True)
+class ResultOptions(FigureOptions):
+    """How figures are written, and the page of everything.
+
+    Parameters
+    ----------
+    report
+        HTML page to write everything into that is printed and drawn, with the files read, the
+        command and the versions: one file that can be mailed.
+    """
+
+    report: Path | None = None
+
+    def folder(self, out: Path | None) -> Path | None:
+        """Folder to write into; begins the report where one is asked for.
+
+        To be called before anything is computed.
+
+        Parameters
+        ----------
+        out : Path or None
+            Folder that the user names.
+
+        Returns
+        -------
+        Path or None
+            The same; or one for the time being, if only the report needs figures.
+
+        Raises
+        ------
+        ParameterError
+            If an option of figures cannot be used.
+        OutputError
+            If the report cannot be written.
+        """
+        self.check(out)
+        if self.report is None:
+            return out
+        begun = reports.begin(self.report)
+        return begun.folder if out is None else out
+
+    def tell(self, console: "Console", written: Sequence[Path], otherwise: str = "") -> None:
+        """Print which files were written.
+
+        Parameters
+        ----------
+        console : rich.console.Console
+        written : sequence of Path
+        otherwise : str
+            What to print where none was.
+        """
+        begun = reports.current
+        kept = [path for path in written if begun is None or not path.is_relative_to(begun.folder)]
+        for path in kept:
+            say(console, f"wrote {path}")
+        if not kept and begun is None and otherwise:
+            say(console, otherwise)
+
+
+AS_USUAL = ResultOptions()
+"""Figures where nothing else is asked, and no report."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, write_json
 
@@ -23,7 +23,7 @@ def fly_command(
     *,
     out: Path | None = None,
     json_output: Json = False,
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Fly a mission: where a flyer goes, whether it survives the night, what ends it.
 
@@ -40,7 +40,7 @@ def fly_command(
     figures
         How figures are written.
     """
-    figures.check(out)
+    out = figures.folder(out)
     from lightflyer.config.mission_file import read_mission_file
     from lightflyer.mission.facts import facts_of
     from lightflyer.mission.mission import fly
@@ -58,10 +58,7 @@ def fly_command(
         return
     console = printer()
     _show(console, dataset, summary)
-    for path in written:
-        console.print(f"wrote {path}", soft_wrap=True)
-    if out is None:
-        console.print("add --out FOLDER to write figures and data")
+    figures.tell(console, written, "add --out FOLDER to write figures and data")
 
 
 def _write(

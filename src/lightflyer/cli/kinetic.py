@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from rich.table import Table
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.progress import report
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from lightflyer.kinetic import Solution
 
 
@@ -33,7 +35,7 @@ def kinetic_command(
     boundary: float | None = None,
     out: Path | None = None,
     json_output: Json = False,
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Solve the kinetic equation around a hot thin disk, or one with holes.
 
@@ -71,7 +73,7 @@ def kinetic_command(
     figures
         How figures are written.
     """
-    figures.check(out)
+    out = figures.folder(out)
     gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
     if temperature_ratio is not None and (top_temperature, bottom_temperature) != (None, None):
         raise ParameterError(
@@ -104,16 +106,18 @@ def kinetic_command(
     if json_output:
         print_json(solution.to_json())
     else:
-        _show(solution, [] if out is None else [out / name for name in written])
+        console = printer()
+        _show(console, solution)
+        hint = "add --out FOLDER to write a figure of the flow"
+        figures.tell(console, [] if out is None else [out / name for name in written], hint)
 
 
 def _of_both_faces(ratio: float | None, top: float | None) -> float | tuple[float, float] | None:
     return ratio if ratio is None or top is None else (top, ratio)
 
 
-def _show(solution: "Solution", written: list[Path]) -> None:
+def _show(console: "Console", solution: "Solution") -> None:
     described = solution.to_json()
-    console = printer()
     console.print(solution.title, soft_wrap=True)
     console.print(_table(described))
     count = described["iterations"]
@@ -122,10 +126,6 @@ def _show(solution: "Solution", written: list[Path]) -> None:
         "numerical and excludes that of the model",
         soft_wrap=True,
     )
-    for path in written:
-        console.print(f"wrote {path}", soft_wrap=True)
-    if not written:
-        console.print("add --out FOLDER to write a figure of the flow")
 
 
 @contextmanager

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.output import printer
 from lightflyer.foundation.errors import ConfigurationError
 
@@ -26,7 +26,7 @@ def map_command(
     at: str | None = None,
     pareto: Annotated[bool, Parameter(negative=())] = False,
     out: Path = Path("map"),
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Draw an output of a sweep over one or two of its fields.
 
@@ -50,7 +50,7 @@ def map_command(
     figures
         How figures are written.
     """
-    figures.check(out)
+    figures.folder(out)
     from lightflyer.sweeps.explore import choose_slice, find_name
     from lightflyer.sweeps.run import open_sweep
     from lightflyer.sweeps.shown import amount
@@ -68,8 +68,7 @@ def map_command(
     written = _write(out, lambda: _draw(dataset, sliced, names, pareto=pareto), figures)
     for name, (number, unit) in chosen.items():
         console.print(f"at {name} {amount(number, unit)}")
-    for path in written:
-        console.print(f"wrote {path}", soft_wrap=True)
+    figures.tell(console, written)
 
 
 def _asked(at: str | None) -> dict[str, str]:

@@ -16,6 +16,9 @@ _UNBOUNDED = 1000  # columns of a pipe or file, in which nothing is wrapped
 BEFORE_RESULTS: list[Callable[[], None]] = []
 """What is called before anything is printed to the standard output stream."""
 
+AFTER_PRINT: list[Callable[[object], None]] = []
+"""What is called with every result that is printed there."""
+
 
 def _clear() -> None:
     for call in BEFORE_RESULTS:
@@ -34,6 +37,9 @@ class _Results(Console):
         if wanted > self.width:
             settings |= {"width": wanted, "crop": False}
         super().print(*objects, **settings)
+        for part in objects:
+            for call in AFTER_PRINT:
+                call(part)
 
 
 def _width_of(table: Table) -> int:
@@ -66,6 +72,18 @@ def printer(*, stderr: bool = False, width: int | None = None) -> Console:
     return console
 
 
+def say(console: Console, text: str) -> None:
+    """Print a line that is not a result: about files that were written, for one.
+
+    Parameters
+    ----------
+    console : rich.console.Console
+    text : str
+    """
+    _clear()
+    Console.print(console, text, soft_wrap=True)
+
+
 def print_json(document: dict[str, Any]) -> None:
     """Print one JSON object on one line.
 
@@ -74,6 +92,8 @@ def print_json(document: dict[str, Any]) -> None:
     document : dict
     """
     _clear()
+    for call in AFTER_PRINT:
+        call(json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
     readable = (sys.stdout.encoding or "").lower().startswith("utf")  # else escapes lose nothing
     print(json.dumps(document, allow_nan=False, ensure_ascii=not readable))  # noqa: T201
 

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.options import Json, Samples, Seed
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.cli.prediction_tables import NARROW, measure, show_flyer, show_results
@@ -35,7 +35,7 @@ def predict_command(
     csv: Annotated[bool, Parameter(negative=())] = False,
     samples: Samples = 500,
     seed: Seed = 0,
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Predict where a flyer levitates, what it carries and how hot it gets.
 
@@ -61,9 +61,9 @@ def predict_command(
         How figures are written.
     """
     gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
-    figures.check(out)
     if csv and out is None:
         raise ConfigurationError("--csv: the table needs a folder; add --out FOLDER")
+    out = figures.folder(out)
     from lightflyer.config.reader import read_design
     from lightflyer.prediction.prediction import predict_design
 
@@ -93,10 +93,7 @@ def predict_command(
         return
     console = printer()
     _show(console, file, prediction, summary)
-    for path in written:
-        console.print(f"wrote {path}", soft_wrap=True)
-    if out is None:
-        console.print("add --out FOLDER to write figures and data")
+    figures.tell(console, written, "add --out FOLDER to write figures and data")
 
 
 def _load_in_background() -> threading.Thread:

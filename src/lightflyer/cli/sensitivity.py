@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
@@ -22,7 +22,7 @@ def sensitivity_command(
     *,
     out: Path | None = None,
     json_output: Json = False,
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Rank uncertain properties by their effect, and say what to measure next.
 
@@ -38,7 +38,7 @@ def sensitivity_command(
     figures
         How figures are written.
     """
-    figures.check(out)
+    out = figures.folder(out)
     from lightflyer.search import read_sensitivity_study, sensitivity
 
     study = read_sensitivity_study(study_file)
@@ -62,8 +62,7 @@ def sensitivity_command(
             )
     for text in study.design.sampling_warnings:
         console.print(f"warning: {text}", soft_wrap=True)
-    for path in written:
-        console.print(f"wrote {path}", soft_wrap=True)
+    figures.tell(console, written)
 
 
 def _write(

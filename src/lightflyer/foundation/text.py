@@ -8,6 +8,9 @@ import numpy as np
 
 from lightflyer.foundation.errors import ConfigurationError
 
+FILES_READ: list[Path] = []
+"""Files that :func:`read_text` has read, for who tells where a result is from."""
+
 
 def read_text(path: Path) -> str:
     """Text of a UTF-8 file, with or without a byte-order mark.
@@ -26,12 +29,14 @@ def read_text(path: Path) -> str:
         If the file cannot be read or is not text.
     """
     try:
-        return path.read_text(encoding="utf-8-sig")
+        text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
         line = 1 + error.object[: error.start].count(b"\n")
         raise ConfigurationError(f"{path}:{line}: is not a text file (UTF-8)") from None
+    FILES_READ.append(path)
+    return text
 
 
 def in_toml(value: Any) -> str:

@@ -1,13 +1,12 @@
 """The report: the paper's numbers beside ours, as JSON, Markdown and one HTML page."""
 
-import base64
-import html
 import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import lightflyer
+from lightflyer.foundation import page
 from lightflyer.paper.claims import Claim, Quantity, claims
 from lightflyer.paper.conditions import COLUMNS, facts
 from lightflyer.paper.curves import FIGURES, captions
@@ -281,15 +280,6 @@ def _markdown(block: _Block) -> str:
     return "#" * int(block.kind[1]) + " " + block.text
 
 
-_STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
-table { border-collapse: collapse; display: block; overflow-x: auto; margin: 1rem 0; }
-th, td { border: 1px solid #bbb; padding: .25rem .6rem; text-align: left; vertical-align: top; }
-th { background: #eee; }
-img { max-width: 100%; }
-"""
-
-
 def as_html(results: Results, images: dict[str, Path]) -> str:
     """The report as one self-contained page.
 
@@ -303,27 +293,18 @@ def as_html(results: Results, images: dict[str, Path]) -> str:
     -------
     str
     """
-    body = "\n".join(_html(block, images) for block in _blocks(results))
-    return (
-        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        "<title>The paper, reproduced</title>\n"
-        f"<style>{_STYLE}</style>\n</head>\n<body>\n{body}\n</body>\n</html>\n"
-    )
+    return page.page("The paper, reproduced", (_html(block, images) for block in _blocks(results)))
 
 
 def _html(block: _Block, images: dict[str, Path]) -> str:
     if block.kind == "img":
-        data = base64.b64encode(images[block.image].read_bytes()).decode("ascii")
-        return f'<img alt="{html.escape(block.text)}" src="data:image/png;base64,{data}">'
+        return page.image(images[block.image].read_bytes(), "png", block.text)
     if block.kind == "table":
         header, *rows = block.rows
-        lines = [_html_row("th", header), *(_html_row("td", row) for row in rows)]
-        return "<table>\n" + "\n".join(lines) + "\n</table>"
-    return f"<{block.kind}>{html.escape(block.text)}</{block.kind}>"
-
-
-def _html_row(cell: str, values: tuple[str, ...]) -> str:
-    return "<tr>" + "".join(f"<{cell}>{html.escape(value)}</{cell}>" for value in values) + "</tr>"
+        return page.table(rows, header)
+    if block.kind == "p":
+        return page.paragraph(block.text)
+    return page.heading(block.text, int(block.kind[1]))
 
 
 def dump(results: Results) -> str:

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.figure_files import FigureOptions
+from lightflyer.cli.figure_files import FigureOptions, ResultOptions
 from lightflyer.cli.output import write_json
 from lightflyer.foundation.errors import ConfigurationError
 
@@ -285,12 +285,13 @@ def updating(
 
 
 def finish(
-    console: Console, written: Sequence[Path], updated: Sequence[str], flyer: Path | None
+    console: Console,
+    figures: ResultOptions,
+    written: Sequence[Path],
+    updated: Sequence[str],
+    flyer: Path | None,
 ) -> None:
     """Print what was written, or how to write it."""
-    for path in written:
-        console.print(f"wrote {path}", soft_wrap=True)
+    figures.tell(console, written, "add --out FOLDER to write a record and a figure")
     for text in updated:
         console.print(f"{flyer}: {text}", soft_wrap=True, markup=False)
-    if not written:
-        console.print("add --out FOLDER to write a record and a figure")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab._shared import (
     Files,
     finish,
@@ -50,7 +50,7 @@ def ftir_command(
     update: Path | None = None,
     face: Literal["top", "bottom", "both"] = "both",
     json_output: Json = False,
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Average infrared spectra over a band and over Planck's spectrum, for the emissivity.
 
@@ -96,7 +96,7 @@ def ftir_command(
     figures
         How figures are written.
     """
-    figures.check(out)
+    out = figures.folder(out)
     from lightflyer.config.update import emittance_keys
     from lightflyer.lab.ftir import reduce_ftir, to_dataset
     from lightflyer.lab.spectrum_data import read_spectrum
@@ -146,7 +146,7 @@ def ftir_command(
     _show_read(console, [*spectra, *mirrors])
     _show(console, result)
     show_warnings(console, warnings)
-    finish(console, written, updated, update)
+    finish(console, figures, written, updated, update)
 
 
 def _require_radiating(result: "Ftir") -> None:

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab._points import open_interval_text
 from lightflyer.cli.lab._shared import (
     Files,
@@ -53,7 +53,7 @@ def levitation_command(
     out: Path | None = None,
     update: Path | None = None,
     json_output: Json = False,
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Find the minimum irradiance of samples and its pressure; compare samples and launchpads.
 
@@ -100,7 +100,7 @@ def levitation_command(
     figures
         How figures are written.
     """
-    figures.check(out)
+    out = figures.folder(out)
     from lightflyer.lab import levitation
     from lightflyer.lab.levitation_data import read_lift_offs
 
@@ -141,7 +141,7 @@ def levitation_command(
     if fit is not None:
         _show_fit(console, fit)
     show_warnings(console, document["warnings"])
-    finish(console, written, updated, update)
+    finish(console, figures, written, updated, update)
 
 
 def _require_flyer(flyer: Path | None, *, calibrate: bool, update: bool) -> None:

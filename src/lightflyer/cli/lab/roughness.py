@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 from rich.console import Console
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab._shared import (
     Files,
     estimate_table,
@@ -50,7 +50,7 @@ def roughness_command(
     seed: Seed = 0,
     out: Path | None = None,
     json_output: Json = False,
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Level height maps, mask particles and holes, and find the roughness of the surface.
 
@@ -89,7 +89,7 @@ def roughness_command(
     figures
         How figures are written.
     """
-    figures.check(out)
+    out = figures.folder(out)
     if list_channels:
         _show_channels(files, json_output=json_output)
         return
@@ -120,7 +120,7 @@ def roughness_command(
     console = printer()
     _show(console, results)
     show_warnings(console, document["warnings"])
-    finish(console, written, [], None)
+    finish(console, figures, written, [], None)
 
 
 def _show_channels(files: "Sequence[Path]", *, json_output: bool) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab._shared import (
     Files,
     difference,
@@ -61,7 +61,7 @@ def tac_command(
     update: Path | None = None,
     face: Literal["top", "bottom", "both"] | None = None,
     json_output: Json = False,
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Fit accommodation coefficient, area ratio and offset to a heater's power against pressure.
 
@@ -120,7 +120,7 @@ def tac_command(
     figures
         How figures are written.
     """
-    figures.check(out)
+    out = figures.folder(out)
     from lightflyer.gas import GASES
     from lightflyer.lab import tac, tac_record
     from lightflyer.lab.tac_accuracy import TacAccuracy, unstated_accuracies
@@ -163,7 +163,7 @@ def tac_command(
     show_read(console, [run.table for run in runs])
     _show(console, fits)
     show_warnings(console, warnings)
-    finish(console, written, updated, update)
+    finish(console, figures, written, updated, update)
 
 
 def _require_face(update: Path | None, face: str | None) -> None:

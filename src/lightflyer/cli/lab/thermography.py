@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 from rich.console import Console
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab._shared import (
     difference,
     estimate_table,
@@ -27,10 +27,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.foundation.units import Measured
+    from lightflyer.lab.thermal_image import ThermalImage
     from lightflyer.lab.thermography import RadiativeProperties
     from lightflyer.lab.thermography_data import Readings, Scene
-
-_IMAGES = (".jpg", ".jpeg")
 
 
 def thermography_command(
@@ -47,6 +46,10 @@ def thermography_command(
     hotplate_emissivity: str | None = None,
     film_temperature: str | None = None,
     regions: str | None = None,
+    image_unit: str | None = None,
+    image_zero: str | None = None,
+    image_emissivity: str | None = None,
+    image_reflected: str | None = None,
     accuracy: str | None = None,
     draws: int = 100_000,
     seed: Seed = 0,
@@ -54,7 +57,7 @@ def thermography_command(
     update: Path | None = None,
     face: Literal["top", "bottom", "both"] = "both",
     json_output: Json = False,
-    figures: FigureOptions = AS_USUAL,
+    figures: ResultOptions = AS_USUAL,
 ) -> None:
     """Find reflectance, transmittance and emissivity from apparent temperatures.
 
@@ -62,8 +65,10 @@ def thermography_command(
     ----------
     file
         Table with the columns hotplate_temperature, lower_temperature, upper_temperature and
-        ambient_temperature, one measurement per row; or a radiometric image (.jpg) with
-        --regions. Without a file, the four options below give the temperatures.
+        ambient_temperature, one measurement per row; or, with --regions, an image: FLIR's
+        radiometric .jpg or .fff, a radiometric .tiff, or a matrix of temperatures in a text file.
+        Without a file, the options --hotplate, --lower, --upper and --ambient give the
+        temperatures.
     light_meter
         The columns are incident, reflected, transmitted and dark, readings of a light meter in
         any one unit, which give the visible absorptivity.
@@ -90,6 +95,16 @@ def thermography_command(
         stated.
     regions
         Regions of an image, rows and then columns: "hotplate=10:40,20:60; upper=50:80,20:60".
+    image_unit
+        Unit of the numbers of a .tiff or a text file that does not state it, such as "°C", or
+        "0.01 K" for hundredths of a kelvin.
+    image_zero
+        Temperature of the number zero, such as "-100 °C", where it is not that of the unit.
+    image_emissivity
+        Emissivity for the temperatures of a FLIR image, in place of the one that the camera was
+        set to; 1 for apparent temperatures.
+    image_reflected
+        Temperature of the radiation that the scene reflects, in place of the camera's setting.
     accuracy
         Standard uncertainty of each reading that states none, such as "0.5 K", less what all
         readings share; of a light meter relative to its reading, such as "0.5 %". Default: limits
@@ -109,7 +124,7 @@ def thermography_command(
     figures
         How figures are written.
     """
-    figures.check(out)
+    out = figures.folder(out)
     from lightflyer.lab import thermography
 
     texts = {"hotplate": hotplate, "lower": lower, "upper": upper, "ambient": ambient}
@@ -117,13 +132,22 @@ def thermography_command(
     if light_meter and (given or band or hotplate_emissivity or film_temperature or file is None):
         raise ConfigurationError("--light-meter needs a file and takes no temperatures and no band")
     own = _accuracy(accuracy, light_meter=light_meter)
+    image = None
     if light_meter:
         readings, tables = _of_meter(file, columns, own)
     else:
         scene = _scene(band, hotplate_emissivity, film_temperature)
-        readings, tables = _of_camera(file, columns, regions, given, own, scene)
+        settings = image_unit, image_zero, image_emissivity, image_reflected
+        image = _image(file, regions, settings)
+        readings, tables = (
+            _of_table(file, columns, given, own, scene)
+            if image is None
+            else (_of_image(image, regions, given, own, scene), [])
+        )
     result = thermography.reduce_readings(readings, draws=draws, seed=seed)
     document = result.summary() | {"read": read_summary(tables)}
+    if image is not None:
+        document["image"] = image.summary()
     files = [] if file is None else [file]
     written, updated = write_record(
         out, "thermography", document, thermography.to_dataset(result, [str(f) for f in files]),
@@ -137,8 +161,10 @@ def thermography_command(
         return
     console = printer()
     show_read(console, tables)
+    if image is not None:
+        console.print(image.description, markup=False, soft_wrap=True)
     _show(console, result)
-    finish(console, written, updated, update)
+    finish(console, figures, written, updated, update)
 
 
 def _quantities(texts: dict[str, str | None], unit: str) -> "dict[str, Measured]":
@@ -179,44 +205,79 @@ def _of_meter(file: Any, columns: str | None, accuracy: float | None) -> "tuple[
     return readings, [table]
 
 
-def _of_camera(
-    file: Path | None, columns: str | None, regions: str | None, given: "dict[str, Measured]",
+def _of_table(
+    file: Path | None, columns: str | None, given: "dict[str, Measured]",
     accuracy: float | None, scene: "Scene",
 ) -> "tuple[Readings, list]":  # fmt: skip
-    import dataclasses
-
     from lightflyer.lab.thermography_data import THERMAL, given_readings, read_readings
 
-    if file is not None and file.suffix.lower() not in _IMAGES:
-        readings, table = read_readings(
-            file, THERMAL, columns=columns, given=given, accuracy=accuracy, scene=scene
+    if file is None:
+        return given_readings(given, THERMAL, accuracy=accuracy, scene=scene), []
+    readings, table = read_readings(
+        file, THERMAL, columns=columns, given=given, accuracy=accuracy, scene=scene
+    )
+    return readings, [table]
+
+
+def _image(
+    file: Path | None, regions: str | None, settings: tuple[str | None, ...]
+) -> "ThermalImage | None":
+    """The image that the options name, if they name one."""
+    from lightflyer.lab.thermal_image import IMAGE_SUFFIXES, parse_regions, read_thermal_image
+    from lightflyer.lab.thermal_images.scaled import parse_scale
+
+    is_image = file is not None and file.suffix.lower() in IMAGE_SUFFIXES
+    if file is None or not (is_image or regions):
+        if regions or any(settings):
+            raise ConfigurationError("--regions and --image-… are for an image; give its file too")
+        return None
+    if regions is None:
+        raise ConfigurationError(f'{file}: an image needs --regions "hotplate=10:40,20:60; ..."')
+    parse_regions(regions)
+    unit, zero, emissivity, reflected = settings
+    if zero is not None and unit is None:
+        raise ConfigurationError("--image-zero needs --image-unit")
+    own, behind = (
+        None if text is None else quantity(option, text, of).value
+        for option, text, of in (
+            ("--image-emissivity", emissivity, ""),
+            ("--image-reflected", reflected, "K"),
         )
-        return readings, [table]
-    found, said = ({}, ()) if file is None else _of_image(file, regions, accuracy)
-    readings = given_readings(found | given, THERMAL, accuracy=accuracy, scene=scene)
-    return dataclasses.replace(
-        readings, warnings=tuple(dict.fromkeys((*said, *readings.warnings)))
-    ), []
+    )
+    scale = None if unit is None else parse_scale(unit, zero)
+    return read_thermal_image(file, scale=scale, emissivity=own, reflected_temperature=behind)
 
 
 def _of_image(
-    file: Path, regions: str | None, accuracy: float | None
-) -> "tuple[dict[str, Measured], tuple[str, ...]]":
+    image: "ThermalImage", regions: str | None, given: "dict[str, Measured]",
+    accuracy: float | None, scene: "Scene",
+) -> "Readings":  # fmt: skip
+    import dataclasses
+
     from lightflyer.lab.thermal_image import (
         parse_regions,
-        read_thermal_image,
         region_temperatures,
         region_warnings,
+        setting_warnings,
     )
-    from lightflyer.lab.thermography_data import THERMAL, accuracy_warnings, with_accuracy
+    from lightflyer.lab.thermography_data import (
+        THERMAL,
+        accuracy_warnings,
+        given_readings,
+        with_accuracy,
+    )
 
-    if regions is None:
-        raise ConfigurationError(f'{file}: an image needs --regions "hotplate=10:40,20:60; ..."')
-    rectangles = parse_regions(regions)
-    image = read_thermal_image(file)
-    found = with_accuracy(region_temperatures(image, rectangles, str(file)), accuracy)
-    said = region_warnings(image, rectangles)
-    return found, (*said, *accuracy_warnings(THERMAL, accuracy))
+    rectangles = parse_regions(regions or "")
+    kelvin = image.temperature
+    found = with_accuracy(region_temperatures(kelvin, rectangles, image.source), accuracy) | given
+    readings = given_readings(found, THERMAL, accuracy=accuracy, scene=scene)
+    said = (
+        *setting_warnings(image, found["ambient_temperature"].value),
+        *region_warnings(kelvin, rectangles),
+        *accuracy_warnings(THERMAL, accuracy),
+        *readings.warnings,
+    )
+    return dataclasses.replace(readings, warnings=tuple(dict.fromkeys(said)))
 
 
 def _values(

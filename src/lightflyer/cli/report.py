@@ -1,0 +1,276 @@
+"""``--report``: what a command prints and draws, on one page that can be mailed to a colleague.
+
+The page is recorded while the command runs: tables and lines as they are printed, figures as they
+are drawn, files as they are read. So nothing is written twice, and the page cannot say anything
+else than the terminal.
+"""
+
+import hashlib
+import platform
+import re
+import shlex
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from itertools import takewhile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.table import Table
+
+import lightflyer
+from lightflyer.cli import output
+from lightflyer.foundation import page
+from lightflyer.foundation.errors import OutputError, ParameterError
+from lightflyer.foundation.text import FILES_READ
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_ENDING = ".html"
+_WARNING = "warning: "
+_LABELLED = re.compile(r"(\S.*?)\s{2,}(\S.*)")  # such as "best payload      0.3155 mg"
+_LARGEST_FIGURE = 1_000_000  # bytes of an SVG, beyond which a PNG is taken
+_LARGEST_INPUT = 100_000  # bytes of a file that is shown; of a larger one the hash only
+_MADE_WITH = ("jax", "numpy", "scipy")
+
+
+class Report:
+    """What a command says, until it is written.
+
+    Parameters
+    ----------
+    path : Path
+        Of the page.
+    arguments : sequence of str
+        Of the command line.
+    """
+
+    def __init__(self, path: Path, arguments: Sequence[str]) -> None:
+        self.path = path
+        self._arguments = list(arguments)
+        self._named = [Path(part) for part in arguments if _is_file(part)]
+        self._results: list[Table | str] = []
+        self._figures: list[str] = []
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
+
+    @property
+    def folder(self) -> Path:
+        """Folder for what a command writes beside figures, which is removed in the end."""
+        if self._folder is None:
+            self._folder = tempfile.TemporaryDirectory()
+        return Path(self._folder.name)
+
+    def note(self, thing: object) -> None:
+        """Take what is printed: a table, or lines."""
+        self._results.append(thing if isinstance(thing, Table) else str(thing))
+
+    def draw(self, figures: "Mapping[str, Figure]") -> None:
+        """Take figures by their names."""
+        from lightflyer.foundation.drawing import save
+
+        for name, figure in figures.items():
+            vector, pixels = (self.folder / f"{name}.{ending}" for ending in ("svg", "png"))
+            save(figure, [vector, pixels])
+            small = vector.stat().st_size <= _LARGEST_FIGURE
+            content, kind = (vector, "svg+xml") if small else (pixels, "png")
+            caption = name.replace("-", " ").replace("_", " ")
+            self._figures.append(
+                page.image(content.read_bytes(), kind, _alternative(figure), caption)
+            )
+
+    def write(self) -> None:
+        """Write the page, whole or not at all.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written.
+        """
+        from lightflyer.foundation.files import output_directory
+
+        with output_directory(self.path.parent) as stage:
+            stage(self.path.name).write_text(self._page(), encoding="utf-8")
+
+    def close(self) -> None:
+        """Remove what was written for the page only."""
+        if self._folder is not None:
+            self._folder.cleanup()
+
+    def _page(self) -> str:
+        inputs = list(dict.fromkeys([*self._named, *FILES_READ]))
+        command = takewhile(lambda part: part.isalpha() and not _is_file(part), self._arguments)
+        title = " ".join(["lightflyer", *command, *(path.name for path in inputs[:1])])
+        parts = [
+            page.heading(title, 1),
+            page.paragraph(f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"),
+            *_results(self._results),
+        ]
+        if self._figures:
+            parts += [page.heading("Figures"), *self._figures]
+        if inputs:
+            parts += [page.heading("Files"), *(part for path in inputs for part in _file(path))]
+        parts += [
+            page.heading("Made with"),
+            page.code("lightflyer " + shlex.join(self._arguments)),
+            page.table(_versions()),
+        ]
+        return page.page(title, parts)
+
+
+current: Report | None = None
+"""The report that is being recorded."""
+
+_arguments: list[str] = []
+
+
+@contextmanager
+def reporting(arguments: Sequence[str]) -> Iterator[None]:
+    """Write the report that the command within the block begins, once it has ended well.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        Of the command line.
+    """
+    global current
+    _arguments[:] = arguments
+    try:
+        yield
+        _finish()
+    except SystemExit as end:  # which is how a command ends, well or not
+        if not end.code:
+            _finish()
+        raise
+    finally:
+        if current is not None:
+            current.close()
+            output.AFTER_PRINT.remove(current.note)
+            current = None
+
+
+def _finish() -> None:
+    if current is not None:
+        current.write()
+        output.say(output.printer(), f"wrote {current.path}")
+
+
+def note_warning(text: str) -> None:
+    """Take a warning that goes to the standard error stream.
+
+    Parameters
+    ----------
+    text : str
+    """
+    if current is not None:
+        current.note(_WARNING + text)
+
+
+def begin(path: Path) -> Report:
+    """Begin to record.
+
+    Parameters
+    ----------
+    path : Path
+        Of the page.
+
+    Returns
+    -------
+    Report
+
+    Raises
+    ------
+    ParameterError
+        If the name is not that of a page.
+    OutputError
+        If it cannot be written.
+    """
+    global current
+    if path.suffix.lower() != _ENDING:
+        raise ParameterError(f'--report {path}: the page is HTML; name it "{path.stem}{_ENDING}"')
+    if path.is_dir() or not path.parent.is_dir():
+        reason = "is a folder" if path.is_dir() else "its folder does not exist"
+        raise OutputError(f"--report {path}: {reason}")
+    FILES_READ.clear()
+    current = Report(path, _arguments)
+    output.AFTER_PRINT.append(current.note)
+    return current
+
+
+def _is_file(argument: str) -> bool:
+    try:
+        return Path(argument).is_file()
+    except OSError:  # too long for a name, for one
+        return False
+
+
+def _results(things: Sequence[Table | str]) -> Iterator[str]:
+    labelled: list[tuple[str, str]] = []
+    for thing in things:
+        if isinstance(thing, str) and thing.startswith("{"):  # of --json
+            yield page.code(thing)
+            continue
+        lines = thing.splitlines() if isinstance(thing, str) else []
+        for line in lines:
+            found = _LABELLED.fullmatch(line.strip())
+            if found:
+                labelled.append((found[1], found[2]))
+                continue
+            yield from _flush(labelled)
+            yield page.paragraph(line, "warning" if line.startswith(_WARNING) else None)
+        if isinstance(thing, Table):
+            yield from _flush(labelled)
+            yield _table(thing)
+    yield from _flush(labelled)
+
+
+def _flush(labelled: list[tuple[str, str]]) -> Iterator[str]:
+    if labelled:
+        yield page.table(labelled)
+        labelled.clear()
+
+
+def _table(table: Table) -> str:
+    columns = [[str(cell) for cell in column.cells] for column in table.columns]
+    return page.table(
+        list(zip(*columns, strict=True)),
+        [str(column.header) for column in table.columns] if table.show_header else None,
+        right=[column.justify == "right" for column in table.columns],
+        caption=str(table.title or ""),
+        note=str(table.caption or ""),
+    )
+
+
+def _alternative(figure: "Figure") -> str:
+    """What a figure shows, by the names of its axes."""
+    shown = []
+    for axes in figure.axes:
+        across, up = axes.get_xlabel(), axes.get_ylabel()
+        if up:
+            shown.append(f"{up} over {across}" if across else up)
+    return "; ".join(dict.fromkeys(shown)) or "figure"
+
+
+def _file(path: Path) -> Iterator[str]:
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return
+    digest = hashlib.sha256(content).hexdigest()
+    yield page.heading(path.name, 3)
+    yield page.paragraph(f"{len(content):,} bytes, SHA-256 {digest}")
+    if len(content) > _LARGEST_INPUT or b"\0" in content:
+        return
+    yield page.code(content.decode("utf-8-sig", errors="replace"))
+
+
+def _versions() -> list[tuple[str, str]]:
+    from importlib.metadata import version  # slow to import
+
+    return [
+        ("lightflyer", lightflyer.__version__),
+        ("Python", platform.python_version()),
+        *((name, version(name)) for name in _MADE_WITH),
+        ("system", f"{platform.system()}, {platform.machine()}"),
+    ]

@@ -1,0 +1,147 @@
+"""One self-contained HTML page: no scripts, no files beside it, nothing fetched.
+
+Every text is escaped here, so that nothing that a file contains becomes markup.
+"""
+
+import base64
+import html
+from collections.abc import Iterable, Sequence
+
+_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+
+_STYLE = """
+:root { color-scheme: light dark; --line: #bbb; --shade: #f2f2f2; --warn: #a33b00; }
+@media (prefers-color-scheme: dark) {
+  :root { --line: #555; --shade: #2a2a2a; --warn: #ffb084; }
+}
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
+h1, h2, h3 { line-height: 1.2; overflow-wrap: anywhere; }
+h2 { margin-top: 2rem; border-bottom: 1px solid var(--line); }
+.scroll { overflow-x: auto; margin: 1rem 0; }
+table { border-collapse: collapse; }
+caption { text-align: left; font-weight: bold; padding: .25rem 0; }
+th, td { border: 1px solid var(--line); padding: .25rem .6rem; text-align: left;
+  vertical-align: top; white-space: pre-line; }
+th { background: var(--shade); }
+.right { text-align: right; font-variant-numeric: tabular-nums; }
+.warning { color: var(--warn); font-weight: bold; }
+pre { background: var(--shade); padding: .75rem; overflow-x: auto; font-size: .875rem; }
+p, li { overflow-wrap: anywhere; }
+figure { margin: 1rem 0; break-inside: avoid; }
+img { max-width: 100%; height: auto; background: white; }
+@media print {
+  body { max-width: none; margin: 0; font-size: 10pt; }
+  .scroll { overflow: visible; } tr { break-inside: avoid; } pre { white-space: pre-wrap; }
+}
+"""
+
+
+def page(title: str, parts: Iterable[str]) -> str:
+    """A page of parts.
+
+    Parameters
+    ----------
+    title : str
+        Plain text.
+    parts : iterable of str
+        From the other functions of this module.
+
+    Returns
+    -------
+    str
+    """
+    body = "\n".join(parts)
+    return (
+        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{html.escape(title)}</title>\n<style>{_STYLE}</style>\n</head>\n"
+        f"<body>\n<main>\n{body}\n</main>\n</body>\n</html>\n"
+    )
+
+
+def heading(text: str, level: int = 2) -> str:
+    """A heading, of level 1 to 6."""
+    return f"<h{level}>{html.escape(text)}</h{level}>"
+
+
+def paragraph(text: str, kind: str | None = None) -> str:
+    """A paragraph; of kind ``"warning"`` it is set off."""
+    style = f' class="{html.escape(kind)}"' if kind else ""
+    return f"<p{style}>{html.escape(text)}</p>"
+
+
+def code(text: str) -> str:
+    """Lines as they are, in one width."""
+    return f"<pre>{html.escape(text)}</pre>"
+
+
+def table(
+    rows: Sequence[Sequence[str]],
+    header: Sequence[str] | None = None,
+    *,
+    right: Sequence[bool] = (),
+    caption: str = "",
+    note: str = "",
+) -> str:
+    """A table.
+
+    Parameters
+    ----------
+    rows : sequence of sequence of str
+    header : sequence of str, optional
+        Without one, the first cell of each row is its heading.
+    right : sequence of bool, optional
+        Whether each column is aligned to the right; by default to the left.
+    caption, note : str
+        Lines above and below.
+
+    Returns
+    -------
+    str
+    """
+    sides = [*right, *[False] * max(map(len, rows), default=0)]
+    lines = [f"<caption>{html.escape(caption)}</caption>"] if caption else []
+    if header is not None:
+        cells = [_cell("th", text, side, "col") for text, side in zip(header, sides, strict=False)]
+        lines.append(f"<thead><tr>{''.join(cells)}</tr></thead>")
+    lines.append("<tbody>")
+    for row in rows:
+        cells = [_cell("td", text, side) for text, side in zip(row, sides, strict=False)]
+        if header is None and row:
+            cells[0] = _cell("th", row[0], sides[0], "row")
+        lines.append(f"<tr>{''.join(cells)}</tr>")
+    lines.append("</tbody>")
+    # it scrolls by itself on a narrow screen, by keyboard too
+    inside = "\n".join(["<table>", *lines, "</table>"])
+    whole = f'<div class="scroll" tabindex="0">\n{inside}\n</div>'
+    return whole + (f"\n{paragraph(note)}" if note else "")
+
+
+def _cell(tag: str, text: str, right: bool, scope: str | None = None) -> str:
+    of = f' scope="{scope}"' if scope else ""
+    side = ' class="right"' if right else ""
+    return f"<{tag}{of}{side}>{html.escape(text)}</{tag}>"
+
+
+def image(content: bytes, kind: str, alternative: str, caption: str = "") -> str:
+    """A figure.
+
+    Parameters
+    ----------
+    content : bytes
+    kind : str
+        ``"png"`` or ``"svg+xml"``. As an image, an SVG runs no script.
+    alternative : str
+        What it shows, for those who do not see it.
+    caption : str
+        Line below.
+
+    Returns
+    -------
+    str
+    """
+    data = base64.b64encode(content).decode("ascii")
+    below = f"<figcaption>{html.escape(caption)}</figcaption>" if caption else ""
+    shown = f'<img alt="{html.escape(alternative)}" src="data:image/{kind};base64,{data}">'
+    return f"<figure>{shown}{below}</figure>"

@@ -1,0 +1,144 @@
+"""``--report``: one page of everything that a command prints and draws."""
+
+import base64
+import hashlib
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+from lightflyer.foundation import page
+
+HEADER = "sample,pressure [Pa],irradiance [W/m^2]\n"
+CURVE = ((1.5, 2500), (2, 2000), (3, 1600), (4, 1500), (5, 1550), (6, 1700), (8, 2100), (12, 2900))
+
+PAYLOADS = [
+    "<script>alert(1)</script>",
+    "<img src=x onerror=alert(1)>",
+    '"><svg onload=alert(1)>',
+    "'-alert(1)-'",
+    "</pre><iframe src=javascript:alert(1)>",
+    "<a href=javascript:alert(1)>x</a>",
+    "&lt;script&gt;alert(1)&lt;/script&gt;",
+    "</title><script>alert(1)</script>",
+    "--><b>bold</b>",
+    "<style>*{display:none}</style>",
+]
+
+ALLOWED = {
+    *("html", "head", "meta", "title", "style", "body", "main", "h1", "h2", "h3", "p", "pre"),
+    *("div", "table", "caption", "thead", "tbody", "tr", "th", "td", "figure", "img", "figcaption"),
+}
+
+
+class Elements(HTMLParser):
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.attributes, self.texts = [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += attrs
+
+    def handle_data(self, data):
+        self.texts.append(data)
+
+
+@pytest.fixture
+def points(tmp_path):
+    def write(*names):
+        path = tmp_path / "points.csv"
+        quoted = ['"' + name.replace('"', '""') + '"' for name in names or ("Ge",)]
+        rows = (f"{name},{x:g},{y:g}\n" for name in quoted for x, y in CURVE)
+        path.write_text(HEADER + "".join(rows), encoding="utf-8")
+        return path
+
+    return write
+
+
+def test_the_page_says_what_the_terminal_says(run, points, tmp_path):
+    path, target = points(), tmp_path / "report.html"
+    code, printed, errors = run("lab", "levitation", path, "--report", target)
+    assert (code, errors) == (0, "")
+    assert printed.splitlines()[-1] == f"wrote {target}"
+    found = Elements(target.read_text(encoding="utf-8"))
+    text = " ".join(" ".join(found.texts).split())
+    for line in printed.splitlines()[:-1]:
+        assert all(word in text for word in line.split())
+    assert hashlib.sha256(path.read_bytes()).hexdigest() in text
+    assert "lightflyer lab levitation points.csv" in found.texts
+    assert path.read_text(encoding="utf-8").strip() in "".join(found.texts)
+    assert set(found.tags) <= ALLOWED
+    assert {path.name for path in tmp_path.iterdir()} == {"points.csv", "report.html"}
+
+
+def test_the_figure_is_within_the_page_and_says_what_it_shows(run, points, tmp_path):
+    target = tmp_path / "report.html"
+    run("lab", "levitation", points(), "--report", target)
+    (source,) = re.findall(r'src="([^"]+)"', target.read_text(encoding="utf-8"))
+    kind, _, data = source.partition(";base64,")
+    assert kind == "data:image/svg+xml"
+    assert b"<svg" in base64.b64decode(data)
+    assert 'alt="irradiance to levitate [kW/m²] over pressure [Pa]"' in target.read_text("utf-8")
+
+
+def test_nothing_that_a_file_contains_becomes_markup(run, points, tmp_path):
+    target = tmp_path / "report.html"
+    code, _, _ = run("lab", "levitation", points(*PAYLOADS), "--report", target)
+    assert code == 0
+    found = Elements(target.read_text(encoding="utf-8"))
+    assert set(found.tags) <= ALLOWED
+    assert not any(name.startswith("on") for name, _ in found.attributes)
+    for payload in PAYLOADS:
+        assert sum(payload in text for text in found.texts) >= 1
+
+
+def test_a_page_runs_and_fetches_nothing():
+    whole = page.page("title", [page.paragraph("text")])
+    assert "default-src 'none'" in whole
+    assert "script" not in whole
+    assert "http:" not in whole
+    assert "https:" not in whole
+
+
+def test_warnings_and_json_are_on_the_page(run, points, tmp_path):
+    target = tmp_path / "report.html"
+    code, printed, _ = run("lab", "levitation", points(), "--json", "--report", target)
+    assert code == 0
+    assert printed.startswith("{")
+    text = "".join(Elements(target.read_text(encoding="utf-8")).texts)
+    assert '"warnings"' in text
+    run("lab", "levitation", points(), "--report", target)
+    assert '<p class="warning">warning: ' in target.read_text(encoding="utf-8")
+
+
+def test_a_command_that_fails_writes_no_page(run, points, tmp_path):
+    path, target = points(), tmp_path / "report.html"
+    path.write_text(path.read_text().replace("1500", "-1500"), encoding="utf-8")
+    code, _, errors = run("lab", "levitation", path, "--columns", "speed", "--report", target)
+    assert code == 2
+    assert errors.count("\n") == 1
+    assert not target.exists()
+    code, printed, _ = run("lab", "levitation", points())  # and is not recorded any more
+    assert code == 0
+    assert "report.html" not in printed
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("report.toml", 'the page is HTML; name it "report.html"'),
+        ("nowhere/report.html", "its folder does not exist"),
+        ("folder.html", "is a folder"),
+    ],
+)
+def test_a_page_that_cannot_be_written_is_refused_before_the_work(
+    run, points, tmp_path, name, message
+):
+    (tmp_path / "folder.html").mkdir()
+    code, printed, errors = run("lab", "levitation", points(), "--report", tmp_path / name)
+    assert code == 2
+    assert printed == ""
+    assert message in errors
+    assert errors.count("\n") == 1

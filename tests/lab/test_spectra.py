@@ -495,7 +495,13 @@ def test_options_and_missing_packages(monkeypatch):
         read_spectrum(SAMPLES / "opus.0", collection="sphere")
     assert "shows transmittance, not reflectance" in fault("s.dx", jdx(), quantity="reflectance")
     assert "does not name its ordinate" in fault("s.dx", jdx(yunits=""))
-    same(read("s.dx", jdx(yunits=""), quantity="reflectance"))
+    assert "does not name its ordinate" in fault("s.dx", jdx(yunits=""), quantity="reflectance")
+    same(read("s.dx", jdx(yunits=""), quantity="reflectance", scale="1"))
+    percent = spc_file(x=1, y=11, curves=(100 * SHARES,))  # of what, the code does not say
+    assert 'does not name its ordinate but "%"' in fault("s.spc", percent)
+    same(read("s.spc", percent, quantity="reflectance"))
+    arbitrary = (SAMPLES / "grams.spc").read_bytes()
+    assert "shows arbitrary units" in fault("s.spc", arbitrary, quantity="transmittance")
     monkeypatch.setitem(__import__("sys").modules, "brukeropus", None)
     with pytest.raises(lf.MissingExtraError, match=r"needs brukeropus: pip install"):
         read_spectrum(SAMPLES / "opus.0")

@@ -170,11 +170,12 @@ def _shown(source: Source, raw: RawSpectrum, wanted: Wanted) -> Shown:
     shown = shown_by(raw.ordinate_name)
     if isinstance(shown, str):
         source.refuse(shown)
-    if not shown.quantity and wanted.quantity is None:
+    known = shown.percent or wanted.scale is not None  # that it is a share of light
+    if not shown.quantity and (wanted.quantity is None or not known):
         said = f' but "{raw.ordinate_name}"' if raw.ordinate_name else ""
         source.refuse(
-            f"does not name its ordinate{said}; say whether it is transmittance or reflectance "
-            '(quantity="reflectance")'
+            f"does not name its ordinate{said}; if it is transmittance or reflectance, say which "
+            '(quantity="reflectance"), and --scale % or --scale 1 (scale="%" or "1")'
         )
     if shown.quantity == "absorbance" and wanted.quantity is None and _collected(raw.facts):
         source.refuse(

@@ -25,7 +25,7 @@ _QUANTITIES = {
     "a": "absorbance", "abs": "absorbance", "absorbance": "absorbance",
     "absorbanceunits": "absorbance", "opticaldensity": "absorbance", "od": "absorbance",
     "log(1/r)": "log(1/R)", "log1/r": "log(1/R)", "-log(r)": "log(1/R)", "-logr": "log(1/R)",
-    "": "", "arb": "", "arbitrary": "", "arbitraryintensity": "",
+    "": "",
 }  # fmt: skip
 _REFUSED = (
     (r"kubelka|\bk-?m\b", "Kubelka-Munk units, from which no reflectance follows without the "
@@ -33,6 +33,7 @@ _REFUSED = (
     (r"interferogram|i-?gram", "an interferogram; export the spectrum as %T or %R"),
     (r"single.?(?:beam|channel)|\bsb(?:eam)?\b|energy|background|reference",
      "a single beam; divide it by its background and export %T or %R"),
+    (r"\barb", "arbitrary units, which are no share of light; export %T or %R"),
     (r"raman", "Raman intensity, not transmittance or reflectance"),
     (r"emi(?:ssion|ttance|ssivity)", "emission, not transmittance or reflectance"),
     (r"photoacoustic", "a photoacoustic signal, not transmittance or reflectance"),

@@ -50,10 +50,13 @@ from .tac_law import AbstractHeatLaw as AbstractHeatLaw
 from .tac_law import KineticLaw as KineticLaw
 from .tac_law import Lu2023Law as Lu2023Law
 from .tac_record import mean_tac as mean_tac
+from .thermal_image import ThermalImage as ThermalImage
 from .thermal_image import parse_regions as parse_regions
 from .thermal_image import read_thermal_image as read_thermal_image
 from .thermal_image import region_temperatures as region_temperatures
 from .thermal_image import region_warnings as region_warnings
+from .thermal_images.scaled import Scale as Scale
+from .thermal_images.scaled import parse_scale as parse_scale
 from .thermography import RadiativeProperties as RadiativeProperties
 from .thermography import reduce_readings as reduce_readings
 from .thermography_data import LIGHT as LIGHT

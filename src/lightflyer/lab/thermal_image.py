@@ -1,58 +1,212 @@
-"""Temperatures of regions of a radiometric image from a FLIR camera."""
+"""Temperatures of regions of a thermal image, by format in :mod:`lightflyer.lab.thermal_images`."""
 
+import dataclasses
 import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.extras import extra
 from lightflyer.foundation.units import Measured
-from lightflyer.lab.thermography_data import THERMAL
+from lightflyer.lab.thermal_images import flir, radiometry, scaled
+from lightflyer.lab.thermal_images.scaled import Scale
+from lightflyer.lab.thermography_data import THERMAL, ZERO_CELSIUS
 
 UNIFORM = 2.0
 """Scatter of a region's pixels above which it is not called uniform [K]; an assumption."""
 
+FLIR_SUFFIXES = (".jpg", ".jpeg", ".fff")
+TIFF_SUFFIXES = (".tif", ".tiff")
+IMAGE_SUFFIXES = (*FLIR_SUFFIXES, *TIFF_SUFFIXES)
+"""Suffixes of files that are images, whatever the options."""
+
+_OTHERS = {
+    ".seq": "a sequence of FLIR; export one image as .fff, JPEG or CSV",
+    ".csq": "a sequence of FLIR; export one image as .fff, JPEG or CSV",
+    ".is2": "Fluke's own format; export CSV from Fluke Connect or SmartView",
+    ".bmt": "testo's own format; export CSV from IRSoft",
+    ".irb": "InfraTec's own format; export CSV from IRBIS",
+    ".ravi": "Optris' own format; export CSV or TIFF from PIX Connect",
+}
+_AGREE = 0.5  # [K] by which reflected temperature and surroundings may differ
 _ALIKE = 0.1  # share of pixels at an end of the image's range that suggests saturation
 _NAMES = tuple(name.removesuffix("_temperature") for name in THERMAL.readings)
 
 _REGION = re.compile(r"^\s*(\w+)\s*=\s*(\d+)\s*:\s*(\d+)\s*,\s*(\d+)\s*:\s*(\d+)\s*$")
 
 
-def read_thermal_image(path: str | Path) -> np.ndarray:
-    """Read the temperatures of a radiometric JPEG from a FLIR camera.
+@dataclass(frozen=True)
+class ThermalImage:
+    """Temperatures of the pixels of an image.
+
+    Attributes
+    ----------
+    source : str
+        Name of the file.
+    temperature : array, shape (rows, columns)
+        [K], for the emissivity and the reflected temperature; NaN where the file has none.
+    emissivity : float or None
+        For which the temperatures hold, None where the file does not state it [1].
+    reflected_temperature : float or None
+        The same of the radiation that the object reflects [K].
+    notes : tuple of str
+        What a reader of the image must know of its file.
+    """
+
+    source: str
+    temperature: np.ndarray
+    emissivity: float | None = None
+    reflected_temperature: float | None = None
+    notes: tuple[str, ...] = ()
+
+    def summary(self) -> dict[str, Any]:
+        """What the file states, as a JSON object."""
+        return {
+            "file": self.source,
+            "pixels": list(self.temperature.shape),
+            "emissivity": self.emissivity,
+            "reflected_temperature_K": self.reflected_temperature,
+        }
+
+    @property
+    def description(self) -> str:
+        """What was read, in one line."""
+        rows, columns = self.temperature.shape
+        words = [f"read {self.source}: {columns} x {rows} pixels"]
+        if self.emissivity is not None:
+            words.append(f"for an emissivity of {self.emissivity:.4g}")
+        if self.reflected_temperature is not None:
+            reflected = self.reflected_temperature - ZERO_CELSIUS
+            words.append(f"reflected temperature {reflected:.4g} °C")
+        return ", ".join(words)
+
+
+def read_thermal_image(
+    path: str | Path,
+    *,
+    scale: Scale | None = None,
+    emissivity: float | None = None,
+    reflected_temperature: float | None = None,
+) -> ThermalImage:
+    """Read a thermal image.
 
     Parameters
     ----------
     path : str or path
+        Radiometric JPEG or ``.fff`` of a FLIR camera, radiometric TIFF, or a text file with a
+        matrix of temperatures.
+    scale : Scale, optional
+        What the numbers of a TIFF or a text file mean, where the file does not state it; see
+        :func:`~lightflyer.lab.thermal_images.scaled.parse_scale`.
+    emissivity : float, optional
+        In place of the one that a FLIR camera was set to [1].
+    reflected_temperature : float, optional
+        The same of the radiation that the object reflects [K].
 
     Returns
     -------
-    array, shape (rows, columns)
-        [K].
+    ThermalImage
 
     Raises
     ------
     ConfigurationError
-        If the file contains none, or one without a value in some pixel.
-    MissingExtraError
-        If flyr is not installed.
+        One line that names the file.
     """
     path = Path(path)
-    if not path.is_file():
-        raise ConfigurationError(f"{path}: cannot be read: no such file")
-    flyr = extra("flyr", "reading radiometric images", "lab")
+    suffix = path.suffix.lower()
     try:
-        kelvin: Any = flyr.unpack(str(path)).kelvin
-    except Exception as error:  # the parser has no errors of its own
-        said = " ".join(repr(error).split())
-        raise ConfigurationError(f"{path}: is not a radiometric FLIR image: {said}") from None
-    image = np.asarray(kelvin, float)
-    lost = int(np.count_nonzero(~np.isfinite(image)))
-    if lost:
-        raise ConfigurationError(f"{path}: {lost} of {image.size} pixels have no temperature")
+        content = path.read_bytes()
+    except OSError as error:
+        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
+    if suffix in _OTHERS:
+        raise ConfigurationError(f"{path}: is {_OTHERS[suffix]}")
+    if suffix in FLIR_SUFFIXES:
+        if scale is not None:
+            raise ConfigurationError(f"{path}: states its scale itself; leave --image-unit out")
+        image = _of_flir(path, content, emissivity, reflected_temperature)
+    else:
+        if emissivity is not None or reflected_temperature is not None:
+            raise ConfigurationError(
+                f"{path}: holds temperatures and no signal, for which another emissivity or "
+                "reflected temperature could be set; set it in the camera's program"
+            )
+        if suffix in TIFF_SUFFIXES:
+            kelvin, notes = scaled.read_tiff(path, content, scale)
+            image = ThermalImage(str(path), kelvin, notes=notes)
+        else:
+            kelvin, stated, notes = scaled.read_matrix(path, scale)
+            image = ThermalImage(str(path), kelvin, stated, notes=notes)
+    _require_plausible(image)
     return image
+
+
+def _of_flir(
+    path: Path, content: bytes, emissivity: float | None, reflected: float | None
+) -> ThermalImage:
+    counts, camera = flir.read_flir(path, content)
+    require_range("emissivity", emissivity, 0.0, 1.0, open_below=True)
+    camera = dataclasses.replace(
+        camera,
+        emissivity=camera.emissivity if emissivity is None else emissivity,
+        reflected_temperature=camera.reflected_temperature if reflected is None else reflected,
+    )
+    if wrong := camera.problem():
+        raise ConfigurationError(f"{path}: {wrong}")
+    kelvin = radiometry.temperatures(counts, camera)
+    return ThermalImage(str(path), kelvin, camera.emissivity, camera.reflected_temperature)
+
+
+def _require_plausible(image: ThermalImage) -> None:
+    known = image.temperature[np.isfinite(image.temperature)]
+    if not known.size:
+        raise ConfigurationError(f"{image.source}: no pixel has a temperature")
+    scene = THERMAL.quantities[0]
+    middle = float(np.median(known))
+    if not scene.lowest <= middle <= scene.highest:
+        raise ConfigurationError(
+            f"{image.source}: half of its pixels are above {middle:.4g} K, which is not between "
+            f"{scene.lowest:g} K and {scene.highest:g} K: the unit or the scale is wrong"
+        )
+
+
+def setting_warnings(image: ThermalImage, ambient: float) -> tuple[str, ...]:
+    """What the camera's setting of emissivity does to readings that are compared.
+
+    Parameters
+    ----------
+    image : ThermalImage
+    ambient : float
+        Temperature of the surroundings [K].
+
+    Returns
+    -------
+    tuple of str
+    """
+    said = list(image.notes)
+    one = image.emissivity
+    if one is None:
+        said.append(
+            f"{image.source} does not state the emissivity that the camera was set to; it cancels "
+            "only if the reflected temperature was that of the surroundings"
+        )
+    elif one < 1.0:
+        reflected = image.reflected_temperature
+        if reflected is None:
+            said.append(
+                f"temperatures of {image.source} are for an emissivity of {one:.3g}; it cancels "
+                "only if the reflected temperature was that of the surroundings"
+            )
+        elif abs(reflected - ambient) > _AGREE:
+            said.append(
+                f"temperatures of {image.source} are for an emissivity of {one:.3g} and a "
+                f"reflected temperature of {reflected - ZERO_CELSIUS:.4g} °C; they cancel only if "
+                f"that is the temperature of the surroundings, {ambient - ZERO_CELSIUS:.4g} °C; "
+                "take apparent temperatures by --image-emissivity 1"
+            )
+    return tuple(said)
 
 
 def parse_regions(text: str) -> dict[str, tuple[slice, slice]]:
@@ -112,7 +266,7 @@ def region_temperatures(
     Raises
     ------
     ConfigurationError
-        If a region extends beyond the image.
+        If a region extends beyond the image, or has pixels without a temperature.
     """
     found = {}
     for name, (rows, columns) in regions.items():
@@ -122,6 +276,10 @@ def region_temperatures(
                 f"{source}: region {name} extends beyond the image of {shape} pixels"
             )
         pixels = image[rows, columns]
+        if lost := int(np.count_nonzero(~np.isfinite(pixels))):
+            raise ConfigurationError(
+                f"{source}: {lost} of {pixels.size} pixels of region {name} have no temperature"
+            )
         spread = float(pixels.std(ddof=1)) if pixels.size > 1 else 0.0
         found[f"{name}_temperature"] = Measured(float(pixels.mean()), spread)
     return found
@@ -144,7 +302,7 @@ def region_warnings(image: np.ndarray, regions: dict[str, tuple[slice, slice]]) 
     said = []
     for name, place in regions.items():
         pixels = image[place]
-        for end in (image.min(), image.max()):
+        for end in (np.nanmin(image), np.nanmax(image)):
             alike = float(np.mean(pixels == end))
             if alike > _ALIKE:
                 said.append(

@@ -29,8 +29,10 @@ METER_LIMIT = 0.02
 BLACK = Measured(1.0, 0.0)
 """Emissivity of a black body [1]."""
 
+ZERO_CELSIUS = 273.15
+"""[K]."""
+
 _PERCENT = 100.0
-_ZERO_CELSIUS = 273.15  # [K]
 _CLEAR = 5.0  # standard uncertainties by which the source must exceed the background
 _BEYOND = 0.1  # of that excess, by which noise may take a reading beyond either
 _LARGEST = 0.1  # standard uncertainty over the temperature
@@ -283,7 +285,7 @@ def standard_uncertainties(
     if accuracy is not None:
         return np.full(np.shape(values), accuracy)
     least, share = CAMERA_LIMITS
-    return np.asarray(EVENLY * np.maximum(least, share * (values - _ZERO_CELSIUS)))
+    return np.asarray(EVENLY * np.maximum(least, share * (values - ZERO_CELSIUS)))
 
 
 def accuracy_warnings(method: Method, accuracy: float | None) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from lightflyer.foundation.precision import float64
+from lightflyer.foundation.system import solve_system
 
 control = pytest.importorskip("calculator.control")
 from calculator.javascript import Tables, number, write_function  # noqa: E402
@@ -87,6 +88,16 @@ def _root(x):
     )
 
 
+def _system(x, y):
+    """Two equations by the package's own solver, whose loops are Equinox's."""
+    found, status = solve_system(
+        lambda at: (at[0] ** 3 + at[1] - x, at[1] ** 3 + 2.0 * at[0] - y),
+        lambda: (x, y),
+        lower=(-1e3, -1e3),
+    )
+    return *found, status.ending
+
+
 FUNCTIONS = {
     "sums": lambda x, y: (
         x - (y - x), x - y - x, x + y * (x + y), -x - -y, x / (y / x), -(1.0 - x)
@@ -128,6 +139,7 @@ FUNCTIONS = {
     "shapes": _shapes,
     "while": _collatz,
     "scan": _scans,
+    "system": _system,
     "own derivative": lambda x, y: (
         _own_derivative(x), jax.grad(_own_derivative)(y), _root(x), jax.grad(_root)(y)
     ),
@@ -139,7 +151,7 @@ POINTS = [
 FINITE = POINTS[:-2]
 _JSON = {np.inf: "Infinity"}
 # a loop may not end, and what is not finite is no whole number
-NEED_FINITE = {"while", "own derivative", "wholes", "choices", "rows"}
+NEED_FINITE = {"while", "system", "own derivative", "wholes", "choices", "rows"}
 
 
 def _points(name):

@@ -205,7 +205,15 @@ def _convert(to: Interpreter, equation: Any, value: Any) -> Any:
     return value
 
 
-@rule("stop_gradient", "copy", "copy_p", "optimization_barrier", "pvary", "reduce_precision")
+@rule(
+    "stop_gradient",
+    "copy",
+    "copy_p",
+    "optimization_barrier",
+    "pvary",
+    "nonbatchable",
+    "nondifferentiable_backward",
+)
 def _same(_: Interpreter, equation: Any, *values: Any) -> Any:
     return list(values) if equation.primitive.multiple_results else values[0]
 
@@ -364,6 +372,27 @@ for _primitive, _operation in {
     "reduce_or": "or",
 }.items():
     rule(_primitive)(_reduction(_operation))
+
+
+def _alone(node: Node) -> np.ndarray:
+    """An array of no axes."""
+    found = np.empty((), object)
+    found[()] = node
+    return found
+
+
+@rule("select_if_vmap")
+def _select_if_mapped(_: Interpreter, __: Any, ___: Any, value: Any, ____: Any) -> Any:
+    """Equinox's choice for what is mapped over: nothing is."""
+    return value
+
+
+@rule("unvmap_any", "unvmap_all", "unvmap_max")
+def _unvmap(to: Interpreter, equation: Any, value: Any) -> Any:
+    """Equinox's reductions over whatever a function is mapped over, here over nothing else."""
+    name = {"any": "or", "all": "and", "max": "max"}[equation.primitive.name.split("_")[1]]
+    elements = list(map(_alone, value.ravel()))
+    return reduce(lambda one, other: to.apply(name, one, other), elements)
 
 
 @rule("dot_general")

@@ -116,7 +116,8 @@ def percent(book):
     [
         ([HEADER, ["a", 1.0, "=B2*2"]], None, ':2: irradiance: the formula "=B2*2" has no value'),
         ([HEADER, ["a", datetime.date(2024, 2, 1), 5]], None, ':2: pressure: "2024-02-01T'),
-        ([HEADER, ["a", 30, "1,469"]], None, ':2: irradiance: "1,469" may be 1469 or 1.469'),
+        ([HEADER, ["a", 30, "1,469"]], None, ':2: irradiance: "1,469" is a text of the workbook'),
+        ([HEADER, ["a", 3.5, "1.469"]], None, ':2: irradiance: "1.469" is a text of the workbook'),
         ([HEADER, ["a", 30, 5]], merge, ":1: the column irradiance is missing"),
         ([HEADER, ["a", 30, "=1/0"]], None, "has no value"),
         ([], None, ": holds no table"),
@@ -169,6 +170,22 @@ def test_no_workbook(tmp_path, content, says):
     with pytest.raises(lf.ConfigurationError) as error:
         read_table(path, COLUMNS)
     assert says in str(error.value)
+
+
+def test_names_that_look_like_numbers(save):
+    rows = [HEADER, ["1.469", 30, 5], [2.5, "30.25", 6]]
+    table = read_table(save(S=rows), COLUMNS)
+    assert table.texts["sample"] == ["1.469", "2.5"]
+    assert table.numbers["irradiance"].tolist() == [5000.0, 6000.0]
+
+
+def test_a_delimiter_at_the_end_of_some_rows_only(tmp_path):
+    """A comma between thousands splits a cell: the row must not be read as 1 W/m² with a remark."""
+    path = tmp_path / "raw.csv"
+    path.write_text("pressure [Pa],irradiance [W/m^2],remark\n1,850,\n2,1,469,\n", encoding="utf-8")
+    table = read_table(path, COLUMNS)
+    assert table.numbers["irradiance"].tolist() == [850.0]
+    assert [row.reason for row in table.rejected] == ["has 4 values, the header names 3 columns"]
 
 
 def test_errors_of_spreadsheets_are_no_comments(tmp_path):

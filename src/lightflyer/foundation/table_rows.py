@@ -20,6 +20,7 @@ from lightflyer.foundation.number_marks import (
     stated_mark,
 )
 from lightflyer.foundation.quantity import Quantity
+from lightflyer.foundation.workbook import AS_TEXT
 
 _SMALLEST, _LARGEST = 1e-30, 1e30  # of measured values in any unit; powers of others overflow
 _BLOCK = 50_000  # rows read at once; a block with a faulty row is read again row by row
@@ -187,6 +188,7 @@ def read_rows(source: str, rows: Sequence[Row], layout: Layout, marks: Marks) ->
         without a value, an empty text.
     """
     texts: dict[str, list[str]] = {one.column.name: [] for one in layout.text_columns.values()}
+    rows = _without_last_delimiter(rows, layout)
     found = []
     for start in range(0, len(rows), _BLOCK):
         block = rows[start : start + _BLOCK]
@@ -204,6 +206,22 @@ def read_rows(source: str, rows: Sequence[Row], layout: Layout, marks: Marks) ->
         texts,
         [row for one in found for row in one.rejected],
     )
+
+
+def _without_last_delimiter(rows: Sequence[Row], layout: Layout) -> Sequence[Row]:
+    """Rows without a delimiter at their ends, if all have one.
+
+    Where some have one only, cells may have been split: ``30,1,469,`` is 30 and 1469.
+    """
+    delimiter, width = layout.delimiter, len(layout.names)
+
+    def has_one(line: str) -> bool:
+        cells = split_cells(line, delimiter)
+        return len(cells) == width + 1 and not cells[-1]
+
+    if delimiter is None or not all(has_one(line) for _, line in rows):
+        return rows
+    return [(number, line[: line.rindex(delimiter)]) for number, line in rows]
 
 
 def _read_block(block: Sequence[Row], layout: Layout, marks: Marks) -> np.ndarray | None:
@@ -248,8 +266,6 @@ def _read_slowly(source: str, block: Sequence[Row], layout: Layout, marks: Marks
     rejected: list[Rejected] = []
     for line, text in block:
         cells = split_cells(text, layout.delimiter)
-        if len(cells) == width + 1 and not cells[-1]:
-            del cells[-1]
         if names_columns(layout, cells):
             raise ConfigurationError(
                 f"{source}:{line}: is a second header: the rows below may have other units; "
@@ -283,7 +299,7 @@ def _read_row(
         if column.text:
             if not (cell or column.blank):
                 raise ConfigurationError(f"{place}: {column.name} is empty")
-            said[column.name] = cell
+            said[column.name] = cell.removesuffix(AS_TEXT)
             continue
         value = marks.number(cell)
         if value is None:
@@ -325,6 +341,12 @@ def _require_plain(cell: str, place: str) -> None:
         raise ConfigurationError(
             f'{place}: the formula "{cell}" has no value; open the file in a spreadsheet program '
             "and save it"
+        )
+    if cell.endswith(AS_TEXT):
+        text = cell.removesuffix(AS_TEXT)
+        raise ConfigurationError(
+            f'{place}: "{text}" is a text of the workbook, of which the mark may group thousands; '
+            "make it a number there"
         )
     if _DATE.match(cell):
         raise ConfigurationError(

@@ -10,11 +10,15 @@ from typing import Any
 
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.extras import extra
+from lightflyer.foundation.number_marks import split_number
 
 SHEET = "#"
 """Between the name of a workbook and that of a sheet."""
 
 DELIMITER = "\t"
+
+AS_TEXT = " (text)"
+"""End of a text such as ``1.469``, which may be 1469; cells that are numbers are in no doubt."""
 
 _ZIP, _OLD = b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 _BOOK = "xl/workbook.xml"
@@ -88,7 +92,8 @@ def read_sheets(content: bytes, name: str) -> dict[str, list[str]]:
     dict of str to list of str
         By the name of the sheet: one line a row, from the first row on. Numbers have decimal
         points; those that the sheet shows in percent end in ``%``, formulas without a value
-        begin with ``=``, dates are in ISO format.
+        begin with ``=``, texts that may be two numbers end in :data:`AS_TEXT`, dates are in ISO
+        format.
 
     Raises
     ------
@@ -139,9 +144,11 @@ def _text(cell: Any, formula: Any) -> str:
     value = cell.value
     if value is None:
         return f"={str(formula.value).lstrip('=')}" if formula.data_type == "f" else ""
-    if isinstance(value, bool | str):
-        return " ".join(str(value).split())
-    if isinstance(value, int | float):
+    if isinstance(value, str):
+        text = " ".join(value.split())
+        number = split_number(text)
+        return text + AS_TEXT if number and number.open else text
+    if isinstance(value, int | float) and not isinstance(value, bool):
         share = "%" in str(cell.number_format)
         return f"{_PERCENT * value:.15g} %" if share else repr(value)
     if isinstance(value, datetime.datetime | datetime.date | datetime.time):

@@ -25,7 +25,9 @@ _HEIGHT = 4.6
 _RADIATION_HEIGHT = 0.35  # of the black body's curve, in heights of the axes
 _MARGIN = 1.02  # height of the axes over the highest value
 _MOST_POINTS = 20_000  # drawn of one spectrum
-_TICKS_UM = np.array([2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 25.0])
+_TICKS_UM = np.array([0.2, 0.3, 0.4, 0.5, 0.7, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0,
+                      25.0])  # fmt: skip
+_BETWEEN_TICKS = 0.045  # of the width of the axes, at least
 _MICROMETRES_TIMES_PER_CENTIMETRE = 1e4
 
 
@@ -86,6 +88,11 @@ def _wavelength_axis(ax: Axes) -> None:
     left, right = ax.get_xlim()
     at = _MICROMETRES_TIMES_PER_CENTIMETRE / _TICKS_UM
     shown = (at > min(left, right)) & (at < max(left, right))
+    room = _BETWEEN_TICKS * abs(right - left)
+    last = np.inf
+    for number in np.flatnonzero(shown):  # the wavenumber falls
+        shown[number] = last - at[number] >= room
+        last = at[number] if shown[number] else last
     top = ax.secondary_xaxis("top")
     top.set_xticks(at[shown], [f"{tick:g}" for tick in _TICKS_UM[shown]])
     top.set_xlabel("wavelength [µm]")

@@ -152,6 +152,25 @@ def test_materials_lists_range_density_and_source(run):
     assert "polyethylene terephthalate" in text
 
 
+def test_materials_are_searched(run):
+    code, text, _ = run("materials", "--search", "cr", "--json")
+    assert code == 0
+    found = json.loads(text)
+    assert [entry["name"] for entry in found["materials"]] == ["Cr"]
+    page = next(entry for entry in found["pages"] if entry["name"] == "main/Cr/Johnson")
+    assert page["quantities"] == ["n", "k"]
+    assert page["wavelength_range_um"] == pytest.approx([0.188, 1.937])
+    assert "Phys. Rev. B 9" in page["reference"]
+    code, text, _ = run("materials", "--search", "germanium film")
+    assert code == 0
+    assert "main/Ge/Ciesielski-20nm" in text
+    code, text, _ = run("materials", "--search", "n")
+    assert "more pages of refractiveindex.info have it: give more words" in text
+    code, _, errors = run("materials", "--search", " ")
+    assert code == 2
+    assert "the search has no word" in errors
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

@@ -5,7 +5,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.config.reader import read_film_file
-from lightflyer.film import Graded, Mixture, material
+from lightflyer.film import Graded, Mixture, material, thickness_uncertainty
 
 
 @pytest.fixture
@@ -49,6 +49,19 @@ def test_a_graded_mixture_keeps_the_order_of_its_parts(layer):
     assert section.film().areal_density == pytest.approx(1.2e-4)
     names = [name for name, _, value in section.numbers() if value is not None]
     assert "layers.0.parts.0.fraction_bottom" in names
+
+
+def test_every_number_with_an_uncertainty_counts(layer):
+    """The mass of a porous layer, from ± of its porosity and thickness, by hand."""
+    section = layer('material = "Ge", porosity = "0.3 ± 0.1", thickness = "20 ± 1 nm"')
+    spread = thickness_uncertainty(
+        lambda one: one.areal_density, section.film(), [1e-9], section.neighbours()
+    )
+    assert spread == pytest.approx(5323.0 * np.hypot(0.1 * 20e-9, 0.7 * 1e-9), rel=1e-12)
+    at_the_end = layer('material = "Ge", porosity = "0.05 ± 0.1", thickness = "20 nm"')
+    ((above, below),) = at_the_end.neighbours()
+    assert above.layers[0].material.fractions == pytest.approx(0.15)
+    assert below.layers[0].material.fractions == 0.0
 
 
 def test_a_mat_of_needles(layer):

@@ -39,7 +39,7 @@ def film_command(
     """Compute absorptance, transmittance, emittance and areal density of a film from its layers.
 
     Transmittances matter where a film shades another, as in a sandwich. Where the file states ± of
-    thicknesses or densities, values have 95 % intervals from them. Shares of a spectrum without
+    layers' numbers, values have 95 % intervals from them. Shares of a spectrum without
     optical data are printed with bounds, apart from the intervals.
 
     Parameters
@@ -72,7 +72,8 @@ def film_command(
     film = section.film()
     written = section.written_layers
     spreads = [layer.thickness.uncertainty for layer in written]
-    points, beyond = _points(film, at, spreads)
+    others = section.neighbours()
+    points, beyond = _points(film, at, spreads, others)
     summary = FilmSummary.of(
         film, section.light(), asked,
         thickness_uncertainty=spreads,
@@ -80,6 +81,7 @@ def film_command(
             None if layer.density is None else layer.density.uncertainty
             for layer in written
         ],
+        others=others,
     )  # fmt: skip
     by_angle = _by_angle(film, summary, angles)
     warnings = [*summary.warnings, *beyond]
@@ -117,7 +119,10 @@ def _quantities(option: str, text: str, unit: str) -> Any:
 
 
 def _points(
-    film: "Film", at: str | None, spreads: Sequence[float | None]
+    film: "Film",
+    at: str | None,
+    spreads: Sequence[float | None],
+    others: "Sequence[tuple[Film, Film]]",
 ) -> tuple[list[dict[str, Any]], list[str]]:
     """Optics at the wavelengths of ``--at``, for normal incidence on the top, and warnings."""
     if at is None:
@@ -137,8 +142,8 @@ def _points(
     points: list[dict[str, Any]] = [{"wavelength_um": float(one) * 1e6} for one in wavelengths]
     for number, point in enumerate(points):
         point |= {name: float(value[number]) for name, value in values.items()}
-    if any(spreads):
-        spread = thickness_uncertainty(optics, film, [one or 0.0 for one in spreads])
+    if any(spreads) or others:
+        spread = thickness_uncertainty(optics, film, [one or 0.0 for one in spreads], others)
         for number, point in enumerate(points):
             point["interval_95"] = {
                 name: possible_interval(point[name], one[number], 1.0).tolist()
@@ -356,7 +361,7 @@ def _intervals(summary: "FilmSummary") -> Table | None:
     """95 % intervals from the thicknesses."""
     if summary.uncertainty is None:
         return None
-    title = "95 % intervals from the stated ± of thicknesses and densities"
+    title = "95 % intervals from the stated ± of the layers' numbers"
     sides = tuple(summary.thermal)
     table = _table(title, ("at\n[K]", *_of_sides("hemispherical", sides),
                            "absorptance\n/ emittance", "infrared\ntransmittance"))  # fmt: skip

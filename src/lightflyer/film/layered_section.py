@@ -1,5 +1,6 @@
 """``[film]`` given by its layers: what is not measured is computed."""
 
+import re
 from collections.abc import Mapping
 from functools import cache
 from typing import Annotated, Any, ClassVar, TypeAlias
@@ -10,7 +11,7 @@ from pydantic import Discriminator, Field, Tag, ValidationInfo
 from lightflyer.film.computed import ComputedFilm, with_measured
 from lightflyer.film.layer_section import LayerSection, Policy, file_beside, is_varied
 from lightflyer.film.properties import FilmProperties
-from lightflyer.film.section import FACES, FilmSection, MeasuredFilmSection
+from lightflyer.film.section import FACES, FilmSection, MeasuredFilmSection, WholeFilm
 from lightflyer.film.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
 from lightflyer.film.stack import Film
 from lightflyer.foundation.errors import ConfigurationError
@@ -26,6 +27,11 @@ from lightflyer.foundation.units import Measured
 _LAMPS = {"AM0": am0, "cold-white-led": cold_white_led}
 
 _LIMIT = "highest_temperature"
+
+_OF_MEDIA = re.compile(
+    r"(layers\.\d+|substrate|ambient)\.(?!(thickness|density|tac)$)|roughness_bottom|open_fraction"
+)
+"""Numbers that change a film's optics, but for thicknesses."""
 
 _FREE = 'is for samples, which "lightflyer film" reads: a flyer\'s film stands free'
 _HOLES = (
@@ -62,7 +68,7 @@ class LayeredFilmSection(FilmSection):
     tac_bottom: AccommodationCoefficient | None = None
     roughness_bottom: Roughness | None = None
 
-    _optics: FilmProperties | None = pydantic.PrivateAttr(None)
+    _optics: FilmProperties | WholeFilm | None = pydantic.PrivateAttr(None)
 
     @pydantic.model_validator(mode="before")
     @classmethod
@@ -91,6 +97,28 @@ class LayeredFilmSection(FilmSection):
         layers = tuple(layer.build(self.extrapolation) for layer in self.layers)
         bottom = None if self.roughness_bottom is None else self.roughness_bottom.value
         return Film(layers, roughness_below=bottom)
+
+    def neighbours(self) -> list[tuple[Film, Film]]:
+        """Films with each number that has ± one standard uncertainty above and below its value.
+
+        Thicknesses, densities and accommodation coefficients of layers are left out: the first two
+        are treated by themselves, the last change no optics. A value stays in its range.
+        """
+        found = []
+        for name, quantity, value in self.numbers():
+            if value is None or not value.uncertainty or not _OF_MEDIA.match(name):
+                continue
+            above, below = (
+                min(max(value.value + change, quantity.lowest), quantity.highest)
+                for change in (value.uncertainty, -value.uncertainty)
+            )
+            found.append((self._film_with(name, above), self._film_with(name, below)))
+        return found
+
+    def _film_with(self, name: str, value: float) -> Film:
+        changed = self.replaced({name: value})
+        assert isinstance(changed, LayeredFilmSection)
+        return changed.film()
 
     def light(self) -> Spectrum:
         """The light's spectrum."""
@@ -178,7 +206,7 @@ class LayeredFilmSection(FilmSection):
                 return f"areal_density, or the layer of {layer.label} its density{why}"
         return None
 
-    def with_optics(self, properties: FilmProperties) -> "LayeredFilmSection":
+    def with_optics(self, properties: FilmProperties | WholeFilm) -> "LayeredFilmSection":
         """See :meth:`FilmSection.with_optics`."""
         film = self.model_copy()
         film._optics = properties
@@ -188,6 +216,8 @@ class LayeredFilmSection(FilmSection):
         """See :meth:`FilmSection.build`."""
         if self._optics is None:
             return self.computed(incidence, passing=passing).properties
+        if isinstance(self._optics, WholeFilm):
+            return self._optics.properties
         given = {name: value.value for name, value in self.measured().items()}
         return FilmProperties(**with_measured(self._optics, given) | {_LIMIT: self.limit()})
 

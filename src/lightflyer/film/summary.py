@@ -82,6 +82,7 @@ class FilmSummary:
         *,
         thickness_uncertainty: Sequence[float | None] = (),
         density_uncertainty: Sequence[float | None] = (),
+        others: Sequence[tuple[Film, Film]] = (),
     ) -> "FilmSummary":
         """Summary of a film.
 
@@ -96,6 +97,8 @@ class FilmSummary:
             Standard uncertainty of each layer's thickness, None where none is stated [m].
         density_uncertainty : sequence of float or None, optional
             That of each layer's density [kg/m³].
+        others : sequence of (Film, Film), optional
+            See :func:`~lightflyer.film.thickness.thickness_uncertainty`.
 
         Returns
         -------
@@ -123,7 +126,9 @@ class FilmSummary:
             temperatures=temperatures,
             wavelength=wavelength,
             optics=film.optics(wavelength).unpolarised(),
-            uncertainty=_uncertainty(film, light, temperatures, spreads, densities),
+            uncertainty=_uncertainty(
+                film, light, temperatures, spreads, densities, others
+            ),
             warnings=film_warnings(
                 film, light, temperatures, averages["solar"], averages["lamp"],
                 averages["thermal"], spreads,
@@ -314,16 +319,17 @@ def _uncertainty(
     temperatures: np.ndarray,
     spreads: Sequence[float | None],
     densities: Sequence[float | None],
+    others: Sequence[tuple[Film, Film]],
 ) -> dict[str, Any] | None:
     """Standard uncertainties of the values; those of the densities concern the mass only."""
-    if not any(spreads) and not any(densities):
+    if not any(spreads) and not any(densities) and not others:
         return None
 
     def values(one: Film) -> dict[str, Any]:
         averages = _averages(one, light, temperatures, COARSE_POINTS_PER_E_FOLD)
         return _values(one, light, averages)
 
-    found = thickness_uncertainty(values, film, [spread or 0.0 for spread in spreads])
+    found = thickness_uncertainty(values, film, [spread or 0.0 for spread in spreads], others)
     parts = [
         layer.thickness * (spread or 0.0) * _GRAMS
         for layer, spread in zip(film.layers, densities, strict=True)

@@ -22,7 +22,10 @@ _METRES_TO_NANOMETRES = 1e9
 
 
 def thickness_uncertainty(
-    quantity: Callable[[Film], T], film: Film, uncertainty: Sequence[float]
+    quantity: Callable[[Film], T],
+    film: Film,
+    uncertainty: Sequence[float],
+    others: Sequence[tuple[Film, Film]] = (),
 ) -> T:
     r"""Standard uncertainty of anything computed from a film, from that of its thicknesses.
 
@@ -34,6 +37,9 @@ def thickness_uncertainty(
         With concrete thicknesses.
     uncertainty : sequence of float
         Standard uncertainty of each layer's thickness, top to bottom; zero where it is exact [m].
+    others : sequence of (Film, Film)
+        For each other number with an uncertainty, such as a porosity: the film with the number one
+        standard uncertainty above and below its value.
 
     Returns
     -------
@@ -47,9 +53,9 @@ def thickness_uncertainty(
 
     Notes
     -----
-    The thicknesses :math:`d_i` are independent and normal. The quantity is computed with each at
-    its value, :math:`y`, and one standard uncertainty above and below it, :math:`y_i^\pm`. To
-    second order, its mean square deviation from :math:`y` is
+    The thicknesses and other numbers are independent and normal. The quantity is computed with
+    each at its value, :math:`y`, and one standard uncertainty above and below it,
+    :math:`y_i^\pm`. To second order, its mean square deviation from :math:`y` is
 
     .. math::
         u^2(y) = \sum_i \left(\frac{y_i^+-y_i^-}{2}\right)^2
@@ -72,12 +78,13 @@ def thickness_uncertainty(
     _check(film, uncertainty)
     middle = quantity(film)
     total = jax.tree.map(lambda one: np.zeros_like(one, float), middle)
-    for number, spread in enumerate(uncertainty):
-        if spread > 0.0:
-            above, below = (
-                quantity(_changed(film, number, change)) for change in (spread, -spread)
-            )
-            total = jax.tree.map(_add, total, middle, above, below)
+    pairs = [
+        (_changed(film, number, spread), _changed(film, number, -spread))
+        for number, spread in enumerate(uncertainty)
+        if spread > 0.0
+    ]
+    for above, below in (*pairs, *others):
+        total = jax.tree.map(_add, total, middle, quantity(above), quantity(below))
     return jax.tree.map(lambda one: np.sqrt(one)[()], total)
 
 

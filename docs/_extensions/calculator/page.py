@@ -42,9 +42,9 @@ def _number(number: Number) -> str:
         low, high, step = 0, _STEPS, 1
     return (
         f'<div class="lf-number"><label for="{key}">{label}{shown}</label>'
-        f'<input type="range" id="{key}" data-name="{number.name}" '
+        f'<input type="range" id="{key}" '
         f'min="{low:g}" max="{high:g}" step="{step:g}">'
-        f'<input type="text" inputmode="decimal" id="{key}-box" data-name="{number.name}" '
+        f'<input type="text" inputmode="decimal" id="{key}-box" '
         f'autocomplete="off" aria-label="{label}{", " + escape(unit) if unit else ""}" '
         f'aria-describedby="{key}-error">'
         f'<p class="lf-error" id="{key}-error" role="alert"></p></div>'

@@ -295,23 +295,36 @@
     });
     const light = values["environment.irradiance"];
     line(curve.light, box.left, box.right, lightAt(light), lightAt(light));
-    const here = curve.x(Math.min(Math.max(values.altitude, BOTTOM), TOP));
+    mark(curve.light, isOn(LIGHTS, light));
+    const here = curve.x(values.altitude);
     line(curve.here, here, here, box.top, box.bottom);
+    mark(curve.here, isOn([BOTTOM, TOP], values.altitude));
     const least = core.easiest(model, values, ALTITUDES, own);
-    curve.least.setAttribute("visibility", least === null ? "hidden" : "visible");
+    mark(curve.least, least !== null && isOn(LIGHTS, least.irradiance));
     if (least !== null) {
       curve.least.setAttribute("cx", curve.x(least.altitude / KILO));
       curve.least.setAttribute("cy", lightAt(least.irradiance));
     }
     const isBeyond = own.some((row) => !core.isInRange(model, row));
-    const faint = isBeyond ? " The line is faint where the force model is beyond its range." : "";
-    const words = curveWords(found, least, light) + faint;
+    const isLow = own.some((row) => row[place.levitation_irradiance] < LIGHTS[0]);
+    const words = [
+      curveWords(found, least, light),
+      isBeyond ? "The line is faint where the force model is beyond its range." : "",
+      isLow ? `It runs along the axis where less than ${LIGHTS[0]} W/m² suffice.` : "",
+    ].join(" ").trim();
     element("lf-curve-text").textContent = words;
     element("lf-curve").setAttribute("aria-label", `Irradiance to levitate over altitude. ${words}`);
   }
 
   function lightAt(light) {
     return curve.y(Math.min(Math.max(light, LIGHTS[0]), LIGHTS[1]));
+  }
+
+  const isOn = ([low, high], value) => value >= low && value <= high;
+
+  /** Show a mark that lies on its axes, hide another. */
+  function mark(made, isShown) {
+    made.setAttribute("visibility", isShown ? "visible" : "hidden");
   }
 
   function line(made, x1, x2, y1, y2) {
@@ -398,9 +411,11 @@
     const wanted = JSON.stringify([model, ...others.map(({ name }) => values[name])]);
     if (wanted !== mapped) paintMap();
     mapped = wanted;
-    const within = (value, number) => Math.min(Math.max(value, number.low), number.high);
-    chart.here.setAttribute("cx", chart.x(within(values["flyer.diameter"], DIAMETER)));
-    chart.here.setAttribute("cy", chart.y(within(values.altitude, numbers.altitude)));
+    const diameter = values[DIAMETER.name];
+    chart.here.setAttribute("cx", chart.x(diameter));
+    chart.here.setAttribute("cy", chart.y(values.altitude));
+    const isWithin = isOn([DIAMETER.low, DIAMETER.high], diameter);
+    mark(chart.here, isWithin && isOn([BOTTOM, TOP], values.altitude));
   }
 
   function paintMap() {
@@ -434,7 +449,7 @@
   }
 
   function markBest(best, most, isBeyond) {
-    chart.best.setAttribute("visibility", best < 0 ? "hidden" : "visible");
+    mark(chart.best, best >= 0);
     let words = "In this light no disk levitates with a film that bears it.";
     if (best >= 0) {
       const diameter = MAP_DIAMETERS[best % MAP_DIAMETERS.length] / CENTI;

@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN = $(VENV)/bin
 STAMP = $(VENV)/.installed
 
-.PHONY: demo test check lint types docs bench lock clean
+.PHONY: demo test check lint types docs wheel bench lock clean
 
 demo: $(STAMP)  ## predict the 2-cm germanium disk; table here, figures and data in demo/
 	@test -e demo/flyer.toml || { mkdir -p demo && $(BIN)/lightflyer init demo/flyer.toml > /dev/null; }
@@ -14,7 +14,7 @@ demo: $(STAMP)  ## predict the 2-cm germanium disk; table here, figures and data
 test: $(STAMP)  ## run the tests
 	$(BIN)/pytest -n auto
 
-check: lint types test docs  ## all that continuous integration checks
+check: lint types test docs wheel  ## all that continuous integration checks
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
@@ -26,6 +26,9 @@ types: $(STAMP)
 docs: $(STAMP)  ## build the documentation into docs/_build and run what its pages show
 	$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build
 	$(BIN)/pytest -n auto -m snippets tests/docs
+
+wheel: $(STAMP)  ## build the package and use its wheel in an empty environment
+	VENV=$(VENV) .ci/check_wheel
 
 bench: $(STAMP)  ## measure speed beside SciPy's; prints the table of docs/benchmarks.md
 	$(BIN)/python benchmarks/solver.py

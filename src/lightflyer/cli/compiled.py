@@ -10,7 +10,9 @@ machines share.
 import hashlib
 import os
 import platform
+import shutil
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -24,6 +26,8 @@ _COMPILES_NOTHING = {
 }
 _OF_JAX = ("JAX_COMPILATION_CACHE_DIR", "JAX_ENABLE_COMPILATION_CACHE")
 _OF_NUMBA = "NUMBA_CACHE_DIR"
+_KERNELS = "kinetic"  # room of what Numba compiles
+_KEPT_UNUSED = 30 * 86_400.0  # seconds
 
 
 def compiled_folder() -> Path | None:
@@ -71,13 +75,25 @@ def keep_compiled(arguments: Sequence[str]) -> None:
         "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
         "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1",
     }
-    os.environ.setdefault(_OF_NUMBA, str(folder / "numba"))
+    os.environ.setdefault(_OF_NUMBA, str(_for_numba(folder / "numba")))
     if is_new:
         print(  # noqa: T201
             f"lightflyer: compiled programs are kept in {folder.parent}, so that the next command "
             f"starts faster; {SETTING}=off keeps none",
             file=sys.stderr,
         )
+
+
+def _for_numba(folder: Path) -> Path:
+    """Folder for the kernels as they are now, since Numba sees changes of their own files only."""
+    sources = sorted((Path(__file__).parents[1] / _KERNELS).glob("*.py"))
+    state = repr([(source.name, source.stat().st_mtime_ns) for source in sources])
+    chosen = folder / hashlib.sha256(state.encode()).hexdigest()[:12]
+    if not chosen.exists():
+        for other in folder.glob("*"):
+            if time.time() - other.stat().st_mtime > _KEPT_UNUSED:
+                shutil.rmtree(other, ignore_errors=True)
+    return chosen
 
 
 def _processor() -> str:

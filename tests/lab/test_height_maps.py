@@ -307,8 +307,8 @@ def test_pixels_need_not_be_square():
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("1.234,5\t2,0\n3,0\t4,0", 'with a comma, "1.234,5", and with a point'),
-        ("1,469\t2,345\n3,210\t1,111", '"1,469" may be 1.469 or 1469'),
+        ("1,469\t2,345\n3,210\t1,111", ':1: heights: "1,469" may be 1469 or 1.469'),
+        ("1,5\t2\n3\t4.5", '"1,5" has other marks than "4.5" in line 2'),
         ("23,05,24,10\n23,15,24,20", '"05" between commas suggest decimal commas'),
         ("a b\n1 2\n3 x", ':3: "x" is not a number'),
         ("1 2\n1.2.3 4", ':2: "1.2.3" is not a number'),
@@ -320,6 +320,15 @@ def test_a_matrix_that_may_be_read_in_two_ways_is_refused(tmp_path, text, says):
     path.write_text(text, encoding="utf-8")
     with pytest.raises(lf.ConfigurationError, match=re.escape(says)):
         read_number_matrix(path, "heights")
+
+
+def test_marks_of_a_matrix_are_those_of_tables(tmp_path):
+    path = tmp_path / "m.txt"
+    path.write_text("1.234,5\t2,0\n3,25\t4,0", encoding="utf-8")
+    assert read_number_matrix(path, "heights").values.tolist() == [[1234.5, 2.0], [3.25, 4.0]]
+    path.write_text("# decimal: comma\n1,469\t2,345\n3,210\tnan", encoding="utf-8")
+    found = read_number_matrix(path, "heights").values
+    np.testing.assert_array_equal(found, [[1.469, 2.345], [3.21, np.nan]])
 
 
 def test_a_matrix_below_a_heading_with_numbered_rows(tmp_path):

@@ -8,9 +8,9 @@ import numpy as np
 
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.layout import is_comment, split_cells
+from lightflyer.foundation.number_marks import COMMA, POINT, Marks, find_marks, stated_mark
 from lightflyer.foundation.text import read_text
 
-_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _LEADING_ZERO = re.compile(r"[+-]?0\d+")
 _MARKED = re.compile(r"[+-]?\d[\d.,]*(e[+-]?\d+)?|[+-]?,\d+", re.I)
 _SHOWN = 40  # characters of a cell or line in a message
@@ -68,7 +68,8 @@ def read_number_matrix(path: str | Path, what: str) -> NumberMatrix:
     start = _first_row(path, rows)
     body = rows[start:]
     _require_equal_lengths(path, body, what)
-    values = _numbers(path, body, delimiter)
+    comments = [line for _, line in lines if is_comment(line)]
+    values = _numbers(path, body, delimiter, what, comments)
     values, notes = _without_indices(values)
     first = body[0].line
     return NumberMatrix(values, tuple(line for number, line in lines if number < first), notes)
@@ -142,7 +143,9 @@ def _require_equal_lengths(path: Path, body: list[_Row], what: str) -> None:
             )
 
 
-def _numbers(path: Path, body: list[_Row], delimiter: str | None) -> np.ndarray:
+def _numbers(
+    path: Path, body: list[_Row], delimiter: str | None, what: str, comments: list[str]
+) -> np.ndarray:
     cells = [cell for row in body for cell in row.cells]
     if delimiter == ",":
         proof = next((cell for cell in cells if _LEADING_ZERO.fullmatch(cell)), None)
@@ -151,9 +154,8 @@ def _numbers(path: Path, body: list[_Row], delimiter: str | None) -> np.ndarray:
                 f'{path}: cells such as "{proof}" between commas suggest decimal commas; write '
                 "the file with another delimiter"
             )
-    elif (example := next((cell for cell in cells if "," in cell), None)) is not None:
-        _require_decimal_commas(path, cells, example)
-        cells = [cell.replace(",", ".") for cell in cells]
+    elif any("," in cell for cell in cells):
+        cells = _with_points(path, body, what, comments)
     try:
         return np.array(cells).astype(float).reshape(len(body), -1)
     except ValueError:
@@ -163,19 +165,22 @@ def _numbers(path: Path, body: list[_Row], delimiter: str | None) -> np.ndarray:
         raise _no_number(path, row.line, row.cells[at % width]) from None
 
 
-def _require_decimal_commas(path: Path, cells: list[str], example: str) -> None:
-    """Refuse numbers in which a comma may be a mark of thousands."""
-    pointed = next((cell for cell in cells if "." in cell), None)
-    if pointed is not None:
-        raise ConfigurationError(
-            f'{path}: has numbers with a comma, "{example[:_SHOWN]}", and with a point, '
-            f'"{pointed[:_SHOWN]}"; write all with decimal points and without marks of thousands'
-        )
-    if all(_THOUSANDS.fullmatch(cell) for cell in cells if "," in cell):
-        raise ConfigurationError(
-            f'{path}: "{example[:_SHOWN]}" may be {example.replace(",", ".")} or '
-            f"{example.replace(',', '')}; write the numbers with decimal points"
-        )
+def _with_points(path: Path, body: list[_Row], what: str, comments: list[str]) -> list[str]:
+    """Cells of a file with commas in its numbers, written with decimal points."""
+    cells = [(row.line, cell) for row in body for cell in row.cells]
+    stated = stated_mark(comments)
+    marks = (
+        find_marks(str(path), {what: cells}, lambda _name, _value: True, say=False)
+        if stated is None
+        else Marks(stated, POINT if stated == COMMA else COMMA)
+    )
+    found = []
+    for line, cell in cells:
+        value = marks.number(cell)
+        if value is None and not _reads(cell):
+            raise _no_number(path, line, cell)
+        found.append(cell if value is None else repr(value))
+    return found
 
 
 def _counts(cells: list[str]) -> bool:

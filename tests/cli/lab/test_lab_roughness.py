@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import pytest
 import xarray as xr
@@ -65,3 +66,23 @@ def test_bad_input(folder, lab, arguments, says):
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert says in err
     assert not (folder / "o").exists()
+
+
+FILES = Path(__file__).parents[2] / "lab" / "height_maps"
+
+
+def test_channels_of_a_microscope(lab):
+    pytest.importorskip("SurfaceTopography")
+    path = str(FILES / "nanoscope-9.1.spm")
+    code, out, err = lab("roughness", path, "--list-channels")
+    assert (code, err) == (0, "")
+    assert "ZSensor [nm]: 48 x 40 pixels\n" in out
+    assert "Phase [?]: 48 x 40 pixels, not a height" in out
+    found = json.loads(lab("roughness", path, "--list-channels", "--json")[1])[path]
+    assert [one["name"] for one in found if one["is_height"]] == ["ZSensor", "Height"]
+    code, out, _ = lab("roughness", path, "--channel", "zsensor", "--json")
+    assert code == 0
+    assert json.loads(out)["channel"] == "ZSensor"
+    code, out, err = lab("roughness", path, "--channel", "Phase")
+    assert (code, out) == (2, "")
+    assert 'channel "Phase [?]" is not a height; choose one by --channel: ZSensor [nm]' in err

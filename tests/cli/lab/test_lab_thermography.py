@@ -1,4 +1,6 @@
 import json
+import struct
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -147,3 +149,72 @@ def test_bad_input(folder, lab, arguments, says):
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert says in err
     assert not (folder / "o").exists()
+
+
+FLIR = Path(__file__).parents[2] / "lab" / "thermal_images" / "tau-2.fff"
+
+
+def flir_image(kelvin, emissivity, reflected):
+    """A record of a real camera with the signal of given temperatures, for 0 m of air."""
+    content = bytearray(FLIR.read_bytes())
+    (raw, _), (settings, _) = (
+        struct.unpack_from(">2I", content, 64 + 32 * number + 12) for number in (0, 1)
+    )
+    r1, b, f = struct.unpack_from("<3f", content, settings + 88)
+    o, r2 = struct.unpack_from("<if", content, settings + 776)
+
+    def counts(temperature):
+        return r1 / (r2 * (np.exp(b / temperature) - f)) - o
+
+    struct.pack_into("<3f", content, settings + 32, emissivity, 0.0, reflected)
+    signal = emissivity * counts(kelvin) + (1.0 - emissivity) * counts(reflected)
+    content[raw + 32 : raw + 32 + 2 * kelvin.size] = np.round(signal).astype("<u2").tobytes()
+    return bytes(content)
+
+
+def test_settings_of_a_flir_image_are_shown_and_may_be_replaced(folder, lab):
+    shown = np.full((48, 64), 295.15)
+    for place, kelvin in ((5, 423.15), (20, 317.95), (35, 403.94)):
+        shown[place : place + 8, 10:50] = kelvin
+    (folder / "a.fff").write_bytes(flir_image(shown, 0.95, 293.15))
+    regions = "hotplate=6:12,12:48; lower=21:27,12:48; upper=36:42,12:48"
+    arguments = ["thermography", "a.fff", "--regions", regions, "--ambient", "22 °C",
+                 "--band", "7.5-14 um", "--accuracy", "0.5 K"]  # fmt: skip
+    code, out, _ = lab(*arguments, "--out", "out")
+    assert code == 0
+    assert (
+        "read a.fff: 64 x 48 pixels, for an emissivity of 0.95, reflected temperature 20 °C" in out
+    )
+    assert "take apparent temperatures by --image-emissivity 1" in " ".join(out.split())
+    assert (folder / "out" / "thermography.png").exists()
+    own = json.loads((folder / "out" / "thermography.json").read_text(encoding="utf-8"))
+    assert own["image"]["emissivity"] == pytest.approx(0.95)
+    apparent = json.loads(lab(*arguments, "--image-emissivity", "1", "--json")[1])
+    assert apparent["image"]["emissivity"] == 1.0
+    # by radiances: the share of the surroundings falls out of differences, but for 22 less 20 °C
+    assert apparent["emissivity"]["value"] == pytest.approx(own["emissivity"]["value"], abs=3e-3)
+    assert not any("cancel" in said for said in apparent["warnings"])
+    code, out, err = lab(*arguments, "--image-unit", "K")
+    assert (code, out) == (2, "")
+    assert "states its scale itself; leave --image-unit out" in err
+
+
+def test_a_matrix_with_regions_is_an_image(folder, lab):
+    shown = np.full((40, 40), 22.0)
+    shown[:10], shown[12:20], shown[22:30] = 150.0, 44.8, 130.79
+    text = "Temperature [C]\n" + "\n".join(";".join(f"{v:.2f}" for v in row) for row in shown)
+    (folder / "m.csv").write_text(text.replace(".", ","), encoding="utf-8")
+    regions = "hotplate=0:9,5:35; lower=13:19,5:35; upper=23:29,5:35; ambient=32:39,5:35"
+    arguments = ["thermography", "m.csv", "--regions", regions, "--band", "7.5-14 um", "--json"]
+    code, out, _ = lab(*arguments, "--accuracy", "0.5 K")
+    assert code == 0
+    found = json.loads(out)
+    assert any("does not state the emissivity" in said for said in found["warnings"])
+    kelvin = [str(v) + " °C" for v in (150.0, 44.8, 130.79, 22.0)]
+    named = zip(("hotplate", "lower", "upper", "ambient"), kelvin, strict=True)
+    options = [part for name, value in named for part in (f"--{name}", value)]
+    same = json.loads(lab("thermography", *options, *arguments[-3:], "--accuracy", "0.5 K")[1])
+    assert found["emissivity"]["value"] == pytest.approx(same["emissivity"]["value"], abs=1e-6)
+    code, _, err = lab("thermography", "m.csv", "--image-unit", "K", "--ambient", "22 °C")
+    assert code == 2
+    assert "--image-… are for an image" in err

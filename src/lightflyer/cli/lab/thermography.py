@@ -229,7 +229,7 @@ def _image(
     is_image = file is not None and file.suffix.lower() in IMAGE_SUFFIXES
     if file is None or not (is_image or regions):
         if regions or any(settings):
-            raise ConfigurationError("--regions and --image-… are for an image; give its file too")
+            raise ConfigurationError("--image-… are for an image; give its file and --regions")
         return None
     if regions is None:
         raise ConfigurationError(f'{file}: an image needs --regions "hotplate=10:40,20:60; ..."')

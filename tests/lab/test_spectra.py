@@ -433,6 +433,15 @@ def test_table_in_per_cent_without_the_mark(tmp_path):
     np.testing.assert_allclose(found.value, [0.7, 0.8])
     np.testing.assert_allclose(found.wavelength, [1e-6, 5e-7])
     assert "taken as per cent" in found.notes[0]
+    for header, notes in (("%T", 1), ("transmittance", 0)):  # a mirror may transmit as little
+        path.write_text(
+            f"wavelength [nm],{header}\n500,{'0.8' if notes else '0.008'}\n1000,0.007\n"
+        )
+        assert len(read_spectrum(path).notes) == notes
+    path.write_text("wavelength [nm],%T\n500,80\n1000,70\n")
+    np.testing.assert_allclose(read_spectrum(path, scale="%").value, [0.7, 0.8])
+    path.write_text("wavelength [nm],%T\n500,0.8\n1000,0.7\n")
+    np.testing.assert_allclose(read_spectrum(path, scale="1").value, [0.7, 0.8])
     path.write_text("wavelength [nm],%T\n500,8000\n1000,7000\n")
     with pytest.raises(lf.ConfigurationError, match="transmittance = 80 at 20000"):
         read_spectrum(path)

@@ -32,7 +32,6 @@ _TO_WAVENUMBER: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "photon_energy": lambda energy: energy / (PLANCK * SPEED_OF_LIGHT),
 }
 _WORKBOOKS = (".xlsx", ".xlsm")
-_HEADER = 20_000  # characters in which a header stands
 
 COLUMNS = (
     Column(
@@ -46,6 +45,12 @@ COLUMNS = (
     Column("absorbance", _ABSORBANCE, ("a", "abs")),
 )  # fmt: skip
 """Columns of a spectrum: one of the first three, and one of the others."""
+
+_AS_WRITTEN = tuple(
+    replace(one, kind=Quantity(), any_unit=True) if one.name in ("transmittance", "reflectance")
+    else one
+    for one in COLUMNS
+)  # fmt: skip
 
 
 def read_spectrum(
@@ -115,9 +120,8 @@ def read_spectrum(
         if spectrum not in (None, "1"):
             source.refuse(f'is a table of one spectrum, not of "{spectrum}"')
         table = read_table(path, COLUMNS, layout=columns)
-        # values beyond what a per cent in the header allows are not taken as per cent once more
-        marked = "%" in source.text[:_HEADER] or "%" in (columns or "")
-        raw = _from_table(table, wanted, percent=False if marked else None)
+        as_written = read_table(path, _AS_WRITTEN, layout=columns)
+        raw = _from_table(table, as_written, wanted)
     else:
         raw = read_raw(source, kind, wanted)
         if columns is not None:
@@ -125,8 +129,8 @@ def read_spectrum(
     return measured(source, raw, wanted)
 
 
-def _from_table(table: Table, wanted: Wanted, *, percent: bool | None) -> RawSpectrum:
-    """Spectrum of a table, whose units have been read."""
+def _from_table(table: Table, as_written: Table, wanted: Wanted) -> RawSpectrum:
+    """Spectrum of a table, whose header may mark the ordinate as per cent."""
     numbers = table.numbers
     axes = [name for name in _TO_WAVENUMBER if name in numbers]
     if len(axes) != 1:
@@ -139,8 +143,11 @@ def _from_table(table: Table, wanted: Wanted, *, percent: bool | None) -> RawSpe
         raise ConfigurationError(
             f"{table.source}: needs one of the columns transmittance, reflectance, absorbance"
         )
-    wavenumber = _TO_WAVENUMBER[axes[0]](numbers[axes[0]])
+    value, written = numbers[chosen[0]], as_written.numbers[chosen[0]]
+    marked = not np.array_equal(value, written) and np.allclose(100.0 * value, written)
     return RawSpectrum(
-        wavenumber / PER_CENTIMETRE, numbers[chosen[0]], "cm-1", chosen[0], SpectrumFacts("table"),
-        percent=percent, notes=tuple(table.notes), rejected=tuple(table.rejected),
+        _TO_WAVENUMBER[axes[0]](numbers[axes[0]]) / PER_CENTIMETRE,
+        written if marked else value,
+        "cm-1", f"{chosen[0]} [%]" if marked else chosen[0], SpectrumFacts("table"),
+        notes=tuple(table.notes), rejected=tuple(table.rejected),
     )  # fmt: skip

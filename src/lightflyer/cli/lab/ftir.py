@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -106,16 +107,12 @@ def ftir_command(
             "--update: transmittance alone gives only an upper bound of the emittance; add "
             "--reflectance"
         )
-    spectra = [
-        read_spectrum(
-            file, columns=columns, quantity="transmittance", scale=scale, spectrum=spectrum
-        )
-        for file in files
+    read = partial(read_spectrum, columns=columns, scale=scale)
+    spectra = [read(file, quantity="transmittance", spectrum=spectrum) for file in files]
+    mirrors = [
+        read(one, quantity="reflectance", spectrum=reflectance_spectrum, collection=collection)
+        for one in ([] if reflectance is None else [reflectance])
     ]
-    mirrors = [] if reflectance is None else [
-        read_spectrum(reflectance, columns=columns, quantity="reflectance", scale=scale,
-                      spectrum=reflectance_spectrum, collection=collection)
-    ]  # fmt: skip
     result = reduce_ftir(
         spectra, mirrors,
         band=_ends(band),

@@ -17,7 +17,7 @@ SHARE = Quantity("", -0.2, 1.5)
 
 _PERCENT = 100.0
 _EMPTY = 1e-30  # of an ordinate: JASCO marks points without a value by ∓1.2e-38
-_DARK = 0.015  # nowhere exceeded if a fraction is taken for a percentage
+_DARK = 1.5  # per cent, nowhere exceeded if a fraction is taken for a percentage
 _KEPT = 2 / 3  # share of the points that is left without its ends, at least
 _LEAST_KEPT = 20
 _MOSTLY = 0.5  # share of the points above any fraction, from which an ordinate is in per cent
@@ -124,24 +124,10 @@ def measured(source: Source, raw: RawSpectrum, wanted: Wanted) -> MeasuredSpectr
                 notes.append(f"the scale {wanted.scale} is not used: the file shows absorbance")
         else:
             value = _fraction(source, ordinate, raw, shown, wanted, notes)
-            if wanted.scale is None and value.max(initial=-np.inf) < _DARK:
-                notes.append(
-                    f"{quantity} is nowhere above {_PERCENT * value.max():.2f} %; if "
-                    'the file holds fractions, not per cent, say --scale 1 (scale="1")'
-                )
     wavenumber, value = _possible(source, quantity, wavenumber, value, notes)
     facts = replace(raw.facts, ordinate=raw.ordinate_name)
     collection = wanted.collection or _collected(facts)
-    if shown.quantity == "absorbance" and quantity == "transmittance" and _collected(facts):
-        notes.append(
-            f"absorbance is taken as that of transmittance, but its accessory "
-            f'"{facts.accessory[:60]}" is one for reflectance'
-        )
-    if quantity == "reflectance" and collection == "total" and wanted.collection is None:
-        notes.append(
-            f'its accessory "{facts.accessory[:60]}" is taken to collect all light; with an open '
-            "specular port it collects the diffuse part only"
-        )
+    notes += _accessory_notes(facts, shown, quantity, wanted)
     distinct, place, count = np.unique(wavenumber, return_inverse=True, return_counts=True)
     if distinct.size < 2:
         source.refuse(f"has {distinct.size} wavenumber; a spectrum needs two or more")
@@ -238,6 +224,11 @@ def _fraction(
     percent = shown.percent if raw.percent is None else raw.percent
     highest = float(ordinate.max(initial=-np.inf))
     if percent:
+        if highest < _DARK:
+            notes.append(
+                f"its values are nowhere above {highest:.2f} %; if the file holds fractions, not "
+                'per cent, say --scale 1 (scale="1")'
+            )
         return ordinate / _PERCENT
     if highest <= SHARE.highest or raw.percent is False:
         return ordinate
@@ -284,6 +275,23 @@ def _possible(
         f"is as far out as {value[outside][np.argmax(np.abs(value[outside]))]:.3g}"
     )
     return wavenumber[kept], value[kept]
+
+
+def _accessory_notes(
+    facts: SpectrumFacts, shown: Shown, quantity: Ordinate, wanted: Wanted
+) -> list[str]:
+    collection = _collected(facts)
+    if shown.quantity == "absorbance" and quantity == "transmittance" and collection:
+        return [
+            "absorbance is taken as that of transmittance, but its accessory "
+            f'"{facts.accessory[:60]}" is one for reflectance'
+        ]
+    if quantity == "reflectance" and collection == "total" and wanted.collection is None:
+        return [
+            f'its accessory "{facts.accessory[:60]}" is taken to collect all light; with an open '
+            "specular port it collects the diffuse part only"
+        ]
+    return []
 
 
 def _collected(facts: SpectrumFacts) -> Collection | None:

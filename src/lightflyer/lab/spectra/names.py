@@ -123,8 +123,8 @@ def shown_by(name: str) -> Shown | str:
     """
     text = " ".join(name.casefold().split())
     percent = "%" in text or "percent" in text or "per cent" in text
-    core = re.sub(r"per ?cent(?:age)?|%|\bunits?\b|\[\s*\]|\(\s*\)", "", text)
-    core = re.sub(r"[\s_]+", "", core).strip("-.:,;")
+    core = re.sub(r"per ?cent(?:age)?|%|\bunits?\b", "", text)
+    core = re.sub(r"[\s_]+|\[\s*\]|\(\s*\)", "", core).strip("-.:,;")
     core = core[1:-1] if core.startswith("(") and core.endswith(")") else core
     quantity = _QUANTITIES.get(core)
     if quantity is not None:

@@ -4,6 +4,7 @@ import abc
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
+import equinox as eqx
 import pydantic
 
 from lightflyer.film.properties import FilmProperties, require_conservation
@@ -21,6 +22,17 @@ from lightflyer.foundation.units import Measured
 
 FACES = ("tac_top", "tac_bottom")
 """Numbers whose errors ``tac_correlation`` is about."""
+
+
+class WholeFilm(eqx.Module):
+    """All properties of a film, in which a section replaces nothing.
+
+    Attributes
+    ----------
+    properties : FilmProperties
+    """
+
+    properties: FilmProperties
 
 
 class FilmSection(Alternative, abc.ABC):
@@ -183,13 +195,14 @@ class FilmSection(Alternative, abc.ABC):
         """What the section must give beside its layers, in words; None where nothing lacks."""
         return None
 
-    def with_optics(self, properties: FilmProperties) -> "FilmSection":
+    def with_optics(self, properties: FilmProperties | WholeFilm) -> "FilmSection":
         """A copy that does not compute the optics of layers anew.
 
         Parameters
         ----------
-        properties : FilmProperties
-            What :meth:`build` gave for other numbers, where their change leaves the optics alone.
+        properties : FilmProperties or WholeFilm
+            What :meth:`build` gave for other numbers, where their change leaves the optics alone;
+            or the film itself.
 
         Returns
         -------

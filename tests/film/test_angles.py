@@ -1,0 +1,131 @@
+"""Shares by angle and polarisation: against tmm, closed forms and the hemispherical averages."""
+
+import csv
+import dataclasses
+
+import jax
+import numpy as np
+import pytest
+import tmm
+
+import lightflyer as lf
+from lightflyer.film import (
+    AngularSummary,
+    Film,
+    Layer,
+    Spectrum,
+    absorptance,
+    am0,
+    emittance,
+    heat_by_angle,
+    light_by_angle,
+    tabulated_material,
+)
+from lightflyer.film.angle_figures import angle_figures
+from lightflyer.film.angle_tables import write_csv, write_spectral_csv
+
+ANGLES = np.radians([0.0, 35.0, 80.0])
+COARSE = 100
+
+
+def flat(n, k):
+    table = np.array([1e-7, 4e-3]), np.array([n, n]), np.array([k, k])
+    return tabulated_material(f"flat {n} {k}", *table, density=1000.0)
+
+
+@pytest.fixture(scope="module")
+def film():
+    return Film((Layer(flat(3.0, 0.4), 3e-8), Layer(flat(1.6, 0.02), 1e-6)))
+
+
+@pytest.fixture(scope="module")
+def summary(film):
+    rough = dataclasses.replace(film, roughness_below=1e-8)
+    return AngularSummary.of(rough, am0(), ANGLES, np.array([250.0, 400.0]))
+
+
+def test_light_by_angle_is_that_of_tmm(film):
+    wavelengths = np.array([0.4e-6, 0.5e-6, 0.8e-6, 1.1e-6])
+    weights = np.array([0.05, 0.2, 0.3, 0.15])  # trapezoids of an even spectrum
+    found = light_by_angle(film, ANGLES, Spectrum("even", wavelengths, np.ones(4)), side="bottom")
+    index, depth = [1.0, 1.6 + 0.02j, 3.0 + 0.4j, 1.0], [np.inf, 1e-6, 3e-8, np.inf]
+    for row, polarisation in enumerate("sp"):
+        for place, angle in enumerate(ANGLES):
+            data = [tmm.coh_tmm(polarisation, index, depth, angle, one) for one in wavelengths]
+            for name, key in (("reflectance", "R"), ("transmittance", "T")):
+                expected = np.average([one[key] for one in data], weights=weights)
+                assert getattr(found, name)[row, place] == pytest.approx(expected, rel=1e-11)
+    np.testing.assert_allclose(sum(found), 1.0, atol=1e-13)
+
+
+def test_unpolarised_light_is_the_mean(film):
+    found = light_by_angle(film, ANGLES).unpolarised().absorptance
+    expected = [absorptance(film, incidence=angle).value for angle in ANGLES]
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("side", ["top", "bottom"])
+def test_directional_emittances_add_up_to_the_hemispherical_one(film, side):
+    """By another quadrature, even in the angle itself."""
+    nodes, weights = np.polynomial.legendre.leggauss(32)
+    angles, weights = 0.25 * np.pi * (nodes + 1.0), 0.25 * np.pi * weights
+    temperatures = np.array([250.0, 441.0])
+    found = heat_by_angle(film, angles, temperatures, side=side, points_per_e_fold=COARSE)
+    mean = (weights * np.sin(2.0 * angles)) @ found.unpolarised().absorptance
+    expected = emittance(film, temperatures, side=side, points_per_e_fold=COARSE).value
+    np.testing.assert_allclose(mean, expected, rtol=1e-6)
+
+
+def test_a_black_lake_obeys_fresnel():
+    """All wavelengths alike: an opaque absorber emits 1 - R, the closed form of its surface."""
+    lake = Film((Layer(flat(1.33, 0.5), 0.01),))
+    found = heat_by_angle(lake, ANGLES, 300.0, points_per_e_fold=COARSE).absorptance
+    inside = np.sqrt((1.33 + 0.5j) ** 2 - np.sin(ANGLES) ** 2)
+    s = (np.cos(ANGLES) - inside) / (np.cos(ANGLES) + inside)
+    p = ((1.33 + 0.5j) ** 2 * np.cos(ANGLES) - inside) / (
+        (1.33 + 0.5j) ** 2 * np.cos(ANGLES) + inside
+    )
+    np.testing.assert_allclose(found, 1.0 - np.abs([s, p]) ** 2, rtol=1e-8)
+
+
+def test_it_is_differentiable_in_thickness_and_angle(film):
+    def passed(x):
+        lit = Film((Layer(flat(3.0, 0.4), 1e-8 * x[0]), film.layers[1]))
+        return light_by_angle(lit, x[1:]).transmittance[1].sum()
+
+    point, step = np.array([3.0, 0.4, 0.9]), 1e-4
+    with lf.float64():
+        slope = np.asarray(jax.grad(passed)(point))
+    for number in range(3):
+        change = step * np.eye(3)[number]
+        difference = (passed(point + change) - passed(point - change)) / (2.0 * step)
+        assert slope[number] == pytest.approx(float(difference), rel=1e-5)
+
+
+def test_tables_and_datasets_hold_the_same_numbers(summary, tmp_path):
+    write_csv(summary, tmp_path / "mean.csv")
+    write_spectral_csv(summary, tmp_path / "spectral.csv")
+    with (tmp_path / "mean.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 3 * 3 * 3  # spectra, angles, polarisations
+    names = ("reflectance", "transmittance", "absorptance", "scattered")
+    for row in rows:
+        assert sum(float(row[f"{name} [1]"]) for name in names) == pytest.approx(1.0, abs=1e-7)
+    (chosen,) = (row for row in rows if row["spectrum"] == "black body 400 K"
+                 and row["polarisation"] == "mean" and row["angle [deg]"] == "35")  # fmt: skip
+    data = summary.to_dataset()
+    found = data.thermal_absorptance.sel(polarisation="mean", temperature=400.0)
+    assert float(found[1]) == pytest.approx(float(chosen["absorptance [1]"]), rel=1e-7)
+    assert data.absorptance.dims == ("polarisation", "angle", "wavelength")
+    assert data.angle.attrs["units"] == "degree"
+    lines = (tmp_path / "spectral.csv").read_text(encoding="utf-8").splitlines()
+    assert len(lines) == 1 + 3 * data.wavelength.size * 3
+
+
+def test_figures_show_angles_and_polarisations(summary):
+    figures = angle_figures(summary)
+    assert list(figures) == ["film-angles", "film-angles-map"]
+    light, heat = figures["film-angles"].axes
+    assert light.get_xlabel() == heat.get_xlabel() == "angle to the film's normal [°]"
+    labels = light.get_legend_handles_labels()[1]
+    assert {"reflectance", "scattered", "s polarisation"} <= set(labels)

@@ -80,7 +80,7 @@ def save(tmp_path):
 
 def test_workbook(save):
     # 1.469 is a number of the workbook: no mark of it is in doubt
-    rows = [["Run of May"], [], [*HEADER, "remark"], ["a", 1.469, 1.5, "x"], [], ["b", 30, 2.5]]
+    rows = [["Run of May"], [], [*HEADER, "remark"], ["a", 1.469, 1.5], [], ["b", 30, 2.5, "x"]]
     table = read_table(save(first=rows, empty=[]), COLUMNS)
     torr = 101325.0 / 760.0
     np.testing.assert_allclose(table.numbers["pressure"], np.array([1.469, 30.0]) * torr / 1e3)
@@ -111,6 +111,10 @@ def percent(book):
     book["S"]["D2"].number_format = "0.0 %"
 
 
+def percent_sign(book):
+    book["S"]["D2"].number_format = '0.0"%"'
+
+
 @pytest.mark.parametrize(
     ("rows", "change", "says"),
     [
@@ -136,6 +140,11 @@ def test_one_clear_line_for_a_workbook(save, rows, change, says):
 def test_a_share_shown_in_percent(save, name):
     """The cell holds 0.07 and shows 7.0 %, whatever the header says."""
     path = save(percent, S=[[*HEADER, name], ["a", 30, 5, 0.07]])
+    assert read_table(path, COLUMNS).numbers["absorptance"] == pytest.approx([0.07], rel=1e-15)
+
+
+def test_a_percent_sign_that_only_shows(save):
+    path = save(percent_sign, S=[[*HEADER, "absorptance [%]"], ["a", 30, 5, 7.0]])
     assert read_table(path, COLUMNS).numbers["absorptance"] == pytest.approx([0.07], rel=1e-15)
 
 

@@ -3,6 +3,7 @@
 import csv
 import datetime
 import io
+import re
 import warnings
 import zipfile
 from pathlib import Path
@@ -24,6 +25,7 @@ _ZIP, _OLD = b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 _BOOK = "xl/workbook.xml"
 _OTHERS = {"content.xml": "an OpenDocument file", "Index/Document.iwa": "an Apple Numbers file"}
 _PERCENT = 100.0
+_LITERAL = re.compile(r'"[^"]*"|\\.')  # of a format of numbers
 
 
 def split_sheet(path: Path) -> tuple[Path, str | None]:
@@ -115,12 +117,15 @@ def read_sheets(content: bytes, name: str) -> dict[str, list[str]]:
         raise ConfigurationError(f"{name}: is a damaged workbook: {said}") from None
     sheets = {}
     for sheet, rows in cells.items():
-        lines = [
-            _line([_text(cell, formula) for cell, formula in zip(row, below, strict=True)])
+        texts = [
+            [_text(cell, formula) for cell, formula in zip(row, below, strict=True)]
             for row, below in zip(rows, formulas[sheet], strict=True)
         ]
-        if any(line.strip() for line in lines):
-            sheets[sheet] = lines
+        width = max(
+            (1 + place for row in texts for place, text in enumerate(row) if text), default=0
+        )
+        if width:
+            sheets[sheet] = [_line(row, width) for row in texts]
     if not sheets:
         raise ConfigurationError(f"{name}: holds no table")
     return sheets
@@ -129,15 +134,21 @@ def read_sheets(content: bytes, name: str) -> dict[str, list[str]]:
 def _cells(openpyxl: Any, content: bytes, *, values: bool) -> dict[str, list[tuple[Any, ...]]]:
     book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=values)
     try:
+        for sheet in book.worksheets:
+            # the stated size may be that of a whole sheet, and is filled with empty cells
+            sheet.reset_dimensions()
         return {sheet.title: list(sheet.iter_rows()) for sheet in book.worksheets}
     finally:
         book.close()
 
 
-def _line(cells: list[str]) -> str:
+def _line(cells: list[str], width: int) -> str:
+    if not any(cells):
+        return ""
     text = io.StringIO()
-    csv.writer(text, delimiter=DELIMITER, lineterminator="").writerow(cells)
-    return text.getvalue() if any(cells) else ""
+    row = [*cells, *[""] * (width - len(cells))][:width]
+    csv.writer(text, delimiter=DELIMITER, lineterminator="").writerow(row)
+    return text.getvalue()
 
 
 def _text(cell: Any, formula: Any) -> str:
@@ -149,7 +160,7 @@ def _text(cell: Any, formula: Any) -> str:
         number = split_number(text)
         return text + AS_TEXT if number and number.open else text
     if isinstance(value, int | float) and not isinstance(value, bool):
-        share = "%" in str(cell.number_format)
+        share = "%" in _LITERAL.sub("", str(cell.number_format))
         return f"{_PERCENT * value:.15g} %" if share else repr(value)
     if isinstance(value, datetime.datetime | datetime.date | datetime.time):
         return value.isoformat()

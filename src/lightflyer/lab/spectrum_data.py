@@ -35,7 +35,7 @@ _WORKBOOKS = (".xlsx", ".xlsm")
 
 COLUMNS = (
     Column(
-        "wavenumber", Quantity("m^-1", 0.0, open_below=True), ("wavenumbers", "nu"),
+        "wavenumber", Quantity("m^-1", 0.0, open_below=True), ("wavenumbers", "nu", "frequency"),
         suggested_unit="cm^-1",
     ),
     Column("wavelength", Length, ("lambda", "wl"), suggested_unit="um"),

@@ -99,7 +99,7 @@ def test_no_impossible_emissivity_leaves(folder, lab, flyer_file):
     # fractions under a heading in %
     code, out, _ = lab(*percent(folder, 0.8, 0.1))
     assert code == 0
-    assert "transmittance is nowhere above 0.80 %; if the file holds fractions" in out
+    assert "its values are nowhere above 0.80 %; if the file holds fractions" in out
 
 
 @pytest.mark.parametrize(

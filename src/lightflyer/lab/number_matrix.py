@@ -8,11 +8,19 @@ import numpy as np
 
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.layout import is_comment, split_cells
-from lightflyer.foundation.number_marks import COMMA, POINT, Marks, find_marks, stated_mark
+from lightflyer.foundation.number_marks import (
+    COMMA,
+    POINT,
+    Marks,
+    find_marks,
+    shows_decimal,
+    stated_mark,
+)
 from lightflyer.foundation.text import read_text
 
 _LEADING_ZERO = re.compile(r"[+-]?0\d+")
 _MARKED = re.compile(r"[+-]?\d[\d.,]*(e[+-]?\d+)?|[+-]?,\d+", re.I)
+_HEAD = 1000  # cells in which a mark may show what it is
 _SHOWN = 40  # characters of a cell or line in a message
 
 
@@ -169,6 +177,10 @@ def _with_points(path: Path, body: list[_Row], what: str, comments: list[str]) -
     """Cells of a file with commas in its numbers, written with decimal points."""
     cells = [(row.line, cell) for row in body for cell in row.cells]
     stated = stated_mark(comments)
+    if stated is None and not any("." in cell for _, cell in cells):
+        head = [cell for _, cell in cells[:_HEAD]]
+        if shows_decimal(head, COMMA):  # the only mark of the file
+            return [cell.replace(",", ".") for _, cell in cells]
     marks = (
         find_marks(str(path), {what: cells}, lambda _name, _value: True, say=False)
         if stated is None

@@ -147,6 +147,13 @@ def _of_flir(
     path: Path, content: bytes, emissivity: float | None, reflected: float | None
 ) -> ThermalImage:
     counts, camera = flir.read_flir(path, content)
+    notes: tuple[str, ...] = ()
+    if emissivity is not None or reflected is not None:
+        notes = (
+            f"the camera was set to an emissivity of {camera.emissivity:.4g} and a reflected "
+            f"temperature of {camera.reflected_temperature - ZERO_CELSIUS:.4g} °C, which are "
+            "replaced as stated",
+        )
     require_range("emissivity", emissivity, 0.0, 1.0, open_below=True)
     camera = dataclasses.replace(
         camera,
@@ -156,7 +163,7 @@ def _of_flir(
     if wrong := camera.problem():
         raise ConfigurationError(f"{path}: {wrong}")
     kelvin = radiometry.temperatures(counts, camera)
-    return ThermalImage(str(path), kelvin, camera.emissivity, camera.reflected_temperature)
+    return ThermalImage(str(path), kelvin, camera.emissivity, camera.reflected_temperature, notes)
 
 
 def _require_plausible(image: ThermalImage) -> None:

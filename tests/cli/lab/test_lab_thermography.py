@@ -194,6 +194,7 @@ def test_settings_of_a_flir_image_are_shown_and_may_be_replaced(folder, lab):
     # by radiances: the share of the surroundings falls out of differences, but for 22 less 20 °C
     assert apparent["emissivity"]["value"] == pytest.approx(own["emissivity"]["value"], abs=3e-3)
     assert not any("cancel" in said for said in apparent["warnings"])
+    assert any("was set to an emissivity of 0.95" in said for said in apparent["warnings"])
     code, out, err = lab(*arguments, "--image-unit", "K")
     assert (code, out) == (2, "")
     assert "states its scale itself; leave --image-unit out" in err

@@ -125,6 +125,29 @@ def test_bad_input_is_told_beside_its_box(page):
     expect(told).to_be_empty()
 
 
+def test_the_address_holds_the_design(page):
+    page.select_option("#lf-model", "kinetic")
+    page.fill("#lf-flyer-diameter-box", "5")
+    expect(page).to_have_url(re.compile("#design:model=kinetic&flyer.diameter=5$"))
+    shown = _value(page, "payload").text_content()
+    page.reload()
+    expect(_value(page, "payload")).to_have_text(shown)
+    page.click("#lf-reset")
+    expect(page).to_have_url(SITE)
+
+
+def test_what_an_address_must_not_hold_is_left_out_and_said(page):
+    page.goto("about:blank")
+    page.goto(
+        f"{SITE}#design:altitude=75&film.absorptance=7&<img src=x onerror=alert(1)>=1&model=x"
+    )
+    told = page.locator("#lf-link-error")
+    expect(told).to_contain_text("absorptance for sunlight must be at most 1")
+    expect(told).to_contain_text('"model=x"')
+    expect(page.locator("#lf-altitude-box")).to_have_value("75")
+    expect(page.locator("#lf-film-absorptance-box")).to_have_value("0.75")
+
+
 def test_what_is_beyond_a_range_is_said(page):
     page.fill("#lf-flyer-diameter-box", "10")
     expect(page.locator("#lf-warnings")).to_contain_text("fitted to disks of 2 to 4 cm")

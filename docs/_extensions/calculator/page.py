@@ -62,6 +62,7 @@ _PAGE = """\
 {groups}
 <div class="lf-buttons"><button type="button" id="lf-reset">Reset</button>
 <button type="button" id="lf-download">Download flyer.toml</button></div>
+<p class="lf-error" id="lf-link-error" role="alert"></p>
 </form>
 <section class="lf-results" aria-label="Results">
 <p class="lf-hidden" id="lf-spoken" role="status" aria-live="polite"></p>

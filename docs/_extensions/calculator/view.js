@@ -8,7 +8,8 @@
   const KILO = 1e3;
   const CENTI = 1e-2;
   const STEPS = 1000; // of a logarithmic slider
-  const SPOKEN_AFTER = 600; // ms without a move
+  const SETTLED_AFTER = 600; // ms without a move
+  const LINK = "#design:";
   const SAVED_AFTER = 10e3; // ms
   const SLOPES = 8; // numbers of most effect that are shown
   const SLIDER_DIGITS = 3;
@@ -17,10 +18,10 @@
   const { low: BOTTOM, high: TOP } = numbers.altitude;
   const ALTITUDES = spaced(BOTTOM * KILO, TOP * KILO, 161);
   const DIAMETER = numbers["flyer.diameter"];
-  const MAP_DIAMETERS = spaced(Math.log(DIAMETER.low), Math.log(DIAMETER.high), 80, true).map(
+  const MAP_DIAMETERS = spaced(Math.log(DIAMETER.low), Math.log(DIAMETER.high), 64, true).map(
     (size) => Math.exp(size) * CENTI,
   );
-  const MAP_ALTITUDES = spaced(BOTTOM * KILO, TOP * KILO, 72, true);
+  const MAP_ALTITUDES = spaced(BOTTOM * KILO, TOP * KILO, 60, true);
   const LIGHTS = [10, 1e5]; // ends of the axis of irradiance [W/m²]
   const DECADES = 4; // of payload on the map
   const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
@@ -30,7 +31,7 @@
   const values = core.defaults();
   let model = Object.keys(about.models)[0];
   let mapped = ""; // what the map was drawn for
-  let spoken = 0;
+  let settling = 0;
   let waiting = false;
 
   const element = (id) => document.getElementById(id);
@@ -101,12 +102,43 @@
     });
   }
 
-  function reset() {
-    Object.assign(values, core.defaults());
-    [model] = Object.keys(about.models);
+  function showAll() {
     element("lf-model").value = model;
     about.numbers.forEach((number) => show(number));
     request();
+  }
+
+  function reset() {
+    Object.assign(values, core.defaults());
+    [model] = Object.keys(about.models);
+    element("lf-link-error").textContent = "";
+    showAll();
+  }
+
+  // --- a link to what is shown ---
+
+  function keepInAddress() {
+    const start = core.defaults();
+    const changed = about.numbers.filter(({ name }) => values[name] !== start[name]);
+    const entries = changed.map(({ name }) => `${name}=${values[name]}`);
+    if (model !== Object.keys(about.models)[0]) entries.unshift(`model=${model}`);
+    const isOurs = location.hash.startsWith(LINK);
+    if (entries.length) history.replaceState(null, "", LINK + entries.join("&"));
+    else if (isOurs) history.replaceState(null, "", location.pathname + location.search);
+  }
+
+  /** Take what the address says; returns what is wrong with it, in words. */
+  function readAddress() {
+    if (!location.hash.startsWith(LINK)) return "";
+    const wrong = [];
+    location.hash.slice(LINK.length).split("&").forEach((entry) => {
+      const [name, text = ""] = entry.split("=");
+      const number = about.numbers.find((one) => one.name === name);
+      if (name === "model" && Object.hasOwn(about.models, text)) model = text;
+      else if (number && problemWith(number, text) === "") values[name] = Number(text);
+      else wrong.push(number ? `${number.label} ${problemWith(number, text)}` : `"${entry}"`);
+    });
+    return wrong.length ? `Not understood in the link, and left out: ${wrong.join("; ")}.` : "";
   }
 
   function download() {
@@ -142,11 +174,13 @@
     return `Does not levitate ${where}: it needs ${amount("levitation_irradiance", needed)}${more}.`;
   }
 
-  function speak(text) {
-    clearTimeout(spoken);
-    spoken = setTimeout(() => {
+  /** What is to be done once, after a row of moves. */
+  function settle(text) {
+    clearTimeout(settling);
+    settling = setTimeout(() => {
       element("lf-spoken").textContent = text;
-    }, SPOKEN_AFTER);
+      keepInAddress();
+    }, SETTLED_AFTER);
   }
 
   function showResults(results) {
@@ -162,7 +196,7 @@
     const list = element("lf-warnings");
     list.replaceChildren(...results.warnings.map((text) => create("li", {}, text)));
     list.hidden = results.warnings.length === 0;
-    speak([verdict, ...results.warnings].join(" "));
+    settle([verdict, ...results.warnings].join(" "));
   }
 
   // --- figures ---
@@ -534,8 +568,8 @@
     });
     element("lf-reset").addEventListener("click", reset);
     element("lf-download").addEventListener("click", download);
-    element("lf-calculator").dataset.ready = "true";
-    reset();
+    element("lf-link-error").textContent = readAddress();
+    showAll();
   }
 
   start();

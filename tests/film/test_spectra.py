@@ -73,7 +73,7 @@ def test_ones_own_lamp(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("500", "700", "must increase"),
+        ("500", "700", "out of order"),
         ("2\n", "-2\n", "irradiance = -2 is not"),
         ("500,2\n", "", "zero"),
     ],

@@ -136,7 +136,7 @@ def _show_pages(pages: "list[DatabasePage]", search: str) -> None:
             "words, or --json for all"
         )
     else:
-        console.print(f"{len(pages)} pages of refractiveindex.info")
+        console.print(f"{len(pages)} page{'s' * (len(pages) > 1)} of refractiveindex.info")
 
 
 def _page_table(entry: dict[str, Any], width: int) -> Table:

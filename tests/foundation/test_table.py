@@ -64,6 +64,26 @@ def test_units_of_headers(write, header, pascals):
     assert found["temperature"] == pytest.approx([273.15])
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "time\tPressure\tIrradiance\tremark\nmin\tmTorr\tkW/m²\t\n2\t30\t1.5\tx\n",
+        "# time;pressure;irradiance\n# [min];[mTorr];[kW/m^2]\n2;30;1,5\n",
+        "time,pressure,irradiance [W/m^2]\nmin,mTorr,\n2,30,1500\n",
+    ],
+)
+def test_units_in_the_line_below_the_names(write, text):
+    found = read_table(write(text), COLUMNS).numbers
+    assert found["pressure"] == pytest.approx([0.03 * 101325.0 / 760.0])
+    assert found["irradiance"] == pytest.approx([1500.0])
+    assert found["time"] == pytest.approx([120.0])
+
+
+def test_wrong_units_below_the_names(write):
+    with pytest.raises(lf.ConfigurationError, match=':1: column pressure: unit "OVLD" is unknown'):
+        read_table(write("pressure,irradiance\nOVLD,OVLD\n1,2\n"), COLUMNS)
+
+
 def test_suns_are_said(write):
     table = read_table(write("pressure [Pa],irradiance [suns]\n1,1.5\n"), COLUMNS)
     assert table.numbers["irradiance"].tolist() == [1500.0]

@@ -285,8 +285,9 @@ def _from_first_line(
         known = ", ".join(column.with_unit for column in columns)
         raise ConfigurationError(f"{path}: has comments only; known columns: {known}")
     delimiter, names, _ = _header_cells(lines[first], columns, stated)
+    names, below = _with_units_below(columns, delimiter, names, lines, first)
     known_columns = _placed(columns, names, f"{path}:{first + 1}", closed=closed)
-    return Layout(delimiter, names, first + 1, known_columns)
+    return Layout(delimiter, names, below, known_columns)
 
 
 def _header_cells(
@@ -327,8 +328,34 @@ def _from_header(
             f"{known}"
         )
     delimiter, names, _ = _header_cells(lines[best[1]], columns, stated)
-    place = f"{path}:{best[1] + 1}"
-    return Layout(delimiter, names, best[1] + 1, _placed(columns, names, place))
+    names, below = _with_units_below(columns, delimiter, names, lines, best[1])
+    return Layout(delimiter, names, below, _placed(columns, names, f"{path}:{best[1] + 1}"))
+
+
+def _with_units_below(
+    columns: Sequence[Column],
+    delimiter: str | None,
+    names: list[str],
+    lines: list[str],
+    header: int,
+) -> tuple[list[str], int]:
+    """Names, with the units of the line below where columns lack them, and the line after."""
+    below = lines[header + 1] if header + 1 < len(lines) else ""
+    text = below.lstrip("#/! ") if is_comment(lines[header]) else below
+    units = [cell.strip("[]() ") for cell in split_cells(text, delimiter)]
+    lacking = {
+        position: column
+        for position, (column, unit) in _matches(columns, names).items()
+        if not (unit or column.text or column.any_unit)
+    }
+    needed = any(one.quantity.unit and not one.assumed_unit for one in lacking.values())
+    if not needed or len(units) != len(names) or any(map(_is_number, units)):
+        return names, header + 1
+    named = zip(names, units, strict=True)
+    return [
+        f"{name} [{unit}]" if unit and place in lacking else name
+        for place, (name, unit) in enumerate(named)
+    ], header + 2
 
 
 def _matches(columns: Sequence[Column], cells: Sequence[str]) -> dict[int, tuple[Column, str]]:

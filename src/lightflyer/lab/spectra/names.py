@@ -15,7 +15,7 @@ _WAVELENGTHS = {
     "um": 1e-6, "micrometer": 1e-6, "micrometers": 1e-6, "micrometre": 1e-6, "micrometres": 1e-6,
     "micron": 1e-6, "microns": 1e-6,
 }  # fmt: skip
-_AXIS = re.compile(r"^(?:wave(?:number|length)s?)?[\[(]?(.*?)[\])]?$")
+_AXIS = re.compile(r"^(?:wave(?:number|length)s?)?[\[(/]?(.*?)[\])]?$")
 
 _QUANTITIES = {
     "t": "transmittance", "trans": "transmittance", "transmittance": "transmittance",
@@ -31,13 +31,13 @@ _REFUSED = (
     (r"kubelka|\bk-?m\b", "Kubelka-Munk units, from which no reflectance follows without the "
      "scattering; export it as %R"),
     (r"interferogram|i-?gram", "an interferogram; export the spectrum as %T or %R"),
-    (r"single.?(?:beam|channel)|\bsb(?:eam)?\b|energy|background|reference",
+    (r"single.?(?:beam|channel)|\bsb(?:eam)?\b|\begy\b|energy|background|reference",
      "a single beam; divide it by its background and export %T or %R"),
     (r"\barb", "arbitrary units, which are no share of light; export %T or %R"),
     (r"raman", "Raman intensity, not transmittance or reflectance"),
     (r"emi(?:ssion|ttance|ssivity)", "emission, not transmittance or reflectance"),
     (r"photoacoustic", "a photoacoustic signal, not transmittance or reflectance"),
-    (r"\batr\b", "ATR units, which depend on the crystal; export an ATR-corrected absorbance, or "
+    (r"\batr\b", "ATR units, which depend on the crystal; "
      "measure transmittance and reflectance"),
     (r"absorptance|absorption", "absorption; export transmittance or reflectance"),
     (r"derivative", "a derivative; export the spectrum itself"),
@@ -124,7 +124,7 @@ def shown_by(name: str) -> Shown | str:
     text = " ".join(name.casefold().split())
     percent = "%" in text or "percent" in text or "per cent" in text
     core = re.sub(r"per ?cent(?:age)?|%|\bunits?\b", "", text)
-    core = re.sub(r"[\s_]+|\[\s*\]|\(\s*\)", "", core).strip("-.:,;")
+    core = re.sub(r"[\s_]+|\[\s*\]|\(\s*\)|[\[(]a\.?u\.?[\])]", "", core).strip("-.:,;/")
     core = core[1:-1] if core.startswith("(") and core.endswith(")") else core
     quantity = _QUANTITIES.get(core)
     if quantity is not None:

@@ -38,6 +38,8 @@ def write(tmp_path):
         '"remark","pressure [mTorr]","irradiance [W/m^2]"\n"a, b",30,1500\n,20,2500\n',
         "pressure [mTorr],irradiance [kW/m^2]\r\n30,1.5,\r\n20,2.5,\r\n",
         "pressure_mTorr,irradiance kW/m2\n30,1.5\n20,2.5\n",
+        "Pressure, mTorr;Irradiance, kW/m2\n30;1,5\n20;2,5\n;;\n;\n",
+        "Run 5,,\n,,\nPressure (mTorr),Irradiance (kW/m2),Comment\n30,1.5,\n20,2.5,ok\n,,\n",
     ],
 )
 def test_every_layout_gives_the_same(write, text):

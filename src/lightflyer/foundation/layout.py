@@ -386,7 +386,7 @@ def _split_name(cell: str) -> tuple[str, str]:
         return _WHOLE_NAMES[whole]
     match = _NAME_AND_UNIT.match(text)
     base, unit = (match[1], match[2] or "") if match else (text, "")
-    for mark in ("/", ",", " in "):
+    for mark in (",", "/", " in "):
         if not unit and mark in base:
             base, _, unit = base.partition(mark)
     return base, "" if unit.strip() in _NO_UNIT else unit.strip()

@@ -177,7 +177,7 @@ def table_of(file: Lines, columns: Sequence[Column]) -> Table:
 
 
 def _read(file: Lines, found: Layout, *, strict: bool, unique: bool = False) -> Table:
-    empty = f"{found.delimiter} \t" if strict and found.delimiter else None  # as spreadsheets do
+    empty = f"{found.delimiter} \t" if found.delimiter else None  # rows of spreadsheets
     rows = [
         (number, line)
         for number, line in enumerate(file.lines[found.first :], start=found.first + 1)

@@ -27,6 +27,7 @@ from lightflyer.film import (
     vacuum,
 )
 from lightflyer.film.findings import film_warnings
+from lightflyer.film.sheets import sheet_error, sheet_warnings
 
 WAVELENGTH = np.array([0.5e-6, 1e-6])
 
@@ -99,6 +100,10 @@ def test_sheets_converge_to_the_continuous_profile_as_their_square():
         graded = Graded((flat("a", 3.5), flat("b", 1.5)), 0.0, 1.0, rule="parallel", count=count)
         found = Film((Layer(graded, thickness),)).optics(WAVELENGTH)
         errors.append(np.abs(found.reflectance[0] - expected))
+    film = Film((Layer(graded, thickness),))
+    assert errors[1].max() < sheet_error(film) < 0.02  # the largest is at the shortest wavelength
+    (said,) = sheet_warnings(film)
+    assert said.startswith("graded a + b is computed as 20 sheets; the film's reflectance and")
     assert np.all(errors[1] < 2e-3)
     np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.1)
 

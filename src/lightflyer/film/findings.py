@@ -8,6 +8,7 @@ from lightflyer.film.averages import Average, thermal_coverage
 from lightflyer.film.curve import EmittanceCurve
 from lightflyer.film.diffraction import narrow_holes
 from lightflyer.film.medium import MICROMETRE
+from lightflyer.film.sheets import sheet_warnings
 from lightflyer.film.spectra import Spectrum, am0
 from lightflyer.film.stack import Film
 from lightflyer.foundation.types import Numeric
@@ -180,7 +181,8 @@ def _range(values: np.ndarray, form: str) -> str:
 
 def medium_warnings(film: Film) -> list[str]:
     """What a reader must know of the optical data of a film's media, one line each."""
-    return list(dict.fromkeys(text for one in film.media for text in one.caveats))
+    said = [text for one in film.media for text in one.caveats]
+    return [*dict.fromkeys(said), *sheet_warnings(film)]
 
 
 def _unstated(film: Film, uncertainty: Sequence[float | None]) -> list[str]:

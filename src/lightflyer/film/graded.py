@@ -31,9 +31,8 @@ class Graded(Compound):
 
     Notes
     -----
-    The error of reflectance and transmittance falls with the square of the number of sheets. With
-    the default of 20 it is below 1e-3 where the optical thickness of the layer is up to about a
-    wavelength; the tests show the order, and doubling ``count`` shows the error of a film.
+    The error of reflectance and transmittance falls with the square of the number of sheets.
+    Results give it, from twice as many: see :func:`~lightflyer.film.sheets.sheet_error`.
 
     Examples
     --------
@@ -98,9 +97,7 @@ class Graded(Compound):
     @property
     def caveats(self) -> tuple[str, ...]:
         """See :attr:`Medium.caveats`: those of the mixtures at both ends."""
-        found = (*self._at(0.0).caveats, *self._at(1.0).caveats)
-        sheets = f"{self.name} is computed as {self.count} sheets"
-        return (*dict.fromkeys(found), sheets)
+        return tuple(dict.fromkeys((*self._at(0.0).caveats, *self._at(1.0).caveats)))
 
 
 @entry_point

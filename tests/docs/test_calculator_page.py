@@ -16,7 +16,7 @@ pytestmark = pytest.mark.snippets
 
 SITE = "http://calculator.test/"
 POLICY = "default-src 'none'; script-src 'self'; style-src 'self'"
-SCRIPTS = ("calculator-model.js", "calculator-core.js", "calculator-view.js")
+SCRIPTS = [f"calculator-{name}.js" for name in ("model", "core", "figures", "view")]
 PAGE = (
     '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>t</title>'
     '<meta name="viewport" content="width=device-width">'

@@ -1,8 +1,8 @@
 """A calculator for the pages: the package's model, compiled to JavaScript when they are built.
 
 ``graph`` holds scalar operations, ``primitives`` and ``control`` make them from JAX's trace,
-``javascript`` writes them. ``model`` says what is traced, ``page`` and ``core.js``, ``view.js`` and
-``calculator.css`` how it is shown. The directive ``calculator`` puts it on a page.
+``javascript`` writes them. ``model`` says what is traced, ``page`` and the scripts how it is
+shown. The directive ``calculator`` puts it on a page.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from sphinx.application import Sphinx
 
 _HERE = Path(__file__).parent
 _MODEL = "calculator-model.js"
-_COPIED = {"core.js": "calculator-core.js", "view.js": "calculator-view.js"}
+_COPIED = {f"{name}.js": f"calculator-{name}.js" for name in ("core", "figures", "view")}
 _STYLE = "calculator.css"
 
 

@@ -96,6 +96,16 @@
     return `${plain(mantissa)}e${exponent < 0 ? "-" : "+"}${size}`;
   }
 
+  const pretty = (unit) => unit.replace("^2", "²");
+
+  /** An output in words, with its unit. */
+  function amount(name, value) {
+    const output = about.outputs[place[name]];
+    if (value === Infinity) return "no light suffices";
+    if (Number.isNaN(value)) return "–";
+    return `${general(value * output.factor, 4)} ${pretty(output.unit)}`.trim();
+  }
+
   /** Rows of outputs over altitudes [m]. */
   function profile(model, values, altitudes) {
     const given = argumentsOf(values);
@@ -212,5 +222,7 @@
     elasticities,
     flyerFile,
     general,
+    pretty,
+    amount,
   };
 })();

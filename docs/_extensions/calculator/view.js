@@ -3,46 +3,21 @@
   "use strict";
 
   const core = globalThis.lightflyerCore;
-  const { about, general, place } = core;
-  const SVG = "http://www.w3.org/2000/svg";
-  const KILO = 1e3;
-  const CENTI = 1e-2;
+  const { about, amount, general, pretty } = core;
+  const { create, ...figures } = globalThis.lightflyerFigures;
   const STEPS = 1000; // of a logarithmic slider
-  const SETTLED_AFTER = 600; // ms without a move
-  const LINK = "#design:";
-  const SAVED_AFTER = 10e3; // ms
-  const SLOPES = 8; // numbers of most effect that are shown
   const SLIDER_DIGITS = 3;
-
-  const numbers = Object.fromEntries(about.numbers.map((number) => [number.name, number]));
-  const { low: BOTTOM, high: TOP } = numbers.altitude;
-  const ALTITUDES = spaced(BOTTOM * KILO, TOP * KILO, 161);
-  const DIAMETER = numbers["flyer.diameter"];
-  const MAP_DIAMETERS = spaced(Math.log(DIAMETER.low), Math.log(DIAMETER.high), 64, true).map(
-    (size) => Math.exp(size) * CENTI,
-  );
-  const MAP_ALTITUDES = spaced(BOTTOM * KILO, TOP * KILO, 60, true);
-  const LIGHTS = [10, 1e5]; // ends of the axis of irradiance [W/m²]
-  const DECADES = 4; // of payload on the map
-  const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
-  const TOO_HOT = 70; // opacity of 255 where the film does not bear it
-  const MILLIGRAM = 1e-6;
+  const SETTLED_AFTER = 600; // ms without a move
+  const SAVED_AFTER = 10e3; // ms
+  const LINK = "#design:";
 
   const values = core.defaults();
   let model = Object.keys(about.models)[0];
-  let mapped = ""; // what the map was drawn for
   let settling = 0;
   let waiting = false;
 
   const element = (id) => document.getElementById(id);
   const key = (name) => `lf-${name.replace(".", "-")}`;
-  const pretty = (unit) => unit.replace("^2", "²");
-
-  function spaced(low, high, count, centred = false) {
-    const ends = centred ? count : count - 1;
-    const shift = centred ? 0.5 : 0;
-    return Array.from({ length: count }, (_, at) => low + ((high - low) * (at + shift)) / ends);
-  }
 
   // --- controls ---
 
@@ -115,6 +90,21 @@
     showAll();
   }
 
+  /** Go to a place on the map, by shares of its axes. */
+  function goTo(across, up) {
+    const [diameter, altitude] = ["flyer.diameter", "altitude"].map((name) =>
+      about.numbers.find((number) => number.name === name),
+    );
+    values[diameter.name] = fromSlider(diameter, across * STEPS);
+    values[altitude.name] = fromSlider(
+      altitude,
+      altitude.low + up * (altitude.high - altitude.low),
+    );
+    show(diameter);
+    show(altitude);
+    request();
+  }
+
   // --- a link to what is shown ---
 
   function keepInAddress() {
@@ -151,13 +141,6 @@
   }
 
   // --- words ---
-
-  function amount(name, value) {
-    const output = about.outputs[place[name]];
-    if (value === Infinity) return "no light suffices";
-    if (Number.isNaN(value)) return "–";
-    return `${general(value * output.factor, 4)} ${pretty(output.unit)}`.trim();
-  }
 
   function verdictOf(results) {
     const where = `at ${values.altitude} km`;
@@ -199,350 +182,13 @@
     settle([verdict, ...results.warnings].join(" "));
   }
 
-  // --- figures ---
-
-  function create(name, attributes = {}, text = null) {
-    const made = document.createElement(name);
-    Object.entries(attributes).forEach(([at, value]) => made.setAttribute(at, value));
-    if (text !== null) made.textContent = text;
-    return made;
-  }
-
-  function draw(parent, name, attributes, text = null) {
-    const made = document.createElementNS(SVG, name);
-    Object.entries(attributes).forEach(([at, value]) => made.setAttribute(at, value));
-    if (text !== null) made.textContent = text;
-    parent.append(made);
-    return made;
-  }
-
-  /** A plot with axes; x and y give positions of values. */
-  function plot(svg, { width, height, right, x, y, xTitle, yTitle, xTicks, yTicks }) {
-    const box = { left: 58, right: width - right, top: 10, bottom: height - 42 };
-    const along = (scale, from, to) => {
-      const [low, high] = scale.ends.map(scale.of);
-      return (value) => from + ((to - from) * (scale.of(value) - low)) / (high - low);
-    };
-    const at = {
-      box,
-      width,
-      height,
-      x: along(x, box.left, box.right),
-      y: along(y, box.bottom, box.top),
-    };
-    svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    at.under = draw(svg, "g", {});
-    const axes = draw(svg, "g", { class: "lf-axes" });
-    xTicks.forEach((tick) => {
-      const left = at.x(tick);
-      draw(axes, "line", { x1: left, x2: left, y1: box.top, y2: box.bottom });
-      draw(axes, "text", { x: left, y: box.bottom + 15, "text-anchor": "middle" }, String(tick));
-    });
-    yTicks.forEach((tick) => {
-      const top = at.y(tick);
-      draw(axes, "line", { x1: box.left, x2: box.right, y1: top, y2: top });
-      draw(axes, "text", { x: box.left - 6, y: top + 4, "text-anchor": "end" }, String(tick));
-    });
-    const middle = { x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2 };
-    draw(axes, "text", { x: middle.x, y: height - 6, "text-anchor": "middle" }, xTitle);
-    const turned = `translate(12 ${middle.y}) rotate(-90)`;
-    draw(axes, "text", { transform: turned, "text-anchor": "middle" }, yTitle);
-    at.over = draw(svg, "g", {});
-    return at;
-  }
-
-  const linear = (low, high) => ({ ends: [low, high], of: (value) => value });
-  const logarithmic = (low, high) => ({ ends: [low, high], of: Math.log });
-
-  let curve = null;
-  function prepareCurve() {
-    curve = plot(element("lf-curve"), {
-      width: 440,
-      height: 300,
-      right: 14,
-      x: linear(BOTTOM, TOP),
-      y: logarithmic(...LIGHTS),
-      xTitle: "altitude [km]",
-      yTitle: "irradiance [W/m²]",
-      xTicks: [20, 40, 60, 80, 100, 120],
-      yTicks: [10, 100, 1000, 10000, 100000],
-    });
-    curve.bands = draw(curve.under, "g", { class: "lf-bands" });
-    curve.lines = Object.fromEntries(
-      Object.keys(about.models).map((name) => [name, draw(curve.over, "path", {})]),
-    );
-    curve.beyond = draw(curve.over, "path", { class: "lf-needed lf-beyond" });
-    curve.light = draw(curve.over, "line", { class: "lf-light" });
-    curve.here = draw(curve.over, "line", { class: "lf-here" });
-    curve.least = draw(curve.over, "circle", { class: "lf-dot", r: 4 });
-    curve.keys = Object.fromEntries(
-      Object.entries(about.models).map(([name, { title }]) => [name, legendKey(title)]),
-    );
-    legendKey("available light").setAttribute("class", "lf-light");
-    legendKey("levitates in it").setAttribute("class", "lf-band-key");
-  }
-
-  function legendKey(title) {
-    const entry = create("span");
-    const swatch = draw(entry, "svg", { viewBox: "0 0 30 10" });
-    entry.append(title);
-    element("lf-curve-legend").append(entry);
-    return draw(swatch, "path", { d: "M0 5h30" });
-  }
-
-  function pathOf(rows, isShown = () => true) {
-    const { box } = curve;
-    let path = "";
-    let pen = "M";
-    rows.forEach((row, index) => {
-      const light = row[place.levitation_irradiance];
-      if (!Number.isFinite(light) || light > LIGHTS[1] || !isShown(row)) {
-        pen = "M";
-        return;
-      }
-      const top = Math.min(curve.y(Math.max(light, LIGHTS[0])), box.bottom);
-      path += `${pen}${curve.x(ALTITUDES[index] / KILO).toFixed(1)} ${top.toFixed(1)}`;
-      pen = "L";
-    });
-    return path;
-  }
-
-  function showCurve() {
-    let own = null;
-    Object.keys(about.models).forEach((name, index) => {
-      const rows = core.profile(name, values, ALTITUDES);
-      if (name === model) own = rows;
-      const line = curve.lines[name];
-      const isShown = name === model ? (row) => core.isInRange(name, row) : undefined;
-      line.setAttribute("d", pathOf(rows, isShown));
-      const style = name === model ? "lf-needed" : `lf-other lf-other-${index}`;
-      [line, curve.keys[name]].forEach((made) => made.setAttribute("class", style));
-    });
-    curve.beyond.setAttribute("d", pathOf(own));
-    const { box } = curve;
-    const found = core.bands(model, values, ALTITUDES, own);
-    curve.bands.replaceChildren();
-    found.forEach(([low, high]) => {
-      const [left, right] = [curve.x(low / KILO), curve.x(high / KILO)];
-      const size = { x: left, width: right - left, y: box.top, height: box.bottom - box.top };
-      draw(curve.bands, "rect", size);
-    });
-    const light = values["environment.irradiance"];
-    line(curve.light, box.left, box.right, lightAt(light), lightAt(light));
-    mark(curve.light, isOn(LIGHTS, light));
-    const here = curve.x(values.altitude);
-    line(curve.here, here, here, box.top, box.bottom);
-    mark(curve.here, isOn([BOTTOM, TOP], values.altitude));
-    const least = core.easiest(model, values, ALTITUDES, own);
-    mark(curve.least, least !== null && isOn(LIGHTS, least.irradiance));
-    if (least !== null) {
-      curve.least.setAttribute("cx", curve.x(least.altitude / KILO));
-      curve.least.setAttribute("cy", lightAt(least.irradiance));
-    }
-    const isBeyond = own.some((row) => !core.isInRange(model, row));
-    const isLow = own.some((row) => row[place.levitation_irradiance] < LIGHTS[0]);
-    const words = [
-      curveWords(found, least, light),
-      isBeyond ? "The line is faint where the force model is beyond its range." : "",
-      isLow ? `It runs along the axis where less than ${LIGHTS[0]} W/m² suffice.` : "",
-    ].join(" ").trim();
-    element("lf-curve-text").textContent = words;
-    element("lf-curve").setAttribute("aria-label", `Irradiance to levitate over altitude. ${words}`);
-  }
-
-  function lightAt(light) {
-    return curve.y(Math.min(Math.max(light, LIGHTS[0]), LIGHTS[1]));
-  }
-
-  const isOn = ([low, high], value) => value >= low && value <= high;
-
-  /** Show a mark that lies on its axes, hide another. */
-  function mark(made, isShown) {
-    made.setAttribute("visibility", isShown ? "visible" : "hidden");
-  }
-
-  function line(made, x1, x2, y1, y2) {
-    Object.entries({ x1, x2, y1, y2 }).forEach(([at, value]) => made.setAttribute(at, value));
-  }
-
-  function curveWords(found, least, light) {
-    const kilometres = (altitude) => (altitude / KILO).toFixed(1);
-    const ranges = found.map(([low, high]) => `${kilometres(low)} to ${kilometres(high)} km`);
-    const bands = ranges.length
-      ? `In ${light} W/m² it levitates from ${ranges.join(" and from ")}.`
-      : `In ${light} W/m² it levitates nowhere between ${BOTTOM} and ${TOP} km.`;
-    if (least === null) return `${bands} No light lifts it there.`;
-    const needed = amount("levitation_irradiance", least.irradiance);
-    return `${bands} It needs least at ${kilometres(least.altitude)} km: ${needed}.`;
-  }
-
-  let chart = null;
-  function prepareMap() {
-    const svg = element("lf-map-axes");
-    chart = plot(svg, {
-      width: 440,
-      height: 300,
-      right: 66,
-      x: logarithmic(DIAMETER.low, DIAMETER.high),
-      y: linear(BOTTOM, TOP),
-      xTitle: "diameter [cm]",
-      yTitle: "altitude [km]",
-      xTicks: [0.1, 0.2, 0.5, 1, 2, 5, 10, 20],
-      yTicks: [20, 40, 60, 80, 100, 120],
-    });
-    const { box, width, height } = chart;
-    const canvas = element("lf-map");
-    canvas.width = MAP_DIAMETERS.length;
-    canvas.height = MAP_ALTITUDES.length;
-    const share = (part, whole) => `${(100 * part) / whole}%`;
-    canvas.style.left = share(box.left, width);
-    canvas.style.top = share(box.top, height);
-    canvas.style.width = share(box.right - box.left, width);
-    canvas.style.height = share(box.bottom - box.top, height);
-    const pieces = 40;
-    const bar = { x: box.right + 10, width: 10, height: (box.bottom - box.top) / pieces + 0.5 };
-    for (let piece = 0; piece < pieces; piece += 1) {
-      const y = box.bottom - ((piece + 1) * (box.bottom - box.top)) / pieces;
-      const fill = `rgb(${colour(piece / (pieces - 1)).join(",")})`;
-      draw(chart.over, "rect", { ...bar, y, fill });
-    }
-    chart.marks = Array.from({ length: DECADES + 1 }, (_, decade) => {
-      const y = box.bottom - ((box.bottom - box.top) * decade) / DECADES;
-      return draw(chart.over, "text", { class: "lf-mark", x: box.right + 24, y: y + 4 });
-    });
-    chart.best = draw(chart.over, "g", {});
-    chart.crosses = ["lf-halo", "lf-best"].map((style) => draw(chart.best, "path", { class: style }));
-    chart.here = draw(chart.over, "circle", { class: "lf-dot", r: 5 });
-    svg.addEventListener("click", goThere);
-  }
-
-  function goThere(event) {
-    const svg = element("lf-map-axes");
-    const frame = svg.getBoundingClientRect();
-    const { box, width, height } = chart;
-    const x = ((event.clientX - frame.left) * width) / frame.width;
-    const y = ((event.clientY - frame.top) * height) / frame.height;
-    if (x < box.left || x > box.right || y < box.top || y > box.bottom) return;
-    const across = (x - box.left) / (box.right - box.left);
-    const up = (box.bottom - y) / (box.bottom - box.top);
-    values["flyer.diameter"] = fromSlider(DIAMETER, across * STEPS);
-    values.altitude = fromSlider(numbers.altitude, BOTTOM + up * (TOP - BOTTOM));
-    [DIAMETER, numbers.altitude].forEach((number) => show(number));
-    request();
-  }
-
-  function colour(share) {
-    const along = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
-    const first = Math.min(Math.floor(along), VIRIDIS.length - 2);
-    const rest = along - first;
-    return VIRIDIS[first].map((low, part) =>
-      Math.round(low + rest * (VIRIDIS[first + 1][part] - low)),
-    );
-  }
-
-  function showMap() {
-    const others = about.numbers.filter(({ name }) => !["altitude", DIAMETER.name].includes(name));
-    const wanted = JSON.stringify([model, ...others.map(({ name }) => values[name])]);
-    if (wanted !== mapped) paintMap();
-    mapped = wanted;
-    const diameter = values[DIAMETER.name];
-    chart.here.setAttribute("cx", chart.x(diameter));
-    chart.here.setAttribute("cy", chart.y(values.altitude));
-    const isWithin = isOn([DIAMETER.low, DIAMETER.high], diameter);
-    mark(chart.here, isWithin && isOn([BOTTOM, TOP], values.altitude));
-  }
-
-  function paintMap() {
-    const { payload, temperature, inRange } = core.map(model, values, MAP_DIAMETERS, MAP_ALTITUDES);
-    const limit = values["film.highest_temperature"];
-    let best = -1;
-    payload.forEach((mass, index) => {
-      if (mass > 0 && temperature[index] <= limit && (best < 0 || mass > payload[best])) {
-        best = index;
-      }
-    });
-    const most = best < 0 ? MILLIGRAM : payload[best];
-    const top = Math.ceil(Math.log10(most / MILLIGRAM) - 1e-9);
-    const canvas = element("lf-map");
-    const context = canvas.getContext("2d");
-    const image = context.createImageData(canvas.width, canvas.height);
-    payload.forEach((mass, index) => {
-      if (!(mass > 0)) return;
-      const column = index % canvas.width;
-      const row = canvas.height - 1 - Math.floor(index / canvas.width);
-      const share = 1 + (Math.log10(mass / MILLIGRAM) - top) / DECADES;
-      if (!inRange[index] && (row + column) % 2) return;
-      const opacity = temperature[index] > limit ? TOO_HOT : 255;
-      image.data.set([...colour(share), opacity], 4 * (row * canvas.width + column));
-    });
-    context.putImageData(image, 0, 0);
-    chart.marks.forEach((mark, decade) => {
-      mark.textContent = general(10 ** (top - DECADES + decade), 3);
-    });
-    markBest(best, most, inRange.includes(0));
-  }
-
-  function markBest(best, most, isBeyond) {
-    mark(chart.best, best >= 0);
-    let words = "In this light no disk levitates with a film that bears it.";
-    if (best >= 0) {
-      const diameter = MAP_DIAMETERS[best % MAP_DIAMETERS.length] / CENTI;
-      const altitude = MAP_ALTITUDES[Math.floor(best / MAP_DIAMETERS.length)] / KILO;
-      const [x, y] = [chart.x(diameter), chart.y(altitude)];
-      const cross = `M${x - 5} ${y}h10M${x} ${y - 5}v10`;
-      chart.crosses.forEach((made) => made.setAttribute("d", cross));
-      words =
-        `Most on this map (cross): ${amount("payload", most)}, at ${general(diameter, 3)} cm and ` +
-        `${general(altitude, 3)} km.`;
-    }
-    const chequered = isBeyond ? ", chequered where the force model is beyond its range" : "";
-    const described =
-      "Largest payload [mg] over diameter and altitude; pale where the film is hotter than it " +
-      `bears${chequered}.`;
-    element("lf-map-text").textContent = `${described} ${words} Click to go there.`;
-    element("lf-map-axes").setAttribute("aria-label", `${described} ${words}`);
-  }
-
-  let rows = [];
-  function prepareSlopes() {
-    rows = Array.from({ length: SLOPES }, () => {
-      const row = create("tr");
-      const bar = create("div");
-      const cells = [create("th", { scope: "row" }), create("td"), create("td")];
-      cells[1].append(bar);
-      row.append(...cells);
-      return { row, bar, cells };
-    });
-    element("lf-slopes").append(...rows.map(({ row }) => row));
-  }
-
-  function showSlopes(results) {
-    const needed = results.levitation_irradiance;
-    const useful = results.converged && Number.isFinite(needed) && needed > 0;
-    const found = useful ? core.elasticities(model, values, needed) : [];
-    found.sort((one, other) => Math.abs(other.value) - Math.abs(one.value));
-    const largest = found.length ? Math.abs(found[0].value) : 1;
-    rows.forEach(({ row, bar, cells }, index) => {
-      row.hidden = index >= found.length;
-      if (row.hidden) return;
-      const { number, value } = found[index];
-      cells[0].textContent = number.label;
-      bar.style.width = `${(100 * Math.abs(value)) / largest}%`;
-      bar.className = value > 0 ? "lf-more" : "lf-less";
-      cells[2].textContent = `${value > 0 ? "+" : "−"}${general(Math.abs(value), 3)} %`;
-    });
-    element("lf-slopes-empty").hidden = found.length > 0;
-  }
-
   // --- all together ---
 
   function update() {
     waiting = false;
     const results = core.evaluate(model, values);
     showResults(results);
-    showCurve();
-    showMap();
-    showSlopes(results);
+    figures.show(model, values, results);
   }
 
   function request() {
@@ -558,9 +204,7 @@
         create("dd", { id: `lf-value-${name}` }),
       );
     });
-    prepareCurve();
-    prepareMap();
-    prepareSlopes();
+    figures.prepare(goTo);
     about.numbers.forEach(connect);
     element("lf-model").addEventListener("change", (event) => {
       model = event.target.value;

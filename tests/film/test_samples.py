@@ -22,6 +22,7 @@ from lightflyer.film import (
     stack_optics,
     tabulated_material,
 )
+from lightflyer.foundation.precision import _QUICK_COMPILATION, jit_with_options
 
 WAVELENGTH = 7e-7
 NOTHING = np.zeros(0)
@@ -133,23 +134,23 @@ def test_rough_stacks_keep_energy_and_reciprocity(rng, coherent):
     np.testing.assert_allclose(flat_.scattered, 0.0, atol=1e-14)
 
 
-def quick(function):
-    """Compile with little optimisation."""
-    return jax.jit(function, compiler_options={"xla_backend_optimization_level": 0})
-
-
-POINT = np.array([1.7, 3.5, 0.02, 0.01, 1.3, 4.0, 1.1, 0.7, 1.2, 2.0, 0.3, 0.1, 0.05, 0.2])
+# n and k of a layer, thickness / 100 nm, wavelength / 500 nm, angle, index above, n and k below,
+# roughness of two faces / 100 nm
+POINT = np.array([1.7, 0.02, 1.3, 1.1, 0.7, 1.2, 2.0, 0.3, 0.1, 0.05])
 
 
 def test_samples_are_differentiable():
-    """In indices, thicknesses, wavelength, angle, media and roughness, forward and reverse."""
+    """In all numbers of a rough, incoherent layer between media; forward and reverse."""
 
     def outcomes(x):
         optics = stack_optics(
-            x[:2], x[2:4], 1e-7 * x[4:6], 5e-7 * x[6], x[7], above=x[8], below=(x[9], x[10]),
-            roughness=1e-7 * x[11:14], coherent=(True, False),
+            x[:1], x[1:2], 1e-7 * x[2:3], 5e-7 * x[3], x[4], above=x[5], below=(x[6], x[7]),
+            roughness=1e-7 * x[8:], coherent=(False,),
         )  # fmt: skip
         return (optics.reflectance + 2.0 * optics.transmittance + 3.0 * optics.absorptance).sum()
+
+    def quick(function):
+        return jit_with_options(function, _QUICK_COMPILATION)
 
     way = np.cos(np.arange(POINT.size))
     with lf.float64():

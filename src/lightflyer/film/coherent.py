@@ -202,14 +202,18 @@ def respond(
         widened = jax.tree.map(lambda part: part + full, (layer.half, risen))
         return widened, (met if inside else None)
 
-    # derivatives compute a step again, which is faster than to keep what was in it
-    frugal = jax.checkpoint(step, prevent_cse=False)
-    (under, waves), met = jax.lax.scan(frugal, (lowest, waves), rows, reverse=True)
+    under, met = lowest, None
+    if layers.decay.shape[0]:
+        # derivatives compute a step again, which is faster than to keep what was in it
+        frugal = jax.checkpoint(step, prevent_cse=False)
+        (under, waves), met = jax.lax.scan(frugal, (lowest, waves), rows, reverse=True)
     damping = None if roughness is None else _damping(above, under, roughness[0])
     found = []
     for number, wave in enumerate(waves):
         ratio, gain = _interface(above.admittances[number], wave.below, wave.ratio, damping)
-        kept = _absorbed(layers, number, met[number], gain) if inside else jnp.zeros((0, *shape))
+        kept = (
+            jnp.zeros((0, *shape)) if met is None else _absorbed(layers, number, met[number], gain)
+        )
         found.append(Fields(ratio, wave.power * gain, kept))
     return found[0], found[1]
 
@@ -240,8 +244,6 @@ class _Wave(NamedTuple):
 def _absorbed(layers: Sheets, number: int, met: tuple[Complex, Array], top: Array) -> Array:
     """Power that enters each layer less what leaves it, from the top down."""
     ratio, gains = met
-    if not gains.shape[0]:
-        return gains
     admittance, falls = layers.half.admittances[number], layers.decay * gains
     beam = jnp.cumprod(jnp.concatenate([top[None], falls[:-1]]), axis=0)
     entering = net_power(admittance, _product(ratio, layers.round_trip))

@@ -1,7 +1,13 @@
+from importlib import resources
+
+import numpy as np
+import openpyxl
 import pytest
 
 import lightflyer as lf
 from lightflyer.calibration.points import read_points
+from lightflyer.lab.levitation_data import read_lift_offs
+from lightflyer.lab.synthetic import example_files
 
 GOOD = """\
 # a comment
@@ -69,3 +75,58 @@ def test_one_clear_line_for_each_mistake(write, text, line, says):
 def test_missing_file(tmp_path):
     with pytest.raises(lf.ConfigurationError, match="cannot be read"):
         read_points(tmp_path / "nothing.csv")
+
+
+EXAMPLES = {
+    "points.csv": (resources.files("lightflyer") / "data" / "points.csv").read_text("utf-8"),
+    **example_files("levitation").files,
+}
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_calibration_and_lab_bench_read_the_same(tmp_path, name):
+    """The package's own examples, as text of spreadsheets and as workbooks."""
+    text = EXAMPLES[name].lstrip("\N{ZERO WIDTH NO-BREAK SPACE}")
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-16")
+    points = read_points(path)
+    samples, table = read_lift_offs(path)
+    assert [row.line for row in points.rejected] == [row.line for row in table.rejected]
+    for column in ("pressure", "irradiance"):
+        joined = np.concatenate([getattr(sample, column) for sample in samples])
+        np.testing.assert_array_equal(np.sort(joined), np.sort(getattr(points, column)))
+    book = tmp_path / "points.xlsx"
+    _write_workbook(book, text)
+    again = read_points(book)
+    np.testing.assert_allclose(again.pressure, points.pressure, rtol=1e-14)
+    np.testing.assert_allclose(again.irradiance, points.irradiance, rtol=1e-14)
+
+
+def _write_workbook(path, text):
+    lines = [line for line in text.splitlines() if not line.startswith("#")]
+    mark = ";" if ";" in lines[0] else ","
+    book = openpyxl.Workbook()
+    for line in lines:
+        cells = [cell.strip() for cell in line.split(mark)]
+        plain = [cell.replace(",", ".") for cell in cells]
+        book.active.append(
+            [float(one) if _is_float(one) else cell for one, cell in zip(plain, cells, strict=True)]
+        )
+    book.save(path)
+
+
+def _is_float(cell):
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def test_what_must_be_known_of_the_reading_is_a_warning(write):
+    points = read_points(write("pressure [Pa],irradiance [suns]\n1,1.5\n2,2.5"))
+    assert points.irradiance.tolist() == [1500.0, 2500.0]
+    said = "\n".join(points.warnings)
+    assert "1 sun is taken as 1000 W/m^2" in said
+    assert "irradiance = 2.5; check that it is whole" in said
+    assert points.where(points.pressure > 1.0).warnings == points.warnings

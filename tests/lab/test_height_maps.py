@@ -11,7 +11,7 @@ import lightflyer as lf
 from lightflyer.lab.height_map import HeightMap, list_channels, read_height_map
 from lightflyer.lab.height_maps.channel import Channel, chosen
 from lightflyer.lab.number_matrix import read_number_matrix
-from lightflyer.lab.surface import roughness
+from lightflyer.lab.surface import roughness, to_dataset
 
 pytest.importorskip("SurfaceTopography")
 FILES = Path(__file__).parent / "height_maps"
@@ -289,6 +289,9 @@ def test_missing_heights_do_not_count():
     assert found.holes[np.isnan(holed)].all()
     assert found.summary()["missing_fraction"] == pytest.approx(132 / 96**2)
     assert any("132 pixels (1.4 %) have no height" in text for text in found.warnings)
+    record = to_dataset([found])
+    assert np.array_equal(np.isnan(record.height_0), np.isnan(holed))
+    assert (record.mask_0.values[np.isnan(holed)] == 2).all()
 
 
 def test_pixels_need_not_be_square():

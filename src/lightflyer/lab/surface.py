@@ -361,7 +361,8 @@ def to_dataset(results: Sequence[Roughness]) -> "xr.Dataset":
     Returns
     -------
     xarray.Dataset
-        Masks are 0 on the surface, 1 on particles and 2 in holes.
+        Masks are 0 on the surface, 1 on particles and 2 in holes; heights are NaN where the file
+        has none.
     """
     variables: dict[str, Any] = {}
     for number, one in enumerate(results):
@@ -371,7 +372,7 @@ def to_dataset(results: Sequence[Roughness]) -> "xr.Dataset":
             middle = (np.arange(count) + 0.5) * side / count
             variables[dimension] = (dimension, middle, {"units": "m", "long_name": dimension[0]})
         variables[f"height_{number}"] = (
-            dimensions, one.height,
+            dimensions, np.where(one.source.missing, np.nan, one.height),
             {"units": "m", "long_name": "levelled height", "file": one.source.source},
         )  # fmt: skip
         variables[f"mask_{number}"] = (

@@ -74,7 +74,10 @@ def draw_height_map(
         For a colour bar.
     """
     step = max(1, max(result.height.shape) // _MOST_PIXELS)
-    height = result.height[::step, ::step] / NANOMETRE
+    # levelling puts numbers where the file has no height; they are shown in the colour of holes
+    ax.set_facecolor(SKY)
+    known = np.where(result.source.missing, np.nan, result.height)
+    height = known[::step, ::step] / NANOMETRE
     extent = (0.0, result.source.width / _MICROMETRE, 0.0, result.source.length / _MICROMETRE)
     low, high = colour_range([result], masked=masked) if colours is None else colours
     # greys, among which the colours of the mask stand out

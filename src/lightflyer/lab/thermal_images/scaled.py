@@ -63,8 +63,8 @@ def parse_scale(unit: str, zero: str | None = None) -> Scale:
     --------
     >>> parse_scale("0.04 K")
     Scale(step=0.04, zero=0.0)
-    >>> parse_scale("0.1 °C", "-100 °C")
-    Scale(step=0.1, zero=173.15)
+    >>> parse_scale("0.1 K", "200 K")
+    Scale(step=0.1, zero=200.0)
     """
     match = _UNIT.match(unit)
     try:

@@ -16,9 +16,12 @@ if TYPE_CHECKING:
     from lightflyer.search.front import Front
     from lightflyer.search.optimiser import Optimum
     from lightflyer.search.problem import Problem
+    from lightflyer.search.stacks import Ranking
 
 _SHOWN_ELASTICITIES = 8
 _ROWS = 12
+_STACKS = 8
+_NANOMETRES = 1e9
 
 
 def optimise_command(
@@ -69,7 +72,7 @@ def optimise_command(
         summary = optimum.summary()
         written = _write(out, optimum, "elasticities", figures)
         if not json_output:
-            _show_optimum(console, problem, optimum)
+            _show_optimum(console, optimum)
             show_flyer(console, optimum.prediction)
             show_results(console, optimum.prediction)
         if write is not None:
@@ -112,10 +115,13 @@ def _write(
     return [out / name for name in names]
 
 
-def _show_optimum(console: Console, problem: "Problem", optimum: "Optimum") -> None:
+def _show_optimum(console: Console, optimum: "Optimum") -> None:
     from lightflyer.sweeps.shown import amount, suitable
 
+    problem = optimum.problem  # with the chosen stack, where there were several
     objective = problem.objectives[0]
+    if optimum.ranking is not None:
+        _show_ranking(console, problem, optimum.ranking)
     what = objective.name
     if problem.samples:
         of = "mean" if problem.quantile is None else f"{100.0 * problem.quantile:g} % quantile"
@@ -166,6 +172,25 @@ def _show_constraint(
         effect = f"active: 1 % looser is worth {worth}"
     at, limit_shown = (amount(value, unit) for value in (optimum.outputs[name], limit))
     console.print(f"{name} {at} ({word} {limit_shown}; {effect})", soft_wrap=True)
+
+
+def _show_ranking(console: Console, problem: "Problem", ranking: "Ranking") -> None:
+    """Stacks of layers among which the film was chosen."""
+    from lightflyer.sweeps.shown import suitable
+
+    unit = problem.unit_of(problem.objectives[0].name)
+    shown = ranking.stacks[:_STACKS]
+    factor, unit = suitable(unit, max(abs(stack.value) for stack in shown))
+    table = Table(box=None, padding=(0, 1))
+    table.add_column(f"{problem.objectives[0].name}\n[{unit or '1'}]", justify="right")
+    table.add_column("stack, top to bottom\n[nm]", justify="left")
+    for stack in shown:
+        layers = zip(stack.materials, stack.thickness, strict=True)
+        words = ", ".join(f"{name} {_NANOMETRES * size:.4g}" for name, size in layers)
+        note = "" if stack.in_full else " (films within a few thousandths)"
+        table.add_row(f"{factor * stack.value:.5g}", words + note)
+    console.print(table)
+    console.print(f"{ranking.screened} of {ranking.allowed} stacks were compared")
 
 
 def _show_made(console: Console, problem: "Problem", optimum: "Optimum") -> None:

@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from functools import cache, cached_property, reduce
 from itertools import combinations
+from pathlib import Path
 from typing import Annotated, Any
 
 import jax
@@ -15,7 +16,7 @@ from lightflyer.config.discovery import discover
 from lightflyer.config.quick_films import QuickFilms, part_at
 from lightflyer.environment.section import EnvironmentSection
 from lightflyer.film.section import FilmSection
-from lightflyer.flight.design import AbstractDesign, digest
+from lightflyer.flight.design import AbstractDesign, AbstractStacks, digest
 from lightflyer.flight.setup import Setup
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
@@ -389,6 +390,12 @@ class FileDesign(AbstractDesign):
     def quick_parts(self, names: Sequence[str]) -> QuickFilms:
         """See :meth:`AbstractDesign.quick_parts`: films whose thicknesses change."""
         return QuickFilms(self.file, self._replaced, names)
+
+    def stacks(self, asked: Any, folder: Path | None = None) -> AbstractStacks:
+        """See :meth:`AbstractDesign.stacks`."""
+        from lightflyer.config.stacks import Stacks
+
+        return Stacks(self, asked, folder)
 
     def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:
         """See :meth:`AbstractDesign.build`."""

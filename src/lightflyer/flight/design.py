@@ -80,6 +80,51 @@ class QuickParts(Protocol):
         """
 
 
+class AbstractStacks(abc.ABC):
+    """Stacks of layers that a film of a design may be.
+
+    Attributes
+    ----------
+    design : AbstractDesign
+        Any of them; where each thickness lies between its bounds is one of its numbers.
+    shares : tuple of str
+        Names of these numbers, for the stack with the most layers.
+    sequences : tuple of tuple of int
+        Numbers of the materials of each stack, top to bottom.
+    notes : tuple of str
+        What a reader of results must know, one line each.
+    """
+
+    design: "AbstractDesign"
+    shares: tuple[str, ...]
+    sequences: tuple[tuple[int, ...], ...]
+    notes: tuple[str, ...]
+
+    @abc.abstractmethod
+    def labels(self, sequence: Sequence[int]) -> tuple[str, ...]:
+        """Names of the materials of a stack."""
+
+    @abc.abstractmethod
+    def tables(self, sequence: Sequence[int]) -> Any:
+        """Tables of :meth:`AbstractDesign.quick_parts` of :attr:`design` for a stack."""
+
+    @abc.abstractmethod
+    def limit(self, sequence: Sequence[int]) -> float:
+        """Temperature that a stack bears [K]; infinite where it is not known."""
+
+    @abc.abstractmethod
+    def exact(self, sequence: Sequence[int], values: Mapping[str, float]) -> Any:
+        """:meth:`AbstractDesign.prepare` of :attr:`design` for a stack."""
+
+    @abc.abstractmethod
+    def thicknesses(self, sequence: Sequence[int], shares: np.ndarray) -> np.ndarray:
+        """Thickness of each layer of a stack, from where it lies between its bounds [m]."""
+
+    @abc.abstractmethod
+    def chosen(self, sequence: Sequence[int]) -> tuple["AbstractDesign", dict[str, Any]]:
+        """The design with a stack, and bounds of its thicknesses by name."""
+
+
 class AbstractDesign(abc.ABC):
     """A setup that can be built anew with other numbers."""
 
@@ -153,6 +198,28 @@ class AbstractDesign(abc.ABC):
             If there is none for one of them.
         """
         raise ConfigurationError(f"{', '.join(names)}: there is no quick way to compute the rest")
+
+    def stacks(self, asked: Any, folder: Path | None = None) -> "AbstractStacks":
+        """The stacks of layers that a film of the design may be.
+
+        Parameters
+        ----------
+        asked : object
+            With the attributes ``film``, ``materials`` and ``most_layers``.
+        folder : Path, optional
+            Of the study file, for files that it names.
+
+        Returns
+        -------
+        AbstractStacks
+
+        Raises
+        ------
+        ConfigurationError
+            If the design has no film of layers, or a material cannot be used.
+        """
+        del asked, folder
+        raise ConfigurationError("needs a flyer file whose film has layers")
 
     def open_parts(self) -> dict[str, tuple[Any, Any]]:
         """What missing data leave open between bounds.

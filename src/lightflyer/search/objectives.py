@@ -29,12 +29,16 @@ class Context(eqx.Module):
     ----------
     tables : pytree
         See :class:`~lightflyer.flight.design.QuickParts`; None where no film changes.
-    shift : pytree or None
-        Films computed in full less those on a coarse grid, where the two were last compared.
+    shift : pytree
+        Films computed in full less those on a coarse grid, where the two were last compared; zero
+        before. None where no film changes.
+    limits : array, shape (constraints,)
+        Limits of the constraints, which may depend on the film.
     """
 
     tables: Any
-    shift: Any = None
+    shift: Any
+    limits: Any
 
 
 class _Moving(eqx.Module):
@@ -84,12 +88,49 @@ class ObjectiveFunction:
         self.problem = problem
         costly = problem.costly
         self._quick = problem.design.quick_parts(costly) if costly else None
-        self._context = Context(None if self._quick is None else self._quick.tables)
+        limits = np.array([part.limit for part in problem.constraints])
+        self._context = Context(None if self._quick is None else self._quick.tables, None, limits)
+        if self._quick is not None:
+            # zeros of the same structure, or the first match would compile everything anew
+            self._context = Context(self._context.tables, self._nothing(), limits)
+        self._exact: Callable[[Mapping[str, float]], Any] = problem.design.prepare
 
     @property
     def is_quick(self) -> bool:
         """Whether films of layers change, which are then computed on a coarse grid."""
         return self._quick is not None
+
+    def turn_to(
+        self, tables: Any, limits: np.ndarray, exact: Callable[[Mapping[str, float]], Any]
+    ) -> None:
+        """Go on with another film, for which nothing has to be compiled anew.
+
+        Parameters
+        ----------
+        tables : pytree
+            Of the same shapes.
+        limits : array, shape (constraints,)
+        exact : callable
+            In place of :meth:`~lightflyer.flight.design.AbstractDesign.prepare`.
+        """
+        self._context = Context(tables, self._nothing(), limits)
+        self._exact = exact
+
+    def _nothing(self) -> Any:
+        middle = np.full(len(self.problem.bounds), 0.5)
+        with float64():
+            shapes = jax.eval_shape(
+                self._quick,  # type: ignore[arg-type]
+                self._given_film(middle),
+                self._context.tables,
+            )
+        return jax.tree.map(lambda leaf: np.zeros(leaf.shape), shapes)
+
+    def _given_film(self, point: np.ndarray) -> dict[str, float]:
+        """Values at a point, without the coordinate."""
+        coordinate = self.problem.design.coordinate_name
+        given = self.given(point).items()
+        return {name: float(value) for name, value in given if name != coordinate}
 
     def match(self, point: np.ndarray) -> None:
         """Compute the films at a point in full; from now on all are shifted by the difference.
@@ -98,15 +139,11 @@ class ObjectiveFunction:
         ----------
         point : array, shape (k,)
         """
-        values = {
-            name: float(value)
-            for name, value in self.given(np.asarray(point)).items()
-            if name != self.problem.design.coordinate_name
-        }
-        exact = self.problem.design.prepare(values)
+        values = self._given_film(np.asarray(point))
+        exact = self._exact(values)
         quick = self._quick_films(values)
         shift = jax.tree.map(lambda one, other: np.asarray(one - other), exact, quick)
-        self._context = Context(self._context.tables, shift)
+        self._context = Context(self._context.tables, shift, self._context.limits)
 
     @cached_property
     def _quick_films(self) -> Callable[[Mapping[str, Any]], Any]:
@@ -158,14 +195,11 @@ class ObjectiveFunction:
             for part, score in zip(problem.objectives, scores[:count], strict=True)
         }
 
-    def _films(
-        self, given: Mapping[str, Any], context: "Context | None" = None
-    ) -> "_Moving | None":
+    def _films(self, given: Mapping[str, Any], context: "Context") -> "_Moving | None":
         """Films at some values, and how they change with the errors of uncertain thicknesses."""
         if self._quick is None:
             return None
         quick, problem = self._quick, self.problem
-        context = self._context if context is None else context
         uncertain = problem.design.costly(list(problem.samples))
         rows = [dict(given)]
         for name in uncertain:
@@ -178,8 +212,7 @@ class ObjectiveFunction:
             if name != coordinate
         }
         films = jax.lax.map(lambda values: quick(values, context.tables), table)
-        if context.shift is not None:
-            films = jax.tree.map(jnp.add, films, context.shift)
+        films = jax.tree.map(jnp.add, films, context.shift)
         return _Moving(films, tuple(uncertain))
 
     def _spread(self, name: str, given: Mapping[str, Any]) -> Any:
@@ -253,15 +286,18 @@ class ObjectiveFunction:
             Constraints are in units of their limits.
         """
         given = self.given(point, changed)
-        return self._scores(given, self._films(given, context))
+        context = self._context if context is None else context
+        return self._scores(given, self._films(given, context), context)
 
-    def _scores(self, given: Mapping[str, Any], films: "_Moving | None") -> Any:
+    def _scores(self, given: Mapping[str, Any], films: "_Moving | None", context: "Context") -> Any:
         values = self._values(given, films)
         problem = self.problem
         objectives = [part.sign * values[part.name, part.sign] for part in problem.objectives]
+        limits = jnp.asarray(context.limits)
+        scales = jnp.where(limits == 0.0, 1.0, jnp.abs(limits))
         constraints = [
-            part.sign * (values[part.name, part.sign] - part.limit) / part.scale
-            for part in problem.constraints
+            part.sign * (values[part.name, part.sign] - limits[number]) / scales[number]
+            for number, part in enumerate(problem.constraints)
         ]
         return jnp.stack([*objectives, *constraints])
 
@@ -314,7 +350,7 @@ class ObjectiveFunction:
         def many(designs: Mapping[str, Any], context: Context) -> Any:
             # one film after the other stays in the processor's cache
             films = jax.lax.map(lambda one: self._films(one, context), designs)
-            return jax.vmap(self._scores)(designs, films)
+            return jax.vmap(lambda one, film: self._scores(one, film, context))(designs, films)
 
         return self._in_context(many)
 

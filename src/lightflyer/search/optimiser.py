@@ -11,7 +11,7 @@ theorem), although the best design moves with it.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -24,10 +24,11 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ConfigurationError, LightflyerError
 from lightflyer.foundation.progress import report
 from lightflyer.prediction.prediction import Prediction, predict_design
-from lightflyer.search.climb import AGREEMENT, FEASIBLE, INFEASIBLE, Found, climb, climb_in_full
+from lightflyer.search.climb import AGREEMENT, FEASIBLE, Found, climb, climb_in_full
 from lightflyer.search.objectives import SCREENED, ObjectiveFunction
 from lightflyer.search.problem import Problem, as_problem
 from lightflyer.search.range_check import cautions_about, require_within_range
+from lightflyer.search.stacks import Ranking, choose_stack, merit
 from lightflyer.search.tolerance import AsMade, made
 from lightflyer.sweeps.shown import amount
 
@@ -69,6 +70,8 @@ class Optimum:
     as_made : AsMade or None
         What is lost where the best design is not made exactly: numbers with an ``uncertainty``,
         and thicknesses of layers. None where there are none.
+    ranking : Ranking or None
+        Other stacks of layers, where the film was chosen among several.
     warnings : tuple of str
         Where the best design is outside the range of the force model or of its film, which only a
         problem that allows it has.
@@ -86,6 +89,7 @@ class Optimum:
     evaluations: int
     warnings: tuple[str, ...]
     as_made: AsMade | None = None
+    ranking: Ranking | None = None
 
     @cached_property
     def prediction(self) -> Prediction:
@@ -120,6 +124,7 @@ class Optimum:
             "agreeing": self.agreeing,
             "evaluations": self.evaluations,
             "as_made": None if self.as_made is None else self.as_made.summary(),
+            "ranking": None if self.ranking is None else self.ranking.summary(),
             "warnings": list(self.warnings),
         }
 
@@ -139,6 +144,7 @@ def optimise(
     starts: int | None = None,
     seed: int | None = None,
     beyond_range: bool | None = None,
+    stacks: Mapping[str, Any] | None = None,
 ) -> Optimum:
     """The best design within bounds and constraints.
 
@@ -171,6 +177,9 @@ def optimise(
     beyond_range : bool, optional
         Whether to accept an optimum outside the range of the force model or of its film; by
         default it is refused, and no flyer gets hotter than its ``highest_temperature``.
+    stacks : dict, optional
+        Materials of which the film may be made, instead of its own: ``{"materials": [...],
+        "most_layers": 4}``, as in a study file.
 
     Returns
     -------
@@ -213,8 +222,13 @@ def optimise(
         method=method,
         seed=seed,
         beyond_range=beyond_range,
+        stacks=stacks,
     )
-    return find_optimum(ObjectiveFunction(problem))
+    if problem.choice is None or len(problem.objectives) > 1:
+        return find_optimum(ObjectiveFunction(problem))
+    problem, ranking = choose_stack(problem)
+    found = find_optimum(ObjectiveFunction(problem))
+    return replace(found, ranking=ranking, warnings=(*found.warnings, *ranking.notes))
 
 
 def find_optimum(function: ObjectiveFunction) -> Optimum:
@@ -292,19 +306,12 @@ def _screen(function: ObjectiveFunction) -> tuple[np.ndarray, float]:
 def _apart(points: np.ndarray, scores: np.ndarray, scale: float, most: int) -> np.ndarray:
     """The best points that are apart from each other."""
     chosen: list[np.ndarray] = []
-    for point in points[np.argsort(-_merit(scores, scale))]:
+    for point in points[np.argsort(-merit(scores, scale))]:
         if all(np.abs(point - other).max() >= _APART for other in chosen):
             chosen.append(point)
         if len(chosen) == most:
             break
     return np.array(chosen)
-
-
-def _merit(scores: np.ndarray, scale: float) -> np.ndarray:
-    """Objective less a penalty, by which points that satisfy the constraints come first."""
-    violation = np.maximum(-scores[:, 1:], 0.0).sum(axis=1)
-    merit = scores[:, 0] / scale - INFEASIBLE * violation
-    return np.where(np.isfinite(merit), merit, -np.inf)
 
 
 def _best_nearby(
@@ -318,8 +325,8 @@ def _best_nearby(
     near[:, 0] = starts
     flat = near.reshape(-1, starts.shape[1])
     scores = function.scores_of_many(flat)
-    merit = _merit(scores, scale).reshape(len(starts), each)
-    return near[np.arange(len(starts)), np.argmax(merit, axis=1)]
+    best = np.argmax(merit(scores, scale).reshape(len(starts), each), axis=1)
+    return near[np.arange(len(starts)), best]
 
 
 def _describe(

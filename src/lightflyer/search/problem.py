@@ -1,27 +1,22 @@
 """Optimisation problems: objectives, free numbers, constraints, and what is uncertain."""
 
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.design import AbstractDesign, Field, as_design
+from lightflyer.flight.design import AbstractDesign, AbstractStacks, Field, as_design
 from lightflyer.flight.outputs import check_outputs, outputs_of
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.quantity import Quantity
-from lightflyer.sweeps.axes import Axis, read_ends, read_entry
-from lightflyer.sweeps.distributions import (
-    Distribution,
-    Normal,
-    draw_samples,
-    stated_distributions,
-)
+from lightflyer.search.bounds import Bounds, Tolerance, errors_of, read_bounds
+from lightflyer.sweeps.axes import Axis, read_entry
+from lightflyer.sweeps.distributions import Distribution, draw_samples, stated_distributions
 from lightflyer.sweeps.sections import OptimiseSection, SamplingSection, from_arguments
 from lightflyer.sweeps.study import Source, errors_at, read_study_file, require_compatible
 
@@ -30,83 +25,7 @@ PROBABILITY = "probability_of_flying"
 
 _MARGIN = "lift_over_weight"
 _HEAT = "temperature"
-_BOUNDS = ("from", "to", "scale", "uncertainty")
-_PERCENT = re.compile(r"\s*([-+.\deE]+)\s*%\s*")
-_WORST_TOLERANCE = 0.3  # relative, beyond which a normal error could make a thickness negative
 _LIMITS = ("at_least", "at_most")
-
-
-@dataclass(frozen=True)
-class Tolerance:
-    """How exactly a number can be made.
-
-    Attributes
-    ----------
-    size : float
-        Standard uncertainty of the made number: in the unit of the field, or relative.
-    relative : bool
-    """
-
-    size: float
-    relative: bool
-
-    def spread(self, value: Any) -> Any:
-        """Standard uncertainty in the unit of the field.
-
-        Parameters
-        ----------
-        value : array, shape (...)
-            What is to be made; may be traced.
-
-        Returns
-        -------
-        array, shape (...)
-        """
-        return self.size * abs(value) if self.relative else self.size + 0.0 * value
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """A number that is free between two ends.
-
-    Attributes
-    ----------
-    field : Field
-    low, high : float
-        In the unit of the field.
-    logarithmic : bool
-        Whether the search proceeds in the logarithm.
-    tolerance : Tolerance or None
-        How exactly the number can be made; None where nothing is stated.
-    """
-
-    field: Field
-    low: float
-    high: float
-    logarithmic: bool
-    tolerance: "Tolerance | None" = None
-
-    def value(self, fraction: Any) -> Any:
-        """Value at a fraction of the way from the low end (0) to the high end (1).
-
-        Parameters
-        ----------
-        fraction : array, shape (...)
-            May be traced.
-
-        Returns
-        -------
-        array, shape (...)
-        """
-        if self.logarithmic:
-            return self.low * (self.high / self.low) ** fraction
-        return self.low + fraction * (self.high - self.low)
-
-    def fraction(self, value: float) -> float:
-        """Inverse of :meth:`value`."""
-        if self.logarithmic:
-            return math.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
 
 
 @dataclass(frozen=True)
@@ -154,6 +73,66 @@ class Constraint:
 
 
 @dataclass(frozen=True, eq=False)
+class Choice:
+    """Stacks of layers among which a film is chosen, and what the search goes on with.
+
+    Attributes
+    ----------
+    stacks : AbstractStacks
+    section : OptimiseSection
+        What else is asked.
+    sampling : SamplingSection or None
+    source : Source or None
+    time_limit : float
+        Of the choice, infinite where none is set [s].
+    """
+
+    stacks: AbstractStacks
+    section: OptimiseSection
+    sampling: SamplingSection | None
+    source: Source | None
+    time_limit: float
+
+    def any_stack(self) -> "Problem":
+        """The problem of any of the stacks, without uncertainty: each thickness is a share."""
+        shares = {name: {"from": 0.0, "to": 1.0} for name in self.stacks.shares}
+        sure = {k: v for k, v in self.section.constraints.items() if k != PROBABILITY}
+        over = {name: _nominal(entry) for name, entry in self.section.over.items()}
+        changes = {"over": shares | over, "constraints": sure, "uncertainty": None, "stacks": None}
+        section = self.section.model_copy(update=changes)
+        problem = make_problem(self.stacks.design, section, None, self.source)
+        heat = _HEAT in [part.name for part in problem.constraints]
+        coordinate = self.stacks.design.coordinate_name
+        if heat or section.beyond_range or coordinate not in section.over:
+            return problem
+        # every stack bears another temperature
+        limit = Constraint(_HEAT, self.stacks.limit(self.stacks.sequences[0]), -1.0)
+        return replace(problem, constraints=(*problem.constraints, limit))
+
+    def limits(self, problem: "Problem", sequence: Sequence[int]) -> np.ndarray:
+        """Limits of a problem's constraints for a stack."""
+        stated = _HEAT in self.section.constraints
+        return np.array([
+            self.stacks.limit(sequence) if part.name == _HEAT and not stated else part.limit
+            for part in problem.constraints
+        ])  # fmt: skip
+
+    def problem_of(self, sequence: Sequence[int]) -> "Problem":
+        """The whole problem with one of the stacks, whose thicknesses are free."""
+        design, over = self.stacks.chosen(sequence)
+        changes = {"over": self.section.over | over, "stacks": None}
+        section = self.section.model_copy(update=changes)
+        return make_problem(design, section, self.sampling, self.source)
+
+
+def _nominal(entry: Any) -> Any:
+    """Bounds without their uncertainty; anything else as it is."""
+    if isinstance(entry, Mapping) and "distribution" not in entry:
+        return {key: value for key, value in entry.items() if key != "uncertainty"}
+    return entry
+
+
+@dataclass(frozen=True, eq=False)
 class Problem:
     """An optimisation problem.
 
@@ -177,6 +156,8 @@ class Problem:
     starts : int
         Number of searches.
     seed : int
+    choice : Choice or None
+        The stacks of layers among which the film is chosen first, where there are several.
     """
 
     design: AbstractDesign
@@ -189,6 +170,7 @@ class Problem:
     beyond_range: bool
     starts: int
     seed: int
+    choice: "Choice | None" = None
 
     @property
     def tolerances(self) -> dict[str, Tolerance]:
@@ -324,12 +306,14 @@ def make_problem(
     ConfigurationError
         Naming the key and what is wrong with it.
     """
+    if section.stacks is not None:
+        return _with_choice(design, section, sampling, source)
     given = list(section.over)
     bounds, fixed, distributions = _read_over(design, section.over, source)
     objectives = _objectives(design, section, source)
     uncertain = section.uncertainty
     if uncertain is not None:
-        errors = [_errors_of(one) for one in bounds if one.tolerance is not None]
+        errors = [errors_of(one) for one in bounds if one.tolerance is not None]
         distributions = [*(distributions or stated_distributions(design, given)), *errors]
     with errors_at(source, "optimise", "uncertainty"):
         if uncertain is not None and not distributions:
@@ -360,6 +344,25 @@ def make_problem(
     )
 
 
+def _with_choice(
+    design: AbstractDesign,
+    section: OptimiseSection,
+    sampling: SamplingSection | None,
+    source: Source | None,
+) -> Problem:
+    """The problem of any of the stacks that a section allows."""
+    asked = section.stacks
+    assert asked is not None  # as looked up
+    with errors_at(source, "optimise", "stacks"):
+        stacks = design.stacks(asked, source.path.parent if source else None)
+    with errors_at(source, "optimise"):
+        if PROBABILITY in (*section.maximise, *section.minimise):
+            raise ConfigurationError(f"{PROBABILITY} cannot rank stacks; search with the payload")
+    limit = math.inf if asked.time_limit is None else float(asked.time_limit.value)
+    choice = Choice(stacks, section, sampling, source, limit)
+    return replace(choice.any_stack(), choice=choice)
+
+
 def _read_over(
     design: AbstractDesign, over: Mapping[str, Any], source: Source | None
 ) -> tuple[tuple[Bounds, ...], dict[str, float], list[Distribution]]:
@@ -387,32 +390,11 @@ def _read_over(
 
 def _read_free(entry: Any, known: Field) -> Bounds | Axis | Distribution:
     if isinstance(entry, Mapping) and "distribution" not in entry:
-        ends = read_ends(entry, known, _BOUNDS)
-        return Bounds(known, *ends, _read_tolerance(entry.get("uncertainty"), known, ends[0]))
+        return read_bounds(entry, known)
     found = read_entry(entry, known)
     if isinstance(found, Axis) and not found.single:
         raise ConfigurationError(
             'is a list; a free number has bounds, { from = "...", to = "..." }'
-        )
-    return found
-
-
-def _read_tolerance(text: Any, known: Field, low: float) -> Tolerance | None:
-    """How exactly a free number can be made; ``low`` is the least that it may be."""
-    if text is None:
-        return None
-    share = _PERCENT.fullmatch(text) if isinstance(text, str) else None
-    if share and known.quantity.unit:
-        found = Tolerance(float(share[1]) / 100.0, relative=True)
-    else:
-        # a spread is a difference: any size, and without the offset of a temperature scale
-        found = Tolerance(Quantity(known.quantity.unit).read(text).value, relative=False)
-    if not found.size > 0.0:
-        raise ConfigurationError(f'uncertainty = "{text}" must be positive')
-    if known.quantity.lowest == 0.0 and found.spread(low) > _WORST_TOLERANCE * low:
-        raise ConfigurationError(
-            f'uncertainty = "{text}" is one standard deviation and must be at most '
-            f"{100.0 * _WORST_TOLERANCE:g} % of the number wherever it may lie"
         )
     return found
 
@@ -422,21 +404,6 @@ def _require_quick(design: AbstractDesign, names: list[str], source: Source | No
     for name in design.costly(names):
         with errors_at(source, "optimise", "over", name):
             design.quick_parts([name])
-
-
-def _errors_of(bounds: Bounds) -> Distribution:
-    """Errors of a free number, in its standard uncertainties."""
-    return _Errors(bounds.field, 0.0, 1.0)
-
-
-class _Errors(Normal):
-    """Normal errors, whatever values the number itself may have."""
-
-    def quantile(self, share: np.ndarray) -> np.ndarray:
-        """See :meth:`Distribution.quantile`."""
-        from scipy.special import ndtri  # slow to import
-
-        return np.asarray(ndtri(share))
 
 
 def _objectives(

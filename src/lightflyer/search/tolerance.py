@@ -8,8 +8,9 @@ import numpy as np
 from scipy.special import ndtri
 from scipy.stats import qmc
 
+from lightflyer.search.bounds import Tolerance
 from lightflyer.search.objectives import ObjectiveFunction
-from lightflyer.search.problem import PROBABILITY, Problem, Tolerance
+from lightflyer.search.problem import PROBABILITY, Problem
 
 ASSUMED = Tolerance(0.05, relative=True)
 """Standard uncertainty of a layer's thickness where a study states none: evaporated and sputtered

@@ -6,6 +6,7 @@ import pydantic
 
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.mistakes import explain
+from lightflyer.foundation.quantity import Duration
 from lightflyer.foundation.section import Section
 from lightflyer.foundation.toml_file import FileKind
 from lightflyer.sweeps.distributions import METHODS, MOST_SAMPLES
@@ -50,6 +51,15 @@ class UncertaintySection(Section):
     quantile: Annotated[float, pydantic.Field(gt=0.0, lt=1.0)] = 0.05
 
 
+class StacksSection(Section):
+    """``[optimise.stacks]``: which materials a film of layers may have, in any order."""
+
+    materials: Annotated[list[dict[str, Any]], pydantic.Field(min_length=1)]
+    most_layers: Annotated[int, pydantic.Field(strict=True, ge=1, le=8)] = 4
+    film: str = "film"
+    time_limit: Duration | None = None
+
+
 class OptimiseSection(Section):
     """``[optimise]``: the objectives, the free numbers, and the limits."""
 
@@ -58,6 +68,7 @@ class OptimiseSection(Section):
     over: _Entries
     constraints: _Entries
     uncertainty: UncertaintySection | None = None
+    stacks: StacksSection | None = None
     beyond_range: Annotated[bool, pydantic.Field(strict=True)] = False
     starts: _Starts = 8
     seed: _Seed = 0
@@ -90,6 +101,7 @@ _SECTIONS: dict[str, type[Section]] = {
     "sampling": SamplingSection,
     "optimise": OptimiseSection,
     "optimise.uncertainty": UncertaintySection,
+    "optimise.stacks": StacksSection,
     "sensitivity": SensitivitySection,
 }
 
@@ -137,6 +149,6 @@ def from_arguments(kind: type[_Kind], **given: Any) -> _Kind:
 def _explain(mistake: Any, kind: type[Section]) -> str:
     name = ".".join(map(str, mistake["loc"]))
     if mistake["type"] == "extra_forbidden":
-        known = _SECTIONS["optimise.uncertainty"] if "." in name else kind
+        known = _SECTIONS.get(f"optimise.{name.rpartition('.')[0]}", kind)
         return f"{name} is unknown; choose from {', '.join(known.model_fields)}"
     return explain(mistake, name)

@@ -1,0 +1,399 @@
+"""Stacks that the film of a flyer file may be: which materials, how many, in which order."""
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import pydantic
+
+from lightflyer.config.quick_films import part_at, require_simple
+from lightflyer.film.family import Family, padded_thickness
+from lightflyer.film.layer_section import LayerSection
+from lightflyer.film.properties import FilmProperties
+from lightflyer.film.section import FACES, WholeFilm
+from lightflyer.flight.design import AbstractDesign, AbstractStacks
+from lightflyer.flight.setup import Setup
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
+from lightflyer.foundation.extras import extra
+from lightflyer.foundation.mistakes import explain
+from lightflyer.foundation.quantity import Quantity
+from lightflyer.foundation.toml_file import FOLDER
+from lightflyer.foundation.types import Numeric
+
+if TYPE_CHECKING:
+    from lightflyer.config.flyer_file import FileDesign
+
+_BOUNDS = ("from", "to", "scale", "uncertainty")
+_CARRIER = "carrier"
+_STATED_ONCE = (*FACES, "highest_temperature")  # what a flyer file may say of any film
+_MOST = 20_000  # stacks in a search
+_NO_LIMIT = 1e5  # [K], of a stack of which it is not known: no film gets so hot
+
+
+class Candidate:
+    """A material of a search over stacks.
+
+    Parameters
+    ----------
+    entry : dict
+        Of the study file: keys of a layer, bounds of its thickness, and whether it is a carrier.
+    folder : Path or None
+
+    Raises
+    ------
+    ConfigurationError
+        One line that says what is wrong.
+    """
+
+    def __init__(self, entry: Mapping[str, Any], folder: Path | None):
+        self.carrier = entry.get(_CARRIER, False)
+        if not isinstance(self.carrier, bool):
+            raise ConfigurationError(f"{_CARRIER} = {self.carrier} must be true or false")
+        if missing := [key for key in ("material", "from", "to") if key not in entry]:
+            raise ConfigurationError(
+                f"needs {', '.join(missing)}, such as "
+                '{ material = "PET", from = "500 nm", to = "2 um", carrier = true }'
+            )
+        self.bounds = {key: entry[key] for key in _BOUNDS if key in entry}
+        self.bounds.setdefault("scale", "log")
+        self.keys = {k: v for k, v in entry.items() if k not in (*_BOUNDS, _CARRIER)}
+        self.layer = self._layer("from", folder)
+        self.low, self.high = (
+            float(layer.thickness.value) for layer in (self.layer, self._layer("to", folder))
+        )
+        if not self.low < self.high:
+            raise ConfigurationError(
+                f"{self.layer.label} has an empty range: from = {entry['from']}, to = {entry['to']}"
+            )
+        if lacking := self.layer.lacks_density:
+            raise ConfigurationError(f"{lacking} needs its density, by which a film is weighed")
+
+    def _layer(self, end: str, folder: Path | None) -> LayerSection:
+        try:
+            return LayerSection.model_validate(
+                {**self.keys, "thickness": self.bounds[end]},
+                context={FOLDER: folder} if folder else None,
+            )
+        except pydantic.ValidationError as error:
+            lines = [_explained(mistake, end) for mistake in error.errors()]
+            raise ConfigurationError("; ".join(lines)) from None
+
+    @property
+    def density(self) -> float:
+        """[kg/m³]."""
+        density: Any = self.layer.build("error").material.density
+        return float(density)
+
+
+def _explained(mistake: Any, end: str) -> str:
+    name = ".".join(map(str, mistake["loc"])).replace("thickness", end)
+    if mistake["type"] == "extra_forbidden":
+        known = (*(key for key in LayerSection.model_fields if key != "thickness"), *_BOUNDS)
+        return f"{name} is unknown; choose from {', '.join((*known, _CARRIER))}"
+    return explain(mistake, name)
+
+
+class StackTables(eqx.Module):
+    """One stack, as arrays of the same shape for all.
+
+    Attributes
+    ----------
+    family : Family
+    low, high : array, shape (layers,)
+        Bounds of the thicknesses [m].
+    density : array, shape (layers,)
+        [kg/m³].
+    tac_top, tac_bottom, limit : array, shape ()
+        [1], and the temperature that the film bears [K].
+    """
+
+    family: Family
+    low: Numeric
+    high: Numeric
+    density: Numeric
+    tac_top: Numeric
+    tac_bottom: Numeric
+    limit: Numeric
+
+    def thickness(self, share: Numeric) -> Numeric:
+        """Thicknesses from where they lie between their bounds, in the logarithm [m]."""
+        return self.low * (self.high / self.low) ** share
+
+
+class Stacks(AbstractStacks):
+    """Stacks of a list of materials, each with one carrier and coatings on it.
+
+    Parameters
+    ----------
+    base : FileDesign
+    asked : StacksSection
+    folder : Path or None
+        Of the study file.
+
+    Raises
+    ------
+    ConfigurationError
+        Naming the key and what is wrong with it.
+    """
+
+    def __init__(self, base: "FileDesign", asked: Any, folder: Path | None):
+        self.base, self.film, self.most = base, asked.film, asked.most_layers
+        self.section: Any = base.file.films().get(self.film)
+        if self.section is None or not self.section.layered:
+            known = [name for name, film in base.file.films().items() if film.layered]
+            choice = " or ".join(known) or "the flyer file has none"
+            raise ConfigurationError(f'film = "{self.film}" is no film of layers: {choice}')
+        stated = [name for name in self.section.stated() if name not in _STATED_ONCE]
+        if stated:
+            raise ConfigurationError(
+                f"{self.film}.{stated[0]} in the flyer file is of one film; a search over stacks "
+                "computes it: leave it out there"
+            )
+        self.candidates = [_candidate(number, entry, folder)
+                           for number, entry in enumerate(asked.materials)]  # fmt: skip
+        self._require_carrier()
+        self.sequences = tuple(self._sequences())
+        if not self.sequences:
+            raise ConfigurationError(
+                f"allows no stack of at most {self.most} layers whose both faces have a known TAC; "
+                "give tac to materials, or tac_top and tac_bottom to the flyer file's film"
+            )
+        self.shares = tuple(f"{self.film}.share.{number}" for number in range(self.most))
+        self.design = AnyStack(self)
+        self.notes = tuple(self._notes())
+
+    def _require_carrier(self) -> None:
+        if not any(one.carrier for one in self.candidates):
+            raise ConfigurationError(
+                "needs a material with carrier = true: the film that can be handled, no thinner "
+                "than its from, on which the others are coatings"
+            )
+        names = [one.layer.label for one in self.candidates]
+        if repeated := [name for name in names if names.count(name) > 1]:
+            raise ConfigurationError(f"has {repeated[0]} twice")
+
+    def _sequences(self) -> Iterator[tuple[int, ...]]:
+        numbers = range(len(self.candidates))
+        total = sum(len(numbers) ** count for count in range(1, self.most + 1))
+        if total > _MOST * len(numbers):
+            raise ConfigurationError(
+                f"{len(numbers)} materials in up to {self.most} layers are too many stacks; take "
+                "fewer of either"
+            )
+        for count in range(1, self.most + 1):
+            for sequence in itertools.product(numbers, repeat=count):
+                carriers = sum(self.candidates[number].carrier for number in sequence)
+                alike = any(one == other for one, other in itertools.pairwise(sequence))
+                if carriers == 1 and not alike and None not in self._tacs(sequence):
+                    yield sequence
+
+    def _tacs(self, sequence: Sequence[int]) -> list[float | None]:
+        """TAC of the top and the bottom face, None where it is not known."""
+        found: list[float | None] = []
+        for face, number in zip(FACES, (sequence[0], sequence[-1]), strict=True):
+            known = getattr(self.section, face) or self.candidates[number].layer.surface_tac
+            found.append(None if known is None else float(known.value))
+        return found
+
+    def _notes(self) -> Iterator[str]:
+        for face in FACES:
+            known = getattr(self.section, face)
+            if known is not None:
+                yield (
+                    f"{face} = {known.value:g} of the flyer file is taken for every stack, "
+                    "whatever its surface is"
+                )
+        inside = [one.layer.label for one in self.candidates if one.layer.surface_tac is None]
+        if inside and None in [getattr(self.section, face) for face in FACES]:
+            yield f"no TAC is known of {', '.join(inside)}: inside of stacks only"
+
+    def labels(self, sequence: Sequence[int]) -> tuple[str, ...]:
+        """See :meth:`AbstractStacks.labels`."""
+        return tuple(self.candidates[number].layer.label for number in sequence)
+
+    def limit(self, sequence: Sequence[int]) -> float:
+        """See :meth:`AbstractStacks.limit`."""
+        found = self._section(sequence).limit()
+        return _NO_LIMIT if found is None else float(found)
+
+    def tables(self, sequence: Sequence[int]) -> StackTables:
+        """See :meth:`AbstractStacks.tables`."""
+        layers = [self.candidates[number] for number in sequence]
+        section = self._section(sequence)
+        film = section.film()
+        require_simple(self.film, film)
+        if len(film.homogeneous().layers) > len(layers):
+            raise ConfigurationError("a search over stacks knows no graded layers")
+        top, bottom = self._tacs(sequence)
+        return StackTables(
+            family=Family.of(film, section.light(), layers=self.most),
+            low=padded_thickness(np.array([one.low for one in layers]), self.most),
+            high=padded_thickness(np.array([one.high for one in layers]), self.most),
+            density=np.pad([one.density for one in layers], (0, self.most - len(layers))),
+            tac_top=np.asarray(top),
+            tac_bottom=np.asarray(bottom),
+            limit=np.asarray(self.limit(sequence)),
+        )
+
+    def thicknesses(self, sequence: Sequence[int], shares: np.ndarray) -> np.ndarray:
+        """See :meth:`AbstractStacks.thicknesses`."""
+        low, high = np.array(
+            [(self.candidates[n].low, self.candidates[n].high) for n in sequence]
+        ).T
+        return np.asarray(low * (high / low) ** np.asarray(shares)[: len(sequence)])
+
+    def exact(self, sequence: Sequence[int], values: Mapping[str, float]) -> dict[str, WholeFilm]:
+        """See :meth:`AbstractStacks.exact`."""
+        shares = np.array([values[name] for name in self.shares])
+        section = self._section(sequence, self.thicknesses(sequence, shares))
+        found = section.build(self.incidence, passing=self.passing)
+        names = FilmProperties.__dataclass_fields__
+        fields = {name: getattr(found, name) for name in names}
+        fields["highest_temperature"] = self.limit(sequence)
+        return {self.film: WholeFilm(FilmProperties(**fields))}
+
+    @property
+    def incidence(self) -> float:
+        """Of the light [rad]."""
+        return float(self.base.file.environment.light_incidence)
+
+    @property
+    def passing(self) -> bool:
+        """Whether transmittances matter."""
+        return bool(self.base.file.flyer.needs_transmittance)
+
+    def _section(self, sequence: Sequence[int], thickness: np.ndarray | None = None) -> Any:
+        layers = tuple(self.candidates[number].layer for number in sequence)
+        if thickness is not None:
+            layers = tuple(
+                layer.replaced({"thickness": float(one)})  # type: ignore[misc]
+                for layer, one in zip(layers, thickness, strict=True)
+            )
+        return self.section.model_copy(update={"layers": layers})
+
+    def chosen(self, sequence: Sequence[int]) -> tuple[AbstractDesign, dict[str, Any]]:
+        """See :meth:`AbstractStacks.chosen`."""
+        from lightflyer.config.flyer_file import FileDesign
+
+        first, _, inner = self.film.partition(".")
+        film = self._section(sequence)
+        if inner:
+            film = getattr(self.base.file, first).model_copy(update={inner: film})
+        file = self.base.file.model_copy(update={first: film})
+        over = {
+            f"{self.film}.layers.{place}.thickness": self.candidates[number].bounds
+            for place, number in enumerate(sequence)
+        }
+        return FileDesign(file, self._text(sequence)), over
+
+    def _text(self, sequence: Sequence[int]) -> str:
+        """The flyer file's text with other layers; empty where there is none."""
+        if not self.base.text:
+            return ""
+        tomlkit = extra("tomlkit", "writing a flyer file", "lab")
+        document = tomlkit.parse(self.base.text)
+        array = tomlkit.array()
+        for number in sequence:
+            candidate = self.candidates[number]
+            table = tomlkit.inline_table()
+            table.update({**candidate.keys, "thickness": candidate.bounds["from"]})
+            array.append(table)
+        part_at(document, self.film)["layers"] = array.multiline(True)
+        return str(tomlkit.dumps(document))
+
+
+def _candidate(number: int, entry: Mapping[str, Any], folder: Path | None) -> Candidate:
+    try:
+        return Candidate(entry, folder)
+    except (ConfigurationError, ParameterError) as error:
+        name = entry.get("material", f"entry {number + 1}")
+        raise ConfigurationError(f"materials: {name}: {error}") from None
+
+
+class AnyStack(AbstractDesign):
+    """A design whose film is any of some stacks.
+
+    Parameters
+    ----------
+    stacks : Stacks
+    """
+
+    def __init__(self, stacks: Stacks):
+        self._stacks, self._base = stacks, stacks.base
+        self.text = stacks.base.text
+        self.tables: Any = stacks.tables(stacks.sequences[0])
+
+    @cached_property
+    def quantities(self) -> dict[str, Quantity]:
+        """See :attr:`AbstractDesign.quantities`: those that leave the film alone, and shares."""
+        own, costly = f"{self._stacks.film}.", self._base.costly(list(self._base.quantities))
+        others = {
+            name: quantity
+            for name, quantity in self._base.quantities.items()
+            if not name.startswith(own) and name not in costly
+        }
+        return others | dict.fromkeys(self._stacks.shares, Quantity("", 0.0, 1.0))
+
+    def number(self, name: str) -> float | None:
+        """See :meth:`AbstractDesign.number`."""
+        return None if name in self._stacks.shares else self._base.number(name)
+
+    @property
+    def uncertainties(self) -> dict[str, float]:
+        """See :attr:`AbstractDesign.uncertainties`: none, as stacks are ranked without."""
+        return {}
+
+    @property
+    def correlations(self) -> dict[tuple[str, str], float]:
+        """See :attr:`AbstractDesign.correlations`."""
+        return {}
+
+    def description(self) -> dict[str, str]:
+        """See :meth:`AbstractDesign.description`."""
+        return self._base.description()
+
+    def costly(self, names: list[str]) -> list[str]:
+        """See :meth:`AbstractDesign.costly`."""
+        return [name for name in names if name in self._stacks.shares]
+
+    def quick_parts(self, names: Sequence[str]) -> "AnyStack":
+        """See :meth:`AbstractDesign.quick_parts`."""
+        del names
+        return self
+
+    def knows(self, name: str) -> bool:
+        """Whether a number is one of a thickness."""
+        return name in self._stacks.shares
+
+    def __call__(self, values: Mapping[str, Numeric], tables: StackTables) -> dict[str, WholeFilm]:
+        """The film of a stack, to be traced."""
+        share = jnp.stack([jnp.asarray(values[name]) for name in self._stacks.shares])
+        thickness = tables.thickness(share)
+        optics = tables.family.properties(
+            thickness, self._stacks.incidence, passing=self._stacks.passing
+        )
+        film = FilmProperties(
+            areal_density=jnp.dot(thickness, tables.density),
+            tac_top=tables.tac_top,
+            tac_bottom=tables.tac_bottom,
+            highest_temperature=tables.limit,
+            **optics,
+        )
+        return {self._stacks.film: WholeFilm(film)}
+
+    @property
+    def setup(self) -> Setup:
+        """The flyer file's own."""
+        return self._base.setup
+
+    def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:
+        """See :meth:`AbstractDesign.build`."""
+        others = {
+            name: value for name, value in (values or {}).items() if name not in self._stacks.shares
+        }
+        return self._base.build(others, {**self._base._own_films, **(prepared or {})})

@@ -1,0 +1,244 @@
+"""The best stack of layers: which materials, how many, in which order, and how thick.
+
+All stacks are enumerated. A Sobol sample of thicknesses sorts out most; gradients improve the
+thicknesses of the rest; the best few are computed on full grids. One compiled program serves all
+stacks, as a stack is no more than its tables of n and k.
+"""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.stats import qmc
+
+from lightflyer.foundation.errors import LightflyerError
+from lightflyer.foundation.progress import report
+from lightflyer.search.climb import FEASIBLE, INFEASIBLE, Found, climb, climb_in_full
+from lightflyer.search.objectives import ObjectiveFunction
+from lightflyer.search.problem import Choice, Problem
+
+POINTS = 128
+"""Films of each stack in the first round."""
+
+IMPROVED, IN_FULL = 24, 6
+"""Stacks in the second and the third round."""
+
+_STARTS = 2  # of each stack in the second round
+
+
+@dataclass(frozen=True)
+class RankedStack:
+    """A stack that came into the last rounds.
+
+    Attributes
+    ----------
+    materials : tuple of str
+        Top to bottom.
+    thickness : array, shape (layers,)
+        Of the best film [m].
+    value : float
+        Objective of the nominal film, in SI units.
+    in_full : bool
+        Whether the film was computed on the full grids, not within a few thousandths.
+    """
+
+    materials: tuple[str, ...]
+    thickness: np.ndarray
+    value: float
+    in_full: bool
+
+    def summary(self) -> dict[str, Any]:
+        """All of it as a JSON object, in SI units."""
+        return {
+            "materials": list(self.materials),
+            "thickness": self.thickness.tolist(),
+            "value": self.value,
+            "in_full": self.in_full,
+        }
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Stacks by their best films.
+
+    Attributes
+    ----------
+    stacks : tuple of RankedStack
+        The best first.
+    screened, allowed : int
+        Stacks that were looked at, and all that the study allows.
+    notes : tuple of str
+        What a reader must know, one line each.
+    """
+
+    stacks: tuple[RankedStack, ...]
+    screened: int
+    allowed: int
+    notes: tuple[str, ...]
+
+    def summary(self) -> dict[str, Any]:
+        """All of it as a JSON object, in SI units."""
+        return {
+            "stacks": [stack.summary() for stack in self.stacks],
+            "screened": self.screened,
+            "allowed": self.allowed,
+        }
+
+
+@dataclass
+class _Entry:
+    """A stack on its way through the rounds."""
+
+    sequence: tuple[int, ...]
+    points: np.ndarray  # the best first
+    merit: float
+    found: Found | None = None
+    in_full: bool = False
+
+
+def choose_stack(problem: Problem) -> tuple[Problem, Ranking]:
+    """The problem with the best stack of layers.
+
+    Parameters
+    ----------
+    problem : Problem
+        With a choice.
+
+    Returns
+    -------
+    Problem
+        With the thicknesses of its layers free.
+    Ranking
+
+    Raises
+    ------
+    LightflyerError
+        If no stack has a value within the constraints.
+    """
+    choice = problem.choice
+    assert choice is not None  # the caller looked
+    ends = time.monotonic() + choice.time_limit
+    function = ObjectiveFunction(problem)
+    entries, scale = _screened(function, choice, ends)
+    if not entries or entries[0].merit <= -INFEASIBLE:
+        raise LightflyerError(
+            f"none of {len(choice.stacks.sequences)} stacks has a {problem.objectives[0].name} "
+            "within the constraints; widen the bounds or the limits"
+        )
+    screened = len(entries)
+    better = list(_improved(function, choice, entries[:IMPROVED], scale, ends))
+    better.sort(key=lambda entry: -entry.merit)
+    best = list(_computed_in_full(function, choice, better[:IN_FULL], scale, ends))
+    best.sort(key=lambda entry: -entry.merit)
+    rest = better[len(best) :]
+    sign = problem.objectives[0].sign
+    ranked = tuple(_ranked(choice, entry, sign) for entry in (*best, *rest) if entry.found)
+    notes = [*choice.stacks.notes]
+    if time.monotonic() > ends:
+        notes.append(
+            f"the time limit ended the search: {screened} of {len(choice.stacks.sequences)} stacks "
+            f"were screened, {len(better)} improved and {len(best)} computed in full"
+        )
+    ranking = Ranking(ranked, screened, len(choice.stacks.sequences), tuple(notes))
+    winner = (best or better)[0]
+    return choice.problem_of(winner.sequence), ranking
+
+
+def _turn(function: ObjectiveFunction, choice: Choice, sequence: tuple[int, ...]) -> None:
+    function.turn_to(
+        choice.stacks.tables(sequence),
+        choice.limits(function.problem, sequence),
+        lambda values: choice.stacks.exact(sequence, values),
+    )
+
+
+def _screened(
+    function: ObjectiveFunction, choice: Choice, ends: float
+) -> tuple[list[_Entry], float]:
+    """Stacks by the best of a sample of films, the best first, and the scale of the objective."""
+    problem, sequences = function.problem, choice.stacks.sequences
+    points = qmc.Sobol(len(problem.bounds), rng=problem.seed).random(POINTS)
+    table = []
+    for number, sequence in enumerate(sequences):
+        if number and time.monotonic() > ends:
+            break
+        report("screening stacks", number, len(sequences), "stacks")
+        _turn(function, choice, sequence)
+        table.append(function.scores_of_many(points, POINTS))
+    scores = np.array(table)
+    values = scores[..., 0][np.isfinite(scores).all(axis=-1)]
+    if not values.size:
+        return [], 1.0
+    scale = float(np.ptp(np.percentile(values, [25.0, 100.0]))) or float(np.abs(values).max())
+    merits = merit(scores, scale or 1.0)
+    entries = [
+        _Entry(sequence, points[np.argsort(-row)[:_STARTS]], float(row.max()))
+        for sequence, row in zip(sequences, merits, strict=False)
+    ]
+    return sorted(entries, key=lambda entry: -entry.merit), scale or 1.0
+
+
+def merit(scores: np.ndarray, scale: float) -> np.ndarray:
+    """Objective less a penalty, by which points that satisfy the constraints come first.
+
+    Parameters
+    ----------
+    scores : array, shape (..., 1 + constraints)
+    scale : float
+        Of the objective.
+
+    Returns
+    -------
+    array, shape (...)
+        Minus infinity where there is no value.
+    """
+    violation = np.maximum(-scores[..., 1:], 0.0).sum(axis=-1)
+    found = scores[..., 0] / scale - INFEASIBLE * violation
+    return np.where(np.isfinite(found), found, -np.inf)
+
+
+def _improved(
+    function: ObjectiveFunction, choice: Choice, entries: list[_Entry], scale: float, ends: float
+) -> Iterator[_Entry]:
+    """Stacks with the best thicknesses on the coarse grid."""
+    for number, entry in enumerate(entries):
+        if number and time.monotonic() > ends:
+            return
+        report("improving thicknesses", number, len(entries), "stacks")
+        _turn(function, choice, entry.sequence)
+        searches = [climb(function, point, scale) for point in entry.points]
+        entry.found = max(searches, key=lambda found: _merit_of(found, scale))
+        entry.merit = _merit_of(entry.found, scale)
+        yield entry
+
+
+def _computed_in_full(
+    function: ObjectiveFunction, choice: Choice, entries: list[_Entry], scale: float, ends: float
+) -> Iterator[_Entry]:
+    """Stacks with the best thicknesses on the full grids."""
+    for number, entry in enumerate(entries):
+        if number and time.monotonic() > ends:
+            return
+        report("computing stacks in full", number, len(entries), "stacks")
+        _turn(function, choice, entry.sequence)
+        assert entry.found is not None  # as improved
+        entry.found = climb_in_full(function, [entry.found], scale)
+        entry.merit, entry.in_full = _merit_of(entry.found, scale), True
+        yield entry
+
+
+def _merit_of(found: Found, scale: float) -> float:
+    penalty = INFEASIBLE * found.violation if found.violation > FEASIBLE else 0.0
+    return found.score / scale - penalty
+
+
+def _ranked(choice: Choice, entry: _Entry, sign: float) -> RankedStack:
+    assert entry.found is not None  # as asked
+    return RankedStack(
+        materials=choice.stacks.labels(entry.sequence),
+        thickness=choice.stacks.thicknesses(entry.sequence, entry.found.point),
+        value=sign * entry.found.score,
+        in_full=entry.in_full,
+    )

@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 import lightflyer as lf
-from lightflyer.film import Film, Layer, material, search_pages
+from lightflyer.film import Film, FilmSummary, Layer, am0, material, search_pages
 from lightflyer.film.database import database_page, database_pages, page_details
 
 
@@ -54,6 +54,16 @@ def test_density_comes_from_the_page_or_is_asked_for():
     with pytest.raises(lf.ParameterError, match=r"density of main/Cr/Johnson is unknown"):
         _ = Film((Layer(material("main/Cr/Johnson"), 1e-8),)).areal_density
     assert Film((Layer(material("Cr/Johnson").with_density(7150.0), 1e-8),)).areal_density > 0.0
+
+
+def test_optics_need_no_density():
+    film = Film((Layer(material("main/Cr/Johnson"), 5e-9),))
+    summary = FilmSummary.of(film, am0(), np.array([1000.0]), thickness_uncertainty=[1e-9])
+    assert "areal_density_g_m2" not in summary.values()
+    assert summary.to_json()["areal_density_g_m2"] is None
+    assert summary.solar["top"].value > 0.3
+    (said,) = [text for text in summary.warnings if "areal density" in text]
+    assert 'give it to the layer, such as density = "2.2 g/cm^3"' in said
 
 
 @pytest.mark.parametrize(

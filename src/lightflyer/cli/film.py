@@ -294,8 +294,10 @@ def _show_layers(console: Console, section: "SampleSection", summary: "FilmSumma
     for name, medium in (("above", summary.film.above), ("below", summary.film.below)):
         if medium is not None:
             console.print(f"{name} it {medium.name}, endless  {medium.source}", soft_wrap=True)
-    mass = float(summary.film.areal_density) * _GRAMS
-    console.print(f"areal density     {mass:.4g} g/m²{_interval(summary, 'areal_density_g_m2')}")
+    if summary.film.unknown_density is None:
+        mass = float(summary.film.areal_density) * _GRAMS
+        interval = _interval(summary, "areal_density_g_m2")
+        console.print(f"areal density     {mass:.4g} g/m²{interval}")
     lights = {"AM0": ("solar", summary.solar)}
     if summary.lamp is not summary.solar:
         lights[summary.light.name] = ("lamp", summary.lamp)

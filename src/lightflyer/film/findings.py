@@ -61,6 +61,8 @@ def film_warnings(
     found += [*medium_warnings(film), *roughness_warnings(film), *_surroundings(film)]
     if film.open_fraction is not None and film.hole_diameter is not None:
         found += narrow_holes(0.5 * film.hole_diameter, temperatures)
+    if film.unknown_density is not None:
+        found.append(f"no areal density: {film.unknown_density}")
     return (*found, *_unstated(film, thickness_uncertainty))
 
 

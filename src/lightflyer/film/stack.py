@@ -156,14 +156,22 @@ class Film(Checked):
         ParameterError
             If a material has no density.
         """
-        for layer in self.layers:
-            if layer.material.density is None:
-                note = layer.material.density_source
-                raise ParameterError(
-                    f"density of {layer.material.name} is unknown{f' ({note})' if note else ''}"
-                )
+        if self.unknown_density is not None:
+            raise ParameterError(self.unknown_density)
         solid = sum(layer.thickness * layer.material.density for layer in self.layers)
         return solid if self.open_fraction is None else solid * (1.0 - self.open_fraction)
+
+    @property
+    def unknown_density(self) -> str | None:
+        """Which layer's density is unknown and how to give it, None where all are known."""
+        for medium in (layer.material for layer in self.layers):
+            if medium.density is None:
+                note = f" ({medium.density_source})" if medium.density_source else ""
+                return (
+                    f"density of {medium.name} is unknown{note}; give it to the layer, such as "
+                    'density = "2.2 g/cm^3", or in Python by with_density'
+                )
+        return None
 
     @property
     def thickness(self) -> Numeric:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 SPECTRUM_POINTS = 1000
 
 _GRAMS = 1e3
+_MASS = "areal_density_g_m2"
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -188,7 +189,8 @@ class FilmSummary:
 
     def to_json(self) -> dict[str, Any]:
         """The summary as a JSON object, with a unit at the end of each name."""
-        entries = {name: self._described(value) for name, value in self.values().items()}
+        entries: dict[str, Any] = {_MASS: None}  # where a density is unknown
+        entries |= {name: self._described(value) for name, value in self.values().items()}
         if self.light is not am0():
             entries["lamp"] = self.light.name
         return entries | {
@@ -295,7 +297,9 @@ def _named(passing: Mapping[str, Average], light: Spectrum) -> dict[str, Average
 
 
 def _values(film: Film, light: Spectrum, averages: dict[str, dict[str, Average]]) -> dict[str, Any]:
-    entries: dict[str, Any] = {"areal_density_g_m2": film.areal_density * _GRAMS}
+    entries: dict[str, Any] = {}
+    if film.unknown_density is None:
+        entries[_MASS] = film.areal_density * _GRAMS
     for side, solar in averages["solar"].items():
         entries[f"solar_absorptance_{side}"] = solar.value
     if light is not am0():
@@ -334,8 +338,9 @@ def _uncertainty(
         layer.thickness * (spread or 0.0) * _GRAMS
         for layer, spread in zip(film.layers, densities, strict=True)
     ]
-    mass = found["areal_density_g_m2"]
-    return found | {"areal_density_g_m2": float(np.hypot(mass, np.linalg.norm(parts)))}
+    if _MASS not in found:
+        return found
+    return found | {_MASS: float(np.hypot(found[_MASS], np.linalg.norm(parts)))}
 
 
 def _covered(average: Average, described: Callable[[Any], Any]) -> dict[str, Any]:

@@ -56,7 +56,7 @@ def read_flir(path: Path, content: bytes) -> tuple[np.ndarray, CameraSettings]:
         if content[:2] == _JPEG:
             content = _records_of_jpeg(content)
         records = _records(content)
-        counts, settings = _raw(*records[_RAW]), _settings(*records[_CAMERA])
+        counts, settings = _raw(records[_RAW]), _settings(records[_CAMERA])
         if wrong := settings.problem():
             raise _WrongError(wrong)
     except _WrongError as error:
@@ -85,12 +85,14 @@ def _records_of_jpeg(content: bytes) -> bytes:
         more = "; DJI's own format needs DJI's Thermal SDK: convert it to TIFF" if of_dji else ""
         raise _WrongError(said + more)
     if sorted(pieces) != list(range(count)):
-        raise _WrongError(f"{len(pieces)} of {count} pieces of its FLIR data are there")
+        raise _WrongError(
+            f"pieces of its FLIR data are missing: it has {sorted(pieces)}, {count} are due"
+        )
     return b"".join(pieces[number] for number in range(count))
 
 
-def _records(content: bytes) -> dict[int, tuple[bytes, int]]:
-    """First record of each type that is needed, with its subtype."""
+def _records(content: bytes) -> dict[int, bytes]:
+    """First record of each type that is needed."""
     if content[:4] not in _MAGIC:
         raise _WrongError("it has no FLIR data")
     order = next(
@@ -101,14 +103,14 @@ def _records(content: bytes) -> dict[int, tuple[bytes, int]]:
     start, count = struct.unpack_from(order + "2I", content, 24)
     if start + count * _ENTRY > len(content):
         raise _WrongError("its directory is longer than the file")
-    found: dict[int, tuple[bytes, int]] = {}
+    found: dict[int, bytes] = {}
     for place in range(start, start + count * _ENTRY, _ENTRY):
-        kind, subtype = struct.unpack_from(order + "2H", content, place)
+        kind = struct.unpack_from(order + "H", content, place)[0]
         at, size = struct.unpack_from(order + "2I", content, place + 12)
         if kind in (_RAW, _CAMERA) and kind not in found:
             if at + size > len(content):
                 raise _WrongError("a record ends beyond the end of the file")
-            found[kind] = content[at : at + size], subtype
+            found[kind] = content[at : at + size]
     for kind, what in ((_RAW, "raw signal"), (_CAMERA, "settings of the camera")):
         if kind not in found:
             raise _WrongError(f"it has no {what}")
@@ -123,7 +125,7 @@ def _order(record: bytes) -> str:
     return "<" if start == 2 else ">"
 
 
-def _raw(record: bytes, _subtype: int) -> np.ndarray:
+def _raw(record: bytes) -> np.ndarray:
     order = _order(record)
     columns, rows = struct.unpack_from(order + "2H", record, 2)
     body = record[_PIXELS_AT:]
@@ -159,7 +161,7 @@ def _png(body: bytes, rows: int, columns: int) -> np.ndarray:
     return values.byteswap().astype(float)
 
 
-def _settings(record: bytes, _subtype: int) -> CameraSettings:
+def _settings(record: bytes) -> CameraSettings:
     order = _order(record)
     if len(record) < _CAMERA_SIZE:
         raise _WrongError("the settings of the camera are too short")

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
-from PIL import Image
+from PIL import Image, UnidentifiedImageError
 
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.units import parse, scale_and_offset
@@ -159,6 +159,8 @@ def read_tiff(
             with Image.open(io.BytesIO(content), formats=["TIFF"]) as image:
                 values, mode, count = np.asarray(image), image.mode, getattr(image, "n_frames", 1)
                 tags = dict(image.tag_v2)  # type: ignore[attr-defined]
+    except UnidentifiedImageError:
+        raise ConfigurationError(f"{path}: cannot be read as TIFF: its kind is unknown") from None
     except Exception as error:  # Pillow raises many kinds
         said = " ".join(str(error).split())
         raise ConfigurationError(f"{path}: cannot be read as TIFF: {said}") from None

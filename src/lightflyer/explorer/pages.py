@@ -231,7 +231,6 @@ def _checked(
     design = None
     try:
         design = workplace.design(document)
-        design.setup  # noqa: B018  # built here, where its mistakes are told
     except LightflyerError as error:
         wrong += mistakes(str(error))
     if MISSION in document and not wrong:
@@ -256,7 +255,7 @@ def _predict(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
         "place": _place(design, prediction.best.coordinate),
         "rows": view.rows(found),
         "assumptions": list(prediction.assumptions),
-        "warnings": list(prediction.warnings),
+        "warnings": [*workplace.notices(document), *prediction.warnings],
         "description": f"{prediction.setup.flyer.describe()}, "
         f"{type(prediction.setup.model).__name__}",
         "python": python_lines(document),

@@ -29,6 +29,7 @@ import lightflyer
 from lightflyer.explorer import jobs, pages
 from lightflyer.explorer.downloads import download
 from lightflyer.explorer.maps import Choices
+from lightflyer.explorer.notices import noticing
 from lightflyer.explorer.panes import panes
 from lightflyer.explorer.state import Workplace
 from lightflyer.foundation.errors import ConfigurationError, LightflyerError, OutputError
@@ -304,10 +305,12 @@ class _Job(_Handler):
 
         self.set_header("Content-Type", "application/x-ndjson; charset=utf-8")
         self.service.slow.submit(work)
-        with contextlib.suppress(tornado.iostream.StreamClosedError):
+        try:
             while (line := await lines.get()) is not None:
                 self.write(json.dumps(line, allow_nan=False) + "\n")
                 await self.flush()
+        except tornado.iostream.StreamClosedError:
+            self._stop.set()
 
     def on_connection_close(self) -> None:
         """Stop a job whose page has gone on."""
@@ -445,5 +448,5 @@ def serve(workplace: Workplace, port: int, opened: Callable[[str], Awaitable[Non
         await asyncio.Event().wait()
 
     _LOG.info("lightflyer %s", lightflyer.__version__)
-    with jobs.listening():
+    with jobs.listening(), noticing():
         asyncio.run(run())

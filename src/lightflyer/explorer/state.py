@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path, PurePosixPath, PureWindowsPath
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import parse_qsl, urlencode
 
 from lightflyer.config.flyer_file import PARTS, FileDesign, section_at
@@ -19,6 +19,7 @@ from lightflyer.config.mission_file import MissionFile, mission_of_text
 from lightflyer.config.reader import FLYER_FILE, design_of_text
 from lightflyer.explorer.grammar import MISSION
 from lightflyer.explorer.hints import templates
+from lightflyer.explorer.notices import gathering
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.extras import extra
 from lightflyer.foundation.section import Alternative
@@ -57,6 +58,13 @@ class View:
     document: Document
     at: str = ""
     pins: tuple[Document, ...] = ()
+
+
+class _Described(NamedTuple):
+    """A design, and the warnings that came up when it was read."""
+
+    design: FileDesign
+    notices: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -117,8 +125,25 @@ class Workplace:
         ConfigurationError
             One line for each mistake, without the name of a file.
         """
+        return self._described(document).design
+
+    def notices(self, document: Document) -> tuple[str, ...]:
+        """Warnings about the numbers of a document, such as a TAC above one.
+
+        Parameters
+        ----------
+        document : dict
+
+        Returns
+        -------
+        tuple of str
+        """
+        return self._described(document).notices
+
+    def _described(self, document: Document) -> "_Described":
         content = {name: entry for name, entry in document.items() if name != MISSION}
-        return self._designs(self._checked(content))
+        found: _Described = self._designs(self._checked(content))
+        return found
 
     def mission(self, document: Document) -> MissionFile:
         """The mission that a document describes.
@@ -140,7 +165,13 @@ class Workplace:
 
     @cached_property
     def _designs(self) -> Any:
-        return lru_cache(KEPT)(lambda text: self._read(design_of_text, text))
+        def described(text: str) -> _Described:
+            with gathering() as notices:
+                design = self._read(design_of_text, text)
+                design.setup  # noqa: B018  # built here, where its warnings are gathered
+            return _Described(design, tuple(notices))
+
+        return lru_cache(KEPT)(described)
 
     @cached_property
     def _missions(self) -> Any:
@@ -353,7 +384,7 @@ def from_url(text: str) -> View:
         if isinstance(error, ConfigurationError):
             raise
         raise ConfigurationError(
-            "the address does not hold a design: key=value is missing"
+            "the address does not hold a design: it consists of key=value, separated by &"
         ) from None
 
 

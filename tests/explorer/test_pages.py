@@ -1,0 +1,208 @@
+import copy
+import io
+import json
+import threading
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.optimize import minimize
+
+import lightflyer as lf
+from lightflyer.explorer import jobs, pages, view
+from lightflyer.explorer.compute import prediction_of, quick
+from lightflyer.explorer.downloads import download, python_lines
+from lightflyer.explorer.maps import Choices
+from lightflyer.explorer.notices import noticing
+from lightflyer.lab.levitation_data import read_lift_offs
+
+
+@pytest.fixture
+def document(workplace):
+    return copy.deepcopy(workplace.initial)
+
+
+@pytest.fixture
+def uncertain(document):
+    document["film"]["tac_bottom"] = "0.90 ± 0.03"
+    return document
+
+
+def job(name, workplace, document, **choices):
+    return jobs.run(
+        name, workplace, document, Choices(**choices), lambda _: None, threading.Event()
+    )
+
+
+def test_page_shows_what_the_command_line_prints(workplace, document, tmp_path, run):
+    document["flyer"]["diameter"] = "2.3456789 cm"
+    shown = pages.ANSWERS["predict"](workplace, {"document": document})
+    path = tmp_path / "flyer.toml"
+    path.write_bytes(download("toml", workplace, document, Choices()).content)
+    code, printed, _ = run("predict", path, "--json")
+    assert code == 0
+    told = json.loads(printed)
+    for key, value in shown["summary"].items():
+        assert told[key] == value, key  # to the last digit
+
+
+def test_lines_of_python_give_the_same(workplace, document, capsys):
+    document["film"]["absorptance"] = "0.7654321"
+    names = {}
+    exec(python_lines(document), names)
+    own = prediction_of(workplace.design(document))
+    assert names["prediction"].summary() == own.summary()
+    assert json.dumps(own.summary()["best"])[:20].strip("{") in capsys.readouterr().out.replace(
+        "'", '"'
+    )
+
+
+def test_downloads_hold_the_prediction(workplace, uncertain):
+    prediction = prediction_of(workplace.design(uncertain))
+    table = download("csv", workplace, uncertain, Choices()).content.decode()
+    rows = np.genfromtxt(io.StringIO(table), delimiter=",", skip_header=1)
+    np.testing.assert_allclose(rows[:, 0], prediction.coordinates, rtol=1e-9)
+    dataset = xr.open_dataset(
+        io.BytesIO(download("netcdf", workplace, uncertain, Choices()).content), engine="h5netcdf"
+    )
+    with dataset:
+        np.testing.assert_array_equal(dataset["payload"], prediction.table["payload"])
+        assert any("low" in name or "band" in name for name in dataset.variables)
+    svg = download("irradiance.svg", workplace, uncertain, Choices()).content
+    png = download("map.png", workplace, uncertain, Choices()).content
+    assert b"95 % band" in svg
+    assert png.startswith(b"\x89PNG")
+    with pytest.raises(lf.ConfigurationError, match="no figure"):
+        download("nothing.svg", workplace, uncertain, Choices())
+
+
+def test_mistakes_are_told_at_their_fields(workplace, document):
+    document["flyer"]["diameter"] = "2 xm"
+    document["film"] |= {"absorptance": "1.5", "emitance": "0.1"}
+    told = pages.ANSWERS["move"](workplace, {"document": document})
+    assert {one["key"] for one in told["errors"]} == {
+        "flyer.diameter", "film.absorptance", "film.emitance",
+    }  # fmt: skip
+    assert all("\n" not in one["text"] and ".toml" not in one["text"] for one in told["errors"])
+    assert "figures" not in told
+    assert told["url"].startswith("flyer.shape=disk&flyer.diameter=2+xm")
+
+
+def test_warnings_about_parameters_are_in_the_result(workplace, document):
+    document["film"]["tac_top"] = "1.05"
+    with noticing():
+        found = pages.ANSWERS["predict"](workplace, {"document": document})
+    assert any("tac_top = 1.05 exceeds 1" in text for text in found["warnings"])
+
+
+def test_bands_are_those_of_first_order(workplace, uncertain):
+    found = job("bands", workplace, uncertain)
+    design = workplace.design(uncertain)
+    expected = lf.propagate(design, samples=0)
+    band = found["figures"]["temperature"]["sources"]["band"]
+    np.testing.assert_allclose(band["low"], expected.low["temperature"], rtol=1e-12)
+    np.testing.assert_allclose(band["x"], expected.coordinate / 1e3, rtol=1e-12)
+    reading = next(one for one in found["readings"] if one["name"] == "best.temperature_k")
+    ends = expected.summary()["results"]["best.temperature_k"]["first_order"]
+    assert reading["spread"] == f"95 %: {ends['low']:.3g} to {ends['high']:.3g} K"
+    assert "first order" in found["note"]
+
+
+def test_moving_curves_clear_bands_of_another_design(workplace, document):
+    figures = view.curves(quick(workplace.design(document)))
+    assert all(data["sources"]["band"]["x"] == [] for data in figures.values())
+    exact = view.marks(prediction_of(workplace.design(document)))
+    for name, data in figures.items():
+        for end in ("low", "high"):
+            quick_edge = data["sources"]["flies"][end]
+            assert quick_edge == pytest.approx(exact[name]["sources"]["flies"][end], abs=0.05)
+
+
+def test_optimum_of_the_map_is_that_of_a_search(workplace, document):
+    found = job("map", workplace, document)
+    film = workplace.design(document).setup.flyer.film
+    environment, model = workplace.design(document).setup.environment, lf.Lu2023()
+
+    def lacking(place):
+        disk = lf.Disk(film, radius=0.5 * np.exp(place[0]))
+        return -1e6 * float(lf.payload(disk, environment.state(1e3 * place[1]), model))
+
+    best = minimize(lacking, [np.log(0.03), 74.0], method="Nelder-Mead", options={"xatol": 1e-4})
+    assert found["best"][0] == pytest.approx(np.exp(best.x[0]), rel=0.02)
+    assert found["best"][1] == pytest.approx(1e3 * best.x[1], abs=100.0)
+    assert found["best"][2] == pytest.approx(-1e-6 * best.fun, rel=1e-3)
+    values = np.array([value or 0.0 for value in found["sources"]["cells"]["value"]])
+    assert values.max() == pytest.approx(found["best"][2] * 1e6, rel=0.02)
+    assert "Largest payload" in found["words"]
+
+
+def test_sensitivity_is_the_derivative_that_propagation_uses(workplace, uncertain):
+    found = job("sensitivity", workplace, uncertain, output="levitation_irradiance")
+    expected = lf.propagate(workplace.design(uncertain), samples=0)
+    name = "minimum_irradiance.value_w_m2"
+    relative = expected.first_order[name] / expected.nominal[name] / (0.03 / 0.90)
+    # at the optimum the place's own motion has no part in it
+    assert abs(found["elasticities"]["film.tac_bottom"]) == pytest.approx(relative, rel=1e-4)
+    assert found["elasticities"]["film.areal_density"] > 0.0
+
+
+def test_force_models_side_by_side_are_those_of_compare(workplace, document, monkeypatch):
+    monkeypatch.setattr(jobs, "models_for", lambda _: ["lu2023", "free-molecular", "schafer2025"])
+    found = job("models", workplace, document)
+    lines = found["sources"]["models"]
+    assert lines["name"] == ["lu2023", "free-molecular"]
+    assert any("left out: schafer2025" in text for text in found["warnings"])
+    own = lf.predict(workplace.design(document)).easiest.values["levitation_irradiance"]
+    assert min(value for value in lines["ys"][0] if value) == pytest.approx(own, rel=1e-2)
+
+
+def test_film_of_measured_numbers_says_that_it_has_no_spectrum(workplace, document):
+    with pytest.raises(lf.ConfigurationError, match="choose layers"):
+        job("film", workplace, document)
+
+
+def test_points_are_where_their_reader_has_them(workplace, document, points_file):
+    document["environment"] = {
+        "kind": "chamber", "temperature": "293 K", "irradiance": "1500 W/m^2",
+    }  # fmt: skip
+    found = pages.points(workplace, points_file, "mine.csv", document)
+    samples, _ = read_lift_offs(points_file)
+    pressure = np.concatenate([one.pressure for one in samples])
+    np.testing.assert_allclose(sorted(found["columns"]["x"]), np.sort(pressure), rtol=1e-12)
+    assert "mine.csv" in found["words"]
+    assert str(points_file) not in json.dumps(found)
+
+
+def test_points_over_altitude_are_where_the_air_has_their_pressure(
+    workplace, document, points_file
+):
+    found = pages.points(workplace, points_file, "mine.csv", document)
+    air = lf.Earth().state(1e3 * np.array(found["columns"]["x"]))
+    samples, _ = read_lift_offs(points_file)
+    np.testing.assert_allclose(
+        air.pressure, np.concatenate([s.pressure for s in samples]), rtol=1e-3
+    )
+    assert any("altitude whose pressure" in text for text in found["warnings"])
+
+
+def test_pinned_designs_show_what_differs(workplace, document):
+    other = copy.deepcopy(document)
+    other["flyer"]["diameter"] = "3 cm"
+    found = pages.ANSWERS["pins"](workplace, {"document": document, "pins": [other], "scale": 1e6})
+    assert found["differences"] == [{"key": "flyer.diameter", "values": ["2 cm", "3 cm"]}]
+    curve = found["figures"]["payload"]["sources"]["pins"]["ys"][0]
+    own = lf.predict(workplace.design(other)).table["payload"]
+    np.testing.assert_allclose(np.array(curve), own * 1e6)
+
+
+def test_results_at_a_place(workplace, document):
+    ask = {"document": document, "at": "75 km"}
+    found = pages.ANSWERS["move"](workplace, ask)["place"]
+    listed = lf.predict(workplace.design(document), at=[75e3]).summary()["at"][0]
+    by_name = {row["name"]: row["value"] for row in found["rows"]}
+    for name in ("temperature_k", "lift_over_weight", "levitation_irradiance_w_m2"):
+        assert by_name[name] == listed[name]
+    for wrong, words in (("75", "has no unit"), ("-3 km", "between 0 and"), ("x", "not a number")):
+        told = pages.ANSWERS["move"](workplace, {**ask, "at": wrong})
+        assert words in told["errors"][0]["text"]
+        assert "figures" in told

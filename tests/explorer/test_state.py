@@ -1,0 +1,202 @@
+import copy
+import json
+import re
+from typing import ClassVar, Literal
+
+import pytest
+
+import lightflyer as lf
+from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.explorer.editing import slider, sliders, switched
+from lightflyer.explorer.grammar import BASES, grammar, quantity_text
+from lightflyer.explorer.hints import templates
+from lightflyer.explorer.state import View, Workplace, from_url, plain, to_toml, to_url
+from lightflyer.foundation.quantity import Length, Quantity
+from lightflyer.foundation.units import Measured
+
+DOCUMENTS = {name: plain(template.document) for name, template in templates().items()}
+
+
+def read(document):
+    """The flyer file that a document is, without building what it describes."""
+    return flyer_file_type().model_validate(document)
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_address_and_file_hold_the_whole_design(name, workplace, tmp_path):
+    document = DOCUMENTS[name]
+    view = View(document, "75 km", (DOCUMENTS["earth"], document))
+    assert from_url(to_url(view)) == view
+    path = tmp_path / "flyer.toml"
+    path.write_text(to_toml(document), encoding="utf-8")
+    if "mission" in document:
+        written, own = lf.read_mission_file(path), workplace.mission(document)
+        assert written.mission == own.mission
+        assert written.design == own.design
+    else:
+        assert lf.read_flyer_file(path) == read(document)
+
+
+def test_file_keeps_every_digit_of_what_was_typed(workplace, tmp_path):
+    document = copy.deepcopy(DOCUMENTS["earth"])
+    document["flyer"]["diameter"] = "2.3456789012345678 ± 0.01 cm"
+    document["film"] |= {"absorptance": "0.7512345678901234", "tac_bottom": ""}
+    document["film"]["tac_bottom"] = "9.1e-1"
+    path = tmp_path / "flyer.toml"
+    path.write_text(to_toml(document), encoding="utf-8")
+    file = lf.read_flyer_file(path)
+    assert file.flyer.diameter == pytest.approx((0.023456789012345678, 1e-4), rel=1e-15)
+    assert (file.film.absorptance.value, file.film.tac_bottom.value) == (0.7512345678901234, 0.91)
+    assert workplace.design(document).file == file
+
+
+WRONG_ADDRESSES = {
+    "words": "consists of key=value",
+    "a.b=%ff": "consists of key=value",
+    "flyer=3": "belongs to no section",
+    "flyer.x=2&flyer.x=3": "given twice",
+    "flyer.x.y=1&flyer.x=2": "given twice",
+    "flyer.x=2&flyer.x.y=1": "a value and a section at once",
+    "pin={": "not valid JSON",
+    "pin=[]": "a table of sections",
+    "film.layers=[": "not valid JSON",
+    "other.key=1": "[other] is not a section",
+    "flyer." + "a." * 20 + "b=1": "sections within each other",
+    "flyer.<b>=1": "cannot be a key",
+    "film.layers=" + "[" * 50_000: "",
+    "flyer.x=" + "1" * 300_000: "more than",
+    "&".join(["pin={}"] * 5): "more than 4 designs",
+}
+
+
+@pytest.mark.parametrize(("address", "words"), WRONG_ADDRESSES.items(), ids=range(15))
+def test_wrong_address_is_one_line(address, words):
+    with pytest.raises(lf.ConfigurationError) as caught:
+        from_url(address)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 200
+
+
+@pytest.mark.parametrize("name", ["/etc/hostname.csv", "../secret.csv", "~/x.csv", "C:\\x.csv"])
+def test_page_names_no_files_elsewhere(name, workplace, tmp_path):
+    document = copy.deepcopy(DOCUMENTS["layers"])
+    document["film"]["spectrum"] = name
+    with pytest.raises(lf.ConfigurationError, match="outside the folder"):
+        workplace.design(document)
+
+
+def test_files_that_the_opened_file_names_may_be_anywhere(tmp_path):
+    spectrum = tmp_path / "elsewhere" / "lamp.csv"
+    spectrum.parent.mkdir()
+    rows = "\n".join(f"{wavelength}, 1" for wavelength in range(400, 701, 50))
+    spectrum.write_text(f"wavelength [nm], irradiance [W/m^2/nm]\n{rows}\n", encoding="utf-8")
+    document = copy.deepcopy(DOCUMENTS["layers"])
+    document["film"]["spectrum"] = str(spectrum)
+    document["film"]["layers"] = [{"material": "Al", "thickness": "50 nm"}]
+    path = tmp_path / "home" / "flyer.toml"
+    path.parent.mkdir()
+    path.write_text(to_toml(document), encoding="utf-8")
+    workplace = Workplace.of_file(path)
+    assert workplace.initial["film"]["spectrum"] == str(spectrum)
+    with pytest.raises(lf.ConfigurationError, match="outside the folder"):
+        workplace.design({**document, "payload": {"reserve": "../0"}})
+
+
+def test_wrong_file_ends_the_command_with_its_line(tmp_path, run):
+    path = tmp_path / "flyer.toml"
+    path.write_text('[flyer]\ndiameter = "2 xm"\n', encoding="utf-8")
+    code, _, error = run("explore", path, "--no-browser")
+    assert code == 2
+    assert "xm" in error
+
+
+def test_a_new_flyer_appears_with_its_fields(workplace):
+    class SquareSection(lf.flyer.FlyerSection):
+        """``[flyer]``: a square."""
+
+        flyer_type: ClassVar[type] = lf.Disk
+        shape: Literal["square"]
+        side: Length
+        rounded: bool = False
+
+        def build(self, film, incidence):
+            return lf.Disk(film, 0.5 * self.side.value)
+
+    try:
+        described = grammar()
+        base = next(part["base"] for part in described["parts"] if part["name"] == "flyer")
+        fields = described["sections"][described["bases"][base]["square"]]["fields"]
+        by_name = {field["name"]: field for field in fields}
+        assert by_name["side"] == {
+            "name": "side", "label": "side", "words": "", "required": True, "kind": "number",
+            "unit": "m", "range": "positive", "default": "",
+        }  # fmt: skip
+        assert by_name["rounded"]["choices"] == ["true", "false"]
+        chosen = switched(workplace.initial, "flyer", "square")
+        with pytest.raises(lf.ConfigurationError, match=r"\[flyer\] needs side"):
+            workplace.design(chosen)
+        chosen["flyer"]["side"] = "3 cm"
+        assert workplace.design(chosen).setup.flyer.radius == pytest.approx(0.015)
+        assert workplace.design(from_url(to_url(View(chosen))).document).file.flyer.shape
+    finally:
+        del lf.flyer.FlyerSection.alternatives["square"]  # no part of the package
+
+
+CHOICES = [(name, tag) for name, base in BASES.items() for tag in base.alternatives]
+
+
+@pytest.mark.parametrize(("name", "tag"), CHOICES)
+def test_every_alternative_can_be_chosen(name, tag, workplace):
+    chosen = switched(workplace.initial, name, tag)
+    kind = BASES[name].alternatives[tag]
+    suits = name != "force" or issubclass(lf.Disk, kind.model_type.flyers)
+    if suits:
+        assert getattr(read(chosen), name).tag() == tag
+    else:
+        with pytest.raises(ValueError, match="is not for shape"):
+            read(chosen)
+
+
+def test_switching_keeps_what_a_kind_shares_with_the_one_before(workplace):
+    document = copy.deepcopy(workplace.initial)
+    document["environment"] |= {"albedo": 0.4, "irradiance": "1000 W/m^2"}
+    other = switched(document, "environment", "earth nrlmsis")["environment"]
+    assert (other["albedo"], other["atmosphere"]) == (0.4, "nrlmsis")
+    mars = switched(document, "environment", "mars")["environment"]
+    assert mars["irradiance"] != "1000 W/m^2"  # Earth's light is not that of Mars
+    with pytest.raises(lf.ConfigurationError, match="no alternative"):
+        switched(document, "flyer", "saucer")
+
+
+@pytest.mark.parametrize("name", [name for name in DOCUMENTS if name != "mission"])
+def test_ends_of_sliders_are_allowed(name):
+    document = DOCUMENTS[name]
+    design = read(document).design()
+    found = sliders(design, document)
+    assert len(found) > 8
+    for part, section in design.file.parts().items():
+        for inner, quantity, value in section.numbers():
+            one = found.get(f"{part}.{inner}")
+            if one is None:
+                assert value is None
+                continue
+            assert one.low <= one.value <= one.high, inner
+            unit = re.search(r"[A-Za-zµ°].*$|$", one.text)[0]
+            for end in (one.low, one.high):
+                assert quantity.read(f"{end!r} {unit}".strip()).uncertainty is None
+            assert quantity.read(f"{one.value!r} {unit}".strip()).value == pytest.approx(
+                value.value
+            )
+
+
+def test_sliders_of_offset_units_reach_what_is_possible():
+    kelvin = Quantity("K", 0.0, open_below=True, sizes=(1.0, 5e3))
+    warm = slider("20 °C", Measured(293.15), kelvin)
+    assert (warm.value, warm.low, warm.high) == (20.0, -40.0, 40.0)
+    assert quantity_text(Measured(1361.0, 2.0), Quantity("W/m^2")) == "1361 ± 2 W/m^2"
+
+
+def test_grammar_is_plain_json():
+    described = grammar()
+    assert json.loads(json.dumps(described)) == described

@@ -66,6 +66,16 @@ def test_optics_need_no_density():
     assert 'give it to the layer, such as density = "2.2 g/cm^3"' in said
 
 
+def test_a_film_without_k_absorbs_nothing_and_has_no_ratio():
+    film = Film((Layer(material("main/SiO2/Malitson").with_density(2200.0), 5e-7),))
+    summary = FilmSummary.of(film, am0(), np.array([1000.0]))
+    assert 0.0 <= summary.solar["top"].value < 1e-15
+    assert 0.0 <= summary.thermal["bottom"].value[0] < 1e-15
+    assert np.isnan(summary.selectivity())
+    assert summary.to_json()["selectivity"] == {"1000": None}
+    assert any("k is taken as zero" in text for text in summary.warnings)
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [

@@ -348,7 +348,7 @@ def _emittances(summary: "FilmSummary") -> Table:
         table.add_row(
             f"{temperature:g}",
             *(f"{values[name][row]:.4f}" for name in names),
-            f"{values['selectivity'][row]:.2f}",
+            _ratio(values["selectivity"][row]),
             f"{values['infrared_transmittance'][row]:.4f}",
         )
     return table
@@ -357,6 +357,15 @@ def _emittances(summary: "FilmSummary") -> Table:
 def _of_sides(what: str, sides: Sequence[str]) -> list[str]:
     """Headings of a column a side, of which the first says what it is."""
     return [f"{what if not number else ''}\n{side}" for number, side in enumerate(sides)]
+
+
+def _ratio(value: float) -> str:
+    """A ratio, a dash where its denominator is zero."""
+    return f"{value:.2f}".replace("nan", "–")
+
+
+def _from_to(ends: Any) -> str:
+    return f"{ends[0]:.4g} to {ends[1]:.4g}".replace("nan to nan", "–")
 
 
 def _intervals(summary: "FilmSummary") -> Table | None:
@@ -371,7 +380,7 @@ def _intervals(summary: "FilmSummary") -> Table | None:
     columns = [summary.interval(name) for name in names]
     for row, temperature in enumerate(summary.temperatures):
         ends = [column[:, row] for column in columns if column is not None]
-        table.add_row(f"{temperature:g}", *(f"{low:.4g} to {high:.4g}" for low, high in ends))
+        table.add_row(f"{temperature:g}", *map(_from_to, ends))
     return table
 
 

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from lightflyer.film.medium import MICROMETRE
 from lightflyer.film.spectra import Spectrum, planck
@@ -271,6 +271,8 @@ def _spectral(
     ).unpolarised()
     scattered = optics.scattered + jnp.zeros_like(optics.reflectance)
     absorbed = 1.0 - optics.reflectance - optics.transmittance - scattered
+    # rounding below zero, of clear films; the derivative stays
+    absorbed = absorbed + lax.stop_gradient(jnp.maximum(-absorbed, 0.0))
     found = SpectralShares(absorbed, optics.transmittance, optics.reflectance, scattered)
     return SpectralShares(*(jnp.atleast_1d(share) @ part for part in found))
 

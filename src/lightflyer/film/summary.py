@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 SPECTRUM_POINTS = 1000
 
 _GRAMS = 1e3
+_LEAST_EMITTANCE = 1e-9  # of which a ratio is more than rounding
 _MASS = "areal_density_g_m2"
 
 
@@ -216,18 +217,18 @@ class FilmSummary:
         return {"scattered": self.optics.scattered.tolist()} if self.film.is_rough else {}
 
     def _described(self, value: Any) -> Any:
-        """A number, or numbers by temperature."""
+        """A number, or numbers by temperature; None where it is none."""
         if np.ndim(value) == 0:
             return float(value)
         names = [f"{temperature:g}" for temperature in self.temperatures]
-        return dict(zip(names, map(float, value), strict=True))
+        return dict(zip(names, map(_number, value), strict=True))
 
     def _ends(self, name: str) -> Any:
         low, high = self.interval(name)  # type: ignore[misc]
         if np.ndim(low) == 0:
-            return [float(low), float(high)]
+            return [_number(low), _number(high)]
         ends = zip(self.temperatures, low, high, strict=True)
-        return {f"{at:g}": [float(one), float(other)] for at, one, other in ends}
+        return {f"{at:g}": [_number(one), _number(other)] for at, one, other in ends}
 
     def _bounds(self) -> dict[str, Any]:
         """Share of each average's spectrum that has data, and bounds for the rest."""
@@ -238,6 +239,11 @@ class FilmSummary:
         found |= {f"emittance_normal_{side}": mean for side, mean in self.thermal_normal.items()}
         found |= _named(self.passing, self.light)
         return {name: _covered(average, self._described) for name, average in found.items()}
+
+
+def _number(value: Any) -> float | None:
+    """A number for JSON, which knows no NaN."""
+    return None if np.isnan(value) else float(value)
 
 
 def possible_interval(value: Numeric, uncertainty: Numeric, highest: float) -> np.ndarray:
@@ -313,8 +319,9 @@ def _values(film: Film, light: Spectrum, averages: dict[str, dict[str, Average]]
 
 
 def _selectivity(lamp: dict[str, Average], thermal: dict[str, Average]) -> np.ndarray:
-    emitted = sum(mean.value for mean in thermal.values()) / len(thermal)
-    return np.asarray(lamp["top"].value / emitted)
+    emitted = np.asarray(sum(mean.value for mean in thermal.values()) / len(thermal))
+    ratio = lamp["top"].value / np.where(emitted > _LEAST_EMITTANCE, emitted, 1.0)
+    return np.where(emitted > _LEAST_EMITTANCE, ratio, np.nan)
 
 
 def _uncertainty(

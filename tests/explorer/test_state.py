@@ -7,6 +7,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.explorer import server
 from lightflyer.explorer.editing import slider, sliders, switched
 from lightflyer.explorer.grammar import BASES, grammar, quantity_text
 from lightflyer.explorer.hints import templates
@@ -101,6 +102,23 @@ def test_files_that_the_opened_file_names_may_be_anywhere(tmp_path):
     assert workplace.initial["film"]["spectrum"] == str(spectrum)
     with pytest.raises(lf.ConfigurationError, match="outside the folder"):
         workplace.design({**document, "payload": {"reserve": "../0"}})
+
+
+def test_command_serves_the_file_and_says_where(tmp_path, run, monkeypatch):
+    served = []
+
+    def serve(workplace, port, opened):
+        served.append((workplace, port))
+        opened(f"http://127.0.0.1:{port}/")
+
+    monkeypatch.setattr(server, "serve", serve)
+    path = tmp_path / "mine.toml"
+    path.write_text(to_toml(DOCUMENTS["mission"]), encoding="utf-8")
+    code, printed, _ = run("explore", path, "--no-browser", "--port", "8123")
+    assert code == 0
+    assert "http://127.0.0.1:8123/" in printed
+    ((workplace, port),) = served
+    assert (workplace.initial["mission"]["altitude"], port) == ("75 km", 8123)
 
 
 def test_wrong_file_ends_the_command_with_its_line(tmp_path, run):

@@ -1,5 +1,6 @@
 """``lightflyer explore``: a page on which a flyer's numbers can be moved."""
 
+import threading
 from pathlib import Path
 from typing import Annotated
 
@@ -47,6 +48,7 @@ def explore_command(
         if browser:
             import webbrowser
 
-            webbrowser.open(address)
+            # a browser of the terminal's returns only when it is closed
+            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
 
     serve(Workplace.of_file(flyer_file), port, opened)

@@ -42,7 +42,9 @@ class Slider(NamedTuple):
     text: str
 
 
-def sliders(design: FileDesign, document: Document) -> dict[str, Slider]:
+def sliders(
+    design: FileDesign, document: Document, mission: Section | None = None
+) -> dict[str, Slider]:
     """Sliders of the numbers that a design has, by dotted name.
 
     Parameters
@@ -50,6 +52,8 @@ def sliders(design: FileDesign, document: Document) -> dict[str, Slider]:
     design : FileDesign
     document : dict
         That describes it.
+    mission : Section, optional
+        Whose numbers have sliders, too.
 
     Returns
     -------
@@ -57,7 +61,10 @@ def sliders(design: FileDesign, document: Document) -> dict[str, Slider]:
         Without those of numbers that are neither given nor have a default.
     """
     found = {}
-    for part, section in design.file.parts().items():
+    parts = design.file.parts()
+    if mission is not None:
+        parts[MISSION] = mission
+    for part, section in parts.items():
         for name, quantity, value in section.numbers():
             if value is not None and math.isfinite(value.value):
                 given = value_at(document, f"{part}.{name}")

@@ -43,7 +43,8 @@ def gathering() -> Iterator[list[str]]:
         Each once; empty where :func:`noticing` is not in force.
     """
     before = getattr(_HERE, "gathered", None)
-    _HERE.gathered = found = []  # type: list[str]
+    found: list[str] = []
+    _HERE.gathered = found
     try:
         yield found
     finally:

@@ -197,10 +197,12 @@ def _move(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
         return answer | {"errors": wrong}
     where = design.setup.environment.coordinate
     found = quick(design)
+    mission = workplace.mission(shown.document).mission if MISSION in shown.document else None
+    ends = sliders(design, shown.document, mission)
     answer |= {
         "errors": [],
         "figures": view.curves(found, len(shown.pins)),
-        "sliders": {name: one._asdict() for name, one in sliders(design, shown.document).items()},
+        "sliders": {name: one._asdict() for name, one in ends.items()},
         "models": models_for(type(design.file.flyer)),
         "coordinate": {
             "name": where.name,

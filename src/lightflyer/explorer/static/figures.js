@@ -11,10 +11,11 @@ function color(name) {
 export class Figures {
   constructor() { this.kind = null; this.data = new Map(); this.onTap = null; }
 
-  // Make all figures for a kind of surroundings, where they are not there yet.
+  // Make all figures for a kind of surroundings; says whether they are new, and empty.
   async prepare(logarithmic) {
     const kind = logarithmic ? "logarithmic" : "linear";
-    if (this.kind === kind) return;
+    if (this.kind === kind) return false;
+    this.data.clear(); // altitudes do not fit on an axis of pressure
     if (!BYNAME.has(kind)) BYNAME.set(kind, await get(`api/panes/${kind}`));
     this.kind = kind;
     this.plots = new Map();
@@ -23,6 +24,7 @@ export class Figures {
       const place = document.querySelector(`[data-figure="${name}"] .plot`);
       if (!place) continue;
       place.replaceChildren();
+      place.classList.add("empty");
       item.target_id = null;
       item.root_id ??= item.doc.roots[0].id;
       const views = await Bokeh.embed.embed_item(item, place);
@@ -32,7 +34,7 @@ export class Figures {
     }
     this.plots.get("map")?.on_event("tap", (event) => this.onTap?.(event.x, event.y));
     this.dress();
-    for (const [name, data] of this.data) this.put(name, data);
+    return true;
   }
 
   // Colours of text, axes and ground, light or dark.

@@ -84,6 +84,7 @@ class Explorer {
   // One question at a time; what moves meanwhile makes one more.
   async move() {
     this.version += 1;
+    this.tabs.outdate();
     if (this.asking) { this.again = true; return; }
     this.asking = true;
     const slow = setTimeout(() => this.say("compiling for this kind of design, once", true), SLOW);
@@ -112,7 +113,7 @@ class Explorer {
     if (answer.url !== undefined) { this.url = answer.url; history.replaceState(null, "", `#${answer.url}`); }
     if (!answer.figures) return;
     this.coordinate = answer.coordinate;
-    await this.figures.prepare(answer.coordinate.logarithmic);
+    if (await this.figures.prepare(answer.coordinate.logarithmic)) this.tabs.clear();
     this.scale = answer.figures.payload.scale;
     for (const [name, data] of Object.entries(answer.figures)) this.figures.put(name, data);
     this.form.setEnds(answer.sliders);
@@ -142,6 +143,7 @@ class Explorer {
     if (version !== this.version) return;
     this.tabs.refresh();
     this.showPins();
+    this.placePoints();
     const mine = this.bands = new AbortController();
     try {
       const last = await work("bands", { document: this.document }, mine.signal, () => {});
@@ -243,8 +245,10 @@ class Explorer {
       told(`${file.name}: has ${(file.size / 2 ** 20).toFixed(1)} MiB; at most ${this.grammar.largest_upload / 2 ** 20} MiB can be read`);
       return null;
     }
-    const answer = await ask(`upload/${what}`, { text: await file.text(), name: file.name, document: this.document });
+    const content = { text: await file.text(), name: file.name };
+    const answer = await ask(`upload/${what}`, { ...content, document: this.document });
     if (answer.errors) { told(answer.errors.map((one) => one.text).join("\n")); return null; }
+    if (what === "points") this.points = content;
     return answer;
   }
 
@@ -255,10 +259,23 @@ class Explorer {
 
   async openPoints(input) {
     const answer = await this.read(input, "points", (text) => { at("points-words").textContent = text; });
-    if (!answer) return;
+    if (answer) this.showPoints(answer);
+  }
+
+  showPoints(answer) {
+    this.placed = this.surroundings();
     this.figures.put("irradiance", { sources: { points: answer.columns } });
     at("points-words").textContent = [answer.words, ...answer.warnings].join(" ");
     at("points-clear").hidden = false;
+  }
+
+  surroundings() { return JSON.stringify(this.document.environment ?? {}); }
+
+  // Points have a pressure: where that is depends on the surroundings.
+  async placePoints() {
+    if (at("points-clear").hidden || this.placed === this.surroundings()) return;
+    const answer = await ask("upload/points", { ...this.points, document: this.document });
+    if (!answer.errors) this.showPoints(answer);
   }
 
   clearPoints() {

@@ -109,6 +109,14 @@ export class Tabs {
 
   stop() { this.running?.abort(); }
 
+  // The design has moved on: what is drawn is of an earlier one.
+  outdate() {
+    for (const name of this.fresh.keys()) document.querySelector(`[data-figure="${name}"]`).classList.add("outdated");
+  }
+
+  // The figures are new, for other surroundings.
+  clear() { this.fresh.clear(); }
+
   async compute(name) {
     if (this.explorer.wrong) return;
     this.running?.abort();
@@ -138,6 +146,7 @@ export class Tabs {
 
   show(name, result) {
     const figure = document.querySelector(`[data-figure="${name}"]`);
+    figure.classList.toggle("outdated", this.fresh.get(name) !== this.explorer.version);
     if (result.factors) figure.querySelector(".plot").classList.toggle("tall", result.factors.length > 6);
     this.explorer.figures.put(name, result);
     fill(at(`job-warnings-${name}`), ...(result.warnings ?? []).map((text) => make("li", {}, text)));

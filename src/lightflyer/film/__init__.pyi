@@ -17,6 +17,14 @@ from .computed import ComputedFilm as ComputedFilm
 from .curve import EmittanceCurve as EmittanceCurve
 from .database import DatabasePage as DatabasePage
 from .database import search_pages as search_pages
+from .dispersion import Cauchy as Cauchy
+from .dispersion import Drude as Drude
+from .dispersion import Formula as Formula
+from .dispersion import Lorentz as Lorentz
+from .dispersion import TaucLorentz as TaucLorentz
+from .dispersion import drude as drude
+from .dispersion import lorentz as lorentz
+from .dispersion import tauc_lorentz as tauc_lorentz
 from .effective_media import Rule as Rule
 from .effective_media import bruggeman as bruggeman
 from .effective_media import maxwell_garnett as maxwell_garnett

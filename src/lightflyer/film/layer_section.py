@@ -1,4 +1,4 @@
-"""An entry of ``layers`` in ``[film]``: a material, a mixture, tables at several temperatures."""
+"""An entry of ``layers`` in ``[film]``: a material, a mixture, tables, or a formula."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,6 +9,7 @@ from pydantic import Field, ValidationInfo
 
 from lightflyer.film.catalogue import material
 from lightflyer.film.database import database_page, looks_like_page
+from lightflyer.film.dispersion_section import DispersionSection
 from lightflyer.film.effective_media import Rule, Shape
 from lightflyer.film.graded import SHEETS, Graded
 from lightflyer.film.library import PAGES, VACUUM, Entry, canonical_name
@@ -35,6 +36,7 @@ from lightflyer.foundation.units import Measured
 Policy = Literal["error", "hold", "lossless"]
 
 _MOST_SHEETS = 200
+_KINDS = ("material", "parts", "tables", "dispersion")
 _OF_MIXTURES = ("rule", "shape", "grain", "sheets")
 
 
@@ -110,6 +112,8 @@ class LayerSection(_Named):
     material: str | None = None
     parts: Annotated[tuple[PartSection, ...], Field(min_length=2)] | None = None
     tables: Annotated[tuple[TableSection, ...], Field(min_length=2)] | None = None
+    dispersion: DispersionSection | None = None
+    name: str | None = None
     thickness: Thickness
     porosity: Fraction | None = None
     porosity_bottom: Fraction | None = None
@@ -133,11 +137,11 @@ class LayerSection(_Named):
 
     @pydantic.model_validator(mode="after")
     def _one_kind(self) -> "LayerSection":
-        kinds = [name for name in ("material", "parts", "tables") if getattr(self, name)]
+        kinds = [name for name in _KINDS if getattr(self, name)]
         if len(kinds) != 1:
             raise ConfigurationError(
-                "give one of material, parts (of a mixture) and tables (at several temperatures), "
-                f"not {' and '.join(kinds) or 'none'}"
+                "give one of material, parts (of a mixture), tables (at several temperatures) and "
+                f"dispersion (a formula), not {' and '.join(kinds) or 'none'}"
             )
         if self.material == VACUUM:
             raise ConfigurationError("vacuum is for parts of mixtures; a film has no empty layers")
@@ -151,9 +155,12 @@ class LayerSection(_Named):
         for name in _OF_MIXTURES:
             if name in given and not mixed:
                 raise ConfigurationError(f"{name} is for layers with porosity or parts")
-        if self.porosity is not None and self.material is None:
+        if self.name is not None and self.dispersion is None:
+            raise ConfigurationError("name is for layers with dispersion")
+        if self.porosity is not None and self.material is None and self.dispersion is None:
             raise ConfigurationError(
-                "porosity is for layers with material; among parts, pores are a part of vacuum"
+                "porosity is for layers with material or dispersion; among parts, pores are a part "
+                "of vacuum"
             )
         if self.porosity_bottom is not None and self.porosity is None:
             raise ConfigurationError("porosity_bottom needs porosity, that of the layer's top")
@@ -180,9 +187,15 @@ class LayerSection(_Named):
     @property
     def label(self) -> str:
         """What the layer is made of, in words."""
-        if self.material is None:
+        solid = self.material if self.dispersion is None else self._formula_name
+        if solid is None:
             return " + ".join(self._names)
-        return self.material if self.porosity is None else f"porous {self.material}"
+        return solid if self.porosity is None else f"porous {solid}"
+
+    @property
+    def _formula_name(self) -> str:
+        """Name of a layer whose n and k are a formula's."""
+        return self.name or "layer by a formula"
 
     @property
     def entries(self) -> Iterator[Entry]:
@@ -195,6 +208,8 @@ class LayerSection(_Named):
         """Materials of the parts, or of the tables."""
         if self.parts is not None:
             return [part.material for part in self.parts]
+        if self.dispersion is not None:
+            return [self._formula_name]
         return [table.material for table in self.tables or ()]
 
     @property
@@ -229,12 +244,20 @@ class LayerSection(_Named):
             found = self._mixture(policy)
         elif self.tables is not None:
             return self._tempered(self.tables, policy)
+        elif self.dispersion is not None and self.porosity is None:
+            found = self.dispersion.medium(self._formula_name, policy)
         elif self.porosity is not None:
-            solid = _medium(str(self.material), policy, None)
-            return self._mixed((solid, vacuum()), (self.porosity,), (self.porosity_bottom,))
+            solid = self._solid(policy)
+            found = self._mixed((solid, vacuum()), (self.porosity,), (self.porosity_bottom,))
         else:
             return _medium(str(self.material), policy, self.density)
         return found if self.density is None else found.with_density(self.density.value)
+
+    def _solid(self, policy: Extrapolation) -> Medium:
+        """What is between the pores."""
+        if self.dispersion is not None:
+            return self.dispersion.medium(self._formula_name, policy)
+        return _medium(str(self.material), policy, None)
 
     def _mixture(self, policy: Extrapolation) -> Medium:
         rest, *others = sorted(self.parts or (), key=lambda part: part.fraction is not None)

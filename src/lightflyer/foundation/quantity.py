@@ -342,6 +342,17 @@ DataRate = Annotated[
 ]
 Decibels = Annotated[Numeric, Quantity("", -100.0, 100.0)]
 Efficiency = Annotated[Numeric, Quantity("", 0.0, 1.0, open_below=True)]
+PhotonEnergy = Annotated[
+    Numeric,
+    Quantity(
+        "J", 0.0, open_below=True, sizes=(1e-24, 1e-15), why="radio waves and x-rays are between"
+    ),
+]
+EnergyGap = Annotated[
+    Numeric, Quantity("J", 0.0, sizes=(0.0, 1e-17), why="no solid has a wider gap")
+]
+OscillatorStrength = Annotated[Numeric, Quantity("", 0.0)]
+Permittivity = Annotated[Numeric, Quantity("", 0.0, sizes=(0.0, 1e4), why="no medium has more")]
 Fraction = Annotated[Numeric, Quantity("", 0.0, 1.0)]
 OpenFraction = Annotated[Numeric, Quantity("", 0.0, HIGHEST_OPEN_FRACTION)]
 Emittance = Annotated[Numeric, Quantity("", 0.0, 1.0, open_below=True)]

@@ -1,42 +1,70 @@
-"""Free thicknesses: films on the coarse grid beside full ones, optima beside other optimisers."""
+"""Free thicknesses and stacks of layers, beside films computed in full and other optimisers."""
+
+import itertools
+import json
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
 import lightflyer as lf
+from lightflyer.cli.optimise import _write_flyer
 from lightflyer.film.family import Family, padded_thickness
 from lightflyer.foundation.precision import float64
 from lightflyer.search.objectives import ObjectiveFunction
-from lightflyer.search.optimiser import find_optimum
 from lightflyer.search.problem import as_problem
 
-LAYERS = [
-    {"material": "Al2O3", "thickness": "20 nm"},
-    {"material": "PET", "thickness": "500 nm"},
-    {"material": "Ge", "thickness": "15 nm"},
+FLYER = """
+[flyer]
+diameter = "2 cm"
+[film]
+layers = [
+  {material = "Al2O3", thickness = "20 nm"},   # is replaced
+  {material = "PET", thickness = "500 nm"},
+  {material = "Ge", thickness = "15 nm"},
 ]
-MYLAR, GERMANIUM = "film.layers.1.thickness", "film.layers.2.thickness"
+tac_top = 0.79    # without ±
+tac_bottom = 0.90
+"""
+STUDY = """
+flyer = "flyer.toml"
+[optimise]
+maximise = "payload"
+starts = 2
+[optimise.over]
+altitude = "75 km"
+[optimise.stacks]
+most_layers = 2
+materials = [
+  {material = "PET", from = "500 nm", to = "800 nm", carrier = true, uncertainty = "2 %"},
+  {material = "Ge", from = "3 nm", to = "40 nm"},
+  {material = "Cr", from = "3 nm", to = "40 nm"},
+]
+"""
+GERMANIUM = "film.layers.2.thickness"
 WITHIN = {"from": "3 nm", "to": "40 nm", "scale": "log"}
+CARRIER, COATING = "film.layers.0.thickness", "film.layers.1.thickness"
 ALTITUDE = 75e3
 
 
 @pytest.fixture(scope="module")
-def flyer():
-    film = {"layers": LAYERS, "tac_top": 0.79, "tac_bottom": 0.90}  # without ±
-    return lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film)
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("stacks")
+    (path / "flyer.toml").write_text(FLYER, encoding="utf-8")
+    (path / "study.toml").write_text(STUDY, encoding="utf-8")
+    return path
 
 
 @pytest.fixture(scope="module")
-def function(flyer):
-    over = {GERMANIUM: WITHIN, MYLAR: {"from": "500 nm", "to": "800 nm"}, "altitude": "75 km"}
-    return ObjectiveFunction(as_problem(flyer, None, None, maximise="payload", over=over, starts=2))
+def flyer(folder):
+    return lf.read_flyer_file(folder / "flyer.toml")
 
 
 @pytest.fixture(scope="module")
-def best(function):
-    return find_optimum(function)
+def best(folder):
+    return lf.optimise(lf.search.read_problem(folder / "study.toml"))
 
 
 @pytest.fixture(scope="module")
@@ -49,9 +77,9 @@ def family(film):
     return Family.of(film, layers=5)
 
 
-def exact_payload(flyer, thickness, name=GERMANIUM):
+def payload_of(design, values):
     """Payload with the film computed in full, by no part of the search."""
-    setup = flyer.design().build({name: float(thickness)})
+    setup = design.build(values)
     return float(lf.payload(setup.flyer, setup.environment.state(ALTITUDE), setup.model))
 
 
@@ -65,59 +93,107 @@ def test_the_coarse_grid_is_near_the_full_one(film, family):
     assert float(found["absorptance"]) == pytest.approx(light.absorptance.value, rel=3e-3)
     assert float(found["transmittance"]) == pytest.approx(light.transmittance.value, rel=3e-3)
     assert float(found["absorptance_bottom"]) == pytest.approx(below.absorptance.value, rel=3e-3)
+    temperatures = np.array([200.0, 300.0, 450.0])
     for side in ("top", "bottom"):
-        curve = lf.film.emittance_curve(film, side)
-        temperatures = np.array([200.0, 300.0, 450.0])
-        with float64():
-            coarse, full = found[f"emittance_{side}"](temperatures), curve(temperatures)
-        np.testing.assert_allclose(coarse, full, rtol=4e-3)
+        coarse = np.asarray(found[f"emittance_{side}"].coefficients)
+        coarse = lf.film.EmittanceCurve(coarse)(temperatures)
+        np.testing.assert_allclose(
+            coarse, lf.film.emittance_curve(film, side)(temperatures), rtol=4e-3
+        )
 
 
-def test_an_optimum_is_that_of_films_computed_in_full(flyer, best):
-    """Beside SciPy's bounded search, which knows neither the coarse grid nor gradients."""
-    found = minimize_scalar(
-        lambda thickness: -exact_payload(flyer, thickness * 1e-9),
-        bounds=(3.0, 40.0), method="bounded", options={"xatol": 1e-2},
-    )  # fmt: skip
-    assert best.value == pytest.approx(-found.fun, rel=1e-6)
-    assert best.value == pytest.approx(exact_payload(flyer, best.design[GERMANIUM]), rel=1e-12)
-    assert best.design[GERMANIUM] == pytest.approx(found.x * 1e-9, rel=5e-3)
-    assert best.active_bounds == {MYLAR: "low"}
+def test_gradients_of_averages_are_those_of_differences(film, family):
+    def averages(thickness):
+        found = family.properties(thickness, passing=False)
+        top, bottom = (found[f"emittance_{side}"].coefficients[-1] for side in ("top", "bottom"))
+        return jnp.stack([found["absorptance"], found["absorptance_bottom"], top, bottom])
+
+    thickness = padded_thickness(film.thickness, 5)
+    with float64():
+        compiled = jax.jit(lambda one: jax.vjp(averages, one))
+        _, pull = compiled(thickness)
+        slopes = np.stack([np.asarray(pull(row)[0]) for row in jnp.eye(4)])
+        for number in range(3):
+            step = 1e-5 * thickness[number] * np.eye(5)[number]
+            above, below = (
+                np.asarray(compiled(thickness + sign * step)[0]) for sign in (1.0, -1.0)
+            )
+            expected = (above - below) / (2.0 * step[number])
+            np.testing.assert_allclose(slopes[:, number], expected, rtol=1e-6, atol=1e-1)
+
+
+def test_the_best_stack_is_that_of_all_searched_one_by_one(best):
+    """Germanium or chromium on either face of mylar, or nothing: SciPy's search over each."""
+    ranked = {stack.materials: stack for stack in best.ranking.stacks}
+    coated = [pair for pair in itertools.permutations(("PET", "Ge", "Cr"), 2) if "PET" in pair]
+    assert set(ranked) == {("PET",), *coated}
+    film = {"tac_top": 0.79, "tac_bottom": 0.90}
+    values = {}
+    for stack in (("PET", "Ge"), ("PET", "Cr"), ("Ge", "PET")):
+        layers = [{"material": one, "thickness": "500 nm" if one == "PET" else "10 nm"}
+                  for one in stack]  # fmt: skip
+        one = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film | {"layers": layers}).design()
+        name = f"film.layers.{0 if stack[1] == 'PET' else 1}.thickness"
+        found = minimize_scalar(
+            lambda size, one=one, name=name: -payload_of(one, {name: size * 1e-9}),
+            bounds=(3.0, 40.0), method="bounded", options={"xatol": 0.02},
+        )  # fmt: skip
+        values[stack] = -found.fun
+        assert ranked[stack].in_full
+        assert ranked[stack].value == pytest.approx(-found.fun, rel=1e-5)
+        thickness = ranked[stack].thickness
+        assert thickness[stack.index("PET")] == pytest.approx(500e-9)
+        assert thickness[1 - stack.index("PET")] == pytest.approx(found.x * 1e-9, rel=5e-3)
+    assert best.ranking.stacks[0].materials == max(values, key=values.get) == ("PET", "Cr")
+    assert best.value == pytest.approx(max(values.values()), rel=1e-5)
+    assert best.active_bounds == {CARRIER: "low"}
+    assert any("whatever its surface is" in text for text in best.warnings)
+
+
+def test_the_optimum_is_that_of_the_film_computed_in_full(best):
+    assert best.value == pytest.approx(payload_of(best.problem.design, best.design), rel=1e-11)
+    assert best.outputs["payload"] == best.value
     assert best.agreeing == best.starts
+
+
+def test_the_written_flyer_flies_as_the_search_says(folder, best):
+    path = folder / "best.toml"
+    _write_flyer(path, folder / "study.toml", best)
+    text = path.read_text(encoding="utf-8")
+    assert '{material = "Cr", thickness = ' in text
+    assert "Al2O3" not in text
+    design = lf.config.reader.read_design(path)
+    assert payload_of(design, {}) == pytest.approx(best.value, rel=1e-10)
 
 
 def test_what_is_said_is_of_the_best_film(flyer, best):
     """Bounds that missing data leave are those of the optimum, not of the flyer file's film."""
-    said = flyer.design().warnings_for(best.design)
+    said = best.problem.design.warnings_for(best.design)
+    assert said
     assert set(said) <= set(best.warnings)
     assert not set(flyer.design().warnings) & set(best.warnings)
+    assert json.loads(json.dumps(best.summary()))["ranking"]["allowed"] == 5
 
 
-def test_what_errors_of_a_thickness_cost(flyer, best):
+def test_what_errors_of_a_thickness_cost(best):
     """Beside films computed in full with the thickness off, and their mean to second order."""
-    effect = best.as_made.effects[GERMANIUM]
-    thickness = best.design[GERMANIUM]
-    assert effect.assumed
-    assert effect.spread == pytest.approx(0.05 * thickness)
-    sides = [exact_payload(flyer, thickness + sign * effect.spread) for sign in (-1.0, 1.0)]
-    for change, side in zip((effect.less, effect.more), sides, strict=True):
+    coating, carrier = (best.as_made.effects[name] for name in (COATING, CARRIER))
+    thickness = best.design[COATING]
+    assert coating.assumed
+    assert not carrier.assumed
+    assert coating.spread == pytest.approx(0.05 * thickness)
+    sides = [
+        payload_of(best.problem.design, best.design | {COATING: thickness + sign * coating.spread})
+        for sign in (-1.0, 1.0)
+    ]
+    for change, side in zip((coating.less, coating.more), sides, strict=True):
         assert change == pytest.approx(side - best.value, rel=0.02)
     # the error of the mylar's thickness counts most: the worst 5 % are beyond 1.645 of its σ
-    mylar = best.as_made.effects[MYLAR]
-    slope, bend = 0.5 * (mylar.more - mylar.less), mylar.more + mylar.less
+    slope, bend = 0.5 * (carrier.more - carrier.less), carrier.more + carrier.less
     low = 1.645 * slope + 0.5 * 1.645**2 * bend
     assert best.as_made.low - best.value == pytest.approx(low, rel=0.05)
-    lost = 0.5 * (bend + effect.less + effect.more)  # a second derivative is a mean loss
+    lost = 0.5 * (bend + coating.less + coating.more)  # a second derivative is a mean loss
     assert best.as_made.mean - best.value == pytest.approx(lost, abs=0.03 * abs(slope))
-
-
-def test_gradients_are_those_of_differences(function):
-    point, step = np.array([0.4, 0.3]), 1e-5
-    _, slopes = function.scores_and_jacobian(point)
-    moved = function.scores_of_many(
-        np.concatenate([point + step * np.eye(2), point - step * np.eye(2)])
-    )[:, 0]
-    np.testing.assert_allclose(slopes[0], (moved[:2] - moved[2:]) / (2.0 * step), rtol=1e-6)
 
 
 def test_a_robust_objective_is_that_of_films_with_errors(flyer):
@@ -125,16 +201,16 @@ def test_a_robust_objective_is_that_of_films_with_errors(flyer):
     over = {GERMANIUM: WITHIN | {"uncertainty": "10 %"}, "altitude": "75 km"}
     robust = as_problem(flyer, None, None, points=256, maximise="payload", over=over,
                         uncertainty={"of": "mean"})  # fmt: skip
-    function, thickness = ObjectiveFunction(robust), 14e-9
+    function, thickness, design = ObjectiveFunction(robust), 14e-9, flyer.design()
     point = np.array([robust.bounds[0].fraction(thickness)])
     function.match(point)
     nodes, weights = np.polynomial.hermite_e.hermegauss(5)
-    made = [exact_payload(flyer, thickness * (1.0 + 0.1 * node)) for node in nodes]
+    made = [payload_of(design, {GERMANIUM: thickness * (1.0 + 0.1 * node)}) for node in nodes]
     expected = np.dot(weights, made) / weights.sum()
-    found = float(function.outputs_at(point)["payload"])
-    loss = exact_payload(flyer, thickness) - expected
+    loss = made[2] - expected
     assert loss > 1e-3 * expected
-    assert exact_payload(flyer, thickness) - found == pytest.approx(loss, rel=0.05)
+    found = float(function.scores_of_many(point[None], 1)[0, 0])
+    assert made[2] - found == pytest.approx(loss, rel=0.05)
 
 
 MISTAKES = [
@@ -153,8 +229,46 @@ def test_mistakes_are_said(flyer, entry, message):
 
 
 def test_films_that_are_not_simple_are_refused():
-    rough = [LAYERS[0], LAYERS[1], LAYERS[2] | {"roughness": "3 nm"}]
-    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film={"layers": rough})
+    layers = [
+        {"material": "PET", "thickness": "500 nm"},
+        {"material": "Ge", "thickness": "20 nm", "roughness": "3 nm"},
+    ]
+    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film={"layers": layers})
+    over = {"film.layers.1.thickness": WITHIN, "altitude": "75 km"}
     with pytest.raises(lf.ConfigurationError, match="knows only smooth, coherent layers"):
-        as_problem(flyer, None, None, maximise="payload",
-                   over={GERMANIUM: WITHIN, "altitude": "75 km"})  # fmt: skip
+        as_problem(flyer, None, None, maximise="payload", over=over)
+
+
+PET = {"material": "PET", "from": "500 nm", "to": "1 um", "carrier": True}
+STACKS_MISTAKES = [
+    ({"materials": []}, "materials"),
+    ({"materials": [PET | {"carrier": False}]}, "needs a material with carrier = true"),
+    ({"materials": [PET | {"carrier": "yes"}]}, "PET: carrier = yes must be true or false"),
+    ({"materials": [PET | {"from": "2 um"}]}, "PET has an empty range"),
+    ({"materials": [PET | {"thick": 3}]}, "thick is unknown; choose from"),
+    ({"materials": [{"material": "PET", "from": "1 nm"}]}, "PET: needs to, such as"),
+    ({"materials": [PET, PET]}, "has PET twice"),
+    ({"materials": [PET | {"material": "Gee"}]}, 'material "Gee" is unknown'),
+    ({"materials": [PET, PET | {"material": "SWCNT"}]}, "SWCNT needs its density"),
+    ({"materials": [PET], "film": "flyer.top"}, '"flyer.top" is no film of layers: film'),
+    ({"materials": [PET], "most_layers": 40}, "most_layers"),
+    ({"materials": [PET], "most": 4}, "most is unknown; choose from"),
+]
+
+
+@pytest.mark.parametrize(("stacks", "message"), STACKS_MISTAKES)
+def test_mistakes_in_stacks_are_said(flyer, stacks, message):
+    with pytest.raises(lf.ConfigurationError, match=message):
+        as_problem(flyer, None, None, maximise="payload", over={"altitude": "75 km"}, stacks=stacks)
+
+
+def test_what_a_flyer_file_says_of_one_film_is_refused():
+    film = {"layers": [{"material": "PET", "thickness": "500 nm"}], "absorptance": 0.75}
+    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film)
+    asked = {"maximise": "payload", "over": {"altitude": "75 km"}, "stacks": {"materials": [PET]}}
+    with pytest.raises(lf.ConfigurationError, match="absorptance in the flyer file is of one film"):
+        as_problem(flyer, None, None, **asked)
+    bare = lf.FlyerFile(flyer={"diameter": "2 cm"}, film={"layers": film["layers"]})
+    chromium = {"material": "Cr", "from": "5 nm", "to": "1 um", "carrier": True}
+    with pytest.raises(lf.ConfigurationError, match="whose both faces have a known TAC"):
+        as_problem(bare, None, None, **(asked | {"stacks": {"materials": [chromium]}}))

@@ -42,6 +42,9 @@ _OTHERS = {
     "mission": Template("mission.toml", "mission.toml", ("fly {} --out mission",)),
     "sweep": Template("study-sweep.toml", "study.toml", ("sweep {} --out results.zarr",)),
     "optimise": Template("study-optimise.toml", "study.toml", ("optimise {} --write best.toml",)),
+    "optimise-film": Template(
+        "study-optimise-film.toml", "study.toml", ("optimise {} --write best.toml",)
+    ),
     "sensitivity": Template(
         "study-sensitivity.toml", "study.toml", ("sensitivity {} --out sensitivity",)
     ),

@@ -1,3 +1,5 @@
+from .bounds import Bounds as Bounds
+from .bounds import Tolerance as Tolerance
 from .front import Front as Front
 from .front import pareto as pareto
 from .optimiser import Optimum as Optimum
@@ -8,3 +10,7 @@ from .sobol import Indices as Indices
 from .sobol import SensitivityStudy as SensitivityStudy
 from .sobol import read_sensitivity_study as read_sensitivity_study
 from .sobol import sensitivity as sensitivity
+from .stacks import RankedStack as RankedStack
+from .stacks import Ranking as Ranking
+from .tolerance import AsMade as AsMade
+from .tolerance import Effect as Effect

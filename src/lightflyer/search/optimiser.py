@@ -298,6 +298,8 @@ def _screen(function: ObjectiveFunction) -> tuple[np.ndarray, float]:
     spread = np.ptp(np.percentile(scores[known, 0], [25.0, 100.0]))
     scale = float(spread) or float(np.abs(scores[known, 0]).max()) or 1.0
     starts = _apart(points[known], scores[known], scale, problem.starts)
+    if function.is_quick:
+        return starts, scale  # a gradient costs as much as a few designs
     for half in _HALF_SIDES:
         starts = _best_nearby(function, starts, half * (2.0 * points - 1.0), scale)
     return starts, scale

@@ -237,3 +237,40 @@ def test_what_passes_is_printed_with_interval_and_bounds(run, film_file):
     text = run("film", film_file())[1]
     assert f"transmittance     {passing:.4f} (" in text
     assert "infrared" in text
+
+
+SAMPLE = """\
+[film]
+layers = [{material = "Ge", thickness = "50 nm", roughness = "3 nm"}]
+substrate = {material = "Si"}
+"""
+
+
+def test_a_sample_by_angle(run, film_file, tmp_path):
+    out = tmp_path / "out"
+    options = ("--angles", "0 deg,60 deg", "--temperatures", "300 K", "--at", "550 nm")
+    code, text, errors = run("film", film_file(text=SAMPLE), "--out", out, *options)
+    assert (code, errors) == (0, "")
+    assert "below it Si, endless" in text
+    assert "warning: the substrate, Si, has no lower face" in text
+    assert "tac_top" not in text  # nobody flies it
+    found = json.loads((out / "film.json").read_text(encoding="utf-8"))
+    assert "emittance_bottom" not in found
+    point = found["at"][0]
+    shares = ("reflectance", "transmittance", "absorptance", "scattered")
+    assert sum(point[name] for name in shares) == pytest.approx(1.0, abs=1e-12)
+    light, angles = found["angles"]["light"], found["angles"]["angle_deg"]
+    assert angles == pytest.approx([0.0, 60.0])
+    assert light["absorptance"]["s"][0] == pytest.approx(found["solar_absorptance_top"], rel=1e-9)
+    assert light["absorptance"]["p"][1] > light["absorptance"]["s"][1]
+    names = {path.name for path in out.iterdir()}
+    assert {"film-angles.csv", "film-angles-spectral.csv", "film-angles.nc",
+            "film-angles.png", "film-angles-map.svg"} <= names  # fmt: skip
+
+
+@pytest.mark.parametrize("asked", ["90 deg", "-1 deg,3 deg", "5 nm", "often"])
+def test_angles_that_are_none(run, film_file, asked):
+    code, _, errors = run("film", film_file(), "--angles", asked)
+    assert code == 2
+    assert "--angles" in errors
+    assert len(errors.strip().splitlines()) == 1

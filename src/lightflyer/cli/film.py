@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 _LEAST_SHARE = 0.0005  # of a spectrum, printed as 0.1 %
 _SHOWN_TEMPERATURE = 300.0  # [K], nearest to which an emittance by angle is printed
+_ROUNDING = 1e-9  # so that steps that make 90 degrees end before it
 _NANOMETRES, _GRAMS = 1e9, 1e3
 _TEMPERATURES = "200 K,250 K,300 K,350 K,400 K,450 K,500 K"
 
@@ -69,6 +70,7 @@ def film_command(
 
     section = read_film_file(film_file)
     asked = _quantities("--temperatures", temperatures, "K")
+    directions = _directions(angles)
     film = section.film()
     written = section.written_layers
     spreads = [layer.thickness.uncertainty for layer in written]
@@ -83,7 +85,11 @@ def film_command(
         ],
         others=others,
     )  # fmt: skip
-    by_angle = _by_angle(film, summary, angles)
+    by_angle = None
+    if directions is not None:
+        from lightflyer.film.angles import AngularSummary
+
+        by_angle = AngularSummary.of(film, summary.light, directions, asked)
     warnings = [*summary.warnings, *beyond]
     described = summary.to_json() | {"origin": _origins(section), "warnings": warnings}
     if at is not None:
@@ -165,20 +171,19 @@ def _origins(section: "SampleSection") -> dict[str, Any]:
     }
 
 
-def _by_angle(film: "Film", summary: "FilmSummary", angles: str | None) -> "AngularSummary | None":
+def _directions(angles: str | None) -> Any:
+    """Angles of ``--angles`` [rad], or None."""
     if angles is None:
         return None
     import numpy as np
 
-    from lightflyer.film.angles import AngularSummary
-
     asked = _quantities("--angles", angles, "rad")
     right = 0.5 * np.pi
     if asked.size == 1 and 0.0 < asked[0] < right:
-        asked = np.arange(0.0, right * (1.0 - 1e-9), asked[0])
+        asked = np.arange(0.0, right * (1.0 - _ROUNDING), asked[0])
     if np.any(asked < 0.0) or np.any(asked >= right):
         raise ConfigurationError(f'--angles "{angles}": angles are from 0 to below 90 degrees')
-    return AngularSummary.of(film, summary.light, asked, summary.temperatures)
+    return asked
 
 
 def _write(

@@ -70,7 +70,7 @@ def thickness_uncertainty(
 
     Examples
     --------
-    >>> from lightflyer.film import absorptance, material
+    >>> from lightflyer.film import Film, Layer, material
     >>> film = Film((Layer(material("Ge"), 20e-9),))
     >>> print(f"{thickness_uncertainty(lambda one: one.areal_density, film, [1e-9]) * 1e3:.5f}")
     0.00532

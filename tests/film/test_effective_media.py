@@ -150,11 +150,17 @@ def mixed_by_all_laws(share):
     return jnp.stack(found)
 
 
-def test_laws_are_differentiable_twice():
-    slopes = jax.jit(lambda at: (jax.jacrev(mixed_by_all_laws)(at),
-                                 jax.jacfwd(jax.jacfwd(mixed_by_all_laws))(at)))  # fmt: skip
+def bruggeman_of_three(share):
+    n, k = parts(3.0 + 1.5j, 1.0, 1.45 + 0.1j)
+    return jnp.stack(bruggeman(n, k, jnp.array([0.3 + share, 0.3 - share, 0.4])))
+
+
+def test_laws_are_differentiable():
+    """In reverse, and by all laws; the eigenvalue of three parts twice."""
     with lf.float64():
-        low, middle, high = (np.array(mixed_by_all_laws(0.1 + step)) for step in (-1e-4, 0.0, 1e-4))
-        first, second = slopes(0.1)
-    np.testing.assert_allclose(first, (high - low) / 2e-4, rtol=1e-6)
-    np.testing.assert_allclose(second, (high - 2.0 * middle + low) / 1e-8, rtol=1e-4, atol=1e-6)
+        low, high = (np.array(mixed_by_all_laws(0.1 + step)) for step in (-1e-4, 1e-4))
+        first = jax.jit(jax.jacrev(mixed_by_all_laws))(0.1)
+        np.testing.assert_allclose(first, (high - low) / 2e-4, rtol=1e-6)
+        low, middle, high = (np.array(bruggeman_of_three(step)) for step in (-1e-3, 0.0, 1e-3))
+        second = jax.jit(jax.jacfwd(jax.jacfwd(bruggeman_of_three)))(0.0)
+        np.testing.assert_allclose(second, (high - 2.0 * middle + low) / 1e-6, rtol=1e-4)

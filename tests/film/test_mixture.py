@@ -61,20 +61,18 @@ def test_mass_follows_the_fractions():
 
 
 def averages(porosity):
-    """Of two spectra and a mass, for a porous layer whose porosity may be traced."""
+    """Emittance and mass of a film with a porous layer, whose porosity may be traced."""
     film = Film((Layer(porous(material("Ge"), porosity), 40e-9), Layer(material("PET"), 5e-7)))
-    warm = emittance(film, 350.0, side="bottom", points_per_e_fold=100).value
-    return absorptance(film).value, warm, film.areal_density
+    warm = emittance(film, 350.0, side="bottom", points_per_e_fold=20).value
+    return warm, film.areal_density
 
 
 def test_averages_are_differentiable_in_the_porosity():
     step = 1e-4
     with lf.float64():
-        slope = jax.jit(jax.jacfwd(averages))(0.3)
+        slope = jax.jit(jax.vmap(jax.jacfwd(averages)))(np.array([0.3]))
         ends = [np.array(averages(0.3 + sign * step)) for sign in (1.0, -1.0)]
-        mapped = jax.vmap(averages)(np.array([0.3 - step]))
-    np.testing.assert_allclose(slope, (ends[0] - ends[1]) / (2.0 * step), rtol=1e-6)
-    np.testing.assert_allclose(np.ravel(mapped), ends[1], rtol=1e-12)
+    np.testing.assert_allclose(np.ravel(slope), (ends[0] - ends[1]) / (2.0 * step), rtol=1e-6)
 
 
 def reflectance_of_a_profile(thickness, wavelength):

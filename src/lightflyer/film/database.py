@@ -161,6 +161,7 @@ def database_page(name: str) -> DatabasePage:
     >>> database_page("cr/johnson").title
     'Johnson and Christy 1974: n,k 0.188–1.937 µm'
     """
+    name = " ".join(name.split())
     wanted = _key(_from_address(name))
     known = {_key(one): page for one, page in database_pages().items()}
     if wanted in known:

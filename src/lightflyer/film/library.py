@@ -251,6 +251,7 @@ def canonical_name(name: str) -> str:
     ParameterError
         If the name is unknown; the message has the nearest names.
     """
+    name = " ".join(name.split())
     known = {alias.lower(): target for alias, target in ALIASES.items()}
     known |= {target.lower(): target for target in (*PAGES, VACUUM)}
     if name.lower() in known:

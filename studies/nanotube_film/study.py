@@ -8,8 +8,10 @@ from scipy.optimize import minimize_scalar
 
 import lightflyer as lf
 from lightflyer.film import Film, Layer, Mixture, material, vacuum
+from lightflyer.foundation import drawing as plot
 
 HERE = Path(__file__).parent
+IMAGE = HERE.parents[1] / "docs" / "images" / "nanotube-film.png"
 MEASURED = {"visible_absorptance": (0.75, 0.02), "infrared_emittance": (0.48, 0.03)}  # Table 1
 MYLAR, COATING = 500e-9, 300e-9  # [m], by the paper
 WINDOW = 1e-2 / np.linspace(667.0, 1300.0, 60)  # [m], the camera's band as far as mylar has data
@@ -74,6 +76,32 @@ def best(carbon, arrangement, thickness=COATING):
     }
 
 
+def draw(sample):
+    """Spectra of the film, with the measured means over their bands."""
+    figure = plot.new_figure()
+    ax = figure.axes[0]
+    wavelength = np.geomspace(0.4e-6, 19.9e-6, 400)
+    spectra = sample.optics(wavelength).unpolarised()
+    table_1 = {  # visible, infrared [Lu2023]
+        "absorptance": (plot.VERMILION, "-", (0.75, 0.02), (0.48, 0.03)),
+        "transmittance": (plot.GREEN, "-.", (0.22, 0.01), (0.47, 0.02)),
+        "reflectance": (plot.BLUE, "--", (0.03, 0.01), (0.05, 0.01)),
+    }
+    bands = ((0.4, 0.7), (1e6 * WINDOW.min(), 1e6 * WINDOW.max()))
+    for name, (colour, line, *measured) in table_1.items():
+        ax.plot(wavelength * 1e6, getattr(spectra, name), color=colour, ls=line, label=name)
+        for (value, spread), (first, last) in zip(measured, bands, strict=True):
+            middle = np.sqrt(first * last)
+            reach = [[middle - first], [last - middle]]
+            ax.errorbar(middle, value, spread, reach, fmt="o", ms=4, color=colour, capsize=2)
+    ax.plot([], [], "o", ms=4, color=plot.GREY, label="measured, mean over a band")
+    ax.set(xscale="log", ylim=(0.0, 1.0), xlabel="wavelength [µm]", ylabel="share of light [1]")
+    ax.set_xticks([0.5, 1.0, 2.0, 5.0, 10.0, 20.0], ["0.5", "1", "2", "5", "10", "20"])
+    ax.minorticks_off()
+    plot.legend_below(ax)
+    plot.save(figure, [IMAGE])
+
+
 def main():
     """All carbons and arrangements; then other thicknesses of the one that is shipped."""
     results = {}
@@ -95,6 +123,7 @@ def main():
         name: {key: round(float(value), 4) for key, value in row.items()}
         for name, row in results.items()
     }
+    draw(shipped)
     for name, row in rounded.items():
         print(name, row)
     (HERE / "results.json").write_text(json.dumps(rounded, indent=2) + "\n", encoding="utf-8")

@@ -5,6 +5,8 @@ import { Form, put } from "./form.js";
 import { Tabs, goText } from "./tabs.js";
 
 const REST = 180; // ms without a move, after which slow figures begin
+const HEAVY = 90; // ms that the curves of a design take, from which on the prediction waits for a rest
+const REST_OF_HEAVY = 350;
 const SLOW = 700; // ms after which the page says that it compiles
 
 class Explorer {
@@ -92,7 +94,9 @@ class Explorer {
       this.again = false;
       const { since } = this;
       this.since = undefined;
+      const asked = performance.now();
       const answer = await ask("move", this.view());
+      this.took = performance.now() - asked;
       await this.applied(answer, since);
     } while (this.again);
     clearTimeout(slow);
@@ -129,6 +133,10 @@ class Explorer {
     const { version } = this;
     if (this.wrong) { this.say("mistakes must be mended first; the figures show the design before"); return; }
     this.say("computing", true);
+    if (this.took > HEAVY) {
+      await new Promise((go) => { setTimeout(go, REST_OF_HEAVY); });
+      if (version !== this.version) return;
+    }
     const answer = await ask("predict", { document: this.document });
     if (version !== this.version) return;
     if (answer.errors) { this.mistakes(answer.errors); this.say(""); return; }

@@ -111,6 +111,10 @@ THICK = ', thickness = "20 nm"'
          "Si states no temperature; give it"),
         ('tables = [{material = "main/Si/Franta-300K"}, {material = "main/Si/Franta-400K"}], '
          'temperature = "450 K"', "= 450 is not between 300 and 400"),
+        ('tables = [{material = "main/Si/Franta-300K"}, {material = "main/Si/Franta-400K"}], '
+         'temperature = "390 ± 20 K"', "temperature ± one standard deviation: .* = 410 is not"),
+        ('parts = [{material = "Ge"}, {material = "Si", fraction = "0.7 ± 0.1"}, '
+         '{material = "air", fraction = 0.25}]', "add up to 1.05, more than 1"),
         ('tables = [{material = "Si", at = "400 K"}, {material = "main/Si/Franta-400K"}], '
          'temperature = "400 K"', "two tables are for the same temperature"),
     ],

@@ -19,7 +19,7 @@ from lightflyer.film.medium import Extrapolation, Medium
 from lightflyer.film.mixture import Mixture
 from lightflyer.film.stack import Layer
 from lightflyer.film.tempered import Tempered
-from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.precision import is_traced
 from lightflyer.foundation.quantity import (
     AccommodationCoefficient,
@@ -37,6 +37,7 @@ Policy = Literal["error", "hold", "lossless"]
 
 _MOST_SHEETS = 200
 _KINDS = ("material", "parts", "tables", "dispersion")
+_OF_NO_MEDIUM = ("thickness", "density", "tac")  # numbers of a layer
 _OF_MIXTURES = ("rule", "shape", "grain", "sheets")
 
 
@@ -170,6 +171,21 @@ class LayerSection(_Named):
             self._check_parts(self.parts)
         if mixed or self.tables is not None:
             self.medium(Extrapolation.ERROR)  # raises here, where the line of the file is known
+            self._check_spreads()
+
+    def _check_spreads(self) -> None:
+        """Raise if a number is impossible one standard uncertainty away from its value."""
+        for name, quantity, value in self.numbers():
+            if value is None or not value.uncertainty or name in _OF_NO_MEDIUM:
+                continue
+            for change in (value.uncertainty, -value.uncertainty):
+                end = min(max(value.value + change, quantity.lowest), quantity.highest)
+                other = self.replaced({name: end})
+                assert isinstance(other, LayerSection)
+                try:
+                    other.medium(Extrapolation.ERROR)
+                except ParameterError as error:
+                    raise ConfigurationError(f"{name} ± one standard deviation: {error}") from error
 
     def _check_parts(self, parts: tuple[PartSection, ...]) -> None:
         rest = [part.material for part in parts if part.fraction is None]

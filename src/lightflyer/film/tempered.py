@@ -39,7 +39,9 @@ class Tempered(Compound):
     Notes
     -----
     The layer's temperature is stated: it does not follow from a flyer's heat balance.
-    Differentiable in the temperature, from one side at the tables' temperatures.
+    Differentiable in the temperature, from one side at the tables' temperatures. A traced
+    temperature beyond the tables, such as a rare sample of an uncertain one, has the values of the
+    nearest.
     """
 
     parts: tuple[Medium, ...]
@@ -140,6 +142,7 @@ def _interpolated(
     steps = jnp.searchsorted(temperatures, temperature, side="right") - 1
     lower = jnp.clip(steps, 0, temperatures.size - 2)
     share = (temperature - temperatures[lower]) / (temperatures[lower + 1] - temperatures[lower])
+    share = jnp.clip(share, 0.0, 1.0)  # of a traced temperature, which may be beyond
     return (
         n[lower] + share * (n[lower + 1] - n[lower]),
         k[lower] + share * (k[lower + 1] - k[lower]),

@@ -41,10 +41,10 @@ def panel_nodes(order: int, *, lower: bool, upper: bool) -> np.ndarray:
     """Nodes on [0, 1] of Gauss, Radau or Lobatto: without ends, with one or with both."""
     basis = np.polynomial.legendre.Legendre.basis
     if lower and upper:
-        inner = basis(order - 1).deriv().roots()
+        inner = np.real(basis(order - 1).deriv().roots())  # NumPy 2.5 gives complex numbers
         nodes = np.concatenate([[-1.0], inner, [1.0]])
     elif lower or upper:
-        nodes = (basis(order) + basis(order - 1)).roots()
+        nodes = np.real((basis(order) + basis(order - 1)).roots())
         nodes[0] = -1.0
         nodes = nodes if lower else -nodes[::-1]
     else:

@@ -1,7 +1,9 @@
+import contextlib
 import copy
 import io
 import json
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,11 +11,16 @@ import xarray as xr
 from scipy.optimize import minimize
 
 import lightflyer as lf
+from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.config.reader import FLYER_FILE
 from lightflyer.explorer import jobs, pages, view
 from lightflyer.explorer.compute import prediction_of, quick
 from lightflyer.explorer.downloads import download, python_lines
+from lightflyer.explorer.hints import templates
 from lightflyer.explorer.maps import Choices
 from lightflyer.explorer.notices import noticing
+from lightflyer.explorer.state import View, plain, to_toml
+from lightflyer.foundation.toml_file import parsed, validate
 from lightflyer.lab.levitation_data import read_lift_offs
 
 
@@ -206,3 +213,100 @@ def test_results_at_a_place(workplace, document):
         told = pages.ANSWERS["move"](workplace, {**ask, "at": wrong})
         assert words in told["errors"][0]["text"]
         assert "figures" in told
+
+
+def test_film_of_layers_shows_the_optics_that_the_prediction_uses(workplace, document):
+    layers = [{"material": "Al", "thickness": "30 nm"}]
+    document["film"] = {
+        "layers": layers,
+        "tac_top": 0.8,
+        "tac_bottom": 0.9,
+        "extrapolation": "hold",
+    }
+    found = job("film", workplace, document)
+    curve = {name: np.array(column) for name, column in found["sources"]["curve"].items()}
+    whole = curve["absorptance"] + curve["reflectance"] + curve["transmittance"]
+    np.testing.assert_allclose(whole, 1.0, rtol=1e-9)
+    film = workplace.design(document).setup.flyer.film
+    told = float(found["words"].partition("absorptance ")[2].split()[0])
+    assert told == pytest.approx(float(film.absorptance), abs=1e-3)
+
+
+def test_mission_is_drawn_with_its_nights(workplace, document, monkeypatch):
+    """Altitude over time as ``fly`` gives it, which has tests of its own."""
+    hours = np.arange(49.0)
+    flown = xr.Dataset(
+        {
+            "altitude": ("elapsed", 75e3 + 5e3 * np.sin(2.0 * np.pi * hours / 24.0)),
+            "irradiance": ("elapsed", 1000.0 * np.maximum(np.cos(2.0 * np.pi * hours / 24.0), 0.0)),
+            "temperature": ("elapsed", np.full(hours.size, 300.0)),
+            "end_elapsed": 48.0 * 3600.0,
+            "end_altitude": 75e3,
+        },
+        {"elapsed": 3600.0 * hours},
+        {"end": "is still flying", "warnings": "one; two", "assumptions": "light"},
+    )
+    asked = {}
+    monkeypatch.setattr(
+        "lightflyer.mission.mission.fly", lambda design, **given: asked.update(given) or flown
+    )
+    mission = pages.ANSWERS["switch"](
+        workplace, {"document": document, "section": "mission", "tag": "given"}
+    )["document"]
+    mission["mission"]["altitude"] = "77 km"
+    found = job("mission", workplace, mission)
+    assert float(asked["release"].altitude) == 77e3
+    nights = found["sources"]["nights"]
+    # darker than half of the noon's light: four hours after noon to four before the next
+    np.testing.assert_allclose(nights["low"], [4.0, 28.0], atol=0.1)
+    np.testing.assert_allclose(nights["high"], [20.0, 44.0], atol=0.1)
+    assert found["warnings"] == ["one", "two"]
+    assert "still flying after 48 h" in found["words"]
+    with pytest.raises(lf.ConfigurationError, match="mission"):
+        job("mission", workplace, document)
+
+
+PIECES = [
+    *(
+        "",
+        " ",
+        "0",
+        "-1",
+        "1e400",
+        "nan",
+        "2 cm",
+        "2 ± 3 cm",
+        "±",
+        "²",
+        "\x00",
+        "\ud800",
+        "[",
+        "{}",
+    ),
+    *("[", "{}", "a" * 3000, "2026-13-45", "true", None, True, 0, -1, 1e308, float("nan")),
+    *([], {}, [{}], {"a": 1}, ["x"], [None], [[[]]], {"a": {"b": None}}),
+]
+
+
+def test_documents_torn_apart_are_told_in_words(rng):
+    """No value anywhere in a design makes anything but a line for its mistake."""
+    starts = [plain(one.document) for one in templates().values()]
+    for _ in range(400):
+        torn = copy.deepcopy(starts[rng.integers(len(starts))])
+        for _ in range(rng.integers(1, 3)):
+            places = [part for part in torn.values() if isinstance(part, dict) and part]
+            place = places[rng.integers(len(places))]
+            place[rng.choice(list(place))] = PIECES[rng.integers(len(PIECES))]
+        with contextlib.suppress(lf.LightflyerError):
+            pages.require_document(torn)
+            assert pages.tags_of(torn) is not None
+            assert pages.to_url(View(torn)).isascii()
+            read_only(torn)
+
+
+def read_only(document):
+    """Check a design without building it."""
+    content = {name: part for name, part in document.items() if name != "mission"}
+    text = to_toml(content)
+    content = parsed(text, Path("flyer.toml"), FLYER_FILE)
+    validate(flyer_file_type(), content, text, Path("flyer.toml"), FLYER_FILE)

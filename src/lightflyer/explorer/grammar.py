@@ -143,7 +143,11 @@ def _describe(kind: type[Section], sections: dict[str, Any]) -> None:
         if key not in choosing
     ]
     sections[name] = {
-        "about": (kind.__doc__ or "").partition("\n")[0].partition(": ")[2].rstrip(".").replace("``", ""),
+        "about": (kind.__doc__ or "")
+        .partition("\n")[0]
+        .partition(": ")[2]
+        .rstrip(".")
+        .replace("``", ""),
         "fields": sorted(fields, key=lambda field: not field["required"]),
     }
 

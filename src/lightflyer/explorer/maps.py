@@ -192,6 +192,11 @@ def _map_data(
             view.Line("star: optimum", ORANGE, "area"),
             view.Line("cross: this design", VERMILION, "area"),
         ),
+        tips=[
+            (words_of(over), f"@x{{0.0000}} {unit}"),
+            (where.name, f"@y{{0.00}} {where.shown_unit}"),
+            ("payload", f"@value{{0.0000}} {shown}"),
+        ],
         colours={"low": 0.0, "high": max(best[2] * scale, 1e-12)},
         numbers=list(known),
         over=over,

@@ -93,11 +93,14 @@ def _hover(
     pane: Any,
     renderers: list[Any],
     tooltips: list[tuple[str, str]],
-    mode: Literal["mouse", "vline"],
+    mode: Mode,
+    name: str = "hover",
 ) -> None:
-    pane.add_tools(
-        HoverTool(renderers=renderers, tooltips=tooltips, mode=mode, point_policy="snap_to_data")
+    """Show values below the pointer; the page puts units into the one named ``hover``."""
+    tool = HoverTool(
+        renderers=renderers, tooltips=tooltips, mode=mode, point_policy="snap_to_data", name=name
     )
+    pane.add_tools(tool)
 
 
 def _over_coordinate(name: str, along: Scale, up: Scale, *outputs: str) -> tuple[Any, Any]:
@@ -134,7 +137,8 @@ def _irradiance(along: Scale) -> Any:
                         line_color=PURPLE)  # fmt: skip
     _best(pane)
     _hover(pane, [line], [("", "@x{0.00}"), ("needed", "@needed{0,0.0} W/m²")], "vline")
-    _hover(pane, [dots], [("measured", "@sample"), ("", "@y{0,0.0} W/m²")], "mouse")
+    tips = [("measured", "@sample"), ("", "@y{0,0.0} W/m²")]
+    _hover(pane, [dots], tips, "mouse", name="points-hover")
     return pane
 
 

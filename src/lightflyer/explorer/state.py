@@ -269,6 +269,10 @@ def _require_keys(content: Any, depth: int) -> None:
     elif isinstance(content, list):
         for entry in content:
             _require_keys(entry, depth + 1)
+    elif isinstance(content, str) and any("\ud800" <= letter <= "\udfff" for letter in content):
+        raise ConfigurationError(
+            "a text of the design has half a character, which no file can hold"
+        )
 
 
 def to_toml(document: Document) -> str:
@@ -301,7 +305,7 @@ def _typed(content: Any) -> Any:
         kept = {key: _typed(entry) for key, entry in content.items()}
         return {key: entry for key, entry in kept.items() if entry not in ("", None)}
     if isinstance(content, list | tuple):
-        return [_typed(entry) for entry in content]
+        return [_typed(entry) for entry in content if entry is not None]
     return _value(content.strip()) if isinstance(content, str) else content
 
 

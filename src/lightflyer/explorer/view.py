@@ -134,6 +134,7 @@ def curves(found: Quick, pins: int = 0) -> dict[str, Any]:
         "temperature": _temperature(found.setup, x, table, axis),
         "payload": _payload(x, table, axis),
     }
+    here = (where.name, f"@x{{0.00}} {where.shown_unit}")
     flies = _flies(found, factor)
     pinned = [
         Line(f"pin {number}", colour, "dashdot").described()
@@ -141,6 +142,7 @@ def curves(found: Quick, pins: int = 0) -> dict[str, Any]:
     ]
     for data in drawn.values():
         data["legend"] += pinned
+        data["tips"] = [here, *data["tips"]]
         data["sources"] |= {"flies": flies, "band": {"x": [], "low": [], "high": []}}
     return drawn
 
@@ -247,6 +249,7 @@ def _irradiance(setup: Any, x: np.ndarray, table: Mapping[str, Any], axis: _Axis
         y=(low, high),
         labels=(axis[1], "irradiance [W/m²]"),
         legend=(Line("needed to levitate", BLUE), Line("available", VERMILION, "dashed")),
+        tips=[("needed", "@needed{0,0.0} W/m²")],
         words=f"Irradiance needed to levitate over {axis[1]}; {available:.4g} W/m² is available. "
         f"{least}",
     )
@@ -283,6 +286,7 @@ def _temperature(
         y=y,
         labels=(axis[1], "temperature [K]"),
         legend=legend,
+        tips=[("flyer", "@flyer{0.0} K"), ("gas", "@gas{0.0} K")],
         words=f"Temperature of flyer and gas over {axis[1]}; the flyer is at most {hottest:.4g} K.",
     )
 
@@ -300,6 +304,7 @@ def _payload(x: np.ndarray, table: Mapping[str, Any], axis: _Axis) -> dict[str, 
         y=(low, high),
         labels=(axis[1], f"largest payload [{unit}]"),
         legend=(Line("largest payload", BLUE),),
+        tips=[("payload", f"@payload{{0.0000}} {unit}")],
         words=f"Largest payload over {axis[1]}: at most {most * scale:.4g} {unit}.",
         scale=scale,
     )

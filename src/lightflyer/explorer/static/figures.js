@@ -79,6 +79,10 @@ export class Figures {
       find("x-axis").axis_label = data.labels[0];
       find("y-axis").axis_label = data.labels[1];
     }
+    if (data.tips) {
+      const tips = JSON.stringify(data.tips); // set anew they would flicker
+      if (tips !== before.told) { find("hover").tooltips = data.tips; kept.told = tips; }
+    }
     if (data.colours) {
       find("colours").setv({ low: data.colours.low, high: data.colours.high });
     }

@@ -22,6 +22,7 @@ from lightflyer.film import (
     stack_optics,
     tabulated_material,
 )
+from lightflyer.film.findings import thick_warnings
 from lightflyer.foundation.precision import _QUICK_COMPILATION, jit_with_options
 
 WAVELENGTH = 7e-7
@@ -226,6 +227,14 @@ def test_a_summary_says_what_its_numbers_leave_out():
     holes = Film((Layer(flat(4.0, 0.4), 5e-8),), open_fraction=0.1, hole_diameter=5e-6)
     summary = FilmSummary.of(holes, am0(), np.array([300.0]))
     assert any(text.startswith("holes of 5 µm are narrow") for text in summary.warnings)
+
+
+@pytest.mark.parametrize(("thickness", "coherent", "said"), [(1e-5, True, False),
+                                                            (2e-5, True, True),
+                                                            (1e-3, False, False)])  # fmt: skip
+def test_layers_with_too_many_fringes_are_named(thickness, coherent, said):
+    film = Film((Layer(flat(1.5, 1e-3), thickness, coherent=coherent),))
+    assert bool(thick_warnings(film)) is said
 
 
 def test_a_flyers_film_stands_free():

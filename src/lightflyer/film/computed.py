@@ -15,7 +15,12 @@ from lightflyer.film.averages import (
     thermal_coverage,
 )
 from lightflyer.film.curve import NODES, EmittanceCurve, node_temperatures
-from lightflyer.film.findings import medium_warnings, property_warnings, roughness_warnings
+from lightflyer.film.findings import (
+    medium_warnings,
+    property_warnings,
+    roughness_warnings,
+    thick_warnings,
+)
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.spectra import Spectrum
 from lightflyer.film.stack import GRAZING, Film, Side
@@ -134,9 +139,9 @@ class ComputedFilm:
             for text in property_warnings(name, mean, self.film)
         ]
         extrapolated = (f"extrapolated {text}" for text in self._extrapolated())
-        return (
-            *missing, *extrapolated, *medium_warnings(self.film), *roughness_warnings(self.film)
-        )  # fmt: skip
+        film = self.film
+        of_layers = (*medium_warnings(film), *thick_warnings(film), *roughness_warnings(film))
+        return (*missing, *extrapolated, *of_layers)
 
     @classmethod
     def of(

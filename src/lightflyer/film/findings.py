@@ -7,7 +7,7 @@ import numpy as np
 from lightflyer.film.averages import Average, thermal_coverage
 from lightflyer.film.curve import EmittanceCurve
 from lightflyer.film.diffraction import narrow_holes
-from lightflyer.film.medium import MICROMETRE
+from lightflyer.film.medium import MICROMETRE, Medium
 from lightflyer.film.sheets import sheet_warnings
 from lightflyer.film.spectra import Spectrum, am0
 from lightflyer.film.stack import Film
@@ -17,6 +17,7 @@ WORTH_SAYING = 0.001
 """Least share of a spectrum's power whose absence or extrapolation is named [1]."""
 
 _REFERENCE_WAVELENGTH = 0.5e-6  # [m], near the peak of sunlight
+_MOST_WAVELENGTHS = 50.0  # inside a coherent layer: four steps of the table of AM0 in a fringe
 
 TYPICAL_TEMPERATURE = 350.0
 """Temperature of light-flyers at which a warning gives the bounds of an emittance [K]."""
@@ -58,7 +59,8 @@ def film_warnings(
     found += _shares(thermal["top"], "a black body's radiation", "emittance", heat)
     found += _scattered(solar["top"], "sunlight (AM0)", "absorptance", "")
     found += _scattered(thermal["top"], "a black body's radiation", "emittance", heat)
-    found += [*medium_warnings(film), *roughness_warnings(film), *_surroundings(film)]
+    found += [*medium_warnings(film), *thick_warnings(film), *roughness_warnings(film)]
+    found += _surroundings(film)
     if film.open_fraction is not None and film.hole_diameter is not None:
         found += narrow_holes(0.5 * film.hole_diameter, temperatures)
     if film.unknown_density is not None:
@@ -128,11 +130,11 @@ def roughness_warnings(film: Film) -> list[str]:
     if not film.is_rough:
         return []
     wavelength = float(np.clip(_REFERENCE_WAVELENGTH, *film.covered_range))
-    n, _ = film.index(np.array([wavelength]))
-    ends = [1.0 if one is None else float(one.index(np.array([wavelength]))[0][0])
-            for one in (film.above, film.below)]  # fmt: skip
-    indices = np.array([ends[0], *n[:, 0], ends[1]])
-    highest = np.maximum(indices[:-1], indices[1:])
+    media = [film.above, *(end for layer in film.layers
+                           for end in (layer.material.sheets[0], layer.material.sheets[-1])),
+             film.below]  # fmt: skip
+    indices = [1.0 if one is None else _index(one, wavelength) for one in media]
+    highest = np.maximum(indices[::2], indices[1::2])
     limit = wavelength / (4.0 * np.pi * highest)
     return [
         f"face {number} from the top has a roughness of {_nanometres(height)}: the scalar theory "
@@ -140,6 +142,38 @@ def roughness_warnings(film: Film) -> list[str]:
         for number, (height, most) in enumerate(zip(film.faces, limit, strict=True), 1)
         if height is not None and height > most
     ]
+
+
+def thick_warnings(film: Film) -> list[str]:
+    """Coherent layers too thick for the wavelengths of an average, one line each.
+
+    Parameters
+    ----------
+    film : Film
+        With concrete numbers.
+
+    Returns
+    -------
+    list of str
+    """
+    wavelength = float(np.clip(_REFERENCE_WAVELENGTH, *film.covered_range))
+    found = []
+    for layer in film.layers:
+        if not layer.coherent:
+            continue
+        depth = float(layer.thickness) * _index(layer.material.sheets[0], wavelength)
+        if depth > _MOST_WAVELENGTHS * wavelength:
+            found.append(
+                f"{layer.material.name}, {layer.thickness_text}, is so thick that its interference "
+                "fringes are finer than the steps of spectra: give it coherent = false, unless a "
+                "laser measures it"
+            )
+    return found
+
+
+def _index(medium: Medium, wavelength: float) -> float:
+    n, _ = medium.index(np.array([wavelength]))
+    return float(n[0])
 
 
 def _nanometres(length: Numeric) -> str:

@@ -85,17 +85,11 @@ def film_command(
         ],
         others=others,
     )  # fmt: skip
-    by_angle = None
-    if directions is not None:
-        from lightflyer.film.angles import AngularSummary
-
-        by_angle = AngularSummary.of(film, summary.light, directions, asked)
+    by_angle = None if directions is None else _by_angle(summary, directions)
     warnings = [*summary.warnings, *beyond]
     described = summary.to_json() | {"origin": _origins(section), "warnings": warnings}
-    if at is not None:
-        described["at"] = points
-    if by_angle is not None:
-        described["angles"] = _angles_json(by_angle)
+    described |= {} if at is None else {"at": points}
+    described |= {} if by_angle is None else {"angles": _angles_json(by_angle)}
     paths = [] if out is None else _write(out, summary, by_angle, described, figures)
     if json_output:
         print_json(described)
@@ -184,6 +178,12 @@ def _directions(angles: str | None) -> Any:
     if np.any(asked < 0.0) or np.any(asked >= right):
         raise ConfigurationError(f'--angles "{angles}": angles are from 0 to below 90 degrees')
     return asked
+
+
+def _by_angle(summary: "FilmSummary", directions: Any) -> "AngularSummary":
+    from lightflyer.film.angles import AngularSummary
+
+    return AngularSummary.of(summary.film, summary.light, directions, summary.temperatures)
 
 
 def _write(

@@ -253,6 +253,7 @@ STACKS_MISTAKES = [
     ({"materials": [PET], "film": "flyer.top"}, '"flyer.top" is no film of layers: film'),
     ({"materials": [PET], "most_layers": 40}, "most_layers"),
     ({"materials": [PET], "most": 4}, "most is unknown; choose from"),
+    ({"materials": [PET | {"uncertainty": "50 %"}]}, "PET: .*at most 30 % of the number"),
 ]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flight.outputs import outputs_of
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.errors import ConfigurationError, LightflyerError
+from lightflyer.foundation.errors import LightflyerError
 from lightflyer.foundation.extras import extra
 from lightflyer.foundation.progress import Counted
 from lightflyer.search.objectives import ObjectiveFunction
@@ -149,8 +149,6 @@ def pareto(
         seed=seed,
         beyond_range=beyond_range,
     )
-    if problem.choice is not None:
-        raise ConfigurationError("stacks: a search among stacks has one objective")
     function = ObjectiveFunction(problem)
     places, losses = _search(function, population, generations)
     order = np.argsort(-problem.objectives[0].sign * losses[:, 0])

@@ -224,7 +224,7 @@ def optimise(
         beyond_range=beyond_range,
         stacks=stacks,
     )
-    if problem.choice is None or len(problem.objectives) > 1:
+    if problem.choice is None:
         return find_optimum(ObjectiveFunction(problem))
     problem, ranking = choose_stack(problem)
     found = find_optimum(ObjectiveFunction(problem))

@@ -355,12 +355,29 @@ def _with_choice(
     assert asked is not None  # as looked up
     with errors_at(source, "optimise", "stacks"):
         stacks = design.stacks(asked, source.path.parent if source else None)
+        _check_bounds(stacks)
     with errors_at(source, "optimise"):
         if PROBABILITY in (*section.maximise, *section.minimise):
             raise ConfigurationError(f"{PROBABILITY} cannot rank stacks; search with the payload")
+        if len(section.maximise) + len(section.minimise) > 1:
+            raise ConfigurationError("a search among stacks has one objective")
     limit = math.inf if asked.time_limit is None else float(asked.time_limit.value)
     choice = Choice(stacks, section, sampling, source, limit)
     return replace(choice.any_stack(), choice=choice)
+
+
+def _check_bounds(stacks: AbstractStacks) -> None:
+    """Raise where the bounds of a material's thickness are none, before a long search."""
+    checked: set[int] = set()
+    for sequence in stacks.sequences:
+        if not set(sequence) <= checked:
+            design, over = stacks.chosen(sequence)
+            for name, entry in over.items():
+                try:
+                    read_bounds(entry, design.field(name))
+                except ConfigurationError as error:
+                    raise ConfigurationError(f"materials: {design.label(name)}: {error}") from None
+            checked |= set(sequence)
 
 
 def _read_over(

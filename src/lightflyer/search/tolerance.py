@@ -19,7 +19,7 @@ layers are usually within a few per cent."""
 LOW = 0.05
 """Share of the made flyers that are worse than the low quantile."""
 
-SAMPLES = 256
+SAMPLES = 512
 """Flyers that are made, to see what becomes of a design."""
 
 

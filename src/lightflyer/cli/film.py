@@ -73,7 +73,9 @@ def film_command(
     directions = _directions(angles)
     film = section.film()
     written = section.written_layers
-    spreads = [layer.thickness.uncertainty for layer in written]
+    tied = len(section.layers)
+    spreads = section.independent_spreads
+    spreads += [layer.thickness.uncertainty for layer in written[tied:]]  # a thick substrate
     others = section.neighbours()
     points, beyond = _points(film, at, spreads, others)
     summary = FilmSummary.of(

@@ -26,18 +26,20 @@ _NEW_FILE = 0o666
 _FACES = {"top": ("top",), "bottom": ("bottom",), "both": ("top", "bottom")}
 
 
-def measured_text(estimate: Estimate) -> str:
+def measured_text(estimate: Estimate, digits: int = _DIGITS) -> str:
     """Text of an estimate for a flyer file.
 
     Parameters
     ----------
     estimate : Estimate
         With a standard uncertainty.
+    digits : int
+        Of the uncertainty.
 
     Returns
     -------
     str
-        Such as ``"0.903 ± 0.031"``, rounded to two digits of the uncertainty.
+        Such as ``"0.903 ± 0.031"``, rounded to these digits.
 
     Examples
     --------
@@ -47,7 +49,7 @@ def measured_text(estimate: Estimate) -> str:
     spread = estimate.uncertainty or 0.0
     if not spread > 0.0:
         return f"{estimate.value:.10g} {estimate.unit}".rstrip()
-    digits = max(0, _DIGITS - 1 - math.floor(math.log10(spread)))
+    digits = max(0, digits - 1 - math.floor(math.log10(spread)))
     text = f"{estimate.value:.{digits}f} ± {spread:.{digits}f}"
     return f"{text} {estimate.unit}".rstrip()
 
@@ -104,6 +106,25 @@ def update_flyer_file(
         written.append(f'{section}.{key} = "{text}"')
     _replace(path, tomlkit.dumps(document))
     return written
+
+
+def replace_file(path: Path, document: Any) -> None:
+    """Replace a flyer file by a changed one, if that is valid.
+
+    Parameters
+    ----------
+    path : Path
+    document : tomlkit.TOMLDocument
+
+    Raises
+    ------
+    ConfigurationError
+        If it is not; the file is unchanged.
+    OutputError
+        If it cannot be written.
+    """
+    tomlkit = extra("tomlkit", "updating a flyer file", "lab")
+    _replace(path, tomlkit.dumps(document))
 
 
 def write_design(

@@ -2,6 +2,7 @@
 
 from typing import Annotated, ClassVar
 
+import numpy as np
 import pydantic
 from pydantic import Field
 
@@ -84,11 +85,6 @@ class DispersionSection(Section):
 
     def medium(self, name: str, policy: Extrapolation) -> Formula:
         """The medium."""
-        known = {
-            end: float(value.value)
-            for end, value in (("shortest", self.shortest), ("longest", self.longest))
-            if value is not None
-        }
         cauchy = None
         if self.cauchy is not None:
             cauchy = Cauchy(self.cauchy.a.value, self.cauchy.b.value, self.cauchy.c.value)
@@ -100,6 +96,8 @@ class DispersionSection(Section):
             *(Drude(one.plasma.value, one.broadening.value) for one in self.drude),
         )  # fmt: skip
         return Formula(
-            name, terms, self.permittivity.value, cauchy, extrapolation=policy, **known,
+            name, terms, self.permittivity.value, cauchy, extrapolation=policy,
+            shortest=0.0 if self.shortest is None else float(self.shortest.value),
+            longest=np.inf if self.longest is None else float(self.longest.value),
             origin="a formula with the file's parameters",
         )  # fmt: skip

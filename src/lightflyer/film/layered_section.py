@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Annotated, Any, ClassVar, TypeAlias
 
+import numpy as np
 import pydantic
 from pydantic import Discriminator, Field, Tag, ValidationInfo
 
@@ -19,9 +20,11 @@ from lightflyer.foundation.precision import is_traced
 from lightflyer.foundation.quantity import (
     AccommodationCoefficient,
     ArealDensity,
+    Correlation,
     Fraction,
     Roughness,
 )
+from lightflyer.foundation.section import Section
 from lightflyer.foundation.units import Measured
 
 _LAMPS = {"AM0": am0, "cold-white-led": cold_white_led}
@@ -47,6 +50,19 @@ _OF_SAMPLES = {
 """Keys of a film that is no flyer's, and why they are refused in a flyer file."""
 
 
+_ROUNDING = 1e-9  # variance along a principal axis of correlations that is none
+_NO_COVARIANCE = -1e-9  # eigenvalue of a matrix of correlations, below which there is none
+
+
+class CorrelationSection(Section):
+    """An entry of ``correlated``: the correlation of the errors of two numbers with ±."""
+
+    not_varied: ClassVar[Mapping[str, str]] = {"value": "is about uncertainties, not a design"}
+
+    of: tuple[str, str]
+    value: Correlation
+
+
 class LayeredFilmSection(FilmSection):
     """``[film]``: layers, top to bottom, and measured values that replace computed ones."""
 
@@ -67,6 +83,7 @@ class LayeredFilmSection(FilmSection):
     tac_top: AccommodationCoefficient | None = None
     tac_bottom: AccommodationCoefficient | None = None
     roughness_bottom: Roughness | None = None
+    correlated: tuple[CorrelationSection, ...] = ()
 
     _optics: FilmProperties | WholeFilm | None = pydantic.PrivateAttr(None)
 
@@ -98,15 +115,58 @@ class LayeredFilmSection(FilmSection):
         bottom = None if self.roughness_bottom is None else self.roughness_bottom.value
         return Film(layers, roughness_below=bottom)
 
+    @pydantic.model_validator(mode="after")
+    def _possible_correlations(self) -> "LayeredFilmSection":
+        if not self.correlated:
+            return self
+        spreads = {
+            name: value.uncertainty for name, _, value in self.numbers() if value is not None
+        }
+        for entry in self.correlated:
+            for name in entry.of:
+                if not spreads.get(name):
+                    raise ConfigurationError(f"correlated: {name} is no number with ± in [film]")
+            if entry.of[0] == entry.of[1]:
+                raise ConfigurationError(f"correlated: {entry.of[0]} is named twice in one entry")
+        names, matrix = self._correlation()
+        if np.linalg.eigvalsh(matrix)[0] < _NO_COVARIANCE:
+            raise ConfigurationError(
+                f"correlated: no errors have these correlations of {', '.join(names)}"
+            )
+        return self
+
+    def _correlation(self) -> tuple[list[str], np.ndarray]:
+        """Names and correlations of the numbers that are correlated with others."""
+        names = list(dict.fromkeys(name for entry in self.correlated for name in entry.of))
+        matrix = np.eye(len(names))
+        for entry in self.correlated:
+            row, column = (names.index(name) for name in entry.of)
+            matrix[row, column] = matrix[column, row] = entry.value.value
+        return names, matrix
+
+    @property
+    def independent_spreads(self) -> list[float | None]:
+        """Standard uncertainty of each layer's thickness that is correlated with nothing [m]."""
+        tied = set(self._correlation()[0])
+        return [
+            None if f"layers.{number}.thickness" in tied else layer.thickness.uncertainty
+            for number, layer in enumerate(self.layers)
+        ]
+
     def neighbours(self) -> list[tuple[Film, Film]]:
-        """Films with each number that has ± one standard uncertainty above and below its value.
+        """Films one standard uncertainty above and below the file's, for each number with ±.
 
         Thicknesses, densities and accommodation coefficients of layers are left out: the first two
-        are treated by themselves, the last change no optics. A value stays in its range.
+        are treated by themselves, the last change no optics. A value stays in its range. Numbers
+        whose errors are correlated, thicknesses too, move together: along each principal axis of
+        their covariance.
         """
-        found = []
+        found = self._joint_neighbours()
+        tied = set(self._correlation()[0])
         for name, quantity, value in self.numbers():
             if value is None or not value.uncertainty or not _OF_MEDIA.match(name):
+                continue
+            if name in tied:
                 continue
             above, below = (
                 min(max(value.value + change, quantity.lowest), quantity.highest)
@@ -115,8 +175,31 @@ class LayeredFilmSection(FilmSection):
             found.append((self._film_with(name, above), self._film_with(name, below)))
         return found
 
+    def _joint_neighbours(self) -> list[tuple[Film, Film]]:
+        names, matrix = self._correlation()
+        known = {name: (kind, value) for name, kind, value in self.numbers() if name in names}
+        middle = np.array([known[name][1].value for name in names])  # type: ignore[union-attr]
+        spread = np.array([known[name][1].uncertainty for name in names])  # type: ignore[union-attr]
+        lowest, highest = (
+            np.array([getattr(known[name][0], end) for name in names])
+            for end in ("lowest", "highest")
+        )
+        variances, axes = np.linalg.eigh(matrix)
+        found = []
+        for variance, axis in zip(variances, axes.T, strict=True):
+            if variance <= _ROUNDING:
+                continue
+            change = np.sqrt(variance) * axis * spread
+            ends = (np.clip(middle + sign * change, lowest, highest) for sign in (1.0, -1.0))
+            above, below = (self._film_of(dict(zip(names, end, strict=True))) for end in ends)
+            found.append((above, below))
+        return found
+
     def _film_with(self, name: str, value: float) -> Film:
-        changed = self.replaced({name: value})
+        return self._film_of({name: value})
+
+    def _film_of(self, values: Mapping[str, float]) -> Film:
+        changed = self.replaced(values)
         assert isinstance(changed, LayeredFilmSection)
         return changed.film()
 
@@ -144,10 +227,11 @@ class LayeredFilmSection(FilmSection):
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
         """See :attr:`FilmSection.correlations`; the same material has the same error."""
+        stated = {entry.of: float(entry.value.value) for entry in self.correlated}
         materials = {layer.label for layer in self._surfaces().values()}
         if len(self.implied) == len(FACES) and len(materials) == 1:
-            return {(FACES[0], FACES[1]): 1.0}
-        return super().correlations
+            return {**stated, (FACES[0], FACES[1]): 1.0}
+        return {**stated, **super().correlations}
 
     def _surfaces(self) -> dict[str, LayerSection]:
         """The layer at each face, by the name of its TAC."""

@@ -6,6 +6,7 @@ from .estimate import Estimate as Estimate
 from .estimate import weighted_mean as weighted_mean
 from .figures.ftir import ftir_figures as ftir_figures
 from .figures.levitation import levitation_figures as levitation_figures
+from .figures.optics import optics_figures as optics_figures
 from .figures.surface import roughness_figures as roughness_figures
 from .figures.tac import tac_figures as tac_figures
 from .figures.thermography import thermography_figures as thermography_figures
@@ -24,6 +25,12 @@ from .levitation_data import LiftOffs as LiftOffs
 from .levitation_data import read_lift_offs as read_lift_offs
 from .levitation_model import calibrate_curves as calibrate_curves
 from .levitation_model import model_curve as model_curve
+from .optics import OpticsFit as OpticsFit
+from .optics import fit_optics as fit_optics
+from .optics_data import FilmSpectrum as FilmSpectrum
+from .optics_data import FreeNumber as FreeNumber
+from .optics_data import OpticsSample as OpticsSample
+from .optics_data import read_sample as read_sample
 from .spectra.meaning import MeasuredSpectrum as MeasuredSpectrum
 from .spectra.raw import SpectrumFacts as SpectrumFacts
 from .spectrum_data import read_spectrum as read_spectrum

@@ -21,6 +21,11 @@ app.command(
     help="Emissivity, or its upper bound, from infrared spectra.",
 )
 app.command(
+    "lightflyer.cli.lab.optics:optics_command",
+    name="optics",
+    help="Thickness, porosity and optical constants of a film from its spectra.",
+)
+app.command(
     "lightflyer.cli.lab.roughness:roughness_command",
     name="roughness",
     help="Roughness of surfaces from height maps, without the particles on them.",

@@ -211,6 +211,7 @@ def write_record(
     draw: Callable[[], dict[str, "Figure"]],
     update: Callable[[], list[str]],
     figures: FigureOptions,
+    tables: Mapping[str, str] | None = None,
 ) -> tuple[list[Path], list[str]]:
     """Write the record (JSON, NetCDF) and figures of a measurement, or nothing.
 
@@ -228,6 +229,8 @@ def write_record(
     update : callable
         Updates the flyer file after all files are prepared; if it fails, nothing is written.
     figures : FigureOptions
+    tables : mapping of str to str, optional
+        Text of further files, by name.
 
     Returns
     -------
@@ -243,6 +246,9 @@ def write_record(
     with output_directory(out) as stage:
         write_json(stage(names[0]), document)
         dataset.to_netcdf(stage(names[1]), engine="h5netcdf")
+        for file, text in (tables or {}).items():
+            stage(file).write_text(text, encoding="utf-8")
+            names.append(file)
         names += figures.write(stage, draw)
         updated = update()
     return [out / name for name in names], updated

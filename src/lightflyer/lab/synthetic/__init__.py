@@ -53,6 +53,10 @@ def example_files(name: str, seed: int = 0) -> Example:
             {**levitation_files(seed)},
             ["levitation levitation.csv --out levitation", "levitation launchpads.csv"],
         )
+    if name == "optics":
+        from lightflyer.lab.synthetic.optics import optics_files
+
+        return Example({**optics_files(seed)}, ["optics sample.toml --out optics"])
     if name == "roughness":
         from lightflyer.lab.synthetic.surface import roughness_files
 

@@ -1,0 +1,152 @@
+"""``lightflyer lab optics``: thicknesses, mixtures and constants of a film from its spectra."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.table import Table
+
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
+from lightflyer.cli.lab._shared import (
+    finish,
+    show_rejected,
+    show_warnings,
+    write_record,
+)
+from lightflyer.cli.options import Json, Seed
+from lightflyer.cli.output import print_json, printer
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from lightflyer.lab.optics import OpticsFit
+
+_PERCENT = 100.0
+
+
+def optics_command(
+    sample_file: Path,
+    /,
+    *,
+    starts: int = 16,
+    out: Path | None = None,
+    update: Path | None = None,
+    seed: Seed = 0,
+    json_output: Json = False,
+    figures: ResultOptions = AS_USUAL,
+) -> None:
+    """Fit thicknesses, porosity and optical constants of a film to measured spectra.
+
+    Intervals are 95 % and include errors of the instruments' scales and zeros, and residuals that
+    are alike over many points.
+
+    Parameters
+    ----------
+    sample_file
+        TOML file with the layers of a sample ([film]), the numbers in it that are free, and the
+        spectra of transmittance and reflectance; "lightflyer lab example optics" writes one.
+    starts
+        How many points between the bounds minima are looked for from.
+    out
+        Folder to write the record (JSON, NetCDF, CSV) and the figures into.
+    update
+        Flyer file whose [film] has the same layers, to write the fitted numbers, their ± and their
+        correlations into.
+    seed
+        Seed of the starts, and of the bands of n and k.
+    json_output
+        Print one JSON object instead of tables.
+    figures
+        How figures are written.
+    """
+    out = figures.folder(out)
+    from lightflyer.lab.optics import fit_optics, to_dataset
+    from lightflyer.lab.optics_data import read_sample
+    from lightflyer.lab.optics_record import tables
+
+    sample = read_sample(sample_file)
+    if update is not None:
+        from lightflyer.config.update_layers import require_same_layers
+
+        require_same_layers(update, sample)
+    result = fit_optics(sample, starts=starts, seed=seed)
+    document = result.summary() | {"read": [
+        {"file": one.spectrum.source, "format": one.spectrum.facts.format,
+         "rejected": [{"line": row.line, "reason": row.reason} for row in one.spectrum.rejected]}
+        for one in sample.spectra
+    ]}  # fmt: skip
+
+    def write() -> list[str]:
+        if update is None:
+            return []
+        from lightflyer.config.update_layers import update_layers
+
+        return update_layers(update, result, sample_file.name)
+
+    written, updated = write_record(
+        out, "optics", document, to_dataset(result), lambda: _figures(result), write, figures,
+        tables=tables(result),
+    )  # fmt: skip
+    if json_output:
+        print_json(document)
+        return
+    console = printer()
+    _show_read(console, result)
+    _show(console, result)
+    show_warnings(console, result.warnings)
+    finish(console, figures, written, updated, update)
+
+
+def _figures(result: "OpticsFit") -> "dict[str, Figure]":
+    from lightflyer.lab.figures.optics import optics_figures
+
+    return optics_figures(result)
+
+
+def _show_read(console: Console, result: "OpticsFit") -> None:
+    for one in result.spectra:
+        spectrum = one.measured.spectrum
+        ends = spectrum.wavelength[[-1, 0]] * 1e6
+        console.print(
+            f"read {len(spectrum.value)} points of {spectrum.quantity} from {spectrum.source}, "
+            f"{ends[0]:.4g} to {ends[1]:.4g} µm", soft_wrap=True, markup=False,
+        )  # fmt: skip
+        show_rejected(console, spectrum.rejected)
+
+
+def _show(console: Console, result: "OpticsFit") -> None:
+    from lightflyer.lab.optics_findings import written
+
+    rows: list[tuple[str, Any, float, str]] = [
+        (name, one, *written(one.unit)) for name, one in result.numbers.items()
+    ]
+    console.print(_table("fitted", rows))
+    if result.predictions:
+        rows = [(name, one, 1.0, "") for name, one in result.predictions.items()]
+        console.print(_table("of the fitted film", rows))
+    console.print(_instruments(result))
+
+
+def _table(first: str, rows: "list[tuple[str, Any, float, str]]") -> Table:
+    table = Table(box=None, padding=(0, 1))
+    for heading in (first, "value", "95 % interval", "unit"):
+        table.add_column(heading, justify="right" if heading == "value" else "left")
+    for name, one, scale, unit in rows:
+        low, high = (end / scale for end in one.interval)
+        table.add_row(name, f"{one.value / scale:.5g}", f"{low:.5g} to {high:.5g}", unit or "1")
+    return table
+
+
+def _instruments(result: "OpticsFit") -> Table:
+    table = Table(box=None, padding=(0, 1))
+    table.add_column("spectrum")
+    for heading in ("scatter\n[%]", "points", "indepen-\ndent", "scale's\nerror [%]",
+                    "zero's\nerror [%]"):  # fmt: skip
+        table.add_column(heading, justify="right")
+    for one in result.spectra:
+        table.add_row(
+            one.measured.label, f"{_PERCENT * one.scatter.deviation:.2f}", f"{len(one.reading)}",
+            f"{one.scatter.independent:.0f}", f"{_PERCENT * one.scale_error:+.2f}",
+            f"{_PERCENT * one.zero_error:+.2f}",
+        )  # fmt: skip
+    return table

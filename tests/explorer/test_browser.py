@@ -123,8 +123,10 @@ def test_downloads_come_as_files(page, tmp_path):
 def test_address_holds_the_design(page, browser, site):
     type_into(page, DIAMETER, "3.3 cm")
     type_into(page, "#at", "76 km")
+    until(
+        page, "location.hash.includes('flyer.diameter=3.3+cm') && location.hash.includes('76+km')"
+    )
     address = page.url
-    assert "flyer.diameter=3.3+cm" in address
     page.evaluate("location.hash = '#flyer.shape=disk'")
     page.wait_for_selector("#mistakes:not([hidden])")
     page.evaluate("text => { location.hash = text }", address.partition("#")[2])
@@ -173,7 +175,7 @@ def test_designs_are_pinned_and_differences_highlighted(page):
     differing = page.locator("#pins-table td.differs").all_inner_texts()
     assert "2 cm" in differing
     assert page.evaluate("explorer.figures.data.get('payload').sources.pins.xs.length") == 1
-    assert "pin=" in page.url
+    until(page, "location.hash.includes('pin=')")
     page.click("[aria-label='Remove pin 1']")
     until(page, "document.body.dataset.pinned == 0")
 

@@ -114,7 +114,7 @@ class Explorer {
     this.mistakes([...(answer.errors ?? []), ...(this.told ?? [])]);
     this.wrong = !answer.figures;
     document.body.classList.toggle("stale", this.wrong);
-    if (answer.url !== undefined) { this.url = answer.url; history.replaceState(null, "", `#${answer.url}`); }
+    if (answer.url !== undefined) this.address(answer.url);
     if (!answer.figures) return;
     this.coordinate = answer.coordinate;
     if (await this.figures.prepare(answer.coordinate.logarithmic)) this.tabs.clear();
@@ -166,6 +166,13 @@ class Explorer {
     } catch (error) {
       if (error.name !== "AbortError") throw error;
     }
+  }
+
+  // Browsers refuse to change the address at every move of a slider.
+  address(url) {
+    this.url = url;
+    clearTimeout(this.addressing);
+    this.addressing = setTimeout(() => history.replaceState(null, "", `#${url}`), REST);
   }
 
   // ---- what it shows ----

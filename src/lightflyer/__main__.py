@@ -29,7 +29,10 @@ _ASCII = {
     "\N{NO-BREAK SPACE}": " ", "\N{NARROW NO-BREAK SPACE}": " ",
 }  # fmt: skip
 
-_GOES_ON = {"sweep": "what was computed is kept; the same command goes on from there"}
+_GOES_ON = {
+    "explore": "the address of the page holds its design, and opens it again",
+    "sweep": "what was computed is kept; the same command goes on from there",
+}
 _BEGINS_ANEW = "the same command begins anew"
 _ON_A_TERMINAL = b"\x1b[?25h\n"  # show the cursor, which a progress bar hides; leave the line of ^C
 

@@ -149,7 +149,7 @@ def test_job_of_one_page_does_not_hold_up_another(site, workplace, monkeypatch):
         site.ask("move", document=workplace.initial)
         waits.append(time.perf_counter() - since)
     assert not done, "the job had ended before the others asked"
-    assert sorted(waits)[len(waits) // 2] - sorted(alone)[2] < 0.3
+    assert max(waits) - sorted(alone)[2] < 0.3
     thread.join()
 
 

@@ -126,7 +126,8 @@ def test_wrong_file_ends_the_command_with_its_line(tmp_path, run):
     path.write_text('[flyer]\ndiameter = "2 xm"\n', encoding="utf-8")
     code, _, error = run("explore", path, "--no-browser")
     assert code == 2
-    assert "xm" in error
+    (line,) = error.splitlines()
+    assert line.startswith(f'lightflyer: error: {path}:2: flyer.diameter: "2 xm"')
 
 
 def test_a_new_flyer_appears_with_its_fields(workplace):

@@ -7,7 +7,7 @@ import datetime
 import json
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path, PurePosixPath, PureWindowsPath
@@ -104,10 +104,13 @@ class Workplace:
         if path is None:
             first = next(iter(templates().values()))
             return cls(Path.cwd(), "flyer.toml", plain(first.document))
-        document = parsed(read_text(path), path, FLYER_FILE)
-        workplace = cls(path.parent, path.name, plain(document))
-        workplace.design(workplace.initial)  # its mistakes end the command
-        return workplace
+        text = read_text(path)
+        document = parsed(text, path, FLYER_FILE)
+        read: Callable[[str, Path], Any] = design_of_text
+        if MISSION in document:
+            read = mission_of_text
+        read(text, path)  # its mistakes end the command, with their lines
+        return cls(path.parent, path.name, plain(document))
 
     def design(self, document: Document) -> FileDesign:
         """What a document describes, without its mission.

@@ -1,7 +1,17 @@
 """Sphinx configuration."""
 
+import importlib.metadata
+import os
 import sys
 from pathlib import Path
+
+# The gallery compiles many small programs and runs each once; see tests/conftest.py.
+if importlib.metadata.version("jaxlib").startswith("0.10."):
+    os.environ.setdefault(
+        "XLA_FLAGS",
+        "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false "
+        "--xla_cpu_opt_preset=CPU_OPT_PRESET_FAST_COMPILE",
+    )
 
 import lightflyer
 
@@ -17,10 +27,12 @@ extensions = [
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
+    "sphinx_gallery.gen_gallery",
     "calculator",
+    "command_options",
     "mathml",
 ]
-exclude_patterns = ["_build", "_extensions"]
+exclude_patterns = ["_build", "_extensions", "gallery", "notebooks"]  # the last two are sources
 html_math_renderer = "mathml"
 html_theme = "furo"
 html_title = "lightflyer"
@@ -37,3 +49,20 @@ numpydoc_citation_re = r"[A-Z][A-Za-z]+\d{4}[a-z]?"
 nitpicky = False
 # Markdown pages cite by a link to the page of references, which Sphinx does not count
 suppress_warnings = ["ref.citation"]
+
+sphinx_gallery_conf = {
+    "examples_dirs": ["gallery", "notebooks"],
+    "gallery_dirs": ["generated/gallery", "generated/notebooks"],
+    "filename_pattern": r"\.py$",
+    "within_subsection_order": "FileNameSortKey",
+    "abort_on_example_error": True,
+    "reset_modules": ("matplotlib", "gallery_figures.take_style"),
+    "image_scrapers": ("matplotlib", "gallery_figures.result_figures"),
+    "image_srcset": ["2x"],
+    "ignore_repr_types": "matplotlib|Figure",
+    "reference_url": {"lightflyer": None},
+    "download_all_examples": False,
+    "show_signature": False,
+    "show_memory": False,
+    "min_reported_time": 1e3,
+}

@@ -1,6 +1,9 @@
 """Every piece of Python, TOML and console on the pages works, and prints what the page shows.
 
 They take minutes, so that they run with the documentation, ``make docs``, not with the tests.
+
+A figure below "% drawn above: FILE" is the one that the commands above it write. After a change of
+figures on purpose, ``make figures`` takes the new ones.
 """
 
 import os
@@ -14,6 +17,8 @@ from pathlib import Path
 import matplotlib as mpl
 import pytest
 import tomlkit
+from matplotlib.testing.compare import compare_images
+from PIL import Image
 
 import lightflyer as lf
 from lightflyer.cli.init import templates
@@ -26,9 +31,16 @@ from lightflyer.sweeps.sections import STUDY_FILE, StudyFile
 pytestmark = pytest.mark.snippets
 
 ROOT = Path(lf.__file__).parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+DOCS = ROOT / "docs"
+COMMAND_PAGES = sorted((DOCS / "commands").glob("*.md"))
+PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md")), *COMMAND_PAGES]
 # "% not run: why" stands above what needs a file that no reader has
 BLOCK = re.compile(r"^(% not run: .+\n)?```(python|toml|console)\n(.*?)^```$", re.M | re.S)
+DRAWN = re.compile(r"^% drawn above: (\S+)\n!\[[^]]+\]\((\S+)\)$", re.M)
+RENEW = os.environ.get("LIGHTFLYER_RENEW_FIGURES") == "yes"
+COLOURS = 256  # of a picture in the repository, which makes it a third as large
+ALIKE = 3.0  # root-mean-square difference of two pictures, of 255; a curve elsewhere makes tens
+
 NOT_OURS = ("pip", "make", "source", "dask", "python", "#")
 STUDY_SECTIONS = {"sweep", "outputs", "sampling", "optimise", "sensitivity"}
 MEASUREMENTS = ("tac", "ftir", "levitation", "thermography", "roughness")
@@ -52,14 +64,15 @@ def files(tmp_path_factory):
 
 def pages():
     for page in PAGES:
-        found = BLOCK.findall(page.read_text(encoding="utf-8"))
-        blocks = [(kind, text) for left_out, kind, text in found if not left_out]
+        text = page.read_text(encoding="utf-8")
+        blocks = [(kind, block) for left_out, kind, block in BLOCK.findall(text) if not left_out]
         if blocks:
-            yield pytest.param(blocks, id=page.stem)
+            drawn = [(made, page.parent / shown) for made, shown in DRAWN.findall(text)]
+            yield pytest.param(blocks, drawn, id=str(page.relative_to(ROOT).with_suffix("")))
 
 
-@pytest.mark.parametrize("blocks", list(pages()))
-def test_the_page_works(blocks, files, run, tmp_path, monkeypatch):
+@pytest.mark.parametrize(("blocks", "drawn"), list(pages()))
+def test_the_page_works(blocks, drawn, files, run, tmp_path, monkeypatch):
     folder = tmp_path / "here"
     shutil.copytree(files, folder)
     monkeypatch.chdir(folder)
@@ -73,6 +86,18 @@ def test_the_page_works(blocks, files, run, tmp_path, monkeypatch):
         else:
             for command, shown in commands(text):
                 require_shown(command, shown, run)
+    for made, picture in drawn:
+        require_alike(Path(made), picture)
+
+
+def require_alike(made, picture):
+    """The picture on the page is the one that the commands of the page wrote."""
+    if RENEW:
+        with Image.open(made) as image:
+            image.convert("RGB").quantize(COLOURS).save(picture, optimize=True)
+        return
+    difference = compare_images(str(picture), str(made), tol=ALIKE, in_decorator=True)
+    assert difference is None, f"{picture.name}, {made}: rms {difference['rms']:.3g} of 255"
 
 
 def require_readable(text):

@@ -15,7 +15,7 @@ from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from lightflyer.film import Film
-    from lightflyer.film.angles import AngularSummary
+    from lightflyer.film.angular_summary import AngularSummary
     from lightflyer.film.sample_section import SampleSection
     from lightflyer.film.summary import FilmSummary
 
@@ -183,7 +183,7 @@ def _directions(angles: str | None) -> Any:
 
 
 def _by_angle(summary: "FilmSummary", directions: Any) -> "AngularSummary":
-    from lightflyer.film.angles import AngularSummary
+    from lightflyer.film.angular_summary import AngularSummary
 
     return AngularSummary.of(summary.film, summary.light, directions, summary.temperatures)
 

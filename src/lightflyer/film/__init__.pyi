@@ -1,7 +1,7 @@
-from .angles import AngularSummary as AngularSummary
 from .angles import DirectionalShares as DirectionalShares
 from .angles import heat_by_angle as heat_by_angle
 from .angles import light_by_angle as light_by_angle
+from .angular_summary import AngularSummary as AngularSummary
 from .averages import Average as Average
 from .averages import Shares as Shares
 from .averages import absorptance as absorptance

@@ -1,11 +1,13 @@
 """Figures of a film by angle: shares of light, emittance, and absorptance over the spectrum."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from lightflyer.film.angles import AngularSummary, with_mean
+from lightflyer.film.angles import with_mean
 from lightflyer.film.figures import wavelength_axis
 from lightflyer.film.medium import MICROMETRE
 from lightflyer.foundation.drawing import (
@@ -19,6 +21,9 @@ from lightflyer.foundation.drawing import (
     legend_below,
     new_figure,
 )
+
+if TYPE_CHECKING:
+    from lightflyer.film.angular_summary import AngularSummary
 
 _HEIGHT = 4.6  # [inch]
 _RIGHT_ANGLE = 90.0
@@ -36,7 +41,7 @@ def _angle_axis(ax: Axes, label: str) -> None:
     ax.grid(alpha=0.25)
 
 
-def draw_light(summary: AngularSummary, ax: Axes) -> Axes:
+def draw_light(summary: "AngularSummary", ax: Axes) -> Axes:
     """Draw shares of the light over the angle, by polarisation.
 
     Parameters
@@ -62,7 +67,7 @@ def draw_light(summary: AngularSummary, ax: Axes) -> Axes:
     return ax
 
 
-def draw_emittance(summary: AngularSummary, ax: Axes) -> Axes:
+def draw_emittance(summary: "AngularSummary", ax: Axes) -> Axes:
     """Draw the directional emittance of the top over the angle, by polarisation.
 
     Parameters
@@ -94,7 +99,7 @@ def _explain_lines(ax: Axes) -> None:
         ax.plot([], [], color=GREY, ls=line, label=label)
 
 
-def draw_map(summary: AngularSummary, ax: Axes) -> Axes:
+def draw_map(summary: "AngularSummary", ax: Axes) -> Axes:
     """Draw the absorptance of unpolarised light over wavelength and angle.
 
     Parameters
@@ -125,7 +130,7 @@ def draw_map(summary: AngularSummary, ax: Axes) -> Axes:
     return ax
 
 
-def draw_angles(summary: AngularSummary) -> Figure:
+def draw_angles(summary: "AngularSummary") -> Figure:
     """Draw shares of the light, and the emittance, side by side.
 
     Parameters
@@ -142,7 +147,7 @@ def draw_angles(summary: AngularSummary) -> Figure:
     return figure
 
 
-def angle_figures(summary: AngularSummary) -> dict[str, Figure]:
+def angle_figures(summary: "AngularSummary") -> dict[str, Figure]:
     """The figures of a film by angle, by file name without suffix.
 
     Parameters

@@ -7,18 +7,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import lightflyer
-from lightflyer.film.angles import POLARISATIONS, AngularSummary, DirectionalShares, table_of
+from lightflyer.film.angles import POLARISATIONS, DirectionalShares, table_of
 from lightflyer.film.medium import MICROMETRE
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from lightflyer.film.angular_summary import AngularSummary
 
 _SPECTRAL = ("polarisation", "angle", "wavelength")
 _LIT = ("polarisation", "angle")
 _THERMAL = ("polarisation", "angle", "temperature")
 
 
-def to_dataset(summary: AngularSummary) -> "xr.Dataset":
+def to_dataset(summary: "AngularSummary") -> "xr.Dataset":
     """Optics by angle as an xarray dataset.
 
     Parameters
@@ -67,7 +69,7 @@ def to_dataset(summary: AngularSummary) -> "xr.Dataset":
     )  # fmt: skip
 
 
-def write_csv(summary: AngularSummary, path: Path) -> None:
+def write_csv(summary: "AngularSummary", path: Path) -> None:
     """Write the averages, one row an angle, polarisation and spectrum.
 
     Parameters
@@ -90,7 +92,7 @@ def write_csv(summary: AngularSummary, path: Path) -> None:
                     writer.writerow([name, f"{angle:.8g}", polarisation, *numbers])
 
 
-def write_spectral_csv(summary: AngularSummary, path: Path) -> None:
+def write_spectral_csv(summary: "AngularSummary", path: Path) -> None:
     """Write the spectra, one row a wavelength, angle and polarisation.
 
     Parameters

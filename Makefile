@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN = $(VENV)/bin
 STAMP = $(VENV)/.installed
 
-.PHONY: demo test check lint types docs wheel bench lock clean
+.PHONY: demo test check lint types docs pages snippets figures wheel bench lock clean
 
 demo: $(STAMP)  ## predict the 2-cm germanium disk; table here, figures and data in demo/
 	@test -e demo/flyer.toml || { mkdir -p demo && $(BIN)/lightflyer init demo/flyer.toml > /dev/null; }
@@ -24,8 +24,16 @@ types: $(STAMP)
 	$(BIN)/mypy
 
 docs: $(STAMP)  ## build the documentation into docs/_build and run what its pages show
+	$(MAKE) --no-print-directory --jobs=2 --output-sync pages snippets
+
+pages: $(STAMP)
 	$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build
+
+snippets: $(STAMP)
 	$(BIN)/pytest -n auto -m snippets tests/docs
+
+figures: $(STAMP)  ## after a change of figures on purpose: take those of the pages of commands anew
+	LIGHTFLYER_RENEW_FIGURES=yes $(BIN)/pytest -n auto -m snippets tests/docs/test_snippets.py -k commands
 
 wheel: $(STAMP)  ## build the package and use its wheel in an empty environment
 	VENV=$(VENV) .ci/check_wheel
@@ -47,4 +55,4 @@ lock: $(STAMP)  ## resolve the newest versions into requirements.lock
 		--upgrade --output-file requirements.lock pyproject.toml
 
 clean:
-	rm -rf $(VENV) demo docs/_build .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) demo docs/_build docs/generated docs/api/generated .pytest_cache .mypy_cache .ruff_cache

@@ -36,6 +36,8 @@ exclude_patterns = ["_build", "_extensions", "gallery", "notebooks"]  # the last
 html_math_renderer = "mathml"
 html_theme = "furo"
 html_title = "lightflyer"
+html_static_path = ["_static"]
+html_css_files = ["gallery.css"]
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3
 
@@ -54,7 +56,7 @@ sphinx_gallery_conf = {
     "examples_dirs": ["gallery", "notebooks"],
     "gallery_dirs": ["generated/gallery", "generated/notebooks"],
     "filename_pattern": r"\.py$",
-    "within_subsection_order": "FileNameSortKey",
+    "within_subsection_order": "gallery_figures.Order",
     "abort_on_example_error": True,
     "reset_modules": ("matplotlib", "gallery_figures.take_style"),
     "image_scrapers": ("matplotlib", "gallery_figures.result_figures"),

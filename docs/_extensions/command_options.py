@@ -15,6 +15,7 @@ from sphinx.util.docutils import SphinxDirective
 
 from lightflyer.cli import app
 
+USAGE = re.compile(r"^```console\n.*?^```$", re.M | re.S)
 CODE_OR_OPTION = re.compile(r"`[^`]*`|(?<![\w-])--[a-z][\w-]*")
 """Code, and an option within a sentence, whose hyphens must not become a dash."""
 
@@ -40,8 +41,11 @@ def options(command: str) -> str:
         generate_toc=False,
         command_chain=["lightflyer", *command.split()],
     )
-    usage = text.index("```")  # below a title and above the sentence that the page has anyway
-    return CODE_OR_OPTION.sub(_as_code, text[usage:])
+    usage = USAGE.search(text)
+    assert usage is not None, text
+    # between usage and options stands the sentence with which the page begins
+    listed = text[text.index("\n**", usage.end()) :]
+    return f"{usage[0]}\n{CODE_OR_OPTION.sub(_as_code, listed)}"
 
 
 def _as_code(found: re.Match[str]) -> str:

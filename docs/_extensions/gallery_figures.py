@@ -1,4 +1,4 @@
-"""How examples draw: the colours of the package, and figures that need no pyplot."""
+"""How examples stand and draw: their order, the package's colours, figures that need no pyplot."""
 
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,38 @@ STYLE = {
     "savefig.dpi": 100,
 }
 
+ORDER = (
+    "lu2023_altitudes.py",
+    "lu2023_sizes.py",
+    "lu2023_lamp.py",
+    "force_over_knudsen.py",
+    "cortes2020_plate.py",
+    "schafer2025_disk.py",
+    "celenza2023_kilogram.py",
+    "experimentalist.py",
+    "designer.py",
+    "theorist.py",
+)
+"""Examples, the simplest first; others follow by name."""
+
 _saved: WeakSet[Figure] = WeakSet()
+
+
+class Order:
+    """Key by which examples are sorted.
+
+    Parameters
+    ----------
+    _folder : str
+        Of the examples.
+    """
+
+    def __init__(self, _folder: str) -> None:
+        self._places = {name: place for place, name in enumerate(ORDER)}
+
+    def __call__(self, name: str) -> tuple[int, str]:
+        """Place of an example, by the name of its file."""
+        return self._places.get(name, len(ORDER)), name
 
 
 def take_style(*_: Any) -> None:

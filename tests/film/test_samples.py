@@ -11,6 +11,7 @@ import tmm
 import lightflyer as lf
 from lightflyer.config.reader import read_film_file, read_flyer_file
 from lightflyer.film import (
+    Average,
     ComputedFilm,
     Film,
     FilmSummary,
@@ -22,7 +23,7 @@ from lightflyer.film import (
     stack_optics,
     tabulated_material,
 )
-from lightflyer.film.findings import thick_warnings
+from lightflyer.film.findings import property_warnings, thick_warnings
 from lightflyer.foundation.precision import _QUICK_COMPILATION, jit_with_options
 
 WAVELENGTH = 7e-7
@@ -227,6 +228,14 @@ def test_a_summary_says_what_its_numbers_leave_out():
     holes = Film((Layer(flat(4.0, 0.4), 5e-8),), open_fraction=0.1, hole_diameter=5e-6)
     summary = FilmSummary.of(holes, am0(), np.array([300.0]))
     assert any(text.startswith("holes of 5 µm are narrow") for text in summary.warnings)
+
+
+def test_what_the_theory_of_rough_faces_cannot_do_is_said():
+    """Less than nothing scattered, as for some rough faces between two metals."""
+    impossible = Average(value=np.array(0.5), covered=np.array(1.0), scattered=np.array(-0.01))
+    film = Film((Layer(flat(0.1, 3.0), 1e-8),))
+    (text,) = property_warnings("absorptance", impossible, film)
+    assert text.startswith("rough faces scatter -0.01, less than nothing")
 
 
 @pytest.mark.parametrize(("thickness", "coherent", "said"), [(1e-5, True, False),

@@ -17,6 +17,7 @@ WORTH_SAYING = 0.001
 """Least share of a spectrum's power whose absence or extrapolation is named [1]."""
 
 _REFERENCE_WAVELENGTH = 0.5e-6  # [m], near the peak of sunlight
+_ROUNDING = 1e-9  # of a share
 _MOST_WAVELENGTHS = 50.0  # inside a coherent layer: four steps of the table of AM0 in a fringe
 
 TYPICAL_TEMPERATURE = 350.0
@@ -96,7 +97,9 @@ def property_warnings(name: str, mean: Average, film: Film) -> Iterator[str]:
             f"{name} is computed from data for {100.0 * float(covered):.3g} % {spectrum}; what is "
             f"missing leaves it between {float(lower):.3g} and {float(upper):.3g}"
         )
-    if np.max(mean.scattered) > WORTH_SAYING:
+    if np.min(mean.scattered) < -_ROUNDING:
+        yield _unphysical(mean)
+    elif np.max(mean.scattered) > WORTH_SAYING:
         share = _range(np.asarray(mean.scattered), ".2g")
         of = "a black body's radiation" if np.ndim(mean.covered) else "the light"
         yield (
@@ -106,6 +109,8 @@ def property_warnings(name: str, mean: Average, film: Film) -> Iterator[str]:
 
 def _scattered(average: Average, spectrum: str, quantity: str, where: str) -> list[str]:
     """What rough interfaces scatter, and where it may be missing."""
+    if np.min(average.scattered) < -_ROUNDING:
+        return [_unphysical(average)]
     if np.max(average.scattered) <= WORTH_SAYING:
         return []
     return [
@@ -113,6 +118,14 @@ def _scattered(average: Average, spectrum: str, quantity: str, where: str) -> li
         f"rough faces and not followed: {quantity} and transmittance leave it out, and each is up "
         "to as much higher"
     ]
+
+
+def _unphysical(average: Average) -> str:
+    return (
+        f"rough faces scatter {_range(np.asarray(average.scattered), '.2g')}, less than nothing: "
+        "between two absorbing media the scalar theory does not keep energy; make the faces "
+        "between them smooth"
+    )
 
 
 def roughness_warnings(film: Film) -> list[str]:

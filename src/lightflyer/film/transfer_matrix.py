@@ -170,6 +170,8 @@ def stack_optics(
     over lengths long against the wavelength (scalar theory). That holds for
     :math:`4\pi\sigma n\cos\theta/\lambda\lesssim1`; finer relief is better an effective medium.
     All that is missing from the specular beams is scattered; each passage scatters independently.
+    Where media on both sides of a rough interface absorb strongly, energy is kept to some 1 % only:
+    a negative ``scattered`` shows it.
 
     References
     ----------

@@ -1,0 +1,47 @@
+"""The map of questions leads everywhere, and the citation is that of this version."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import yaml
+
+import lightflyer as lf
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+NO_QUESTION = {"index", "flyer-file", "python", "figures", "calculator", "outer-flow", "references"}
+"""Pages that are reached from others, or stand on the front page itself."""
+
+# Citation File Format 1.2.0: what a file must have, and of this file's keys what they must be
+REQUIRED = {"cff-version", "message", "title", "authors"}
+AUTHOR_KEYS = {"name", "family-names", "given-names", "affiliation", "orcid", "alias"}
+
+
+def test_every_page_answers_a_question_on_the_front_page():
+    text = (DOCS / "index.md").read_text(encoding="utf-8")
+    front = text.split("```{toctree}")[0]
+    answered = {
+        link.split("#")[0].removesuffix(".md") for link in re.findall(r"]\(([^)]+)\)", front)
+    }
+    subjects = {page.stem for page in DOCS.glob("*.md")} - NO_QUESTION
+    parts = {name for name in subjects if name.startswith("lab-")}
+    flyers = {"sandwich", "plate", "hollow", "balloon"}  # from the page of kinds of flyers
+    assert subjects - parts - flyers - answered == set()
+    for flyer in flyers:
+        assert f"({flyer}.md)" in (DOCS / "flyers.md").read_text(encoding="utf-8")
+
+
+def test_the_citation_is_whole_and_of_this_version():
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert set(cited) >= REQUIRED
+    assert cited["cff-version"] == "1.2.0"
+    assert cited["version"] == lf.__version__
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert cited["license"] == project["license"]
+    assert [one["name"] for one in cited["authors"]] == [one["name"] for one in project["authors"]]
+    for work in cited["references"]:
+        assert {"type", "title", "authors"} <= set(work)
+        assert all(set(author) <= AUTHOR_KEYS for author in work["authors"])
+    listed = (DOCS / "references.rst").read_text(encoding="utf-8")
+    assert all(work["url"] in listed for work in cited["references"])

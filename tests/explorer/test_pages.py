@@ -19,6 +19,7 @@ from lightflyer.explorer.downloads import download, python_lines
 from lightflyer.explorer.hints import templates
 from lightflyer.explorer.maps import Choices
 from lightflyer.explorer.notices import noticing
+from lightflyer.explorer.panes import panes
 from lightflyer.explorer.state import View, plain, to_toml
 from lightflyer.film.spectra import am0
 from lightflyer.foundation.toml_file import parsed, validate
@@ -157,11 +158,47 @@ def test_sensitivity_is_the_derivative_that_propagation_uses(workplace, uncertai
 def test_force_models_side_by_side_are_those_of_compare(workplace, document, monkeypatch):
     monkeypatch.setattr(jobs, "models_for", lambda _: ["lu2023", "free-molecular", "schafer2025"])
     found = job("models", workplace, document)
-    lines = found["sources"]["models"]
+    lines = found["sources"]["curves"]
     assert lines["name"] == ["lu2023", "free-molecular"]
     assert any("left out: schafer2025" in text for text in found["warnings"])
     own = lf.predict(workplace.design(document)).easiest.values["levitation_irradiance"]
     assert min(value for value in lines["ys"][0] if value) == pytest.approx(own, rel=1e-2)
+
+
+def named(content):
+    """Names that the parts of a figure have, with the columns of its sources."""
+    if isinstance(content, list):
+        for part in content:
+            yield from named(part)
+    elif isinstance(content, dict):
+        attributes = content.get("attributes", {})
+        if attributes.get("name"):
+            yield (
+                attributes["name"],
+                {key for key, _ in attributes.get("data", {}).get("entries", [])},
+            )
+        for part in content.values():
+            yield from named(part)
+
+
+@pytest.mark.parametrize("logarithmic", [False, True])
+def test_figures_have_what_data_are_put_into(workplace, uncertain, logarithmic, monkeypatch):
+    monkeypatch.setattr(jobs, "models_for", lambda _: ["lu2023", "free-molecular"])
+    drawn = {name: list(named(item)) for name, item in panes(logarithmic=logarithmic).items()}
+    design = workplace.design(uncertain)
+    put = [view.curves(quick(design)), view.marks(prediction_of(design))]
+    put += [job("bands", workplace, uncertain)["figures"]]
+    put += [{name: job(name, workplace, uncertain)} for name in ("map", "models", "sensitivity")]
+    for figures in put:
+        for figure, data in figures.items():
+            names = [name for name, _ in drawn[figure]]
+            assert len(set(names)) == len(names), f"{figure}: two parts have one name"
+            for source, columns in data["sources"].items():
+                assert dict(drawn[figure])[source] == set(columns), (figure, source)
+    for figure, parts in drawn.items():
+        wanted = {"x-axis", "y-axis"} | ({"colours"} if figure == "map" else set())
+        assert wanted <= {name for name, _ in parts}
+        assert "hover" in dict(parts)
 
 
 def test_film_of_measured_numbers_says_that_it_has_no_spectrum(workplace, document):

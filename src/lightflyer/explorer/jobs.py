@@ -180,7 +180,7 @@ def _models_data(found: Any, left_out: list[str]) -> dict[str, Any]:
     high = min(view.round_up(1.2 * float(finite.max())), view.round_up(3e2 * low))
     ends = tuple(float(end) * factor for end in found.coordinates[[0, -1]])
     return view.figure_data(
-        {"models": lines, "level": {"x": np.array(ends), "y": np.full(2, available)}},
+        {"curves": lines, "level": {"x": np.array(ends), "y": np.full(2, available)}},
         x=ends,  # type: ignore[arg-type]
         y=(low, max(high, 1.2 * available)),
         labels=(view.axis_label(where), "irradiance needed [W/m²]"),
@@ -250,7 +250,7 @@ def film_spectrum(workplace: Workplace, document: Document, choices: Choices) ->
         },
         x=ends,
         y=(0.0, 1.0),
-        labels=("wavelength [µm]", "share of light, normal incidence on top"),
+        labels=("wavelength [µm]", "share, normal incidence"),
         legend=legend,
         words=f"Of {name}: absorptance {absorbed:.3f} for {summary.light.name}, emittance of the "
         f"top face {emitted:.3f} at {_TEMPERATURES[1]:g} K.",

@@ -8,8 +8,10 @@ from typing import Any, Literal
 
 from bokeh.embed import json_item
 from bokeh.models import (
+    BasicTickFormatter,
     ColumnDataSource,
     FactorRange,
+    FixedTicker,
     HoverTool,
     LinearColorMapper,
     LogTicker,
@@ -28,6 +30,7 @@ LINEAR: Scale = "linear"
 _LINE = 2.5
 _FONT = "13px"
 _PINNED = "pins"
+_WAVELENGTHS = (0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # labelled [µm]
 
 
 def panes(*, logarithmic: bool) -> dict[str, Any]:
@@ -190,7 +193,7 @@ def _map(along: Scale) -> Any:
 def _models(along: Scale) -> Any:
     pane = _figure("models", along, LOGARITHMIC)
     lines = pane.multi_line(
-        "xs", "ys", source=_empty("models", "xs", "ys", "colour", "name", "dash"),
+        "xs", "ys", source=_empty("curves", "xs", "ys", "colour", "name", "dash"),
         line_color="colour", line_width=_LINE, line_dash="dash",
     )  # fmt: skip
     _level(pane)
@@ -201,6 +204,8 @@ def _models(along: Scale) -> Any:
 
 def _film() -> Any:
     pane = _figure("film", LOGARITHMIC, LINEAR)
+    pane.xaxis.ticker = FixedTicker(ticks=list(_WAVELENGTHS))
+    pane.xaxis.formatter = BasicTickFormatter()
     light = _empty("light", "x", "zero", "y")
     pane.varea("x", "zero", "y", source=light, fill_color=ORANGE, fill_alpha=0.22)
     heat = _empty("heat", "x", "zero", "y")

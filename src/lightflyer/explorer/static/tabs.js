@@ -137,7 +137,10 @@ export class Tabs {
       if (last.result) { this.fresh.set(name, version); this.show(name, last.result); }
       doing.textContent = "";
     } catch (error) {
-      if (error.name !== "AbortError") wrong.textContent = "the explorer does not answer: is it still running in its terminal?";
+      if (error.name !== "AbortError") {
+        wrong.textContent = error instanceof TypeError ? "the explorer does not answer: is it still running in its terminal?" : String(error);
+        console.error(error);
+      }
       doing.textContent = "";
     }
     if (this.running === mine) { bar.hidden = true; this.running = null; }

@@ -80,6 +80,8 @@ def test_downloads_hold_the_prediction(workplace, uncertain):
     svg = download("irradiance.svg", workplace, uncertain, Choices()).content
     png = download("map.png", workplace, uncertain, Choices()).content
     assert b"95 % band" in svg
+    bars = download("sensitivity.svg", workplace, uncertain, Choices()).content
+    assert b"film tac bottom" in bars
     assert png.startswith(b"\x89PNG")
     with pytest.raises(lf.ConfigurationError, match="no figure"):
         download("nothing.svg", workplace, uncertain, Choices())

@@ -12,7 +12,14 @@ from lightflyer.explorer import jobs
 from lightflyer.explorer.compute import prediction_of, uncertainty_of
 from lightflyer.explorer.maps import Choices, payload_map
 from lightflyer.explorer.state import Document, Workplace
-from lightflyer.foundation.drawing import ORANGE, VERMILION, legend_below, new_figure, save
+from lightflyer.foundation.drawing import (
+    ORANGE,
+    VERMILION,
+    legend_below,
+    new_figure,
+    plain_decades,
+    save,
+)
 from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -108,8 +115,10 @@ def _map(workplace: Workplace, document: Document, choices: Choices) -> "Figure"
 
 def _scales(axes: Any, data: Mapping[str, Any]) -> None:
     axes.set_xscale("log")
-    if data["place_unit"] == "Pa":
+    plain_decades(axes.xaxis)
+    if data["logarithmic"]:
         axes.set_yscale("log")
+        plain_decades(axes.yaxis)
     axes.set_xlim(*data["x"])
     axes.set_ylim(*data["y"])
     axes.set_xlabel(data["labels"][0])

@@ -41,7 +41,7 @@ _MICROMETRE, _HOUR, _KILOMETRE = 1e-6, 3600.0, 1e3
 _TEMPERATURES = np.array([250.0, 300.0, 350.0, 400.0])
 _HEAT = 300.0  # K, of the black body behind a spectrum
 _BEHIND = 0.45  # height of the shaded spectra
-_MODEL_COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
+_MODEL_COLOURS = (BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)  # vermilion is the light available
 _DASHES = ("solid", "dashed", "dotdash", "dotted")
 
 

@@ -203,6 +203,7 @@ def _map_data(
         shown=shown,
         unit=unit,
         place_unit=where.shown_unit,
+        logarithmic=where.logarithmic,
         best=list(best),
         across=across,
         up=up,

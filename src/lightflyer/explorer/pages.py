@@ -45,7 +45,7 @@ from lightflyer.foundation.errors import ConfigurationError, LightflyerError
 
 Answer = dict[str, Any]
 
-_KEY = re.compile(r"^\[?([a-z][\w.]*)\]?")
+_KEY = re.compile(r"^(?:\[([a-z][\w.]*)\]|([a-z]\w*(?:\.\w+)+)|the section \[(\w+)\])")
 _NEEDS = re.compile(r"^\[([\w.]+)\] needs ([\w, ]+)$")
 _LONGEST = 500  # characters of a message: it may quote what the user gave
 
@@ -89,7 +89,7 @@ def mistakes(message: str) -> list[dict[str, str]]:
             keys = needs[2].replace(" and ", ", ").split(", ")
             found += [mistake(line, f"{needs[1]}.{key.strip()}") for key in keys]
         else:
-            found.append(mistake(line, named[1] if named else ""))
+            found.append(mistake(line, named[named.lastindex or 0] if named else ""))
     return found
 
 

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -292,18 +293,23 @@ def _line_of(keys: list[Any], text: str) -> int | None:
     """Number of the line where a key, or else its section, stands in a TOML text."""
     if not keys:
         return None
+    keys = [str(key) for key in keys]
     section, section_line = [], None
+    entries: Counter[str] = Counter()  # of arrays of tables, so far
     for number, line in enumerate(text.splitlines(), start=1):
-        header = re.match(r"\s*\[\s*([^\[\]]+?)\s*\]", line)
+        header = re.match(r"\s*(\[\[?)\s*([^\[\]]+?)\s*\]", line)
         if header:
-            section = [part.strip().strip("\"'") for part in header[1].split(".")]
-            if section == [str(key) for key in keys[: len(section)]]:
+            section = [part.strip().strip("\"'") for part in header[2].split(".")]
+            if header[1] == "[[":
+                section.append(str(entries[header[2]]))
+                entries[header[2]] += 1
+            if section == keys[: len(section)]:
                 section_line = section_line or number
                 if section == keys:
                     return number
             continue
         name = line.partition("=")[0]
         path = section + [part.strip().strip("\"'") for part in name.split(".")]
-        if "=" in line and path == [str(key) for key in keys[: len(path)]]:
+        if "=" in line and path == keys[: len(path)]:
             return number
     return section_line

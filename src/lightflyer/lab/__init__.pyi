@@ -31,6 +31,7 @@ from .optics_data import FilmSpectrum as FilmSpectrum
 from .optics_data import FreeNumber as FreeNumber
 from .optics_data import OpticsSample as OpticsSample
 from .optics_data import read_sample as read_sample
+from .optics_model import OpticalModel as OpticalModel
 from .spectra.meaning import MeasuredSpectrum as MeasuredSpectrum
 from .spectra.raw import SpectrumFacts as SpectrumFacts
 from .spectrum_data import read_spectrum as read_spectrum

@@ -24,7 +24,7 @@ from lightflyer.foundation.errors import ParameterError
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.optics_data import FilmSpectrum, OpticsSample
 from lightflyer.lab.optics_findings import findings
-from lightflyer.lab.optics_model import Problem, covered
+from lightflyer.lab.optics_model import OpticalModel, Problem, covered
 from lightflyer.lab.optics_search import STARTS, Fit, Scatter, intervals, search
 from lightflyer.lab.record import dataset
 from lightflyer.lab.spectra.names import PER_CENTIMETRE
@@ -208,7 +208,13 @@ def _fitted_json(one: FittedSpectrum) -> dict[str, Any]:
     }
 
 
-def fit_optics(sample: OpticsSample, *, starts: int = STARTS, seed: int = 0) -> OpticsFit:
+def fit_optics(
+    sample: OpticsSample,
+    *,
+    starts: int = STARTS,
+    seed: int = 0,
+    model: OpticalModel | None = None,
+) -> OpticsFit:
     """Fit numbers of a film to its spectra.
 
     Parameters
@@ -219,6 +225,8 @@ def fit_optics(sample: OpticsSample, *, starts: int = STARTS, seed: int = 0) -> 
         How many points between the bounds minima are looked for from.
     seed : int
         Of these points, and of the draws of n and k.
+    model : OpticalModel, optional
+        That of another sample with the same film, bounds and wavelengths, which saves compiling it.
 
     Returns
     -------
@@ -249,7 +257,7 @@ def fit_optics(sample: OpticsSample, *, starts: int = STARTS, seed: int = 0) -> 
     points = sum(len(one.spectrum.value) for one in sample.spectra)
     if points <= len(sample.free):
         raise ParameterError(f"{points} points are too few for {len(sample.free)} free numbers")
-    fit, ends = intervals(search(Problem.of(sample), starts=starts, seed=seed))
+    fit, ends = intervals(search(Problem.of(sample, model), starts=starts, seed=seed))
     numbers, covariance = _estimates(fit, ends)
     spreads = np.sqrt(np.diag(covariance))
     rivals = tuple(_rival(fit, solution, excess) for solution, excess in fit.rivals)

@@ -20,7 +20,7 @@ TIED = 0.95
 
 _FLAT = 0.8  # of the way between the bounds that an interval covers
 _FAR = 3.0  # standard uncertainties, of an instrument's error or a number known beforehand
-_MISFIT = 3.0  # residuals over noise
+_MISFIT = 2.0  # residuals over their differences from point to point
 _VISIBLE_MISFIT = 0.005  # [1]; smaller ones are those of any photometer
 _SHOWN = 3  # other minima
 
@@ -139,11 +139,13 @@ def _beforehand(sample: OpticsSample, numbers: Mapping[str, Estimate]) -> list[s
 
 def _misfits(sample: OpticsSample, fit: Fit) -> list[str]:
     found = []
-    for one, scatter in zip(sample.spectra, fit.scatter, strict=True):
-        noise = point_noise(one.spectrum.value)
-        if scatter.deviation > max(_MISFIT * noise, _VISIBLE_MISFIT):
+    readings = fit.problem.readings(fit.best)
+    for one, reading in zip(sample.spectra, readings, strict=True):
+        residual = one.spectrum.value - reading
+        deviation, noise = float(np.sqrt(np.mean(residual**2))), point_noise(residual)
+        if deviation > max(_MISFIT * noise, _VISIBLE_MISFIT):
             found.append(
-                f"{one.spectrum.source}: residuals of {scatter.deviation:.2g} exceed the noise of "
+                f"{one.spectrum.source}: residuals of {deviation:.2g} exceed the noise of "
                 f"{noise:.1g}: the film or its optical constants differ from the model; intervals "
                 "are wider for it, and may still miss what the model leaves out"
             )

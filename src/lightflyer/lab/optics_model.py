@@ -26,7 +26,7 @@ from lightflyer.lab.spectrum_noise import point_noise
 LEAST_ERROR = 1e-4
 """Least standard error of a point [1]: no photometer is better."""
 
-_TOLERANCE = 1e-10
+_TOLERANCE = 1e-8
 _FLAT = 1e-2  # least curvature that a direction is taken to have, that of a prior of ten widths
 _POLARISATIONS = {"s": [1.0, 0.0], "p": [0.0, 1.0], "none": [0.5, 0.5]}
 
@@ -67,6 +67,20 @@ class OpticalModel:
     def widths(self) -> np.ndarray:
         """Distance between the bounds of each free number."""
         return self._width
+
+    def require_fit(self, sample: OpticsSample) -> None:
+        """Raise :class:`ParameterError` unless a sample has these bounds and wavelengths."""
+        bounds = [
+            [(one.name, one.lowest, one.highest) for one in free]
+            for free in (self.free, sample.free)
+        ]
+        points = [
+            [(*one.spectrum.wavenumber, one.incidence, one.side, one.spectrum.quantity)
+             for one in spectra]
+            for spectra in (self._spectra, sample.spectra)
+        ]  # fmt: skip
+        if bounds[0] != bounds[1] or points[0] != points[1]:
+            raise ParameterError("the model is that of other bounds, spectra or wavelengths")
 
     def shares(self, position: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray]]:
         """Share of the light at each point of each spectrum, and its derivatives.
@@ -142,29 +156,43 @@ class Problem:
     Attributes
     ----------
     model : OpticalModel
+    free : tuple of FreeNumber
     spectra : tuple of FilmSpectrum
     spread : tuple of float
         Standard error of a point of each spectrum, as if points were independent [1].
+    informed : bool
+        Whether what is known of the free numbers beforehand counts.
     """
 
     model: OpticalModel
+    free: tuple[FreeNumber, ...]
     spectra: tuple[FilmSpectrum, ...]
     spread: tuple[float, ...]
+    informed: bool = True
 
     @classmethod
     def of(cls, sample: OpticsSample, model: OpticalModel | None = None) -> "Problem":
-        """The problem with the noise of neighbouring points as standard error."""
+        """The problem with the noise of neighbouring points as standard error.
+
+        Parameters
+        ----------
+        sample : OpticsSample
+        model : OpticalModel, optional
+            That of a sample with the same film, bounds and wavelengths.
+
+        Raises
+        ------
+        ParameterError
+            If the model is another one's.
+        """
+        model = OpticalModel(sample) if model is None else model
+        model.require_fit(sample)
         spread = [max(point_noise(one.spectrum.value), LEAST_ERROR) for one in sample.spectra]
-        return cls(model or OpticalModel(sample), sample.spectra, tuple(spread))
+        return cls(model, sample.free, sample.spectra, tuple(spread))
 
     def with_spread(self, spread: Sequence[float]) -> "Problem":
         """The same problem with other standard errors."""
         return replace(self, spread=tuple(spread))
-
-    @cached_property
-    def free(self) -> tuple[FreeNumber, ...]:
-        """The film's free numbers."""
-        return self.model.free
 
     @cached_property
     def _accuracy(self) -> np.ndarray:
@@ -177,7 +205,7 @@ class Problem:
         return [
             (number, float(starts[number]), one.prior / self.model.widths[number])
             for number, one in enumerate(self.free)
-            if one.prior is not None
+            if one.prior is not None and self.informed
         ]
 
     @property

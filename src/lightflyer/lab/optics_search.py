@@ -1,7 +1,7 @@
 """The minima of a problem, the errors of its points, and the intervals of its numbers."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import qmc
@@ -19,8 +19,9 @@ _FEWEST = 2.0  # independent points of a spectrum, at least
 _MOST_LOST = 0.9  # share of the independent points that a fit takes up, at most
 _STEPS = 12  # outward, of the end of an interval
 _GROWTH = 1.6
-_HALVINGS = 12
-_FINE = 0.03  # of a standard error, to which an end is found
+_REFINEMENTS = 8
+_FINE = 0.02  # of a standard error, to which an end is found
+_LEAST_REACH = 1e-6  # between the bounds
 _BETTER = 0.5  # fall of the cost that makes another point the minimum
 
 
@@ -116,7 +117,7 @@ def correlation_length(residual: np.ndarray) -> tuple[float, float]:
     last = negative[0] if negative.size else len(pairs)
     window = 4 * last - 1  # 2W + 1, as the last lag of the sum is 2 last - 1
     bias = 1.0 + window / size
-    return float(max(1.0, bias * (2.0 * pairs[:last].sum() - 1.0))), size / window
+    return float(max(1.0, bias * (2.0 * pairs[:last].sum() - 1.0))), float(size / window)
 
 
 def scatter_of(problem: Problem, solution: Solution) -> tuple[Scatter, ...]:
@@ -171,22 +172,20 @@ def search(problem: Problem, *, starts: int = STARTS, seed: int = 0) -> Fit:
     """
     own = problem.model.positions(np.array([one.start for one in problem.free]))
     others = qmc.LatinHypercube(len(own), rng=np.random.default_rng(seed)).random(starts - 1)
-    found = [problem.minimise(start) for start in (_inside(own), *others)]
-    minima = _distinct(sorted(found, key=lambda one: one.cost))
-    return _settled(problem, minima)
+    # what is known beforehand may be wrong: it has no say in how well the spectra can be fitted
+    alone = replace(problem, informed=False)
+    found = [alone.minimise(start) for start in (_inside(own), *others)]
+    alone, minima = _settled(alone, _distinct(found))
+    scatter, told = scatter_of(alone, minima[0]), alone.numbers_told(minima[0])
+    problem = replace(alone, informed=True)
+    if any(one.prior is not None for one in problem.free):
+        minima = _refitted(problem, [*minima, replace(minima[0], position=own)])
+    return _fit(problem, minima, scatter, told)
 
 
-def _settled(problem: Problem, minima: Sequence[Solution]) -> Fit:
-    """The minima with errors of the points that fit the residuals of the best."""
-    for _ in range(_ROUNDS):
-        before = np.array(problem.spread)
-        scatter = scatter_of(problem, minima[0])
-        problem = problem.with_spread([one.error for one in scatter])
-        found = [problem.minimise(_inside(one.position), one.errors) for one in minima]
-        minima = _distinct(sorted(found, key=lambda one: one.cost))
-        if np.allclose(before, problem.spread, rtol=_SETTLED):
-            break
-    scatter = scatter_of(problem, minima[0])
+def _fit(
+    problem: Problem, minima: Sequence[Solution], scatter: tuple[Scatter, ...], told: float
+) -> Fit:
     best, *others = minima
     known = sum(min(one.freedom, one.independent) for one in scatter)
     return Fit(
@@ -194,8 +193,24 @@ def _settled(problem: Problem, minima: Sequence[Solution]) -> Fit:
         best=best,
         rivals=tuple((one, one.cost - best.cost) for one in others),
         scatter=scatter,
-        freedom=max(1.0, known - problem.numbers_told(best)),
+        freedom=max(1.0, known - told),
     )
+
+
+def _settled(problem: Problem, minima: Sequence[Solution]) -> tuple[Problem, list[Solution]]:
+    """The minima with errors of the points that fit the residuals of the best."""
+    for _ in range(_ROUNDS):
+        before = np.array(problem.spread)
+        scatter = scatter_of(problem, minima[0])
+        problem = problem.with_spread([one.error for one in scatter])
+        minima = _refitted(problem, minima)
+        if np.allclose(before, problem.spread, rtol=_SETTLED):
+            break
+    return problem, list(minima)
+
+
+def _refitted(problem: Problem, minima: Sequence[Solution]) -> list[Solution]:
+    return _distinct([problem.minimise(_inside(one.position), one.errors) for one in minima])
 
 
 def _inside(position: np.ndarray) -> np.ndarray:
@@ -206,7 +221,7 @@ def _inside(position: np.ndarray) -> np.ndarray:
 def _distinct(minima: Sequence[Solution]) -> list[Solution]:
     """Minima without those that are the same, the best first."""
     kept: list[Solution] = []
-    for one in minima:
+    for one in sorted(minima, key=lambda one: one.cost):
         if all(np.max(np.abs(one.position - other.position)) > _SAME for other in kept):
             kept.append(one)
     return kept
@@ -235,7 +250,9 @@ def intervals(fit: Fit) -> tuple[Fit, list[tuple[float, float]]]:
         ]
         if profile.better is None:
             break
-        fit = _settled(fit.problem, [profile.better, fit.best, *(one for one, _ in fit.rivals)])
+        minima = [profile.better, fit.best, *(one for one, _ in fit.rivals)]
+        told = fit.problem.numbers_told(profile.better)
+        fit = _fit(fit.problem, _refitted(fit.problem, minima), fit.scatter, told)
     return fit, ends
 
 
@@ -260,26 +277,26 @@ class _Profile:
     def end(self, number: int, sign: int, spread: float) -> float:
         """Position of an end of the interval of a number."""
         best, limit = self._fit.best.position[number], 1.0 if sign > 0 else 0.0
-        inner, near = best, self._fit.best
-        reach = max(self._fit.factor * spread, _FINE * spread, 1e-6)
+        inner, within, near = best, -self._fit.factor, self._fit.best
+        reach = max(self._fit.factor * spread, _LEAST_REACH)
         for _ in range(_STEPS):
-            outer = best + sign * reach
-            outer = min(outer, limit) if sign > 0 else max(outer, limit)
-            excess, found = self._excess(number, outer, near)
-            if excess >= 0.0:
+            outer = float(np.clip(best + sign * reach, 0.0, 1.0))
+            beyond, found = self._excess(number, outer, near)
+            if beyond >= 0.0:
                 break
             if outer == limit:
                 return limit
-            inner, near, reach = outer, found, _GROWTH * reach
-        for _ in range(_HALVINGS):
-            if abs(outer - inner) < _FINE * spread:
-                break
-            middle = 0.5 * (inner + outer)
+            inner, within, near, reach = outer, beyond, found, _GROWTH * reach
+        for _ in range(_REFINEMENTS):
+            # the root of the cost is nearly linear in the number
+            middle = inner - within * (outer - inner) / (beyond - within)
             excess, found = self._excess(number, middle, near)
+            if abs(excess) < _FINE:
+                return float(middle)
             if excess >= 0.0:
-                outer = middle
+                outer, beyond = middle, excess
             else:
-                inner, near = middle, found
+                inner, within, near = middle, excess, found
         return float(0.5 * (inner + outer))
 
 

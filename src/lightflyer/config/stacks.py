@@ -278,8 +278,6 @@ class Stacks(AbstractStacks):
 
     def chosen(self, sequence: Sequence[int]) -> tuple[AbstractDesign, dict[str, Any]]:
         """See :meth:`AbstractStacks.chosen`."""
-        from lightflyer.config.flyer_file import FileDesign
-
         first, _, inner = self.film.partition(".")
         film = self._section(sequence)
         if inner:
@@ -289,7 +287,7 @@ class Stacks(AbstractStacks):
             f"{self.film}.layers.{place}.thickness": self.candidates[number].bounds
             for place, number in enumerate(sequence)
         }
-        return FileDesign(file, self._text(sequence)), over
+        return type(self.base)(file, self._text(sequence)), over
 
     def _text(self, sequence: Sequence[int]) -> str:
         """The flyer file's text with other layers; empty where there is none."""

@@ -19,6 +19,8 @@ from lightflyer.search.problem import PROBABILITY, Constraint, Objective, Proble
 SCREENED = 512
 """Designs evaluated at once: first over the whole cube, then around the starts."""
 
+_BATCH_OF_FILMS = 128  # designs evaluated at once where each has a film of its own
+
 _SILVERMAN = 1.06  # width of a kernel over the spread, times n^(1/5)
 
 
@@ -301,14 +303,20 @@ class ObjectiveFunction:
         ]
         return jnp.stack([*objectives, *constraints])
 
-    def scores_of_many(self, points: np.ndarray, size: int = SCREENED) -> np.ndarray:
+    @property
+    def batch(self) -> int:
+        """Designs evaluated at once."""
+        return _BATCH_OF_FILMS if self.is_quick else SCREENED
+
+    def scores_of_many(self, points: np.ndarray, size: int | None = None) -> np.ndarray:
         """:meth:`scores` at points.
 
         Parameters
         ----------
         points : array, shape (n, k)
-        size : int
-            Number of designs computed at once, for which the model is compiled.
+        size : int, optional
+            Number of designs computed at once, for which the model is compiled; by default
+            :attr:`batch`.
 
         Returns
         -------
@@ -323,14 +331,14 @@ class ObjectiveFunction:
         return self.scores_of_designs(columns | free, size)
 
     def scores_of_designs(
-        self, designs: Mapping[str, np.ndarray], size: int = SCREENED
+        self, designs: Mapping[str, np.ndarray], size: int | None = None
     ) -> np.ndarray:
         """:meth:`scores` of designs, by all numbers that are free, fixed or uncertain.
 
         Parameters
         ----------
         designs : dict of str to array, shape (n,)
-        size : int
+        size : int, optional
             See :meth:`scores_of_many`.
 
         Returns
@@ -341,7 +349,7 @@ class ObjectiveFunction:
         found: np.ndarray = in_batches(
             lambda *columns: self._many(dict(zip(names, columns, strict=True))),
             list(designs.values()),
-            size,
+            self.batch if size is None else size,
         )
         return found
 

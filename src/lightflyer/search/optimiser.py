@@ -35,6 +35,9 @@ from lightflyer.sweeps.shown import amount
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+SCREENED_FILMS = 256
+"""The same where each design has a film of its own: gradients do the rest."""
+
 _APART = 0.1  # least distance of two starts, in sides of the cube
 _HALF_SIDES = (0.1, 0.03, 0.01)  # of the cubes that are sampled around the starts
 _AT_BOUND = 1e-6  # distance from a bound, in sides of the cube
@@ -287,12 +290,13 @@ def _screen(function: ObjectiveFunction) -> tuple[np.ndarray, float]:
     """Good starts that are apart, and the scale of the objective."""
     problem = function.problem
     report("screening designs (compiling the model first)")
-    points = qmc.Sobol(len(problem.bounds), rng=problem.seed).random(SCREENED)
+    count = SCREENED_FILMS if function.is_quick else SCREENED
+    points = qmc.Sobol(len(problem.bounds), rng=problem.seed).random(count)
     scores = function.scores_of_many(points)
     known = np.isfinite(scores).all(axis=1)
     if not known.any():
         raise LightflyerError(
-            f"none of {SCREENED} designs within the bounds has a {problem.objectives[0].name}; "
+            f"none of {count} designs within the bounds has a {problem.objectives[0].name}; "
             "widen them"
         )
     spread = np.ptp(np.percentile(scores[known, 0], [25.0, 100.0]))

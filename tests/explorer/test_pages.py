@@ -145,6 +145,7 @@ def test_optimum_of_the_map_is_that_of_a_search(workplace, document):
     values = np.array([value or 0.0 for value in found["sources"]["cells"]["value"]])
     assert values.max() == pytest.approx(found["best"][2] * 1e6, rel=0.02)
     assert "Largest payload" in found["words"]
+    assert any("at the optimum: " in text for text in found["warnings"])  # hotter than was measured
 
 
 def test_sensitivity_is_the_derivative_that_propagation_uses(workplace, uncertain):

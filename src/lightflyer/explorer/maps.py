@@ -6,10 +6,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lightflyer.config.flyer_file import FileDesign
+from lightflyer.environment.base import Coordinate
 from lightflyer.explorer import view
 from lightflyer.explorer.compute import Quick, coordinate_factor, prediction_of, pretty_unit
 from lightflyer.explorer.state import Document, Workplace
+from lightflyer.flight.cautions import cautions, cautions_of_force
 from lightflyer.flight.outputs import OUTPUTS
+from lightflyer.flight.setup import Setup
 from lightflyer.foundation.drawing import BLUE, ORANGE, VERMILION
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.progress import report
@@ -28,6 +31,8 @@ _EVERY = POINTS // (MAP_ROWS - 1)
 _CLOSER = 9  # columns of the closer looks at the optimum
 _LOOKS = 2
 _AROUND = 0.2  # of the range in which the design itself nearly flies, shown beyond it
+_END = 1e-3  # of a number, within which it is an end of the map
+_LEAST = 1e-12  # of the colours' range, where nothing is lifted
 _LENGTH = "m"
 
 
@@ -134,6 +139,16 @@ def _refined(
     return float(values[column]), float(coordinates[row]), float(closer[column, row])
 
 
+class _Scales(NamedTuple):
+    """Units in which a map is shown: factors from SI units, and names."""
+
+    across: float
+    unit: str
+    up: float
+    payload: float
+    payload_unit: str
+
+
 def _map_data(
     design: FileDesign,
     over: str,
@@ -144,70 +159,100 @@ def _map_data(
     best: tuple[float, float, float],
 ) -> dict[str, Any]:
     where = design.setup.environment.coordinate
-    prediction = prediction_of(design)
-    chosen = np.arange(0, coordinates.size, _EVERY)
     unit = _shown_unit(known[over].unit, values)
     across = scale_and_offset(known[over].unit, unit)[0]
-    up = coordinate_factor(where)
-    scale, shown = OUTPUTS["payload"].shown_for(best[2])
-    x, y = values * across, coordinates[chosen] * up
-    shares = np.where(payload > 0.0, payload, np.nan)[:, chosen] * scale
-    x_edges, y_edges = _edges(np.log(x)), _edges(np.log(y) if where.logarithmic else y)
-    x_edges = np.exp(x_edges)
-    y_edges = np.exp(y_edges) if where.logarithmic else y_edges
-    cells = {
-        "left": np.repeat(x_edges[:-1], y.size),
-        "right": np.repeat(x_edges[1:], y.size),
-        "bottom": np.tile(y_edges[:-1], x.size),
-        "top": np.tile(y_edges[1:], x.size),
-        "x": np.repeat(x, y.size),
-        "y": np.tile(y, x.size),
-        "value": shares.ravel(),
+    scales = _Scales(across, unit, coordinate_factor(where), *OUTPUTS["payload"].shown_for(best[2]))
+    cells = _cells(values, coordinates, payload, scales, logarithmic=where.logarithmic)
+    own = float(design.number(over) or 0.0), prediction_of(design).best.coordinate
+    marked = {"best": best, "here": own}
+    places = {
+        name: {"x": np.array([place[0] * across]), "y": np.array([place[1] * scales.up])}
+        for name, place in marked.items()
     }
-    lifts = best[2] > 0.0
-    at_end = best[0] <= values[0] * 1.001 or best[0] >= values[-1] * 0.999
-    optimum = f"{best[0] * across:.4g} {unit}".rstrip()
-    words = f"Largest payload: {best[2] * scale:.4g} {shown} at {optimum} and "
-    words += f"{best[1] * up:.4g} {where.shown_unit}."
-    if at_end:
-        words += " It is at the end of the map: beyond may be more."
-    if not lifts:
-        words = "No design of this map lifts anything; the star is where least is missing."
-    own = float(design.number(over) or 0.0)
     return view.figure_data(
-        {
-            "cells": cells,
-            "best": {"x": np.array([best[0] * across]), "y": np.array([best[1] * up])},
-            "here": {
-                "x": np.array([own * across]),
-                "y": np.array([prediction.best.coordinate * up]),
-            },
-        },
-        x=(float(x_edges[0]), float(x_edges[-1])),
-        y=(float(y_edges[0]), float(y_edges[-1])),
+        {"cells": cells, **places},
+        x=(float(cells["left"][0]), float(cells["right"][-1])),
+        y=(float(cells["bottom"][0]), float(cells["top"][-1])),
         labels=(f"{words_of(over)}{_bracketed(unit)}", view.axis_label(where)),
-        words=words,
-        legend=(
-            view.Line(f"colour: largest payload [{shown}]", BLUE, "area"),
-            view.Line("star: optimum", ORANGE, "area"),
-            view.Line("cross: this design", VERMILION, "area"),
-        ),
-        tips=[
-            (words_of(over), f"@x{{0.0000}} {unit}"),
-            (where.name, f"@y{{0.00}} {where.shown_unit}"),
-            ("payload", f"@value{{0.0000}} {shown}"),
-        ],
-        colours={"low": 0.0, "high": max(best[2] * scale, 1e-12)},
+        colours={"low": 0.0, "high": max(best[2] * scales.payload, _LEAST)},
+        words=_words_of_optimum(best, values, scales, where),
+        warnings=_warnings_at(design.build({over: best[0]}), best[1]),
         numbers=list(known),
         over=over,
-        shown=shown,
+        shown=scales.payload_unit,
         unit=unit,
         place_unit=where.shown_unit,
         logarithmic=where.logarithmic,
         best=list(best),
         across=across,
-        up=up,
+        up=scales.up,
+        **_explained(over, scales, where),
     )
+
+
+def _cells(
+    values: np.ndarray,
+    coordinates: np.ndarray,
+    payload: np.ndarray,
+    scales: _Scales,
+    *,
+    logarithmic: bool,
+) -> dict[str, np.ndarray]:
+    """Cells of the map, a column after the other; those that lift nothing have no value."""
+    chosen = np.arange(0, coordinates.size, _EVERY)
+    x, y = values * scales.across, coordinates[chosen] * scales.up
+    left_right = np.exp(_edges(np.log(x)))
+    below_above = np.exp(_edges(np.log(y))) if logarithmic else _edges(y)
+    lifted = np.where(payload > 0.0, payload, np.nan)[:, chosen] * scales.payload
+    return {
+        "left": np.repeat(left_right[:-1], y.size),
+        "right": np.repeat(left_right[1:], y.size),
+        "bottom": np.tile(below_above[:-1], x.size),
+        "top": np.tile(below_above[1:], x.size),
+        "x": np.repeat(x, y.size),
+        "y": np.tile(y, x.size),
+        "value": lifted.ravel(),
+    }
+
+
+def _words_of_optimum(
+    best: tuple[float, float, float], values: np.ndarray, scales: _Scales, where: Coordinate
+) -> str:
+    if best[2] <= 0.0:
+        return "No design of this map lifts anything; the star is where least is missing."
+    size = f"{best[0] * scales.across:.4g} {scales.unit}".rstrip()
+    words = (
+        f"Largest payload: {best[2] * scales.payload:.4g} {scales.payload_unit} at {size} and "
+        f"{best[1] * scales.up:.4g} {where.shown_unit}."
+    )
+    inside = values[0] * (1.0 + _END) < best[0] < values[-1] * (1.0 - _END)
+    return words if inside else f"{words} It is at the end of the map: beyond may be more."
+
+
+def _warnings_at(setup: Setup, place: float) -> list[str]:
+    """What the optimum's reader must know; elsewhere on the map nobody has looked."""
+    table = Evaluator(setup)(np.array([place]))
+    found = (*cautions_of_force(table), *cautions(setup, np.array([place]), table["temperature"]))
+    return [
+        *(f"at the optimum: {text}" for text in found),
+        "whether models are within their range is checked at the optimum only",
+    ]
+
+
+def _explained(over: str, scales: _Scales, where: Coordinate) -> dict[str, Any]:
+    """Legend, and what stands below the pointer."""
+    return {
+        "legend": (
+            view.Line(f"colour: largest payload [{scales.payload_unit}]", BLUE, "area"),
+            view.Line("star: optimum", ORANGE, "area"),
+            view.Line("cross: this design", VERMILION, "area"),
+        ),
+        "tips": [
+            (words_of(over), f"@x{{0.0000}} {scales.unit}"),
+            (where.name, f"@y{{0.00}} {where.shown_unit}"),
+            ("payload", f"@value{{0.0000}} {scales.payload_unit}"),
+        ],
+    }
 
 
 def _edges(centres: np.ndarray) -> np.ndarray:

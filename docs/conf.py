@@ -62,7 +62,7 @@ sphinx_gallery_conf = {
     "image_scrapers": ("matplotlib", "gallery_figures.result_figures"),
     "image_srcset": ["2x"],
     "ignore_repr_types": "matplotlib|Figure",
-    "reference_url": {"lightflyer": None},
+    "write_computation_times": False,
     "download_all_examples": False,
     "show_signature": False,
     "show_memory": False,

@@ -109,8 +109,9 @@ best = lf.optimise(
     constraints={"temperature": {"at_most": "390 K"}},
 )
 print(f"{1e6 * best.value:.3f} mg")
-print(best.design)
-print(best.active_constraints)
+for name, number in best.design.items():
+    print(f"{name} {number:.5g}")
+print(f"held back by {', '.join(best.active_constraints)}")
 
 # %%
 # No disk on the map is better that keeps the limit:

@@ -1,6 +1,7 @@
 """Bruker OPUS, parsed by brukeropus (MIT): results of a measurement among its raw channels."""
 
 import struct
+import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -46,7 +47,9 @@ def read_opus(source: Source) -> list[RawSpectrum]:
     MissingExtraError
         If brukeropus is not installed.
     """
-    extra("brukeropus", "reading Bruker OPUS files", "lab")
+    with warnings.catch_warnings():  # of Python 3.12 about escapes in its docstrings
+        warnings.simplefilter("ignore", SyntaxWarning)
+        extra("brukeropus.file", "reading Bruker OPUS files", "lab")
     from brukeropus.file.block import pair_data_and_status_blocks
 
     blocks = _blocks(source)

@@ -24,7 +24,7 @@ types: $(STAMP)
 	$(BIN)/mypy
 
 docs: $(STAMP)  ## build the documentation into docs/_build and run what its pages show
-	$(MAKE) --no-print-directory --jobs=2 --output-sync pages snippets
+	$(MAKE) --no-print-directory --jobs=2 --output-sync=line pages snippets
 
 pages: $(STAMP)
 	$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build

@@ -25,6 +25,7 @@ from lightflyer.cli.init import templates
 from lightflyer.config.flyer_file import flyer_file_type
 from lightflyer.config.reader import FLYER_FILE
 from lightflyer.foundation.toml_file import validate
+from lightflyer.lab.optics_data import SAMPLE_FILE, SampleFile
 from lightflyer.lab.synthetic import example_files
 from lightflyer.sweeps.sections import STUDY_FILE, StudyFile
 
@@ -43,7 +44,7 @@ ALIKE = 3.0  # root-mean-square difference of two pictures, of 255; a curve else
 
 NOT_OURS = ("pip", "make", "source", "dask", "python", "#")
 STUDY_SECTIONS = {"sweep", "outputs", "sampling", "optimise", "sensitivity"}
-MEASUREMENTS = ("tac", "ftir", "levitation", "thermography", "roughness")
+MEASUREMENTS = ("tac", "ftir", "levitation", "thermography", "roughness", "optics")
 
 
 @pytest.fixture(scope="session")
@@ -126,6 +127,9 @@ def require_alike(made, picture):
 def require_readable(text):
     """A whole file, or sections that stand in one."""
     content = tomllib.loads(text)
+    if "spectra" in content:
+        validate(SampleFile, content, text, Path("sample.toml"), SAMPLE_FILE)
+        return
     if STUDY_SECTIONS & set(content):
         path = Path("study.toml")
         base = tomllib.loads(path.read_text(encoding="utf-8"))

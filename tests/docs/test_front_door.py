@@ -45,3 +45,13 @@ def test_the_citation_is_whole_and_of_this_version():
         assert all(set(author) <= AUTHOR_KEYS for author in work["authors"])
     listed = (DOCS / "references.rst").read_text(encoding="utf-8")
     assert all(work["url"] in listed for work in cited["references"])
+
+
+def test_every_example_has_its_place():
+    text = (DOCS / "_extensions" / "gallery_figures.py").read_text(encoding="utf-8")
+    placed = re.findall(r'^    "(\w+\.py)",$', text.split("ORDER = (")[1].split("\n)")[0], re.M)
+    examples = {path.name for path in DOCS.glob("gallery/*.py")}
+    notebooks = {path.name for path in DOCS.glob("notebooks/*.py")}
+    assert set(placed) == examples | notebooks
+    front = (DOCS / "index.md").read_text(encoding="utf-8")
+    assert all(f"notebooks/{name.removesuffix('.py')})" in front for name in notebooks)

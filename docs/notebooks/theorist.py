@@ -54,17 +54,19 @@ print(f"{ratio[-1]:.4f} at Kn = 100")
 assert abs(ratio[-1] - 1.0) < 0.01
 
 # %%
-# The first collisions take a share that goes with 1/Kn: the curve of :math:`(1-\hat
-# F)\,\mathrm{Kn}` is level in thin gas.
+# Collisions take a share that in thin gas falls nearly as 1/Kn: :math:`(1-\hat F)\,\mathrm{Kn}`
+# changes little over a factor of a hundred. The model's table ends at Kn = 30; from there it goes on
+# exactly as 1/Kn, hence the kink.
 
 fig, ax = plt.subplots()
 ax.plot(knudsen, (1.0 - ratio) * knudsen)
 ax.set(xscale="log", xlabel="Knudsen number", ylabel="(1 - force ratio) × Kn")
+ax.grid(alpha=0.25)
 
 # %%
 # A force of your own
 # -------------------
-# The simplest law with that limit is :math:`\hat F = 1/(1 + c/\mathrm{Kn})`. A force model is a
+# The simplest law of that kind is :math:`\hat F = 1/(1 + c/\mathrm{Kn})`. A force model is a
 # class with two methods; all else, bands of altitude, payloads, derivatives, takes it as it takes
 # the package's own.
 

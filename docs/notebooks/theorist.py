@@ -55,8 +55,8 @@ assert abs(ratio[-1] - 1.0) < 0.01
 
 # %%
 # Collisions take a share that in thin gas falls nearly as 1/Kn: :math:`(1-\hat F)\,\mathrm{Kn}`
-# changes little over a factor of a hundred. The model's table ends at Kn = 30; from there it goes on
-# exactly as 1/Kn, hence the kink.
+# changes little over a factor of a hundred. The model's table ends at Kn = 30; from there it goes
+# on exactly as 1/Kn, hence the kink.
 
 fig, ax = plt.subplots()
 ax.plot(knudsen, (1.0 - ratio) * knudsen)

@@ -237,7 +237,7 @@ def fit_optics(
     ParameterError
         If nothing is free, there is no spectrum, or fewer points than free numbers.
     ConvergenceError
-        If a fit fails.
+        If no film between the bounds has optical constants.
     MissingExtraError
         If lmfit is not installed.
 
@@ -400,8 +400,10 @@ def _indices(
     scaled = covariance / np.outer(model.widths, model.widths)
     draws = rng.multivariate_normal(fit.best.position, scaled, DRAWS, method="eigh")
     draws = np.clip(draws, 0.0, 1.0)
-    # one evaluation of the medium per draw, all layers together
-    drawn = [model.film(draw).index(wavelength) for draw in draws]
+    # one evaluation of the media per draw, all layers together
+    drawn = [found for draw in draws if (found := _drawn_index(model, draw, wavelength))]
+    if not drawn:
+        return ()
     n, k = film.index(wavelength)
     bands = [np.quantile([one[part] for one in drawn], [0.025, 0.975], axis=0) for part in (0, 1)]
     varied = [
@@ -414,6 +416,16 @@ def _indices(
                    bands[0][:, i], bands[1][:, i])
         for i in varied
     )  # fmt: skip
+
+
+def _drawn_index(
+    model: OpticalModel, position: np.ndarray, wavelength: np.ndarray
+) -> tuple[Any, Any] | None:
+    """Values of n and k of all layers, None where the numbers make no medium."""
+    try:
+        return model.film(position).index(wavelength)
+    except ParameterError:
+        return None
 
 
 def to_dataset(result: OpticsFit) -> "xr.Dataset":

@@ -16,7 +16,7 @@ import jax
 import numpy as np
 
 from lightflyer.film.stack import Film, Side
-from lightflyer.foundation.errors import ConvergenceError, ParameterError
+from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.extras import extra
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
@@ -28,6 +28,7 @@ LEAST_ERROR = 1e-4
 
 _TOLERANCE = 1e-8
 _FLAT = 1e-2  # least curvature that a direction is taken to have, that of a prior of ten widths
+_IMPOSSIBLE = 1e6  # residual of a film that has no optical constants, in standard errors
 _POLARISATIONS = {"s": [1.0, 0.0], "p": [0.0, 1.0], "none": [0.5, 0.5]}
 
 
@@ -235,7 +236,9 @@ class Problem:
             )
         ]
         priors = [(vector[number] - at) / spread for number, at, spread in self._known]
-        return np.concatenate([*parts, found.errors.ravel(), priors])
+        whole = np.concatenate([*parts, found.errors.ravel(), priors])
+        # a formula of n and k may not hold everywhere between the bounds; no step goes there
+        return np.where(np.isfinite(whole), whole, _IMPOSSIBLE)
 
     def jacobian(self, vector: np.ndarray) -> np.ndarray:
         """Derivatives of the residuals, shape (residuals, size)."""
@@ -254,7 +257,13 @@ class Problem:
         priors = np.zeros((len(self._known), self.size))
         for row, (number, _, spread) in enumerate(self._known):
             priors[row, number] = 1.0 / spread
-        return np.concatenate([*rows, own, priors])
+        whole = np.concatenate([*rows, own, priors])
+        return np.where(np.isfinite(whole), whole, 0.0)
+
+    def is_possible(self, solution: Solution) -> bool:
+        """Whether the film of a solution has optical constants."""
+        shares, _ = self.model.shares(solution.position)
+        return all(bool(np.all(np.isfinite(one))) for one in shares)
 
     def _solution(self, vector: np.ndarray, cost: float = np.nan) -> Solution:
         count = len(self.free)
@@ -281,8 +290,6 @@ class Problem:
 
         Raises
         ------
-        ConvergenceError
-            If the spectra cannot be computed at any step.
         MissingExtraError
             If lmfit is not installed.
         """
@@ -308,8 +315,6 @@ class Problem:
             Dfun=lambda given: self.jacobian(vector(given)).T[varied], col_deriv=1,
             ftol=_TOLERANCE, xtol=_TOLERANCE, gtol=0.0,
         )  # fmt: skip
-        if not np.isfinite(result.chisqr):
-            raise ConvergenceError("the fit failed: the film's spectra are not finite")
         return self._solution(vector(result.params), float(result.chisqr))
 
     def covariance(self, solution: Solution) -> np.ndarray:

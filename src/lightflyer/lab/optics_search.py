@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import qmc
 
+from lightflyer.foundation.errors import ConvergenceError
 from lightflyer.lab.estimate import student_factor
 from lightflyer.lab.optics_model import LEAST_ERROR, Problem, Solution
 
@@ -168,13 +169,18 @@ def search(problem: Problem, *, starts: int = STARTS, seed: int = 0) -> Fit:
     Raises
     ------
     ConvergenceError
-        If a fit fails.
+        If no film between the bounds has optical constants.
     """
     own = problem.model.positions(np.array([one.start for one in problem.free]))
     others = qmc.LatinHypercube(len(own), rng=np.random.default_rng(seed)).random(starts - 1)
     # what is known beforehand may be wrong: it has no say in how well the spectra can be fitted
     alone = replace(problem, informed=False)
     found = [alone.minimise(start) for start in (_inside(own), *others)]
+    found = [one for one in found if alone.is_possible(one)]
+    if not found:
+        raise ConvergenceError(
+            "no film between the bounds has optical constants at all wavelengths of the spectra"
+        )
     alone, minima = _settled(alone, _distinct(found))
     scatter, told = scatter_of(alone, minima[0]), alone.numbers_told(minima[0])
     problem = replace(alone, informed=True)

@@ -93,7 +93,7 @@ FLYERS = [
     ("chamber", '"293 K"', '"1e6 K"', "must be at most"),
     ("layers", GE, 'material = "Gee", thickness = "20 nm"', "did you mean Ge"),
     ("layers", GE, 'material = "Ge"', "needs thickness"),
-    ("layers", GE, 'thickness = "20 nm"', "needs material"),
+    ("layers", GE, 'thickness = "20 nm"', "give one of material"),
     ("layers", GE, 'material = "no.csv", thickness = "20 nm"', "cannot be read: No such file"),
     ("layers", GE, 'material = 3, thickness = "20 nm"', "is not a text in quotes"),
     ("layers", 'spectrum = "AM0"', 'spectrum = "AM2"', "choose from AM0"),

@@ -23,7 +23,6 @@ import lightflyer
 from lightflyer.cli import output
 from lightflyer.foundation import page
 from lightflyer.foundation.errors import OutputError, ParameterError
-from lightflyer.foundation.text import FILES_READ
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -99,6 +98,8 @@ class Report:
             self._folder.cleanup()
 
     def _page(self) -> str:
+        from lightflyer.foundation.text import FILES_READ  # NumPy with it, which --help does without
+
         inputs = list(dict.fromkeys([*self._named, *FILES_READ]))
         command = takewhile(lambda part: part.isalpha() and not _is_file(part), self._arguments)
         title = " ".join(["lightflyer", *command, *(path.name for path in inputs[:1])])
@@ -187,6 +188,8 @@ def begin(path: Path) -> Report:
         If it cannot be written.
     """
     global current
+    from lightflyer.foundation.text import FILES_READ
+
     if path.suffix.lower() != _ENDING:
         raise ParameterError(f'--report {path}: the page is HTML; name it "{path.stem}{_ENDING}"')
     if path.is_dir() or not path.parent.is_dir():

@@ -100,6 +100,17 @@ for name, atmosphere in ATMOSPHERES.items():
                 atmosphere, law
             )(73e3 * x)  # between the knots of every table
 
+_EV = 1.602176634e-19
+CASES["film.tauc_lorentz"] = lambda x: lf.film.tauc_lorentz(
+    2.2 * _EV, 122.0 * _EV, 3.45 * x * _EV, 2.54 * _EV, 1.2 * _EV
+)[0]
+CASES["film.lorentz"] = lambda x: lf.film.lorentz(1.8 * _EV, 1.5, 2.0 * x * _EV, 0.3 * _EV)[1]
+CASES["film.drude"] = lambda x: lf.film.drude(0.2 * x * _EV, 9.0 * _EV, 0.1 * _EV)[1]
+for name in ("bruggeman", "maxwell_garnett", "parallel", "series"):
+    CASES[f"film.{name}"] = lambda x, name=name: getattr(lf.film, name)(
+        np.array([1.0, 2.5]) * x, np.array([0.1, 0.3]), np.array([0.4, 0.6])
+    )[0]
+
 ELSEWHERE = {
     "environment.Daylight": "tests/environment/test_sky.py",
     "environment.GlobalNRLMSIS": "tests/environment/test_global_nrlmsis.py",

@@ -83,6 +83,7 @@ def test_correlation_length_of_known_noise():
 
 
 SILICON = 3.5
+ENDLESS = lf.film.tabulated_material("Si", [1e-7, 1e-5], [SILICON, SILICON], [0.0, 0.0])
 
 
 def cauchy_sample(thickness, noise=0.0, seed=0, bounds=(100e-9, 2000e-9)):
@@ -96,13 +97,10 @@ def cauchy_sample(thickness, noise=0.0, seed=0, bounds=(100e-9, 2000e-9)):
     ])  # fmt: skip
     share = share + noise * np.random.default_rng(seed).normal(size=share.size)
     spectrum = MeasuredSpectrum("tmm", "reflectance", 1.0 / wavelength[::-1], share[::-1])
-    substrate = lf.film.tabulated_material(
-        "substrate", [1e-7, 1e-5], [SILICON, SILICON], [0.0, 0.0]
-    )
 
     def build(values):
         layer = Formula("layer", cauchy=Cauchy(values["a"], values["b"]))
-        return lf.film.Film((lf.film.Layer(layer, values["thickness"]),), below=substrate)
+        return lf.film.Film((lf.film.Layer(layer, values["thickness"]),), below=ENDLESS)
 
     free = (
         FreeNumber("thickness", 0.9 * thickness, *bounds, "m"),
@@ -147,7 +145,8 @@ def test_numbers_that_spectra_cannot_tell_apart_are_named(folder):
     glass = lf.film.tabulated_material("glass", [1e-7, 1e-5], [1.5, 1.5], [0.0, 0.0])
 
     def build(values):
-        return lf.film.Film(tuple(lf.film.Layer(glass, values[name]) for name in ("one", "two")))
+        layers = tuple(lf.film.Layer(glass, values[name]) for name in ("one", "two"))
+        return lf.film.Film(layers, below=ENDLESS)
 
     share = build({"one": 200e-9, "two": 300e-9}).optics(wavelength).transmittance[0]
     share = share + 1e-3 * np.random.default_rng(1).normal(size=60)

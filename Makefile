@@ -11,8 +11,9 @@ demo: $(STAMP)  ## predict the 2-cm germanium disk; table here, figures and data
 	$(BIN)/lightflyer predict demo/flyer.toml --out demo
 	@echo "copy demo/flyer.toml, change it, and run: $(BIN)/lightflyer predict COPY --out FOLDER"
 
+# All tests of a file run in one process, where its programs are compiled once.
 test: $(STAMP)  ## run the tests
-	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto --dist loadfile
 
 check: lint types test docs wheel  ## all that continuous integration checks
 

@@ -98,7 +98,8 @@ class Report:
             self._folder.cleanup()
 
     def _page(self) -> str:
-        from lightflyer.foundation.text import FILES_READ  # NumPy with it, which --help does without
+        # with NumPy, which --help does without
+        from lightflyer.foundation.text import FILES_READ
 
         inputs = list(dict.fromkeys([*self._named, *FILES_READ]))
         command = takewhile(lambda part: part.isalpha() and not _is_file(part), self._arguments)

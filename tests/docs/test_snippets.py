@@ -89,7 +89,7 @@ def test_the_page_works(page, blocks, drawn, files, run, tmp_path, monkeypatch):
     folder = tmp_path / "here"
     shutil.copytree(files, folder)
     monkeypatch.chdir(folder)
-    monkeypatch.delenv("COLUMNS", raising=False)  # pytest-xdist's; tables are as wide as they are
+    monkeypatch.delenv("COLUMNS", raising=False)  # tables are as wide as they are
     mpl.use("agg")
     names = {}
     for kind, text in blocks:

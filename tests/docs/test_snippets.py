@@ -23,7 +23,7 @@ from PIL import Image
 import lightflyer as lf
 from lightflyer.cli.init import templates
 from lightflyer.config.flyer_file import flyer_file_type
-from lightflyer.config.reader import FLYER_FILE
+from lightflyer.config.reader import FLYER_FILE, read_film_file
 from lightflyer.foundation.toml_file import validate
 from lightflyer.lab.optics_data import SAMPLE_FILE, SampleFile
 from lightflyer.lab.synthetic import example_files
@@ -44,6 +44,7 @@ ALIKE = 3.0  # root-mean-square difference of two pictures, of 255; a curve else
 
 NOT_OURS = ("pip", "make", "source", "dask", "python", "#")
 STUDY_SECTIONS = {"sweep", "outputs", "sampling", "optimise", "sensitivity"}
+SAMPLE_KEYS = {"substrate", "ambient"}
 MEASUREMENTS = ("tac", "ftir", "levitation", "thermography", "roughness", "optics")
 
 
@@ -130,6 +131,11 @@ def require_readable(text):
     content = tomllib.loads(text)
     if "spectra" in content:
         validate(SampleFile, content, text, Path("sample.toml"), SAMPLE_FILE)
+        return
+    if SAMPLE_KEYS & set(content.get("film", {})):  # of "lightflyer film" alone
+        path = Path("page.toml")
+        path.write_text(text, encoding="utf-8")
+        read_film_file(path)
         return
     if STUDY_SECTIONS & set(content):
         path = Path("study.toml")

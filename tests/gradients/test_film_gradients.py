@@ -3,6 +3,7 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
+import tmm
 from jax.test_util import check_grads
 
 import lightflyer as lf
@@ -15,6 +16,7 @@ from lightflyer.film import (
     material,
     stack_optics,
 )
+from lightflyer.film.transfer_matrix import transfer
 
 # n and k of two layers, thickness / 100 nm, wavelength / 500 nm, incidence
 POINT = np.array([1.7, 3.5, 0.02, 0.8, 1.3, 0.4, 1.1, 0.7])
@@ -38,6 +40,44 @@ def test_optics_under_jit_and_vmap():
         plain = np.array([outcomes(point) for point in points])
         mapped = jax.jit(jax.vmap(outcomes))(points)
     np.testing.assert_allclose(mapped, plain, rtol=1e-12, atol=1e-15)
+
+
+# as POINT: absorbing, clear, opaque below one without thickness, with total reflection inside
+EDGES = np.array(
+    [
+        POINT,
+        [1.7, 3.5, 0.0, 0.0, 1.3, 0.4, 1.1, 0.7],
+        [1.7, 3.5, 0.02, 4.0, 0.0, 5e3, 1.1, 0.0],
+        [0.4, 1.9, 1e-9, 1e-9, 1.3, 0.4, 1.1, 0.9],
+    ]
+)
+
+
+def shares(x):
+    """R and T of s, then of p."""
+    found = transfer(x[:2], x[2:4], 1e-7 * x[4:6], 5e-7 * x[6], x[7], inside=False)
+    return jnp.concatenate([found.reflectance, found.transmittance])
+
+
+def shares_of_tmm(x):
+    index, depth = [1.0, *(x[:2] + 1j * x[2:4]), 1.0], [np.inf, *(1e-7 * x[4:6]), np.inf]
+    found = [tmm.coh_tmm(one, index, depth, x[7], 5e-7 * x[6]) for one in "sp"]
+    return np.array([one[name] for name in "RT" for one in found])
+
+
+def test_slopes_are_those_of_tmm():
+    """Central differences of tmm, which are good to 1e-7 of the largest."""
+    step = 1e-5
+    with lf.float64():
+        forward = jax.jit(jax.vmap(jax.jacfwd(shares)))(EDGES)
+        reverse = jax.jit(jax.vmap(jax.jacrev(shares)))(EDGES)
+    np.testing.assert_allclose(forward, reverse, rtol=1e-10, atol=1e-12)
+    inner = [0, 1, 4, 5, 6]  # tmm refuses gain, and incidence below zero
+    for point, slopes in zip(EDGES, reverse, strict=True):
+        for place in inner:
+            shift = step * np.eye(8)[place]
+            rise = shares_of_tmm(point + shift) - shares_of_tmm(point - shift)
+            np.testing.assert_allclose(slopes[:, place], rise / (2.0 * step), rtol=1e-5, atol=1e-7)
 
 
 COARSE = 60  # wavelengths per factor e: enough for derivatives, which are those of the sum

@@ -66,15 +66,23 @@ class Sheets(NamedTuple):
     Attributes
     ----------
     half : Half
-    round_trip : pair of array
-        Factor of the field, down through the layer and up again.
-    decay : array
-        Factor of the power, down through the layer.
+    exponent : pair of array
+        Of the field's factor, down through the layer and up again.
     """
 
     half: Half
-    round_trip: Complex
-    decay: Array
+    exponent: Complex
+
+    @property
+    def decay(self) -> Array:
+        """Factor of the power, down through the layer."""
+        return jnp.exp(self.exponent[0])
+
+    @property
+    def round_trip(self) -> Complex:
+        """Factor of the field, down through the layer and up again."""
+        sine, cosine = sine_and_cosine(self.exponent[1])
+        return self.decay * cosine, self.decay * sine
 
     def cut(self, start: int, stop: int) -> "Sheets":
         """Some of the layers."""
@@ -150,9 +158,7 @@ def sheets(beam: Beam, n: Numeric, k: Numeric, phase: Numeric) -> Sheets:
     Sheets
     """
     half = beam.into(n, k)
-    decay = jnp.exp(-phase * half.normal[1])
-    sine, cosine = sine_and_cosine(phase * half.normal[0])
-    return Sheets(half, (decay * cosine, decay * sine), decay)
+    return Sheets(half, (-phase * half.normal[1], phase * half.normal[0]))
 
 
 def respond(
@@ -182,40 +188,19 @@ def respond(
     Fields, Fields
         s, then p polarisation.
     """
-    full = jnp.zeros(shape)
-    lowest = jax.tree.map(lambda part: part + full, below)
-    waves = tuple(_Wave(one, (full, full), full + 1.0) for one in lowest.admittances)
-    rows = (layers, None if roughness is None else roughness[1:])
-
-    def step(carry: Any, row: Any) -> tuple[Any, Any]:
-        under, waves = carry
-        layer, kappa = row
-        damping = None if kappa is None else _damping(layer.half, under, kappa)
-        met = [
-            _interface(one, wave.below, wave.ratio, damping)
-            for one, wave in zip(layer.half.admittances, waves, strict=True)
-        ]
-        risen = tuple(
-            _Wave(one, _product(ratio, layer.round_trip), wave.power * gain * layer.decay)
-            for one, wave, (ratio, gain) in zip(layer.half.admittances, waves, met, strict=True)
+    if roughness is None:
+        risen = _smooth(shape, inside, above, layers, below)
+    else:
+        risen, _ = _sweep(shape, inside, above, layers, below, roughness)
+    first, second = (
+        Fields(
+            one.ratio,
+            one.passed,
+            jnp.zeros((0, *shape)) if one.met is None else _absorbed(layers, number, one),
         )
-        widened = jax.tree.map(lambda part: part + full, (layer.half, risen))
-        return widened, (met if inside else None)
-
-    under, met = lowest, None
-    if layers.decay.shape[0]:
-        # derivatives compute a step again, which is faster than to keep what was in it
-        frugal = jax.checkpoint(step, prevent_cse=False)
-        (under, waves), met = jax.lax.scan(frugal, (lowest, waves), rows, reverse=True)
-    damping = None if roughness is None else _damping(above, under, roughness[0])
-    found = []
-    for number, wave in enumerate(waves):
-        ratio, gain = _interface(above.admittances[number], wave.below, wave.ratio, damping)
-        kept = (
-            jnp.zeros((0, *shape)) if met is None else _absorbed(layers, number, met[number], gain)
-        )
-        found.append(Fields(ratio, wave.power * gain, kept))
-    return found[0], found[1]
+        for number, one in enumerate(risen)
+    )
+    return first, second
 
 
 def net_power(admittance: Complex, ratio: Complex) -> Array:
@@ -241,15 +226,202 @@ class _Wave(NamedTuple):
     power: Array
 
 
-def _absorbed(layers: Sheets, number: int, met: tuple[Complex, Array], top: Array) -> Array:
+class _Risen(NamedTuple):
+    """What the recursion finds at the topmost interface, for one polarisation.
+
+    ``gain`` is the squared field that this interface lets through; ``met`` holds ratio and gain at
+    the top of each layer. Both are None where what layers absorb is not wanted.
+    """
+
+    ratio: Complex
+    passed: Array
+    gain: Array | None
+    met: tuple[Complex, Array] | None
+
+
+_Pair: TypeAlias = tuple[_Risen, _Risen]
+
+
+def _sweep(
+    shape: tuple[int, ...],
+    inside: bool,
+    above: Half,
+    layers: Sheets,
+    below: Half,
+    roughness: Numeric | None = None,
+) -> tuple[_Pair, Any]:
+    """The recursion from the bottom up, and the ratios below each interface, top to bottom."""
+    full = jnp.zeros(shape)
+    lowest = jax.tree.map(lambda part: part + full, below)
+    waves = tuple(_Wave(one, (full, full), full + 1.0) for one in lowest.admittances)
+    rows = (layers.half, layers.round_trip, layers.decay)
+    damped = None if roughness is None else roughness[1:]
+
+    def step(carry: Any, row: Any) -> tuple[Any, Any]:
+        under, waves = carry
+        (half, round_trip, decay), kappa = row
+        damping = None if kappa is None else _damping(half, under, kappa)
+        met = tuple(
+            _interface(one, wave.below, wave.ratio, damping)
+            for one, wave in zip(half.admittances, waves, strict=True)
+        )
+        risen = tuple(
+            _Wave(one, _product(ratio, round_trip), wave.power * gain * decay)
+            for one, wave, (ratio, gain) in zip(half.admittances, waves, met, strict=True)
+        )
+        widened = jax.tree.map(lambda part: part + full, (half, risen))
+        return widened, (met if inside else None, tuple(wave.ratio for wave in widened[1]))
+
+    under: Half = lowest
+    met: Any = None
+    empty = jnp.zeros((0, *shape))
+    ratios: Any = ((empty, empty), (empty, empty))
+    if layers.exponent[0].shape[0]:
+        # derivatives compute a step again, which is faster than to keep what was in it
+        frugal = jax.checkpoint(step, prevent_cse=False)
+        (under, waves), (met, ratios) = jax.lax.scan(
+            frugal, (lowest, waves), (rows, damped), reverse=True
+        )
+    damping = None if roughness is None else _damping(above, under, roughness[0])
+    found = []
+    for number, wave in enumerate(waves):
+        ratio, gain = _interface(above.admittances[number], wave.below, wave.ratio, damping)
+        own = None if met is None else met[number]
+        found.append(_Risen(ratio, wave.power * gain, gain if inside else None, own))
+    none = jnp.zeros((1, *shape))
+    nothing: Any = ((none, none), (none, none))  # comes up from below the stack
+    return (found[0], found[1]), _stacked(shape, ratios, nothing)
+
+
+def _smooth_sweep(
+    shape: tuple[int, ...], inside: bool, above: Half, layers: Sheets, below: Half
+) -> _Pair:
+    """The recursion where all interfaces are smooth."""
+    return _sweep(shape, inside, above, layers, below)[0]
+
+
+def _slopes(
+    shape: tuple[int, ...],
+    inside: bool,
+    primals: tuple[Half, Sheets, Half],
+    tangents: tuple[Half, Sheets, Half],
+) -> tuple[_Pair, _Pair]:
+    """Derivatives by a recursion of changes, written out.
+
+    In those that JAX finds by itself, each intermediate result has a loop of its own, which
+    computes the step again.
+    """
+    found, ratios = _sweep(shape, inside, *primals)
+    rows = _rows(shape, ratios, primals, tangents)
+
+    def step(carry: Any, row: Any) -> tuple[Any, Any]:
+        interfaces, round_trip, exponent = row
+        ends, changes = [], []
+        for upper, lower, ratio, moved, (wave, passed) in zip(*interfaces, carry, strict=True):
+            risen, change, gain = _change(upper, lower, ratio, moved, wave)
+            turned = _product(risen, exponent)
+            wave = _product(round_trip, (change[0] + turned[0], change[1] + turned[1]))
+            ends.append((wave, passed + gain + exponent[0]))
+            changes.append((change, gain))
+        return tuple(ends), (changes if inside else None)
+
+    frugal = jax.checkpoint(step, prevent_cse=False)
+    full = jnp.zeros(shape)
+    ends, changes = jax.lax.scan(frugal, (((full, full), full),) * 2, rows, reverse=True)
+    slopes = []
+    for number, (one, (ratio, passed)) in enumerate(zip(found, ends, strict=True)):
+        gain, met = None, None
+        if inside:
+            (real, imaginary), gains = changes[number]
+            gain = one.gain * gains[0]
+        if one.met is not None:
+            met = (real[1:], imaginary[1:]), one.met[1] * gains[1:]
+        slopes.append(_Risen(ratio, one.passed * passed, gain, met))
+    return found, (slopes[0], slopes[1])
+
+
+_smooth: Any = jax.custom_jvp(_smooth_sweep, nondiff_argnums=(0, 1))
+_smooth.defjvp(_slopes)
+
+
+def _rows(
+    shape: tuple[int, ...],
+    ratios: tuple[Complex, Complex],
+    primals: tuple[Half, Sheets, Half],
+    tangents: tuple[Half, Sheets, Half],
+) -> Any:
+    """What the recursion of changes needs of each interface and the layer above it."""
+    (tops, bottoms), (top_changes, bottom_changes) = (
+        _faces(shape, *one) for one in (primals, tangents)
+    )
+    moved = tuple(
+        _less(_product(_quotient(lower, upper), change), other)
+        for upper, lower, change, other in zip(
+            tops, bottoms, top_changes, bottom_changes, strict=True
+        )
+    )
+    # no layer is above the topmost interface
+    none = jnp.zeros((1, *shape))
+    round_trips = _stacked(shape, (none + 1.0, none), primals[1].round_trip)
+    exponents = _stacked(shape, (none, none), tangents[1].exponent)
+    return (tops, bottoms, ratios, moved), round_trips, exponents
+
+
+def _faces(
+    shape: tuple[int, ...], above: Half, layers: Sheets, below: Half
+) -> tuple[tuple[Complex, Complex], tuple[Complex, Complex]]:
+    """Admittances above each interface, and below each, for s and p polarisation."""
+    first, last = (jax.tree.map(lambda part: part[None], one) for one in (above, below))
+    upper, lower = _stacked(shape, first, layers.half), _stacked(shape, layers.half, last)
+    return upper.admittances, lower.admittances
+
+
+def _change(
+    above: Complex, below: Complex, ratio: Complex, moved: Complex, wave: Complex
+) -> tuple[Complex, Complex, Array]:
+    r"""Ratio above a smooth interface, its change, and that of the logarithm of the gain.
+
+    ``ratio`` is the one below and ``wave`` its change; ``moved`` is
+    :math:`(y_b/y_a)\,\delta y_a-\delta y_b`, with the admittances above and below.
+    """
+    plus = (above[0] + below[0], above[1] + below[1])
+    minus = _less(above, below)
+    returned, gone = _product(minus, ratio), _product(plus, ratio)
+    inverse = _inverse((plus[0] + returned[0], plus[1] + returned[1]))
+    upward = _product(inverse, (minus[0] + gone[0], minus[1] + gone[1]))
+    driven = _product(inverse, _product((1.0 - ratio[0], -ratio[1]), moved))
+    passed_on = _product(inverse, wave)
+    own, through = _product((1.0 + ratio[0], ratio[1]), driven), _product(below, passed_on)
+    both = own[0] + 2.0 * through[0], own[1] + 2.0 * through[1]
+    change = _product(_product(inverse, above), both)
+    gain = driven[0] - (minus[0] * passed_on[0] - minus[1] * passed_on[1])
+    return upward, (2.0 * change[0], 2.0 * change[1]), 2.0 * gain
+
+
+def _stacked(shape: tuple[int, ...], *parts: Any) -> Any:
+    """Arrays whose first axis is the layer, broadcast behind it and put one upon the other."""
+
+    def wide(part: Array) -> Array:
+        ones = (1,) * (len(shape) + 1 - part.ndim)
+        rows = part.reshape(part.shape[:1] + ones + part.shape[1:])
+        return jnp.broadcast_to(rows, (part.shape[0], *shape))
+
+    return jax.tree.map(lambda *rows: jnp.concatenate([wide(one) for one in rows]), *parts)
+
+
+def _absorbed(layers: Sheets, number: int, risen: _Risen) -> Array:
     """Power that enters each layer less what leaves it, from the top down."""
-    ratio, gains = met
-    admittance, falls = layers.half.admittances[number], layers.decay * gains
-    beam = jnp.cumprod(jnp.concatenate([top[None], falls[:-1]]), axis=0)
+    assert risen.met is not None
+    assert risen.gain is not None
+    ratio, gains = risen.met
+    admittance, decay = layers.half.admittances[number], layers.decay
+    falls = decay * gains
+    beam = jnp.cumprod(jnp.concatenate([risen.gain[None], falls[:-1]]), axis=0)
     entering = net_power(admittance, _product(ratio, layers.round_trip))
-    return beam * (entering - layers.decay * net_power(admittance, ratio))
+    return beam * (entering - decay * net_power(admittance, ratio))
 
 
+@jax.custom_jvp
 def _root(real: Array, imaginary: Array) -> Complex:
     """Square root in the first quadrant of a number in the upper half-plane."""
     modulus = jnp.sqrt(real * real + imaginary * imaginary)
@@ -259,15 +431,40 @@ def _root(real: Array, imaginary: Array) -> Complex:
     return jnp.where(propagates, larger, smaller), jnp.where(propagates, smaller, larger)
 
 
+@_root.defjvp
+def _slope_of_root(primals: Complex, tangents: Complex) -> tuple[Complex, Complex]:
+    root = _root(*primals)
+    slope = _product(_inverse(root), tangents)
+    return root, (0.5 * slope[0], 0.5 * slope[1])
+
+
 def _product(one: Complex, other: Complex) -> Complex:
     (a, b), (c, d) = one, other
     return a * c - b * d, a * d + b * c
 
 
+def _less(one: Complex, other: Complex) -> Complex:
+    return one[0] - other[0], one[1] - other[1]
+
+
+def _inverse(one: Complex) -> Complex:
+    scale = 1.0 / magnitude(one)
+    return one[0] * scale, -one[1] * scale
+
+
+@jax.custom_jvp
 def _quotient(over: Complex, under: Complex) -> Complex:
     (a, b), (c, d) = over, under
     scale = 1.0 / (c * c + d * d)
     return (a * c + b * d) * scale, (b * c - a * d) * scale
+
+
+@_quotient.defjvp
+def _slope_of_quotient(
+    primals: tuple[Complex, Complex], tangents: tuple[Complex, Complex]
+) -> tuple[Complex, Complex]:
+    found = _quotient(*primals)
+    return found, _product(_inverse(primals[1]), _less(tangents[0], _product(found, tangents[1])))
 
 
 class _Damping(NamedTuple):

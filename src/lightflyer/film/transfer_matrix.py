@@ -233,7 +233,7 @@ def transfer(
     inside = inside or roughness is not None
     kappa = None if roughness is None else (2.0 * jnp.pi) * jnp.asarray(roughness) / wavelength
     shape = jnp.broadcast_shapes(
-        layers.round_trip[0].shape[1:], outside.magnetic[0].shape, substrate.normal[0].shape,
+        layers.exponent[0].shape[1:], outside.magnetic[0].shape, substrate.normal[0].shape,
         wavelength.shape, () if kappa is None else kappa.shape[1:],
     )  # fmt: skip
     group = _Grouped(outside, layers, substrate, kappa, structure.coherent, shape, inside)
@@ -263,7 +263,7 @@ class _Grouped(NamedTuple):
 
     def shares(self) -> list[tuple[Array, Array, Array]]:
         """Reflectance, transmittance and layers' absorptances of s and of p polarisation."""
-        count = self.layers.decay.shape[0]
+        count = self.layers.exponent[0].shape[0]
         starts = [0, *(number + 1 for number in self.thick)]
         ends = [*self.thick, count]
         halves = [self.outside, *(self._medium(number) for number in self.thick), self.substrate]
@@ -276,7 +276,7 @@ class _Grouped(NamedTuple):
                 turned = None if kappa is None else kappa[::-1]
                 flipped = part.flipped()
                 up.append(respond(below, flipped, above, turned, self.shape, inside=self.inside))
-        decays = [self.layers.decay[number] for number in self.thick]
+        decays = [self.layers.cut(number, number + 1).decay[0] for number in self.thick]
         return [
             _shares_of_powers(
                 [pair[number] for pair in down],

@@ -28,7 +28,10 @@ FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 SETUP = lf.Setup(lf.Disk(FILM, 0.01), lf.Chamber(), lf.Lu2023())
 STYLES = (None, "column")
 # single numbers, what was given, and a part of another result
-NOT_DRAWN = {"Estimate", "Hanging", "Readings", "Swarm", "TacAccuracy", "Compared"}
+NOT_DRAWN = {
+    *("Estimate", "Hanging", "Readings", "Swarm", "TacAccuracy", "Compared"),
+    *("AsMade", "RankedStack", "Ranking"),  # parts of an Optimum
+}
 
 
 def exported():

@@ -3,6 +3,7 @@
 import contextlib
 import io
 import struct
+import sys
 from pathlib import Path
 
 import jcamp
@@ -511,7 +512,8 @@ def test_options_and_missing_packages(monkeypatch):
     same(read("s.spc", percent, quantity="reflectance"))
     arbitrary = (SAMPLES / "grams.spc").read_bytes()
     assert "shows arbitrary units" in fault("s.spc", arbitrary, quantity="transmittance")
-    monkeypatch.setitem(__import__("sys").modules, "brukeropus", None)
+    for module in ("brukeropus", "brukeropus.file"):
+        monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(lf.MissingExtraError, match=r"needs brukeropus: pip install"):
         read_spectrum(SAMPLES / "opus.0")
 

@@ -231,8 +231,9 @@ def test_another_study_in_the_folder_is_refused_with_the_difference(
     changed = flyer.model_copy(update={"film": film}).design()
     with pytest.raises(lf.OutputError, match=r"film.tac_top: \[0.8, null\] there, \[0.81.* now"):
         sweep_into(make_study(changed, ENTRIES, VARIABLES), folder)
+    now = lf.__version__
     monkeypatch.setattr(lf, "__version__", "99.0")
-    with pytest.raises(lf.OutputError, match=f"lightflyer: {lf.__version__} there, 99.0 now"):
+    with pytest.raises(lf.OutputError, match=f"lightflyer: {now} there, 99.0 now"):
         sweep_into(study, folder)
 
 

@@ -128,7 +128,9 @@ def _in_words(cache: dict[str, Any]) -> str:
 
 
 def _extras_table(extras: dict[str, list[dict[str, Any]]]) -> Table:
-    table = Table("extra", "", "packages")
+    table = Table("extra")
+    table.add_column("", no_wrap=True)  # a command to copy
+    table.add_column("packages")
     for name, packages in extras.items():
         complete = not any(entry["problem"] for entry in packages)
         state = "ready" if complete else f"pip install 'lightflyer[{name}]'"

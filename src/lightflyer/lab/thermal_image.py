@@ -4,7 +4,7 @@ import dataclasses
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from lightflyer.foundation.units import Measured
 from lightflyer.lab.thermal_images import flir, radiometry, scaled
 from lightflyer.lab.thermal_images.scaled import Scale
 from lightflyer.lab.thermography_data import THERMAL, ZERO_CELSIUS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 UNIFORM = 2.0
 """Scatter of a region's pixels above which it is not called uniform [K]; an assumption."""
@@ -61,6 +64,17 @@ class ThermalImage:
     emissivity: float | None = None
     reflected_temperature: float | None = None
     notes: tuple[str, ...] = ()
+
+    def plot(self) -> "Figure":
+        """Draw the temperatures.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.lab.figures.thermal_image import plot_image
+
+        return plot_image(self)
 
     def summary(self) -> dict[str, Any]:
         """What the file states, as a JSON object."""

@@ -18,6 +18,7 @@ from lightflyer.foundation.drawing import (
     PALETTE,
     SKY,
     VERMILION,
+    legend_below,
     new_figure,
     wrapped,
 )
@@ -114,7 +115,7 @@ def _altitude(dataset: "xr.Dataset") -> Figure:
     axes.plot(end, altitude, "o", color=VERMILION, label=f"end: {dataset.attrs['end']}")
     axes.set_ylabel("altitude [km]")
     _over_time(axes, dataset)
-    _legend(axes)
+    legend_below(axes)
     return figure
 
 
@@ -131,7 +132,6 @@ def _flight(dataset: "xr.Dataset") -> Figure:
     heat.plot(time, dataset.temperature, color=VERMILION, label="flyer")
     heat.plot(time, dataset.gas_temperature, color=GREY, linestyle="--", label="gas")
     heat.set_ylabel("temperature [K]")
-    heat.legend()
     for axes in figure.axes:
         _shade(axes, dataset)
         _over_time(axes, dataset)
@@ -139,6 +139,7 @@ def _flight(dataset: "xr.Dataset") -> Figure:
         axes.set_xlabel("")
         axes.tick_params(labelbottom=False)
         axes.xaxis.get_offset_text().set_visible(False)
+    legend_below(heat)
     return figure
 
 
@@ -177,7 +178,7 @@ def _ground_track(dataset: "xr.Dataset") -> Figure:
     axes.set_aspect(1.0 / max(middle, _FLATTEST), adjustable="box")
     axes.set_xlabel("longitude [°]")
     axes.set_ylabel("latitude [°]")
-    _legend(axes)
+    legend_below(axes)
     return figure
 
 
@@ -234,10 +235,6 @@ def _over_time(axes: Axes, dataset: "xr.Dataset") -> None:
     axes.xaxis.set_major_formatter(written)
     axes.set_xlim(dataset.time.values[0], dataset.time.values[-1])
     axes.set_xlabel("UTC")
-
-
-def _legend(axes: Axes) -> None:
-    axes.legend(fontsize="small")
 
 
 def _spread(altitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

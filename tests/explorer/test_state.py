@@ -135,7 +135,7 @@ def test_a_new_flyer_appears_with_its_fields(workplace):
         """``[flyer]``: a square."""
 
         flyer_type: ClassVar[type] = lf.Disk
-        shape: Literal["square"]
+        shape: Literal["tile"]
         side: Length
         rounded: bool = False
 
@@ -145,21 +145,21 @@ def test_a_new_flyer_appears_with_its_fields(workplace):
     try:
         described = grammar()
         base = next(part["base"] for part in described["parts"] if part["name"] == "flyer")
-        fields = described["sections"][described["bases"][base]["square"]]["fields"]
+        fields = described["sections"][described["bases"][base]["tile"]]["fields"]
         by_name = {field["name"]: field for field in fields}
         assert by_name["side"] == {
             "name": "side", "label": "side", "words": "", "required": True, "kind": "number",
             "unit": "m", "range": "positive", "default": "",
         }  # fmt: skip
         assert by_name["rounded"]["choices"] == ["true", "false"]
-        chosen = switched(workplace.initial, "flyer", "square")
+        chosen = switched(workplace.initial, "flyer", "tile")
         with pytest.raises(lf.ConfigurationError, match=r"\[flyer\] needs side"):
             workplace.design(chosen)
         chosen["flyer"]["side"] = "3 cm"
         assert workplace.design(chosen).setup.flyer.radius == pytest.approx(0.015)
         assert workplace.design(from_url(to_url(View(chosen))).document).file.flyer.shape
     finally:
-        del lf.flyer.FlyerSection.alternatives["square"]  # no part of the package
+        del lf.flyer.FlyerSection.alternatives["tile"]  # no part of the package
 
 
 CHOICES = [(name, tag) for name, base in BASES.items() for tag in base.alternatives]

@@ -65,6 +65,26 @@ def test_faces_may_differ(flyer_file):
     assert (film.emittance_top, film.emittance_bottom) == (0.05, 0.4)
 
 
+def test_a_section_that_is_defined_again_replaces_the_first(flyer_file):
+    path = flyer_file('shape = "disk"\ndiameter = "2 cm"', 'shape = "tile"\nside = "2 cm"')
+    try:
+        for share in (0.5, 0.25):
+
+            class TileSection(lf.flyer.FlyerSection):
+                flyer_type: ClassVar[type] = lf.Disk
+                factor: ClassVar[float] = share
+                shape: Literal["tile"]
+                side: Length
+
+                def build(self, film, incidence):
+                    return lf.Disk(film, self.factor * self.side.value)
+
+            radius = lf.read_flyer_file(path).build().flyer.radius
+            assert radius == pytest.approx(share * 0.02)
+    finally:
+        del lf.flyer.FlyerSection.alternatives["tile"]  # no part of the package
+
+
 def test_a_section_defined_after_files_were_read(flyer_file):
     shape = 'shape = "disk"\ndiameter = "2 cm"'
     lf.read_flyer_file(flyer_file())

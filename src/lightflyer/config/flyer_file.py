@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from functools import cache, cached_property, reduce
+from functools import cached_property, lru_cache, reduce
 from itertools import combinations
 from pathlib import Path
 from typing import Annotated, Any
@@ -22,7 +22,7 @@ from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
 from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.quantity import Quantity
-from lightflyer.foundation.section import Alternative, Section, alternative_tags
+from lightflyer.foundation.section import Alternative, Section
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 
@@ -177,12 +177,12 @@ def flyer_file_type() -> type[FlyerFile]:
     type
         :class:`FlyerFile`, or a subclass of it where a user has defined more.
     """
-    return _flyer_file_of(frozenset(alternative_tags()))
+    return _flyer_file_of(_alternatives())
 
 
-@cache
-def _flyer_file_of(tags: frozenset[str]) -> type[FlyerFile]:
-    if tags == _SHIPPED:
+@lru_cache(maxsize=8)  # by class, not by name: a notebook's cell that is run again defines another
+def _flyer_file_of(kinds: frozenset[type[Alternative]]) -> type[FlyerFile]:
+    if kinds == _SHIPPED:
         return FlyerFile
     return pydantic.create_model(
         "FlyerFile",
@@ -194,7 +194,12 @@ def _flyer_file_of(tags: frozenset[str]) -> type[FlyerFile]:
     )
 
 
-_SHIPPED = frozenset(alternative_tags())
+def _alternatives() -> frozenset[type[Alternative]]:
+    bases = (FlyerSection, FilmSection, EnvironmentSection, ForceSection)
+    return frozenset(kind for base in bases for kind in base.alternatives.values())
+
+
+_SHIPPED = _alternatives()
 
 
 def models_for(kind: type[FlyerSection]) -> list[str]:

@@ -10,7 +10,6 @@ from lightflyer.force.convection import (
     inner_sphere_nusselt,
     joined_conductance,
     jump_share,
-    prandtl_number,
     sphere_conductance,
     sphere_nusselt,
 )
@@ -117,10 +116,6 @@ def test_nusselt_number_inside():
     below, above = inner_sphere_nusselt(1.34e8), inner_sphere_nusselt(1.36e8)
     assert below == pytest.approx(2.5 * (2.0 + 0.6 * 1.34e8**0.25), rel=1e-12)
     assert above == pytest.approx(0.325 * 1.36e8 ** (1.0 / 3.0), rel=1e-12)
-
-
-def test_prandtl_number_of_air():
-    assert prandtl_number(300.0, AIR) == pytest.approx(0.707, abs=0.005)
 
 
 def test_heat_grows_with_the_excess_and_vanishes_with_it():

@@ -3,11 +3,6 @@ import numpy_model
 import pytest
 
 import lightflyer as lf
-from lightflyer.gas.air import (
-    reference_conductivity,
-    reference_heat_capacity,
-    reference_viscosity,
-)
 
 TEMPERATURES = np.linspace(150.0, 900.0, 16)
 
@@ -58,9 +53,10 @@ def test_air_matches_an_independent_implementation_of_its_references():
     per_constant = air.heat_capacity(temperature) / air.specific_gas_constant
     np.testing.assert_allclose(per_constant, heat_capacity, rtol=1e-5)
     # the formulas themselves, to the digits
-    np.testing.assert_allclose(reference_viscosity(temperature), viscosity, rtol=1e-9)
-    np.testing.assert_allclose(reference_conductivity(temperature), conductivity, rtol=1e-9)
-    np.testing.assert_allclose(reference_heat_capacity(temperature), heat_capacity, rtol=2e-8)
+    published = air.correlations
+    np.testing.assert_allclose(published.viscosity(temperature), viscosity, rtol=1e-9)
+    np.testing.assert_allclose(published.conductivity(temperature), conductivity, rtol=1e-9)
+    np.testing.assert_allclose(published.heat_capacity(temperature), heat_capacity, rtol=2e-8)
 
 
 def test_air_has_the_published_check_values():
@@ -78,9 +74,9 @@ def test_air_follows_the_published_formulas_and_continues_gently_beyond_their_ra
     air = lf.gas.AIR
     per_constant = air.heat_capacity(temperature) / air.specific_gas_constant
     for found, published in (
-        (air.viscosity(temperature), reference_viscosity),
-        (air.conductivity(temperature), reference_conductivity),
-        (per_constant, reference_heat_capacity),
+        (air.viscosity(temperature), air.correlations.viscosity),
+        (air.conductivity(temperature), air.correlations.conductivity),
+        (per_constant, air.correlations.heat_capacity),
     ):
         np.testing.assert_allclose(found, published(temperature), rtol=1e-5)
     assert air.heat_capacity(1e5) == pytest.approx(air.heat_capacity(2000.0), rel=1e-12)

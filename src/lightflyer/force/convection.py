@@ -146,31 +146,6 @@ def inner_sphere_nusselt(rayleigh: Numeric) -> Array:
     return jnp.maximum(_INNER_SCALE * laminar, turbulent)
 
 
-def prandtl_number(temperature: Numeric, gas: AbstractGas) -> Array:
-    r"""Prandtl number, :math:`\mathrm{Pr} = \mu c_p/\kappa`.
-
-    Parameters
-    ----------
-    temperature : array, shape (...)
-        [K].
-    gas : AbstractGas
-
-    Returns
-    -------
-    array, shape (...)
-        [1].
-
-    Examples
-    --------
-    >>> from lightflyer.gas import AIR
-    >>> print(f"{prandtl_number(300.0, AIR):.3f}")
-    0.706
-    """
-    return (
-        gas.viscosity(temperature) * gas.heat_capacity(temperature) / gas.conductivity(temperature)
-    )
-
-
 def jump_share(density: Numeric) -> Array:
     r"""Share of the free-molecular resistance that is left where molecules collide.
 
@@ -279,7 +254,7 @@ def sphere_conductance(
     at_rest: Numeric = _CONDUCTION
     if wall_distance is not None:
         at_rest = _CONDUCTION / (1.0 - radius / wall_distance)
-    nusselt = convection * sphere_nusselt(rayleigh, prandtl_number(mean, gas), at_rest)
+    nusselt = convection * sphere_nusselt(rayleigh, gas.prandtl_number(mean), at_rest)
     dense = 2.0 * jnp.pi * radius * nusselt * gas.conductivity(mean) * temperature
     free_molecular = free_molecular_conductance(
         4.0 * jnp.pi * radius**2,

@@ -1,9 +1,12 @@
 from .air import AIR as AIR
 from .air import LU2023_AIR as LU2023_AIR
 from .air import US1976_AIR as US1976_AIR
+from .air import AbstractAir as AbstractAir
 from .air import Air as Air
 from .air import Lu2023Air as Lu2023Air
 from .air import US1976Air as US1976Air
+from .argon import ARGON as ARGON
+from .argon import Argon as Argon
 from .base import AbstractGas as AbstractGas
 from .base import knudsen_number as knudsen_number
 from .base import mean_free_path as mean_free_path
@@ -11,4 +14,14 @@ from .carbon_dioxide import CARBON_DIOXIDE as CARBON_DIOXIDE
 from .carbon_dioxide import FROZEN_CARBON_DIOXIDE as FROZEN_CARBON_DIOXIDE
 from .carbon_dioxide import CarbonDioxide as CarbonDioxide
 from .carbon_dioxide import FrozenCarbonDioxide as FrozenCarbonDioxide
+from .helium import HELIUM as HELIUM
+from .helium import Helium as Helium
 from .known import GASES as GASES
+from .nitrogen import NITROGEN as NITROGEN
+from .nitrogen import Nitrogen as Nitrogen
+from .oxygen import OXYGEN as OXYGEN
+from .oxygen import Oxygen as Oxygen
+from .reference import AbstractReferenceGas as AbstractReferenceGas
+from .reference import Correlations as Correlations
+from .relaxation import Parker as Parker
+from .relaxation import vhs_collision_rate as vhs_collision_rate

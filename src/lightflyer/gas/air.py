@@ -1,7 +1,6 @@
 """Air: by reference correlations, as in the US Standard Atmosphere 1976, and as in the paper."""
 
 import math
-from collections.abc import Callable
 from typing import ClassVar
 
 import jax.numpy as jnp
@@ -11,8 +10,16 @@ from jax import Array
 from lightflyer.foundation import constants
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
+from lightflyer.gas import relaxation
 from lightflyer.gas.base import AbstractGas
-from lightflyer.gas.followed import Followed
+from lightflyer.gas.lemmon_jacobsen import LemmonJacobsen
+from lightflyer.gas.reference import (
+    DIATOMIC_RATIO,
+    AbstractReferenceGas,
+    Correlations,
+    vibration,
+)
+from lightflyer.gas.relaxation import Parker
 
 
 def _power(base: Numeric, exponent: float, unit: float = 1.0) -> Array:
@@ -24,17 +31,14 @@ def _power(base: Numeric, exponent: float, unit: float = 1.0) -> Array:
     return jnp.exp(exponent * (jnp.log(base) - math.log(unit)))
 
 
-# [LemmonJacobsen2004]: viscosity of dilute air, with the logarithm of the collision integral in
-# powers of ln(T/T_e), and conductivity of dilute air.
-_VISCOSITY_SCALE = 0.0266958e-6  # [Pa s nm² (mol/(g K))^(1/2)]
-_MOLAR_MASS = 28.9586  # [g/mol]
-_DIAMETER = 0.360  # [nm]
-_ENERGY = 103.3  # [K]
-_COLLISION = (0.431, -0.4623, 0.08406, 0.005341, -0.00331)
-_MICROPASCAL_SECOND, _MILLIWATT = 1e-6, 1e-3
-_CRITICAL_TEMPERATURE = 132.6312  # [K]
-_CONDUCTIVITY = (1.308, 1.405, -1.036)  # of the viscosity and of two powers of T/T_c
-_EXPONENTS = (1.1, 0.3)
+_TRANSPORT = LemmonJacobsen(
+    molar_mass=28.9586,
+    diameter=0.360,
+    energy=103.3,
+    critical_temperature=132.6312,
+    of_viscosity=1.308,
+    terms=((1.405, 1.1), (-1.036, 0.3)),
+)
 
 # [Lemmon2000]: heat capacity of ideal air over the gas constant: powers of T, a root, vibrations of
 # nitrogen and oxygen, and higher states.
@@ -43,88 +47,35 @@ _ROOT = 0.223806688  # of T^-1.5
 _VIBRATIONS = ((0.791309509, 3364.011), (0.212236768, 2242.45))  # weights, temperatures [K]
 _HIGHER, _HIGHER_TEMPERATURE, _HIGHER_RATIO = 0.197938904, 11580.4, 2.0 / 3.0
 
-_COLDEST, _HOTTEST = 60.0, 2000.0  # range of both sources [K]
+_RANGE = (60.0, 2000.0)  # of both sources [K]
+_NITROGEN, _OXYGEN = 0.78084, 0.20948  # mole fractions [USSA1976]
 
 
-def reference_viscosity(temperature: np.ndarray) -> np.ndarray:
-    """Viscosity of dilute air as published [Pa s]; [LemmonJacobsen2004]_.
-
-    Parameters
-    ----------
-    temperature : array, shape (...)
-        [K].
-
-    Returns
-    -------
-    array, shape (...)
-    """
-    collision = np.exp(np.polynomial.polynomial.polyval(np.log(temperature / _ENERGY), _COLLISION))
-    return _VISCOSITY_SCALE * np.sqrt(_MOLAR_MASS * temperature) / (_DIAMETER**2 * collision)
-
-
-def reference_conductivity(temperature: np.ndarray) -> np.ndarray:
-    """Thermal conductivity of dilute air as published [W/(m K)]; [LemmonJacobsen2004]_.
-
-    Parameters
-    ----------
-    temperature : array, shape (...)
-        [K].
-
-    Returns
-    -------
-    array, shape (...)
-    """
-    of_viscosity, *scales = _CONDUCTIVITY
-    total = of_viscosity * reference_viscosity(temperature) / _MICROPASCAL_SECOND
-    for scale, exponent in zip(scales, _EXPONENTS, strict=True):
-        total = total + scale * (temperature / _CRITICAL_TEMPERATURE) ** exponent
-    return _MILLIWATT * total
-
-
-def reference_heat_capacity(temperature: np.ndarray) -> np.ndarray:
-    """Isobaric heat capacity of ideal air over its gas constant as published [1]; [Lemmon2000]_.
-
-    Parameters
-    ----------
-    temperature : array, shape (...)
-        [K].
-
-    Returns
-    -------
-    array, shape (...)
-    """
+def _heat_capacity(temperature: np.ndarray) -> np.ndarray:
+    """Isobaric heat capacity of ideal air over its gas constant as published [1]."""
     total = np.polynomial.polynomial.polyval(temperature, _POLYNOMIAL) + _ROOT / temperature**1.5
     for weight, characteristic in _VIBRATIONS:
-        ratio = characteristic / temperature
-        total = total + weight * (0.5 * ratio / np.sinh(0.5 * ratio)) ** 2
+        total = total + weight * vibration(temperature, characteristic)
     ratio = _HIGHER_TEMPERATURE / temperature
     share = _HIGHER_RATIO * np.exp(-ratio)
     return total + _HIGHER * ratio**2 * share / (1.0 + share) ** 2
 
 
-_MIDDLE = 600.0  # [K]
-_DEGREE = 12
+class AbstractAir(AbstractGas):
+    """Air, by whatever correlations: what models made for air alone are for."""
+
+    molecules: ClassVar[str] = "diatomic"
+    rotation: ClassVar[tuple[tuple[float, Parker], ...]] = (
+        (_NITROGEN, relaxation.NITROGEN),
+        (_OXYGEN, relaxation.OXYGEN),
+    )
 
 
-def _followed(formula: Callable[[np.ndarray], np.ndarray]) -> Followed:
-    return Followed.of(formula, (_COLDEST, _HOTTEST), _MIDDLE, _DEGREE)
-
-
-# of the transport properties without the root of T, with which they continue beyond the range
-_VISCOSITY_FIT = _followed(lambda kelvin: reference_viscosity(kelvin) / np.sqrt(kelvin))
-_CONDUCTIVITY_FIT = _followed(lambda kelvin: reference_conductivity(kelvin) / np.sqrt(kelvin))
-_HEAT_CAPACITY_FIT = _followed(reference_heat_capacity)
-
-
-class Air(AbstractGas):
+class Air(AbstractAir, AbstractReferenceGas):
     r"""Air by the reference correlations, in the limit of low density.
 
-    .. math::
-        \mu &= \frac{0.0266958\sqrt{MT}}{\sigma^2\,\Omega(T^*)}, \qquad
-        \ln\Omega = \sum_i b_i \ln^i T^*, \qquad T^* = \frac{T}{103.3\,\mathrm K} \\
-        \kappa &= N_1 \mu + N_2 (T/T_c)^{1.1} + N_3 (T/T_c)^{0.3}
-
-    and the heat capacity of the ideal gas with its vibrations.
+    Viscosity and conductivity are :class:`~lightflyer.gas.lemmon_jacobsen.LemmonJacobsen`'s, the
+    heat capacity is that of the ideal gas with its vibrations.
 
     Attributes
     ----------
@@ -140,7 +91,9 @@ class Air(AbstractGas):
     -----
     The sources hold from 60 K to 2000 K; there the published formulas are followed to 1e-5. Beyond,
     viscosity and conductivity grow with the root of the temperature, as those of hard spheres do,
-    and the heat capacity stays as it is at the end.
+    and the heat capacity stays as it is at the end; :meth:`caveats` says so.
+
+    The rotation of its nitrogen and its oxygen relaxes at the mean of their rates.
 
     References
     ----------
@@ -153,28 +106,15 @@ class Air(AbstractGas):
     """
 
     name: ClassVar[str] = "air"
-    molecules: ClassVar[str] = "diatomic"
+    correlations: ClassVar[Correlations] = Correlations(
+        _TRANSPORT.viscosity, _TRANSPORT.conductivity, _heat_capacity, _RANGE
+    )
 
     specific_gas_constant: Numeric = constants.GAS_CONSTANT_US1976 / constants.MOLAR_MASS_AIR
-    heat_capacity_ratio: Numeric = 1.4
-
-    @entry_point
-    def viscosity(self, temperature: Numeric) -> Array:
-        """Dynamic viscosity [Pa s]."""
-        return jnp.sqrt(temperature) * _VISCOSITY_FIT(temperature)
-
-    @entry_point
-    def conductivity(self, temperature: Numeric) -> Array:
-        """Thermal conductivity [W/(m K)]."""
-        return jnp.sqrt(temperature) * _CONDUCTIVITY_FIT(temperature)
-
-    @entry_point
-    def heat_capacity(self, temperature: Numeric) -> Array:
-        """Isobaric heat capacity of the ideal gas, vibrations included [J/(kg K)]."""
-        return self.specific_gas_constant * _HEAT_CAPACITY_FIT(temperature)
+    heat_capacity_ratio: Numeric = DIATOMIC_RATIO
 
 
-class US1976Air(AbstractGas):
+class US1976Air(AbstractAir):
     r"""Air with the transport properties of the US Standard Atmosphere 1976.
 
     .. math::
@@ -200,10 +140,9 @@ class US1976Air(AbstractGas):
     """
 
     name: ClassVar[str] = "us1976-air"
-    molecules: ClassVar[str] = "diatomic"
 
     specific_gas_constant: Numeric = constants.GAS_CONSTANT_US1976 / constants.MOLAR_MASS_AIR
-    heat_capacity_ratio: Numeric = 1.4
+    heat_capacity_ratio: Numeric = DIATOMIC_RATIO
 
     @entry_point
     def viscosity(self, temperature: Numeric) -> Array:
@@ -225,7 +164,7 @@ class US1976Air(AbstractGas):
         return ratio / (ratio - 1.0) * self.specific_gas_constant + jnp.zeros_like(temperature)
 
 
-class Lu2023Air(AbstractGas):
+class Lu2023Air(AbstractAir):
     r"""Air with the correlations of the paper, for its reproduction.
 
     .. math::
@@ -240,10 +179,9 @@ class Lu2023Air(AbstractGas):
     """
 
     name: ClassVar[str] = "lu2023-air"
-    molecules: ClassVar[str] = "diatomic"
 
     specific_gas_constant: Numeric = constants.GAS_CONSTANT_LU2023
-    heat_capacity_ratio: Numeric = 1.4
+    heat_capacity_ratio: Numeric = DIATOMIC_RATIO
 
     @entry_point
     def viscosity(self, temperature: Numeric) -> Array:

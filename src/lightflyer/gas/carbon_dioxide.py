@@ -6,13 +6,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.foundation import constants
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.followed import Followed
+from lightflyer.gas.reference import BEYOND, GAS_CONSTANT, vibration
 
 MOLAR_MASS = 44.0098
 """Molar mass [kg/kmol]; [SpanWagner1996]_."""
@@ -50,7 +50,6 @@ COLDEST, HOTTEST = 100.0, 1100.0
 """Range of the correlations [K]: of the viscosity, and of conductivity and heat capacity."""
 
 _MIDDLE, _DEGREE = 300.0, 12
-_GAS_CONSTANT = 1e3 * constants.BOLTZMANN * constants.AVOGADRO  # [J/(kmol K)]
 
 
 def reference_viscosity(temperature: np.ndarray) -> np.ndarray:
@@ -90,8 +89,7 @@ def reference_heat_capacity(temperature: np.ndarray) -> np.ndarray:
     """
     total = np.full_like(temperature, _RIGID)
     for weight, reduced in _VIBRATIONS:
-        half = 0.5 * reduced * _REDUCING_TEMPERATURE / temperature
-        total = total + weight * (half / np.sinh(half)) ** 2
+        total = total + weight * vibration(temperature, reduced * _REDUCING_TEMPERATURE)
     return total
 
 
@@ -150,7 +148,7 @@ _KNOWN = Validity(
     "the temperature of carbon dioxide",
     COLDEST,
     HOTTEST,
-    "beyond its correlations transport grows as in a gas of hard spheres, heat capacity not at all",
+    BEYOND,
 )
 
 
@@ -222,7 +220,7 @@ class CarbonDioxide(_Correlated):  # type: ignore[misc]  # the ratio below is no
         """See :meth:`AbstractGas.assumptions`."""
         return ("gas: walls exchange all of the vibration of co2 (with gas co2-frozen: none)",)
 
-    specific_gas_constant: Numeric = _GAS_CONSTANT / MOLAR_MASS
+    specific_gas_constant: Numeric = GAS_CONSTANT / MOLAR_MASS
 
     @property  # type: ignore[misc]  # in place of a field
     def heat_capacity_ratio(self) -> Numeric:
@@ -259,7 +257,7 @@ class FrozenCarbonDioxide(_Correlated):
         """See :meth:`AbstractGas.assumptions`."""
         return ("gas: walls exchange none of the vibration of co2 (with gas co2: all)",)
 
-    specific_gas_constant: Numeric = _GAS_CONSTANT / MOLAR_MASS
+    specific_gas_constant: Numeric = GAS_CONSTANT / MOLAR_MASS
     heat_capacity_ratio: Numeric = _RIGID / (_RIGID - 1.0)
 
 

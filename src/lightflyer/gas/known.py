@@ -1,10 +1,24 @@
 """Gases by the name they have in a flyer file."""
 
 from lightflyer.gas.air import AIR, LU2023_AIR, US1976_AIR
+from lightflyer.gas.argon import ARGON
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.carbon_dioxide import CARBON_DIOXIDE, FROZEN_CARBON_DIOXIDE
+from lightflyer.gas.helium import HELIUM
+from lightflyer.gas.nitrogen import NITROGEN
+from lightflyer.gas.oxygen import OXYGEN
+
+AIRS: dict[str, AbstractGas] = {gas.name: gas for gas in (AIR, US1976_AIR, LU2023_AIR)}
+"""Those of the Earth."""
+
+CARBON_DIOXIDES: dict[str, AbstractGas] = {
+    gas.name: gas for gas in (CARBON_DIOXIDE, FROZEN_CARBON_DIOXIDE)
+}
+"""Those of Mars."""
 
 GASES: dict[str, AbstractGas] = {
-    gas.name: gas for gas in (AIR, US1976_AIR, LU2023_AIR, CARBON_DIOXIDE, FROZEN_CARBON_DIOXIDE)
+    **AIRS,
+    **{gas.name: gas for gas in (NITROGEN, OXYGEN, ARGON, HELIUM)},
+    **CARBON_DIOXIDES,
 }
-"""Gases by the name they have in a flyer file."""
+"""All, as a chamber may hold them."""

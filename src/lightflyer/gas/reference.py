@@ -1,0 +1,150 @@
+"""Gases that follow published correlations in the limit of low density."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.foundation import constants
+from lightflyer.foundation.precision import entry_point
+from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.validity import Validity
+from lightflyer.gas.base import AbstractGas
+from lightflyer.gas.followed import Followed
+
+GAS_CONSTANT: Final = 1e3 * constants.BOLTZMANN * constants.AVOGADRO
+"""Molar gas constant [J/(kmol K)]."""
+
+BEYOND: Final = (
+    "beyond its correlations transport grows as in a gas of hard spheres, heat capacity not at all"
+)
+"""What gases do outside the range of their correlations."""
+
+MONATOMIC_HEAT_CAPACITY: Final = 2.5
+"""Isobaric heat capacity of atoms over the gas constant [1]."""
+
+DIATOMIC_RATIO, MONATOMIC_RATIO = 7.0 / 5.0, 5.0 / 3.0
+"""Ratio of heat capacities with and without rotation [1]."""
+
+Formula = Callable[[np.ndarray], np.ndarray]
+"""Of temperatures [K]."""
+
+
+@dataclass(frozen=True)
+class Correlations:
+    """Published formulas of one gas, and the polynomials that follow them.
+
+    Attributes
+    ----------
+    viscosity, conductivity : callable
+        Of temperatures [K]; [Pa s], [W/(m K)].
+    heat_capacity : callable
+        Isobaric, of the ideal gas, over its gas constant [1].
+    ends : tuple of float
+        Range of temperatures [K].
+    """
+
+    viscosity: Formula
+    conductivity: Formula
+    heat_capacity: Formula
+    ends: tuple[float, float]
+
+    # Transport is followed without the root of T, with which it continues beyond the range. The
+    # polynomials are made when they are first used: few gases are, and a start should be fast.
+    @cached_property
+    def followed_viscosity(self) -> Followed:
+        """Of the viscosity over the root of the temperature."""
+        return self._followed(lambda kelvin: self.viscosity(kelvin) / np.sqrt(kelvin))
+
+    @cached_property
+    def followed_conductivity(self) -> Followed:
+        """Of the conductivity over the root of the temperature."""
+        return self._followed(lambda kelvin: self.conductivity(kelvin) / np.sqrt(kelvin))
+
+    @cached_property
+    def followed_heat_capacity(self) -> Followed:
+        """Of the heat capacity over the gas constant."""
+        return self._followed(self.heat_capacity)
+
+    def _followed(self, formula: Formula) -> Followed:
+        return Followed.of(formula, self.ends, _MIDDLE, _DEGREE)
+
+
+_MIDDLE, _DEGREE = 600.0, 12  # [K]; follow every formula here to 1e-5
+
+
+class AbstractReferenceGas(AbstractGas):
+    """A gas whose transport and heat capacity follow published correlations.
+
+    Beyond their range viscosity and conductivity grow with the root of the temperature, as those of
+    hard spheres do, and the heat capacity stays as it is at the end; :meth:`caveats` says so.
+
+    Attributes
+    ----------
+    correlations : Correlations
+    """
+
+    correlations: eqx.AbstractClassVar[Correlations]
+
+    @entry_point
+    def viscosity(self, temperature: Numeric) -> Array:
+        """Dynamic viscosity [Pa s]."""
+        return jnp.sqrt(temperature) * self.correlations.followed_viscosity(temperature)
+
+    @entry_point
+    def conductivity(self, temperature: Numeric) -> Array:
+        """Thermal conductivity [W/(m K)]."""
+        return jnp.sqrt(temperature) * self.correlations.followed_conductivity(temperature)
+
+    @entry_point
+    def heat_capacity(self, temperature: Numeric) -> Array:
+        """Isobaric heat capacity of the ideal gas, vibrations included [J/(kg K)]."""
+        return self.specific_gas_constant * self.correlations.followed_heat_capacity(temperature)
+
+    def caveats(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
+        """See :meth:`AbstractGas.caveats`."""
+        name = f"the temperature of {self.name}"
+        known = Validity(name, *self.correlations.ends, BEYOND)
+        return tuple(known.caveats(temperature, pressure))
+
+
+def vibration(temperature: np.ndarray, characteristic: float) -> np.ndarray:
+    r"""Heat capacity of a harmonic oscillator over the gas constant.
+
+    .. math:: \left(\frac{u/2}{\sinh(u/2)}\right)^2, \qquad u = \frac\Theta T
+
+    Parameters
+    ----------
+    temperature : array, shape (...)
+        [K].
+    characteristic : float
+        :math:`\Theta` [K].
+
+    Returns
+    -------
+    array, shape (...)
+        [1].
+    """
+    half = 0.5 * characteristic / temperature
+    return (half / np.sinh(half)) ** 2
+
+
+def monatomic_heat_capacity(temperature: np.ndarray) -> np.ndarray:
+    """Isobaric heat capacity of atoms over the gas constant, 5/2 at any temperature.
+
+    Parameters
+    ----------
+    temperature : array, shape (...)
+        [K].
+
+    Returns
+    -------
+    array, shape (...)
+        [1].
+    """
+    return np.full_like(temperature, MONATOMIC_HEAT_CAPACITY)

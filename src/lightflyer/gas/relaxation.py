@@ -1,0 +1,75 @@
+"""How fast the rotation of molecules comes to the temperature of their flight."""
+
+import math
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from lightflyer.foundation.types import Numeric
+
+_FIRST, _SECOND = 0.5 * math.pi**1.5, math.pi + 0.25 * math.pi**2  # [Parker1959]
+
+
+class Parker(NamedTuple):
+    r"""Rotational collision number of a diatomic gas by Parker's formula.
+
+    .. math::
+        Z_P = \frac{Z_\infty}{1 + \frac{\pi^{3/2}}2\sqrt{\frac{T^*}T}
+            + \left(\pi + \frac{\pi^2}4\right)\frac{T^*}T}
+
+    It counts collisions at the rate :math:`\frac4\pi\frac p\mu`, so that the relaxation time is
+    :math:`\tau = \frac\pi4 Z_P\,\frac\mu p`.
+
+    Attributes
+    ----------
+    limit : float
+        :math:`Z_\infty`, in hot gas [1].
+    temperature : float
+        :math:`T^*`, depth of the molecules' attraction [K].
+
+    References
+    ----------
+    [Parker1959]_
+    """
+
+    limit: float
+    temperature: float
+
+    def __call__(self, temperature: Numeric) -> Array:
+        """Collision number [1] at temperatures [K]."""
+        ratio = self.temperature / jnp.asarray(temperature)
+        return self.limit / (1.0 + _FIRST * jnp.sqrt(ratio) + _SECOND * ratio)
+
+
+NITROGEN = Parker(18.1, 91.5)
+"""Nitrogen; [LordiMates1970]_, as in the data files of SPARTA [Plimpton2019]_."""
+
+OXYGEN = Parker(16.5, 113.5)
+"""Oxygen, likewise."""
+
+COLLISION_RATE = 4.0 / math.pi
+"""Rate at which Parker's number counts collisions [p/μ]; [LordiMates1970]_."""
+
+
+def vhs_collision_rate(viscosity_exponent: Numeric) -> Array:
+    r"""Collisions of one variable hard sphere per time, in units of :math:`p/\mu`.
+
+    .. math:: \nu\frac\mu p = \frac{30}{(7-2\omega)(5-2\omega)}
+
+    Parameters
+    ----------
+    viscosity_exponent : array, shape (...)
+        :math:`\omega` of :math:`\mu\propto T^\omega` [1].
+
+    Returns
+    -------
+    array, shape (...)
+        [1]; 1.25 for hard spheres.
+
+    References
+    ----------
+    [Bird1994]_ Eq. (4.65).
+    """
+    doubled = 2.0 * jnp.asarray(viscosity_exponent)
+    return 30.0 / ((7.0 - doubled) * (5.0 - doubled))

@@ -39,6 +39,7 @@ def test_one_json_and_a_figure(run, tmp_path):
         "bottom_temperature": 1.0,
         "open_fraction": 0.0,
         "gas": "monatomic",
+        "wall": "maxwell",
         "boundary": 4.0,
     }
     assert json.loads((out / "kinetic.json").read_text()) == found | {"inputs": inputs}

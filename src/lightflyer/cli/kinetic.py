@@ -32,6 +32,7 @@ def kinetic_command(
     top_temperature_ratio: float | None = None,
     open_fraction: float = 0.0,
     gas: Literal["monatomic", "diatomic"] = "monatomic",
+    wall: Literal["maxwell", "accommodated"] = "maxwell",
     boundary: float | None = None,
     out: Path | None = None,
     json_output: Json = False,
@@ -63,6 +64,10 @@ def kinetic_command(
         Share of the molecules arriving at a face that pass to its other side, 0 to 0.999.
     gas
         Molecules without or with rotation; nitrogen and air are diatomic.
+    wall
+        Maxwell walls re-emit the share TAC of the molecules at their temperature and reflect the
+        rest; at accommodated ones all leave diffusely at one temperature between those of wall and
+        arriving gas.
     boundary
         Half-width and half-height of a cold cylindrical reservoir around the disk, in radii:
         1.5 to 338 Kn.
@@ -98,6 +103,7 @@ def kinetic_command(
             temperature_ratio=_of_both_faces(temperature_ratio, top_temperature_ratio),
             open_fraction=open_fraction,
             gas=gas,
+            wall=wall,
             boundary=boundary,
         )
         if stage is not None:

@@ -11,6 +11,7 @@ from lightflyer.kinetic.mesh import Mesh, build_mesh
 from lightflyer.kinetic.model_gases import GasModel
 from lightflyer.kinetic.nonlinear import HotDisk, NonlinearProblem
 from lightflyer.kinetic.operators import Quadrature, assemble
+from lightflyer.kinetic.walls import Wall
 
 SMALLEST_ERROR = {"force_ratio": 1e-4, "heat_ratio": 5e-5}
 """Least error that is stated, where two meshes happen to agree better."""
@@ -63,6 +64,7 @@ class Case:
         Half-width of the cylindrical reservoir [disk radii], infinite in open space.
     open_fraction : float
         Share of the molecules arriving at a face that pass the disk.
+    wall : {"maxwell", "accommodated"}
     """
 
     rarefaction: float
@@ -72,6 +74,7 @@ class Case:
     gas: GasModel
     boundary: float
     open_fraction: float = 0.0
+    wall: Wall = "maxwell"
 
     @property
     def perturbation(self) -> tuple[float, float]:
@@ -82,7 +85,12 @@ class Case:
     def free_molecular(self) -> FreeMolecularDisk:
         """Force and heat without collisions."""
         return FreeMolecularDisk(
-            self.tac, self.temperature, self.linear, self.gas.has_rotation, self.open_fraction
+            self.tac,
+            self.temperature,
+            self.linear,
+            self.gas.has_rotation,
+            self.open_fraction,
+            self.wall,
         )
 
 
@@ -139,14 +147,15 @@ def solve_case(
     """
     mesh = resolution.mesh(case.rarefaction, case.boundary)
     operators = assemble(mesh, case.rarefaction, resolution.quadrature)
-    system = LinearSystem(operators, case.gas, 0.5 * sum(case.tac), case.open_fraction)
+    mean = 0.5 * sum(case.tac)
+    system = LinearSystem(operators, case.gas, mean, case.open_fraction, case.wall)
     walls = Walls(case.tac, case.perturbation, open_fraction=case.open_fraction)
     if case.linear:
         fields, iterations = system.solve(walls)
         faces = [face_result(system, walls, fields[face], face) for face in (0, 1)]
     else:
         problem = NonlinearProblem(system, case.rarefaction, resolution.quadrature)
-        disk = HotDisk(case.tac, case.temperature, case.open_fraction)
+        disk = HotDisk(case.tac, case.temperature, case.open_fraction, case.wall)
         if start is None:
             start = system.solve(walls)[0]
         fields, iterations = problem.solve(disk, start, tolerance)

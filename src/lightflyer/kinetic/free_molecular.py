@@ -1,8 +1,10 @@
-"""Force and heat of the disk without collisions, exact for Maxwell walls."""
+"""Force and heat of the disk without collisions, exact for each wall."""
 
 from dataclasses import dataclass
 
 import numpy as np
+
+from lightflyer.kinetic.walls import Wall
 
 
 @dataclass(frozen=True)
@@ -16,8 +18,10 @@ class FreeMolecularDisk:
             \left(\frac{T}{T_c}-1\right)
 
     for molecules that pass the disk, or leave a face either fully accommodated or specularly
-    reflected. With rotation the heat is 3/2 of that. The linear force has half the perturbation of
-    the temperature in place of that of its root.
+    reflected (Maxwell). Where all leave at the temperature :math:`T_c + \alpha(T - T_c)`, the heat
+    is the same and :math:`\alpha(\sqrt{T/T_c}-1)` becomes
+    :math:`\sqrt{1+\alpha(T/T_c-1)} - 1`. With rotation the heat is 3/2 of that. The linear force
+    has half the perturbation of the temperature in place of that of its root, for both walls.
 
     Attributes
     ----------
@@ -29,6 +33,7 @@ class FreeMolecularDisk:
     rotation : bool
     open_fraction : float
         Share β of the molecules that pass the disk [1].
+    wall : {"maxwell", "accommodated"}
     """
 
     tac: tuple[float, float]
@@ -36,13 +41,21 @@ class FreeMolecularDisk:
     linear: bool
     rotation: bool
     open_fraction: float = 0.0
+    wall: Wall = "maxwell"
+
+    def _recoil(self, tac: float, temperature: float) -> float:
+        """Momentum that leaves a face, over that at the gas's temperature, less 1."""
+        if self.linear:
+            return tac * 0.5 * temperature
+        if self.wall == "accommodated":
+            return float(np.sqrt(1.0 + tac * (temperature - 1.0)) - 1.0)
+        return tac * float(np.sqrt(temperature) - 1.0)
 
     @property
     def force(self) -> float:
         """Upwards [p·A]."""
         top, bottom = (
-            tac * (0.5 * value if self.linear else np.sqrt(value) - 1.0)
-            for tac, value in zip(self.tac, self.temperature, strict=True)
+            self._recoil(tac, value) for tac, value in zip(self.tac, self.temperature, strict=True)
         )
         return 0.5 * (1.0 - self.open_fraction) * (bottom - top)
 

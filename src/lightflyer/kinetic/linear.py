@@ -11,6 +11,7 @@ from scipy.sparse.linalg import LinearOperator, gmres
 from lightflyer.foundation.errors import ConvergenceError
 from lightflyer.kinetic.model_gases import GasModel
 from lightflyer.kinetic.operators import Operators
+from lightflyer.kinetic.walls import Wall
 
 _SQRT_PI = np.sqrt(np.pi)
 _TOLERANCE = 1e-9
@@ -37,10 +38,11 @@ class Walls:
 
 
 class LinearSystem:
-    """Linear problem on a mesh for a gas, factorised for one disk and solved for any.
+    r"""Linear problem on a mesh for a gas, factorised for one disk and solved for any.
 
     A disk with holes lets a share of the molecules pass to its other side. To even fields that is
-    specular reflection, to odd ones the opposite of it.
+    specular reflection, to odd ones the opposite of it. What else a wall does to arriving molecules
+    than reflect them is :math:`X_0 + \alpha X_1`.
 
     Parameters
     ----------
@@ -50,26 +52,42 @@ class LinearSystem:
         TAC at which the factors, which precondition, are exact.
     open_fraction : float
         Open fraction at which they are.
+    wall : {"maxwell", "accommodated"}
     """
 
     def __init__(
-        self, operators: Operators, gas: GasModel, mean_tac: float, open_fraction: float = 0.0
+        self,
+        operators: Operators,
+        gas: GasModel,
+        mean_tac: float,
+        open_fraction: float = 0.0,
+        wall: Wall = "maxwell",
     ) -> None:
-        self.operators, self.gas = operators, gas
+        self.operators, self.gas, self.wall = operators, gas, wall
         self.mean_tac, self.open_fraction = mean_tac, open_fraction
         self.accommodated = (1.0 - open_fraction) * mean_tac
         self.n = operators.mesh.size
-        self.fields = 9 if gas.has_rotation else 6
+        self.fields = self._number_of_fields()
         self.size = self.n * self.fields
         same, other = operators.own + operators.reflected, operators.other
         even = self._matrix(same + other)
         odd = self._matrix(same - other - 2.0 * open_fraction * operators.reflected)
-        self.exchange = self._exchange()
+        self.unreflected, self.exchange = self._exchange()
+        met = self.accommodated * self.exchange
+        if self.unreflected is not None:
+            met += (1.0 - open_fraction) * self.unreflected
         unit = np.eye(self.size)
         self.factors = tuple(
-            lu_factor(unit - matrix - self.accommodated * self.exchange, check_finite=False)
-            for matrix in (even, odd)
+            lu_factor(unit - matrix - met, check_finite=False) for matrix in (even, odd)
         )
+
+    @property
+    def moved(self) -> int:
+        """Number of fields that move with the molecules; those of rotational energy follow."""
+        return 6
+
+    def _number_of_fields(self) -> int:
+        return 9 if self.gas.has_rotation else 6
 
     @cached_property
     def _beyond(self) -> np.ndarray:
@@ -110,8 +128,79 @@ class LinearSystem:
         part[:, :, 1:] *= theta[None, :, None, None]
         return part
 
-    def _exchange(self) -> np.ndarray:
-        """Diffuse minus specular reflection of the arriving molecules: the factor of the TAC."""
+    def _exchange(self) -> tuple[np.ndarray | None, np.ndarray]:
+        """X₀, if there is any, and X₁ of a wall.
+
+        Maxwell's X₁ replaces specular by diffuse reflection. Where all molecules are accommodated,
+        X₀ replaces it by a diffuse one that keeps number and energy, and X₁ takes the energy away.
+        """
+        diffuse = self._diffuse_instead()
+        if self.wall == "maxwell":
+            return None, diffuse
+        energy = np.einsum(
+            "iem,ejf->imjf", self._warmth, self._arriving_temperature(), optimize=True
+        )
+        energy = energy.reshape(self.size, self.size)
+        return diffuse + energy, -energy
+
+    @cached_property
+    def _warmth(self) -> np.ndarray:
+        """Emission of a unit temperature at each node of a face, shape (n, e, fields)."""
+        operators = self.operators
+        if not self.gas.has_rotation:
+            return operators.temperature
+        theta = operators.theta[:, None]
+        turning = operators.sigma[..., :3].copy()
+        turning[..., 0] -= operators.sigma[..., 3] / theta
+        turning[..., 1:] /= theta[..., None]
+        return np.concatenate([operators.temperature, turning / operators.face_theta], axis=2)
+
+    @property
+    def _energy_modes(self) -> float:
+        """Energy per arriving molecule [kT]."""
+        return 3.0 if self.gas.has_rotation else 2.0
+
+    def _arriving_temperature(self) -> np.ndarray:
+        """Temperature of the molecules that arrive at the face, by fields, shape (e, n, fields)."""
+        operators, theta = self.operators, self.operators.face_theta
+        translation, rotation = self._sources()
+        fluxes = operators.fluxes[..., 2] - 2.0 * theta * operators.fluxes[..., 0]
+        arriving = fluxes @ translation
+        if self.gas.has_rotation:
+            turning = operators.fluxes[..., :3, 0].copy()
+            turning[..., 1:] *= operators.theta[:, None]
+            arriving += turning @ rotation
+        return 2.0 * _SQRT_PI * np.sqrt(theta) / self._energy_modes * arriving
+
+    def emitted_temperature(
+        self, tac: float, temperature: float, velocity: float, arriving: np.ndarray
+    ) -> np.ndarray:
+        """Temperature at which molecules leave a face diffusely.
+
+        Parameters
+        ----------
+        tac, temperature, velocity : float
+            Of the face.
+        arriving : array, shape (e, 3 or 4)
+            Fluxes of :meth:`arriving`, or zeros for what the face emits by itself.
+
+        Returns
+        -------
+        array, shape (e,)
+        """
+        if self.wall == "maxwell":
+            return np.full(arriving.shape[0], temperature)
+        # what a face runs into arrives with more energy: 5/4 of its velocity, less that of the
+        # molecules that are more, 2 · 1/2
+        energy = arriving[:, 2:].sum(axis=1) - 2.0 * arriving[:, 0] + 0.25 * velocity
+        return tac * temperature + (1.0 - tac) * 2.0 * _SQRT_PI / self._energy_modes * energy
+
+    def diffuse_share(self, tac: float) -> float:
+        """Share of the molecules meeting a face that leaves it diffusely [1]."""
+        return tac if self.wall == "maxwell" else 1.0
+
+    def _diffuse_instead(self) -> np.ndarray:
+        """Diffuse minus specular reflection, the former with the gas's temperature."""
         operators = self.operators
         sigma = 2.0 * _SQRT_PI / np.sqrt(operators.face_theta) * operators.fluxes[..., 0]
         rows = -operators.reflected.reshape(self.n, self.n, 6, 6)
@@ -124,16 +213,14 @@ class LinearSystem:
 
     def _emission(self, temperature: float, velocity: float, tac: float) -> np.ndarray:
         """Emission of a solid face by its temperature and velocity, shape (n · fields,)."""
-        operators = self.operators
-        emitted = np.zeros((self.n, self.fields))
-        emitted[:, :6] = tac * temperature * operators.temperature
-        emitted[:, :6] += (4.0 - 2.0 * tac) * velocity * operators.velocity
-        uniform = operators.sigma.sum(axis=1)
-        emitted[:, :6] += tac * _SQRT_PI * velocity * uniform
-        if self.gas.has_rotation:
-            turning = uniform[:, :3].copy()
-            turning[:, 0] -= uniform[:, 3]
-            emitted[:, 6:] = tac * temperature * turning
+        operators, diffuse = self.operators, self.diffuse_share(tac)
+        nothing = np.zeros((operators.sigma.shape[1], 4))
+        leaving = self.emitted_temperature(tac, temperature, velocity, nothing)
+        emitted = diffuse * np.einsum("ief,e->if", self._warmth, leaving)
+        emitted[:, : self.moved] += (4.0 - 2.0 * diffuse) * velocity * operators.velocity
+        emitted[:, : self.moved] += (
+            diffuse * _SQRT_PI * velocity * operators.sigma.sum(axis=1)
+        )
         return emitted.ravel()
 
     def solve(self, walls: Walls) -> tuple[np.ndarray, int]:
@@ -182,6 +269,8 @@ class LinearSystem:
             changed = self.exchange @ np.stack([shift * e + half * o, shift * o + half * e], 1)
             if opened != 0.0:
                 changed[:, 1] -= 2.0 * opened * (self._beyond @ o)
+                if self.unreflected is not None:
+                    changed -= opened * (self.unreflected @ np.stack([e, o], 1))
             return pair - precondition(changed.T.ravel())
 
         start = precondition(np.concatenate([even, odd]))
@@ -267,16 +356,16 @@ def face_result(system: LinearSystem, walls: Walls, fields: np.ndarray, face: in
     -------
     FaceResult
     """
-    tac, temperature = walls.tac[face], walls.temperature[face]
+    tac, diffuse = walls.tac[face], system.diffuse_share(walls.tac[face])
     velocity = walls.velocity * (1.0 if face == 0 else -1.0)
     arriving = system.arriving(fields)
     number, momentum, energy = arriving[:, 0], arriving[:, 1], arriving[:, 2]
+    temperature = system.emitted_temperature(tac, walls.temperature[face], velocity, arriving)
     sigma = 2.0 * _SQRT_PI * number + _SQRT_PI * velocity
-    moved = (4.0 - 2.0 * tac) * velocity
-    pressure = (
-        tac * (sigma / 4.0 + temperature / 8.0) + moved / (2.0 * _SQRT_PI) + (2.0 - tac) * momentum
-    )
-    heat = tac * ((sigma + temperature) / _SQRT_PI - energy) + 0.625 * moved - 2.5 * velocity
+    moved = (4.0 - 2.0 * diffuse) * velocity
+    emitted = diffuse * (sigma / 4.0 + temperature / 8.0) + moved / (2.0 * _SQRT_PI)
+    pressure = emitted + (2.0 - diffuse) * momentum
+    heat = diffuse * ((sigma + temperature) / _SQRT_PI - energy) + 0.625 * moved - 2.5 * velocity
     if system.gas.has_rotation:
-        heat = heat + tac * (temperature / (2.0 * _SQRT_PI) - arriving[:, 3])
+        heat = heat + diffuse * (temperature / (2.0 * _SQRT_PI) - arriving[:, 3])
     return FaceResult(2.0 * walls.solid * pressure, walls.solid * heat)

@@ -38,7 +38,7 @@ FLUXES = 3
 """Fluxes of arriving molecules at a face: number, normal momentum, energy."""
 
 EMISSIONS = 3
-"""Emissions of a wall, by their factor: σ with 1, temperature with c²−2, velocity with c·e_z."""
+"""Emissions of a wall, by their factor: σ with 1, temperature with c²/θ−2, velocity with c·e_z."""
 
 NORMALISATION = 2.0 * np.pi**-1.5  # of the Maxwellian; directions cover half of the sphere
 MOST_DIRECTIONS = 40000
@@ -60,12 +60,13 @@ def _shape(j, first, kind, inverse):
 
 
 @kernel
-def _emitted(j, first, kind):
-    """Speed integral of an emission 1, c²−2 or c."""
+def _emitted(j, first, kind, inverse):
+    """Speed integral of an emission 1, (c²/θ−2)/θ² or c; ``inverse`` is 1/θ."""
     if kind == 0:
         return j[first]
     if kind == 1:
-        return j[first + 2] - 2.0 * j[first]
+        # as many molecules, at uniform pressure before: their density is 1/θ
+        return (j[first + 2] * inverse - 2.0 * j[first]) * inverse * inverse
     return j[first + 1]
 
 
@@ -196,7 +197,7 @@ def _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, w
         if below and disk and not emitted:
             emitted = True
             maxwellian_integrals(depth, state[3], table, scale, out[0])
-            _wall(out[0], seen, np.sqrt(1.0 - crossing), mesh, scratch[1][0], walls)
+            _wall(out[0], seen, np.sqrt(1.0 - crossing), state[3], mesh, scratch[1][0], walls)
         _locate(point, direction, start, width, state, setup, mesh, scratch)
         target = 0
         if below:
@@ -250,22 +251,23 @@ def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
 
 
 @kernel
-def _wall(j, seen, eta, mesh, eta_basis, walls):
-    """Add the emission of a face towards a node: σ by its nodes on the face, the rest uniform."""
+def _wall(j, seen, eta, face, mesh, eta_basis, walls):
+    """Add the emission of a face at θ = ``face`` towards a node: σ and temperature by its nodes."""
     _, row, straight, theta, weight = seen
     order, first = eta_basis.size, eta_basis_at(eta, mesh, eta_basis)
+    size, inverse = nodes_in_eta(mesh), 1.0 / face
     out = np.empty(FIELDS)
     for kind in range(EMISSIONS):
         w = weight * straight[1] if kind == 2 else weight
-        power_0, power_1 = _emitted(j, 1, kind), _emitted(j, 2, kind)
-        power_2, power_3 = _emitted(j, 3, kind), _emitted(j, 4, kind)
+        power_0, power_1 = _emitted(j, 1, kind, inverse), _emitted(j, 2, kind, inverse)
+        power_2, power_3 = _emitted(j, 3, kind, inverse), _emitted(j, 4, kind, inverse)
         _moments(power_0, power_1, power_2, power_3, row, theta, w, out)
         for m in range(FIELDS):
-            if kind == 0:
-                for a in range(order):
-                    walls[first + a, m] += eta_basis[a] * out[m]
+            if kind == 2:
+                walls[2 * size, m] += out[m]
             else:
-                walls[walls.shape[0] - EMISSIONS + kind, m] += out[m]
+                for a in range(order):
+                    walls[kind * size + first + a, m] += eta_basis[a] * out[m]
 
 
 @parallel_kernel
@@ -288,9 +290,9 @@ def assemble(points, on_face, state, setup, mesh, own, other, reflected, walls, 
     own, other, reflected : array, shape (m, n, 36 or 18)
         Zeros, filled: node of the row, node of the column, 6 × field + moment or 3 × field + flux.
         On a face all three are the same array.
-    walls : array, shape (m, e + 2, 6)
-        Zeros, filled: σ at the nodes of the face, then its temperature and its velocity. Not used
-        on a face, which sees no wall.
+    walls : array, shape (m, 2 e + 1, 6)
+        Zeros, filled: σ at the nodes of the face, then its temperature there and its velocity. Not
+        used on a face, which sees no wall.
     corrections : array, shape (m, 6, 6)
         Filled where θ is 1: additions to each node's own weights, field × moment. Not used on a
         face.

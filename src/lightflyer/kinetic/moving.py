@@ -10,6 +10,7 @@ from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.extras import extra
 from lightflyer.foundation.quantity import HIGHEST_OPEN_FRACTION
 from lightflyer.kinetic.model_gases import GasModel, gas_model
+from lightflyer.kinetic.walls import Wall, require_wall
 
 KNUDSEN_RANGE = (0.004, 100.0)
 """Knudsen numbers λ/(2r) for which the meshes resolve the flow around a moving disk."""
@@ -25,20 +26,39 @@ class MovedDisk:
         Accommodation coefficient of the leading and the trailing face, as for :func:`solve_moving`.
     open_fraction : float
         Share of the molecules arriving at a face that pass to its other side.
+    wall : {"maxwell", "accommodated"}
     """
 
     tac: tuple[float, float]
     open_fraction: float = 0.0
+    wall: Wall = "maxwell"
 
-    @property
-    def free_molecular_drag(self) -> float:
+    def free_molecular_drag(self, rotation: bool) -> float:
         r"""Drag without collisions, :math:`F/(pAs)`.
 
-        .. math:: \frac{1-\beta}{\sqrt\pi}\,\left[4\,(2-\bar\alpha) + \pi\,\bar\alpha\right]
+        .. math::
+            \frac{1-\beta}{\sqrt\pi}\,\left[4\,(2-\bar\alpha) + \pi\,\bar\alpha\right], \qquad
+            \frac{1-\beta}{\sqrt\pi}\,\left[4 + \pi + \frac{\pi}{8k}(1-\bar\alpha)\right]
+
+        at Maxwell walls and at those from which all molecules leave at one temperature, with
+        :math:`k = 1`, or 3/2 with rotation.
+
+        Parameters
+        ----------
+        rotation : bool
+            Whether molecules carry rotational energy; without effect at Maxwell walls.
+
+        Returns
+        -------
+        float
         """
         mean = 0.5 * sum(self.tac)
-        solid = 1.0 - self.open_fraction
-        return float(solid * (4.0 * (2.0 - mean) + np.pi * mean) / np.sqrt(np.pi))
+        if self.wall == "accommodated":
+            kept = np.pi / 8.0 * (1.0 - mean) / (1.5 if rotation else 1.0)
+            pushed = 4.0 + np.pi + kept
+        else:
+            pushed = 4.0 * (2.0 - mean) + np.pi * mean
+        return float((1.0 - self.open_fraction) * pushed / np.sqrt(np.pi))
 
 
 @dataclass(frozen=True)
@@ -114,6 +134,7 @@ def solve_moving(
     *,
     open_fraction: float = 0.0,
     gas: str = "monatomic",
+    wall: str = "maxwell",
 ) -> MovingSolution:
     r"""Solve the linear kinetic equation around a thin disk that moves along its axis.
 
@@ -129,6 +150,8 @@ def solve_moving(
         Share of the molecules arriving at a face that pass to its other side unchanged, from 0 to
         0.999.
     gas : {"monatomic", "diatomic"}
+    wall : {"maxwell", "accommodated"}
+        As for :func:`solve`.
 
     Returns
     -------
@@ -158,11 +181,11 @@ def solve_moving(
     for name, value in (("tac_top", tac_top), ("tac_bottom", tac_bottom)):
         require_range(name, value, 0.0, 1.0, open_below=True)
     require_range("open_fraction", open_fraction, 0.0, HIGHEST_OPEN_FRACTION)
-    model = gas_model(gas)
+    model, known = gas_model(gas), require_wall(wall)
     extra("numba", "the kinetic solver", "kinetic")
     from lightflyer.kinetic.cases import Outcome, meshes
 
-    disk = MovedDisk((float(tac_top), float(tac_bottom)), float(open_fraction))
+    disk = MovedDisk((float(tac_top), float(tac_bottom)), float(open_fraction), known)
     rarefaction = float(np.sqrt(np.pi) / (4.0 * knudsen))
     (fine, mesh), (coarse, _) = (
         (moving_outcomes(rarefaction, level, [(model, disk)])[0], level.mesh(rarefaction, np.inf))
@@ -171,7 +194,7 @@ def solve_moving(
     return MovingSolution(
         knudsen=float(knudsen),
         drag=fine.drag,
-        drag_ratio=fine.drag / disk.free_molecular_drag,
+        drag_ratio=fine.drag / disk.free_molecular_drag(model.has_rotation),
         heat=fine.heat,
         error_estimate=abs(fine.drag - coarse.drag),
         _outcome=Outcome(-fine.drag, fine.heat, fine.fields, fine.iterations, mesh),
@@ -203,8 +226,9 @@ def moving_outcomes(
     system: LinearSystem | None = None
     found = []
     for gas, disk in cases:
-        if system is None or system.gas is not gas:
-            system = LinearSystem(operators, gas, 0.5 * sum(disk.tac), disk.open_fraction)
+        if system is None or system.gas is not gas or system.wall != disk.wall:
+            mean = 0.5 * sum(disk.tac)
+            system = LinearSystem(operators, gas, mean, disk.open_fraction, disk.wall)
         walls = Walls(disk.tac, (0.0, 0.0), velocity=1.0, open_fraction=disk.open_fraction)
         fields, iterations = system.solve(walls)
         top, bottom = (face_result(system, walls, fields[face], face) for face in (0, 1))

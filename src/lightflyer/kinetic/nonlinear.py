@@ -22,6 +22,7 @@ from lightflyer.kinetic.operators import (
     kernel_arguments,
     node_points,
 )
+from lightflyer.kinetic.walls import Wall
 
 _SQRT_PI = np.sqrt(np.pi)
 _MOST_ITERATIONS = 60
@@ -40,6 +41,22 @@ class HotDisk:
     tac: tuple[float, float]
     temperature: tuple[float, float]
     open_fraction: float = 0.0
+    wall: Wall = "maxwell"
+
+    def diffuse_share(self, face: int) -> float:
+        """Share of the molecules meeting a face that leaves it diffusely [1]."""
+        return self.tac[face] if self.wall == "maxwell" else 1.0
+
+    @property
+    def uncollided_temperature(self) -> tuple[float, float]:
+        """Temperature of the diffuse molecules where those that arrive have met no others."""
+        if self.wall == "maxwell":
+            return self.temperature
+        top, bottom = (
+            1.0 + tac * (temperature - 1.0)
+            for tac, temperature in zip(self.tac, self.temperature, strict=True)
+        )
+        return top, bottom
 
 
 class NonlinearProblem:
@@ -71,29 +88,62 @@ class NonlinearProblem:
         self.nodes, self.faces = node_points(mesh), face_points(mesh)
         self.factors = system.factors
 
-    def _half(self, fields: np.ndarray, face: int, sigma: np.ndarray, disk: HotDisk) -> tuple:
-        solid, tac = 1.0 - disk.open_fraction, float(disk.tac[face])
-        return (
-            fields[face],
-            fields[1 - face],
-            sigma,
-            np.array([solid * tac, solid * (1.0 - tac), disk.open_fraction]),
-            float(disk.temperature[face]),
-        )
+    def _half(
+        self,
+        fields: np.ndarray,
+        face: int,
+        disk: HotDisk,
+        emitted: tuple[np.ndarray, np.ndarray],
+    ) -> tuple:
+        solid, diffuse = 1.0 - disk.open_fraction, disk.diffuse_share(face)
+        shares = np.array([solid * diffuse, solid * (1.0 - diffuse), disk.open_fraction])
+        density, temperature = emitted
+        return fields[face], fields[1 - face], density, shares, temperature
 
     def arriving(self, fields: np.ndarray, face: int, disk: HotDisk) -> np.ndarray:
         """Fluxes that arrive at a face, less those of the gas at rest, shape (e, 4)."""
-        fluxes = np.empty((self.faces.shape[0], 4))
-        half = self._half(fields, face, np.ones(self.faces.shape[0]), disk)
+        fluxes, unused = np.empty((self.faces.shape[0], 4)), np.ones(self.faces.shape[0])
+        half = self._half(fields, face, disk, (unused, unused))
         nonlinear_kernel.evaluate(self.faces, True, *self.arguments, self.gas, half, fluxes)
         return fluxes
+
+    def emitted(
+        self, arriving: np.ndarray, face: int, disk: HotDisk
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Density and temperature of the diffuse molecules: as many leave as arrive.
+
+        Parameters
+        ----------
+        arriving : array, shape (e, 4)
+            Fluxes of :meth:`arriving`.
+        face : int
+            0 top, 1 bottom.
+        disk : HotDisk
+
+        Returns
+        -------
+        density, temperature : array, shape (e,)
+            At the nodes of the face.
+        """
+        flux = 1.0 + 2.0 * _SQRT_PI * arriving[:, 0]
+        tac, wall = disk.tac[face], disk.temperature[face]
+        temperature = np.full(flux.shape, float(wall))
+        if disk.wall == "accommodated":
+            has_rotation = self.system.gas.has_rotation
+            energy = arriving[:, 2] - 2.0 * arriving[:, 0]
+            if has_rotation:
+                energy = energy + arriving[:, 3] - arriving[:, 0]
+            modes = 3.0 if has_rotation else 2.0
+            excess = 2.0 * _SQRT_PI / modes * energy / flux
+            temperature = 1.0 + tac * (wall - 1.0) + (1.0 - tac) * excess
+        return flux / np.sqrt(temperature), temperature
 
     def evaluate(self, fields: np.ndarray, disk: HotDisk) -> np.ndarray:
         """Fields that follow from given fields, shape (2, n, fields)."""
         result = np.empty_like(fields)
         for face in (0, 1):
-            sigma = _emitted_density(self.arriving(fields, face, disk), disk.temperature[face])
-            half = self._half(fields, face, sigma, disk)
+            emitted = self.emitted(self.arriving(fields, face, disk), face, disk)
+            half = self._half(fields, face, disk, emitted)
             nonlinear_kernel.evaluate(
                 self.nodes, False, *self.arguments, self.gas, half, result[face]
             )
@@ -106,13 +156,13 @@ class NonlinearProblem:
         gas = self.system.gas
         base = BaseState(
             excess=0.5 * (fields[0, :, 3] + fields[1, :, 3]),
-            face=0.5 * sum(disk.temperature),
+            face=0.5 * sum(disk.uncollided_temperature),
             frequency_exponent=-1.0 - gas.viscosity_exponent,
         )
         about = assemble(operators.mesh, self.rarefaction, self.quadrature, base)
         diagonal = np.arange(operators.mesh.size)
         about.own[diagonal, diagonal] += operators.corrections
-        system = LinearSystem(about, gas, self.system.mean_tac, disk.open_fraction)
+        system = LinearSystem(about, gas, self.system.mean_tac, disk.open_fraction, disk.wall)
         self.factors = system.factors
 
     def solve(
@@ -180,14 +230,14 @@ class NonlinearProblem:
 
     def face_result(self, fields: np.ndarray, face: int, disk: HotDisk) -> FaceResult:
         """Normal pressure on a face and heat flux out of it, less those of the gas at rest."""
-        tac, temperature = disk.tac[face], disk.temperature[face]
+        diffuse = disk.diffuse_share(face)
         arriving = self.arriving(fields, face, disk)
-        sigma = _emitted_density(arriving, temperature)
-        pressure = tac * (sigma * temperature - 1.0) / 4.0 + (2.0 - tac) * arriving[:, 1]
-        emitted = (sigma * temperature**1.5 - 1.0) / _SQRT_PI
-        heat = tac * (emitted - arriving[:, 2])
+        density, temperature = self.emitted(arriving, face, disk)
+        pressure = diffuse * (density * temperature - 1.0) / 4.0 + (2.0 - diffuse) * arriving[:, 1]
+        emitted = (density * temperature**1.5 - 1.0) / _SQRT_PI
+        heat = diffuse * (emitted - arriving[:, 2])
         if self.system.gas.has_rotation:
-            heat = heat + tac * (0.5 * emitted - arriving[:, 3])
+            heat = heat + diffuse * (0.5 * emitted - arriving[:, 3])
         solid = 1.0 - disk.open_fraction
         return FaceResult(2.0 * solid * pressure, solid * heat)
 
@@ -199,11 +249,6 @@ def _damped(old: np.ndarray, new: np.ndarray) -> np.ndarray:
         value, change = 1.0 + old[..., field], new[..., field] - old[..., field]
         share = min(share, 0.5 / max(0.5, float((-change / value).max())))
     return old + share * (new - old)
-
-
-def _emitted_density(arriving: np.ndarray, temperature: float) -> np.ndarray:
-    """σ of a face that emits as many molecules as arrive, shape (e,)."""
-    return (1.0 + 2.0 * _SQRT_PI * arriving[:, 0]) / np.sqrt(temperature)
 
 
 def _anderson(states: list[np.ndarray], steps: list[np.ndarray]) -> np.ndarray:

@@ -148,9 +148,10 @@ def _ray(point, direction, rarefaction, setup, mesh, gas, half, cuts, brought):
 @kernel
 def _add_wall(brought, eta, half, depth, setup, mesh, eta_basis, hot, cold):
     """Add the diffuse emission of a face at a point, less that of the gas at rest."""
-    _, _, sigma, shares, temperature = half
+    _, _, sigma, shares, temperatures = half
     table, scale = setup[5:]
     density = interpolate_on_face(sigma, eta, mesh, eta_basis)
+    temperature = max(LOWEST, interpolate_on_face(temperatures, eta, mesh, eta_basis))
     maxwellian_integrals(depth, temperature, table, scale, hot)
     maxwellian_integrals(depth, 1.0, table, scale, cold)
     for k in range(_POWERS):
@@ -243,7 +244,8 @@ def evaluate(points, on_face, rarefaction, setup, mesh, gas, half, out):
         Factors of the two heat fluxes, exchange rate, −ω, whether molecules rotate.
     half : tuple
         Own fields, the other half's (mirrored), σ on the face; the shares of the arriving
-        molecules that leave it diffusely, specularly and on its other side; its temperature.
+        molecules that leave it diffusely, specularly and on its other side; the temperature of the
+        diffuse ones at the nodes of the face.
     out : array, shape (m, 6 or 9) or, on a face, (m, 4)
         Filled with fields, or with number, normal momentum, energy and rotational energy less
         those of the gas at rest.

@@ -86,10 +86,10 @@ class Operators:
     mesh : Mesh
     own, other, reflected : array, shape (n, n, 6, 6)
         Node of the row, of the column, field, moment.
-    sigma : array, shape (n, e, 6)
-        Contribution of σ at the nodes of the face to each moment.
-    temperature, velocity : array, shape (n, 6)
-        Contribution of a uniform temperature or velocity of the face.
+    sigma, temperature : array, shape (n, e, 6)
+        Contribution of σ and of the temperature at the nodes of the face to each moment.
+    velocity : array, shape (n, 6)
+        Contribution of a velocity of the face.
     fluxes : array, shape (e, n, 6, 3)
         Node of the face, node, field, arriving flux of number, normal momentum, energy.
     corrections : array, shape (n, 6, 6)
@@ -149,7 +149,7 @@ def assemble(
     excess = np.zeros(n) if base.excess is None else np.ascontiguousarray(base.excess)
     state = (rarefaction, base.frequency_exponent, excess[:, None], base.face, linear)
     own, other, reflected = (np.zeros((n, n, 36)) for _ in range(3))
-    walls = np.zeros((n, e + linear_kernel.EMISSIONS - 1, linear_kernel.FIELDS))
+    walls = np.zeros((n, 2 * e + 1, linear_kernel.FIELDS))
     corrections = np.zeros((n, linear_kernel.FIELDS, linear_kernel.FIELDS))
     linear_kernel.assemble(
         node_points(mesh), False, state, setup, panels, own, other, reflected, walls, corrections
@@ -165,8 +165,8 @@ def assemble(
         other=other.reshape(n, n, 6, 6),
         reflected=reflected.reshape(n, n, 6, 6),
         sigma=walls[:, :e],
-        temperature=walls[:, e],
-        velocity=walls[:, e + 1],
+        temperature=walls[:, e : 2 * e],
+        velocity=walls[:, 2 * e],
         fluxes=fluxes.reshape(e, n, 6, 3),
         corrections=corrections,
         theta=1.0 + excess,

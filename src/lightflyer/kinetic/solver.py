@@ -12,6 +12,7 @@ from lightflyer.foundation.extras import extra
 from lightflyer.foundation.progress import report
 from lightflyer.foundation.quantity import HIGHEST_OPEN_FRACTION
 from lightflyer.kinetic.model_gases import gas_model
+from lightflyer.kinetic.walls import WALLS, require_wall
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -100,6 +101,7 @@ class Solution:
             **heated,
             "open_fraction": case.open_fraction,
             "gas": case.gas.name,
+            "wall": case.wall,
             "boundary": self.boundary if np.isfinite(self.boundary) else None,
         }
 
@@ -115,7 +117,7 @@ class Solution:
         holes = f"open fraction {case.open_fraction:g}, " if case.open_fraction else ""
         return (
             f"Kn {self.knudsen:g}, TAC {case.tac[0]:g} top, {case.tac[1]:g} bottom, "
-            f"{holes}{case.gas.name}, {heated}, {where}"
+            f"{holes}{case.gas.name}, {heated}, {where}, {WALLS[case.wall]}"
         )
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
@@ -178,13 +180,14 @@ def solve(
     temperature_ratio: float | tuple[float, float] | None = None,
     open_fraction: float = 0.0,
     gas: str = "monatomic",
+    wall: str = "maxwell",
     boundary: float | None = None,
 ) -> Solution:
-    r"""Solve the kinetic equation around a thin disk with Maxwell walls, or one with holes.
+    r"""Solve the kinetic equation around a thin disk, or one with holes.
 
     Without ``temperature_ratio`` the linearised Shakhov equation is solved (of Rykov's type for a
     diatomic gas), with it the non-linear one with a viscosity :math:`\mu \propto T^\omega`. Results
-    are relative to the exact free-molecular values for Maxwell walls, linear or non-linear.
+    are relative to the exact free-molecular values for the same wall, linear or non-linear.
 
     Parameters
     ----------
@@ -200,6 +203,10 @@ def solve(
         Share of the molecules arriving at a face that pass to its other side unchanged, from 0 to
         0.999: holes much smaller than the mean free path. The TACs are those of the rest.
     gas : {"monatomic", "diatomic"}
+    wall : {"maxwell", "accommodated"}
+        At Maxwell's the share TAC of the molecules leaves a face diffusely at its temperature, and
+        the rest is reflected specularly. Accommodated, all leave diffusely at one temperature, so
+        that the TAC is the share of the energy that face and arriving molecules could exchange.
     boundary : float, optional
         Half-width and half-height of a cylindrical reservoir at T_c [disk radii], at least 1.5
         and up to 338 Kn; by default open space.
@@ -236,6 +243,7 @@ def solve(
         temperature_ratio,
         open_fraction,
         gas,
+        wall,
         boundary,
     )
     from lightflyer.kinetic.cases import SMALLEST_ERROR, meshes, solve_case
@@ -267,6 +275,7 @@ def _case(
     temperature_ratio: float | tuple[float, float] | None,
     open_fraction: float,
     gas: str,
+    wall: str,
     boundary: float | None,
 ) -> "Case":
     require_range("knudsen", knudsen, *KNUDSEN_RANGE)
@@ -276,7 +285,7 @@ def _case(
     if boundary is not None:
         require_range("boundary", boundary, SMALLEST_BOUNDARY)
         _require_resolved(knudsen, boundary)
-    model = gas_model(gas)
+    model, known = gas_model(gas), require_wall(wall)
     linear = temperature_ratio is None
     if temperature_ratio is None:
         require_range("top_temperature", perturbation[0])
@@ -299,6 +308,7 @@ def _case(
         gas=model,
         boundary=np.inf if boundary is None else float(boundary),
         open_fraction=float(open_fraction),
+        wall=known,
     )
 
 

@@ -526,10 +526,12 @@ def test_what_is_outside_the_models_range():
 
 
 def test_published_model_is_for_air():
-    class Argon(type(lf.gas.AIR)):
-        name = "argon"
-        molecules = "monatomic"
-
-    state = EnvironmentState(3.0, 220.0, 9.7, Argon(), Radiation())
+    states = {
+        gas.name: EnvironmentState(3.0, 220.0, 9.7, gas, Radiation())
+        for gas in (lf.gas.ARGON, lf.gas.NITROGEN)
+    }
     with pytest.raises(lf.ParameterError, match="Celenza2023 is not for argon"):
-        lf.lift(make(), state, lf.Celenza2023())
+        lf.lift(make(), states["argon"], lf.Celenza2023())
+    for model in (lf.Celenza2023(), lf.HollowPump(gas_properties=False)):
+        with pytest.raises(lf.ParameterError, match="for nitrogen: its constants are those of air"):
+            lf.lift(make(), states["nitrogen"], model)

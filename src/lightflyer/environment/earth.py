@@ -51,7 +51,7 @@ from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 from lightflyer.gas.air import AIR, LU2023_AIR
 from lightflyer.gas.base import AbstractGas
-from lightflyer.gas.known import GASES
+from lightflyer.gas.known import AIRS
 
 HIGHEST_SEARCHED = 150e3
 """Top of the default search [m]: above, the gas carries no film."""
@@ -237,6 +237,7 @@ class EarthSection(SkySection):
     default_gravity: ClassVar[float | None] = None
 
     kind: Literal["earth"] = "earth"
+    gas: Literal[tuple(AIRS)] | None = None  # type: ignore[valid-type]
     albedo: Fraction = Measured(EARTH_ALBEDO)
     surroundings: Literal["earth", "gas"] = "earth"
     wind: AnyWindSection | None = None
@@ -277,7 +278,7 @@ class EarthSection(SkySection):
         atmosphere = self.build_atmosphere()
         return Earth(
             atmosphere=atmosphere,
-            gas=GASES[self.gas or self.default_gas],
+            gas=AIRS[self.gas or self.default_gas],
             gravity=gravity,
             radiation=self.build_radiation(),
             sky=self.build_sky(),

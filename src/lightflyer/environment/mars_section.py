@@ -39,7 +39,7 @@ from lightflyer.foundation.quantity import (
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 from lightflyer.gas.carbon_dioxide import CARBON_DIOXIDE
-from lightflyer.gas.known import GASES
+from lightflyer.gas.known import CARBON_DIOXIDES
 
 _PLACE = ("date", "latitude", "longitude")
 _GIVEN_LIGHT = ("irradiance", "incidence", "solar_longitude", "local_time")
@@ -56,7 +56,7 @@ class MarsSection(AltitudeSection):
     kind: Literal["mars"]
     sun: Literal["ephemeris"] | None = None
     date: datetime.datetime | None = None
-    gas: Literal["co2", "co2-frozen"] | None = None  # type: ignore[assignment]
+    gas: Literal[tuple(CARBON_DIOXIDES)] | None = None  # type: ignore[valid-type]
     surface_pressure: Pressure = Measured(SURFACE_PRESSURE)
     temperature_offset: TemperatureOffset = Measured(0.0)
     irradiance: Irradiance = Measured(MEAN_IRRADIANCE)
@@ -168,7 +168,7 @@ class MarsSection(AltitudeSection):
                 surface_pressure=self.surface_pressure.value,
                 temperature_offset=self.temperature_offset.value,
             ),
-            gas=air_of_mars(GASES[self.gas or CARBON_DIOXIDE.name]),
+            gas=air_of_mars(CARBON_DIOXIDES[self.gas or CARBON_DIOXIDE.name]),
             gravity=None if self.gravity is None else self.gravity.value,
             radiation=radiation,
             dust=Dust(self.dust_optical_depth.value),

@@ -9,6 +9,7 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.hollow import HollowBody
 from lightflyer.force.base import AbstractForceModel, ModelResult
+from lightflyer.force.celenza2023_laws import require_air
 from lightflyer.force.hollow_flow import (
     AS_PUBLISHED,
     FLOW_RESULTS,
@@ -20,6 +21,7 @@ from lightflyer.force.hollow_heat import pump_heat
 from lightflyer.force.section import ForceSection
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
+from lightflyer.gas.base import AbstractGas
 
 
 class Celenza2023(AbstractForceModel):
@@ -53,6 +55,11 @@ class Celenza2023(AbstractForceModel):
     molecules: ClassVar[tuple[str, ...]] = ("diatomic",)
     results: ClassVar[Mapping[str, ModelResult]] = FLOW_RESULTS
     adds_buoyancy: ClassVar[bool] = False
+
+    def require_gas(self, gas: AbstractGas) -> None:
+        """See :meth:`AbstractForceModel.require_gas`: air of whatever correlations."""
+        super().require_gas(gas)
+        require_air("Celenza2023", gas)
 
     @entry_point
     def heat_loss(

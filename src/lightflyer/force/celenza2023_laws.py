@@ -12,7 +12,10 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.types import Numeric
+from lightflyer.gas.air import AbstractAir
+from lightflyer.gas.base import AbstractGas
 
 PI = 3.14
 """As in the published code, 0.05 % too small."""
@@ -61,6 +64,25 @@ FORM_COEFFICIENTS = {
     "rocket": FormCoefficients(1.44, 0.93),
 }
 """By the name of the shape."""
+
+
+def require_air(model: str, gas: AbstractGas) -> None:
+    """Raise unless the gas is air, whose published constants a model takes.
+
+    Parameters
+    ----------
+    model : str
+        Its name, and with which correction off.
+    gas : AbstractGas
+
+    Raises
+    ------
+    ParameterError
+    """
+    if not isinstance(gas, AbstractAir):
+        raise ParameterError(
+            f"force model {model} is not for {gas.name}: its constants are those of air"
+        )
 
 
 def viscosity(temperature: Numeric) -> Array:

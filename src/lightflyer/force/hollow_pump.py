@@ -11,6 +11,7 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.hollow import HollowBody
 from lightflyer.force.base import AbstractForceModel, ModelResult
+from lightflyer.force.celenza2023_laws import require_air
 from lightflyer.force.hollow_flow import (
     FLOW_RESULTS,
     Corrections,
@@ -25,6 +26,7 @@ from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import StandardErrors
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
+from lightflyer.gas.base import AbstractGas
 
 _SCATTER = Errors(wall=0.10, outlet=0.25, force=0.15, heat=0.10)
 """Standard errors, relative [1].
@@ -105,6 +107,12 @@ class HollowPump(AbstractForceModel):
     outlet_error: StandardErrors | None = None
     force_error: StandardErrors | None = None
     heat_error: StandardErrors | None = None
+
+    def require_gas(self, gas: AbstractGas) -> None:
+        """See :meth:`AbstractForceModel.require_gas`: air alone without ``gas_properties``."""
+        super().require_gas(gas)
+        if not self.gas_properties:
+            require_air("HollowPump with gas_properties off", gas)
 
     @property
     def corrections(self) -> Corrections:

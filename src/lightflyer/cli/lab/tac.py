@@ -51,7 +51,9 @@ def tac_command(
     emissivity: str | None = None,
     reading: Literal["kinetic", "printed", "reported"] = "kinetic",
     wall: str | None = None,
-    gas: Literal["air", "us1976-air", "lu2023-air"] = "air",
+    gas: Literal[
+        "air", "us1976-air", "lu2023-air", "nitrogen", "oxygen", "argon", "helium"
+    ] = "air",
     gauge_accuracy: str | None = None,
     gauge_zero: str | None = None,
     power_accuracy: str | None = None,

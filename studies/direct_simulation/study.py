@@ -1,0 +1,220 @@
+"""Force and heat of a hot disk by direct simulation, beside another program's.
+
+Run as ``python studies/direct_simulation/study.py [--runs 2] [--only WORD]``. Each run of a point
+becomes a line of ``points.jsonl`` and is not made again; ``--table`` prints what is there.
+"""
+
+import argparse
+import csv
+import json
+import math
+import time
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from dsmc.gas import GASES, HARD_SPHERE_PATH
+from dsmc.simulation import Block, Numerics, Simulation
+from dsmc.walls import build_faces
+
+FOLDER = Path(__file__).parent
+POINTS = FOLDER / "points.jsonl"
+PEER = FOLDER / "peer.csv"
+
+FLIGHT = round(480.0 / 205.0, 6)  # T_h/T_c of the 2-cm disk
+BLOCKS = 40
+BLOCK_TIME = 500.0  # [radii/√(2RT_c)], many times the relaxation of the gas in the reservoir
+WARM_UP_TIME = 250.0
+# of a time step: relative to the time between collisions λ/v̄, and to crossing a cell's width
+_COLLISION_SHARE, _CELL_SHARE = 0.17, 1.0
+_WIDTH, _FINE_WIDTH = 0.1, 1.0 / 15.0
+_DENSE = 0.2  # Knudsen number below which cells are fine
+_MEAN_SPEED = 2.0 / math.sqrt(math.pi)
+# means over blocks, and the name of each in the results
+MEASURED = (
+    "force",
+    "force_reservoir",
+    "heat",
+    "heat_top",
+    "heat_bottom",
+    "heat_reservoir",
+)
+
+
+@dataclass(frozen=True)
+class Point:
+    """One case; the Knudsen number is the package's."""
+
+    gas: str
+    knudsen: float
+    temperature_ratio: float
+    tac_top: float
+    tac_bottom: float
+    wall: str = "maxwell"
+    boundary: float = 4.0
+
+
+Run = tuple[Point, int, dict[str, tuple[float, float]]]
+"""A point, the seed, and mean and standard error of each measured quantity."""
+
+_THIRD = round(0.3 / HARD_SPHERE_PATH, 6)
+POINTS_TO_RUN = [
+    Point("nitrogen", _THIRD, FLIGHT, 0.5, 1.0),
+    *(
+        Point("nitrogen", _THIRD, FLIGHT, 0.4, 1.0, wall)
+        for wall in ("maxwell", "accommodated", "cercignani-lampis")
+    ),
+]
+
+
+def numerics(knudsen: float) -> Numerics:
+    """Time step and cells for a Knudsen number."""
+    width, particles = (_FINE_WIDTH, 16.0) if knudsen < _DENSE else (_WIDTH, 20.0)
+    collision = 2.0 * knudsen / _MEAN_SPEED
+    duration = min(_COLLISION_SHARE * collision, _CELL_SHARE * width / _MEAN_SPEED)
+    return Numerics(duration, width, particles)
+
+
+def simulation(point: Point, seed: int) -> Simulation:
+    """A point's simulation."""
+    gas = GASES[point.gas]
+    faces = build_faces(
+        point.wall,
+        (point.tac_top, point.tac_bottom),
+        (point.temperature_ratio, point.temperature_ratio),
+        gas.rotational_freedoms,
+    )
+    return Simulation(gas, point.knudsen, faces, point.boundary, numerics(point.knudsen), seed)
+
+
+def measure(point: Point, seed: int) -> Run:
+    """Simulate a point once."""
+    made = simulation(point, seed)
+    warm_up, steps = (round(t / made.duration) for t in (WARM_UP_TIME, BLOCK_TIME))
+    blocks = []
+    for block in made.blocks(BLOCKS, steps, warm_up):
+        blocks.append(block)
+        print(f"\r{label(point)}, seed {seed}: block {len(blocks)}/{BLOCKS} ", end="", flush=True)
+    print()
+    return point, seed, means(blocks)
+
+
+def means(blocks: list[Block]) -> dict[str, tuple[float, float]]:
+    """Mean and standard error of each quantity by means over blocks."""
+    found = {}
+    for name in MEASURED:
+        values = np.array([getattr(block, name) for block in blocks])
+        error = values.std(ddof=1) / math.sqrt(values.size)
+        found[name] = (float(values.mean()), float(error))
+    return found
+
+
+def combined(runs: Iterable[Run]) -> dict[Point, dict[str, tuple[float, float]]]:
+    """Mean over the runs of each point, which are equally long."""
+    together = defaultdict(list)
+    for point, _, result in runs:
+        together[point].append(result)
+    found = {}
+    for point, results in together.items():
+        values = np.array([[result[name] for name in MEASURED] for result in results])
+        errors = np.sqrt((values[..., 1] ** 2).sum(axis=0)) / len(results)
+        pairs = zip(values[..., 0].mean(axis=0).tolist(), errors.tolist(), strict=True)
+        found[point] = dict(zip(MEASURED, pairs, strict=True))
+    return found
+
+
+def read_runs() -> list[Run]:
+    """The runs made so far."""
+    if not POINTS.exists():
+        return []
+    lines = [json.loads(line) for line in POINTS.read_text(encoding="utf-8").splitlines()]
+    return [
+        (Point(**place), seed, {name: tuple(pair) for name, pair in result.items()})
+        for place, seed, _, result in lines
+    ]
+
+
+def keep(run: Run, seconds: float) -> None:
+    """Append a run as a line."""
+    point, seed, result = run
+    rounded = {name: [round(x, 6) for x in pair] for name, pair in result.items()}
+    how = asdict(numerics(point.knudsen)) | {"seconds": round(seconds)}
+    with POINTS.open("a", encoding="utf-8") as file:
+        file.write(json.dumps([asdict(point), seed, how, rounded]) + "\n")
+
+
+def read_peer() -> dict[Point, dict[str, tuple[float, float]]]:
+    """Results of the other program."""
+    with PEER.open(encoding="utf-8", newline="") as file:
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        return {_peer_point(row): _peer_result(row) for row in rows}
+
+
+def _peer_point(row: dict[str, str]) -> Point:
+    names = ("knudsen", "temperature_ratio", "tac_top", "tac_bottom")
+    numbers = {name: float(row[name]) for name in names}
+    return Point(row["gas"], **numbers, boundary=float(row["boundary"]))
+
+
+def _peer_result(row: dict[str, str]) -> dict[str, tuple[float, float]]:
+    names = [name for name in MEASURED if row[name]]
+    return {name: (float(row[name]), float(row[f"{name}_error"])) for name in names}
+
+
+def label(point: Point) -> str:
+    """A point in words."""
+    return (
+        f"{point.gas}, Kn {point.knudsen:.4g}, T_h/T_c {point.temperature_ratio:.4g}, "
+        f"TAC {point.tac_top:g}/{point.tac_bottom:g}, {point.wall}, D {point.boundary:g}"
+    )
+
+
+def table() -> Iterator[str]:
+    """All results as a table in Markdown."""
+    yield "| gas | Kn | T_h/T_c | α_t, α_b | wall | D | F/F_fm | by the reservoir | Q/Q_fm | by |"
+    yield "|---|---|---|---|---|---|---|---|---|---|"
+    results = [(point, found, "this") for point, found in combined(read_runs()).items()]
+    results += [(point, found, "other") for point, found in read_peer().items()]
+    results.sort(
+        key=lambda result: (result[0].gas, -result[0].knudsen, result[0].wall != "maxwell")
+    )
+    for point, found, by in results:
+        cells = [
+            point.gas,
+            f"{point.knudsen:.4f}",
+            f"{point.temperature_ratio:.3f}",
+            f"{point.tac_top:g}, {point.tac_bottom:g}",
+            point.wall,
+            f"{point.boundary:g}",
+            *(_shown(found.get(name)) for name in ("force", "force_reservoir", "heat")),
+            by,
+        ]
+        yield f"| {' | '.join(cells)} |"
+
+
+def _shown(pair: tuple[float, float] | None) -> str:
+    return "" if pair is None else f"{pair[0]:.4f} ± {pair[1]:.4f}"
+
+
+def main() -> None:
+    """Simulate what is missing."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=1, help="runs of each point, of other seeds")
+    parser.add_argument("--only", default="", help="a word that the names of points contain")
+    parser.add_argument("--table", action="store_true", help="print the results and stop")
+    arguments = parser.parse_args()
+    if arguments.table:
+        print("\n".join(table()))
+        return
+    made = {(point, seed) for point, seed, _ in read_runs()}
+    for seed in range(arguments.runs):
+        for point in POINTS_TO_RUN:
+            if (point, seed) not in made and arguments.only in label(point):
+                began = time.process_time()
+                keep(measure(point, seed), time.process_time() - began)
+
+
+if __name__ == "__main__":
+    main()

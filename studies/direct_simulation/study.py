@@ -63,7 +63,7 @@ _THIRD = round(0.3 / HARD_SPHERE_PATH, 6)
 POINTS_TO_RUN = [
     Point("nitrogen", _THIRD, FLIGHT, 0.5, 1.0),
     *(
-        Point("nitrogen", _THIRD, FLIGHT, 0.4, 1.0, wall)
+        Point("nitrogen", _THIRD, FLIGHT, 0.4, 1.0, wall, boundary=2.0)
         for wall in ("maxwell", "accommodated", "cercignani-lampis")
     ),
 ]

@@ -28,6 +28,8 @@ class Cells(NamedTuple):
     volume : array, shape (cells,)
     weight : array, shape (cells,)
         Molecules that a particle stands for.
+    radius, height : array, shape (cells,)
+        Of the centres.
     """
 
     boundary: float
@@ -36,6 +38,8 @@ class Cells(NamedTuple):
     lookup: np.ndarray
     volume: np.ndarray
     weight: np.ndarray
+    radius: np.ndarray
+    height: np.ndarray
 
 
 def build_cells(boundary: float, width: float, particles: float) -> Cells:
@@ -82,6 +86,8 @@ def build_cells(boundary: float, width: float, particles: float) -> Cells:
         lookup=lookup.reshape(column.shape).astype(np.int32),
         volume=around * square**2,
         weight=unit * relative * np.maximum(radius, 1.0),
+        radius=radius,
+        height=square * (np.bincount(lookup, row.ravel()) / squares + 0.5),
     )
 
 

@@ -9,12 +9,14 @@ import numpy as np
 from dsmc.cells import build_cells
 from dsmc.collisions import collide
 from dsmc.compilation import kernel
+from dsmc.fields import add_moments, fields, no_moments
 from dsmc.flight import build_inlets, empty_tally, fly, let_in
 from dsmc.gas import Gas
 from dsmc.particles import put_in_order, resting_gas, sort
 from dsmc.walls import Faces, free_molecular
 
-_TIDY = 20  # steps between two that put particles of a cell side by side in memory
+# steps between two that put particles of a cell side by side in memory and sum over them
+_TIDY = 20
 _ROOM = 2.0  # particles there is room for, over those in the gas at rest
 
 
@@ -107,10 +109,12 @@ class Simulation:
         # raised as faster pairs are met
         self.fastest = np.full(self.cells.volume.size, self.molecule.cross_section)
         self.tally = empty_tally()
+        self.moments = no_moments(self.cells)
 
     def run(self, steps: int) -> Block:
         """Go on for some steps."""
         self.tally.clear()
+        self.moments.sums[:] = self.moments.samples[:] = 0.0
         self.count = march(
             self.particles,
             self.count,
@@ -123,9 +127,14 @@ class Simulation:
             steps,
             self.duration,
             self.tally,
+            self.moments,
             self.rng,
         )
         return self._block(steps)
+
+    def fields(self) -> dict[str, np.ndarray]:
+        """Fields of the gas during the latest run, see :func:`dsmc.fields.fields`."""
+        return fields(self.moments, self.cells)
 
     def blocks(self, number: int, steps: int, warm_up: int) -> Iterator[Block]:
         """Means over blocks of some steps, after others that are not counted."""
@@ -170,6 +179,7 @@ def march(
     steps,
     duration,
     tally,
+    moments,
     rng,
 ):
     """Take some time steps; the number of particles is returned."""
@@ -183,6 +193,7 @@ def march(
         sort(particles, count, first, order)
         if step % _TIDY == 0:
             put_in_order(particles, count, order, spare)
+            add_moments(particles, count, moments)
         if molecule.cross_section > 0.0:
             tally.collisions[0] += collide(
                 particles, order, first, cells, fastest, duration, molecule, rng

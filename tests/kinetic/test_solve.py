@@ -16,6 +16,7 @@ from lightflyer.kinetic.flow import sample
 from lightflyer.kinetic.linear import LinearSystem, Walls, face_result
 from lightflyer.kinetic.model_gases import DIATOMIC, MONATOMIC
 from lightflyer.kinetic.operators import Quadrature, assemble
+from lightflyer.kinetic.solver import TEMPERATURE_RATIOS
 from lightflyer.kinetic.walls import Wall
 
 SKETCH = Resolution(3, 0.7, Quadrature(3, 3, 3))
@@ -180,22 +181,22 @@ def test_a_reservoir_many_mean_free_paths_away_is_seen():
     assert far.force / opened.force == pytest.approx(1.22497, rel=0.01)
 
 
-@pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
-def test_nonlinear_goes_to_linear(gas):
-    excess = 1e-3
+@pytest.mark.parametrize(("gas", "excess"), [(MONATOMIC, 1e-3), (DIATOMIC, -1e-3)])
+def test_nonlinear_goes_to_linear(gas, excess):
     linear = ratios(case(0.3, (0.7, 0.9), gas=gas))
     hot = case(0.3, (0.7, 0.9), (1.0 + excess,) * 2, linear=False, gas=gas)
-    assert ratios(hot) == pytest.approx(linear, rel=excess)
+    assert ratios(hot) == pytest.approx(linear, rel=1e-3)
 
 
 @pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
 def test_nonlinear_free_molecular_limit_of_maxwell_walls(gas):
-    hot = case(100.0, (0.5, 1.0), (2.5, 2.0), linear=False, gas=gas)
+    top, bottom = TEMPERATURE_RATIOS[::-1]
+    hot = case(100.0, (0.5, 1.0), (top, bottom), linear=False, gas=gas)
     outcome = solve_case(hot, SKETCH)
     # a face returns the share α of its molecules with √T times the momentum, T times the energy
-    force = 0.5 * (1.0 * (np.sqrt(2.0) - 1.0) - 0.5 * (np.sqrt(2.5) - 1.0))
+    force = 0.5 * (1.0 * (np.sqrt(bottom) - 1.0) - 0.5 * (np.sqrt(top) - 1.0))
     carried = {"monatomic": 2.0, "diatomic": 3.0}[gas.name] / 2.0
-    heat = carried * (0.5 * 1.5 + 1.0) / np.sqrt(np.pi)
+    heat = carried * (0.5 * (top - 1.0) + bottom - 1.0) / np.sqrt(np.pi)
     assert outcome.force == pytest.approx(force, rel=4e-3)
     assert sum(outcome.heat) == pytest.approx(heat, rel=1e-3)
     limit = hot.free_molecular()
@@ -321,8 +322,8 @@ def test_one_cold_face_has_no_heat_ratio(sketched):
         ({"knudsen": np.nan}, "knudsen"),
         ({"tac_top": 0.0}, "tac_top"),
         ({"tac_bottom": 1.1}, "tac_bottom"),
-        ({"temperature_ratio": 2.6}, "temperature_ratio"),
-        ({"temperature_ratio": 0.9}, "temperature_ratio"),
+        ({"temperature_ratio": 3.6}, "temperature_ratio"),
+        ({"temperature_ratio": 0.4}, "temperature_ratio"),
         ({"temperature_ratio": 1.0}, "at the gas temperature"),
         ({"top_temperature": 0.0, "bottom_temperature": 0.0}, "at the gas temperature"),
         ({"gas": "argon"}, "monatomic or diatomic"),

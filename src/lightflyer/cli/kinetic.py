@@ -56,7 +56,7 @@ def kinetic_command(
     bottom_temperature
         Temperature perturbation of the lower face in the linear problem; 1 if not given.
     temperature_ratio
-        Temperature of both faces over that of the gas far away, 1 to 2.5, for the non-linear
+        Temperature of both faces over that of the gas far away, 0.5 to 3.5, for the non-linear
         problem.
     top_temperature_ratio
         The same for the upper face, if it differs.

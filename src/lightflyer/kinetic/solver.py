@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 KNUDSEN_RANGE = (0.03, 100.0)
 """Knudsen numbers λ(T_c)/(2r) for which the meshes are made."""
 
-HIGHEST_TEMPERATURE_RATIO = 2.5
-"""T_h/T_c up to which the non-linear solver is tested."""
+TEMPERATURE_RATIOS = (0.5, 3.5)
+"""T_h/T_c for which the non-linear solver is tested."""
 
 SMALLEST_BOUNDARY = 1.5
 """Half-width of the smallest reservoir [disk radii]."""
@@ -198,7 +198,7 @@ def solve(
     top_temperature, bottom_temperature : float
         Temperature perturbation of each face in the linear problem.
     temperature_ratio : float or (float, float), optional
-        T_h/T_c of both faces, or of the top and bottom face, from 1 to 2.5.
+        T_h/T_c of both faces, or of the top and bottom face, from 0.5 to 3.5.
     open_fraction : float
         Share of the molecules arriving at a face that pass to its other side unchanged, from 0 to
         0.999: holes much smaller than the mean free path. The TACs are those of the rest.
@@ -294,7 +294,7 @@ def _case(
     else:
         top, bottom = np.broadcast_to(temperature_ratio, 2)
         temperature = float(top), float(bottom)
-        require_range("temperature_ratio", temperature, 1.0, HIGHEST_TEMPERATURE_RATIO)
+        require_range("temperature_ratio", temperature, *TEMPERATURE_RATIOS)
     if all(value == (0.0 if linear else 1.0) for value in temperature):
         raise ParameterError("both faces are at the gas temperature: force and heat are zero")
     extra("numba", "the kinetic solver", "kinetic")

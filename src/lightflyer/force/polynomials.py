@@ -1,0 +1,77 @@
+"""Polynomials in several variables, fitted by least squares and evaluated by JAX."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
+
+_ERROR_POWERS = [(0,), (1,), (2,)]
+
+
+def scaled(value: Any, low: float, high: float) -> Any:
+    """Place of a value between two ends, from −1 to 1."""
+    return (2.0 * value - low - high) / (high - low)
+
+
+def polynomial(coefficients: Any, *variables: Any) -> Any:
+    """Polynomial in several variables by Horner's rule; the first one's powers come last."""
+    if not variables:
+        return coefficients
+    first, *others = variables
+    result: Any = 0.0
+    for coefficient in reversed(coefficients):
+        result = result * first + polynomial(coefficient, *others)
+    return result
+
+
+def least_squares(
+    values: np.ndarray,
+    variables: tuple[np.ndarray, ...],
+    powers: Sequence[tuple[int, ...]],
+    errors: np.ndarray | float = 1.0,
+) -> Any:
+    """Coefficients of the polynomial with these powers that fits best, as nested tuples."""
+    basis = np.stack(
+        [np.prod([x**p for x, p in zip(variables, term, strict=True)], axis=0) for term in powers],
+        axis=1,
+    )
+    weights = 1.0 / np.broadcast_to(errors, values.shape)
+    fitted = np.linalg.lstsq(basis * weights[:, None], values * weights, rcond=None)[0]
+    coefficients = np.zeros(np.max(powers, axis=0) + 1)
+    coefficients[tuple(np.transpose(powers))] = fitted
+    return as_tuples(coefficients)
+
+
+def as_tuples(array: np.ndarray) -> Any:
+    """An array as nested tuples of float, which can be hashed."""
+    return tuple(map(as_tuples, array)) if array.ndim else float(array)
+
+
+def trimmed(coefficients: Any) -> Any:
+    """Coefficients without zeros of the highest powers, which cost time."""
+    if not isinstance(coefficients, tuple):
+        return coefficients
+    kept = [trimmed(part) for part in coefficients]
+    while len(kept) > 1 and kept[-1] in (0.0, (0.0,)):
+        kept.pop()
+    return tuple(kept)
+
+
+def error_fit(bounds: np.ndarray, position: np.ndarray) -> Any:
+    """Logarithm of the largest relative standard error at each place, smoothed.
+
+    Parameters
+    ----------
+    bounds, position : array, shape (n,)
+        Relative 95 % bounds and where they are.
+
+    Returns
+    -------
+    tuple of float
+        Coefficients of a polynomial in the position.
+    """
+    places = np.unique(position)
+    largest = np.array([bounds[position == place].max() for place in places])
+    return least_squares(np.log(largest / NORMAL_HALF_WIDTH_95), (places,), _ERROR_POWERS)

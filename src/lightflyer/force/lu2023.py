@@ -23,6 +23,7 @@ from lightflyer.foundation.quantity import Coefficient
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 from lightflyer.foundation.validity import Validity
+from lightflyer.gas.air import AbstractAir
 from lightflyer.gas.base import AbstractGas
 
 _THERMAL_CREEP = 1.14  # κ_s of [Lu2023] Eq. (20)
@@ -312,7 +313,7 @@ class Lu2023(AbstractForceModel):
 
 
 def _of_gas(gas: AbstractGas) -> tuple[str, ...]:
-    if gas.molecules == "diatomic":
+    if isinstance(gas, AbstractAir):
         return ()
     return (f"c_fm and c_cont of lu2023 were fitted in air, and the gas is {gas.name}",)
 

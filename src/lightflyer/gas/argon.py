@@ -36,9 +36,9 @@ class Argon(AbstractReferenceGas):
 
     Notes
     -----
-    From 80 K to 1500 K the published formulas are followed to 1e-5. The viscosity is 0.1 % to 0.5 %
+    From 80 K to 1500 K the published formulas are followed to 1e-5. The viscosity is 0.1 % to 0.6 %
     above that of [May2007]_ between 200 K and 400 K, who measured it beside helium's to 0.1 %. By
-    the source the conductivity is right to 2 %.
+    the source both are generally right to 2 %.
 
     References
     ----------

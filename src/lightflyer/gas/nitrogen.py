@@ -50,8 +50,8 @@ class Nitrogen(AbstractReferenceGas):
 
     Notes
     -----
-    From 70 K to 1500 K the published formulas are followed to 1e-5. By the source the viscosity of
-    the dilute gas is right to 0.5 %, the conductivity to 2 %.
+    From 70 K to 1500 K the published formulas are followed to 1e-5. By the source they are
+    generally right to 2 %.
 
     References
     ----------
@@ -61,7 +61,7 @@ class Nitrogen(AbstractReferenceGas):
     --------
     >>> from lightflyer.gas import NITROGEN
     >>> print(f"{NITROGEN.viscosity(300.0):.4e} Pa s, {NITROGEN.conductivity(300.0):.4e} W/(m K)")
-    1.7876e-05 Pa s, 2.5939e-02 W/(m K)
+    1.7877e-05 Pa s, 2.5936e-02 W/(m K)
     >>> print(f"{NITROGEN.rotational_collision_number(300.0, 0.74):.1f}")
     5.2
     """

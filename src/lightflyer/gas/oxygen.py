@@ -59,8 +59,8 @@ class Oxygen(AbstractReferenceGas):
 
     Notes
     -----
-    From 70 K to 1500 K the published formulas are followed to 1e-5. By the source the viscosity of
-    the dilute gas is right to 1 %, the conductivity to 2 %.
+    From 70 K to 1500 K the published formulas are followed to 1e-5. By the source they are
+    generally right to 5 %, liquid included.
 
     References
     ----------
@@ -70,7 +70,7 @@ class Oxygen(AbstractReferenceGas):
     --------
     >>> from lightflyer.gas import OXYGEN
     >>> print(f"{OXYGEN.viscosity(300.0):.4e} Pa s, {OXYGEN.conductivity(300.0):.4e} W/(m K)")
-    2.0649e-05 Pa s, 2.6462e-02 W/(m K)
+    2.0631e-05 Pa s, 2.6440e-02 W/(m K)
     """
 
     name: ClassVar[str] = "oxygen"

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
 
 _FIRST, _SECOND = 0.5 * math.pi**1.5, math.pi + 0.25 * math.pi**2  # [Parker1959]
@@ -36,6 +37,7 @@ class Parker(NamedTuple):
     limit: float
     temperature: float
 
+    @entry_point
     def __call__(self, temperature: Numeric) -> Array:
         """Collision number [1] at temperatures [K]."""
         ratio = self.temperature / jnp.asarray(temperature)
@@ -52,6 +54,7 @@ COLLISION_RATE = 4.0 / math.pi
 """Rate at which Parker's number counts collisions [p/μ]; [LordiMates1970]_."""
 
 
+@entry_point
 def vhs_collision_rate(viscosity_exponent: Numeric) -> Array:
     r"""Collisions of one variable hard sphere per time, in units of :math:`p/\mu`.
 

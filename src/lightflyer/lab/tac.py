@@ -90,6 +90,8 @@ class TacFit:
         Diameter of the heater [m].
     reading : str
         Name of the law of heat loss.
+    gas : str
+        Name of the gas.
     accuracy : TacAccuracy
     tac, area_ratio, offset : Estimate
         With 95 % profile intervals of the total uncertainty; the offset in W/(m² K).
@@ -126,6 +128,7 @@ class TacFit:
     off_curve: np.ndarray
     diameter: float
     reading: str
+    gas: str
     accuracy: TacAccuracy
     tac: Estimate
     area_ratio: Estimate
@@ -238,6 +241,7 @@ class TacFit:
             },
             "slope": self.slope.to_json(),
             "reading": self.reading,
+            "gas": self.gas,
             "tac_by_other_readings": self.by_reading,
             "accuracy": self.accuracy.to_json(),
             "common_errors": self.common_errors,
@@ -382,8 +386,9 @@ def fit_tac(
         if name != law.name
     }
     return _result(
-        run, kept, off_curve, diameter, law.name, accuracy, problem, solve(problem, guess), others
-    )
+        run, kept, off_curve, diameter, (law.name, gas.name), accuracy, problem,
+        solve(problem, guess), others,
+    )  # fmt: skip
 
 
 def _problem(
@@ -448,9 +453,10 @@ def _require_rows(run: TacRun, kept: np.ndarray) -> None:
 
 
 def _result(
-    run: TacRun, kept: np.ndarray, off_curve: np.ndarray, diameter: float, reading: str,
+    run: TacRun, kept: np.ndarray, off_curve: np.ndarray, diameter: float, names: tuple[str, str],
     accuracy: TacAccuracy, problem: Problem, solution: Solution, others: dict[str, float | None],
 ) -> TacFit:  # fmt: skip
+    reading, gas = names
     require_possible(run.source, solution.total, reading)
     undetermined = why_undetermined(solution.total["tac"], problem, solution.scatter)
     estimates, texts = cut(solution.total)
@@ -476,6 +482,7 @@ def _result(
         off_curve=off_curve,
         diameter=diameter,
         reading=reading,
+        gas=gas,
         accuracy=accuracy,
         **estimates,
         statistical=statistical,

@@ -147,6 +147,7 @@ def summary(fits: Sequence[TacFit]) -> dict[str, Any]:
     return related | {
         **{name: mean_of(fits, name).to_json() for name in PARAMETERS},
         "reading": fits[0].reading,
+        "gas": fits[0].gas,
         "determined": all(fit.undetermined is None for fit in fits),
         "rows_used": sum(fit.rows_used for fit in fits),
         "rows_dropped": sum(fit.rows_dropped for fit in fits),
@@ -190,4 +191,5 @@ def to_dataset(fits: Sequence[TacFit], warnings: Sequence[str] | None = None) ->
         [fit.run.source for fit in fits],
         warnings=warnings_of(fits) if warnings is None else warnings,
         reading=fits[0].reading,
+        gas=fits[0].gas,
     )  # fmt: skip

@@ -21,7 +21,7 @@ def test_raw_file_to_record_figure_and_flyer_file(examples, lab):
     code, out, err = lab("tac", "tac-raw.csv", "--calibration", "tac-resistance.csv", "--out", "o")
     assert (code, err) == (0, "")
     assert "rejected tac-raw.csv:42: repeats line 41" in out
-    assert "reading kinetic; the same rows give α = " in out
+    assert "reading kinetic, gas air; the same rows give α = " in out
     names = {path.name for path in (folder / "o").iterdir()}
     assert names == {"tac.json", "tac.nc", "tac.png", "tac.svg"}
     found = json.loads((folder / "o" / "tac.json").read_text(encoding="utf-8"))
@@ -64,9 +64,8 @@ def test_several_runs_are_averaged_and_written_into_a_flyer_file(examples, lab, 
     assert read.tac_top.value == 0.8
     # the gauge and the plateau are in it, and two runs do not halve them
     assert read.tac_bottom.uncertainty > 0.05
-    assert "measured: lab tac, kinetic reading, tac-raw.csv, tac-reduced.txt, " in path.read_text(
-        encoding="utf-8"
-    )
+    text = path.read_text(encoding="utf-8")
+    assert "measured: lab tac, kinetic reading, in air, tac-raw.csv, tac-reduced.txt, " in text
 
 
 def test_accuracy_widens_what_is_written(examples, lab, flyer_file):
@@ -113,6 +112,19 @@ def test_another_reading_of_the_flyer_file_is_told(examples, lab, flyer_file):
     code, out, _ = lab(*arguments, *stated)
     assert code == 0
     assert "warning" not in out
+
+
+def test_another_gas_of_the_flyer_file_is_told(examples, lab, flyer_file):
+    folder = examples("tac")
+    path = flyer_file(*KINETIC_FORCE)
+    arguments = ("tac", "tac-reduced.txt", "--update", path, "--face", "top", "--gas")
+    code, out, err = lab(*arguments, "argon", "--out", "o")
+    assert (code, err) == (0, "")
+    assert "air, and the coefficient written was measured in argon: a film has another" in out
+    with xr.open_dataset(folder / "o" / "tac.nc", engine="h5netcdf") as record:
+        assert record.attrs["gas"] == "argon"
+    code, out, err = lab(*arguments, "us1976-air")
+    assert "measured in" not in out
 
 
 HEADER = "pressure [Pa],heater_power [W],heater_temperature [K],ambient_temperature [K]\n"

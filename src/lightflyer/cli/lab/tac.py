@@ -155,7 +155,7 @@ def tac_command(
     document = tac_record.summary(fits) | read | {"warnings": warnings}
     written, updated = write_record(
         out, "tac", document, tac_record.to_dataset(fits, warnings), lambda: _figures(fits),
-        updating(update, values, f"tac, {reading} reading", files),
+        updating(update, values, f"tac, {reading} reading, in {gas}", files),
         figures,
     )  # fmt: skip
     if json_output:
@@ -227,7 +227,11 @@ def _for_flyer_file(
     if reason is not None:
         raise ConfigurationError(f"{reason}; {flyer} is unchanged")
     file = read_flyer_file(flyer)
-    texts = [_about_faces(fits, file, face), _about_reading(fits[0], file)]
+    texts = [
+        _about_faces(fits, file, face),
+        _about_reading(fits[0], file),
+        _about_gas(fits[0].gas, file),
+    ]
     values = dict.fromkeys(tac_keys(face), mean_tac(fits))
     return values, [f"{flyer}: {text}" for text in texts if text]
 
@@ -245,6 +249,18 @@ def _about_faces(fits: "Sequence[TacFit]", file: Any, face: str) -> str:
         "where both faces were measured on this bench, they share the errors of gauge and plateau: "
         f"tac_correlation = {correlation_between_samples(fits):.2g} says so (it is "
         f"{film.tac_correlation.value:g})"  # type: ignore[union-attr]
+    )
+
+
+def _about_gas(gas: str, file: Any) -> str:
+    from lightflyer.gas.known import AIRS
+
+    around = file.environment.build().gas.name
+    if gas == around or {gas, around} <= AIRS.keys():
+        return ""
+    return (
+        f"its flyer is in {around}, and the coefficient written was measured in {gas}: a film has "
+        "another one in every gas"
     )
 
 
@@ -282,7 +298,7 @@ def _show(console: Console, fits: "Sequence[TacFit]") -> None:
         )
         related = fit.correlation
         console.print(
-            f"reading {fit.reading}; the same rows give α = {others}\n"
+            f"reading {fit.reading}, gas {fit.gas}; the same rows give α = {others}\n"
             f"rows scatter by {_PERCENT * fit.scatter:.2g} % about the fit; correlation of α with "
             f"δ {related[0, 1]:.2f}, with C {related[0, 2]:.2f}",
             soft_wrap=True,

@@ -1,6 +1,5 @@
 """Nitrogen, oxygen, argon and helium, and what kinetic theory takes from a gas."""
 
-import jax
 import numpy as np
 import pytest
 
@@ -132,15 +131,6 @@ def test_local_exponent_of_the_viscosity():
     # [Bird1994]: means over some range about 273 K
     for gas, bird in ((NITROGEN, 0.74), (OXYGEN, 0.77), (ARGON, 0.81), (HELIUM, 0.66)):
         assert gas.viscosity_exponent(300.0) == pytest.approx(bird, abs=0.035)
-
-
-def test_exponent_has_derivatives_and_maps():
-    with lf.float64():
-        slope = jax.grad(lambda kelvin: NITROGEN.viscosity_exponent(kelvin))(300.0)
-        mapped = jax.jit(jax.vmap(NITROGEN.viscosity_exponent))(np.array([250.0, 300.0]))
-    near = NITROGEN.viscosity_exponent(np.array([299.0, 301.0]))
-    assert slope == pytest.approx(0.5 * (near[1] - near[0]), rel=1e-3)
-    np.testing.assert_allclose(mapped, NITROGEN.viscosity_exponent(np.array([250.0, 300.0])))
 
 
 def test_internal_degrees_of_freedom():

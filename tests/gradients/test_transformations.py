@@ -16,8 +16,12 @@ from lightflyer.foundation.precision import is_entry_point
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 STATE = lf.Earth().state(72e3)
 CURVE = lf.film.EmittanceCurve.through(np.linspace(0.05, 0.09, lf.film.curve.NODES))
-AIRS = {"Air": lf.gas.AIR, "Lu2023Air": lf.gas.Lu2023Air(), "US1976Air": lf.gas.US1976Air(),
-        "CarbonDioxide": lf.gas.CARBON_DIOXIDE}  # fmt: skip
+GASES = {
+    "AbstractReferenceGas": lf.gas.AIR,
+    "Lu2023Air": lf.gas.LU2023_AIR,
+    "US1976Air": lf.gas.US1976_AIR,
+    "CarbonDioxide": lf.gas.CARBON_DIOXIDE,
+}
 MODELS = {
     "FreeMolecular": lf.FreeMolecular(),
     "LinearFreeMolecular": lf.force.LinearFreeMolecular(),
@@ -76,12 +80,24 @@ CASES = {
     "gas.knudsen_number": lambda x: lf.gas.knudsen_number(3.0 * x, 230.0, 0.01, lf.gas.AIR),
     "gas.AbstractGas.density": lambda x: lf.gas.AIR.density(3.0, 230.0 * x),
     "gas.AbstractGas.mean_speed": lambda x: lf.gas.AIR.mean_speed(230.0 * x),
+    "gas.AbstractGas.viscosity_exponent": lambda x: lf.gas.NITROGEN.viscosity_exponent(300.0 * x),
+    "gas.AbstractGas.prandtl_number": lambda x: lf.gas.NITROGEN.prandtl_number(300.0 * x),
+    "gas.AbstractGas.reduced_conductivity": lambda x: lf.gas.AIR.reduced_conductivity(300.0 * x),
+    "gas.AbstractGas.eucken_factor": lambda x: lf.gas.NITROGEN.eucken_factor(300.0 * x),
+    "gas.AbstractGas.internal_degrees_of_freedom": lambda x: (
+        lf.gas.CARBON_DIOXIDE.internal_degrees_of_freedom(300.0 * x)
+    ),
+    "gas.AbstractGas.rotational_collision_number": lambda x: lf.gas.AIR.rotational_collision_number(
+        300.0 * x
+    ),
+    "gas.Parker.__call__": lambda x: lf.gas.Parker(18.1, 91.5)(300.0 * x),
+    "gas.vhs_collision_rate": lambda x: lf.gas.vhs_collision_rate(0.7 * x),
     "force.Schafer2025.heat_loss": lambda x: lf.Schafer2025().heat_loss(
         sandwich(x), STATE, (0.2, 0.4)
     )[1],
     "force.Schafer2025.force": lambda x: lf.Schafer2025().force(sandwich(x), STATE, (0.2, 0.4)),
 }
-for name, gas in AIRS.items():
+for name, gas in GASES.items():
     for law in ("viscosity", "conductivity", "heat_capacity"):
         CASES[f"gas.{name}.{law}"] = lambda x, gas=gas, law=law: getattr(gas, law)(230.0 * x)
 CASES["gas.CarbonDioxide.heat_capacity_ratio_at"] = lambda x: (

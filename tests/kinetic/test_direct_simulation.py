@@ -51,8 +51,8 @@ def test_without_collisions_force_and_heat_are_exact(dsmc, study):
 
 def test_gas_at_a_face_is_from_both_without_collisions(dsmc):
     """Molecules of the face fill the directions that it takes up, fewer and hotter."""
-    made, ratio, height = small(dsmc, math.inf, 2.25), 2.25, -0.1
-    made.run(8000)
+    made, ratio, height = small(dsmc, math.inf, 2.25, boundary=1.4), 2.25, -0.1
+    made.run(5000)
     found = made.fields()
     inside = (found["radius"] < 0.5) & (found["height"] < 0.0) & (found["height"] > 2.0 * height)
     volume = made.cells.volume[inside]
@@ -61,8 +61,8 @@ def test_gas_at_a_face_is_from_both_without_collisions(dsmc):
     expected = {"density": hot + cold}
     for name in ("temperature", "rotational_temperature"):
         expected[name] = (hot * ratio + cold) / (hot + cold)
-    for name, value in expected.items():  # 3 % of noise
-        assert np.average(found[name][inside], weights=volume) == pytest.approx(value, rel=0.08)
+    for name, value in expected.items():  # 3 % of noise; 15 % from one
+        assert np.average(found[name][inside], weights=volume) == pytest.approx(value, rel=0.1)
 
 
 def test_nothing_happens_at_equal_temperatures(dsmc):
@@ -176,7 +176,7 @@ def test_rotation_relaxes_at_the_rate_of_its_collision_number(dsmc):
 def test_walls_push_and_heat_as_they_should_without_collisions(dsmc, wall):
     walls = dsmc["walls"]
     rng = np.random.Generator(np.random.SFC64(7))
-    number, ratio, tac = 20_000, 2.25, 0.4
+    number, ratio, tac = 10_000, 2.25, 0.4
     normal = np.sqrt(rng.standard_exponential(number))
     first, second = math.sqrt(0.5) * rng.standard_normal((2, number))
     rotation = 0.5 * rng.standard_exponential(number).astype(np.float32)
@@ -186,9 +186,9 @@ def test_walls_push_and_heat_as_they_should_without_collisions(dsmc, wall):
     # half a Maxwellian brings √π/2 of momentum and v̄/4 = 1/(2√π) of molecules
     force, (_, heat) = walls.free_molecular(faces)
     push = leaving[:, 0].mean() / (0.5 * math.sqrt(math.pi)) - 1.0
-    assert 0.5 * push == pytest.approx(force, rel=0.04)  # 1.5 % of noise
+    assert 0.5 * push == pytest.approx(force, rel=0.06)  # 2 % of noise
     gained = _energy(leaving) - _energy(arriving)
-    assert gained / math.sqrt(math.pi) == pytest.approx(heat, rel=0.03)  # 1 % of noise
+    assert gained / math.sqrt(math.pi) == pytest.approx(heat, rel=0.04)  # 1.4 % of noise
 
 
 def _molecules(arriving):

@@ -169,6 +169,21 @@ class AbstractForceModel(Checked):
         del flyer, state, temperature
         return ()
 
+    def assumptions(self, flyer: Any) -> tuple[str, ...]:
+        """What the model assumes about a flyer that a reader must know, in short texts.
+
+        Parameters
+        ----------
+        flyer : AbstractFlyer
+
+        Returns
+        -------
+        tuple of str
+            None by default.
+        """
+        del flyer
+        return ()
+
     @classmethod
     def require_flyer(cls, flyer: type[AbstractFlyer]) -> None:
         """Raise unless the model is for a class of flyers.

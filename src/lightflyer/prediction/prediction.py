@@ -139,10 +139,11 @@ class Prediction:
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """Light, heat radiation and payload that are assumed, in short texts with units."""
-        budget = self.setup.budget
+        """Light, heat radiation, walls and payload that are assumed, in short texts with units."""
+        setup, budget = self.setup, self.setup.budget
         needs = () if budget is None else budget.describe()
-        return (*self.setup.environment.assumptions(), *needs)
+        of_model = setup.model.assumptions(setup.flyer)
+        return (*setup.environment.assumptions(), *of_model, *needs)
 
     @property
     def coordinate(self) -> Coordinate:

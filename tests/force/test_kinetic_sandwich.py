@@ -14,7 +14,7 @@ from lightflyer.kinetic.cases import COARSE, Case, solve_case
 from lightflyer.kinetic.model_gases import DIATOMIC
 
 COLD = 220.0
-ALIGNED, WIDE = lf.Kinetic(), lf.Kinetic(transmission="wide")
+ALIGNED, WIDE = lf.Kinetic(wall="maxwell"), lf.Kinetic(transmission="wide")
 INSULATED = (1e-15, 1e-15)  # inner faces between which nothing is conducted
 
 

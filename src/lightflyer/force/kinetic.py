@@ -1,8 +1,10 @@
 r"""The force from kinetic theory: no fitted constants."""
 
+from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, get_args
 
 import equinox as eqx
+import pydantic
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
@@ -11,17 +13,24 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force import kinetic_disk, kinetic_sandwich
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.force.kinetic_walls import Wall, Walls, described, require_walls
 from lightflyer.force.passage import Transmission, require_transmission
 from lightflyer.force.section import ForceSection
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import StandardErrors
+from lightflyer.foundation.quantity import Fraction, StandardErrors
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 from lightflyer.gas.base import AbstractGas
 
 Polyatomic = Literal["refused", "scaled"]
 """What becomes of a gas of neither kind that the tables are for."""
+
+_UNCERTAIN_WALLS = ("unknown", "cercignani-lampis")  # those with an error
+_WALLS_OF_SANDWICH = (
+    "a sandwich has Maxwell walls; that others push less at large temperature differences is not "
+    "part of the error"
+)
 
 
 class Kinetic(AbstractForceModel):
@@ -34,7 +43,8 @@ class Kinetic(AbstractForceModel):
         Q = \hat Q\,Q_\mathrm{fm}
 
     with the free-molecular values at walls that re-emit a share :math:`\alpha` of the molecules
-    at the wall's temperature and reflect the rest (Maxwell). The ratios
+    at the wall's temperature and reflect the rest (Maxwell), or those of another ``wall``. The
+    ratios
     :math:`\hat F, \hat Q(\mathrm{Kn}, T_h/T_c, \bar\alpha)` come from the package's own solver
     of the kinetic equation (:mod:`lightflyer.kinetic`); the Knudsen number is that of the
     diameter at the gas temperature.
@@ -51,6 +61,20 @@ class Kinetic(AbstractForceModel):
         What becomes of a gas such as carbon dioxide. Scaled, it is taken around a disk for a
         diatomic gas that conducts as it does,
         :func:`~lightflyer.force.kinetic_disk.scaled_heat_ratio`.
+    wall : {"unknown", "maxwell", "accommodated", "cercignani-lampis"}
+        How molecules leave the faces of a disk. Maxwell's reflect a share. From accommodated ones
+        all leave at one temperature, without collisions :math:`T_c+\alpha(T_h-T_c)`. Those of
+        Cercignani and Lampis accommodate normal and tangential motion each on its own. Unknown
+        walls are the middle of the first two, and half of their difference is the 95 % error.
+    wall_error : array or None
+        Deviation from these walls in standard errors [1], towards Maxwell's; it moves force and
+        heat loss together. A flyer file gives it as 0 ± 1. For Maxwell and accommodated walls it is
+        without effect.
+    tangential_accommodation : array or None
+        Accommodation coefficient of tangential momentum, of both faces, for Cercignani–Lampis walls
+        [1]. The normal motion then accommodates so much that the TACs are those of the energy,
+        :func:`~lightflyer.force.laws.normal_accommodation`. Without it both accommodate as the TACs
+        say.
 
     Notes
     -----
@@ -84,12 +108,24 @@ class Kinetic(AbstractForceModel):
     heat_error: StandardErrors | None = None
     transmission: Transmission = eqx.field(static=True, default="aligned")
     polyatomic: Polyatomic = eqx.field(static=True, default="refused")
+    wall: Wall = eqx.field(static=True, default="unknown")
+    wall_error: StandardErrors | None = None
+    tangential_accommodation: Fraction | None = None
 
     def __check_init__(self) -> None:
         super().__check_init__()
+        require_walls(self._walls)
         require_transmission(self.transmission)
         if self.polyatomic not in get_args(Polyatomic):
             raise ParameterError(f"polyatomic must be one of {', '.join(get_args(Polyatomic))}")
+
+    @property
+    def _walls(self) -> Walls:
+        return Walls(self.wall, self.wall_error, self.tangential_accommodation)
+
+    def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
+        """See :meth:`AbstractForceModel.assumptions`."""
+        return (_WALLS_OF_SANDWICH if isinstance(flyer, Sandwich) else described(self._walls),)
 
     def require_gas(self, gas: AbstractGas) -> None:
         """See :meth:`AbstractForceModel.require_gas`."""
@@ -109,7 +145,7 @@ class Kinetic(AbstractForceModel):
             return kinetic_sandwich.heat_loss(
                 flyer, state, unknowns, self.transmission, self.heat_error
             )
-        return kinetic_disk.heat_loss(flyer, state, unknowns, self.heat_error)
+        return kinetic_disk.heat_loss(flyer, state, unknowns, self.heat_error, self._walls)
 
     @entry_point
     def force(self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
@@ -118,7 +154,7 @@ class Kinetic(AbstractForceModel):
             return kinetic_sandwich.force(
                 flyer, state, unknowns, self.transmission, self.force_error
             )
-        return kinetic_disk.force(flyer, state, unknowns, self.force_error)
+        return kinetic_disk.force(flyer, state, unknowns, self.force_error, self._walls)
 
     def _require_table_of_sandwich(self, gas: AbstractGas) -> None:
         if gas.molecules not in self.molecules:
@@ -130,8 +166,11 @@ class Kinetic(AbstractForceModel):
     def caveats(self, flyer: Any, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
         """See :meth:`AbstractForceModel.caveats`."""
         if isinstance(flyer, Sandwich):
-            return kinetic_sandwich.caveats(flyer, state, temperature, self.transmission)
-        found = kinetic_disk.caveats(flyer, state, temperature)
+            found = kinetic_sandwich.caveats(flyer, state, temperature, self.transmission)
+            if self.wall not in ("unknown", "maxwell"):
+                found += (f"wall = {self.wall} has no effect: {_WALLS_OF_SANDWICH}",)
+            return found
+        found = kinetic_disk.caveats(flyer, state, temperature, self._walls)
         if self.transmission != "aligned":
             found += (f"transmission = {self.transmission} has no effect: a disk has no holes",)
         return found
@@ -147,9 +186,27 @@ class KineticSection(ForceSection):
     heat_error: StandardErrors = Measured(0.0, 1.0)
     transmission: Transmission = "aligned"
     polyatomic: Polyatomic = "refused"
+    wall: Wall = "unknown"
+    wall_error: StandardErrors = Measured(0.0, 1.0)
+    tangential_accommodation: Fraction | None = None
+
+    @pydantic.model_validator(mode="before")
+    @classmethod
+    def _certain_walls(cls, content: Any) -> Any:
+        """Walls that are known have no error, which then is not among the uncertainties."""
+        if not isinstance(content, Mapping) or content.get("wall", "unknown") in _UNCERTAIN_WALLS:
+            return content
+        return {"wall_error": 0.0, **content}
 
     def build(self) -> Kinetic:
         """The force model."""
+        tangential = self.tangential_accommodation
         return Kinetic(
-            self.force_error.value, self.heat_error.value, self.transmission, self.polyatomic
+            self.force_error.value,
+            self.heat_error.value,
+            self.transmission,
+            self.polyatomic,
+            self.wall,
+            self.wall_error.value,
+            None if tangential is None else tangential.value,
         )

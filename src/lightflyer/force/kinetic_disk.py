@@ -8,9 +8,10 @@ from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.disk import Disk
+from lightflyer.force import kinetic_walls
 from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic_table import GASES, KineticFit, kinetic_fit
-from lightflyer.force.laws import maxwell_force
+from lightflyer.force.kinetic_walls import Walls
 from lightflyer.force.schafer2025_table import internal_factors
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.validity import Validity
@@ -35,7 +36,11 @@ _DIATOMIC_RESISTANCE = _DIATOMIC_FREE / _DIATOMIC_DENSE
 
 
 def heat_loss(
-    disk: Disk, state: EnvironmentState, unknowns: tuple[Array, ...], error: Numeric | None
+    disk: Disk,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    error: Numeric | None,
+    walls: Walls,
 ) -> tuple[Array, ...]:
     """See :meth:`AbstractForceModel.heat_loss`; ``error`` in standard errors."""
     (excess,) = unknowns
@@ -43,6 +48,8 @@ def heat_loss(
     ratio = fit.heat_ratio(knudsen, 1.0 + excess, disk.film.tac_mean)
     if state.gas.molecules not in GASES:
         ratio = scaled_heat_ratio(ratio, _resistance(state, excess))
+    resisting = (_kind(state.gas), knudsen, ratio)
+    ratio = kinetic_walls.heat_ratio(disk, excess, resisting, walls)
     if state.wall_distance is not None:
         ratio *= fit.wall_factors(knudsen, state.wall_distance / disk.radius)[1]
     if error is not None:
@@ -52,7 +59,11 @@ def heat_loss(
 
 
 def force(
-    disk: Disk, state: EnvironmentState, unknowns: tuple[Array, ...], error: Numeric | None
+    disk: Disk,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    error: Numeric | None,
+    walls: Walls,
 ) -> Array:
     """See :meth:`AbstractForceModel.force`; ``error`` in standard errors."""
     (excess,) = unknowns
@@ -61,16 +72,20 @@ def force(
     if state.gas.molecules not in GASES:
         heat = fit.heat_ratio(knudsen, 1.0 + excess, disk.film.tac_mean)
         ratio *= scaled_heat_ratio(heat, _resistance(state, excess)) / heat
+    resisting = (_kind(state.gas), knudsen, ratio)
+    found = kinetic_walls.force(disk, state, excess, resisting, walls)
     if state.wall_distance is not None:
-        ratio *= fit.wall_factors(knudsen, state.wall_distance / disk.radius)[0]
+        factor = fit.wall_factors(knudsen, state.wall_distance / disk.radius)[0]
+        ratio, found = ratio * factor, found * factor
     if error is not None:
         table = fit.relative_force_error(knudsen, ratio)
-        ratio *= 1.0 + error * _with_scaling(table, _SCALED_FORCE_ERROR, state.gas)
-    free = maxwell_force(disk.area, disk.film.tac_difference, state.pressure, excess)
-    return ratio * free
+        found *= 1.0 + error * _with_scaling(table, _SCALED_FORCE_ERROR, state.gas)
+    return found
 
 
-def caveats(disk: Disk, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+def caveats(
+    disk: Disk, state: EnvironmentState, temperature: Numeric, walls: Walls
+) -> tuple[str, ...]:
     """See :meth:`AbstractForceModel.caveats`."""
     fit, knudsen = _fit_and_knudsen_number(disk, state)
     hottest = 1.0 / (1.0 - fit.heating_limit)
@@ -88,7 +103,8 @@ def caveats(disk: Disk, state: EnvironmentState, temperature: Numeric) -> tuple[
     found = [text for range_, value in looks for text in range_.caveats(value, pressure)]
     if state.gas.molecules not in GASES:
         found.append(f"{state.gas.name} {_SCALED}")
-    return tuple(found)
+    covered = fit.knudsen_range[0]
+    return (*found, *kinetic_walls.caveats(disk, walls, knudsen, pressure, covered))
 
 
 def scaled_heat_ratio(ratio: Numeric, resistance: Numeric) -> Array:
@@ -138,5 +154,9 @@ def _resistance(state: EnvironmentState, excess: Numeric) -> Numeric:
 
 def _fit_and_knudsen_number(disk: Disk, state: EnvironmentState) -> tuple[KineticFit, Any]:
     knudsen = knudsen_number(state.pressure, state.temperature, disk.radius, state.gas)
-    kind = state.gas.molecules if state.gas.molecules in GASES else _STAND_IN
-    return kinetic_fit(kind), jnp.asarray(knudsen)
+    return kinetic_fit(_kind(state.gas)), jnp.asarray(knudsen)
+
+
+def _kind(gas: AbstractGas) -> str:
+    """Gas of the table that stands for a gas."""
+    return gas.molecules if gas.molecules in GASES else _STAND_IN

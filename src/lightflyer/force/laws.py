@@ -141,6 +141,36 @@ def maxwell_force(
     return 0.5 * pressure * area * tac_difference * growth
 
 
+def normal_accommodation(tac: Numeric, tangential: Numeric) -> Array:
+    r"""Accommodation of the energy of normal motion at a wall of Cercignani and Lampis.
+
+    .. math:: \alpha_n = 2\alpha - \sigma_t(2-\sigma_t)
+
+    The wall turns a Maxwellian of the gas's temperature :math:`T_c` that arrives into one with
+    :math:`T_c + \alpha_n\theta T_c` for the normal and
+    :math:`T_c + \sigma_t(2-\sigma_t)\theta T_c` for the tangential velocity. Normal and tangential
+    motion carry as much energy to it, and rotation is taken to accommodate as both together do.
+    Its free-molecular force is :func:`accommodated_force` with :math:`\alpha_n`.
+
+    Parameters
+    ----------
+    tac : array, shape (...)
+        Thermal accommodation coefficient :math:`\alpha`, that of all energy [1].
+    tangential : array, shape (...)
+        Accommodation coefficient of tangential momentum :math:`\sigma_t` [1].
+
+    Returns
+    -------
+    array, broadcast shape
+        [1]; outside 0 to 1 no such wall exists.
+
+    References
+    ----------
+    [CercignaniLampis1971]_, [Lord1991]_ with rotation.
+    """
+    return jnp.asarray(2.0 * tac - tangential * (2.0 - tangential))
+
+
 def in_series(first: Array, second: Array) -> Array:
     """Two conductances in series: zero where either is.
 

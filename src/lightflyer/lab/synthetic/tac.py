@@ -87,7 +87,7 @@ def _power(
     disk = Disk(film, 0.5 * LU2023_HEATER_DIAMETER)
     difference = heater - ambient
     state = Chamber(temperature=ambient).state(pressure)
-    (lost,) = Kinetic().heat_loss(disk, state, (difference / ambient,))
+    (lost,) = Kinetic(wall="maxwell").heat_loss(disk, state, (difference / ambient,))
     area = 0.25 * np.pi * LU2023_HEATER_DIAMETER**2
     return np.asarray(truth.area_ratio * (np.asarray(lost) + truth.offset * area * difference))
 

@@ -1,0 +1,265 @@
+"""Walls of the kinetic model of a disk: free molecules, the solver's table, and what is said."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.force import kinetic_walls, laws
+from lightflyer.force.kinetic_walls import wall_fit
+from lightflyer.foundation.table import shipped_table
+
+COLD, EXCESS = 205.0, 1.34
+STUDY = Path(__file__).parents[2] / "studies" / "kinetic_walls" / "study.py"
+CL = "cercignani-lampis"
+
+
+@pytest.fixture(scope="module")
+def disk():
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    return lf.Disk(film, radius=0.01)
+
+
+def state_at(knudsen, gas=lf.gas.AIR):
+    pressure = lf.gas.mean_free_path(1.0, COLD, gas) / (0.02 * knudsen)
+    return lf.environment.EnvironmentState(pressure, COLD, 9.6, gas, lf.environment.Radiation())
+
+
+def scattered(rng, normal, tangential):
+    """What a wall of Cercignani and Lampis at 1 + EXCESS makes of molecules of temperature 1.
+
+    In units of the thermal speed √(2RT) of the wall each velocity component in the plane is normal
+    about its specular value times 1 − σ; the normal speed is the length of a vector in a plane,
+    one component of which is moved by √(1 − α) times the speed that arrives.
+    """
+    hot = 1.0 + EXCESS
+    arriving = np.sqrt(-np.log(rng.random(1_000_000)) / hot)
+    spread = np.sqrt(normal * -np.log(rng.random(arriving.size)))
+    angle = 2.0 * np.pi * rng.random(arriving.size)
+    shift = np.sqrt(1.0 - normal) * arriving
+    leaving = np.hypot(spread * np.cos(angle) + shift, spread * np.sin(angle))
+    of_plane = tangential * (2.0 - tangential)
+    sideways = (1.0 - tangential) * rng.normal(size=arriving.size) * np.sqrt(0.5 / hot)
+    sideways += np.sqrt(0.5 * of_plane) * rng.normal(size=arriving.size)
+    return np.sqrt(hot) * leaving, np.sqrt(hot) * sideways
+
+
+def test_law_of_cercignani_and_lampis_is_what_their_wall_does(rng):
+    """Momentum and energy of molecules that a wall scatters, one by one."""
+    tac, tangential = 0.8, 0.7
+    normal = float(laws.normal_accommodation(tac, tangential))
+    leaving, sideways = scattered(rng, normal, tangential)
+    # momentum over that of as many molecules at temperature 1, less 1
+    recoil = leaving.mean() / (0.5 * np.sqrt(np.pi)) - 1.0
+    assert recoil == pytest.approx(np.sqrt(1.0 + normal * EXCESS) - 1.0, abs=2e-3)
+    energy = np.mean(leaving**2) + 2.0 * np.mean(sideways**2)  # of two directions in the plane
+    assert (energy - 2.0) / (2.0 * EXCESS) == pytest.approx(tac, abs=2e-3)
+
+
+@pytest.mark.parametrize("gas", [lf.gas.AIR, lf.gas.HELIUM])
+def test_thin_gas_gives_the_free_molecules_of_each_wall(disk, gas):
+    state = state_at(1e6, gas)
+
+    def push(top, bottom):
+        return 0.5 * state.pressure * disk.area * (bottom - top)
+
+    reflecting = np.sqrt(1.0 + EXCESS) - 1.0
+    maxwell = push(0.8 * reflecting, 0.9 * reflecting)
+    accommodated = push(*(np.sqrt(1.0 + tac * EXCESS) for tac in (0.8, 0.9)))
+    # the paper's walls, whose tangential momentum accommodates to 0.9
+    normal = [2.0 * tac - 0.9 * 1.1 for tac in (0.8, 0.9)]
+    slippery = push(*(np.sqrt(1.0 + tac * EXCESS) for tac in normal))
+    for model, expected in (
+        (lf.Kinetic(wall="maxwell"), maxwell),
+        (lf.Kinetic(wall="accommodated"), accommodated),
+        (lf.Kinetic(wall=CL), accommodated),
+        (lf.Kinetic(wall=CL, tangential_accommodation=0.9), slippery),
+        (lf.Kinetic(), 0.5 * (maxwell + accommodated)),
+    ):
+        assert model.force(disk, state, (EXCESS,)) / expected == pytest.approx(1.0, rel=1e-5)
+        (heat,) = model.heat_loss(disk, state, (EXCESS,))
+        (free,) = lf.FreeMolecular().heat_loss(disk, state, (EXCESS,))
+        assert heat / free == pytest.approx(1.0, rel=1e-4)
+    # what decides whether the paper's disk flies
+    assert maxwell / accommodated == pytest.approx(1.156, abs=1e-3)
+
+
+@pytest.mark.parametrize("knudsen", [0.05, 0.5])
+def test_unknown_walls_reach_from_one_to_the_other(disk, knudsen):
+    """Their 95 % bounds are the two walls, for force and heat at once."""
+    state, bound = state_at(knudsen), 1.959963984540054
+    for sign, wall in ((bound, "maxwell"), (-bound, "accommodated")):
+        end, known = lf.Kinetic(wall_error=sign), lf.Kinetic(wall=wall)
+        for function in (type(end).force, type(end).heat_loss):
+            found, expected = (np.ravel(function(m, disk, state, (EXCESS,))) for m in (end, known))
+            assert found == pytest.approx(expected, rel=1e-12)
+    middle = lf.Kinetic()
+    far = lf.Kinetic(wall="maxwell").force(disk, state, (EXCESS,))
+    assert middle.force(disk, state, (EXCESS,)) != pytest.approx(far, rel=1e-3)
+
+
+def test_walls_are_one_where_differences_are_small_and_gas_is_thin(disk):
+    thin, small = state_at(100.0), 1e-6
+    forces = [lf.Kinetic(wall=w).force(disk, thin, (small,)) for w in ("maxwell", "accommodated")]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-3)
+
+
+@pytest.fixture
+def study(monkeypatch):
+    spec = importlib.util.spec_from_file_location("kinetic_walls_study", STUDY)
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, spec.name, module)
+    spec.loader.exec_module(module)
+    return module
+
+
+def table_of(gas):
+    table = shipped_table("kinetic_walls.csv")
+    kept = np.array(table.texts["gas"]) == gas
+    return {name: column[kept] for name, column in table.numbers.items()}
+
+
+def misfits(fit, table):
+    """Relative deviations of force and heat from the table."""
+    where = (table["knudsen"], table["temperature_ratio"], table["tac"])
+    with lf.float64():
+        return [
+            abs(
+                np.asarray(factor(*where))
+                * table[f"{name}_ratio_maxwell"]
+                / table[f"{name}_ratio_accommodated"]
+                - 1.0
+            )
+            for name, factor in (("force", fit.force_factor), ("heat", fit.heat_factor))
+        ]
+
+
+@pytest.mark.parametrize("gas", ["monatomic", "diatomic"])
+def test_fit_follows_the_table_and_predicts_what_it_was_not_shown(gas):
+    table = table_of(gas)
+    force, heat = misfits(wall_fit(gas), table)
+    assert force.max() < 5e-3
+    assert heat.max() < 1e-3
+    linear = table["temperature_ratio"] == 1.0
+    for hidden in np.unique(table["knudsen"][linear])[1:-1]:
+        force, heat = hiding(table, linear & (table["knudsen"] == hidden))
+        assert force.max() < 3e-3
+        assert heat.max() < 1e-3
+    # one by one, in the middle of the others and at their ends
+    force, heat = np.transpose(
+        [hiding(table, np.arange(linear.size) == row) for row in np.flatnonzero(~linear)]
+    )[0]
+    assert np.sqrt(np.mean(force**2)) < 7e-3
+    assert force.max() < 0.025
+    assert heat.max() < 7e-3
+
+
+def hiding(table, rows):
+    """Misfits at rows that are not fitted."""
+    shown, kept = ({k: v[mask] for k, v in table.items()} for mask in (~rows, rows))
+    return misfits(kinetic_walls.fitted(shown), kept)
+
+
+def test_a_better_mesh_gives_the_same_ratio_of_walls(study):
+    """The table is made on a coarse mesh: the errors of both walls are the same."""
+    found, looked = study.read_kept(), 0
+    for point, maxwell in found.items():
+        if (point.mesh, point.wall) != ("medium", "maxwell") or point.knudsen in study.DENSE:
+            continue
+        accommodated = found[study.replace(point, wall="accommodated")]
+        fit = wall_fit(point.gas)
+        place = point.knudsen, point.ratio, point.tac
+        with lf.float64():
+            force, heat = float(fit.force_factor(*place)), float(fit.heat_factor(*place))
+        assert force == pytest.approx(
+            accommodated["force_ratio"] / maxwell["force_ratio"], abs=5e-3
+        )
+        assert heat == pytest.approx(accommodated["heat_ratio"] / maxwell["heat_ratio"], abs=1e-3)
+        looked += 1
+    assert looked >= 6
+
+
+def test_the_table_is_made_of_all_points(study, tmp_path, monkeypatch):
+    shipped = study.TABLE.read_text("utf-8")
+    monkeypatch.setattr(study, "TABLE", tmp_path / "kinetic_walls.csv")
+    found = study.read_kept()
+    planned = [*study.hot_points(), *(point for group in study.linear_points() for point in group)]
+    assert set(planned) == set(found)
+    study.write_table(found)
+    assert study.TABLE.read_text("utf-8") == shipped
+
+
+def test_a_solved_point_is_that_of_the_study(study):
+    (points,) = (g for g in study.linear_points() if (g[0].knudsen, g[0].mesh) == (10.0, "coarse"))
+    group = [p for p in points if p.gas == "monatomic" and p.tac == 0.8]
+    solved, kept = study.linear(group), study.read_kept()
+    for point in group:
+        for name, value in kept[point].items():
+            assert solved[point][name] == pytest.approx(value, rel=1e-6)
+
+
+def test_what_is_assumed_and_where_it_ends_is_said(disk, flyer_file):
+    state = state_at(0.2)
+
+    def said(**more):
+        return lf.Kinetic(**more).caveats(disk, state, COLD)
+
+    assert said() == said(wall=CL, tangential_accommodation=0.8) == ()
+    (text,) = said(wall=CL, tangential_accommodation=0.4)
+    assert "accommodation of normal energy below is 1.16 at" in text
+    told = {
+        wall: lf.Kinetic(wall=wall).assumptions(disk)[0]
+        for wall in ("unknown", "maxwell", "accommodated", CL)
+    }
+    assert len(set(told.values())) == 4
+    path = flyer_file(text=flyer_file().read_text("utf-8").partition("[force]")[0] + FORCE)
+    assert told["unknown"] in lf.predict(path).assumptions
+
+
+FORCE = '[force]\nmodel = "kinetic"\n'
+
+
+def test_known_walls_have_no_error_in_a_flyer_file(flyer_file):
+    text = flyer_file().read_text("utf-8").partition("[force]")[0] + FORCE
+    names = {"unknown": True, "maxwell": False, "accommodated": False, CL: True}
+    for wall, uncertain in names.items():
+        read = lf.read_flyer_file(flyer_file(text=f'{text}wall = "{wall}"\n'))
+        assert ("force.wall_error" in read.uncertainties()) == uncertain
+        assert read.build().model.wall == wall
+    slip = f'{text}wall = "{CL}"\ntangential_accommodation = "0.9 ± 0.05"\n'
+    read = lf.read_flyer_file(flyer_file(text=slip))
+    assert read.uncertainties()["force.tangential_accommodation"] == pytest.approx(0.05)
+    with pytest.raises(lf.ConfigurationError, match="wall"):
+        lf.read_flyer_file(flyer_file(text=text + 'wall = "rough"\n'))
+
+
+def test_bad_walls_are_named():
+    with pytest.raises(lf.ParameterError, match='wall = "rough" is not one of unknown, maxwell'):
+        lf.Kinetic(wall="rough")
+    with pytest.raises(lf.ParameterError, match="it is for cercignani-lampis"):
+        lf.Kinetic(wall="maxwell", tangential_accommodation=0.9)
+    with pytest.raises(lf.ParameterError, match="tangential_accommodation"):
+        lf.Kinetic(wall=CL, tangential_accommodation=1.2)
+
+
+def test_a_sandwich_has_maxwell_walls_and_says_so():
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    sandwich = lf.Sandwich(
+        film,
+        film,
+        radius=0.01,
+        gap=1e-4,
+        open_fraction=0.3,
+        hole_radius=1e-5,
+        support_fraction=1e-4,
+        support_conductivity=1.8,
+    )
+    state, unknowns = state_at(0.2), (0.1, 0.3)
+    plain, asked = lf.Kinetic(), lf.Kinetic(wall="accommodated")
+    more = set(asked.caveats(sandwich, state, 250.0)) - set(plain.caveats(sandwich, state, 250.0))
+    assert [text for text in more if text.startswith("wall = accommodated has no effect")]
+    assert plain.assumptions(sandwich)[0].startswith("a sandwich has Maxwell walls")
+    assert plain.force(sandwich, state, unknowns) == asked.force(sandwich, state, unknowns)

@@ -235,7 +235,7 @@ COMMANDS = [
     ("kinetic --kn 1", "--tac-top requires an argument"),
     (f"{KINETIC} --gas xenon", 'Choose from: "monatomic", "diatomic"'),
     (f"{KINETIC} --boundary 1", "is not at least 1.5"),
-    (f"{KINETIC} --temperature-ratio 9", "is not between 1 and 2.5"),
+    (f"{KINETIC} --temperature-ratio 9", "is not between 0.5 and 3.5"),
     ("init flyer.toml", "already exists; --force overwrites it"),
     ("init x.toml --kind rocket", "is unknown; choose from earth"),
     ("init nowhere/x.toml", "cannot be written: No such file"),

@@ -63,11 +63,12 @@ def test_table_of_a_hot_disk(run, monkeypatch):
     ("arguments", "says"),
     [
         (("--boundary", "0.5"), "--boundary = 0.5 is not at least 1.5"),
-        (("--temperature-ratio", "3"), "--temperature-ratio = 3 is not between 1 and 2.5"),
+        (("--temperature-ratio", "4"), "--temperature-ratio = 4 is not between 0.5 and 3.5"),
         (("--temperature-ratio", "2", "--top-temperature", "1"), "--top-temperature"),
         (("--open-fraction", "1"), "--open-fraction = 1 is not between 0 and 0.999"),
         (("--top-temperature-ratio", "2"), "--top-temperature-ratio needs --temperature-ratio"),
         (("--gas", "argon"), "argon"),
+        (("--wall", "cercignani-lampis"), "cercignani-lampis"),
         (("--top-temperature", "inf"), "--top-temperature = inf is not a finite number"),
     ],
 )

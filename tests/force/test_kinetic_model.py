@@ -5,11 +5,12 @@ from typing import ClassVar
 import jax
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from scipy.optimize import approx_fprime
 
 import lightflyer as lf
 from lightflyer.environment import EnvironmentState, Radiation
-from lightflyer.force import kinetic_table
+from lightflyer.force import kinetic_table, kinetic_table_fit
 from lightflyer.force.kinetic_table import kinetic_fit
 
 GASES = kinetic_table.GASES
@@ -35,8 +36,14 @@ def maxwell_limits(disk, state, excess):
 
 
 def misfits(fit, table):
-    """Relative deviation of the fit from a table, and the table's own relative bounds."""
-    where = (table.knudsen, table.temperature_ratio, table.tac)
+    """Relative deviations of the fit from a table, with the table's own relative bounds."""
+    where = (
+        table.knudsen,
+        table.temperature_ratio,
+        table.tac,
+        table.tac_difference,
+        table.viscosity_exponent,
+    )
     with lf.float64():
         force, heat = np.asarray(fit.force_ratio(*where)), np.asarray(fit.heat_ratio(*where))
     return (
@@ -47,23 +54,30 @@ def misfits(fit, table):
 
 @pytest.mark.parametrize("gas", GASES)
 def test_fit_follows_the_table(gas):
-    """To half a per cent, at every Knudsen number."""
-    for misfit, _ in misfits(kinetic_fit(gas), kinetic_table.kinetic_table(gas)):
-        assert np.all(misfit < 5e-3)
-
-
-@pytest.mark.parametrize("gas", GASES)
-def test_fit_predicts_what_it_was_not_shown(gas):
-    """Between the table's Knudsen numbers the fit is as good as at them."""
+    """At every temperature ratio, TAC, difference of TACs and viscosity exponent."""
     table = kinetic_table.kinetic_table(gas)
-    for hidden in np.unique(table.knudsen)[1:-1]:
-        shown, kept = (
-            [column[rows] for column in vars(table).values()]
-            for rows in (table.knudsen != hidden, table.knudsen == hidden)
-        )
-        fit = kinetic_table.fit(kinetic_table.Table(*shown), kinetic_table.wall_table(gas))
-        for misfit, _ in misfits(fit, kinetic_table.Table(*kept)):
-            assert np.all(misfit < 4e-3)
+    (force, _), (heat, _) = misfits(kinetic_fit(gas), table)
+    dense = table.knudsen < 0.05
+    assert np.all(force < np.where(dense, 1e-2, 5e-3))
+    assert np.all(heat < np.where(dense, 3e-3, 2e-3))
+
+
+@pytest.mark.parametrize("hidden", [0.04, 0.125, 1.5])
+def test_fit_predicts_what_it_was_not_shown(hidden):
+    """Between the table's Knudsen numbers the fit is as good as its stated error."""
+    table = kinetic_table.kinetic_table("diatomic")
+    rows = table.knudsen == hidden
+    shown = kinetic_table.Table(*(column[~rows] for column in vars(table).values()))
+    fit = kinetic_table_fit.fit("diatomic", shown, kinetic_table.wall_table("diatomic"))
+    stated = float_of(lambda: jax.numpy.stack(kinetic_fit().table_errors(hidden)))
+    for (misfit, _), error in zip(misfits(fit, table), stated, strict=True):
+        assert np.all(misfit[rows] < 3.0 * error)
+
+
+def float_of(function):
+    """Float64 results of a function without arguments."""
+    with lf.float64():
+        return np.asarray(function())
 
 
 def test_thin_gas_gives_free_molecules(disk):
@@ -75,33 +89,56 @@ def test_thin_gas_gives_free_molecules(disk):
     assert lf.Kinetic().heat_loss(disk, state, (0.8,))[0] / heat == pytest.approx(1.0, rel=1e-4)
 
 
-def test_dense_gas_conducts(disk):
-    """8rκΔT of an isothermal disk, with the conductivity of the table's diatomic gas.
+@pytest.mark.parametrize(("gas", "heat_capacity", "conductivity"), [
+    ("monatomic", 1.5, 15.0 / 4.0),
+    ("diatomic", 2.5, 1.5 * 2.37 + 1.31),  # Eucken factors of translation and rotation
+])  # fmt: skip
+def test_the_table_ends_in_conduction(gas, heat_capacity, conductivity):
+    """8rκΔT of an isothermal disk, per 2αA p c̄ (c_v + R/2)ΔT/4RT of free molecules.
 
-    The table ends at three quarters of this; that its continuation arrives there is a check of
-    both.
+    The solver's last Knudsen numbers are within 2 % of it at large TACs, where the jump of
+    temperature at the faces is small. The fit goes on to it.
     """
-    excess, eucken_translation, eucken_rotation = 1e-3, 2.37, 1.31
-    state = state_at(1e-5)
-    conductivity = (
-        lf.gas.AIR.viscosity(COLD) * 287.0531 * (1.5 * eucken_translation + eucken_rotation)
+    table = kinetic_table.kinetic_table(gas)
+    rows = (table.knudsen <= 0.013) & (table.tac >= 0.8) & (table.temperature_ratio == 1.0)
+    # in units of pr²ΔT √(RT)/T; μ = λp √(2/πRT), λ = 2r Kn, c̄ = √(8RT/π)
+    free = 2.0 * np.pi * np.sqrt(8.0 / np.pi) * (heat_capacity + 0.5) / 4.0
+    conducted = 8.0 * conductivity * 2.0 * np.sqrt(2.0 / np.pi)
+    resistance = (1.0 / table.heat_ratio - 1.0) * table.knudsen / table.tac
+    np.testing.assert_allclose(resistance[rows], free / conducted, rtol=0.02)
+    ratio = float_of(lambda: kinetic_fit(gas).heat_ratio(1e-6, 1.0, 0.5))
+    assert ratio == pytest.approx(conducted / free * 1e-6 / 0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize("ratio", [0.5, 2.0, 3.5])
+@pytest.mark.parametrize("exponent", [0.5, 0.93])
+def test_conduction_grows_with_temperature(ratio, exponent):
+    """Kirchhoff's integral of the conductivity, which is exact in the continuum."""
+    fit, mean = kinetic_fit(), quad(lambda t: t**exponent, 1.0, ratio)[0] / (ratio - 1.0)
+    hot, cold = float_of(
+        lambda: fit.heat_ratio(1e-6, np.array([ratio, 1.0]), 0.8, viscosity_exponent=exponent)
     )
-    conducted = 8.0 * disk.radius * conductivity * COLD * excess
-    assert lf.Kinetic().heat_loss(disk, state, (excess,))[0] == pytest.approx(conducted, rel=0.02)
+    assert hot / cold == pytest.approx(mean, rel=2e-3)
 
 
-@pytest.mark.parametrize("excess", [1e-3, 0.8, 1.4])
+@pytest.mark.parametrize("excess", [1e-3, 0.8, 1.4, -0.4])
 def test_force_goes_on_smoothly_below_the_table(excess):
-    """Value and slope are those at the table's end, at every temperature."""
+    """Value and nearly the slope are those at the table's end, at every temperature."""
     fit = kinetic_fit()
     end = fit.knudsen_range[0]
-    with lf.float64():
-        logarithms = [
-            float(jax.numpy.log(fit.force_ratio(end * factor, 1.0 + excess, 0.85)))
-            for factor in (0.998, 0.999, 1.0, 1.001, 1.002)
-        ]
+    knudsen = end * np.array([0.998, 0.999, 1.0, 1.001, 1.002])
+    logarithms = np.log(float_of(lambda: fit.force_ratio(knudsen, 1.0 + excess, 0.85)))
     slopes = np.diff(logarithms) / 1e-3
-    assert slopes[0] == pytest.approx(slopes[3], rel=0.01)
+    assert slopes[0] == pytest.approx(2.0, rel=0.01)
+    assert slopes[3] == pytest.approx(slopes[0], rel=0.05)
+
+
+def test_a_small_difference_can_be_reversed():
+    """Warmer or colder than the gas, the ratios leave the linear ones with the same slope."""
+    fit = kinetic_fit()
+    for function in (fit.force_ratio, fit.heat_ratio):
+        cold, linear, hot = float_of(lambda: function(0.1, np.array([0.99, 1.0, 1.01]), 0.8))  # noqa: B023
+        assert hot - linear == pytest.approx(linear - cold, rel=0.03)
 
 
 def test_force_vanishes_faster_than_heat_in_dense_gas(disk):
@@ -113,23 +150,25 @@ def test_force_vanishes_faster_than_heat_in_dense_gas(disk):
     # to that of conduction, which does not depend on pressure
     assert np.diff(np.log(forces)) == pytest.approx(np.diff(np.log(forces))[0], abs=0.02)
     assert forces[1] < 0.6 * forces[0]
-    assert heats[2] == pytest.approx(heats[1], rel=5e-3)
+    assert heats[2] == pytest.approx(heats[1], rel=1e-2)
 
 
 @pytest.mark.parametrize("gas", GASES)
 def test_ratios_lie_between_zero_and_one_and_heat_grows(gas, rng):
     """Far beyond the table too, where a root-find may look."""
     fit, count = kinetic_fit(gas), 20_000
+    apart = rng.uniform(-1.9, 1.9, count)  # times the mean: both TACs are positive
     knudsen = np.exp(rng.uniform(np.log(1e-4), np.log(1e4), count))
     excess, tac = rng.uniform(-0.5, 20.0, count), rng.uniform(0.05, 1.3, count)
 
     @lf.entry_point
     def look(knudsen, excess, tac):
         def heat(excess):
-            return excess * fit.heat_ratio(knudsen, 1.0 + excess, tac)
+            return excess * fit.heat_ratio(knudsen, 1.0 + excess, tac, apart * tac, 0.9)
 
         slope = jax.jvp(heat, (excess,), (jax.numpy.ones_like(excess),))[1]
-        return fit.force_ratio(knudsen, 1.0 + excess, tac), heat(excess) / excess, slope
+        force = fit.force_ratio(knudsen, 1.0 + excess, tac, apart * tac, 0.9)
+        return force, heat(excess) / excess, slope
 
     force, heat, slope = look(knudsen, excess, tac)
     for ratio in (force, heat):
@@ -168,6 +207,18 @@ def test_walls_far_away_do_nothing_and_near_ones_raise_the_force(disk):
     assert heat[2] / heat[0] == pytest.approx(walls.heat_factor[row], rel=0.01)
 
 
+# mean TAC, factors of force and heat of the linear problem by the coarse mesh: diatomic, Kn 0.3, a
+# reservoir at 3 radii
+CHAMBER = [(0.1, 1.2299, 1.0056), (0.35, 1.2424, 1.0184), (0.85, 1.2617, 1.0395)]
+
+
+@pytest.mark.parametrize(("tac", "force", "heat"), CHAMBER)
+def test_walls_around_smooth_disks(tac, force, heat):
+    """The table of walls is for one mean TAC; others follow from it."""
+    found = float_of(lambda: jax.numpy.stack(kinetic_fit().wall_factors(0.3, 3.0, tac)))
+    np.testing.assert_allclose(found - 1.0, [force - 1.0, heat - 1.0], rtol=0.04)
+
+
 def test_a_chamber_has_its_radius(disk, film):
     small = lf.Chamber(radius=0.04)
     assert small.state(1.0).wall_distance == 0.04
@@ -179,7 +230,8 @@ def test_a_chamber_has_its_radius(disk, film):
 def test_errors_count_in_the_models_own_standard_errors(disk):
     state, fit = state_at(0.2), kinetic_fit()
     with lf.float64():
-        ratio = fit.force_ratio(0.2, 1.8, 0.85)
+        exponent = lf.gas.AIR.viscosity_exponent(1.4 * COLD)
+        ratio = fit.force_ratio(0.2, 1.8, 0.85, 0.1, exponent)
         of_force = float(fit.relative_force_error(0.2, ratio))
         of_heat = float(fit.relative_heat_error(0.2))
     assert 0.0 < of_heat < of_force < 0.2
@@ -204,9 +256,9 @@ DIRECT_SIMULATIONS = [
 def test_direct_simulations_lie_within_the_stated_error(knudsen, hot, cold, simulated, noise):
     fit, ours = kinetic_fit(), knudsen / (16.0 / (5.0 * np.pi))
     with lf.float64():
-        ratio = fit.force_ratio(ours, hot / cold, 0.75)
+        ratio = fit.force_ratio(ours, hot / cold, 0.75, 0.5)
         error = fit.relative_force_error(ours, ratio)
-        wall, _ = fit.wall_factors(ours, 4.0)
+        wall, _ = fit.wall_factors(ours, 4.0, 0.75)
     predicted = float(ratio * wall)
     assert abs(predicted - simulated) < 2.0 * np.hypot(noise, float(error) * predicted)
 
@@ -245,8 +297,9 @@ def test_the_table_is_that_of_the_gas(disk):
     knudsen = lf.gas.knudsen_number(3.0, COLD, disk.radius, argon)
     force, _ = maxwell_limits(disk, state, excess)
     with lf.float64():
-        ratio = float(kinetic_fit("monatomic").force_ratio(knudsen, 1.0 + excess, 0.85))
-        other = float(kinetic_fit("diatomic").force_ratio(knudsen, 1.0 + excess, 0.85))
+        where = (knudsen, 1.0 + excess, 0.85, 0.1, 0.72)
+        ratio = float(kinetic_fit("monatomic").force_ratio(*where))
+        other = float(kinetic_fit("diatomic").force_ratio(*where))
     found = lf.Kinetic(wall="maxwell").force(disk, state, (excess,))
     assert found == pytest.approx(ratio * force, rel=1e-12)
     assert abs(ratio / other - 1.0) > 0.02

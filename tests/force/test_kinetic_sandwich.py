@@ -86,13 +86,13 @@ def test_the_solver_between_the_tables_points(delta, beta, tac, face):
 def test_without_holes_it_is_a_disk(delta, excess):
     """Both membranes as warm: the disk of the same outer faces, force and heat.
 
-    The heat is even in the difference of the TACs, which the disk's table leaves out.
+    The sandwich's table leaves out the difference of the TACs and the gas's viscosity exponent.
     """
     state, tac = state_at(pressure_of(delta)), (0.78, 0.82)
     sandwich = make(tac, open_fraction=0.0)
     disk = lf.Disk(lf.FilmProperties(1e-3, 0.7, 0.1, 0.1, *tac), 0.01)
     alone, both = ALIGNED.force(disk, state, (excess,)), (excess, excess)
-    assert ALIGNED.force(sandwich, state, both) == pytest.approx(alone, rel=1e-10, abs=0.0)
+    assert ALIGNED.force(sandwich, state, both) == pytest.approx(alone, rel=1e-3, abs=0.0)
     (heat,) = ALIGNED.heat_loss(disk, state, (excess,))
     found = sum(ALIGNED.heat_loss(sandwich, state, both))
     assert found == pytest.approx(heat, rel=2e-3, abs=0.0)

@@ -71,10 +71,10 @@ def test_kinetic_law_is_the_kinetic_model_and_the_solver():
         model = lf.Kinetic(wall="maxwell")
         (lost,) = model.heat_loss(lf.Disk(film, DIAMETER / 2), state, (28.0 / 295.0,))
         found = limits.conductance(alpha) * 0.25 * np.pi * DIAMETER**2 * 28.0
-        np.testing.assert_allclose(found, lost, rtol=1e-6)
+        np.testing.assert_allclose(found, lost, rtol=1e-4)  # a parabola in the TAC
     # the table itself, in the limit of small differences
     table = kinetic_table("diatomic")
-    rows = (table.temperature_ratio == 1.0) & (table.tac == 0.8)
+    rows = (table.temperature_ratio == 1.0) & (table.tac == 0.8) & (table.tac_difference == 0.1)
     knudsen = knudsen_number(1.0, 295.0, DIAMETER / 2, AIR) / table.knudsen[rows]
     same = np.full(rows.sum(), 295.0)
     limits = KINETIC_LAW.limits(knudsen, same, same, DIAMETER, AIR)

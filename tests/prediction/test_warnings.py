@@ -70,16 +70,24 @@ def test_a_flyer_colder_than_the_gas_does_not_melt():
 
 
 def test_the_kinetic_table_says_where_it_ends():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.3, tac_bottom=0.35)
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.04, tac_bottom=0.06)
     disk, model = lf.Disk(film, 0.01), lf.Kinetic()
     state = lf.Earth().state(np.array([40e3, 80e3]))
     texts = model.caveats(disk, state, np.array([300.0, 700.0]))
-    dense, hot, tac = texts
+    dense, hot_dense, hot, tac, *_ = texts
     assert dense.startswith("the Knudsen number is 0.00")
-    assert "below 0.03: the kinetic table ends there" in dense
+    assert "below 0.006: the kinetic table ends there" in dense
+    assert "below 0.013: the kinetic table of large temperature differences" in hot_dense
     assert hot.startswith("T_h/T_c is 3.5")
-    assert "above 2.5" in hot
-    assert tac.startswith("the mean TAC is 0.325")
+    assert "above 3.5" in hot
+    assert tac.startswith("the mean TAC is 0.05")
+    # at the gas's temperature the linear table alone is used
+    (dense,) = lf.Kinetic(wall="maxwell").caveats(
+        lf.Disk(lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.2, 0.9), 0.01),
+        lf.Earth().state(40e3),
+        lf.Earth().state(40e3).temperature,
+    )
+    assert "below 0.006" in dense
     inside = lf.Disk(lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9), 0.01)
     assert model.caveats(inside, lf.Earth().state(80e3), 400.0) == ()
 

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
@@ -17,12 +18,16 @@ from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import AbstractGas, knudsen_number
 
-_DENSE = "the kinetic table ends there, and the force is extrapolated by a power law"
-HEATING = "the kinetic table ends there, and its ratios are held"
-TAC = "the kinetic table ends there, and its ratios are held"
+_DENSE = (
+    "the kinetic table ends there; heat loss goes on to conduction, the force as the square of the "
+    "Knudsen number"
+)
+_HOT_DENSE = (
+    "the kinetic table of large temperature differences ends there, and what they do is held"
+)
+_SMALL = 0.1  # relative temperature difference below which the linear table is good to its error
+HELD = "the kinetic table ends there, and its ratios are held"
 WALL = "the table of walls ends there, and their effect is held"
-APART = 0.3  # TACs further apart change the heat by 1 % at Kn 0.1, which the table leaves out
-DIFFERENCE = "the kinetic table is for small differences"
 _SCALED = (
     "is taken for a diatomic gas with its heat capacity and conduction: the kinetic heat loss is "
     "right to about 3 %, the force to 2 % near the gas temperature and 9 % far above"
@@ -45,13 +50,14 @@ def heat_loss(
     """See :meth:`AbstractForceModel.heat_loss`; ``error`` in standard errors."""
     (excess,) = unknowns
     fit, knudsen = _fit_and_knudsen_number(disk, state)
-    ratio = fit.heat_ratio(knudsen, 1.0 + excess, disk.film.tac_mean)
+    place = _place(disk, state, excess)
+    ratio = fit.heat_ratio(knudsen, *place)
     if state.gas.molecules not in GASES:
         ratio = scaled_heat_ratio(ratio, _resistance(state, excess))
     resisting = (_kind(state.gas), knudsen, ratio)
     ratio = kinetic_walls.heat_ratio(disk, excess, resisting, walls)
     if state.wall_distance is not None:
-        ratio *= fit.wall_factors(knudsen, state.wall_distance / disk.radius)[1]
+        ratio *= _wall_factors(fit, knudsen, disk, state)[1]
     if error is not None:
         table = fit.relative_heat_error(knudsen)
         ratio *= 1.0 + error * _with_scaling(table, _SCALED_HEAT_ERROR, state.gas)
@@ -68,14 +74,15 @@ def force(
     """See :meth:`AbstractForceModel.force`; ``error`` in standard errors."""
     (excess,) = unknowns
     fit, knudsen = _fit_and_knudsen_number(disk, state)
-    ratio = fit.force_ratio(knudsen, 1.0 + excess, disk.film.tac_mean)
+    place = _place(disk, state, excess)
+    ratio = fit.force_ratio(knudsen, *place)
     if state.gas.molecules not in GASES:
-        heat = fit.heat_ratio(knudsen, 1.0 + excess, disk.film.tac_mean)
+        heat = fit.heat_ratio(knudsen, *place)
         ratio *= scaled_heat_ratio(heat, _resistance(state, excess)) / heat
     resisting = (_kind(state.gas), knudsen, ratio)
     found = kinetic_walls.force(disk, state, excess, resisting, walls)
     if state.wall_distance is not None:
-        factor = fit.wall_factors(knudsen, state.wall_distance / disk.radius)[0]
+        factor = _wall_factors(fit, knudsen, disk, state)[0]
         ratio, found = ratio * factor, found * factor
     if error is not None:
         table = fit.relative_force_error(knudsen, ratio)
@@ -88,15 +95,15 @@ def caveats(
 ) -> tuple[str, ...]:
     """See :meth:`AbstractForceModel.caveats`."""
     fit, knudsen = _fit_and_knudsen_number(disk, state)
-    hottest = 1.0 / (1.0 - fit.heating_limit)
-    film, pressure = disk.film, state.pressure
+    pressure, ratio = state.pressure, np.asarray(temperature / state.temperature)
+    hot = np.where(np.abs(ratio - 1.0) > _SMALL, knudsen, np.nan)
+    lowest, lowest_hot = fit.knudsen_range[0], fit.hot_knudsen_range[0]
     looks = [
-        (Validity("the Knudsen number", fit.knudsen_range[0], math.inf, _DENSE), knudsen),
-        (Validity("T_h/T_c", 1.0, hottest, HEATING), temperature / state.temperature),
-        (Validity("the mean TAC", *fit.tac_range, TAC), film.tac_mean),
-        (Validity("the difference of the TACs", -APART, APART, DIFFERENCE),
-         film.tac_difference),
-    ]  # fmt: skip
+        (Validity("the Knudsen number", lowest, math.inf, _DENSE), knudsen),
+        (Validity("the Knudsen number", lowest_hot, math.inf, _HOT_DENSE), hot),
+        (Validity("T_h/T_c", *fit.ratio_range, HELD), ratio),
+        (Validity("the mean TAC", *fit.tac_range, HELD), disk.film.tac_mean),
+    ]
     if state.wall_distance is not None:
         near = Validity("the walls' distance over the radius", fit.nearest_wall, math.inf, WALL)
         looks.append((near, state.wall_distance / disk.radius))
@@ -132,6 +139,19 @@ def scaled_heat_ratio(ratio: Numeric, resistance: Numeric) -> Array:
     times that of the diatomic table.
     """
     return jnp.asarray(1.0 / (1.0 + resistance * (1.0 / ratio - 1.0)))
+
+
+def _place(disk: Disk, state: EnvironmentState, excess: Numeric) -> tuple[Any, ...]:
+    """Temperature ratio, TACs and viscosity exponent, the arguments of the fit."""
+    mean = state.temperature * (1.0 + 0.5 * excess)
+    film = disk.film
+    exponent = state.gas.viscosity_exponent(mean)
+    return 1.0 + excess, film.tac_mean, film.tac_difference, exponent
+
+
+def _wall_factors(fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState) -> Any:
+    """Factors of force and heat by the walls of a chamber [1]."""
+    return fit.wall_factors(knudsen, state.wall_distance / disk.radius, disk.film.tac_mean)
 
 
 def _with_scaling(error: Array, of_scaling: float, gas: AbstractGas) -> Array:

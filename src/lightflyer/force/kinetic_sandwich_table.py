@@ -38,9 +38,11 @@ from lightflyer.force.kinetic_table import (
     GASES,
     HEAT_EQUATION_ERROR,
     KineticFit,
+    kinetic_fit,
+)
+from lightflyer.force.polynomials import (
     as_tuples,
     error_fit,
-    kinetic_fit,
     least_squares,
     polynomial,
     scaled,
@@ -73,6 +75,7 @@ _FIT_ERROR = (0.003, 0.002)
 
 _RELATIVE = (False, True, True, False)  # whose value without holes is the disk's
 _LEAST_WEIGHT = 1e-4  # of a row in thin gas, where the resistance hardly matters
+_COLDEST = -0.3  # (T_h − T_c)/T_h down to which the fit's curve in temperature is continued
 _SLOPES = (-1.0, 1.0)  # of the logarithm of a resistance that are believed beyond the table
 
 
@@ -235,6 +238,8 @@ class SandwichFit:
     hot : tuple of nested tuples of float
         Coefficients of what heat does, in the order of :class:`Ratios`: heating, open fraction,
         place.
+    heating_limit : float
+        Largest :math:`1 - T_c/T_h` of the table of hot disks; beyond it the ratios stay constant.
     hot_range : tuple of float
         Rarefactions in the table of hot disks; beyond it what heat does is held.
     walls : tuple of nested tuples of float
@@ -257,6 +262,7 @@ class SandwichFit:
     heat_difference: Any
     disk: KineticFit
     hot: tuple[Any, ...]
+    heating_limit: float
     hot_range: tuple[float, float]
     walls: tuple[Any, ...]
     wall_range: tuple[float, float]
@@ -292,9 +298,10 @@ class SandwichFit:
         """
         place, beyond = self._place(rarefaction)
         mean = jnp.clip(tac, *self.tac_range)
-        disk = self._of_disk(rarefaction, mean, temperature_ratio)
+        heating = jnp.clip(1.0 - 1.0 / temperature_ratio, _COLDEST, self.heating_limit)
+        disk = self._of_disk(rarefaction, mean, 1.0 / (1.0 - heating))
         by_force, by_tac, by_heat, by_difference = self._growths(
-            rarefaction, open_fraction, temperature_ratio
+            rarefaction, open_fraction, heating
         )
         solid = (1.0 - open_fraction) * rarefaction
 
@@ -311,11 +318,10 @@ class SandwichFit:
         )
 
     def _growths(
-        self, rarefaction: Numeric, open_fraction: Numeric, temperature_ratio: Numeric
+        self, rarefaction: Numeric, open_fraction: Numeric, heating: Numeric
     ) -> list[Array]:
         """What heat does to the four resistances, to two of them over that without holes."""
         place = _place_of(rarefaction, self.hot_range)[0]
-        heating = self.disk.heating(temperature_ratio)
         return [
             jnp.exp(
                 heating
@@ -484,6 +490,7 @@ def fit(
             )
             for growth in growths
         ),
+        heating_limit=float(heating.max()),
         hot_range=hot_ends,
         walls=tuple(
             least_squares(np.log(factor) * walls.boundary, by_distance, _WALL_POWERS)

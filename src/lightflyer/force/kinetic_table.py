@@ -1,6 +1,6 @@
 r"""The solver's table of kinetic force and heat, as smooth functions.
 
-The table gives, over Knudsen number, temperature ratio and mean TAC, what fraction of their
+The table gives, over Knudsen number, temperature ratio and TACs, what fraction of their
 free-molecular values the force and the heat loss of a thin disk are. Both fractions fall from one
 as the gas gets denser. What is fitted by polynomials is how much resistance the gas adds, times
 the Knudsen number,
@@ -9,38 +9,26 @@ the Knudsen number,
     \ln\left[\left(\frac{1}{\hat F}-1\right)\mathrm{Kn}\right], \qquad
     \ln\left[\left(\frac{1}{\hat Q}-1\right)\frac{\mathrm{Kn}}{\bar\alpha}\right]
 
-because these vary slowly and tend to constants at both ends (the force's to a power law where the
-gas is dense), so they can be continued beyond the table.
+because these vary slowly and tend to constants in thin gas. In dense gas the heat's tends to that
+of conduction. The force's tends to a power law, since only the edge of a disk contributes. So they
+can be continued beyond the table; :mod:`~lightflyer.force.kinetic_table_fit` makes the fit.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
+from lightflyer.force.polynomials import polynomial, scaled
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.table import shipped_table
 from lightflyer.foundation.types import Numeric
 
 GASES = ("monatomic", "diatomic")
 
-# powers of heating, TAC and Knudsen number: many for the limit of small differences, few for what
-# changes with them
-_LIMIT_POWERS = [(0, tac, knudsen) for tac in range(3) for knudsen in range(9)]
-_HEATING_POWERS = [
-    (heating, tac, knudsen) for heating in (1, 2) for tac in range(3) for knudsen in range(6)
-]
-_POWERS = _LIMIT_POWERS + _HEATING_POWERS
-_WALL_POWERS = [(nearness, knudsen) for nearness in range(4) for knudsen in range(6)]
-_ERROR_POWERS = [(0,), (1,), (2,)]
-# errors that weigh the rows, in what is fitted: bounds are smooth, not noise, so that even a row
-# with a large one says how its neighbours go on
-_WEIGHTS = (3e-3, 2e-2)
 COLLISION_ERROR = 0.165
 """Relative standard error of what collisions take from the force, 1/F̂ − 1, by the kinetic equation
 beside full collision dynamics: half of the largest deviation from the direct simulations of
@@ -49,8 +37,12 @@ docs/kinetic.md. All of them agree with the table within two of these and their 
 HEAT_EQUATION_ERROR = 0.0035
 """Relative standard error of the heat ratio by the kinetic equation, likewise."""
 
-_STEEPEST = (-1.5, 0.0)  # slopes of the force's function that are believed below the table
-_COLDEST = -0.3  # (T_h − T_c)/T_h down to which the fit's curve in temperature is continued
+BOUNDARY_TAC = 0.85
+"""Mean TAC in the table of walls."""
+
+TAC_OFFSET = 0.1
+"""The variable of the fits is the logarithm of the mean TAC plus this: the force's resistance grows
+as the TAC does where it is large, and is constant where walls are smooth."""
 
 
 @dataclass(frozen=True)
@@ -63,22 +55,23 @@ class Table:
         :math:`\lambda(T_c)/(2r)` [1].
     temperature_ratio : array, shape (n,)
         :math:`T_h/T_c` [1]; 1 stands for the limit of small differences.
-    tac : array, shape (n,)
-        Mean TAC of the faces [1].
+    tac, tac_difference : array, shape (n,)
+        Mean TAC of the faces and their difference [1].
+    viscosity_exponent : array, shape (n,)
+        :math:`\omega` of :math:`\mu\propto T^\omega` [1].
     force_ratio, heat_ratio : array, shape (n,)
-        Over the free-molecular values at Maxwell walls [1].
-    heat_ratio_slope : array, shape (n,)
-        Difference of the faces' heat ratios, top minus bottom, per difference of their TACs [1].
+        Over the free-molecular values at Maxwell walls, the heat of both faces together [1].
     force_ratio_error, heat_ratio_error : array, shape (n,)
-        Absolute 95 % bounds of the solver's error [1].
+        Absolute 95 % bounds of the error of solver and fit together [1].
     """
 
     knudsen: np.ndarray
     temperature_ratio: np.ndarray
     tac: np.ndarray
+    tac_difference: np.ndarray
+    viscosity_exponent: np.ndarray
     force_ratio: np.ndarray
     heat_ratio: np.ndarray
-    heat_ratio_slope: np.ndarray
     force_ratio_error: np.ndarray
     heat_ratio_error: np.ndarray
 
@@ -92,7 +85,7 @@ class WallTable:
     knudsen, boundary : array, shape (n,)
         Knudsen number and distance of the wall in radii of the disk [1].
     force_factor, heat_factor : array, shape (n,)
-        Over the values in open space [1].
+        Over the values in open space, at a mean TAC of :data:`BOUNDARY_TAC` [1].
     """
 
     knudsen: np.ndarray
@@ -135,6 +128,93 @@ def _columns(name: str, gas: str) -> dict[str, np.ndarray]:
     return {column: values[kept] for column, values in table.numbers.items()}
 
 
+class Place(NamedTuple):
+    r"""A place in the table.
+
+    Attributes
+    ----------
+    thinness, hot_thinness : array, shape (...)
+        Where the Knudsen number is among those of the linear and of the non-linear problem, from
+        −1 to 1.
+    dense : array, shape (...)
+        Knudsen number over that of the table's end where it lies below it, else 1.
+    heating : array, shape (...)
+        :math:`\ln(T_h/T_c)`.
+    tac, tac_variable : array, shape (...)
+        Mean TAC, and the logarithm of it plus :data:`TAC_OFFSET`.
+    """
+
+    thinness: Array
+    hot_thinness: Array
+    dense: Array
+    heating: Array
+    tac: Array
+    tac_variable: Array
+
+
+@dataclass(frozen=True)
+class Resistance:
+    """Logarithm of the resistance that the gas adds, times the Knudsen number.
+
+    Attributes
+    ----------
+    limit : nested tuple of float
+        Coefficients of the linear problem: TAC, Knudsen number.
+    heating : nested tuple of float
+        Coefficients of what heating adds: heating, TAC, Knudsen number.
+    exponent : nested tuple of float
+        Coefficients of what the viscosity exponent adds, per unit of it: heating, Knudsen number.
+    """
+
+    limit: Any
+    heating: Any
+    exponent: Any
+
+    def __call__(self, place: Place, exponent_difference: Numeric | None) -> Array:
+        """Value at a place, for a viscosity exponent that differs from the table's."""
+        heated = polynomial(self.heating, place.heating, place.tac_variable, place.hot_thinness)
+        if exponent_difference is not None:
+            heated += exponent_difference * polynomial(
+                self.exponent, place.heating, place.hot_thinness
+            )
+        return place.heating * heated + polynomial(self.limit, place.tac_variable, place.thinness)
+
+
+@dataclass(frozen=True)
+class Unlikeness:
+    r"""What a difference of the faces' TACs adds.
+
+    With the share :math:`w=(\Delta\alpha/2\bar\alpha)^2`, the two faces' resistances to the
+    difference of their heat, :math:`R_o`, leave
+
+    .. math::
+        \frac1{\hat Q(\Delta\alpha)} = \frac1{\hat Q} + \frac{gw}{1-gw}, \qquad
+        \frac1{\hat F(\Delta\alpha)} - 1 = (1-kgw)\left(\frac1{\hat F} - 1\right), \qquad
+        g = \frac{\bar\alpha R_o}{1+\bar\alpha R_o}
+
+    Attributes
+    ----------
+    resistance : nested tuple of float
+        Coefficients of the logarithm of :math:`R_o\,\mathrm{Kn}`: Knudsen number, TAC.
+    force : nested tuple of float
+        Coefficients of the logarithm of :math:`k`, likewise.
+    """
+
+    resistance: Any
+    force: Any
+
+    def share(self, place: Place, knudsen: Numeric, tac_difference: Numeric) -> Array:
+        """:math:`gw` at a place."""
+        logarithm = polynomial(self.resistance, place.thinness, place.tac_variable)
+        resistance = place.tac * jnp.exp(logarithm) / knudsen
+        apart = jnp.minimum(width(tac_difference, place.tac), 1.0)
+        return apart * resistance / (1.0 + resistance)
+
+    def of_force(self, place: Place) -> Array:
+        """:math:`k` at a place."""
+        return jnp.exp(polynomial(self.force, place.thinness, place.tac_variable))
+
+
 @dataclass(frozen=True)
 class KineticFit:
     """Force and heat ratios as smooth functions, fitted to a table.
@@ -142,59 +222,95 @@ class KineticFit:
     Attributes
     ----------
     knudsen_range : tuple of float
-        Of the table; beyond it the limits' power laws continue.
-    force, heat : nested tuple of float
-        Coefficients: heating, TAC, Knudsen number.
-    force_slope : nested tuple of float
-        Coefficients of the force's slope at the table's low end: heating, TAC.
-    heating_limit : float
-        Largest :math:`1 - T_c/T_h` of the table; beyond it the ratios stay constant.
-    tac_range : tuple of float
-        Of the table, likewise.
+        Of the linear problem's table; beyond it the limits' power laws continue.
+    hot_knudsen_range, ratio_range, tac_range : tuple of float
+        Knudsen numbers of the non-linear problem, T_h/T_c and mean TACs of the table; what heat
+        does, and the ratios, stay beyond them what they are at their ends.
+    viscosity_exponent : float
+        Of the table's gas [1].
+    conduction : float
+        What the heat's resistance tends to for small differences in dense gas.
+    force, heat : Resistance
+    unlikeness : Unlikeness
     force_error, heat_error : tuple of float
-        Coefficients, in the Knudsen number, of the logarithm of the table's relative standard
-        error.
+        Coefficients, in the Knudsen number, of the logarithm of the relative standard error of
+        table and fit.
     force_wall, heat_wall : nested tuple of float
         Coefficients of the effect of walls: inverse distance, Knudsen number.
+    wall_knudsen_range : tuple of float
+        Knudsen numbers in the table of walls.
     nearest_wall : float
         Least distance in the table of walls, in radii [1].
     """
 
     knudsen_range: tuple[float, float]
-    force: Any
-    heat: Any
-    force_slope: Any
-    heating_limit: float
+    hot_knudsen_range: tuple[float, float]
+    ratio_range: tuple[float, float]
     tac_range: tuple[float, float]
+    viscosity_exponent: float
+    conduction: float
+    force: Resistance
+    heat: Resistance
+    unlikeness: Unlikeness
     force_error: tuple[float, ...]
     heat_error: tuple[float, ...]
     force_wall: Any
     heat_wall: Any
+    wall_knudsen_range: tuple[float, float]
     nearest_wall: float
 
-    def force_ratio(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Array:
+    def force_ratio(
+        self,
+        knudsen: Numeric,
+        ratio: Numeric,
+        tac: Numeric,
+        tac_difference: Numeric | None = None,
+        viscosity_exponent: Numeric | None = None,
+    ) -> Array:
         r"""Force over the free-molecular one, :math:`\hat F` [1].
 
         Parameters
         ----------
         knudsen, ratio, tac : array, shape (...)
             Knudsen number at the gas temperature, :math:`T_h/T_c` and mean TAC [1].
+        tac_difference : array, shape (...), optional
+            Of the faces [1]; by default small.
+        viscosity_exponent : array, shape (...), optional
+            Of the gas between the two temperatures [1]; by default the table's.
 
         Returns
         -------
         array, broadcast shape
         """
-        position, below = self._position(knudsen)
-        others = self._others(ratio, tac)
-        slope = jnp.clip(polynomial(self.force_slope, *others), *_STEEPEST)
-        fitted = polynomial(self.force, *others, position) + slope * below
-        return 1.0 / (1.0 + jnp.exp(fitted) / knudsen)
+        place = self._place(knudsen, ratio, tac)
+        fitted = self.force(place, self._exponent_difference(viscosity_exponent))
+        # below the table the force is that of the edge, ∝ Kn²
+        resistance = jnp.exp(fitted) / (place.dense * knudsen)
+        if tac_difference is not None:
+            gw = self.unlikeness.share(place, knudsen, tac_difference)
+            resistance *= 1.0 - self.unlikeness.of_force(place) * gw
+        return 1.0 / (1.0 + resistance)
 
-    def heat_ratio(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Array:
+    def heat_ratio(
+        self,
+        knudsen: Numeric,
+        ratio: Numeric,
+        tac: Numeric,
+        tac_difference: Numeric | None = None,
+        viscosity_exponent: Numeric | None = None,
+    ) -> Array:
         r"""Heat loss over the free-molecular one, :math:`\hat Q` [1]; as :meth:`force_ratio`."""
-        position, _ = self._position(knudsen)
-        fitted = polynomial(self.heat, *self._others(ratio, tac), position)
-        return 1.0 / (1.0 + jnp.exp(fitted) * tac / knudsen)
+        place = self._place(knudsen, ratio, tac)
+        difference = self._exponent_difference(viscosity_exponent)
+        fitted = self.heat(place, difference)
+        exponent = self.viscosity_exponent + (0.0 if difference is None else difference)
+        conducted = self.conduction - conduction_growth(place.heating, exponent)
+        fitted = conducted + (fitted - conducted) * place.dense
+        inverse = 1.0 + jnp.exp(fitted) * tac / knudsen
+        if tac_difference is not None:
+            gw = self.unlikeness.share(place, knudsen, tac_difference)
+            inverse += gw / (1.0 - gw)
+        return 1.0 / inverse
 
     def relative_force_error(self, knudsen: Numeric, force_ratio: Numeric) -> Array:
         """Relative standard error of the force: the table's and the equation's [1].
@@ -207,15 +323,32 @@ class KineticFit:
         -------
         array, broadcast shape
         """
-        of_table = jnp.exp(polynomial(self.force_error, self._position(knudsen)[0]))
-        return jnp.hypot(of_table, COLLISION_ERROR * (1.0 - force_ratio))
+        return jnp.hypot(self.table_errors(knudsen)[0], COLLISION_ERROR * (1.0 - force_ratio))
 
     def relative_heat_error(self, knudsen: Numeric) -> Array:
         """Relative standard error of the heat loss; as :meth:`relative_force_error`."""
-        of_table = jnp.exp(polynomial(self.heat_error, self._position(knudsen)[0]))
-        return jnp.hypot(of_table, HEAT_EQUATION_ERROR)
+        return jnp.hypot(self.table_errors(knudsen)[1], HEAT_EQUATION_ERROR)
 
-    def wall_factors(self, knudsen: Numeric, distance: Numeric) -> tuple[Array, Array]:
+    def table_errors(self, knudsen: Numeric) -> tuple[Array, Array]:
+        """Relative standard errors of force and heat by the solver and the fit [1].
+
+        Parameters
+        ----------
+        knudsen : array, shape (...)
+
+        Returns
+        -------
+        force, heat : array, shape (...)
+        """
+        place = _thinness(knudsen, self.knudsen_range)
+        return (
+            jnp.exp(polynomial(self.force_error, place)),
+            jnp.exp(polynomial(self.heat_error, place)),
+        )
+
+    def wall_factors(
+        self, knudsen: Numeric, distance: Numeric, tac: Numeric = BOUNDARY_TAC
+    ) -> tuple[Array, Array]:
         """Force and heat between walls over those in open space [1].
 
         Parameters
@@ -223,71 +356,81 @@ class KineticFit:
         knudsen : array, shape (...)
         distance : array, shape (...)
             Of the walls, in radii of the disk [1].
+        tac : array, shape (...)
+            Mean of the faces [1].
 
         Returns
         -------
         force, heat : array, broadcast shape
+
+        Notes
+        -----
+        Walls take a share of the gas's resistance to heat that does not depend on the TAC to 1 %,
+        and raise the force over the heat by a factor that does not.
         """
-        position, _ = self._position(knudsen)
+        thinness = _thinness(knudsen, self.wall_knudsen_range)
         nearness = 1.0 / jnp.maximum(distance, self.nearest_wall)
-        force, heat = self.force_wall, self.heat_wall
-        return (
-            jnp.exp(nearness * polynomial(force, nearness, position)),
-            jnp.exp(nearness * polynomial(heat, nearness, position)),
+        opened = self.heat_ratio(knudsen, 1.0, tac)
+        kept = jnp.exp(nearness * polynomial(self.heat_wall, nearness, thinness))
+        heat = 1.0 / (opened + kept * (1.0 - opened))
+        beside = polynomial(self.force_wall, nearness, thinness)
+        return heat * jnp.exp(nearness * beside * denseness(knudsen)), heat
+
+    def _place(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Place:
+        inside = jnp.clip(tac, *self.tac_range)
+        return Place(
+            _thinness(knudsen, self.knudsen_range),
+            _thinness(knudsen, self.hot_knudsen_range),
+            jnp.minimum(knudsen / self.knudsen_range[0], 1.0),
+            jnp.log(jnp.clip(ratio, *self.ratio_range)),
+            inside,
+            jnp.log(inside + TAC_OFFSET),
         )
 
-    def _position(self, knudsen: Numeric) -> tuple[Array, Array]:
-        """Where in the table a Knudsen number is, from −1 to 1, and how far below it."""
-        low, high = np.log(self.knudsen_range)
-        logarithm = jnp.log(knudsen)
-        inside = jnp.clip(logarithm, low, high)
-        return scaled(inside, low, high), jnp.minimum(logarithm - low, 0.0)
-
-    def heating(self, ratio: Numeric) -> Array:
-        """(T_h − T_c)/T_h of a temperature ratio, within the table's range [1]."""
-        return jnp.clip(1.0 - 1.0 / ratio, _COLDEST, self.heating_limit)
-
-    def _others(self, ratio: Numeric, tac: Numeric) -> tuple[Array, Array]:
-        return self.heating(ratio), jnp.clip(tac, *self.tac_range)
+    def _exponent_difference(self, viscosity_exponent: Numeric | None) -> Numeric | None:
+        return None if viscosity_exponent is None else viscosity_exponent - self.viscosity_exponent
 
 
-def scaled(value: Any, low: float, high: float) -> Any:
-    """Place of a value between two ends, from −1 to 1."""
-    return (2.0 * value - low - high) / (high - low)
+def conduction_growth(heating: Any, exponent: Any) -> Any:
+    r"""Logarithm of what a conductivity that grows with temperature adds to conduction.
+
+    .. math::
+        \ln\frac{\int_{T_c}^{T_h} T^\omega\,\mathrm dT}{T_c^\omega\,(T_h-T_c)}
+        = \frac{\omega t}2 + \ln\frac{\sinh\frac{(\omega+1)\,t}2}{(\omega+1)\sinh\frac t2},
+        \qquad t = \ln\frac{T_h}{T_c}
+
+    Parameters
+    ----------
+    heating, exponent : array, shape (...)
+        :math:`t` and :math:`\omega` [1].
+
+    Returns
+    -------
+    array, broadcast shape
+
+    Notes
+    -----
+    By its series to :math:`t^4`, which is right to 0.1 % for :math:`|t|` up to 1.25.
+    """
+    square = heating**2
+    second, fourth = (((exponent + 1.0) ** power - 1.0) for power in (2, 4))
+    return 0.5 * exponent * heating + square * (second / 24.0 - square * fourth / 2880.0)
 
 
-def polynomial(coefficients: Any, *variables: Any) -> Any:
-    """Polynomial in several variables by Horner's rule; the first one's powers come last."""
-    if not variables:
-        return coefficients
-    first, *others = variables
-    result: Any = 0.0
-    for coefficient in reversed(coefficients):
-        result = result * first + polynomial(coefficient, *others)
-    return result
+def _thinness(knudsen: Numeric, ends: tuple[float, float]) -> Array:
+    """Where among the Knudsen numbers of a table one is, from −1 to 1."""
+    low, high = np.log(ends)
+    return scaled(jnp.clip(jnp.log(knudsen), low, high), low, high)
 
 
-def least_squares(
-    values: np.ndarray,
-    variables: tuple[np.ndarray, ...],
-    powers: Sequence[tuple[int, ...]],
-    errors: np.ndarray | float = 1.0,
-) -> Any:
-    """Coefficients of the polynomial with these powers that fits best, as nested tuples."""
-    basis = np.stack(
-        [np.prod([x**p for x, p in zip(variables, term, strict=True)], axis=0) for term in powers],
-        axis=1,
-    )
-    weights = 1.0 / np.broadcast_to(errors, values.shape)
-    fitted = np.linalg.lstsq(basis * weights[:, None], values * weights, rcond=None)[0]
-    coefficients = np.zeros(np.max(powers, axis=0) + 1)
-    coefficients[tuple(np.transpose(powers))] = fitted
-    return as_tuples(coefficients)
+def width(tac_difference: Any, tac: Any) -> Any:
+    """:math:`w` of :class:`Unlikeness` [1]."""
+    return (0.5 * tac_difference / tac) ** 2
 
 
-def as_tuples(array: np.ndarray) -> Any:
-    """An array as nested tuples of float, which can be hashed."""
-    return tuple(map(as_tuples, array)) if array.ndim else float(array)
+def denseness(knudsen: Any) -> Any:
+    """Falls as the effect of collisions does in thin gas."""
+    return 1.0 / (1.0 + knudsen)
 
 
 @lru_cache
@@ -302,62 +445,6 @@ def kinetic_fit(gas: str = "diatomic") -> KineticFit:
     -------
     KineticFit
     """
-    return fit(kinetic_table(gas), wall_table(gas))
+    from lightflyer.force.kinetic_table_fit import fit
 
-
-def fit(table: Table, walls: WallTable) -> KineticFit:
-    """Smooth functions through tables, weighted by the table's errors.
-
-    Parameters
-    ----------
-    table : Table
-    walls : WallTable
-
-    Returns
-    -------
-    KineticFit
-    """
-    knudsen_range = (float(table.knudsen.min()), float(table.knudsen.max()))
-    low, high = np.log(knudsen_range)
-
-    def position(knudsen: np.ndarray) -> np.ndarray:
-        return np.asarray(scaled(np.log(knudsen), low, high))
-
-    where = position(table.knudsen)
-    heating = 1.0 - 1.0 / table.temperature_ratio
-    variables = (heating, table.tac, where)
-
-    def resistance(ratio: np.ndarray, bounds: np.ndarray, scale: np.ndarray | float) -> Any:
-        """Fit of the logarithm of what the gas takes away, times the Knudsen number."""
-        errors = np.clip(bounds / (ratio * (1.0 - ratio)), *_WEIGHTS)
-        values = np.log((1.0 / ratio - 1.0) * table.knudsen / scale)
-        return least_squares(values, variables, _POWERS, errors)
-
-    force = resistance(table.force_ratio, table.force_ratio_error, 1.0)
-    powers = np.arange(1, len(force[0][0]))
-    slope = np.asarray(force)[..., 1:] @ (powers * (-1.0) ** (powers - 1))  # at −1
-    by_distance = (1.0 / walls.boundary, position(walls.knudsen))
-
-    def wall(factor: np.ndarray) -> Any:
-        return least_squares(np.log(factor) * walls.boundary, by_distance, _WALL_POWERS)
-
-    return KineticFit(
-        knudsen_range=knudsen_range,
-        force=force,
-        heat=resistance(table.heat_ratio, table.heat_ratio_error, table.tac),
-        force_slope=as_tuples(slope * 2.0 / (high - low)),
-        heating_limit=float(heating.max()),
-        tac_range=(float(table.tac.min()), float(table.tac.max())),
-        force_error=error_fit(table.force_ratio_error / table.force_ratio, where),
-        heat_error=error_fit(table.heat_ratio_error / table.heat_ratio, where),
-        force_wall=wall(walls.force_factor),
-        heat_wall=wall(walls.heat_factor),
-        nearest_wall=float(walls.boundary.min()),
-    )
-
-
-def error_fit(bounds: np.ndarray, position: np.ndarray) -> Any:
-    """Logarithm of the largest relative standard error at each Knudsen number, smoothed."""
-    places = np.unique(position)
-    largest = np.array([bounds[position == place].max() for place in places])
-    return least_squares(np.log(largest / NORMAL_HALF_WIDTH_95), (places,), _ERROR_POWERS)
+    return fit(gas, kinetic_table(gas), wall_table(gas))

@@ -194,15 +194,16 @@ def _kinetic(
         )
         / ambient
     )
-    ratio = fit.heat_ratio(knudsen, heater / ambient, tac)
+    mean = 0.5 * (heater + ambient)
+    exponent = gas.viscosity_exponent(mean)
+    ratio = fit.heat_ratio(knudsen, heater / ambient, tac, viscosity_exponent=exponent)
     resistance = 1.0 / ratio - 1.0
-    walls = jnp.where(near > 0.0, fit.wall_factors(knudsen, 1.0 / jnp.maximum(near, 1e-9))[1], 1.0)
-    # beyond the table's end the effect of walls fades as that of collisions does
-    walls = walls ** jnp.minimum(1.0, fit.knudsen_range[1] / knudsen)
+    _, by_walls = fit.wall_factors(knudsen, 1.0 / jnp.maximum(near, 1e-9), tac)
+    walls = jnp.where(near > 0.0, by_walls, 1.0)
     between = jnp.maximum(1.0 / (ratio * walls) - 1.0, _LEAST_SHARE * resistance)
     continuum = tac * free_molecular / between
     # below the table's end conduction by the gas's own conductivity is approached
-    conducted = _DISK_CONDUCTION * gas.conductivity(0.5 * (heater + ambient)) / diameter
+    conducted = _DISK_CONDUCTION * gas.conductivity(mean) / diameter
     share = jnp.maximum(1.0 - knudsen / fit.knudsen_range[0], 0.0)
     open_space = tac * free_molecular / resistance
     return free_molecular, continuum * (conducted / open_space) ** share

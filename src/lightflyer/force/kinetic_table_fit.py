@@ -1,0 +1,215 @@
+"""How the smooth functions of :mod:`~lightflyer.force.kinetic_table` are fitted to its tables."""
+
+from typing import Any
+
+import numpy as np
+
+from lightflyer.force.kinetic_table import (
+    BOUNDARY_TAC,
+    TAC_OFFSET,
+    KineticFit,
+    Resistance,
+    Table,
+    Unlikeness,
+    WallTable,
+    denseness,
+    width,
+)
+from lightflyer.force.polynomials import (
+    as_tuples,
+    least_squares,
+    polynomial,
+    scaled,
+    trimmed,
+)
+from lightflyer.kinetic.model_gases import GasModel, gas_model
+
+SMALL = 0.1
+"""Differences of TACs up to this stand for the limit of small ones."""
+
+# powers of heating, viscosity exponent, TAC, and Knudsen number in the linear and the non-linear
+# problem: many for the limit of small differences, few for what changes with them
+_LIMIT_POWERS = [(0, 0, tac, knudsen, 0) for tac in range(4) for knudsen in range(11)]
+_HEATING = {  # powers of heating and TAC: number of powers of the Knudsen number
+    (1, 0): 7, (1, 1): 6, (1, 2): 5, (1, 3): 3,
+    (2, 0): 5, (2, 1): 4, (2, 2): 3,
+    (3, 0): 3, (3, 1): 2,
+}  # fmt: skip
+_HEATING_POWERS = [
+    (heating, 0, tac, 0, knudsen)
+    for (heating, tac), count in _HEATING.items()
+    for knudsen in range(count)
+]
+_EXPONENT_POWERS = [
+    (heating, 1, 0, 0, knudsen) for heating, count in ((1, 4), (2, 2)) for knudsen in range(count)
+]
+_POWERS = _LIMIT_POWERS + _HEATING_POWERS + _EXPONENT_POWERS
+_UNLIKE_POWERS = [(place, tac) for tac in range(3) for place in range(6 if tac < 2 else 3)]
+_WALL_POWERS = [(nearness, knudsen) for nearness in range(4) for knudsen in range(6)]
+_LEAST_WEIGHT = 2e-3  # of rows in thin gas, where the resistance hardly matters
+_ERROR_POWERS = [(0,), (1,), (2,)]
+_ITERATIONS = 100  # of a contraction by a half at least
+
+
+def fit(gas: str, table: Table, walls: WallTable) -> KineticFit:
+    """Smooth functions through tables.
+
+    Parameters
+    ----------
+    gas : {"diatomic", "monatomic"}
+    table : Table
+    walls : WallTable
+
+    Returns
+    -------
+    KineticFit
+    """
+    model, ends = gas_model(gas), _ends(table.knudsen)
+    hot_ends = _ends(table.knudsen[table.temperature_ratio != 1.0])
+    where = _place(table.knudsen, ends)
+    unlikeness = _fit_unlikeness(table, where)
+    force, heat = _of_like_faces(table, unlikeness, where)
+    like = table.tac_difference <= SMALL
+    variables = tuple(
+        column[like]
+        for column in (
+            np.log(table.temperature_ratio),
+            table.viscosity_exponent - model.viscosity_exponent,
+            _tac_variable(table.tac),
+            where,
+            _place(table.knudsen, hot_ends),
+        )
+    )
+
+    def resistance(ratio: np.ndarray, scale: np.ndarray | float) -> Resistance:
+        values = np.log((1.0 / ratio - 1.0) * table.knudsen / scale)
+        errors = 1.0 / (1.0 - ratio + _LEAST_WEIGHT)
+        found = np.asarray(least_squares(values[like], variables, _POWERS, errors[like]))
+        limit, heating = found[0, 0, :, :, 0], found[1:, 0, :, 0, :]
+        parts = limit, heating, found[1:, 1, 0, 0, :]
+        return Resistance(*(trimmed(as_tuples(part)) for part in parts))
+
+    of_force, of_heat = resistance(force, 1.0), resistance(heat, table.tac)
+    return KineticFit(
+        knudsen_range=ends,
+        hot_knudsen_range=hot_ends,
+        ratio_range=_ends(table.temperature_ratio),
+        tac_range=_ends(table.tac),
+        viscosity_exponent=model.viscosity_exponent,
+        conduction=_conduction(model),
+        force=of_force,
+        heat=of_heat,
+        unlikeness=unlikeness,
+        force_error=_fit_error(table, table.force_ratio_error / table.force_ratio, ends),
+        heat_error=_fit_error(table, table.heat_ratio_error / table.heat_ratio, ends),
+        **_fit_walls(walls, of_heat, ends),
+    )
+
+
+def _ends(values: np.ndarray) -> tuple[float, float]:
+    return float(values.min()), float(values.max())
+
+
+def _place(knudsen: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
+    return np.asarray(scaled(np.log(knudsen), *np.log(ends)))
+
+
+def _tac_variable(tac: Any) -> Any:
+    return np.log(tac + TAC_OFFSET)
+
+
+def _conduction(gas: GasModel) -> float:
+    r"""Logarithm of the resistance to heat by conduction, times the Knudsen number over the TAC.
+
+    That of :math:`8r\kappa\,\Delta T`, the heat of an isothermal disk, is
+    :math:`\pi(4+j)/(32\,\kappa/\mu R)` with j degrees of freedom of rotation.
+    """
+    conductivity = 2.5 / gas.translational_rate
+    modes = 4.0
+    if gas.has_rotation:
+        conductivity += 1.0 / gas.rotational_rate
+        modes += 2.0
+    return float(np.log(np.pi * modes / (32.0 * conductivity)))
+
+
+def _fit_unlikeness(table: Table, where: np.ndarray) -> Unlikeness:
+    """From pairs of linear rows that differ in the difference of the faces' TACs alone."""
+    linear = table.temperature_ratio == 1.0
+    like = {
+        (table.knudsen[row], table.tac[row]): row
+        for row in np.flatnonzero(linear & (table.tac_difference <= SMALL))
+    }
+    pairs = [
+        (row, like[place])
+        for row in np.flatnonzero(linear & (table.tac_difference > SMALL))
+        if (place := (table.knudsen[row], table.tac[row])) in like
+    ]
+    one, other = np.transpose(pairs)
+    wide, narrow = (width(table.tac_difference[rows], table.tac[rows]) for rows in (one, other))
+    change = 1.0 / table.heat_ratio[one] - 1.0 / table.heat_ratio[other]
+    share = change / (wide - narrow)
+    for _ in range(_ITERATIONS):
+        share = change / (wide / (1.0 - share * wide) - narrow / (1.0 - share * narrow))
+    resisted, before = (1.0 / table.force_ratio[rows] - 1.0 for rows in (one, other))
+    kept = resisted / before
+    of_force = (1.0 - kept) / (share * (wide - kept * narrow))
+    tac, knudsen, place = table.tac[one], table.knudsen[one], where[one]
+
+    def fitted(values: np.ndarray, effect: np.ndarray) -> Any:
+        errors = 1.0 / (effect + _LEAST_WEIGHT)
+        return least_squares(np.log(values), (place, _tac_variable(tac)), _UNLIKE_POWERS, errors)
+
+    resistance = share / (1.0 - share) * knudsen / tac
+    return Unlikeness(
+        fitted(resistance, share * wide),
+        fitted(of_force, of_force * share * wide * (1.0 - table.force_ratio[one])),
+    )
+
+
+def _of_like_faces(
+    table: Table, unlikeness: Unlikeness, where: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Force and heat ratios without what the difference of the TACs adds."""
+    resistance = polynomial(unlikeness.resistance, where, _tac_variable(table.tac))
+    of_force = polynomial(unlikeness.force, where, _tac_variable(table.tac))
+    share = 1.0 / (1.0 + table.knudsen / (table.tac * np.exp(resistance)))
+    share = share * width(table.tac_difference, table.tac)
+    resisted = (1.0 / table.force_ratio - 1.0) / (1.0 - np.exp(of_force) * share)
+    heat = 1.0 / table.heat_ratio - share / (1.0 - share)
+    return 1.0 / (1.0 + resisted), 1.0 / heat
+
+
+def _fit_error(table: Table, errors: np.ndarray, ends: tuple[float, float]) -> Any:
+    """Logarithm of the relative standard error: rows' root mean square at each Knudsen number.
+
+    Where there are hot rows it is theirs: their errors are larger.
+    """
+    hot = table.temperature_ratio != 1.0
+    counted = hot | (table.knudsen < table.knudsen[hot].min())
+    knudsen = np.unique(table.knudsen[counted])
+    squares = [np.mean(errors[counted & (table.knudsen == place)] ** 2) for place in knudsen]
+    return least_squares(0.5 * np.log(squares), (_place(knudsen, ends),), _ERROR_POWERS)
+
+
+def _fit_walls(walls: WallTable, heat: Resistance, ends: tuple[float, float]) -> dict[str, Any]:
+    """What walls leave of the resistance to heat, and what they add to the force over the heat."""
+    place = _place(walls.knudsen, ends)
+    opened = (
+        BOUNDARY_TAC
+        * np.exp(polynomial(heat.limit, _tac_variable(BOUNDARY_TAC), place))
+        / walls.knudsen
+    )
+    kept = ((1.0 + opened) / walls.heat_factor - 1.0) / opened
+    beside = np.log(walls.force_factor / walls.heat_factor) / denseness(walls.knudsen)
+    wall_ends = _ends(walls.knudsen)
+    variables = (1.0 / walls.boundary, _place(walls.knudsen, wall_ends))
+
+    def fitted(values: np.ndarray, errors: np.ndarray) -> Any:
+        return least_squares(values * walls.boundary, variables, _WALL_POWERS, errors)
+
+    return {
+        "heat_wall": fitted(np.log(kept), 1.0 / (opened + _LEAST_WEIGHT)),
+        "force_wall": fitted(beside, 1.0 / denseness(walls.knudsen)),
+        "wall_knudsen_range": wall_ends,
+        "nearest_wall": float(walls.boundary.min()),
+    }

@@ -261,5 +261,5 @@ def test_a_sandwich_has_maxwell_walls_and_says_so():
     plain, asked = lf.Kinetic(), lf.Kinetic(wall="accommodated")
     more = set(asked.caveats(sandwich, state, 250.0)) - set(plain.caveats(sandwich, state, 250.0))
     assert [text for text in more if text.startswith("wall = accommodated has no effect")]
-    assert plain.assumptions(sandwich)[0].startswith("a sandwich has Maxwell walls")
+    assert plain.assumptions(sandwich)[0].startswith("walls: Maxwell's for a sandwich")
     assert plain.force(sandwich, state, unknowns) == asked.force(sandwich, state, unknowns)

@@ -28,8 +28,8 @@ Polyatomic = Literal["refused", "scaled"]
 
 _UNCERTAIN_WALLS = ("unknown", "cercignani-lampis")  # those with an error
 _WALLS_OF_SANDWICH = (
-    "a sandwich has Maxwell walls; that others push less at large temperature differences is not "
-    "part of the error"
+    "Maxwell's for a sandwich; what others change at large temperature differences is not part of "
+    "the error"
 )
 
 
@@ -125,7 +125,9 @@ class Kinetic(AbstractForceModel):
 
     def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
         """See :meth:`AbstractForceModel.assumptions`."""
-        return (_WALLS_OF_SANDWICH if isinstance(flyer, Sandwich) else described(self._walls),)
+        if isinstance(flyer, Sandwich):
+            return (f"walls: {_WALLS_OF_SANDWICH}",)
+        return (described(self._walls),)
 
     def require_gas(self, gas: AbstractGas) -> None:
         """See :meth:`AbstractForceModel.require_gas`."""
@@ -168,7 +170,7 @@ class Kinetic(AbstractForceModel):
         if isinstance(flyer, Sandwich):
             found = kinetic_sandwich.caveats(flyer, state, temperature, self.transmission)
             if self.wall not in ("unknown", "maxwell"):
-                found += (f"wall = {self.wall} has no effect: {_WALLS_OF_SANDWICH}",)
+                found += (f"wall = {self.wall} has no effect: walls are {_WALLS_OF_SANDWICH}",)
             return found
         found = kinetic_disk.caveats(flyer, state, temperature, self._walls)
         if self.transmission != "aligned":

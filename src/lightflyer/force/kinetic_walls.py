@@ -35,13 +35,12 @@ Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
 """What becomes of molecules at a face; unknown is the middle of the next two."""
 
 _IN_WORDS = {
-    "unknown": "walls unknown: the middle of Maxwell's and of accommodated ones, whose half "
+    "unknown": "walls: unknown, the middle of Maxwell's and of accommodated ones, half of whose "
     "difference is the 95 % error",
-    "maxwell": "Maxwell walls: a share TAC of the molecules leaves at the temperature of the face, "
-    "the rest is reflected",
-    "accommodated": "accommodated walls: all molecules leave a face at one temperature",
-    "cercignani-lampis": "Cercignani-Lampis walls; between free molecules and conduction taken for "
-    "accommodated ones",
+    "maxwell": "walls: Maxwell's, a share TAC of the molecules leaves at the temperature of the "
+    "face, the rest is reflected",
+    "accommodated": "walls: accommodated, all molecules leave a face at one temperature",
+    "cercignani-lampis": "walls: Cercignani-Lampis, with the collisions of accommodated ones",
 }
 
 # powers of heating, TAC and Knudsen number

@@ -13,7 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.force.kinetic_table import KineticFit, Table, WallTable, wall_table
+from lightflyer.force.kinetic_ratios import KineticFit
+from lightflyer.force.kinetic_table import Table, WallTable, wall_table
 from lightflyer.force.kinetic_table_fit import fit
 from lightflyer.foundation.precision import float64
 from lightflyer.kinetic.cases import COARSE, FINE, MEDIUM, Case, solve_case

@@ -19,7 +19,7 @@ from lightflyer.force.channels import (
     gas_at_faces,
 )
 from lightflyer.force.disk_gas import disk_surroundings, recoil_ratio
-from lightflyer.force.kinetic_table import kinetic_fit
+from lightflyer.force.kinetic_table_fit import kinetic_fit
 from lightflyer.force.schafer2025_table import perforated_disk_fit, perforated_disk_table
 
 MODEL = lf.ChannelPump()

@@ -11,7 +11,7 @@ from scipy.optimize import approx_fprime
 import lightflyer as lf
 from lightflyer.environment import EnvironmentState, Radiation
 from lightflyer.force import kinetic_table, kinetic_table_fit
-from lightflyer.force.kinetic_table import kinetic_fit
+from lightflyer.force.kinetic_table_fit import kinetic_fit
 
 GASES = kinetic_table.GASES
 COLD = 205.0

@@ -8,7 +8,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.force import kinetic_sandwich_table as tables
-from lightflyer.force.kinetic_table import kinetic_fit
+from lightflyer.force.kinetic_table_fit import kinetic_fit
 from lightflyer.force.sandwich import rarefaction
 from lightflyer.kinetic.cases import COARSE, Case, solve_case
 from lightflyer.kinetic.model_gases import DIATOMIC

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lightflyer.force.kinetic_table import kinetic_fit
+from lightflyer.force.kinetic_table_fit import kinetic_fit
 from lightflyer.foundation.precision import float64
 
 STUDY = Path(__file__).parents[2] / "studies" / "kinetic_table" / "study.py"

@@ -4,16 +4,18 @@ import math
 from typing import Any
 
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.disk import Disk
 from lightflyer.force import kinetic_walls
 from lightflyer.force.free_molecular import disk_conductance
-from lightflyer.force.kinetic_table import GASES, KineticFit, kinetic_fit
+from lightflyer.force.kinetic_ratios import KineticFit
+from lightflyer.force.kinetic_table import GASES
+from lightflyer.force.kinetic_table_fit import kinetic_fit
 from lightflyer.force.kinetic_walls import Walls
 from lightflyer.force.schafer2025_table import internal_factors
+from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import AbstractGas, knudsen_number
@@ -95,9 +97,9 @@ def caveats(
 ) -> tuple[str, ...]:
     """See :meth:`AbstractForceModel.caveats`."""
     fit, knudsen = _fit_and_knudsen_number(disk, state)
-    pressure, ratio = state.pressure, np.asarray(temperature / state.temperature)
-    hot = np.where(np.abs(ratio - 1.0) > _SMALL, knudsen, np.nan)
+    pressure, ratio = state.pressure, temperature / state.temperature
     lowest, lowest_hot = fit.knudsen_range[0], fit.hot_knudsen_range[0]
+    hot = _where_heating_matters(ratio, knudsen, lowest_hot)
     looks = [
         (Validity("the Knudsen number", lowest, math.inf, _DENSE), knudsen),
         (Validity("the Knudsen number", lowest_hot, math.inf, _HOT_DENSE), hot),
@@ -112,6 +114,11 @@ def caveats(
         found.append(f"{state.gas.name} {_SCALED}")
     covered = fit.knudsen_range[0]
     return (*found, *kinetic_walls.caveats(disk, walls, knudsen, pressure, covered))
+
+
+@entry_point
+def _where_heating_matters(ratio: Numeric, knudsen: Numeric, otherwise: float) -> Array:
+    return jnp.where(jnp.abs(ratio - 1.0) > _SMALL, knudsen, otherwise)
 
 
 def scaled_heat_ratio(ratio: Numeric, resistance: Numeric) -> Array:

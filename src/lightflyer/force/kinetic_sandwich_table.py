@@ -33,13 +33,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.force.kinetic_table import (
-    COLLISION_ERROR,
-    GASES,
-    HEAT_EQUATION_ERROR,
-    KineticFit,
-    kinetic_fit,
-)
+from lightflyer.force.kinetic_ratios import COLLISION_ERROR, HEAT_EQUATION_ERROR, KineticFit
+from lightflyer.force.kinetic_table import GASES
+from lightflyer.force.kinetic_table_fit import kinetic_fit
 from lightflyer.force.polynomials import (
     as_tuples,
     error_fit,

@@ -1,20 +1,20 @@
-"""How the smooth functions of :mod:`~lightflyer.force.kinetic_table` are fitted to its tables."""
+"""The fit of kinetic force and heat to the solver's tables."""
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from lightflyer.force.kinetic_table import (
+from lightflyer.force.kinetic_ratios import (
     BOUNDARY_TAC,
     TAC_OFFSET,
     KineticFit,
     Resistance,
-    Table,
     Unlikeness,
-    WallTable,
     denseness,
     width,
 )
+from lightflyer.force.kinetic_table import Table, WallTable, kinetic_table, wall_table
 from lightflyer.force.polynomials import (
     as_tuples,
     least_squares,
@@ -49,6 +49,21 @@ _WALL_POWERS = [(nearness, knudsen) for nearness in range(4) for knudsen in rang
 _LEAST_WEIGHT = 2e-3  # of rows in thin gas, where the resistance hardly matters
 _ERROR_POWERS = [(0,), (1,), (2,)]
 _ITERATIONS = 100  # of a contraction by a half at least
+
+
+@lru_cache
+def kinetic_fit(gas: str = "diatomic") -> KineticFit:
+    """Smooth functions through the table for a gas.
+
+    Parameters
+    ----------
+    gas : {"diatomic", "monatomic"}
+
+    Returns
+    -------
+    KineticFit
+    """
+    return fit(gas, kinetic_table(gas), wall_table(gas))
 
 
 def fit(gas: str, table: Table, walls: WallTable) -> KineticFit:

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.force.kinetic_table import kinetic_fit
+from lightflyer.force.kinetic_table_fit import kinetic_fit
 from lightflyer.force.laws import free_molecular_conductance
 from lightflyer.force.lu2023 import READINGS, Reading, heat_conductances
 from lightflyer.foundation import constants

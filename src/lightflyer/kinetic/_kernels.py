@@ -13,9 +13,9 @@ _FOLDER = Path(__file__).parent
 
 
 def forget_stale_kernels(folder: Path = _FOLDER) -> None:
-    """Remove kernels compiled before the latest change of a source file in a folder."""
-    changed = max((file.stat().st_mtime for file in folder.glob("*.py")), default=0.0)
-    for index in (folder / "__pycache__").glob("*.nbi"):
+    """Remove kernels compiled before the latest change of a source file in a folder or below."""
+    changed = max((file.stat().st_mtime for file in folder.rglob("*.py")), default=0.0)
+    for index in folder.rglob("__pycache__/*.nbi"):
         try:
             if index.stat().st_mtime < changed:
                 index.unlink(missing_ok=True)

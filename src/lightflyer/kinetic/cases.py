@@ -160,13 +160,14 @@ def solve_case(
             start = system.solve(walls)[0]
         fields, iterations = problem.solve(disk, start, tolerance)
         faces = [problem.face_result(fields, face, disk) for face in (0, 1)]
-    force, heat = _totals(mesh, faces)
+    force, heat = totals(mesh, faces)
     if not np.isfinite(force):
         raise ConvergenceError("the kinetic equation gave no finite force")
     return Outcome(force, heat, fields, iterations, mesh)
 
 
-def _totals(mesh: Mesh, faces: list[FaceResult]) -> tuple[float, tuple[float, float]]:
+def totals(mesh: Mesh, faces: list[FaceResult]) -> tuple[float, tuple[float, float]]:
+    """Force on a disk and heat out of its faces, from those of a unit area."""
     weights = mesh.face_weights
     force = float(weights @ (faces[1].pressure - faces[0].pressure))
     return force, (float(weights @ faces[0].heat), float(weights @ faces[1].heat))

@@ -1,8 +1,8 @@
 """Linear problem: two faces of any TAC and temperature, split into even and odd fields."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
@@ -277,7 +277,7 @@ class LinearSystem:
         if shift == half == opened == 0.0:
             solution, iterations = start, 1
         else:
-            solution, iterations = _gmres(apply, start)
+            solution, iterations = solve_by_gmres(apply, start)
         e, o = solution.reshape(2, self.n, self.fields)
         return np.stack([e + o, e - o]), iterations
 
@@ -309,13 +309,22 @@ class LinearSystem:
         return arriving
 
 
-def _gmres(apply: Any, right: np.ndarray) -> tuple[np.ndarray, int]:
+def solve_by_gmres(
+    apply: Callable[[np.ndarray], np.ndarray], right: np.ndarray, tolerance: float = _TOLERANCE
+) -> tuple[np.ndarray, int]:
+    """Solution of a linear system given by its action, and the number of iterations.
+
+    Raises
+    ------
+    ConvergenceError
+        If it does not converge.
+    """
     residuals: list[float] = []
     operator = LinearOperator((right.size, right.size), matvec=apply, dtype=float)
     solution, info = gmres(
         operator,
         right,
-        rtol=_TOLERANCE,
+        rtol=tolerance,
         restart=_MOST_ITERATIONS,
         maxiter=1,
         callback=residuals.append,
@@ -356,9 +365,29 @@ def face_result(system: LinearSystem, walls: Walls, fields: np.ndarray, face: in
     -------
     FaceResult
     """
+    return result_of_arriving(system, walls, system.arriving(fields), face)
+
+
+def result_of_arriving(
+    system: LinearSystem, walls: Walls, arriving: np.ndarray, face: int
+) -> FaceResult:
+    """Normal pressure and heat flux, as :func:`face_result`, from fluxes that arrive at a face.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        Whose walls and gas are meant.
+    walls : Walls
+    arriving : array, shape (e, 3 or 4)
+        Fluxes of :meth:`LinearSystem.arriving`.
+    face : int
+
+    Returns
+    -------
+    FaceResult
+    """
     tac, diffuse = walls.tac[face], system.diffuse_share(walls.tac[face])
     velocity = walls.velocity * (1.0 if face == 0 else -1.0)
-    arriving = system.arriving(fields)
     number, momentum, energy = arriving[:, 0], arriving[:, 1], arriving[:, 2]
     temperature = system.emitted_temperature(tac, walls.temperature[face], velocity, arriving)
     sigma = 2.0 * _SQRT_PI * number + _SQRT_PI * velocity

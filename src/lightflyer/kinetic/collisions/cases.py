@@ -1,0 +1,61 @@
+"""Cases of the disk problem with the collision operator of real molecules, on one mesh."""
+
+from lightflyer.kinetic.cases import Case, Outcome, Resolution, totals
+from lightflyer.kinetic.collisions.brackets import Molecule
+from lightflyer.kinetic.collisions.operator import MOMENTS, CollisionOperator, Moments
+from lightflyer.kinetic.collisions.problem import SLOW, MolecularProblem
+from lightflyer.kinetic.collisions.rows import MolecularRows, assemble
+from lightflyer.kinetic.linear import Walls
+
+
+def slow_rows(case: Case, resolution: Resolution, molecule: Molecule) -> MolecularRows:
+    """Rows of the preconditioner, which serve all molecules with the same viscosity exponent."""
+    mesh = resolution.mesh(case.rarefaction, case.boundary)
+    return assemble(
+        mesh, case.rarefaction, resolution.quadrature, CollisionOperator(molecule, SLOW)
+    )
+
+
+def solve_molecules(
+    case: Case,
+    resolution: Resolution,
+    molecule: Molecule,
+    *,
+    moments: Moments = MOMENTS,
+    rows: MolecularRows | None = None,
+) -> Outcome:
+    """Solve a linear case for molecules on one mesh.
+
+    Parameters
+    ----------
+    case : Case
+        Linear and without holes; its gas is not used.
+    resolution : Resolution
+    molecule : Molecule
+    moments : Moments
+    rows : MolecularRows, optional
+        Of :func:`slow_rows`.
+
+    Returns
+    -------
+    Outcome
+
+    Raises
+    ------
+    ConvergenceError
+        If GMRES does not converge.
+    """
+    mesh = resolution.mesh(case.rarefaction, case.boundary)
+    problem = MolecularProblem(
+        mesh,
+        case.rarefaction,
+        resolution.quadrature,
+        CollisionOperator(molecule, moments),
+        0.5 * sum(case.tac),
+        case.wall,
+        rows,
+    )
+    walls = Walls(case.tac, case.perturbation)
+    fields, iterations = problem.solve(walls)
+    force, heat = totals(mesh, problem.face_results(walls, fields))
+    return Outcome(force, heat, problem.gas_fields(fields), iterations, mesh)

@@ -1,0 +1,193 @@
+"""Assembly of the linear problem of real molecules on a mesh: matrices for any wall."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from lightflyer.kinetic.collisions import kernel
+from lightflyer.kinetic.collisions.operator import CollisionOperator
+from lightflyer.kinetic.collisions.tables import ray_table
+from lightflyer.kinetic.linear_kernel import FLUXES
+from lightflyer.kinetic.mesh import Mesh
+from lightflyer.kinetic.operators import Quadrature, face_points, kernel_arguments, node_points
+
+
+@dataclass(frozen=True)
+class Components:
+    """What is known of the gas at a node: harmonics times powers of the speed.
+
+    Attributes
+    ----------
+    operator : CollisionOperator
+    """
+
+    operator: CollisionOperator
+
+    @cached_property
+    def translation(self) -> list[tuple[int, int, int]]:
+        """Degree l, order m and number a of the power of each component without rotation."""
+        sizes = self.operator.moments.translation
+        return [(l, m, a) for l, size in enumerate(sizes) for m in range(l + 1) for a in range(size)]
+
+    @cached_property
+    def rotation(self) -> np.ndarray:
+        """Which of these rotational energy has too, by number."""
+        if not self.operator.molecule.rotates:
+            return np.empty(0, int)
+        sizes = self.operator.moments.rotation
+        kept = [l < len(sizes) and a < sizes[l] for l, _, a in self.translation]
+        return np.flatnonzero(kept)
+
+    @property
+    def size(self) -> int:
+        """Number of components, rotational ones last."""
+        return len(self.translation) + self.rotation.size
+
+    @cached_property
+    def mixing(self) -> np.ndarray:
+        """From the moments at a node to the sources there, shape (size, size)."""
+        return self._spread(self.operator.mixing)
+
+    @cached_property
+    def orthonormal(self) -> np.ndarray:
+        """From powers to orthonormal functions, shape (size, size)."""
+        return self._spread(self.operator.orthonormal)
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """⟨ν φ φ⟩ of the powers, shape (size, size)."""
+        return self._spread(self.operator.weights)
+
+    @cached_property
+    def names(self) -> list[tuple[int, int, int, bool]]:
+        """Degree l, order m, number a of the power, and whether it is of rotation."""
+        moved = [(*which, False) for which in self.translation]
+        return moved + [(*self.translation[i], True) for i in self.rotation]
+
+    def _spread(self, of_degree: Callable[[int], np.ndarray]) -> np.ndarray:
+        """Matrix of all components from one block per degree, the same for all orders m."""
+        sizes = self.operator.moments.translation
+        blocks = [of_degree(degree) for degree in range(len(sizes))]
+        matrix = np.zeros((self.size, self.size))
+        for i, (l, m, a, rotates) in enumerate(self.names):
+            for k, (other, order, b, turns) in enumerate(self.names):
+                if l == other and m == order:
+                    matrix[i, k] = blocks[l][a + sizes[l] * rotates, b + sizes[l] * turns]
+        return matrix
+
+
+@dataclass(frozen=True)
+class MolecularRows:
+    """Assembled rows, with n nodes of a half, e of a face and k translational components.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    own, other, reflected : array, shape (n, n, k, k)
+        Node of the row, of the column, source, moment.
+    sigma, temperature : array, shape (n, e, k)
+        Contribution of σ and of the temperature at the nodes of the face to each moment.
+    velocity : array, shape (n, k)
+        Contribution of a uniform velocity of the face.
+    fluxes : array, shape (e, n, k, 3)
+        Node of the face, node, source, arriving flux of number, normal momentum, energy.
+    """
+
+    mesh: Mesh
+    own: np.ndarray
+    other: np.ndarray
+    reflected: np.ndarray
+    sigma: np.ndarray
+    temperature: np.ndarray
+    velocity: np.ndarray
+    fluxes: np.ndarray
+
+
+def assemble(
+    mesh: Mesh, rarefaction: float, quadrature: Quadrature, operator: CollisionOperator
+) -> MolecularRows:
+    """Assemble the linear operators by tracing all rays of a mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    rarefaction : float
+        δ = √π/(4 Kn).
+    quadrature : Quadrature
+    operator : CollisionOperator
+        Rotation does not enter: rows serve all molecules with the same viscosity exponent.
+
+    Returns
+    -------
+    MolecularRows
+    """
+    components = Components(operator)
+    setup, panels = kernel_arguments(mesh, rarefaction, quadrature)
+    norms, odd, numbers = harmonic_arguments(components)
+    n, e, k = mesh.size, mesh.eta.size, len(components.translation)
+    table, scale = ray_table(operator, highest_power(components))
+    exact = components.weights[:k, :k].copy()
+    arguments = (*setup[:4], table, scale, norms, odd, numbers[:, :k].copy(), exact)
+    own, other, reflected = (np.zeros((n, n, k * k)) for _ in range(3))
+    walls = np.zeros((n, 2 * e + 1, k))
+    kernel.assemble(
+        node_points(mesh), False, rarefaction, arguments, panels, own, other, reflected, walls
+    )
+    fluxes, nothing = np.zeros((e, n, k * FLUXES)), np.zeros((e, 1, k))
+    kernel.assemble(
+        face_points(mesh), True, rarefaction, arguments, panels, fluxes, fluxes, fluxes, nothing
+    )
+    change = components.orthonormal[:k, :k]
+    walls = walls @ change.T
+    return MolecularRows(
+        mesh=mesh,
+        own=_changed(own, change),
+        other=_changed(other, change),
+        reflected=_changed(reflected, change),
+        sigma=walls[:, :e],
+        temperature=walls[:, e : 2 * e],
+        velocity=walls[:, 2 * e],
+        fluxes=np.einsum("sa,ejak->ejsk", change, fluxes.reshape(e, n, k, FLUXES)),
+    )
+
+
+def _changed(rows: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """Rows between orthonormal functions in place of powers, node by node to save memory."""
+    n, k = rows.shape[0], change.shape[0]
+    rows = rows.reshape(n, n, k, k)
+    for i in range(n):
+        rows[i] = change @ rows[i] @ change.T
+    return rows
+
+
+def harmonic_arguments(components: Components) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Arguments of the kernels that say what the components are.
+
+    Returns
+    -------
+    norms : array, shape (degrees, degrees)
+        Of the harmonics.
+    odd : array of bool
+        Whether the order m of each harmonic is odd.
+    numbers : array of int, shape (2, size)
+        Harmonic and power of the speed of each component.
+    """
+    degrees = components.operator.moments.degrees
+    odd = np.array([m % 2 == 1 for l in range(degrees) for m in range(l + 1)])
+    norms = np.zeros((degrees, degrees))
+    for l in range(degrees):
+        for m in range(l + 1):
+            ratio = math.factorial(l - m) / math.factorial(l + m)
+            norms[l, m] = math.sqrt((2 * l + 1) * (1 if m == 0 else 2) * ratio)
+    moments = components.operator.moments
+    numbers = [(l * (l + 1) // 2 + m, moments.powers(l)[a]) for l, m, a, _ in components.names]
+    return norms, odd, np.array(numbers).T.copy()
+
+
+def highest_power(components: Components) -> int:
+    """Highest power of the speed in the integrals along rays."""
+    moments = components.operator.moments
+    return 2 * max(max(moments.powers(l)) for l in range(moments.degrees)) + 4

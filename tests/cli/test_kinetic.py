@@ -40,6 +40,7 @@ def test_one_json_and_a_figure(run, tmp_path):
         "open_fraction": 0.0,
         "gas": "monatomic",
         "wall": "maxwell",
+        "collisions": "shakhov",
         "boundary": 4.0,
     }
     assert json.loads((out / "kinetic.json").read_text()) == found | {"inputs": inputs}
@@ -53,7 +54,7 @@ def test_table_of_a_hot_disk(run, monkeypatch):
     ratios = ("--temperature-ratio", "2", "--top-temperature-ratio", "1.5")
     code, text, _ = run(*CASE, *ratios, "--open-fraction", "0.3", "--gas", "diatomic")
     assert code == 0
-    heading = "TAC 0.8 top, 0.9 bottom, open fraction 0.3, diatomic, T_h/T_c 1.5 and 2, open"
+    heading = "TAC 0.8 top, 0.9 bottom, Maxwell walls, open fraction 0.3, diatomic, T_h/T_c 1.5"
     assert heading in text
     assert "force" in text
     assert "heat, bottom" in text

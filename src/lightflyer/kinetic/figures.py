@@ -54,8 +54,8 @@ def draw_flow(solution: "Solution", ax: Axes, extent: float = _EXTENT) -> Axes:
     ax.set_xlabel("distance from the axis [disk radii]")
     ax.set_ylabel("height [disk radii]")
     words = solution.title.replace("T_h/T_c", "$T_h/T_c$")
-    first, _, second = words.partition(" bottom, ")
-    ax.set_title(f"{first} bottom\n{second}", fontsize="medium")
+    first, _, second = words.partition(" walls, ")
+    ax.set_title(f"{first} walls\n{second}", fontsize="medium")
     return ax
 
 

@@ -34,6 +34,9 @@ def kinetic_command(
     gas: Literal["monatomic", "diatomic"] = "monatomic",
     wall: Literal["maxwell", "accommodated"] = "maxwell",
     boundary: float | None = None,
+    collisions: Literal["shakhov", "vhs"] = "shakhov",
+    viscosity_exponent: float | None = None,
+    rotational_collision_number: float | None = None,
     out: Path | None = None,
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
@@ -71,6 +74,14 @@ def kinetic_command(
     boundary
         Half-width and half-height of a cold cylindrical reservoir around the disk, in radii:
         1.5 to 338 Kn.
+    collisions
+        The model equation of Shakhov and Rykov, or the collision operator of VHS molecules, in the
+        linear problem.
+    viscosity_exponent
+        Of VHS molecules: 0.5 for hard spheres to 1; 0.66, or 0.74 with rotation, if not given.
+    rotational_collision_number
+        Inverse probability that a diatomic VHS molecule exchanges rotational energy in a
+        collision, at least 1; 5 if not given.
     out
         Folder for a figure of temperature and streamlines and the result (JSON).
     json_output
@@ -105,6 +116,9 @@ def kinetic_command(
             gas=gas,
             wall=wall,
             boundary=boundary,
+            collisions=collisions,
+            viscosity_exponent=viscosity_exponent,
+            rotational_collision_number=rotational_collision_number,
         )
         if stage is not None:
             report("drawing the flow")
@@ -127,9 +141,10 @@ def _show(console: "Console", solution: "Solution") -> None:
     console.print(solution.title, soft_wrap=True)
     console.print(_table(described))
     count = described["iterations"]
+    excluded = " and excludes that of the model" if solution.is_model else ""
     console.print(
         f"{count} iteration{'' if count == 1 else 's'}, {described['seconds']:.1f} s; the error is "
-        "numerical and excludes that of the model",
+        f"numerical{excluded}",
         soft_wrap=True,
     )
 

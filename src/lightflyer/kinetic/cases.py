@@ -1,6 +1,7 @@
 """Cases of the disk problem, and their solution on one mesh."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from lightflyer.kinetic.model_gases import GasModel
 from lightflyer.kinetic.nonlinear import HotDisk, NonlinearProblem
 from lightflyer.kinetic.operators import Quadrature, assemble
 from lightflyer.kinetic.walls import Wall
+
+if TYPE_CHECKING:
+    from lightflyer.kinetic.collisions.brackets import Molecule
 
 SMALLEST_ERROR = {"force_ratio": 1e-4, "heat_ratio": 5e-5}
 """Least error that is stated, where two meshes happen to agree better."""
@@ -65,6 +69,8 @@ class Case:
     open_fraction : float
         Share of the molecules arriving at a face that pass the disk.
     wall : {"maxwell", "accommodated"}
+    molecule : Molecule or None
+        What collides by the real operator, in place of the gas's model equation.
     """
 
     rarefaction: float
@@ -75,6 +81,7 @@ class Case:
     boundary: float
     open_fraction: float = 0.0
     wall: Wall = "maxwell"
+    molecule: "Molecule | None" = None
 
     @property
     def perturbation(self) -> tuple[float, float]:

@@ -1,7 +1,7 @@
 """The disk problem: force and heat relative to their free-molecular values, with errors."""
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.kinetic.cases import Case, Outcome
+    from lightflyer.kinetic.collisions.brackets import Molecule
 
 KNUDSEN_RANGE = (0.03, 100.0)
 """Knudsen numbers λ(T_c)/(2r) for which the meshes are made."""
@@ -31,6 +32,9 @@ SMALLEST_BOUNDARY = 1.5
 
 FURTHEST_DEPTH = 150.0
 """Half-width of the largest reservoir that the meshes resolve, in lengths 2λ/√π."""
+
+
+_NITROGEN_COLLISIONS = 5.0  # near 300 K
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,8 @@ class Solution:
         Q/Q_fm of both faces together.
     error_estimate : dict of str to float
         Numerical error of ``force_ratio`` and ``heat_ratio``: their change with a coarser mesh. It
-        excludes the error of the model equation.
+        excludes the error of the model equation; with VHS molecules their change with a coarser
+        mesh and fewer moments.
     iterations : int
     seconds : float
         Time of the solution on both meshes.
@@ -80,6 +85,11 @@ class Solution:
         return self._case.linear
 
     @property
+    def is_model(self) -> bool:
+        """Whether a model equation stands for the collisions."""
+        return self._case.molecule is None
+
+    @property
     def boundary(self) -> float:
         """Half-width of the reservoir [disk radii], infinite in open space."""
         return self._case.boundary
@@ -103,6 +113,7 @@ class Solution:
             "gas": case.gas.name,
             "wall": case.wall,
             "boundary": self.boundary if np.isfinite(self.boundary) else None,
+            **_described(case.molecule),
         }
 
     @property
@@ -115,9 +126,12 @@ class Solution:
         is_open = np.isinf(self.boundary)
         where = "open space" if is_open else f"reservoir at {self.boundary:g} radii"
         holes = f"open fraction {case.open_fraction:g}, " if case.open_fraction else ""
+        gas = case.gas.name
+        if case.molecule is not None:
+            gas += f" VHS molecules of exponent {case.molecule.viscosity_exponent:g}"
         return (
             f"Kn {self.knudsen:g}, TAC {case.tac[0]:g} top, {case.tac[1]:g} bottom, "
-            f"{holes}{case.gas.name}, {heated}, {where}, {WALLS[case.wall]}"
+            f"{WALLS[case.wall]}, {holes}{gas}, {heated}, {where}"
         )
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
@@ -182,12 +196,17 @@ def solve(
     gas: str = "monatomic",
     wall: str = "maxwell",
     boundary: float | None = None,
+    collisions: str = "shakhov",
+    viscosity_exponent: float | None = None,
+    rotational_collision_number: float | None = None,
 ) -> Solution:
     r"""Solve the kinetic equation around a thin disk, or one with holes.
 
     Without ``temperature_ratio`` the linearised Shakhov equation is solved (of Rykov's type for a
-    diatomic gas), with it the non-linear one with a viscosity :math:`\mu \propto T^\omega`. Results
-    are relative to the exact free-molecular values for the same wall, linear or non-linear.
+    diatomic gas), with it the non-linear one with a viscosity :math:`\mu \propto T^\omega`. With
+    ``collisions="vhs"`` the linear problem has the collision operator of VHS molecules in place of
+    a model equation. Results are relative to the exact free-molecular values for the same wall,
+    linear or non-linear.
 
     Parameters
     ----------
@@ -210,6 +229,14 @@ def solve(
     boundary : float, optional
         Half-width and half-height of a cylindrical reservoir at T_c [disk radii], at least 1.5
         and up to 338 Kn; by default open space.
+    collisions : {"shakhov", "vhs"}
+        A model equation, or molecules that scatter isotropically with a cross-section by which
+        :math:`\mu \propto T^\omega`; these in the linear problem and without holes only.
+    viscosity_exponent : float, optional
+        ω of VHS molecules, from 0.5 (hard spheres) to 1; by default 0.66, or 0.74 with rotation.
+    rotational_collision_number : float, optional
+        Inverse probability that a diatomic VHS molecule exchanges rotational energy in a
+        collision by Larsen and Borgnakke's rule, at least 1; by default 5, nitrogen's.
 
     Returns
     -------
@@ -227,7 +254,7 @@ def solve(
     References
     ----------
     [Shakhov1968]_; [Rykov1975]_ and [Wu2015]_ for a diatomic gas, whose constants are nitrogen's
-    ([Bird1994]_, [LemmonJacobsen2004]_). Compared with [Plimpton2019]_ and [Schafer2025]_.
+    ([Bird1994]_, [LemmonJacobsen2004]_); [Bird1994]_ for VHS molecules. Compared with [Plimpton2019]_ and [Schafer2025]_.
 
     Examples
     --------
@@ -246,11 +273,18 @@ def solve(
         wall,
         boundary,
     )
+    molecule = _molecule(case, collisions, viscosity_exponent, rotational_collision_number)
     from lightflyer.kinetic.cases import SMALLEST_ERROR, meshes, solve_case
 
     began = time.perf_counter()
     report("solving the kinetic equation (compiled once, at its first use)")
-    fine, coarse = (solve_case(case, mesh) for mesh in meshes(knudsen, linear=case.linear))
+    if molecule is None:
+        fine, coarse = (solve_case(case, mesh) for mesh in meshes(knudsen, linear=case.linear))
+    else:
+        from lightflyer.kinetic.collisions.cases import solve_at_two_levels
+
+        case = replace(case, molecule=molecule)
+        fine, coarse = solve_at_two_levels(case, molecule)
     found, other = _ratios(case, fine), _ratios(case, coarse)
     errors = {
         name: _difference(found[name], other[name], least) for name, least in SMALLEST_ERROR.items()
@@ -312,6 +346,40 @@ def _case(
     )
 
 
+def _molecule(
+    case: "Case", collisions: str, exponent: float | None, number: float | None
+) -> "Molecule | None":
+    """Molecules of the real collision operator, or none for the model equation."""
+    if collisions == "shakhov":
+        for name, value in (
+            ("viscosity_exponent", exponent),
+            ("rotational_collision_number", number),
+        ):
+            if value is not None:
+                raise ParameterError(f'{name} belongs to collisions = "vhs"')
+        return None
+    if collisions != "vhs":
+        raise ParameterError(f'collisions = "{collisions}" is not shakhov or vhs')
+    if not case.linear:
+        raise ParameterError(
+            'collisions = "vhs" is for the linear problem: omit temperature_ratio, or use '
+            "direct simulation"
+        )
+    if case.open_fraction:
+        raise ParameterError('open_fraction must be 0 with collisions = "vhs"')
+    from lightflyer.kinetic.collisions.brackets import Molecule
+
+    rotates = case.gas.has_rotation
+    if number is not None and not rotates:
+        raise ParameterError('rotational_collision_number belongs to gas = "diatomic"')
+    if exponent is None:
+        exponent = case.gas.viscosity_exponent
+    number = _NITROGEN_COLLISIONS if number is None else number
+    require_range("viscosity_exponent", exponent, 0.5, 1.0)
+    require_range("rotational_collision_number", number, 1.0)
+    return Molecule(float(exponent), 1.0 / number if rotates else 0.0, rotates)
+
+
 def furthest_boundary(knudsen: float) -> float:
     """Half-width of the largest reservoir that is resolved at a Knudsen number [disk radii]."""
     return FURTHEST_DEPTH * 4.0 * knudsen / float(np.sqrt(np.pi))
@@ -324,6 +392,15 @@ def _require_resolved(knudsen: float, boundary: float) -> None:
             f"boundary = {boundary:g} exceeds {furthest:.3g}, the largest resolved at knudsen = "
             f"{knudsen:g}; omit it: the effect of a reservoir falls as 1/boundary"
         )
+
+
+def _described(molecule: "Molecule | None") -> dict[str, Any]:
+    if molecule is None:
+        return {"collisions": "shakhov"}
+    described = {"collisions": "vhs", "viscosity_exponent": molecule.viscosity_exponent}
+    if molecule.rotates:
+        described["rotational_collision_number"] = 1.0 / molecule.exchange
+    return described
 
 
 def _ratios(case: "Case", outcome: "Outcome") -> dict[str, float | None]:

@@ -80,13 +80,14 @@ class Kinetic(AbstractForceModel):
     -----
     The table is that of the gas's kind, monatomic or diatomic; there is none for others.
 
-    The table ends at Kn = 0.03. In denser gas the heat loss goes on as that of conduction, the
-    force as a power law; natural convection is left out. Beyond the table's temperature ratio
-    of 2.5 the ratios stay what they are there.
+    The table is for Kn from 0.006, :math:`T_h/T_c` from 0.5 to 3.5 and mean TACs from 0.1. In
+    denser gas the heat loss goes on as that of conduction, the force as :math:`\mathrm{Kn}^2`;
+    natural convection is left out. Below Kn = 0.013 what large temperature differences change is
+    held. Beyond the temperature ratios and TACs of the table the ratios stay what they are at its
+    ends. Each of these has a warning.
 
-    The table is for small differences of the faces' TACs. At 0.5 and 1 and Kn = 0.1 the heat loss
-    comes out 2 % too large and the force 1.4 % too small; at 0.8 and 0.9 the heat is right to
-    0.2 %.
+    Faces may differ in their TACs by any amount. The viscosity exponent is that of the gas at the
+    mean of the two temperatures.
 
     A sandwich is one thin disk with holes whose faces are at the temperatures of its membranes,
     with a table of its own (:mod:`lightflyer.force.kinetic_sandwich_table`) up to a rarefaction of

@@ -107,24 +107,33 @@ class Unlikeness:
     Attributes
     ----------
     resistance : nested tuple of float
-        Coefficients of the logarithm of :math:`R_o\,\mathrm{Kn}`: Knudsen number, TAC.
+        Coefficients of the logarithm of :math:`R_o\,\mathrm{Kn}` for small temperature differences:
+        Knudsen number, TAC.
     force : nested tuple of float
         Coefficients of the logarithm of :math:`k`, likewise.
+    hot_resistance, hot_force : nested tuple of float
+        Coefficients of what heating adds to these logarithms, per unit of its own.
+    hot_knudsen_range : tuple of float
+        Of hot faces that are unlike; beyond it what heating adds stays what it is there.
     """
 
     resistance: Any
     force: Any
+    hot_resistance: Any
+    hot_force: Any
+    hot_knudsen_range: tuple[float, float]
 
-    def share(self, place: Place, knudsen: Numeric, tac_difference: Numeric) -> Array:
-        """:math:`gw` at a place."""
-        logarithm = polynomial(self.resistance, place.thinness, place.tac_variable)
+    def at(self, place: Place, knudsen: Numeric, tac_difference: Numeric) -> tuple[Array, Array]:
+        """:math:`gw` and :math:`k` at a place."""
+        where, tac = place.thinness, place.tac_variable
+        hot = thinness(knudsen, self.hot_knudsen_range)
+        logarithm = polynomial(self.resistance, where, tac)
+        logarithm += place.heating * polynomial(self.hot_resistance, hot, tac)
+        of_force = polynomial(self.force, where, tac)
+        of_force += place.heating * polynomial(self.hot_force, hot, tac)
         resistance = place.tac * jnp.exp(logarithm) / knudsen
         apart = jnp.minimum(width(tac_difference, place.tac), 1.0)
-        return apart * resistance / (1.0 + resistance)
-
-    def of_force(self, place: Place) -> Array:
-        """:math:`k` at a place."""
-        return jnp.exp(polynomial(self.force, place.thinness, place.tac_variable))
+        return apart * resistance / (1.0 + resistance), jnp.exp(of_force)
 
 
 @dataclass(frozen=True)
@@ -199,8 +208,8 @@ class KineticFit:
         # below the table the force is that of the edge, ∝ Kn²
         resistance = jnp.exp(fitted) / (place.dense * knudsen)
         if tac_difference is not None:
-            gw = self.unlikeness.share(place, knudsen, tac_difference)
-            resistance *= 1.0 - self.unlikeness.of_force(place) * gw
+            gw, k = self.unlikeness.at(place, knudsen, tac_difference)
+            resistance *= 1.0 - k * gw
         return 1.0 / (1.0 + resistance)
 
     def heat_ratio(
@@ -220,7 +229,7 @@ class KineticFit:
         fitted = conducted + (fitted - conducted) * place.dense
         inverse = 1.0 + jnp.exp(fitted) * tac / knudsen
         if tac_difference is not None:
-            gw = self.unlikeness.share(place, knudsen, tac_difference)
+            gw, _ = self.unlikeness.at(place, knudsen, tac_difference)
             inverse += gw / (1.0 - gw)
         return 1.0 / inverse
 
@@ -252,7 +261,7 @@ class KineticFit:
         -------
         force, heat : array, shape (...)
         """
-        place = _thinness(knudsen, self.knudsen_range)
+        place = thinness(knudsen, self.knudsen_range)
         return (
             jnp.exp(polynomial(self.force_error, place)),
             jnp.exp(polynomial(self.heat_error, place)),
@@ -280,19 +289,19 @@ class KineticFit:
         Walls take a share of the gas's resistance to heat that does not depend on the TAC to 1 %,
         and raise the force over the heat by a factor that does not.
         """
-        thinness = _thinness(knudsen, self.wall_knudsen_range)
+        place = thinness(knudsen, self.wall_knudsen_range)
         nearness = 1.0 / jnp.maximum(distance, self.nearest_wall)
         opened = self.heat_ratio(knudsen, 1.0, tac)
-        kept = jnp.exp(nearness * polynomial(self.heat_wall, nearness, thinness))
+        kept = jnp.exp(nearness * polynomial(self.heat_wall, nearness, place))
         heat = 1.0 / (opened + kept * (1.0 - opened))
-        beside = polynomial(self.force_wall, nearness, thinness)
+        beside = polynomial(self.force_wall, nearness, place)
         return heat * jnp.exp(nearness * beside * denseness(knudsen)), heat
 
     def _place(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Place:
         inside = jnp.clip(tac, *self.tac_range)
         return Place(
-            _thinness(knudsen, self.knudsen_range),
-            _thinness(knudsen, self.hot_knudsen_range),
+            thinness(knudsen, self.knudsen_range),
+            thinness(knudsen, self.hot_knudsen_range),
             jnp.minimum(knudsen / self.knudsen_range[0], 1.0),
             jnp.log(jnp.clip(ratio, *self.ratio_range)),
             inside,
@@ -329,7 +338,7 @@ def conduction_growth(heating: Any, exponent: Any) -> Any:
     return 0.5 * exponent * heating + square * (second / 24.0 - square * fourth / 2880.0)
 
 
-def _thinness(knudsen: Numeric, ends: tuple[float, float]) -> Array:
+def thinness(knudsen: Numeric, ends: tuple[float, float]) -> Array:
     """Where among the Knudsen numbers of a table one is, from −1 to 1."""
     low, high = np.log(ends)
     return scaled(jnp.clip(jnp.log(knudsen), low, high), low, high)

@@ -45,6 +45,7 @@ _EXPONENT_POWERS = [
 ]
 _POWERS = _LIMIT_POWERS + _HEATING_POWERS + _EXPONENT_POWERS
 _UNLIKE_POWERS = [(place, tac) for tac in range(3) for place in range(6 if tac < 2 else 3)]
+_HOT_UNLIKE_POWERS = ([(0, 0), (1, 0), (2, 0), (0, 1)], [(0, 0), (1, 0)])
 _WALL_POWERS = [(nearness, knudsen) for nearness in range(4) for knudsen in range(6)]
 _LEAST_WEIGHT = 2e-3  # of rows in thin gas, where the resistance hardly matters
 _ERROR_POWERS = [(0,), (1,), (2,)]
@@ -82,29 +83,23 @@ def fit(gas: str, table: Table, walls: WallTable) -> KineticFit:
     model, ends = gas_model(gas), _ends(table.knudsen)
     hot_ends = _ends(table.knudsen[table.temperature_ratio != 1.0])
     where = _place(table.knudsen, ends)
-    unlikeness = _fit_unlikeness(table, where)
+    unlikeness = _fit_unlikeness(table, where, ends)
     force, heat = _of_like_faces(table, unlikeness, where)
-    like = table.tac_difference <= SMALL
-    variables = tuple(
-        column[like]
-        for column in (
-            np.log(table.temperature_ratio),
-            table.viscosity_exponent - model.viscosity_exponent,
-            _tac_variable(table.tac),
-            where,
-            _place(table.knudsen, hot_ends),
-        )
+    variables = (
+        np.log(table.temperature_ratio),
+        table.viscosity_exponent - model.viscosity_exponent,
+        np.log(table.tac + TAC_OFFSET),
+        where,
+        _place(table.knudsen, hot_ends),
     )
 
-    def resistance(ratio: np.ndarray, scale: np.ndarray | float) -> Resistance:
-        values = np.log((1.0 / ratio - 1.0) * table.knudsen / scale)
-        errors = 1.0 / (1.0 - ratio + _LEAST_WEIGHT)
-        found = np.asarray(least_squares(values[like], variables, _POWERS, errors[like]))
-        limit, heating = found[0, 0, :, :, 0], found[1:, 0, :, 0, :]
-        parts = limit, heating, found[1:, 1, 0, 0, :]
-        return Resistance(*(trimmed(as_tuples(part)) for part in parts))
-
-    of_force, of_heat = resistance(force, 1.0), resistance(heat, table.tac)
+    of_force = _fit_resistance(table, force, 1.0, variables)
+    of_heat = _fit_resistance(table, heat, table.tac, variables)
+    resistances = (
+        _resistance_at(of_force, variables) / table.knudsen,
+        _resistance_at(of_heat, variables) * table.tac / table.knudsen,
+    )
+    unlikeness = _fit_hot_unlikeness(table, unlikeness, where, resistances)
     return KineticFit(
         knudsen_range=ends,
         hot_knudsen_range=hot_ends,
@@ -121,16 +116,36 @@ def fit(gas: str, table: Table, walls: WallTable) -> KineticFit:
     )
 
 
+def _fit_resistance(
+    table: Table,
+    ratio: np.ndarray,
+    scale: np.ndarray | float,
+    variables: tuple[np.ndarray, ...],
+) -> Resistance:
+    """From the ratios of like faces."""
+    like = table.tac_difference <= SMALL
+    values = np.log((1.0 / ratio - 1.0) * table.knudsen / scale)
+    errors = 1.0 / (1.0 - ratio + _LEAST_WEIGHT)
+    shown = tuple(column[like] for column in variables)
+    found = np.asarray(least_squares(values[like], shown, _POWERS, errors[like]))
+    parts = found[0, 0, :, :, 0], found[1:, 0, :, 0, :], found[1:, 1, 0, 0, :]
+    return Resistance(*(trimmed(as_tuples(part)) for part in parts))
+
+
+def _resistance_at(fitted: Resistance, variables: tuple[np.ndarray, ...]) -> np.ndarray:
+    """Times the Knudsen number, over its scale."""
+    heating, exponent, tac, where, hot = variables
+    heated = polynomial(fitted.heating, heating, tac, hot)
+    heated = heated + exponent * polynomial(fitted.exponent, heating, hot)
+    return np.asarray(np.exp(polynomial(fitted.limit, tac, where) + heating * heated))
+
+
 def _ends(values: np.ndarray) -> tuple[float, float]:
     return float(values.min()), float(values.max())
 
 
 def _place(knudsen: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
     return np.asarray(scaled(np.log(knudsen), *np.log(ends)))
-
-
-def _tac_variable(tac: Any) -> Any:
-    return np.log(tac + TAC_OFFSET)
 
 
 def _conduction(gas: GasModel) -> float:
@@ -147,7 +162,7 @@ def _conduction(gas: GasModel) -> float:
     return float(np.log(np.pi * modes / (32.0 * conductivity)))
 
 
-def _fit_unlikeness(table: Table, where: np.ndarray) -> Unlikeness:
+def _fit_unlikeness(table: Table, where: np.ndarray, ends: tuple[float, float]) -> Unlikeness:
     """From pairs of linear rows that differ in the difference of the faces' TACs alone."""
     linear = table.temperature_ratio == 1.0
     like = {
@@ -172,21 +187,61 @@ def _fit_unlikeness(table: Table, where: np.ndarray) -> Unlikeness:
 
     def fitted(values: np.ndarray, effect: np.ndarray) -> Any:
         errors = 1.0 / (effect + _LEAST_WEIGHT)
-        return least_squares(np.log(values), (place, _tac_variable(tac)), _UNLIKE_POWERS, errors)
+        return least_squares(
+            np.log(values), (place, np.log(tac + TAC_OFFSET)), _UNLIKE_POWERS, errors
+        )
 
     resistance = share / (1.0 - share) * knudsen / tac
     return Unlikeness(
         fitted(resistance, share * wide),
         fitted(of_force, of_force * share * wide * (1.0 - table.force_ratio[one])),
+        ((0.0,),),
+        ((0.0,),),
+        ends,
     )
+
+
+def _fit_hot_unlikeness(
+    table: Table,
+    linear: Unlikeness,
+    where: np.ndarray,
+    resistances: tuple[np.ndarray, np.ndarray],
+) -> Unlikeness:
+    """With what heating adds, from hot rows of unlike faces beside the fit of like ones."""
+    rows = (table.temperature_ratio != 1.0) & (table.tac_difference > SMALL)
+    if not np.any(rows):
+        return linear
+    force, heat = (resistance[rows] for resistance in resistances)
+    knudsen, tac, heating = (
+        table.knudsen[rows],
+        table.tac[rows],
+        np.log(table.temperature_ratio)[rows],
+    )
+    variable, wide = np.log(tac + TAC_OFFSET), width(table.tac_difference[rows], tac)
+    added = 1.0 / table.heat_ratio[rows] - 1.0 - heat
+    share = added / (1.0 + added)  # gw
+    of_force = (1.0 - (1.0 / table.force_ratio[rows] - 1.0) / force) / share
+    logarithms = (
+        np.log(share / (wide - share) * knudsen / tac)
+        - polynomial(linear.resistance, where[rows], variable),
+        np.log(of_force) - polynomial(linear.force, where[rows], variable),
+    )
+    ends = _ends(knudsen)
+    place = _place(knudsen, ends)
+    effects = share, of_force * share * (1.0 - table.force_ratio[rows])
+    hot = (
+        least_squares(values / heating, (place, variable), powers, 1.0 / (heating * effect))
+        for values, effect, powers in zip(logarithms, effects, _HOT_UNLIKE_POWERS, strict=True)
+    )
+    return Unlikeness(linear.resistance, linear.force, *hot, ends)
 
 
 def _of_like_faces(
     table: Table, unlikeness: Unlikeness, where: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Force and heat ratios without what the difference of the TACs adds."""
-    resistance = polynomial(unlikeness.resistance, where, _tac_variable(table.tac))
-    of_force = polynomial(unlikeness.force, where, _tac_variable(table.tac))
+    resistance = polynomial(unlikeness.resistance, where, np.log(table.tac + TAC_OFFSET))
+    of_force = polynomial(unlikeness.force, where, np.log(table.tac + TAC_OFFSET))
     share = 1.0 / (1.0 + table.knudsen / (table.tac * np.exp(resistance)))
     share = share * width(table.tac_difference, table.tac)
     resisted = (1.0 / table.force_ratio - 1.0) / (1.0 - np.exp(of_force) * share)
@@ -211,7 +266,7 @@ def _fit_walls(walls: WallTable, heat: Resistance, ends: tuple[float, float]) ->
     place = _place(walls.knudsen, ends)
     opened = (
         BOUNDARY_TAC
-        * np.exp(polynomial(heat.limit, _tac_variable(BOUNDARY_TAC), place))
+        * np.exp(polynomial(heat.limit, np.log(BOUNDARY_TAC + TAC_OFFSET), place))
         / walls.knudsen
     )
     kept = ((1.0 + opened) / walls.heat_factor - 1.0) / opened

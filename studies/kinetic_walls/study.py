@@ -78,16 +78,15 @@ def linear(points: list[Point]) -> Kept:
     mesh = resolution.mesh(case.rarefaction, np.inf)
     operators = assemble(mesh, case.rarefaction, resolution.quadrature)
     found: Kept = {}
-    for gas in GASES:
-        for wall in WALLS:
-            system = LinearSystem(operators, gas_model(gas), FACTORISED, wall=wall)
-            for point in (p for p in points if (p.gas, p.wall) == (gas, wall)):
-                walls = Walls(point.case.tac, (1.0, 1.0))
-                fields, _ = system.solve(walls)
-                faces = [face_result(system, walls, fields[face], face) for face in (0, 1)]
-                top, bottom = (float(mesh.face_weights @ face.heat) for face in faces)
-                force = float(mesh.face_weights @ (faces[1].pressure - faces[0].pressure))
-                found[point] = ratios(point, force, (top, bottom))
+    for gas, wall in dict.fromkeys((point.gas, point.wall) for point in points):
+        system = LinearSystem(operators, gas_model(gas), FACTORISED, wall=wall)
+        for point in (p for p in points if (p.gas, p.wall) == (gas, wall)):
+            walls = Walls(point.case.tac, (1.0, 1.0))
+            fields, _ = system.solve(walls)
+            faces = [face_result(system, walls, fields[face], face) for face in (0, 1)]
+            top, bottom = (float(mesh.face_weights @ face.heat) for face in faces)
+            force = float(mesh.face_weights @ (faces[1].pressure - faces[0].pressure))
+            found[point] = ratios(point, force, (top, bottom))
     return found
 
 

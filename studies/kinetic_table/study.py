@@ -74,7 +74,10 @@ HOT = {
 
 # faces that are very unlike, of a hot disk
 UNLIKE_RATIO, UNLIKE_HOT = 2.5, UNLIKE[3:5]
-UNLIKE_HOT_KNUDSEN = {"monatomic": (0.03, 0.08, 0.2, 0.6), "diatomic": (0.03, 0.05, 0.125, 0.35, 1.0)}
+UNLIKE_HOT_KNUDSEN = {
+    "monatomic": (0.03, 0.08, 0.2, 0.6),
+    "diatomic": (0.03, 0.05, 0.125, 0.35, 1.0),
+}
 
 BOUNDARIES = (2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0)
 BOUNDARY_TAC = 0.85

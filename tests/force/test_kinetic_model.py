@@ -10,7 +10,7 @@ from scipy.optimize import approx_fprime
 
 import lightflyer as lf
 from lightflyer.environment import EnvironmentState, Radiation
-from lightflyer.force import kinetic_table, kinetic_table_fit
+from lightflyer.force import kinetic_disk, kinetic_table, kinetic_table_fit
 from lightflyer.force.kinetic_table_fit import kinetic_fit
 
 GASES = kinetic_table.GASES
@@ -135,6 +135,14 @@ def test_force_goes_on_smoothly_below_the_table(excess):
     assert slopes[3] == pytest.approx(slopes[0], rel=0.05)
 
 
+@pytest.mark.parametrize("gas", [lf.gas.AIR, lf.gas.HELIUM, lf.gas.ARGON])
+@pytest.mark.parametrize(("cold", "hot"), [(205.0, 480.0), (295.0, 500.0), (205.0, 150.0)])
+def test_viscosity_exponent_is_that_between_the_temperatures(gas, cold, hot):
+    between = np.log(gas.viscosity(hot) / gas.viscosity(cold)) / np.log(hot / cold)
+    found = kinetic_disk.viscosity_exponent(gas, cold, hot / cold)
+    assert float(found) == pytest.approx(float(between), abs=0.007)
+
+
 def test_a_small_difference_can_be_reversed():
     """Warmer or colder than the gas, the ratios leave the linear ones with the same slope."""
     fit = kinetic_fit()
@@ -232,7 +240,7 @@ def test_a_chamber_has_its_radius(disk, film):
 def test_errors_count_in_the_models_own_standard_errors(disk):
     state, fit = state_at(0.2), kinetic_fit()
     with lf.float64():
-        exponent = lf.gas.AIR.viscosity_exponent(1.4 * COLD)
+        exponent = kinetic_disk.viscosity_exponent(lf.gas.AIR, COLD, 1.8)
         ratio = fit.force_ratio(0.2, 1.8, 0.85, 0.1, exponent)
         of_force = float(fit.relative_force_error(0.2, ratio))
         of_heat = float(fit.relative_heat_error(0.2))

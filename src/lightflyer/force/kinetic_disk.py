@@ -27,6 +27,8 @@ _DENSE = (
 _HOT_DENSE = (
     "the kinetic table of large temperature differences ends there, and what they do is held"
 )
+_WARM = 2.0  # T/T_c at which the gas's viscosity is looked at, besides 1
+_COLDEST = 0.1  # T_h/T_c of iterates of the heat balance
 _SMALL = 0.1  # relative temperature difference below which the linear table is good to its error
 HELD = "the kinetic table ends there, and its ratios are held"
 WALL = "the table of walls ends there, and their effect is held"
@@ -150,10 +152,34 @@ def scaled_heat_ratio(ratio: Numeric, resistance: Numeric) -> Array:
 
 def _place(disk: Disk, state: EnvironmentState, excess: Numeric) -> tuple[Any, ...]:
     """Temperature ratio, TACs and viscosity exponent, the arguments of the fit."""
-    mean = state.temperature * (1.0 + 0.5 * excess)
-    film = disk.film
-    exponent = state.gas.viscosity_exponent(mean)
-    return 1.0 + excess, film.tac_mean, film.tac_difference, exponent
+    film, ratio = disk.film, 1.0 + excess
+    exponent = viscosity_exponent(state.gas, state.temperature, ratio)
+    return ratio, film.tac_mean, film.tac_difference, exponent
+
+
+def viscosity_exponent(gas: AbstractGas, temperature: Numeric, ratio: Numeric) -> Array:
+    """Exponent of the viscosity between two temperatures [1].
+
+    On the line in the temperature's logarithm through two that do not depend on the ratio, so
+    that a heat balance does not look up the viscosity again and again. From 150 K to 500 K and
+    ratios of 0.7 to 2.4 it is within 0.03 of the slope between both temperatures for carbon
+    dioxide, 0.007 for other gases.
+
+    Parameters
+    ----------
+    gas : AbstractGas
+    temperature : array, shape (...)
+        Of the gas [K].
+    ratio : array, shape (...)
+        Of the flyer's temperature to it [1].
+
+    Returns
+    -------
+    array, broadcast shape
+    """
+    cold, warm = (gas.viscosity_exponent(factor * temperature) for factor in (1.0, _WARM))
+    share = 0.5 * jnp.log(jnp.maximum(ratio, _COLDEST)) / math.log(_WARM)
+    return jnp.asarray(cold + share * (warm - cold))
 
 
 def _wall_factors(fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState) -> Any:

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import jax.numpy as jnp
 import numpy as np
 
+from lightflyer.force.kinetic_disk import viscosity_exponent
 from lightflyer.force.kinetic_table_fit import kinetic_fit
 from lightflyer.force.laws import free_molecular_conductance
 from lightflyer.force.lu2023 import READINGS, Reading, heat_conductances
@@ -194,16 +195,16 @@ def _kinetic(
         )
         / ambient
     )
-    mean = 0.5 * (heater + ambient)
-    exponent = gas.viscosity_exponent(mean)
-    ratio = fit.heat_ratio(knudsen, heater / ambient, tac, viscosity_exponent=exponent)
+    hotter = heater / ambient
+    exponent = viscosity_exponent(gas, ambient, hotter)
+    ratio = fit.heat_ratio(knudsen, hotter, tac, viscosity_exponent=exponent)
     resistance = 1.0 / ratio - 1.0
     _, by_walls = fit.wall_factors(knudsen, 1.0 / jnp.maximum(near, 1e-9), tac)
     walls = jnp.where(near > 0.0, by_walls, 1.0)
     between = jnp.maximum(1.0 / (ratio * walls) - 1.0, _LEAST_SHARE * resistance)
     continuum = tac * free_molecular / between
     # below the table's end conduction by the gas's own conductivity is approached
-    conducted = _DISK_CONDUCTION * gas.conductivity(mean) / diameter
+    conducted = _DISK_CONDUCTION * gas.conductivity(0.5 * (heater + ambient)) / diameter
     share = jnp.maximum(1.0 - knudsen / fit.knudsen_range[0], 0.0)
     open_space = tac * free_molecular / resistance
     return free_molecular, continuum * (conducted / open_space) ** share

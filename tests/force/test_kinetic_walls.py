@@ -90,18 +90,36 @@ def test_thin_gas_gives_the_free_molecules_of_each_wall(disk):
     assert maxwell / accommodated == pytest.approx(1.156, abs=1e-3)
 
 
+def ends_of(model, function, disk, state):
+    """Force or heat loss at the bounds of the 95 % error of the walls, Maxwell's side last."""
+    bound = 1.959963984540054
+    models = (lf.Kinetic(wall=model.wall, wall_error=sign * bound) for sign in (-1.0, 1.0))
+    return [np.ravel(function(m, disk, state, (EXCESS,)))[0] for m in models]
+
+
 @pytest.mark.parametrize("knudsen", [0.05, 0.5])
 def test_unknown_walls_reach_from_one_to_the_other(disk, knudsen):
-    """Their 95 % bounds are the two walls, for force and heat at once."""
-    state, bound = state_at(knudsen), 1.959963984540054
-    for sign, wall in ((bound, "maxwell"), (-bound, "accommodated")):
-        end, known = lf.Kinetic(wall_error=sign), lf.Kinetic(wall=wall)
-        for function in (type(end).force, type(end).heat_loss):
-            found, expected = (np.ravel(function(m, disk, state, (EXCESS,))) for m in (end, known))
-            assert found == pytest.approx(expected, rel=1e-12)
-    middle = lf.Kinetic()
-    far = lf.Kinetic(wall="maxwell").force(disk, state, (EXCESS,))
-    assert middle.force(disk, state, (EXCESS,)) != pytest.approx(far, rel=1e-3)
+    """Their bounds contain both walls, with other collisions at each and with the same."""
+    state, unknown = state_at(knudsen), lf.Kinetic()
+    maxwell, accommodated = (lf.Kinetic(wall=wall) for wall in ("maxwell", "accommodated"))
+    force, heat = type(unknown).force, type(unknown).heat_loss
+    low, high = ends_of(unknown, heat, disk, state)
+    known = [np.ravel(heat(m, disk, state, (EXCESS,)))[0] for m in (accommodated, maxwell)]
+    assert (low, high) == pytest.approx(known, rel=1e-12)
+    low, high = ends_of(unknown, force, disk, state)
+    top = force(maxwell, disk, state, (EXCESS,))
+    bottom = force(accommodated, disk, state, (EXCESS,))
+    assert low < bottom < top < high
+    # half of the difference of free molecules, which are 15.6 % apart
+    assert high - low == pytest.approx((1.0 - 1.0 / 1.1560) * top, rel=1e-3)
+    assert 0.5 * (low + high) == pytest.approx(0.5 * (top + bottom), rel=1e-12)
+    # accommodated walls with the collisions of Maxwell's
+    same, itself = (
+        ends_of(accommodated, force, disk, state)[1],
+        ends_of(maxwell, force, disk, state),
+    )
+    assert same == pytest.approx(top / 1.1560, rel=1e-3)
+    assert itself == pytest.approx([top, top], rel=1e-12)
 
 
 def test_walls_are_one_where_differences_are_small_and_gas_is_thin(disk):
@@ -226,9 +244,9 @@ def test_what_is_assumed_and_where_it_ends_is_said(disk):
 FORCE = '[force]\nmodel = "kinetic"\n'
 
 
-def test_known_walls_have_no_error_in_a_flyer_file(flyer_file):
+def test_maxwell_walls_have_no_error_in_a_flyer_file(flyer_file):
     text = flyer_file().read_text("utf-8").partition("[force]")[0] + FORCE
-    names = {"unknown": True, "maxwell": False, "accommodated": False, CL: True}
+    names = {"unknown": True, "maxwell": False, "accommodated": True, CL: True}
     for wall, uncertain in names.items():
         read = lf.read_flyer_file(flyer_file(text=f'{text}wall = "{wall}"\n'))
         assert ("force.wall_error" in read.uncertainties()) == uncertain

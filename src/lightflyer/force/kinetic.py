@@ -26,7 +26,6 @@ from lightflyer.gas.base import AbstractGas
 Polyatomic = Literal["refused", "scaled"]
 """What becomes of a gas of neither kind that the tables are for."""
 
-_UNCERTAIN_WALLS = ("unknown", "cercignani-lampis")  # those with an error
 _WALLS_OF_SANDWICH = (
     "Maxwell's for a sandwich; what others change at large temperature differences is not part of "
     "the error"
@@ -65,11 +64,13 @@ class Kinetic(AbstractForceModel):
         How molecules leave the faces of a disk. Maxwell's reflect a share. From accommodated ones
         all leave at one temperature, without collisions :math:`T_c+\alpha(T_h-T_c)`. Those of
         Cercignani and Lampis accommodate normal and tangential motion each on its own. Unknown
-        walls are the middle of the first two, and half of their difference is the 95 % error.
+        walls are the middle of the first two.
     wall_error : array or None
         Deviation from these walls in standard errors [1], towards Maxwell's; it moves force and
-        heat loss together. A flyer file gives it as 0 ± 1. For Maxwell and accommodated walls it is
-        without effect.
+        heat loss together. A flyer file gives it as 0 ± 1. The 95 % error of unknown walls is half
+        of the difference of Maxwell's and accommodated ones, with what collisions take away at each
+        or with the same at both, whichever is larger. That of accommodated and Cercignani–Lampis
+        walls is what collisions change in them beside Maxwell's, which have none.
     tangential_accommodation : array or None
         Accommodation coefficient of tangential momentum, of both faces, for Cercignani–Lampis walls
         [1]. The normal motion then accommodates so much that the TACs are those of the energy,
@@ -195,11 +196,11 @@ class KineticSection(ForceSection):
 
     @pydantic.model_validator(mode="before")
     @classmethod
-    def _certain_walls(cls, content: Any) -> Any:
-        """Walls that are known have no error, which then is not among the uncertainties."""
-        if not isinstance(content, Mapping) or content.get("wall", "unknown") in _UNCERTAIN_WALLS:
-            return content
-        return {"wall_error": 0.0, **content}
+    def _maxwell_walls(cls, content: Any) -> Any:
+        """Maxwell walls have no error, which then is not among the uncertainties."""
+        if isinstance(content, Mapping) and content.get("wall") == "maxwell":
+            return {"wall_error": 0.0, **content}
+        return content
 
     def build(self) -> Kinetic:
         """The force model."""

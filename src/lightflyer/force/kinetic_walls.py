@@ -35,8 +35,8 @@ Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
 """What becomes of molecules at a face; unknown is the middle of the next two."""
 
 _IN_WORDS = {
-    "unknown": "walls: unknown, the middle of Maxwell's and of accommodated ones, half of whose "
-    "difference is the 95 % error",
+    "unknown": "walls: unknown, the middle of Maxwell's and of accommodated ones; half of their "
+    "difference, with or without that of collisions, is the 95 % error",
     "maxwell": "walls: Maxwell's, a share TAC of the molecules leaves at the temperature of the "
     "face, the rest is reflected",
     "accommodated": "walls: accommodated, all molecules leave a face at one temperature",
@@ -246,11 +246,15 @@ def force(
     top, bottom = normal_accommodations(disk, walls)
     free = accommodated_force(disk.area, top, bottom, pressure, excess)
     other = ratio * wall_fit(kind).force_factor(knudsen, 1.0 + excess, film.tac_mean)
+    # Maxwell's collisions at this wall: direct simulation lies between the two
+    same = ratio * free
     if walls.wall == "unknown":
-        return _middle(maxwell, other * free, walls.error)
-    if walls.wall == "cercignani-lampis":
-        return _uncertain(other * free, (ratio - other) * free, walls.error)
-    return other * free
+        return _uncertain(
+            0.5 * (maxwell + other * free),
+            0.5 * _larger(maxwell - same, maxwell - other * free),
+            walls.error,
+        )
+    return _uncertain(other * free, same - other * free, walls.error)
 
 
 def heat_ratio(
@@ -267,15 +271,12 @@ def heat_ratio(
     )
     other = ratio * (top + bottom) / (film.tac_top + film.tac_bottom)
     if walls.wall == "unknown":
-        return _middle(ratio, other, walls.error)
-    if walls.wall == "cercignani-lampis":
-        return _uncertain(other, ratio - other, walls.error)
-    return other
+        return _uncertain(0.5 * (ratio + other), 0.5 * (ratio - other), walls.error)
+    return _uncertain(other, ratio - other, walls.error)
 
 
-def _middle(one: Array, other: Array, error: Numeric | None) -> Array:
-    """Middle of two values, half of whose difference is the 95 % error."""
-    return _uncertain(0.5 * (one + other), 0.5 * (one - other), error)
+def _larger(one: Array, other: Array) -> Array:
+    return jnp.where(jnp.abs(one) > jnp.abs(other), one, other)
 
 
 def _uncertain(value: Array, bound: Array, error: Numeric | None) -> Array:

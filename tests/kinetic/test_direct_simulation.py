@@ -182,7 +182,9 @@ def test_walls_push_and_heat_as_they_should_without_collisions(dsmc, wall):
     rotation = 0.5 * rng.standard_exponential(number).astype(np.float32)
     faces = walls.build_faces(wall, (1.0, tac), (1.0, ratio), 2, (1.0, 0.7))
     arriving = np.stack([normal, first, second, rotation], axis=1)
-    leaving = np.array([walls.leave(faces, 1, 0.5, *one, rng) for one in _molecules(arriving)])
+    leaving = np.array(
+        [walls.leave(faces, 1, 0.5, 0.01, *one, rng) for one in _molecules(arriving)]
+    )
     # half a Maxwellian brings √π/2 of momentum and v̄/4 = 1/(2√π) of molecules
     force, (_, heat) = walls.free_molecular(faces)
     push = leaving[:, 0].mean() / (0.5 * math.sqrt(math.pi)) - 1.0

@@ -182,7 +182,9 @@ def _follow(p, cells, faces, time, tally, rng):
         z = 0.0
         before = 0.5 * (vx * vx + vy * vy + vz * vz) + p.rotation
         radius = math.sqrt(x * x + y * y)
-        normal, vx, vy, p.rotation = leave(faces, face, radius, abs(vz), vx, vy, p.rotation, rng)
+        normal, vx, vy, p.rotation = leave(
+            faces, face, radius, weight, abs(vz), vx, vy, p.rotation, rng
+        )
         tally.push[face] += weight * (vz - upwards * normal)
         vz = upwards * normal
         tally.heat[face] += weight * (0.5 * (vx * vx + vy * vy + vz * vz) + p.rotation - before)

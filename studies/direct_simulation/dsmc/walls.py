@@ -24,6 +24,10 @@ _MEMORY = 1000.0
 """Molecules over which a ring's mean energy is taken; its noise lowers the force by 1e-4."""
 
 
+_AT_FIRST = 1e-6
+"""Molecules of the gas far away that stand for the arrivals before the first one."""
+
+
 class Faces(NamedTuple):
     """Both faces, for compiled loops.
 
@@ -40,8 +44,8 @@ class Faces(NamedTuple):
         T_h/T_c.
     freedoms : int
         Rotational degrees of freedom.
-    arriving : array, shape (2, RINGS)
-        Mean energy of the latest molecules to arrive, which the simulation keeps.
+    arriving : array, shape (2, RINGS, 2)
+        Energy and number of the latest molecules to arrive, which the simulation keeps.
     """
 
     wall: int
@@ -60,10 +64,9 @@ def build_faces(
     tangential: tuple[float, float] | None = None,
 ) -> Faces:
     """Faces; `tangential` is `tac` unless given."""
-    cold = 0.25 * (4 + freedoms)  # (2 + j/2) kT_c
-    return Faces(
-        WALLS[wall], tac, tangential or tac, temperature, freedoms, np.full((2, RINGS), cold)
-    )
+    arriving = np.full((2, RINGS, 2), _AT_FIRST)
+    arriving[..., 0] *= 0.25 * (4 + freedoms)  # (2 + j/2) kT_c
+    return Faces(WALLS[wall], tac, tangential or tac, temperature, freedoms, arriving)
 
 
 def free_molecular(faces: Faces) -> tuple[float, tuple[float, float]]:
@@ -98,7 +101,7 @@ def diffuse(temperature, freedoms, rng):
 
 
 @kernel
-def leave(faces, face, radius, normal, first, second, rotation, rng):
+def leave(faces, face, radius, weight, normal, first, second, rotation, rng):
     """A molecule as it leaves a face by the face's law; `normal` is positive before and after."""
     temperature, tac = faces.temperature[face], faces.tac[face]
     if faces.wall == MAXWELL:
@@ -108,9 +111,10 @@ def leave(faces, face, radius, normal, first, second, rotation, rng):
     if faces.wall == ACCOMMODATED:
         ring = min(int(radius * RINGS), RINGS - 1)
         energy = 0.5 * (normal * normal + first * first + second * second) + rotation
-        mean = faces.arriving[face, ring]
-        faces.arriving[face, ring] = mean + (energy - mean) / _MEMORY
-        incoming = mean / (0.25 * (4 + faces.freedoms))
+        arrived = faces.arriving[face, ring]
+        incoming = arrived[0] / arrived[1] / (0.25 * (4 + faces.freedoms))
+        arrived[0] += weight * energy - arrived[0] / _MEMORY
+        arrived[1] += weight - arrived[1] / _MEMORY
         return diffuse((1.0 - tac) * incoming + tac * temperature, faces.freedoms, rng)
     along = faces.tangential[face]
     kept, spread = math.sqrt(1.0 - along), math.sqrt(0.5 * along * temperature)

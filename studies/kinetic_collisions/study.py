@@ -81,7 +81,7 @@ def points() -> Iterator[Point]:
 def ratios(case: Case, outcome: Outcome) -> tuple[float, float]:
     """Force and heat over those of free molecules."""
     free = case.free_molecular()
-    return outcome.force / free.force, sum(outcome.heat) / sum(free.heat)
+    return float(outcome.force / free.force), float(sum(outcome.heat) / sum(free.heat))
 
 
 def measure(group: list[Point]) -> Iterator[tuple[Point, dict[str, float]]]:
@@ -112,7 +112,7 @@ def write_table(found: Kept) -> None:
     rows = [
         f"{p.gas},{p.viscosity_exponent:g},{p.knudsen:g},{p.tac:g},"
         f"{result['force_factor']:.5f},{result['heat_factor']:.5f}"
-        for p, result in sorted(found.items(), key=lambda item: astuple_key(item[0]))
+        for p, result in sorted(found.items(), key=lambda item: _order(item[0]))
         if not p.fewer
     ]
     partial = DATA.with_suffix(".partial")
@@ -121,7 +121,7 @@ def write_table(found: Kept) -> None:
     print(f"wrote {DATA.name}: {len(rows)} rows")
 
 
-def astuple_key(point: Point) -> tuple[str, float, float, float]:
+def _order(point: Point) -> tuple[str, float, float, float]:
     """Order of the rows."""
     return point.gas, point.viscosity_exponent, point.knudsen, point.tac
 
@@ -132,8 +132,8 @@ COMMENTS = f"""\
 # F and Q over free-molecular values, over what the package's model equation says: small temperature
 # differences, open space, Maxwell walls; made by studies/kinetic_collisions/study.py.
 # viscosity_exponent: that of viscosity in temperature; diatomic: with rotation by Larsen and
-# Borgnakke at a probability of {EXCHANGE:g}; knudsen: mean free path (mu/p) sqrt(pi R T_c/2) over the
-# diameter; tac: mean of both faces. Licence: MIT, as this package.
+# Borgnakke at a probability of {EXCHANGE:g}; knudsen: mean free path (mu/p) sqrt(pi R T_c/2) over
+# the diameter; tac: mean of both faces. Licence: MIT, as this package.
 """
 
 

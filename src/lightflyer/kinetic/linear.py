@@ -218,9 +218,7 @@ class LinearSystem:
         leaving = self.emitted_temperature(tac, temperature, velocity, nothing)
         emitted = diffuse * np.einsum("ief,e->if", self._warmth, leaving)
         emitted[:, : self.moved] += (4.0 - 2.0 * diffuse) * velocity * operators.velocity
-        emitted[:, : self.moved] += (
-            diffuse * _SQRT_PI * velocity * operators.sigma.sum(axis=1)
-        )
+        emitted[:, : self.moved] += diffuse * _SQRT_PI * velocity * operators.sigma.sum(axis=1)
         return emitted.ravel()
 
     def solve(self, walls: Walls) -> tuple[np.ndarray, int]:

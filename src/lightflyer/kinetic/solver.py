@@ -254,7 +254,8 @@ def solve(
     References
     ----------
     [Shakhov1968]_; [Rykov1975]_ and [Wu2015]_ for a diatomic gas, whose constants are nitrogen's
-    ([Bird1994]_, [LemmonJacobsen2004]_); [Bird1994]_ for VHS molecules. Compared with [Plimpton2019]_ and [Schafer2025]_.
+    ([Bird1994]_, [LemmonJacobsen2004]_); [Bird1994]_ for VHS molecules. Compared with
+    [Plimpton2019]_ and [Schafer2025]_.
 
     Examples
     --------

@@ -38,25 +38,65 @@ def _gather(fields, source, components, moved, by_power):
 
 
 @kernel
+def _locate(point, direction, s, below, setup, seen, mesh, scratch, by_power):
+    """Fill the sources at a point of a ray in its direction, by power of the speed."""
+    norms, odd, components, moved = setup[6:10]
+    xi_basis, eta_basis, source, fields = scratch[:4]
+    x, y = point[0] + s * direction[0], s * direction[1]
+    xi, eta = spheroidal(x * x + y * y, point[1] + s * direction[2])
+    i, j = bases_at(xi, eta, mesh, xi_basis, eta_basis)
+    interpolate(seen, i, j, nodes_in_eta(mesh), xi_basis, eta_basis, fields)
+    inverse = 1.0 / np.sqrt(max(x * x + y * y, _TINY))
+    radial = -(direction[0] * x + direction[1] * y) * inverse
+    turning = -(direction[1] * x - direction[0] * y) * inverse
+    vertical = direction[2] if below else -direction[2]
+    harmonics(radial, turning, vertical, norms, source)
+    shrink = np.sqrt(max(0.0, (1.0 - eta) * (1.0 + eta)))
+    for c in range(odd.size):
+        if odd[c]:
+            source[c] *= shrink
+    _gather(fields, source, components, moved, by_power)
+
+
+@kernel
+def _correct(values, at_start, at_end, span, rule):
+    """Correct the integrals at the points of a piece: uniform gas emits what its ends say."""
+    powers = values.shape[1]
+    for p in range(powers - 1):
+        missing = (at_start[powers + p + 1] - at_end[powers + p + 1]) / span
+        for k in range(values.shape[0]):
+            missing -= rule[1, k] * values[k, p]
+        for k in range(values.shape[0]):
+            values[k, p] += missing
+
+
+@kernel
+def _bring(strength, by_power, values, brought):
+    """Add what the sources at a point bring, by power of the speed."""
+    for kind in range(by_power.shape[0]):
+        for p in range(by_power.shape[1]):
+            weight = strength * by_power[kind, p]
+            if weight == 0.0:
+                continue
+            for q in range(brought.shape[1]):
+                brought[kind, q] += weight * values[1 + p + q]
+
+
+@kernel
 def _ray(point, direction, on_face, rarefaction, setup, mesh, half, scratch, cuts, brought):
     """Fill what one ray brings, by power of the speed: of translation and of rotation."""
-    rule, table, scale, norms, odd, components, moved, _ = setup[3:]
+    rule, table, scale = setup[3:6]
     own, other, shares = half[0], half[1], half[2]
-    xi_basis, eta_basis, source, fields, values, start_values, end_values, by_power = scratch
-    eta_size, powers, offset = nodes_in_eta(mesh), by_power.shape[1], table.shape[2] // 2
+    values, at_start, at_end, by_power = scratch[4:]
+    optical_scale, powers = 1.0 / rarefaction, values.shape[1]
+    longest = REACH * LARGEST_DEPTH * optical_scale
     number, hit, crossing = trace_ray(
-        point[0],
-        point[1],
-        direction,
-        REACH * LARGEST_DEPTH / rarefaction,
-        1.0 / rarefaction,
-        mesh,
-        cuts,
+        point[0], point[1], direction, longest, optical_scale, mesh, cuts
     )
     disk = crossing < 1.0
     depth, share, emitted = 0.0, 1.0, False
     brought[:] = 0.0
-    integrals(0.0, table, scale, end_values)
+    integrals(0.0, table, scale, 0, at_end)
     for piece in range(number - 1):
         start, width = cuts[piece], cuts[piece + 1] - cuts[piece]
         if width < SHORTEST:
@@ -65,50 +105,21 @@ def _ray(point, direction, on_face, rarefaction, setup, mesh, half, scratch, cut
             break
         below = start >= hit
         if below and disk and not emitted:
-            emitted = True
+            emitted, share = True, shares[1]
             at = np.sqrt(1.0 - crossing)
-            _add_wall(brought, end_values, at, -direction[2], half, mesh, eta_basis)
-            share = shares[1]
+            _add_wall(brought, at_end, at, -direction[2], half, mesh, scratch[1])
         seen = other if below and not disk else own
-        start_values[:] = end_values
         end = depth + rarefaction * width
-        integrals(end, table, scale, end_values)
+        at_start[:] = at_end
+        integrals(end, table, scale, 0, at_end)
         for k in range(rule.shape[1]):
-            s = start + width * rule[0, k]
-            x, y = point[0] + s * direction[0], s * direction[1]
-            xi, eta = spheroidal(x * x + y * y, point[1] + s * direction[2])
-            i, j = bases_at(xi, eta, mesh, xi_basis, eta_basis)
-            interpolate(seen, i, j, eta_size, xi_basis, eta_basis, fields)
-            inverse = 1.0 / np.sqrt(max(x * x + y * y, _TINY))
-            radial = -(direction[0] * x + direction[1] * y) * inverse
-            turning = -(direction[1] * x - direction[0] * y) * inverse
-            vertical = direction[2] if below else -direction[2]
-            harmonics(radial, turning, vertical, norms, source)
-            shrink = np.sqrt(max(0.0, (1.0 - eta) * (1.0 + eta)))
-            for c in range(odd.size):
-                if odd[c]:
-                    source[c] *= shrink
-            _gather(fields, source, components, moved, by_power[k])
-            integrals(depth + (end - depth) * rule[0, k], table, scale, values[k])
-        # a piece of uniform gas emits exactly what follows from the depths of its ends
-        first = offset if on_face else 0
-        for p in range(offset - 1):
-            if on_face:
-                continue
-            missing = (start_values[offset + p + 1] - end_values[offset + p + 1]) / (end - depth)
-            for k in range(rule.shape[1]):
-                missing -= rule[1, k] * values[k, p]
-            for k in range(rule.shape[1]):
-                values[k, p] += missing
+            s, there = start + width * rule[0, k], depth + (end - depth) * rule[0, k]
+            _locate(point, direction, s, below, setup, seen, mesh, scratch, by_power[k])
+            integrals(there, table, scale, powers if on_face else 0, values[k])
+        if not on_face:
+            _correct(values, at_start, at_end, end - depth, rule)
         for k in range(rule.shape[1]):
-            w = share * (end - depth) * rule[1, k]
-            for kind in range(by_power.shape[1]):
-                for p in range(by_power.shape[2]):
-                    strength = w * by_power[k, kind, p]
-                    if strength == 0.0:
-                        continue
-                    for q in range(brought.shape[1]):
-                        brought[kind, q] += strength * values[k, first + 1 + p + q]
+            _bring(share * (end - depth) * rule[1, k], by_power[k], values[k], brought)
         depth = end
 
 
@@ -140,13 +151,13 @@ def _collect(i, point, on_face, rarefaction, setup, mesh, half, out):
         np.empty(order),
         np.empty(odd.size),
         np.empty(size),
-        np.empty((points, table.shape[2])),
+        np.empty((points, table.shape[2] // 2)),
         np.empty(table.shape[2]),
         np.empty(table.shape[2]),
         np.empty((points, 2, powers)),
     )
     row, cuts, brought = np.empty(odd.size), np.empty(MOST_CUTS), np.empty((2, powers))
-    uniform, by_power = np.zeros((odd.size, odd.size)), np.zeros((2, powers))
+    uniform = np.zeros((odd.size, odd.size))
     out[:] = 0.0
     for d in range(count):
         direction = directions[d]
@@ -189,7 +200,9 @@ def _conserve(i, uniform, radial_scale, setup, own, out):
                 missing *= radial_scale
             if origin == target:
                 missing += _WHOLE
-            out[c] += missing * uniform_integrals[2 + components[1, b] + components[1, c]] * own[i, b]
+            out[c] += (
+                missing * uniform_integrals[2 + components[1, b] + components[1, c]] * own[i, b]
+            )
 
 
 @parallel_kernel

@@ -209,9 +209,7 @@ class _Means:
 
     def __call__(self, centre: np.ndarray, relative: np.ndarray) -> np.ndarray:
         angle = np.arctan2(relative, 2.0 * centre)
-        shape = np.where(
-            angle < 0.25 * np.pi, self.halves[0](angle), self.halves[1](angle)
-        )
+        shape = np.where(angle < 0.25 * np.pi, self.halves[0](angle), self.halves[1](angle))
         radius = np.hypot(relative, 2.0 * centre)
         return np.asarray(shape * radius ** self.powers.reshape((-1,) + (1,) * radius.ndim))
 

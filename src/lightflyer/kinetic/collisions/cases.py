@@ -2,7 +2,12 @@
 
 from lightflyer.kinetic.cases import COARSE, MEDIUM, Case, Outcome, Resolution, totals
 from lightflyer.kinetic.collisions.brackets import Molecule
-from lightflyer.kinetic.collisions.operator import FEWER_MOMENTS, MOMENTS, CollisionOperator, Moments
+from lightflyer.kinetic.collisions.operator import (
+    FEWER_MOMENTS,
+    MOMENTS,
+    CollisionOperator,
+    Moments,
+)
 from lightflyer.kinetic.collisions.problem import SLOW, MolecularProblem
 from lightflyer.kinetic.collisions.rows import MolecularRows, assemble
 from lightflyer.kinetic.linear import Walls

@@ -20,8 +20,8 @@ _TINY = 1e-30
 
 
 @kernel
-def integrals(depth, table, scale, values):
-    """Fill J_p, then I_p."""
+def integrals(depth, table, scale, first, values):
+    """Fill J_p, then I_p, from one of these on."""
     if depth >= _SHORTENED * LARGEST_DEPTH:
         values[:] = 0.0
         return
@@ -30,7 +30,8 @@ def integrals(depth, table, scale, values):
     t = (position - cell) / scale
     row = table[cell]
     for p in range(values.size):
-        values[p] = ((row[0, p] * t + row[1, p]) * t + row[2, p]) * t + row[3, p]
+        k = first + p
+        values[p] = ((row[0, k] * t + row[1, k]) * t + row[2, k]) * t + row[3, k]
 
 
 @kernel
@@ -101,10 +102,10 @@ def _piece(depth, end, start, width, point, direction, below, setup, mesh, scrat
     rule, table, scale, norms, odd = setup[3], setup[4], setup[5], setup[6], setup[7]
     xi_basis, eta_basis, panels, sources, values, at_ends = scratch
     points, number = rule.shape[1], values.shape[1] // 2
-    integrals(depth, table, scale, at_ends[0])
-    integrals(end, table, scale, at_ends[1])
+    integrals(depth, table, scale, 0, at_ends[0])
+    integrals(end, table, scale, 0, at_ends[1])
     for k in range(points):
-        integrals(depth + (end - depth) * rule[0, k], table, scale, values[k])
+        integrals(depth + (end - depth) * rule[0, k], table, scale, 0, values[k])
         s = start + width * rule[0, k]
         x, y = point[0] + s * direction[0], s * direction[1]
         xi, eta = spheroidal(x * x + y * y, point[1] + s * direction[2])
@@ -155,7 +156,7 @@ def _ray(point, direction, seen, rarefaction, setup, mesh, scratch, weights, cut
         below = start >= hit
         if below and disk and not emitted:
             emitted = True
-            integrals(depth, table, scale, values[0])
+            integrals(depth, table, scale, 0, values[0])
             _wall(values[0], seen, -direction[2], crossing, mesh, eta_basis[0], components, walls)
         end = depth + rarefaction * width
         _piece(depth, end, start, width, point, direction, below, setup, mesh, scratch)
@@ -218,12 +219,10 @@ def _row(i, point, on_face, rarefaction, setup, mesh, rows, walls):
             row[c] = straight[c] / point[2] if odd[c] else straight[c]
         weight = NORMALISATION * direction[3]
         seen = (on_face, row, weight)
-        _ray(
-            point, direction, seen, rarefaction, setup, mesh, scratch, weights, cuts, rows, walls
-        )
+        _ray(point, direction, seen, rarefaction, setup, mesh, scratch, weights, cuts, rows, walls)
         if not on_face:
             # uniform fields along the whole ray: the integrals of the corrected pieces and beyond
-            integrals(0.0, table, scale, j)
+            integrals(0.0, table, scale, 0, j)
             for p in range(number // 2 - 1):
                 j[p] = j[number // 2 + p + 1]
             _outer(j, straight, row, components, weight, weights)

@@ -194,9 +194,9 @@ class MolecularProblem:
         moments = self.components.operator.moments
         readings = np.zeros((9 if rotates else 6, self.components.size))
         for row, (degree, order, turning, value) in zip(readings, wanted, strict=False):
-            for i, (l, m, a, turns) in enumerate(self.components.names):
-                if (l, m, turns) == (degree, order, turning):
-                    row[i] = np.sum(weight * value * speed ** moments.powers(l)[a])
+            for i, (*which, a, turns) in enumerate(self.components.names):
+                if (*which, turns) == (degree, order, turning):
+                    row[i] = np.sum(weight * value * speed ** moments.powers(degree)[a])
         return readings @ self.components.orthonormal.T
 
     def _half(self, sources: np.ndarray, walls: Walls, face: int, arriving: np.ndarray) -> tuple:

@@ -30,7 +30,12 @@ class Components:
     def translation(self) -> list[tuple[int, int, int]]:
         """Degree l, order m and number a of the power of each component without rotation."""
         sizes = self.operator.moments.translation
-        return [(l, m, a) for l, size in enumerate(sizes) for m in range(l + 1) for a in range(size)]
+        return [
+            (degree, order, a)
+            for degree, size in enumerate(sizes)
+            for order in range(degree + 1)
+            for a in range(size)
+        ]
 
     @cached_property
     def rotation(self) -> np.ndarray:
@@ -38,7 +43,7 @@ class Components:
         if not self.operator.molecule.rotates:
             return np.empty(0, int)
         sizes = self.operator.moments.rotation
-        kept = [l < len(sizes) and a < sizes[l] for l, _, a in self.translation]
+        kept = [degree < len(sizes) and a < sizes[degree] for degree, _, a in self.translation]
         return np.flatnonzero(kept)
 
     @property
@@ -72,10 +77,11 @@ class Components:
         sizes = self.operator.moments.translation
         blocks = [of_degree(degree) for degree in range(len(sizes))]
         matrix = np.zeros((self.size, self.size))
-        for i, (l, m, a, rotates) in enumerate(self.names):
+        for i, (degree, m, a, rotates) in enumerate(self.names):
             for k, (other, order, b, turns) in enumerate(self.names):
-                if l == other and m == order:
-                    matrix[i, k] = blocks[l][a + sizes[l] * rotates, b + sizes[l] * turns]
+                if degree == other and m == order:
+                    offset = sizes[degree]
+                    matrix[i, k] = blocks[degree][a + offset * rotates, b + offset * turns]
         return matrix
 
 
@@ -176,18 +182,21 @@ def harmonic_arguments(components: Components) -> tuple[np.ndarray, np.ndarray, 
         Harmonic and power of the speed of each component.
     """
     degrees = components.operator.moments.degrees
-    odd = np.array([m % 2 == 1 for l in range(degrees) for m in range(l + 1)])
+    odd = np.array([m % 2 == 1 for degree in range(degrees) for m in range(degree + 1)])
     norms = np.zeros((degrees, degrees))
-    for l in range(degrees):
-        for m in range(l + 1):
-            ratio = math.factorial(l - m) / math.factorial(l + m)
-            norms[l, m] = math.sqrt((2 * l + 1) * (1 if m == 0 else 2) * ratio)
+    for degree in range(degrees):
+        for m in range(degree + 1):
+            ratio = math.factorial(degree - m) / math.factorial(degree + m)
+            norms[degree, m] = math.sqrt((2 * degree + 1) * (1 if m == 0 else 2) * ratio)
     moments = components.operator.moments
-    numbers = [(l * (l + 1) // 2 + m, moments.powers(l)[a]) for l, m, a, _ in components.names]
+    numbers = [
+        (degree * (degree + 1) // 2 + order, moments.powers(degree)[a])
+        for degree, order, a, _ in components.names
+    ]
     return norms, odd, np.array(numbers).T.copy()
 
 
 def highest_power(components: Components) -> int:
     """Highest power of the speed in the integrals along rays."""
     moments = components.operator.moments
-    return 2 * max(max(moments.powers(l)) for l in range(moments.degrees)) + 4
+    return 2 * max(max(moments.powers(degree)) for degree in range(moments.degrees)) + 4

@@ -97,7 +97,9 @@ class MolecularSystem(LinearSystem):
         arriving = np.einsum("ejsk,sf,jf->ek", fluxes, translation, fields, optimize=True)
         if not turned.size:
             return arriving
-        turning = np.einsum("ejs,sf,jf->e", fluxes[:, :, turned, 0], rotation, fields, optimize=True)
+        turning = np.einsum(
+            "ejs,sf,jf->e", fluxes[:, :, turned, 0], rotation, fields, optimize=True
+        )
         return np.concatenate([arriving, turning[:, None]], axis=1)
 
 

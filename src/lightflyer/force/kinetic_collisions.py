@@ -1,0 +1,200 @@
+r"""What collisions of real molecules do beside those of the kinetic model equation.
+
+The tables of the kinetic model solve a model equation. The same problem with the collision operator
+of VHS molecules, for small temperature differences, says by which factor collisions take more or
+less from force and heat,
+
+.. math::
+    \frac1{\hat F} - 1 = r_F\left(\frac1{\hat F_m} - 1\right), \qquad
+    \frac1{\hat Q} - 1 = r_Q\left(\frac1{\hat Q_m} - 1\right)
+
+The factors depend on the Knudsen number, on the viscosity exponent and little on the TAC. That they
+hold at finite temperature differences is shown by direct simulation: see
+``studies/kinetic_collisions``.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.force.polynomials import least_squares, polynomial, scaled
+from lightflyer.foundation.table import shipped_table
+from lightflyer.foundation.types import Numeric
+from lightflyer.gas.base import AbstractGas
+
+_REFERENCE_TAC = 0.9
+_REFERENCE_EXPONENT = 0.74
+
+_SIMULATED_CONDUCTION = 4.717
+"""Conductivity over viscosity and gas constant of the table's diatomic molecules [1]. Larsen and
+Borgnakke's rotation conducts less than a real gas."""
+
+
+class Heated(NamedTuple):
+    """How a factor changes with temperature: to the power slope · (neutral − ω) of T_h/T_c."""
+
+    slope: float
+    neutral: float
+
+    def __call__(self, ratio: Numeric, exponent: Numeric) -> Array:
+        """Change at a temperature ratio and a viscosity exponent [1]."""
+        return jnp.exp(self.slope * (self.neutral - exponent) * jnp.log(ratio))
+
+
+# fitted to direct simulations of other gases than nitrogen in studies/kinetic_collisions
+FORCE_HEATED = Heated(0.0, 0.74)
+HEAT_HEATED = Heated(0.0, 0.74)
+
+FACTOR_ERRORS = (0.02, 0.015)
+"""Relative standard errors of the factors of force and heat, by the same comparison."""
+
+# powers of viscosity exponent, TAC and Knudsen number
+_POWERS = {
+    "monatomic": [
+        *((0, 0, knudsen) for knudsen in range(6)),
+        *((1, 0, knudsen) for knudsen in range(5)),
+        *((2, 0, knudsen) for knudsen in range(3)),
+        *((exponent, 1, knudsen) for exponent in range(2) for knudsen in range(3)),
+    ],
+    "diatomic": [
+        *((0, 0, knudsen) for knudsen in range(6)),
+        *((1, 0, knudsen) for knudsen in range(5)),
+        *((exponent, 1, knudsen) for exponent in range(2) for knudsen in range(3)),
+    ],
+}
+
+
+@dataclass(frozen=True)
+class CollisionFit:
+    """Factors of a kind of gas as smooth functions.
+
+    Attributes
+    ----------
+    knudsen_range, exponent_range : tuple of float
+        Of the table; beyond it the factors stay what they are there.
+    force, heat : nested tuple of float
+        Coefficients of the factors' logarithms: viscosity exponent less 0.74, TAC less 0.9,
+        Knudsen number.
+    """
+
+    knudsen_range: tuple[float, float]
+    exponent_range: tuple[float, float]
+    force: Any
+    heat: Any
+
+    def factors(self, knudsen: Numeric, exponent: Numeric, tac: Numeric) -> tuple[Array, Array]:
+        """:math:`r_F` and :math:`r_Q` [1].
+
+        Parameters
+        ----------
+        knudsen, exponent, tac : array, shape (...)
+            Knudsen number at the gas temperature, exponent of viscosity in temperature, and mean
+            TAC [1].
+
+        Returns
+        -------
+        force, heat : array, broadcast shape
+        """
+        low, high = np.log(self.knudsen_range)
+        place = scaled(jnp.clip(jnp.log(knudsen), low, high), low, high)
+        stiff = jnp.clip(exponent, *self.exponent_range) - _REFERENCE_EXPONENT
+        rough = jnp.asarray(tac) - _REFERENCE_TAC
+        return (
+            jnp.exp(polynomial(self.force, stiff, rough, place)),
+            jnp.exp(polynomial(self.heat, stiff, rough, place)),
+        )
+
+
+def factors(
+    gas: AbstractGas,
+    kind: str,
+    temperatures: tuple[Numeric, Numeric],
+    knudsen: Numeric,
+    tac: Numeric,
+) -> tuple[Array, Array]:
+    """Factors of force and heat of a disk in a gas [1].
+
+    Parameters
+    ----------
+    gas : AbstractGas
+    kind : {"diatomic", "monatomic"}
+        That of the tables that stands for it.
+    temperatures : tuple of array, shape (...)
+        Of gas and disk [K].
+    knudsen, tac : array, shape (...)
+        Knudsen number at the gas temperature and mean TAC [1].
+
+    Returns
+    -------
+    force, heat : array, broadcast shape
+    """
+    cold, hot = temperatures
+    mean, ratio = 0.5 * (cold + hot), hot / cold
+    exponent = gas.viscosity_exponent(mean)
+    force, heat = collision_fit(kind).factors(knudsen, exponent, tac)
+    if gas.molecules == "diatomic":
+        heat *= _SIMULATED_CONDUCTION / gas.reduced_conductivity(mean)
+    return force * FORCE_HEATED(ratio, exponent), heat * HEAT_HEATED(ratio, exponent)
+
+
+def with_collisions(ratio: Numeric, factor: Numeric) -> Array:
+    """A ratio to free molecules where collisions take a factor more [1].
+
+    Parameters
+    ----------
+    ratio, factor : array, shape (...)
+        By the model equation, and :math:`r` [1].
+
+    Returns
+    -------
+    array, broadcast shape
+    """
+    return jnp.asarray(ratio / (ratio + factor * (1.0 - ratio)))
+
+
+@lru_cache
+def collision_fit(gas: str = "diatomic") -> CollisionFit:
+    """Factors of a kind of gas, fitted to the table.
+
+    Parameters
+    ----------
+    gas : {"diatomic", "monatomic"}
+
+    Returns
+    -------
+    CollisionFit
+    """
+    table = shipped_table("kinetic_collisions.csv")
+    kept = np.array(table.texts["gas"]) == gas
+    return fitted({name: column[kept] for name, column in table.numbers.items()}, _POWERS[gas])
+
+
+def fitted(table: dict[str, np.ndarray], powers: list[tuple[int, int, int]]) -> CollisionFit:
+    """Smooth functions through a table's columns.
+
+    Parameters
+    ----------
+    table : dict of str to array, shape (n,)
+    powers : list of tuple of int
+        Of the viscosity exponent, the TAC and the Knudsen number.
+
+    Returns
+    -------
+    CollisionFit
+    """
+    knudsen, exponent = table["knudsen"], table["viscosity_exponent"]
+    low, high = float(knudsen.min()), float(knudsen.max())
+    variables = (
+        exponent - _REFERENCE_EXPONENT,
+        table["tac"] - _REFERENCE_TAC,
+        np.asarray(scaled(np.log(knudsen), np.log(low), np.log(high))),
+    )
+    force, heat = (
+        least_squares(np.log(table[f"{name}_factor"]), variables, powers)
+        for name in ("force", "heat")
+    )
+    return CollisionFit((low, high), (float(exponent.min()), float(exponent.max())), force, heat)

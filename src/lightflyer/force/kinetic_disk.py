@@ -184,7 +184,8 @@ def viscosity_exponent(gas: AbstractGas, temperature: Numeric, ratio: Numeric) -
 
 def _wall_factors(fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState) -> Any:
     """Factors of force and heat by the walls of a chamber [1]."""
-    return fit.wall_factors(knudsen, state.wall_distance / disk.radius, disk.film.tac_mean)
+    distance, film = state.wall_distance / disk.radius, disk.film
+    return fit.wall_factors(knudsen, distance, film.tac_mean, film.tac_difference)
 
 
 def _with_scaling(error: Array, of_scaling: float, gas: AbstractGas) -> Array:

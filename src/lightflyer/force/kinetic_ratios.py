@@ -268,7 +268,11 @@ class KineticFit:
         )
 
     def wall_factors(
-        self, knudsen: Numeric, distance: Numeric, tac: Numeric = BOUNDARY_TAC
+        self,
+        knudsen: Numeric,
+        distance: Numeric,
+        tac: Numeric = BOUNDARY_TAC,
+        tac_difference: Numeric | None = None,
     ) -> tuple[Array, Array]:
         """Force and heat between walls over those in open space [1].
 
@@ -279,6 +283,8 @@ class KineticFit:
             Of the walls, in radii of the disk [1].
         tac : array, shape (...)
             Mean of the faces [1].
+        tac_difference : array, shape (...), optional
+            Of the faces [1]; by default small.
 
         Returns
         -------
@@ -293,9 +299,14 @@ class KineticFit:
         nearness = 1.0 / jnp.maximum(distance, self.nearest_wall)
         opened = self.heat_ratio(knudsen, 1.0, tac)
         kept = jnp.exp(nearness * polynomial(self.heat_wall, nearness, place))
-        heat = 1.0 / (opened + kept * (1.0 - opened))
+        walled = 1.0 / (1.0 + kept * (1.0 / opened - 1.0))
+        like = heat = walled / opened
+        if tac_difference is not None:
+            # what the difference adds to the resistance is beside the faces, and stays
+            unlike = self.heat_ratio(knudsen, 1.0, tac, tac_difference)
+            heat = 1.0 / (unlike * (1.0 / walled + 1.0 / unlike - 1.0 / opened))
         beside = polynomial(self.force_wall, nearness, place)
-        return heat * jnp.exp(nearness * beside * denseness(knudsen)), heat
+        return like * jnp.exp(nearness * beside * denseness(knudsen)), heat
 
     def _place(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Place:
         inside = jnp.clip(tac, *self.tac_range)

@@ -229,11 +229,11 @@ def _fit_hot_unlikeness(
     ends = _ends(knudsen)
     place = _place(knudsen, ends)
     effects = share, of_force * share * (1.0 - table.force_ratio[rows])
-    hot = (
+    of_resistance, of_k = (
         least_squares(values / heating, (place, variable), powers, 1.0 / (heating * effect))
         for values, effect, powers in zip(logarithms, effects, _HOT_UNLIKE_POWERS, strict=True)
     )
-    return Unlikeness(linear.resistance, linear.force, *hot, ends)
+    return Unlikeness(linear.resistance, linear.force, of_resistance, of_k, ends)
 
 
 def _of_like_faces(

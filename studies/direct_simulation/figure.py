@@ -37,7 +37,7 @@ def main() -> None:
     draw_axis(axes[0], found, made.cells.volume, solution)
     draw_plane(axes[1], found, made.cells.volume, solution)
     axes[0].set_ylabel("temperature $T/T_c$")
-    axes[0].legend(frameon=False)
+    axes[1].legend(*axes[0].get_legend_handles_labels(), frameon=False)
     figure.suptitle(label(POINT), fontsize="medium")
     figure.savefig(FOLDER / "temperature.png", dpi=150)
 

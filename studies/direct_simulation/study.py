@@ -209,11 +209,14 @@ def main() -> None:
         print("\n".join(table()))
         return
     made = {(point, seed) for point, seed, _ in read_runs()}
-    for seed in range(arguments.runs):
-        for point in POINTS_TO_RUN:
-            if (point, seed) not in made and arguments.only in label(point):
-                began = time.process_time()
-                keep(measure(point, seed), time.process_time() - began)
+    chosen = [point for point in POINTS_TO_RUN if arguments.only in label(point)]
+    if not chosen:
+        parser.error(f"--only {arguments.only}: no point has that in its name")
+    missing = [(p, s) for s in range(arguments.runs) for p in chosen if (p, s) not in made]
+    for point, seed in missing:
+        began = time.process_time()
+        keep(measure(point, seed), time.process_time() - began)
+    print(f"{len(missing)} runs made; print the results with --table")
 
 
 if __name__ == "__main__":

@@ -43,7 +43,7 @@ FILM = {
     "tac_top": 0.8,
     "tac_bottom": 0.9,
 }
-DESIGN = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=FILM).design()
+DESIGN = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=FILM, force={"model": "lu2023"}).design()
 PENALTY = 1e3  # of a violated constraint, in scales of the objective
 
 

@@ -110,6 +110,7 @@ def trials(seed):
             flyer={"diameter": f"{2 * RADIUS} m"},
             film=film,
             environment={"atmosphere": "lu2023", "irradiance": f"{LIGHT} W/m^2"},
+            force={"model": "lu2023"},
         )
         prediction = lf.predict(file, at=[ALTITUDE])
         results = lf.propagate(file, prediction=prediction, seed=seed).summary()["results"]

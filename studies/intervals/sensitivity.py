@@ -39,7 +39,9 @@ def truth():
 
 def trials(seed):
     """Indices with their intervals from samples of their own, by the number of samples."""
-    file = lf.FlyerFile(flyer={"diameter": f"{DIAMETER[0]} ± {DIAMETER[1]} m"}, film=FILM)
+    file = lf.FlyerFile(
+        flyer={"diameter": f"{DIAMETER[0]} ± {DIAMETER[1]} m"}, film=FILM, force={"model": "lu2023"}
+    )
     found = []
     for words, points in CONDITIONS.items():
         (indices,) = lf.sensitivity(file, outputs="own_mass", points=points, seed=seed)

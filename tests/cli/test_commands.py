@@ -172,6 +172,22 @@ def test_init_writes_what_predict_reads(run, tmp_path):
     assert lightflyer.read_flyer_file(path).flyer.shape == "disk"
 
 
+def test_init_writes_another_force_model(run, tmp_path):
+    path = tmp_path / "flyer.toml"
+    assert run("init", path, "--model", "lu2023")[0] == 0
+    assert isinstance(lightflyer.read_flyer_file(path).build().model, lightflyer.Lu2023)
+    assert 'model = "lu2023"                 # or "kinetic", ' in path.read_text("utf-8")
+    for words, says in (
+        (("--model", "lu2022"), '--model "lu2022" is not for --kind "earth"; choose from'),
+        (("--kind", "sweep", "--model", "lu2023"), '--kind "sweep" is not a flyer file'),
+        (("--kind", "mars", "--model", "kinetic"), "Kinetic is not for co2"),
+    ):
+        code, _, errors = run("init", tmp_path / "other.toml", *words)
+        assert (code, errors.count("\n")) == (2, 1)
+        assert says in errors
+    assert not (tmp_path / "other.toml").exists()
+
+
 def test_tac_above_one_warns_in_one_line(run, flyer_file):
     code, text, errors = run("predict", flyer_file("tac_bottom = 0.9", "tac_bottom = 1.08"))
     assert code == 0

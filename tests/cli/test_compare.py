@@ -25,7 +25,7 @@ def test_table_and_files(run, files, tmp_path):
     code, text, errors = run("compare", *files, "--out", out, "--samples", "100")
     assert (code, errors) == (0, "")
     lines = text.splitlines()
-    assert lines[0] == "A  narrow: disk of 2 cm, Lu2023"
+    assert lines[0] == "A  narrow: disk of 2 cm, Kinetic"
     table = lines[: next(i for i, line in enumerate(lines) if line.startswith("warning"))]
     assert max(map(len, table)) <= 80
     marked = [line for line in table if line.startswith(("A*", "B*"))]

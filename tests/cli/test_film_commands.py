@@ -14,7 +14,7 @@ layers = [
   {material = "Ge", thickness = "20 nm"},
 ]
 """
-FLYER = '[flyer]\ndiameter = "2 cm"\n' + FILM
+FLYER = '[force]\nmodel = "lu2023"\n[flyer]\ndiameter = "2 cm"\n' + FILM
 
 
 @pytest.fixture

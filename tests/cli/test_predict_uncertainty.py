@@ -18,6 +18,8 @@ tac_correlation = 0.5
 atmosphere = "lu2023"
 altitude_min = "55 km"
 altitude_max = "90 km"
+[force]
+model = "lu2023"
 """
 
 

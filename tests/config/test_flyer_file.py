@@ -38,7 +38,7 @@ def test_the_same_in_python_and_the_defaults():
     assert isinstance(setup.environment, lf.Earth)
     assert isinstance(setup.environment.atmosphere, lf.environment.US1976)
     assert setup.environment.radiation.zenith_angle == 0.0
-    assert isinstance(setup.model, lf.Lu2023)
+    assert isinstance(setup.model, lf.Kinetic)
     assert setup.search_range == (None, None)
 
 
@@ -245,7 +245,7 @@ def test_every_alternative_lists_its_keys():
     assert "earth us1976" in alternative_tags()
     nrlmsis = {"environment": {"kind": "earth", "atmosphere": "nrlmsis"}}
     assert "f107" in section_at("environment", nrlmsis).model_fields
-    assert "c_fm" in section_at("force", {}).model_fields
+    assert "wall" in section_at("force", {}).model_fields
     assert "thickness" in section_at("film.layers.0", {"film": {"layers": []}}).model_fields
     assert section_at("weather", {}) is None
 

@@ -17,6 +17,8 @@ CHOICE = re.compile(
     r'^(?:# )?(?P<key>\w+) = (?P<value>"[^"]*") +# (?:or|.*; or) (?P<others>.*)$', re.M
 )
 OTHER_FILE = "see  lightflyer init"
+MODEL = re.compile(r'^model = "[^"]*"', re.M)
+OF_MODEL = re.compile(r'^# Optional, of model "([\w-]+)" only.*\n(?: *# .*\n)*', re.M)
 NRLMSIS = re.compile(r"(?<=nrlmsis\" all of these but f107a:\n)(?:# .*\n)+")
 
 
@@ -31,7 +33,8 @@ def invited():
             for other in re.findall(r'"[^"]*"', match["others"].split(":")[0]):
                 line = f"{match['key']} = {other}\n"
                 changed = text[: match.start()] + line + text[match.end() :]
-                yield f"{kind}: {match['key']} {other}", with_group(changed, other)
+                fitting = with_group(changed, other)
+                yield f"{kind}: {match['key']} {other}", of_its_model(fitting, text, match)
 
 
 def uncommented(text, match):
@@ -40,7 +43,16 @@ def uncommented(text, match):
     if group and group.start() <= match.start() < group.end():
         text = text.replace('atmosphere = "us1976"', 'atmosphere = "nrlmsis"')
         return with_group(text, '"nrlmsis"')
-    return text[: match.start()] + match[1] + text[match.end() :]
+    changed = text[: match.start()] + match[1] + text[match.end() :]
+    return of_its_model(changed, text, match)
+
+
+def of_its_model(changed, text, match):
+    """With the force model that a key belongs to, where it stands among the keys of one."""
+    for group in OF_MODEL.finditer(text):
+        if group.start() <= match.start() < group.end():
+            return MODEL.sub(f'model = "{group[1]}"', changed)
+    return changed
 
 
 def with_group(text, value):
@@ -54,7 +66,7 @@ INVITED = dict(invited())
 
 def test_the_search_for_invitations_finds_them():
     expected = {
-        'earth: model "kinetic"', 'earth: model "free-molecular-linear"', "earth: c_fm",
+        'earth: model "lu2023"', 'earth: wall "accommodated"', 'earth: model "free-molecular-linear"', "earth: c_fm",
         'earth: atmosphere "nrlmsis"', 'earth: atmosphere "lu2023"', 'earth: gas "us1976-air"',
         'earth: reading "printed"', "earth: altitude_min", "earth: date", "chamber: infrared_top",
         "chamber: radius", 'chamber: model "kinetic"', 'sandwich: atmosphere "nrlmsis"',
@@ -94,7 +106,7 @@ def test_earths_light_is_the_same_in_templates_files_and_python(kind, tmp_path):
 def test_a_key_of_another_choice_is_refused_by_naming_that_choice(tmp_path):
     path = tmp_path / "flyer.toml"
     wrong = {
-        ('model = "lu2023"', 'model = "kinetic"\nc_fm = 0.4'):
+        ('model = "kinetic"', 'model = "kinetic"\nc_fm = 0.4'):
             r':\d+: force.c_fm belongs to model = "lu2023"; remove it, or choose that',
         ('atmosphere = "us1976"', 'atmosphere = "us1976"\nf107 = 150'):
             r':\d+: environment.f107 belongs to kind = "earth"; remove it',

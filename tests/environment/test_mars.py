@@ -249,6 +249,8 @@ absorptance = 0.75
 emittance = 0.08
 tac_top = 0.8
 tac_bottom = 0.9
+[force]
+model = "lu2023"
 [environment]
 kind = "mars"
 """

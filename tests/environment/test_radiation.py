@@ -147,16 +147,18 @@ def test_a_tilted_disk_is_pushed_along_its_axis(film):
 def test_incidence_of_a_flyer_file_is_that_of_a_level_disk_under_slanting_sun():
     film = {"areal_density": "1 g/m^2", "absorptance": 0.75, "emittance": 0.08,
             "tac_top": 0.8, "tac_bottom": 0.9}  # fmt: skip
-    sky = {"atmosphere": "lu2023", "incidence": "30 deg"}
+    sky, force = {"atmosphere": "lu2023", "incidence": "30 deg"}, {"model": "lu2023"}
 
     def lift(**flyer):
         setup = lf.FlyerFile(
-            flyer={"diameter": "2 cm", **flyer}, film=film, environment=sky
+            flyer={"diameter": "2 cm", **flyer}, film=film, environment=sky, force=force
         ).build()
         return lf.lift(setup.flyer, setup.environment.state(72e3), setup.model)
 
     facing = {**sky, "incidence": "0 deg"}
-    straight = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, environment=facing).build()
+    straight = lf.FlyerFile(
+        flyer={"diameter": "2 cm"}, film=film, environment=facing, force=force
+    ).build()
     full = lf.lift(straight.flyer, straight.environment.state(72e3), straight.model)
     assert lift(tilt="30 deg") == pytest.approx(full * np.cos(np.radians(30.0)), rel=1e-12)
     assert lift() < lift(tilt="15 deg")  # half way to the sun carries more

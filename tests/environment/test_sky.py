@@ -374,7 +374,10 @@ SECTION = {
 
 
 def file_of(film_section, **environment):
-    return lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film_section, environment=environment)
+    return lf.FlyerFile(
+        flyer={"diameter": "2 cm"}, film=film_section, environment=environment,
+        force={"model": "lu2023"},
+    )  # fmt: skip
 
 
 def test_a_file_may_state_date_and_place(film_section):

@@ -9,11 +9,12 @@ from lightflyer.uncertainty.inputs import uncertain_inputs
 
 FILM = {"areal_density": "1.0 g/m^2", "absorptance": 0.75, "emittance": 0.08}
 TACS = {"tac_top": 0.8, "tac_bottom": 0.9}
+PAPERS_FORCE = {"force": {"model": "lu2023"}}
 
 
 def flyer_file(film=None, diameter="2 cm", **sections):
     film = FILM | TACS if film is None else film
-    return lf.FlyerFile(flyer={"diameter": diameter}, film=film, **sections)
+    return lf.FlyerFile(flyer={"diameter": diameter}, film=film, **PAPERS_FORCE | sections)
 
 
 def warnings_of(*args, **kwargs):

@@ -212,7 +212,7 @@ def test_a_quantile_and_the_mean_are_those_of_the_samples(flyer):
 
 def test_the_flyer_files_own_uncertainties_are_used(flyer):
     film = FILM | {"tac_top": "0.80 ± 0.01", "emittance": "0.08 ± 0.01"}
-    uncertain = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film)
+    uncertain = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, force={"model": "lu2023"})
     asked = {"maximise": "payload", "over": {"altitude": ALTITUDE}, "uncertainty": {"of": "mean"}}
     assert set(problem(uncertain, **asked).samples) == {"film.tac_top", "film.emittance"}
     with pytest.raises(lf.ConfigurationError, match="no number is uncertain"):
@@ -286,7 +286,7 @@ def test_what_is_out_of_range_is_refused():
     over = {"flyer.diameter": {"from": "2 cm", "to": "30 cm"}, "altitude": ALTITUDE}
     wide = {"maximise": "payload", "over": over, "starts": 2}
     film = FILM | {"areal_density": "0.1 g/m^2"}
-    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film)
+    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, force={"model": "lu2023"})
     with pytest.raises(lf.LightflyerError, match=r"the diameter \[m\] is 0.\d+ at .*beyond_range"):
         lf.optimise(flyer, **wide)
     accepted = lf.optimise(flyer, **wide, beyond_range=True)
@@ -311,7 +311,7 @@ def test_a_film_gets_no_hotter_than_it_bears():
 def test_a_quantile_is_taken_on_the_worse_side():
     """Of 95 % of the samples the temperature is below the limit, not of 5 %."""
     film = FILM | {"absorptance": "0.75 ± 0.02", "emittance": "0.08 ± 0.004"}
-    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film)
+    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, force={"model": "lu2023"})
     asked = problem(
         flyer,
         points=512,
@@ -334,7 +334,7 @@ def test_a_quantile_is_taken_on_the_worse_side():
 
 def test_a_best_design_that_does_not_fly_is_named(flyer):
     film = FILM | {"tac_top": 0.9, "tac_bottom": 0.9}
-    grounded = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film)
+    grounded = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, force={"model": "lu2023"})
     asked = {"maximise": "payload", "over": {"altitude": ALTITUDE}, "beyond_range": True}
     words = "the best design does not lift its weight"
     assert any(words in text for text in lf.optimise(grounded, **asked).warnings)
@@ -347,7 +347,9 @@ def test_optical_data_that_end_refuse_no_design():
         {"material": "PET", "thickness": "500 nm"},
         {"material": "Ge", "thickness": "12 nm"},
     ]
-    layered = lf.FlyerFile(flyer={"diameter": "2 cm"}, film={"layers": layers})
+    layered = lf.FlyerFile(
+        flyer={"diameter": "2 cm"}, film={"layers": layers}, force={"model": "lu2023"}
+    )
     found = lf.optimise(layered, maximise="payload", over={"altitude": ALTITUDE})
     assert any("is computed from data for" in text for text in found.warnings)
     assert found.value > 0.0

@@ -20,7 +20,12 @@ FILM = {
 
 @pytest.fixture(scope="module")
 def uncertain():
-    return lf.FlyerFile(flyer={"diameter": "2 cm"}, film=FILM, environment={"atmosphere": "lu2023"})
+    return lf.FlyerFile(
+        flyer={"diameter": "2 cm"},
+        film=FILM,
+        environment={"atmosphere": "lu2023"},
+        force={"model": "lu2023"},
+    )
 
 
 def test_indices_of_a_product_have_a_closed_form(uncertain):
@@ -85,7 +90,10 @@ def test_errors_that_are_correlated_count_as_one_input(correlation):
     """Small spreads: shares from slopes and the covariance, the spread as predict finds it."""
     film = FILM | {"tac_correlation": correlation, "absorptance": "0.75 ± 0.01"}
     flyer = lf.FlyerFile(
-        flyer={"diameter": "2 cm"}, film=film, environment={"atmosphere": "lu2023"}
+        flyer={"diameter": "2 cm"},
+        film=film,
+        environment={"atmosphere": "lu2023"},
+        force={"model": "lu2023"},
     )
     (found,) = lf.sensitivity(flyer, outputs="lift", at={"altitude": "72 km"})
     pair = ("film.tac_top", "film.tac_bottom")

@@ -130,7 +130,9 @@ def test_the_best_stack_is_that_of_all_searched_one_by_one(best):
     for stack in (("PET", "Ge"), ("PET", "Cr")):
         layers = [{"material": one, "thickness": "500 nm" if one == "PET" else "10 nm"}
                   for one in stack]  # fmt: skip
-        one = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film | {"layers": layers}).design()
+        one = lf.FlyerFile(
+            flyer={"diameter": "2 cm"}, film=film | {"layers": layers}, force={"model": "lu2023"}
+        ).design()
         name = f"film.layers.{0 if stack[1] == 'PET' else 1}.thickness"
         found = minimize_scalar(
             lambda size, one=one, name=name: -payload_of(one, {name: size * 1e-9}),

@@ -35,7 +35,7 @@ FILM = {
 
 
 def study():
-    design = FlyerFile(flyer={"diameter": "2 cm"}, film=FILM).design()
+    design = FlyerFile(flyer={"diameter": "2 cm"}, film=FILM, force={"model": "lu2023"}).design()
     entries = {
         "flyer.diameter": np.linspace(0.005, 0.05, 600),
         "altitude": np.linspace(60e3, 90e3, 50),

@@ -144,7 +144,7 @@ def test_every_number_of_the_file_reaches_the_setup(film_section):
         "flyer": {"diameter": "2 cm", "tilt": "10 deg"},
         "film": film,
         "environment": {"atmosphere": "lu2023"},
-        "force": {},
+        "force": {"model": "lu2023"},
     }
     design = lf.FlyerFile(**sections).design()
     assert set(design.fields) == {*CHANGED, "film.emittance", "altitude"}

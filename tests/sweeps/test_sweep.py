@@ -60,6 +60,7 @@ def test_each_design_is_what_its_flyer_file_predicts(film_section, table):
                 "atmosphere": "lu2023",
                 "incidence": f"{float(part['environment.incidence']):.17g} deg",
             },
+            force={"model": "lu2023"},
         )
         found = lf.predict(written, at=part.altitude.values).at
         # differences of nearly equal numbers are as exact as these
@@ -153,6 +154,7 @@ def test_a_chamber_goes_by_pressure(film_section):
         flyer={"diameter": "2 cm"},
         film=film_section,
         environment={"kind": "chamber", "temperature": "293 K"},
+        force={"model": "lu2023"},
     )
     found = lf.sweep(flyer, over={"pressure": ["3 Pa", "10 Pa"]}, outputs="levitation_irradiance")
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
@@ -173,12 +175,14 @@ def test_layers_are_computed_for_each_thickness():
         {"material": "Ge", "thickness": "20 nm"},
     ]
     film = {"layers": layers, "emittance": 0.08, "tac_top": 0.8, "tac_bottom": 0.9}
-    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film)
+    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, force={"model": "lu2023"})
     names = ["film.layers.3.thickness", "film.tac_top", "altitude"]
     over = dict(zip(names, (["10 nm", "30 nm"], [0.7, 0.8], ["70 km"]), strict=True))
     found = lf.sweep(flyer, over=over, outputs=["payload", "absorptance", "areal_density"])
     layers[3] = {"material": "Ge", "thickness": "30 nm"}
-    written = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film | {"layers": layers})
+    written = lf.FlyerFile(
+        flyer={"diameter": "2 cm"}, film=film | {"layers": layers}, force={"model": "lu2023"}
+    )
     setup = written.build()
     disk = setup.flyer
     part = found.isel({names[0]: 1, names[1]: 1, names[2]: 0})

@@ -28,7 +28,10 @@ CHAMBER = {"kind": "chamber", "temperature": "295 K", "pressure_min": "0.5 Pa",
 
 def configure(environment=EARTH, diameter="2 cm", **film):
     return lf.FlyerFile(
-        flyer={"diameter": diameter}, film={**FILM, **film}, environment=environment
+        flyer={"diameter": diameter},
+        film={**FILM, **film},
+        environment=environment,
+        force={"model": "lu2023"},
     )
 
 
@@ -242,6 +245,7 @@ def dark(absorptance, spread, **changes):
         flyer={"diameter": "2 cm"},
         film=properties | {"areal_density": "1 g/m^2", "absorptance": stated},
         environment={"atmosphere": "lu2023"},
+        force={"model": "lu2023"},
     )
     emittance = properties.pop("emittance")
     film = lf.FilmProperties(

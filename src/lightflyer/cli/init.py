@@ -1,11 +1,13 @@
 """``lightflyer init``: files to start from."""
 
+import re
+import tomllib
 from importlib import resources
 from pathlib import Path
 from typing import NamedTuple
 
 from lightflyer.cli.output import printer
-from lightflyer.foundation.errors import OutputError, ParameterError
+from lightflyer.foundation.errors import ConfigurationError, OutputError, ParameterError
 
 _PREFIX, _SUFFIX = "flyer-", ".toml"
 
@@ -37,6 +39,7 @@ class Template(NamedTuple):
         return (resources.files("lightflyer") / "data" / self.source).read_text(encoding="utf-8")
 
 
+_MODEL = re.compile(r'^model = "([^"]*)".*$', re.M)
 _PREDICT = "predict {} --out prediction"
 _OTHERS = {
     "mission": Template("mission.toml", "mission.toml", ("fly {} --out mission",)),
@@ -78,7 +81,14 @@ def templates() -> dict[str, Template]:
     return {_FIRST: flyers.pop(_FIRST), **flyers, **_OTHERS}
 
 
-def init(path: Path | None = None, /, *, kind: str = _FIRST, force: bool = False) -> None:
+def init(
+    path: Path | None = None,
+    /,
+    *,
+    kind: str = _FIRST,
+    model: str | None = None,
+    force: bool = False,
+) -> None:
     """Write a commented file to start from.
 
     Parameters
@@ -92,6 +102,9 @@ def init(path: Path | None = None, /, *, kind: str = _FIRST, force: bool = False
         Earth), hollow (a sphere that pumps gas, over Earth). A mission: mission. Studies: sweep,
         optimise, sensitivity. Measurements: points (of levitation, to calibrate with);
         "lightflyer lab example" writes those of the lab bench.
+    model
+        Force model of a flyer file, in place of its own: lu2023 (the paper's fit), kinetic,
+        free-molecular or another that is for the flyer.
     force
         Overwrite an existing file.
     """
@@ -100,9 +113,10 @@ def init(path: Path | None = None, /, *, kind: str = _FIRST, force: bool = False
         raise ParameterError(f'--kind "{kind}" is unknown; choose from {", ".join(known)}')
     template = known[kind]
     path = Path(template.name) if path is None else path
+    text = template.read() if model is None else _with_model(kind, template, model)
     try:
         with path.open("w" if force else "x", encoding="utf-8") as file:
-            file.write(template.read())
+            file.write(text)
     except FileExistsError:
         raise OutputError(f"{path}: already exists; --force overwrites it") from None
     except OSError as error:
@@ -114,3 +128,28 @@ def init(path: Path | None = None, /, *, kind: str = _FIRST, force: bool = False
         console.print(f"it needs a flyer file: lightflyer init {flyer}", soft_wrap=True)
     for command in template.following:
         console.print(f"next: lightflyer {command.format(path)}", soft_wrap=True)
+
+
+def _with_model(kind: str, template: Template, model: str) -> str:
+    """A template's text with another force model, which must be for its flyer and gas."""
+    if not template.is_flyer:
+        raise ParameterError(f'--model "{model}": --kind "{kind}" is not a flyer file')
+    from lightflyer.config.flyer_file import flyer_file_type, models_for
+
+    text = template.read()
+    suitable = models_for(type(flyer_file_type()(**tomllib.loads(text)).flyer))
+    if model not in suitable:
+        known = ", ".join(suitable)
+        raise ParameterError(f'--model "{model}" is not for --kind "{kind}"; choose from {known}')
+    own = _MODEL.search(text)
+    assert own is not None  # every template names its model
+    # the line goes on with what else there is
+    exchanged = {f'"{own[1]}"': f'"{model}"', f'"{model}"': f'"{own[1]}"'}
+    line = re.sub("|".join(exchanged), lambda name: exchanged[name[0]], own[0])
+    text = text.replace(own[0], line)
+    try:
+        setup = flyer_file_type()(**tomllib.loads(text)).build()
+        setup.model.require_gas(setup.environment.gas)
+    except (ConfigurationError, ParameterError) as error:
+        raise ParameterError(f'--model "{model}" with --kind "{kind}": {error}') from None
+    return text

@@ -31,7 +31,7 @@ discover()
 PARTS = ("flyer", "film", "environment", "force", "payload")
 """Sections whose numbers describe a design."""
 
-_ANY_MODEL = "lu2023"  # where the flyer is unknown: the error about that comes first
+_ANY_MODEL = "kinetic"  # where the flyer is unknown: the error about that comes first
 
 
 def _union(base: type[Alternative]) -> Any:

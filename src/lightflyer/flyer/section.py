@@ -24,7 +24,7 @@ class FlyerSection(Alternative, abc.ABC):
     needs_transmittance: ClassVar[bool] = True
     """Whether it matters what passes a film: where light or heat radiation then meets another."""
 
-    default_model: ClassVar[str] = "lu2023"
+    default_model: ClassVar[str] = "kinetic"
     """Force model where the file has no ``[force]``."""
 
     payload: Mass = Measured(0.0)

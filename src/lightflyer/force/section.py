@@ -10,7 +10,7 @@ from lightflyer.foundation.section import Alternative
 class ForceSection(Alternative, abc.ABC):
     """``[force]``: a force model."""
 
-    choosing_keys: ClassVar[tuple[tuple[str, str], ...]] = (("model", "lu2023"),)
+    choosing_keys: ClassVar[tuple[tuple[str, str], ...]] = (("model", "kinetic"),)
     model_type: ClassVar[type[AbstractForceModel]]
     """Class of the model that the section builds."""
 

@@ -3,6 +3,9 @@ import json
 import pytest
 import xarray as xr
 
+from lightflyer.cli.output import printer
+from lightflyer.cli.predict import _show_bands
+
 FILE = """\
 [flyer]
 diameter = "2 cm"
@@ -43,6 +46,10 @@ def test_bands_for_a_file_with_uncertainties(run, folder):
     (warning,) = summary["uncertainty"]["warnings"]  # of films that absorb and pass more than all
     assert "were drawn again (transmittance = 0.05 and absorptance = 0.9" in warning
     assert f"warning: {warning}" in told
+    share = summary["uncertainty"]["share_that_levitates"]
+    edge = summary["uncertainty"]["results"]["altitude_band_km.lower"]["monte_carlo"]
+    assert share == pytest.approx(edge["share_of_samples"], abs=0.011)  # a sample at the margin
+    assert f"levitates in {100.0 * share:.0f} % of 100 samples of the ± below" in told
     payload = summary["uncertainty"]["results"]["best.payload_mg"]
     assert payload["value"] == summary["best"]["payload_mg"]
     assert payload["monte_carlo"]["low"] < payload["value"] < payload["monte_carlo"]["high"]
@@ -50,6 +57,20 @@ def test_bands_for_a_file_with_uncertainties(run, folder):
     with xr.open_dataset(folder / "out" / "prediction.nc", engine="h5netcdf") as dataset:
         assert dataset["payload_low"].units == "kg"
         assert float((dataset["payload_low"] < dataset["payload_high"]).all())
+
+
+def test_errors_of_the_force_model_are_told_from_those_of_the_file(capsys):
+    """A file without any ± has bands where the force model is uncertain by itself."""
+    told = {
+        "inputs": {"film.tac_top": 0.01, "force.force_error": 1.0, "force.c_fm": 0.1},
+        "between_bounds": [], "tac_correlation": None, "samples": 0, "warnings": [],
+        "share_that_levitates": None, "results": {},
+    }  # fmt: skip
+    _show_bands(printer(), told)
+    assert capsys.readouterr().out.endswith(
+        "from the ± of film.tac_top, force.c_fm, and the force model's own errors "
+        "(force.force_error)\n"
+    )
 
 
 def test_first_order_alone(run, folder):

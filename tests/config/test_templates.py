@@ -66,7 +66,8 @@ INVITED = dict(invited())
 
 def test_the_search_for_invitations_finds_them():
     expected = {
-        'earth: model "lu2023"', 'earth: wall "accommodated"', 'earth: model "free-molecular-linear"', "earth: c_fm",
+        'earth: model "lu2023"', 'earth: model "free-molecular-linear"', "earth: c_fm",
+        'earth: wall "accommodated"',
         'earth: atmosphere "nrlmsis"', 'earth: atmosphere "lu2023"', 'earth: gas "us1976-air"',
         'earth: reading "printed"', "earth: altitude_min", "earth: date", "chamber: infrared_top",
         "chamber: radius", 'chamber: model "kinetic"', 'sandwich: atmosphere "nrlmsis"',

@@ -2,6 +2,7 @@
 
 import gc
 import json
+import re
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from lightflyer.environment.base import Coordinate
     from lightflyer.prediction.prediction import Prediction
     from lightflyer.uncertainty.propagation import PredictionUncertainty
+
+_OF_MODEL = re.compile(r"force\.\w+_error")  # inputs that are errors of the force model itself
 
 
 def predict_command(
@@ -189,6 +192,10 @@ def _show(
 def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
     """The 95 % bands of all results but those asked for one by one."""
     results, width = uncertainty["results"], min(console.width, NARROW)
+    share = uncertainty["share_that_levitates"]
+    if share is not None:
+        samples = uncertainty["samples"]
+        console.print(f"levitates in {100.0 * share:.0f} % of {samples} samples of the ± below")
     both = ["first order", "Monte Carlo"]
     kept = [*both, "samples"], both, ["Monte Carlo" if uncertainty["samples"] else "first order"]
     tables = [_bands_table(results, columns) for columns in kept]
@@ -197,12 +204,16 @@ def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
     correlation = uncertainty["tac_correlation"]
     note = "" if correlation is None else f", TAC errors correlated by {correlation:g}"
     sources = []
-    if uncertainty["inputs"]:
-        sources.append(f"the ± of {', '.join(uncertainty['inputs'])}{note}")
+    own = [name for name in uncertainty["inputs"] if _OF_MODEL.fullmatch(name)]
+    stated = [name for name in uncertainty["inputs"] if name not in own]
+    if stated:
+        sources.append(f"the ± of {', '.join(stated)}{note}")
+    if own:
+        sources.append(f"the force model's own errors ({', '.join(own)})")
     if uncertainty["between_bounds"]:
         names = ", ".join(uncertainty["between_bounds"])
         sources.append(f"the bounds of {names}")
-    console.print(f"from {', and '.join(sources)}")
+    console.print(f"from {', and '.join(sources)}", soft_wrap=True)
     for warning in uncertainty["warnings"]:
         console.print(f"warning: {warning}", soft_wrap=True)
 

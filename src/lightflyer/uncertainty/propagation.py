@@ -155,9 +155,17 @@ class PredictionUncertainty:
             "tac_correlation": self.tac_correlation,
             "samples": self.samples,
             "seed": self.seed,
+            "share_that_levitates": self.share_that_levitates,
             "warnings": list(self.warnings),
             "results": {name: self._result(name) for name in self.nominal},
         }
+
+    @property
+    def share_that_levitates(self) -> float | None:
+        """Share of the samples that levitate somewhere; None without samples."""
+        if not self.samples:
+            return None
+        return float(np.mean(self.sampled["best.lift_over_weight"] > 1.0))
 
     @property
     def tac_correlation(self) -> float | None:

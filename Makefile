@@ -6,7 +6,7 @@ STAMP = $(VENV)/.installed
 
 .PHONY: demo test check lint types docs pages snippets figures wheel bench lock clean
 
-demo: $(STAMP)  ## predict the 2-cm germanium disk; table here, figures and data in demo/
+demo: $(STAMP)  ## predict the 2-cm germanium disk, with bands; table here, figures and data in demo/
 	@test -e demo/flyer.toml || { mkdir -p demo && $(BIN)/lightflyer init demo/flyer.toml > /dev/null; }
 	$(BIN)/lightflyer predict demo/flyer.toml --out demo
 	@echo "copy demo/flyer.toml, change it, and run: $(BIN)/lightflyer predict COPY --out FOLDER"

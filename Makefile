@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN = $(VENV)/bin
 STAMP = $(VENV)/.installed
 
-.PHONY: demo test check lint types docs pages snippets figures wheel bench lock clean
+.PHONY: demo test check lint types docs pages snippets figures listings wheel bench lock clean
 
 demo: $(STAMP)  ## predict the 2-cm germanium disk, with bands; table here, figures and data in demo/
 	@test -e demo/flyer.toml || { mkdir -p demo && $(BIN)/lightflyer init demo/flyer.toml > /dev/null; }
@@ -35,6 +35,9 @@ snippets: $(STAMP)
 
 figures: $(STAMP)  ## after a change of figures on purpose: take those of the pages of commands anew
 	LIGHTFLYER_RENEW_FIGURES=yes $(BIN)/pytest -n auto -m snippets tests/docs/test_snippets.py -k commands
+
+listings: $(STAMP)  ## after a change of results on purpose: take what commands print on pages anew
+	LIGHTFLYER_RENEW_LISTINGS=yes $(BIN)/pytest -n auto -m snippets tests/docs/test_snippets.py
 
 wheel: $(STAMP)  ## build the package and use its wheel in an empty environment
 	VENV=$(VENV) .ci/check_wheel

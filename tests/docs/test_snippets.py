@@ -3,7 +3,8 @@
 They take minutes, so that they run with the documentation, ``make docs``, not with the tests.
 
 A figure below "% drawn above: FILE" is the one that the commands above it write. After a change of
-figures on purpose, ``make figures`` takes the new ones.
+figures on purpose, ``make figures`` takes the new ones, and ``make listings`` the new lines of what
+commands print. Read the difference: each line is taken from the printed one that is most like it.
 """
 
 import os
@@ -12,6 +13,7 @@ import shlex
 import shutil
 import subprocess
 import tomllib
+from difflib import SequenceMatcher
 from pathlib import Path
 
 import matplotlib as mpl
@@ -39,6 +41,7 @@ PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md")), *COMMAND_PAGES]
 BLOCK = re.compile(r"^(% not run: .+\n)?```(python|toml|console)\n(.*?)^```$", re.M | re.S)
 DRAWN = re.compile(r"^% drawn above: (\S+)\n!\[[^]]+\]\((\S+)\)$", re.M)
 RENEW = os.environ.get("LIGHTFLYER_RENEW_FIGURES") == "yes"
+RENEW_LISTINGS = os.environ.get("LIGHTFLYER_RENEW_LISTINGS") == "yes"
 COLOURS = 256  # of a picture in the repository, which makes it a third as large
 ALIKE = 3.0  # root-mean-square difference of two pictures, of 255; a curve elsewhere makes tens
 
@@ -92,7 +95,7 @@ def test_the_page_works(page, blocks, drawn, files, run, tmp_path, monkeypatch):
     monkeypatch.chdir(folder)
     monkeypatch.delenv("COLUMNS", raising=False)  # tables are as wide as they are
     mpl.use("agg")
-    names = {}
+    names, renewed = {}, []
     for kind, text in blocks:
         if kind == "python":
             exec(compile(text, "page", "exec"), names)
@@ -101,9 +104,14 @@ def test_the_page_works(page, blocks, drawn, files, run, tmp_path, monkeypatch):
         else:
             for command, shown in commands(text):
                 if not stands_on_its_page(command, page):
-                    require_shown(command, shown, run)
+                    renewed += require_shown(command, shown, run)
     for made, picture in drawn:
         require_alike(Path(made), picture)
+    text = page.read_text(encoding="utf-8")
+    for old, new in renewed:
+        text = text.replace(f"\n{old}\n", f"\n{new}\n")
+    if renewed:
+        page.write_text(text, encoding="utf-8")
 
 
 def stands_on_its_page(command, page):
@@ -181,19 +189,35 @@ def commands(text):
 
 
 def require_shown(command, shown, run):
+    """What the page shows is printed; else, where listings are renewed, lines old and new."""
     words = shlex.split(command, comments=True)
     if words and words[0] == "sed":
         subprocess.run(command, shell=True, check=True)
-        return
+        return []
     if not words or words[0] in NOT_OURS or "--scheduler" in words:
-        return
+        return []
     assert words[0] == "lightflyer", command
     for word in words:
         if words[1] == "init" and os.path.isfile(word):
             os.remove(word)  # which the fixture made beforehand
     code, text, errors = run(*words[1:])
     assert code == 0, f"{command}: {errors}"
-    printed = [" ".join(line.split()) for line in (text + errors).splitlines()]
-    for line in shown:
-        wanted = " ".join(line.split())
-        assert wanted in ("", "...") or wanted in printed, f"{command}:\n{line}\n{text}"
+    lines = [line.rstrip() for line in (text + errors).splitlines()]
+    printed = [" ".join(line.split()) for line in lines]
+    wanted = {line: " ".join(line.split()) for line in shown}
+    stale = [line for line, words in wanted.items() if words not in ("", "...", *printed)]
+    if RENEW_LISTINGS:
+        return [(line, most_alike(line, lines)) for line in stale]
+    assert not stale, f"{command}:\n{stale[0]}\n{text}"
+    return []
+
+
+def most_alike(line, lines):
+    """The line that has the words of another, whatever its numbers."""
+
+    def likeness(other):
+        first = [text.split()[:1] for text in (line, other)]
+        masked = [" ".join(re.sub(r"\d[\d.]*", "0", text).split()) for text in (line, other)]
+        return (first[0] == first[1]) + SequenceMatcher(None, *masked).ratio()
+
+    return max(filter(None, lines), key=likeness)

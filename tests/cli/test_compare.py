@@ -9,7 +9,7 @@ import xarray as xr
 @pytest.fixture
 def files(run, tmp_path):
     first, second = tmp_path / "narrow.toml", tmp_path / "wide.toml"
-    assert run("init", first)[0] == 0
+    assert run("init", first, "--model", "lu2023")[0] == 0  # which compiles fastest
     text = first.read_text("utf-8").replace('diameter = "2 cm"', 'diameter = "4 cm"')
     assert "4 cm" in text
     second.write_text(text, encoding="utf-8")
@@ -25,7 +25,7 @@ def test_table_and_files(run, files, tmp_path):
     code, text, errors = run("compare", *files, "--out", out, "--samples", "100")
     assert (code, errors) == (0, "")
     lines = text.splitlines()
-    assert lines[0] == "A  narrow: disk of 2 cm, Kinetic"
+    assert lines[0] == "A  narrow: disk of 2 cm, Lu2023"
     table = lines[: next(i for i, line in enumerate(lines) if line.startswith("warning"))]
     assert max(map(len, table)) <= 80
     marked = [line for line in table if line.startswith(("A*", "B*"))]

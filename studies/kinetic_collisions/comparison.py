@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import brentq, least_squares
 from study import ratios
 
 from lightflyer.kinetic.cases import COARSE, MEDIUM, Case, solve_case
@@ -142,9 +142,13 @@ class Compared:
     error: float
     linear: float
 
-    def excess(self, slope: float, neutral: float) -> float:
-        """Deviation of the heated linear factor from the simulation, in standard errors."""
+    def excess(self, slope: float, monatomic: float, diatomic: float) -> float:
+        """Deviation of the simulation from the heated linear factor, in standard errors.
+
+        The factor is heated by a slope, which vanishes at the neutral exponent of a kind of gas.
+        """
         heating = np.log(self.place.temperature_ratio)
+        neutral = monatomic if self.place.kind == "monatomic" else diatomic
         factor = self.linear * np.exp(slope * heating * (neutral - self.place.exponent))
         return float((self.simulated - factor) / self.error)
 
@@ -163,8 +167,19 @@ def compared(quantity: str) -> list[Compared]:
 
 
 def residual(x: np.ndarray, chosen: list[Compared]) -> np.ndarray:
-    """Deviations at places, for a slope and a neutral exponent [standard errors]."""
+    """Deviations at places, for a slope and neutral exponents [standard errors]."""
     return np.array([point.excess(*x) for point in chosen])
+
+
+def left(x: np.ndarray, chosen: list[Compared]) -> float:
+    """Weighted r.m.s. deviation of factors that the simulations' errors do not explain."""
+    errors = np.array([point.error for point in chosen])
+    deviations = residual(x, chosen) * errors
+
+    def excess(variance: float) -> float:
+        return float(np.sum(deviations**2 / (errors**2 + variance)) - len(chosen))
+
+    return 0.0 if excess(0.0) < 0.0 else float(np.sqrt(brentq(excess, 0.0, 1.0)))
 
 
 def show(quantity: str) -> None:
@@ -172,11 +187,11 @@ def show(quantity: str) -> None:
     points = compared(quantity)
     others = [point for point in points if point.place.gas != "nitrogen"]
     nitrogen = [point for point in points if point.place.gas == "nitrogen"]
-    fit = least_squares(residual, [0.6, 0.74], args=(others,))
+    fit = least_squares(residual, [0.4, 0.8, 0.8], args=(others,))
     errors = np.sqrt(np.diag(np.linalg.inv(fit.jac.T @ fit.jac)))
     print(
-        f"{quantity}: slope {fit.x[0]:.3f} ± {errors[0]:.3f}, "
-        f"neutral exponent {fit.x[1]:.3f} ± {errors[1]:.3f}"
+        f"{quantity}: slope {fit.x[0]:.3f} ± {errors[0]:.3f}, neutral exponents: monatomic "
+        f"{fit.x[1]:.3f} ± {errors[1]:.3f}, diatomic {fit.x[2]:.3f} ± {errors[2]:.3f}"
     )
     for point in points:
         p = point.place
@@ -184,11 +199,12 @@ def show(quantity: str) -> None:
             f"  {p.gas:14s} Kn {p.knudsen:.3f} T {p.temperature_ratio:.2f} "
             f"TAC {p.tac_top:g}/{p.tac_bottom:g} D {p.boundary:g}: simulated "
             f"{point.simulated:.3f} ± {point.error:.3f}, linear {point.linear:.3f}, "
-            f"{point.excess(0.0, 0.0):+.1f} σ; heated {point.excess(*fit.x):+.1f} σ"
+            f"{point.excess(0.0, 0.0, 0.0):+.1f} σ; heated {point.excess(*fit.x):+.1f} σ"
         )
     for name, chosen in (("fitted", others), ("nitrogen", nitrogen)):
         square = float(np.sum(residual(fit.x, chosen) ** 2))
         print(f"  {name}: chi² {square:.1f} of {len(chosen)} points")
+    print(f"  left of nitrogen's factors, r.m.s.: {left(fit.x, nitrogen):.4f}")
 
 
 def main() -> None:

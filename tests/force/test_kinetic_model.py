@@ -249,40 +249,92 @@ def test_a_chamber_has_its_radius(disk, film):
         lf.Chamber(radius=-1.0)
 
 
-def test_errors_count_in_the_models_own_standard_errors(disk):
-    state, fit = state_at(0.2), kinetic_fit()
-    with lf.float64():
-        exponent = kinetic_disk.viscosity_exponent(lf.gas.AIR, COLD, 1.8)
-        ratio = fit.force_ratio(0.2, 1.8, 0.85, 0.1, exponent)
-        of_force = float(fit.relative_force_error(0.2, ratio))
-        of_heat = float(fit.relative_heat_error(0.2))
-    assert 0.0 < of_heat < of_force < 0.2
-    off, on = (lf.Kinetic(*errors, wall="maxwell") for errors in ((), (1.0, -1.0)))
-    growth = on.force(disk, state, (0.8,)) / off.force(disk, state, (0.8,))
-    assert growth == pytest.approx(1.0 + of_force)
-    growth = on.heat_loss(disk, state, (0.8,))[0] / off.heat_loss(disk, state, (0.8,))[0]
-    assert growth == pytest.approx(1.0 - of_heat, rel=1e-3)
+@pytest.mark.parametrize(
+    ("collisions", "of_force", "of_heat"),
+    # of what collisions take, and of the heat itself for the model equation
+    [("vhs", 0.028, None), ("shakhov", 0.165, 0.0035)],
+)
+def test_errors_count_in_the_models_own_standard_errors(disk, collisions, of_force, of_heat):
+    state, unknowns = state_at(0.2), (0.8,)
+    force, heat = maxwell_limits(disk, state, 0.8)
+    off, on = (
+        lf.Kinetic(*errors, wall="maxwell", collisions=collisions) for errors in ((), (1.0, -1.0))
+    )
+    ratio = off.force(disk, state, unknowns) / force
+    table = float_of(lambda: jax.numpy.stack(kinetic_fit().table_errors(0.2)))
+    growth = on.force(disk, state, unknowns) / off.force(disk, state, unknowns)
+    assert growth == pytest.approx(1.0 + np.hypot(table[0], of_force * (1.0 - ratio)))
+    (cold,) = off.heat_loss(disk, state, unknowns)
+    if of_heat is None:
+        of_heat = 0.0064 * (1.0 - cold / heat)
+    growth = on.heat_loss(disk, state, unknowns)[0] / cold
+    assert growth == pytest.approx(1.0 - np.hypot(table[1], of_heat), rel=1e-4)
 
 
-# Kn of hard spheres, temperatures [K], force over its free-molecular value and its standard
-# deviation; nitrogen, TACs 0.5 and 1, reservoir at 4 radii
+class Simulated(lf.gas.AbstractGas):
+    """Gas of molecules as direct simulations have them."""
+
+    name: ClassVar[str] = "simulated"
+    molecules: ClassVar[str] = "monatomic"
+    exponent: float
+    specific_gas_constant: float = 296.8
+    heat_capacity_ratio: float = 5.0 / 3.0
+    conduction: float = 3.755  # over viscosity and gas constant
+
+    def viscosity(self, temperature):
+        return 1.76e-5 * (temperature / 300.0) ** self.exponent
+
+    def conductivity(self, temperature):
+        return self.conduction * self.specific_gas_constant * self.viscosity(temperature)
+
+    def heat_capacity(self, temperature):
+        ratio = self.heat_capacity_ratio
+        return ratio / (ratio - 1.0) * self.specific_gas_constant + 0.0 * temperature
+
+
+class Turning(Simulated):
+    molecules: ClassVar[str] = "diatomic"
+    heat_capacity_ratio: float = 1.4
+    conduction: float = 4.717
+
+
+MONATOMIC, NITROGEN = {"helium": 0.66, "argon": 0.81, "hard spheres": 0.5}, 0.74
+
+# gas, Kn, T_h/T_c, TACs, reservoir [radii], F/F_fm with its standard error: direct simulations of
+# studies/direct_simulation (helium, argon and hard spheres also served to fit what heating does)
 DIRECT_SIMULATIONS = [
-    (3.0, 450.0, 300.0, 0.976, 0.022),
-    (1.0, 450.0, 300.0, 0.865, 0.015),
-    (0.1, 450.0, 300.0, 0.189, 0.017),
-    (1.0, 480.0, 205.0, 0.906, 0.008),
+    ("nitrogen", 0.981748, 2.341463, (0.5, 1.0), 4.0, 0.9010, 0.0060),
+    ("nitrogen", 0.981748, 3.3, (0.01, 1.0), 4.0, 0.9312, 0.0037),
+    ("nitrogen", 0.294524, 0.6, (0.01, 1.0), 4.0, 0.6186, 0.0066),
+    ("nitrogen", 0.294524, 1.5, (0.01, 1.0), 4.0, 0.6516, 0.0049),
+    ("nitrogen", 0.294524, 2.341463, (0.5, 1.0), 4.0, 0.6183, 0.0045),
+    ("nitrogen", 0.294524, 3.3, (0.01, 1.0), 4.0, 0.7030, 0.0025),
+    ("nitrogen", 0.098175, 2.341463, (0.01, 1.0), 4.0, 0.3209, 0.0040),
+    ("helium", 0.294524, 2.341463, (0.01, 1.0), 4.0, 0.6703, 0.0037),
+    ("argon", 0.294524, 2.341463, (0.01, 1.0), 4.0, 0.7078, 0.0027),
+    ("argon", 0.098175, 2.341463, (0.01, 1.0), 4.0, 0.3383, 0.0035),
+    ("hard spheres", 0.294524, 2.341463, (0.01, 1.0), 4.0, 0.6404, 0.0046),
 ]
 
 
-@pytest.mark.parametrize(("knudsen", "hot", "cold", "simulated", "noise"), DIRECT_SIMULATIONS)
-def test_direct_simulations_lie_within_the_stated_error(knudsen, hot, cold, simulated, noise):
-    fit, ours = kinetic_fit(), knudsen / (16.0 / (5.0 * np.pi))
-    with lf.float64():
-        ratio = fit.force_ratio(ours, hot / cold, 0.75, 0.5)
-        error = fit.relative_force_error(ours, ratio)
-        wall, _ = fit.wall_factors(ours, 4.0, 0.75)
-    predicted = float(ratio * wall)
-    assert abs(predicted - simulated) < 2.0 * np.hypot(noise, float(error) * predicted)
+def deviation(gas, knudsen, ratio, tac, boundary, simulated, noise):
+    """Of a simulated force from the model's, in standard errors of both."""
+    made = Turning(NITROGEN) if gas == "nitrogen" else Simulated(MONATOMIC[gas])
+    disk = lf.Disk(lf.FilmProperties(1e-3, 0.7, 0.1, 0.1, *tac), 0.01)
+    pressure = lf.gas.mean_free_path(1.0, COLD, made) / (2.0 * 0.01 * knudsen)
+    state = EnvironmentState(pressure, COLD, 9.6, made, Radiation(), wall_distance=boundary * 0.01)
+    free, _ = maxwell_limits(disk, state, ratio - 1.0)
+    off, on = (lf.Kinetic(error, wall="maxwell") for error in (None, 1.0))
+    found, above = (m.force(disk, state, (ratio - 1.0,)) / free for m in (off, on))
+    # in a chamber this near, collisions take 3 to 4 % less than in open space, which is left out
+    chamber = 0.035 * (1.0 - found) * found
+    return (simulated - found) / np.hypot(noise, np.hypot(above - found, chamber))
+
+
+def test_direct_simulations_lie_within_the_stated_error():
+    deviations = np.array([deviation(*point) for point in DIRECT_SIMULATIONS])
+    assert np.mean(deviations**2) < 1.8  # 95 % of what chance gives for as many
+    assert np.abs(deviations).max() < 2.8
 
 
 class Argon(lf.gas.AbstractGas):
@@ -322,7 +374,7 @@ def test_the_table_is_that_of_the_gas(disk):
         where = (knudsen, 1.0 + excess, 0.85, 0.1, 0.72)
         ratio = float(kinetic_fit("monatomic").force_ratio(*where))
         other = float(kinetic_fit("diatomic").force_ratio(*where))
-    found = lf.Kinetic(wall="maxwell").force(disk, state, (excess,))
+    found = lf.Kinetic(wall="maxwell", collisions="shakhov").force(disk, state, (excess,))
     assert found == pytest.approx(ratio * force, rel=1e-12)
     assert abs(ratio / other - 1.0) > 0.02
 

@@ -13,6 +13,7 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force import kinetic_disk, kinetic_sandwich
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.force.kinetic_collisions import Collisions
 from lightflyer.force.kinetic_walls import Wall, Walls, described, require_walls
 from lightflyer.force.passage import Transmission, require_transmission
 from lightflyer.force.section import ForceSection
@@ -76,6 +77,10 @@ class Kinetic(AbstractForceModel):
         [1]. The normal motion then accommodates so much that the TACs are those of the energy,
         :func:`~lightflyer.force.laws.normal_accommodation`. Without it both accommodate as the TACs
         say.
+    collisions : {"vhs", "shakhov"}
+        Those of VHS molecules, by factors on what the model equation's take
+        (:mod:`lightflyer.force.kinetic_collisions`), or those of the model equation alone, which
+        have a wider error.
 
     Notes
     -----
@@ -113,11 +118,14 @@ class Kinetic(AbstractForceModel):
     wall: Wall = eqx.field(static=True, default="unknown")
     wall_error: StandardErrors | None = None
     tangential_accommodation: Fraction | None = None
+    collisions: Collisions = eqx.field(static=True, default="vhs")
 
     def __check_init__(self) -> None:
         super().__check_init__()
         require_walls(self._walls)
         require_transmission(self.transmission)
+        if self.collisions not in get_args(Collisions):
+            raise ParameterError(f"collisions must be one of {', '.join(get_args(Collisions))}")
         if self.polyatomic not in get_args(Polyatomic):
             raise ParameterError(f"polyatomic must be one of {', '.join(get_args(Polyatomic))}")
 
@@ -147,18 +155,22 @@ class Kinetic(AbstractForceModel):
         if isinstance(flyer, Sandwich):
             self._require_table_of_sandwich(state.gas)
             return kinetic_sandwich.heat_loss(
-                flyer, state, unknowns, self.transmission, self.heat_error
+                flyer, state, unknowns, self.transmission, self.heat_error, self.collisions
             )
-        return kinetic_disk.heat_loss(flyer, state, unknowns, self.heat_error, self._walls)
+        return kinetic_disk.heat_loss(
+            flyer, state, unknowns, self.heat_error, self._walls, self.collisions
+        )
 
     @entry_point
     def force(self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         """See :meth:`AbstractForceModel.force`."""
         if isinstance(flyer, Sandwich):
             return kinetic_sandwich.force(
-                flyer, state, unknowns, self.transmission, self.force_error
+                flyer, state, unknowns, self.transmission, self.force_error, self.collisions
             )
-        return kinetic_disk.force(flyer, state, unknowns, self.force_error, self._walls)
+        return kinetic_disk.force(
+            flyer, state, unknowns, self.force_error, self._walls, self.collisions
+        )
 
     def _require_table_of_sandwich(self, gas: AbstractGas) -> None:
         if gas.molecules not in self.molecules:
@@ -185,7 +197,7 @@ class KineticSection(ForceSection):
 
     model_type: ClassVar[type[AbstractForceModel]] = Kinetic
 
-    model: Literal["kinetic"]
+    model: Literal["kinetic"] = "kinetic"
     force_error: StandardErrors = Measured(0.0, 1.0)
     heat_error: StandardErrors = Measured(0.0, 1.0)
     transmission: Transmission = "aligned"
@@ -193,6 +205,7 @@ class KineticSection(ForceSection):
     wall: Wall = "unknown"
     wall_error: StandardErrors = Measured(0.0, 1.0)
     tangential_accommodation: Fraction | None = None
+    collisions: Collisions = "vhs"
 
     @pydantic.model_validator(mode="before")
     @classmethod
@@ -213,4 +226,5 @@ class KineticSection(ForceSection):
             self.wall,
             self.wall_error.value,
             None if tangential is None else tangential.value,
+            self.collisions,
         )

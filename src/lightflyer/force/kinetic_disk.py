@@ -10,6 +10,13 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.disk import Disk
 from lightflyer.force import kinetic_walls
 from lightflyer.force.free_molecular import disk_conductance
+from lightflyer.force.kinetic_collisions import (
+    Collisions,
+    HeatedGas,
+    force_error,
+    heat_error,
+    with_collisions,
+)
 from lightflyer.force.kinetic_ratios import KineticFit
 from lightflyer.force.kinetic_table import GASES
 from lightflyer.force.kinetic_table_fit import kinetic_fit
@@ -50,21 +57,22 @@ def heat_loss(
     unknowns: tuple[Array, ...],
     error: Numeric | None,
     walls: Walls,
+    collisions: Collisions,
 ) -> tuple[Array, ...]:
     """See :meth:`AbstractForceModel.heat_loss`; ``error`` in standard errors."""
     (excess,) = unknowns
     fit, knudsen = _fit_and_knudsen_number(disk, state)
     place = _place(disk, state, excess)
-    ratio = fit.heat_ratio(knudsen, *place)
+    _, of_heat = _factors(state, place, knudsen, collisions)
+    _, chamber = _wall_factors(fit, knudsen, disk, state)
+    ratio = with_collisions(chamber * fit.heat_ratio(knudsen, *place), of_heat)
     if state.gas.molecules not in GASES:
         ratio = scaled_heat_ratio(ratio, _resistance(state, excess))
     resisting = (_kind(state.gas), knudsen, ratio)
     ratio = kinetic_walls.heat_ratio(disk, excess, resisting, walls)
-    if state.wall_distance is not None:
-        ratio *= _wall_factors(fit, knudsen, disk, state)[1]
     if error is not None:
-        table = fit.relative_heat_error(knudsen)
-        ratio *= 1.0 + error * _with_scaling(table, _SCALED_HEAT_ERROR, state.gas)
+        own = heat_error(fit.table_errors(knudsen)[1], ratio, collisions)
+        ratio *= 1.0 + error * _with_scaling(own, _SCALED_HEAT_ERROR, state.gas)
     return (ratio * disk_conductance(disk, state, excess) * excess,)
 
 
@@ -74,23 +82,23 @@ def force(
     unknowns: tuple[Array, ...],
     error: Numeric | None,
     walls: Walls,
+    collisions: Collisions,
 ) -> Array:
     """See :meth:`AbstractForceModel.force`; ``error`` in standard errors."""
     (excess,) = unknowns
     fit, knudsen = _fit_and_knudsen_number(disk, state)
     place = _place(disk, state, excess)
-    ratio = fit.force_ratio(knudsen, *place)
+    of_force, of_heat = _factors(state, place, knudsen, collisions)
+    by_force, by_heat = _wall_factors(fit, knudsen, disk, state)
+    ratio = with_collisions(by_force * fit.force_ratio(knudsen, *place), of_force)
     if state.gas.molecules not in GASES:
-        heat = fit.heat_ratio(knudsen, *place)
+        heat = with_collisions(by_heat * fit.heat_ratio(knudsen, *place), of_heat)
         ratio *= scaled_heat_ratio(heat, _resistance(state, excess)) / heat
     resisting = (_kind(state.gas), knudsen, ratio)
     found = kinetic_walls.force(disk, state, excess, resisting, walls)
-    if state.wall_distance is not None:
-        factor = _wall_factors(fit, knudsen, disk, state)[0]
-        ratio, found = ratio * factor, found * factor
     if error is not None:
-        table = fit.relative_force_error(knudsen, ratio)
-        found *= 1.0 + error * _with_scaling(table, _SCALED_FORCE_ERROR, state.gas)
+        own = force_error(fit.table_errors(knudsen)[0], ratio, collisions)
+        found *= 1.0 + error * _with_scaling(own, _SCALED_FORCE_ERROR, state.gas)
     return found
 
 
@@ -182,8 +190,21 @@ def viscosity_exponent(gas: AbstractGas, temperature: Numeric, ratio: Numeric) -
     return jnp.asarray(cold + share * (warm - cold))
 
 
+def _factors(
+    state: EnvironmentState, place: tuple[Any, ...], knudsen: Numeric, collisions: Collisions
+) -> tuple[Numeric, Numeric]:
+    """What collisions take from force and heat over what they do in the table [1]."""
+    if collisions == "shakhov":
+        return 1.0, 1.0
+    ratio, tac, _, exponent = place
+    gas = HeatedGas(state.gas, _kind(state.gas), state.temperature, ratio, exponent)
+    return gas.factors(knudsen, tac)
+
+
 def _wall_factors(fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState) -> Any:
     """Factors of force and heat by the walls of a chamber [1]."""
+    if state.wall_distance is None:
+        return 1.0, 1.0
     distance, film = state.wall_distance / disk.radius, disk.film
     return fit.wall_factors(knudsen, distance, film.tac_mean, film.tac_difference)
 

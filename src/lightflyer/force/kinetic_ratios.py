@@ -24,14 +24,6 @@ from jax import Array
 from lightflyer.force.polynomials import polynomial, scaled
 from lightflyer.foundation.types import Numeric
 
-COLLISION_ERROR = 0.165
-"""Relative standard error of what collisions take from the force, 1/F̂ − 1, by the kinetic equation
-beside full collision dynamics: half of the largest deviation from the direct simulations of
-docs/kinetic.md. All of them agree with the table within two of these and their own noise."""
-
-HEAT_EQUATION_ERROR = 0.0035
-"""Relative standard error of the heat ratio by the kinetic equation, likewise."""
-
 BOUNDARY_TAC = 0.85
 """Mean TAC in the table of walls."""
 
@@ -232,23 +224,6 @@ class KineticFit:
             gw, _ = self.unlikeness.at(place, knudsen, tac_difference)
             inverse += gw / (1.0 - gw)
         return 1.0 / inverse
-
-    def relative_force_error(self, knudsen: Numeric, force_ratio: Numeric) -> Array:
-        """Relative standard error of the force: the table's and the equation's [1].
-
-        Parameters
-        ----------
-        knudsen, force_ratio : array, shape (...)
-
-        Returns
-        -------
-        array, broadcast shape
-        """
-        return jnp.hypot(self.table_errors(knudsen)[0], COLLISION_ERROR * (1.0 - force_ratio))
-
-    def relative_heat_error(self, knudsen: Numeric) -> Array:
-        """Relative standard error of the heat loss; as :meth:`relative_force_error`."""
-        return jnp.hypot(self.table_errors(knudsen)[1], HEAT_EQUATION_ERROR)
 
     def table_errors(self, knudsen: Numeric) -> tuple[Array, Array]:
         """Relative standard errors of force and heat by the solver and the fit [1].

@@ -8,7 +8,8 @@ from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.sandwich import Sandwich
-from lightflyer.force.kinetic_disk import HELD, WALL
+from lightflyer.force.kinetic_collisions import Collisions, HeatedGas, with_collisions
+from lightflyer.force.kinetic_disk import HELD, WALL, viscosity_exponent
 from lightflyer.force.kinetic_sandwich_table import (
     HIGHEST_OPEN_FRACTION,
     Ratios,
@@ -21,6 +22,7 @@ from lightflyer.force.sandwich import between_membranes, caveats_of_sandwich, ra
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.validity import Validity
+from lightflyer.gas.base import knudsen_number
 
 _DENSE = "the table of kinetic ends there, and the force is extrapolated by a power law"
 _APART = 0.3  # TACs further apart change the heat by 1 % at Kn 0.1, which the table leaves out
@@ -36,11 +38,12 @@ def heat_loss(
     unknowns: tuple[Array, ...],
     transmission: Transmission,
     error: Numeric | None,
+    collisions: Collisions,
 ) -> tuple[Array, ...]:
     """See :meth:`AbstractForceModel.heat_loss`; ``error`` in standard errors."""
     top, bottom = unknowns
     passed = passage_of(flyer, transmission)
-    fit, ratios = _ratios(flyer, state, unknowns, passed)
+    fit, ratios = _ratios(flyer, state, unknowns, passed, collisions)
     free = free_molecular_conductance(
         flyer.area,
         1.0,
@@ -63,10 +66,11 @@ def force(
     unknowns: tuple[Array, ...],
     transmission: Transmission,
     error: Numeric | None,
+    collisions: Collisions,
 ) -> Array:
     """See :meth:`AbstractForceModel.force`; ``error`` in standard errors."""
     passed = passage_of(flyer, transmission)
-    fit, ratios = _ratios(flyer, state, unknowns, passed)
+    fit, ratios = _ratios(flyer, state, unknowns, passed, collisions)
     by_temperature, by_tac = ratios.force, ratios.tac_force
     if error is not None:
         delta = rarefaction_of(flyer, state)
@@ -140,13 +144,42 @@ def passage_of(flyer: Sandwich, transmission: Transmission) -> Passage:
 
 
 def _ratios(
-    flyer: Sandwich, state: EnvironmentState, unknowns: tuple[Array, ...], passed: Passage
+    flyer: Sandwich,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    passed: Passage,
+    collisions: Collisions,
 ) -> tuple[SandwichFit, Ratios]:
     """Force and heat over free molecules, in open space or a chamber."""
     fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
     mean = 1.0 + 0.5 * (unknowns[0] + unknowns[1])
-    ratios = fit.ratios(delta, passed.open_fraction, passed.tac, passed.even, mean)
+    exponent = viscosity_exponent(state.gas, state.temperature, mean)
+    ratios = fit.ratios(delta, passed.open_fraction, passed.tac, passed.even, mean, exponent)
+    if collisions == "vhs":
+        ratios = _of_molecules(ratios, flyer, state, (mean, exponent), passed)
     if state.wall_distance is None:
         return fit, ratios
     walls: Any = fit.wall_factors(delta, passed.open_fraction, state.wall_distance / flyer.radius)
     return fit, Ratios(*(ratio * wall for ratio, wall in zip(ratios, walls, strict=True)))
+
+
+def _of_molecules(
+    ratios: Ratios,
+    flyer: Sandwich,
+    state: EnvironmentState,
+    heated: tuple[Numeric, Numeric],
+    passed: Passage,
+) -> Ratios:
+    """Ratios with the collisions of molecules around a disk without holes.
+
+    That holes change nothing in these is part of the sandwich's wider error.
+    """
+    gas, cold = state.gas, state.temperature
+    knudsen = knudsen_number(state.pressure, cold, flyer.radius, gas)
+    of_force, of_heat = HeatedGas(gas, gas.molecules, cold, *heated).factors(knudsen, passed.tac)
+    return Ratios(
+        with_collisions(ratios.force, of_force),
+        with_collisions(ratios.tac_force, of_force),
+        with_collisions(ratios.heat, of_heat),
+        with_collisions(ratios.heat_difference, of_heat),
+    )

@@ -33,7 +33,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.force.kinetic_ratios import COLLISION_ERROR, HEAT_EQUATION_ERROR, KineticFit
+from lightflyer.force.kinetic_collisions import MODEL_FORCE_ERROR, MODEL_HEAT_ERROR
+from lightflyer.force.kinetic_ratios import KineticFit
 from lightflyer.force.kinetic_table import GASES
 from lightflyer.force.kinetic_table_fit import kinetic_fit
 from lightflyer.force.polynomials import (
@@ -273,6 +274,7 @@ class SandwichFit:
         tac: Numeric,
         share: Numeric,
         temperature_ratio: Numeric,
+        viscosity_exponent: Numeric | None = None,
     ) -> Ratios:
         r"""Force and heat over their free-molecular values.
 
@@ -287,6 +289,8 @@ class SandwichFit:
             where holes are aligned [1].
         temperature_ratio : array, shape (...)
             Mean temperature of the faces over that of the gas [1].
+        viscosity_exponent : array, shape (...), optional
+            Of the gas between the two temperatures [1]; by default the table's.
 
         Returns
         -------
@@ -295,7 +299,8 @@ class SandwichFit:
         place, beyond = self._place(rarefaction)
         mean = jnp.clip(tac, *self.tac_range)
         heating = jnp.clip(1.0 - 1.0 / temperature_ratio, _COLDEST, self.heating_limit)
-        disk = self._of_disk(rarefaction, mean, 1.0 / (1.0 - heating))
+        hot = 1.0 / (1.0 - heating)
+        disk = self._of_disk(rarefaction, mean, hot, viscosity_exponent)
         by_force, by_tac, by_heat, by_difference = self._growths(
             rarefaction, open_fraction, heating
         )
@@ -330,15 +335,20 @@ class SandwichFit:
         ]
 
     def _of_disk(
-        self, rarefaction: Numeric, tac: Numeric, temperature_ratio: Numeric
+        self,
+        rarefaction: Numeric,
+        tac: Numeric,
+        temperature_ratio: Numeric,
+        viscosity_exponent: Numeric | None,
     ) -> tuple[Array, Array]:
         """Resistance to force and to heat of a hot disk without holes over that in this table."""
         least = self.disk.knudsen_range[0]
         knudsen = jnp.maximum(RAREFACTION_OF_KNUDSEN / rarefaction, least)
         there = RAREFACTION_OF_KNUDSEN / knudsen
         place, _ = self._place(there)
-        force = 1.0 / self.disk.force_ratio(knudsen, temperature_ratio, tac) - 1.0
-        heat = 1.0 / self.disk.heat_ratio(knudsen, temperature_ratio, tac) - 1.0
+        where = (knudsen, temperature_ratio, tac, None, viscosity_exponent)
+        force = 1.0 / self.disk.force_ratio(*where) - 1.0
+        heat = 1.0 / self.disk.heat_ratio(*where) - 1.0
         return (
             force / (there * jnp.exp(self.tac_force(place, 0.0, 0.0, tac))),
             heat / (tac * there * jnp.exp(self.heat(place, 0.0, tac))),
@@ -346,6 +356,8 @@ class SandwichFit:
 
     def relative_force_error(self, rarefaction: Numeric, force_ratio: Numeric) -> Array:
         """Relative standard error of the force: the table's and the equation's [1].
+
+        That of the equation stays for molecules, too: around holes they have not been compared.
 
         Parameters
         ----------
@@ -357,12 +369,12 @@ class SandwichFit:
         """
         of_table = jnp.exp(polynomial(self.force_error, self._place(rarefaction)[0]))
         of_numbers = jnp.hypot(of_table, _FIT_ERROR[0])
-        return jnp.hypot(of_numbers, COLLISION_ERROR * (1.0 - force_ratio))
+        return jnp.hypot(of_numbers, MODEL_FORCE_ERROR * (1.0 - force_ratio))
 
     def relative_heat_error(self, rarefaction: Numeric) -> Array:
         """Relative standard error of the heat loss; as :meth:`relative_force_error`."""
         of_table = jnp.exp(polynomial(self.heat_error, self._place(rarefaction)[0]))
-        return jnp.hypot(jnp.hypot(of_table, _FIT_ERROR[1]), HEAT_EQUATION_ERROR)
+        return jnp.hypot(jnp.hypot(of_table, _FIT_ERROR[1]), MODEL_HEAT_ERROR)
 
     def wall_factors(
         self, rarefaction: Numeric, open_fraction: Numeric, distance: Numeric

@@ -72,14 +72,15 @@ class _Layer:
         self.height = root**2
         self.weight = np.outer(of_speed, weights * root)  # of either half of the directions
         self.frequency = operator.frequency(self.speed)[:, None]
-        self.slots, functions = {}, []
+        self.slots: dict[int, slice] = {}
+        functions: list[tuple[int, int]] = []
         for degree in range(1, operator.moments.degrees):
             powers = operator.moments.powers(degree)
             self.slots[degree] = slice(len(functions), len(functions) + len(powers))
             functions += [(degree, p) for p in powers]
-        powers = np.stack([self._function(*which) for which in functions])
+        values = np.stack([self._function(*which) for which in functions])
         change = block_diag(*(operator.orthonormal(degree) for degree in self.slots))
-        self.functions = np.einsum("ij,jsv->isv", change, powers)
+        self.functions = np.einsum("ij,jsv->isv", change, values)
         self.parity = np.array([(-1.0) ** (degree + 1) for degree, _ in functions])
         self.mixing = block_diag(*(operator.mixing(degree) for degree in self.slots))
         rate = self.frequency / (self.speed[:, None] * self.height)

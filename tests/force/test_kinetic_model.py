@@ -325,10 +325,17 @@ def deviation(gas, knudsen, ratio, tac, boundary, simulated, noise):
     state = EnvironmentState(pressure, COLD, 9.6, made, Radiation(), wall_distance=boundary * 0.01)
     free, _ = maxwell_limits(disk, state, ratio - 1.0)
     off, on = (lf.Kinetic(error, wall="maxwell") for error in (None, 1.0))
-    found, above = (m.force(disk, state, (ratio - 1.0,)) / free for m in (off, on))
-    # in a chamber this near, collisions take 3 to 4 % less than in open space, which is left out
-    chamber = 0.035 * (1.0 - found) * found
-    return (simulated - found) / np.hypot(noise, np.hypot(above - found, chamber))
+    unknowns = (ratio - 1.0,)
+    found, above = (m.force(disk, state, unknowns) / free for m in (off, on))
+    if gas == "nitrogen":
+        # in a reservoir this near collisions take 3 % less than in open space: the linear problem
+        # of molecules there, studies/kinetic_collisions/solved.jsonl
+        found = found / (found + 0.97 * (1.0 - found))
+    own = above - off.force(disk, state, unknowns) / free
+    # the model holds that a reservoir acts on hot disks as on warm ones: by the solver the force
+    # at four radii is then 0.5 to 2 % too small
+    reservoir = 0.012 * found
+    return (simulated - found) / np.sqrt(noise**2 + own**2 + reservoir**2)
 
 
 def test_direct_simulations_lie_within_the_stated_error():

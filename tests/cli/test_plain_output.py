@@ -15,7 +15,7 @@ CLI = Path(lightflyer.__file__).parent / "cli"
 
 def test_brackets_in_names_are_no_markup(run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    code, out, _ = run("init", "o[red]x.toml")
+    code, out, _ = run("init", "o[red]x.toml", "--model", "lu2023")
     assert code == 0
     assert "wrote o[red]x.toml" in out
     code, out, _ = run("predict", "o[red]x.toml", "--out", "run [/b] x :smile:")
@@ -46,7 +46,7 @@ def test_any_encoding_of_the_terminal(tmp_path, encoding):
             check=True,
         ).stdout.decode(encoding)
 
-    run("init")
+    run("init", "--model", "lu2023")  # which compiles fastest
     printed = run("predict")
     assert {"ascii": "W/m^2", "cp1252": "W/m²", "utf-8": "W/m²"}[encoding] in printed
     assert "?" not in printed

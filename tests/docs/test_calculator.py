@@ -102,8 +102,9 @@ def script(calculator_files):
 @pytest.fixture(scope="module")
 def designs():
     """Designs of each force model, in the shown units: random ones, then edges."""
-    rng = np.random.default_rng(1887)  # Crookes' radiometer is older, Reynolds' theory not much
-    return {name: np.vstack([_random_designs(rng), _edges()]) for name in MODELS}
+    seed = 1887  # Crookes' radiometer is older, Reynolds' theory not much
+    rows = np.vstack([_random_designs(np.random.default_rng(seed)), _edges()])
+    return dict.fromkeys(MODELS, rows)
 
 
 _CALLS = """

@@ -90,9 +90,9 @@ def _value(page, name):
 
 def test_it_starts_with_the_disk_of_init_and_fits_a_phone(page):
     expect(_value(page, "levitation_irradiance")).to_have_text(AT_FIRST)
-    expect(page.locator("#lf-verdict")).to_contain_text("Levitates at 70 km")
+    expect(page.locator("#lf-verdict")).to_contain_text("Levitates at 80 km")
     assert page.locator("html").evaluate("(html) => html.scrollWidth") <= 360
-    assert "67.1 to 79.8 km" in page.get_attribute("#lf-curve", "aria-label")
+    assert "75.5 to 85.1 km" in page.get_attribute("#lf-curve", "aria-label")
 
 
 def test_keys_move_a_slider_and_results_follow(page):
@@ -100,7 +100,7 @@ def test_keys_move_a_slider_and_results_follow(page):
     page.keyboard.press("ArrowLeft")
     expect(_value(page, "levitation_irradiance")).not_to_have_text(AT_FIRST)
     expect(page.locator("#lf-film-absorptance-box")).to_have_value("0.74")
-    expect(page.locator("#lf-spoken")).to_contain_text("Levitates at 70 km")
+    expect(page.locator("#lf-spoken")).to_contain_text("Levitates at 80 km")
     page.click("#lf-reset")
     expect(_value(page, "levitation_irradiance")).to_have_text(AT_FIRST)
 

@@ -118,7 +118,7 @@ TITLES = {
 """What force models are called where room is short; others keep their names."""
 
 _ALTITUDE = "altitude"
-_START = 70.0  # altitude to start from, near the middle of the paper's band [km]
+_START = 80.0  # altitude to start from, near the strongest lift by the kinetic force [km]
 
 
 def template() -> dict[str, Any]:

@@ -10,7 +10,7 @@ functions contain them. Rates are in units of p/μ with the full viscosity, not 
 approximation.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -76,10 +76,13 @@ class CollisionOperator:
     ----------
     molecule : Molecule
     moments : Moments
+    scaled : bool
+        Whether rates are in units of p/μ, and not of mean :math:`g^γ`.
     """
 
     molecule: Molecule
     moments: Moments = MOMENTS
+    scaled: bool = True
 
     def frequency(self, speed: np.ndarray) -> np.ndarray:
         """Collision frequency [p/μ] at a speed [√(2RT₀)]."""
@@ -148,8 +151,9 @@ class CollisionOperator:
     @cached_property
     def _scale(self) -> float:
         """Frequency per mean of g^γ at which the viscosity is one."""
-        object.__setattr__(self, "_scale", 1.0)
-        return self._response(2, {2: 1.0}) / 3.75
+        if not self.scaled:
+            return 1.0
+        return replace(self, scaled=False)._response(2, {2: 1.0}) / 3.75
 
     def _response(self, degree: int, function: dict[int, float]) -> float:
         """Minus the bracket of a function, by its powers, with what L makes it from.

@@ -1,0 +1,56 @@
+"""Draw docs/images/kinetic-collisions.png: factors of collisions, and direct simulation."""
+
+from pathlib import Path
+
+import numpy as np
+from comparison import EXPONENTS, Place, compared
+
+import lightflyer as lf
+from lightflyer.force.kinetic_collisions import FORCE_HEATED, HEAT_HEATED, collision_fit
+from lightflyer.foundation import drawing as plot
+
+IMAGE = Path(__file__).parents[2] / "docs" / "images" / "kinetic-collisions.png"
+GASES = ("hard spheres", "helium", "argon", "nitrogen")
+HOT = 480.0 / 205.0
+
+
+def main() -> None:
+    """Draw factors of force and heat over the Knudsen number."""
+    figure = plot.new_figure(columns=2)
+    for ax, quantity in zip(figure.axes, ("force", "heat"), strict=True):
+        draw(ax, quantity)
+    plot.shared_legend(figure, figure.axes[0].get_legend_handles_labels()[0])
+    figure.savefig(IMAGE, dpi=150)
+
+
+def draw(ax, quantity: str) -> None:
+    """Factors of force or heat: of small differences, at those of flight, and simulated."""
+    index, knudsen = ("force", "heat").index(quantity), np.geomspace(0.03, 30.0, 200)
+    heated, points = (FORCE_HEATED, HEAT_HEATED)[index], compared(quantity)
+    for number, gas in enumerate(GASES):
+        kind = "diatomic" if gas == "nitrogen" else "monatomic"
+        exponent, colour = EXPONENTS[gas], f"C{number}"
+        with lf.float64():
+            factor = np.asarray(collision_fit(kind).factors(knudsen, exponent, 0.5)[index])
+            change = float(heated(kind, HOT, exponent))
+        ax.semilogx(knudsen, factor, "--", color=colour, lw=1.0)
+        ax.semilogx(knudsen, change * factor, color=colour, label=f"{gas}, ω = {exponent:g}")
+        shown = [p for p in points if p.place.gas == gas and p.error < 0.1 and is_hot(p.place)]
+        ax.errorbar(
+            [p.place.knudsen for p in shown],
+            [p.simulated for p in shown],
+            [p.error for p in shown],
+            fmt="o", color=colour, ms=4, capsize=2,
+        )  # fmt: skip
+    ax.axhline(1.0, color="0.6", lw=0.8)
+    ax.set_xlabel("Knudsen number [1]")
+    ax.set_ylabel(f"factor of {quantity} [1]")
+
+
+def is_hot(place: Place) -> bool:
+    """Whether a disk is as hot as in flight."""
+    return abs(place.temperature_ratio - HOT) < 0.1
+
+
+if __name__ == "__main__":
+    main()

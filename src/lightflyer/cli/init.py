@@ -149,7 +149,9 @@ def _with_model(kind: str, template: Template, model: str) -> str:
     text = text.replace(own[0], line)
     try:
         setup = flyer_file_type()(**tomllib.loads(text)).build()
-        setup.model.require_gas(setup.environment.gas)
+        gas = getattr(setup.environment, "gas", None)  # every template's environment has one
+        if gas is not None:
+            setup.model.require_gas(gas)
     except (ConfigurationError, ParameterError) as error:
         raise ParameterError(f'--model "{model}" with --kind "{kind}": {error}') from None
     return text

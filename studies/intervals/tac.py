@@ -23,6 +23,7 @@ DIAMETER = 24e-3  # nominal, of the heater [m]
 AMBIENT, HEATER = 295.0, 323.0  # [K]
 NOISE = 0.01  # of the power of one row, relative
 R, GAMMA = 287.05, 1.4
+RATIOS, TACS = (1.0, 1.6, 2.5), (0.6, 0.8, 1.0)  # of the table, as far as it is a grid
 DATA = Path(lf.__file__).parent / "data" / "kinetic.csv"
 
 
@@ -56,25 +57,57 @@ def conducted(hot, cold):
     return np.trapezoid(conductivity, t)
 
 
+def rows_of(path):
+    """Rows of a table of the package, as dictionaries of texts, for a diatomic gas."""
+    with path.open(encoding="utf-8") as file:
+        lines = [line.strip() for line in file if not line.startswith("#")]
+    names = lines[0].split(",")
+    rows = (dict(zip(names, line.split(","), strict=True)) for line in lines[1:])
+    return [row for row in rows if row["gas"] == "diatomic"]
+
+
 @cache
 def solved():
     """Logarithm of (1/Q − 1) Kn/α of the solver, over Knudsen number, temperature ratio and TAC."""
-    with DATA.open(encoding="utf-8") as file:
-        lines = [line.strip() for line in file if not line.startswith("#")]
-    names = lines[0].split(",")
-    rows = [dict(zip(names, line.split(","), strict=True)) for line in lines[1:]]
-    rows = [row for row in rows if row["gas"] == "diatomic"]
-    axes = [
-        np.unique([float(row[next(n for n in names if n.startswith(key))]) for row in rows])
-        for key in ("knudsen", "temperature_ratio", "tac")
+    found = {}
+    for row in rows_of(DATA):
+        if (row["tac_difference"], row["viscosity_exponent"]) != ("0.1", "0.74"):
+            continue
+        place = tuple(float(row[name]) for name in ("knudsen", "temperature_ratio", "tac"))
+        found[place] = np.log((1.0 / float(row["heat_ratio"]) - 1.0) * place[0] / place[2])
+    others = [(ratio, tac) for ratio in RATIOS for tac in TACS]
+    knudsens = [
+        k
+        for k in sorted({place[0] for place in found})
+        if all((k, *other) in found for other in others)
     ]
-    values = np.full([len(axis) for axis in axes], np.nan)
-    for row in rows:
-        at = [float(row[name]) for name in names[1:4]]
-        heat = float(row["heat_ratio"])
-        where = tuple(int(np.argmin(abs(axis - one))) for axis, one in zip(axes, at, strict=True))
-        values[where] = np.log((1.0 / heat - 1.0) * at[0] / at[2])
-    return axes, values
+    values = [[[found[k, ratio, tac] for tac in TACS] for ratio in RATIOS] for k in knudsens]
+    return (np.array(knudsens), np.array(RATIOS), np.array(TACS)), np.array(values)
+
+
+@cache
+def collisions():
+    """Logarithm of what collisions of molecules take more from the heat, over ln Kn, by exponent."""
+    found = {}
+    for exponent in ("0.74", "0.93"):
+        rows = [
+            (float(row["knudsen"]), float(row["heat_factor"]))
+            for row in rows_of(DATA.with_name("kinetic_collisions.csv"))
+            if (row["viscosity_exponent"], row["tac"]) == (exponent, "0.9")
+        ]
+        knudsens, factors = np.array(sorted(rows)).T
+        found[exponent] = PchipInterpolator(np.log(knudsens), np.log(factors))
+    return found["0.74"], found["0.93"]
+
+
+def factor_of_collisions(knudsen, cold):
+    """In air, whose viscosity and conduction are not those of the molecules of the table."""
+    slope = np.log(viscosity(1.01 * cold) / viscosity(cold)) / np.log(1.01)
+    share = (slope - 0.74) / (0.93 - 0.74)
+    low, high = (curve(np.log(np.clip(knudsen, 0.03, 30.0))) for curve in collisions())
+    conduction = conducted(1.001 * cold, cold) / (0.001 * cold * viscosity(cold) * R)
+    simulated = 4.717 + share * (4.595 - 4.717)  # docs/kinetic-collisions.md
+    return np.exp((1.0 - share) * low + share * high) * simulated / conduction
 
 
 def gas_conductance(pressure, hot, cold, tac, diameter, plateau):
@@ -95,6 +128,7 @@ def gas_conductance(pressure, hot, cold, tac, diameter, plateau):
     within = PchipInterpolator(np.log(knudsens), curve)(np.log(np.clip(knudsen, 0.03, 30.0)))
     below = np.interp(knudsen, position[:2], [limit, curve[0]])
     resistance = np.exp(np.where(knudsen < knudsens[0], below, within)) * tac / knudsen
+    resistance *= np.where(knudsen < knudsens[0], 1.0, factor_of_collisions(knudsen, cold))
     return thin / (1.0 + resistance / (1.0 + plateau))
 
 

@@ -27,6 +27,8 @@ layers = [
 ]
 tac_top = 0.79    # without ±
 tac_bottom = 0.90
+[force]
+model = "lu2023"  # has the films in question fly
 """
 STUDY = """
 flyer = "flyer.toml"

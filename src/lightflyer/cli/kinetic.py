@@ -36,7 +36,7 @@ def kinetic_command(
     boundary: float | None = None,
     collisions: Literal["shakhov", "vhs"] = "shakhov",
     viscosity_exponent: float | None = None,
-    rotational_collision_number: float | None = None,
+    collision_number: float | None = None,
     out: Path | None = None,
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
@@ -79,7 +79,7 @@ def kinetic_command(
         linear problem.
     viscosity_exponent
         Of VHS molecules: 0.5 for hard spheres to 1; 0.66, or 0.74 with rotation, if not given.
-    rotational_collision_number
+    collision_number
         Inverse probability that a diatomic VHS molecule exchanges rotational energy in a
         collision, at least 1; 5 if not given.
     out
@@ -118,7 +118,7 @@ def kinetic_command(
             boundary=boundary,
             collisions=collisions,
             viscosity_exponent=viscosity_exponent,
-            rotational_collision_number=rotational_collision_number,
+            collision_number=collision_number,
         )
         if stage is not None:
             report("drawing the flow")

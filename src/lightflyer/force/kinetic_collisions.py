@@ -30,10 +30,13 @@ _REFERENCE_TAC = 0.9
 _TACS = (0.3, 1.0)  # little beyond those of the table, 0.4 and 0.9
 _REFERENCE_EXPONENT = 0.74
 
-_SIMULATED_CONDUCTION = 4.717
-"""Conductivity over viscosity and gas constant of the table's diatomic molecules [1]. Larsen and
-Borgnakke's rotation conducts less than a real gas."""
+_SIMULATED_CONDUCTION = (4.717, -0.646)
+"""Conductivity over viscosity and gas constant of the table's diatomic molecules [1]: at an
+exponent of 0.74, and its slope in the exponent. Larsen and Borgnakke's rotation conducts less than
+a real gas."""
 
+_MODEL_CONDUCTION = 4.865
+"""The same of the model equation's diatomic gas."""
 
 Collisions = Literal["vhs", "shakhov"]
 """Those of molecules, by the factors here, or those of the model equation alone."""
@@ -146,6 +149,23 @@ class HeatedGas:
     ratio: Numeric
     exponent: Numeric
 
+    @property
+    def _simulated_conduction(self) -> Numeric:
+        """Conductivity of the simulated molecules over viscosity and gas constant [1]."""
+        low, high = collision_fit(self.kind).exponent_range
+        value, slope = _SIMULATED_CONDUCTION
+        return value + slope * (jnp.clip(self.exponent, low, high) - _REFERENCE_EXPONENT)
+
+    @property
+    def _conduction(self) -> Numeric:
+        """The same of the gas, at its temperature: a heat balance then looks it up once.
+
+        A polyatomic gas is scaled by its conductivity elsewhere.
+        """
+        if self.gas.molecules != self.kind:
+            return _MODEL_CONDUCTION
+        return self.gas.reduced_conductivity(self.temperature)
+
     def factors(self, knudsen: Numeric, tac: Numeric) -> tuple[Array, Array]:
         """Factors of force and heat, :math:`r_F` and :math:`r_Q` [1].
 
@@ -159,9 +179,8 @@ class HeatedGas:
         force, heat : array, broadcast shape
         """
         force, heat = collision_fit(self.kind).factors(knudsen, self.exponent, tac)
-        if self.gas.molecules == "diatomic":
-            # at the gas temperature, so that a heat balance looks it up once: it varies by 1 %
-            heat *= _SIMULATED_CONDUCTION / self.gas.reduced_conductivity(self.temperature)
+        if self.kind == "diatomic":
+            heat *= self._simulated_conduction / self._conduction
         return (
             force * FORCE_HEATED(self.kind, self.ratio, self.exponent),
             heat * HEAT_HEATED(self.kind, self.ratio, self.exponent),

@@ -198,7 +198,7 @@ def solve(
     boundary: float | None = None,
     collisions: str = "shakhov",
     viscosity_exponent: float | None = None,
-    rotational_collision_number: float | None = None,
+    collision_number: float | None = None,
 ) -> Solution:
     r"""Solve the kinetic equation around a thin disk, or one with holes.
 
@@ -234,7 +234,7 @@ def solve(
         :math:`\mu \propto T^\omega`; these in the linear problem and without holes only.
     viscosity_exponent : float, optional
         ω of VHS molecules, from 0.5 (hard spheres) to 1; by default 0.66, or 0.74 with rotation.
-    rotational_collision_number : float, optional
+    collision_number : float, optional
         Inverse probability that a diatomic VHS molecule exchanges rotational energy in a
         collision by Larsen and Borgnakke's rule, at least 1; by default 5, nitrogen's.
 
@@ -274,7 +274,7 @@ def solve(
         wall,
         boundary,
     )
-    molecule = _molecule(case, collisions, viscosity_exponent, rotational_collision_number)
+    molecule = _molecule(case, collisions, viscosity_exponent, collision_number)
     from lightflyer.kinetic.cases import SMALLEST_ERROR, meshes, solve_case
 
     began = time.perf_counter()
@@ -354,7 +354,7 @@ def _molecule(
     if collisions == "shakhov":
         for name, value in (
             ("viscosity_exponent", exponent),
-            ("rotational_collision_number", number),
+            ("collision_number", number),
         ):
             if value is not None:
                 raise ParameterError(f'{name} belongs to collisions = "vhs"')
@@ -372,12 +372,12 @@ def _molecule(
 
     rotates = case.gas.has_rotation
     if number is not None and not rotates:
-        raise ParameterError('rotational_collision_number belongs to gas = "diatomic"')
+        raise ParameterError('collision_number belongs to gas = "diatomic"')
     if exponent is None:
         exponent = case.gas.viscosity_exponent
     number = _NITROGEN_COLLISIONS if number is None else number
     require_range("viscosity_exponent", exponent, 0.5, 1.0)
-    require_range("rotational_collision_number", number, 1.0)
+    require_range("collision_number", number, 1.0)
     return Molecule(float(exponent), 1.0 / number if rotates else 0.0, rotates)
 
 
@@ -400,7 +400,7 @@ def _described(molecule: "Molecule | None") -> dict[str, Any]:
         return {"collisions": "shakhov"}
     described = {"collisions": "vhs", "viscosity_exponent": molecule.viscosity_exponent}
     if molecule.rotates:
-        described["rotational_collision_number"] = 1.0 / molecule.exchange
+        described["collision_number"] = 1.0 / molecule.exchange
     return described
 
 

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import jax.numpy as jnp
 import numpy as np
 
+from lightflyer.force.kinetic_collisions import HeatedGas, with_collisions
 from lightflyer.force.kinetic_disk import viscosity_exponent
 from lightflyer.force.kinetic_table_fit import kinetic_fit
 from lightflyer.force.laws import free_molecular_conductance
@@ -198,6 +199,9 @@ def _kinetic(
     hotter = heater / ambient
     exponent = viscosity_exponent(gas, ambient, hotter)
     ratio = fit.heat_ratio(knudsen, hotter, tac, viscosity_exponent=exponent)
+    heated = HeatedGas(gas, gas.molecules, ambient, hotter, exponent)
+    _, of_heat = heated.factors(knudsen, tac)
+    ratio = with_collisions(ratio, of_heat)
     resistance = 1.0 / ratio - 1.0
     _, by_walls = fit.wall_factors(knudsen, 1.0 / jnp.maximum(near, 1e-9), tac)
     walls = jnp.where(near > 0.0, by_walls, 1.0)

@@ -87,7 +87,7 @@ def solved():
 
 @cache
 def collisions():
-    """Logarithm of what collisions of molecules take more from the heat, over ln Kn, by exponent."""
+    """Logarithm of what molecules' collisions take more from the heat, over ln Kn, by exponent."""
     found = {}
     for exponent in ("0.74", "0.93"):
         rows = [

@@ -21,7 +21,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.force.polynomials import least_squares, polynomial, scaled
+from lightflyer.force.polynomials import held_within, least_squares, polynomial, scaled
 from lightflyer.foundation.table import shipped_table
 from lightflyer.foundation.types import Numeric
 from lightflyer.gas.base import AbstractGas
@@ -120,7 +120,7 @@ class CollisionFit:
         """
         low, high = np.log(self.knudsen_range)
         place = scaled(jnp.clip(jnp.log(knudsen), low, high), low, high)
-        stiff = jnp.clip(exponent, *self.exponent_range) - _REFERENCE_EXPONENT
+        stiff = held_within(exponent, *self.exponent_range) - _REFERENCE_EXPONENT
         rough = jnp.clip(tac, *self.tac_range) - _REFERENCE_TAC
         return (
             jnp.exp(polynomial(self.force, stiff, rough, place)),
@@ -154,7 +154,7 @@ class HeatedGas:
         """Conductivity of the simulated molecules over viscosity and gas constant [1]."""
         low, high = collision_fit(self.kind).exponent_range
         value, slope = _SIMULATED_CONDUCTION
-        return value + slope * (jnp.clip(self.exponent, low, high) - _REFERENCE_EXPONENT)
+        return value + slope * (held_within(self.exponent, low, high) - _REFERENCE_EXPONENT)
 
     @property
     def _conduction(self) -> Numeric:

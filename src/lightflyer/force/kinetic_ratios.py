@@ -21,7 +21,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.force.polynomials import polynomial, scaled
+from lightflyer.force.polynomials import held_within, polynomial, scaled
 from lightflyer.foundation.types import Numeric
 
 BOUNDARY_TAC = 0.85
@@ -289,7 +289,7 @@ class KineticFit:
             thinness(knudsen, self.knudsen_range),
             thinness(knudsen, self.hot_knudsen_range),
             jnp.minimum(knudsen / self.knudsen_range[0], 1.0),
-            jnp.log(jnp.clip(ratio, *self.ratio_range)),
+            held_within(jnp.log(ratio), *np.log(self.ratio_range)),
             inside,
             jnp.log(inside + TAC_OFFSET),
         )

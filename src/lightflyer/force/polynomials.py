@@ -3,11 +3,13 @@
 from collections.abc import Sequence
 from typing import Any
 
+import jax
 import numpy as np
 
 from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
 
 _ERROR_POWERS = [(0,), (1,), (2,)]
+_ROUNDING, _MARGIN = 0.005, 0.02  # of corners, and how far beyond an end they lie
 
 
 def scaled(value: Any, low: float, high: float) -> Any:
@@ -24,6 +26,16 @@ def polynomial(coefficients: Any, *variables: Any) -> Any:
     for coefficient in reversed(coefficients):
         result = result * first + polynomial(coefficient, *others)
     return result
+
+
+def held_within(value: Any, low: float, high: float) -> Any:
+    """A value within two ends, and a little beyond the nearer one where it lies outside.
+
+    The corners are round: a kink would stop Newton's method where a solution lies at it.
+    """
+    low, high = low - _MARGIN, high + _MARGIN
+    above, over = ((value - end) / _ROUNDING for end in (low, high))
+    return low + _ROUNDING * (jax.nn.softplus(above) - jax.nn.softplus(over))
 
 
 def least_squares(

@@ -76,6 +76,15 @@ def test_fit_predicts_what_it_was_not_shown(hidden):
         assert np.all((misfit < np.where(unlike, of_unlike, 4.0 * error))[rows])
 
 
+def test_the_ends_of_the_table_are_no_kinks(disk):
+    """At one, Newton's method finds no temperature of a flyer that levitates there."""
+    state, model = state_at(0.2), lf.Kinetic(wall="maxwell")
+    excess = np.arange(2.3, 2.8, 1e-3)
+    force = jax.vmap(jax.grad(lambda e: model.force(disk, state, (e,))))
+    slopes = float_of(lambda: force(excess))
+    assert np.abs(np.diff(slopes)).max() < 0.1 * np.ptp(slopes)
+
+
 def float_of(function):
     """Float64 results of a function without arguments."""
     with lf.float64():

@@ -255,7 +255,7 @@ def test_a_downloaded_file_is_the_design_shown(computed, designs):
 
 @pytest.mark.snippets  # seconds
 def test_predict_reproduces_a_downloaded_file(computed, designs, tmp_path):
-    name = MODELS[-1]
+    name = MODELS[0]
     file = tmp_path / "flyer.toml"
     file.write_text(computed[name, "files"][-1], encoding="utf-8")
     predicted = lf.predict(file, at=[designs[name][-1, ALTITUDE] * 1e3])

@@ -94,6 +94,15 @@ def test_the_ends_of_the_table_are_no_kinks(disk):
     assert np.abs(np.diff(slopes)).max() < 0.1 * np.ptp(slopes)
 
 
+def test_a_heat_balance_may_step_below_zero_kelvin(disk):
+    """There must be a slope that leads back."""
+    state, model = state_at(0.2), lf.Kinetic()
+    steps = np.array([-5.0, -1.5, -1.0, -0.95])
+    loss = float_of(lambda: model.heat_loss(disk, state, (steps,))[0])
+    assert np.all(np.diff(loss) > 0.0)
+    assert loss[-1] < 0.0
+
+
 def float_of(function):
     """Float64 results of a function without arguments."""
     with lf.float64():

@@ -21,6 +21,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.force.kinetic_ratios import heating_of
 from lightflyer.force.polynomials import held_within, least_squares, polynomial, scaled
 from lightflyer.foundation.table import shipped_table
 from lightflyer.foundation.types import Numeric
@@ -35,7 +36,7 @@ _SIMULATED_CONDUCTION = (4.717, -0.646)
 exponent of 0.74, and its slope in the exponent. Larsen and Borgnakke's rotation conducts less than
 a real gas."""
 
-_MODEL_CONDUCTION = 4.865
+MODEL_CONDUCTION = 4.865
 """The same of the model equation's diatomic gas."""
 
 Collisions = Literal["vhs", "shakhov"]
@@ -49,6 +50,10 @@ MODEL_HEAT_ERROR = 0.0035
 """Relative standard error of the heat ratio by the model equation, likewise."""
 
 
+HEATED_RANGE = (0.5, 3.5)
+""":math:`T_h/T_c` between which factors change with it [1]: that of the model equation's table."""
+
+
 class Heated(NamedTuple):
     """How a factor changes with temperature: to the power slope · (neutral − ω) of T_h/T_c."""
 
@@ -57,7 +62,8 @@ class Heated(NamedTuple):
 
     def __call__(self, kind: str, ratio: Numeric, exponent: Numeric) -> Array:
         """Change for a kind of gas, a temperature ratio and a viscosity exponent [1]."""
-        return jnp.exp(self.slope * (self.neutral[kind] - exponent) * jnp.log(ratio))
+        held = held_within(heating_of(ratio), *np.log(HEATED_RANGE))
+        return jnp.exp(self.slope * (self.neutral[kind] - exponent) * held)
 
 
 # fitted to direct simulations of other gases than nitrogen in studies/kinetic_collisions
@@ -163,7 +169,7 @@ class HeatedGas:
         A polyatomic gas is scaled by its conductivity elsewhere.
         """
         if self.gas.molecules != self.kind:
-            return _MODEL_CONDUCTION
+            return MODEL_CONDUCTION
         return self.gas.reduced_conductivity(self.temperature)
 
     def factors(self, knudsen: Numeric, tac: Numeric) -> tuple[Array, Array]:

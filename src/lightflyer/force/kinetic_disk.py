@@ -11,13 +11,14 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.force import kinetic_walls
 from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic_collisions import (
+    MODEL_CONDUCTION,
     Collisions,
     HeatedGas,
     force_error,
     heat_error,
     with_collisions,
 )
-from lightflyer.force.kinetic_ratios import KineticFit
+from lightflyer.force.kinetic_ratios import KineticFit, heating_of
 from lightflyer.force.kinetic_table import GASES
 from lightflyer.force.kinetic_table_fit import kinetic_fit
 from lightflyer.force.kinetic_walls import Walls
@@ -35,7 +36,6 @@ _HOT_DENSE = (
     "the kinetic table of large temperature differences ends there, and what they do is held"
 )
 _WARM = 2.0  # T/T_c at which the gas's viscosity is looked at, besides 1
-_COLDEST = 0.1  # T_h/T_c of iterates of the heat balance
 _SMALL = 0.1  # relative temperature difference below which the linear table is good to its error
 HELD = "the kinetic table ends there, and its ratios are held"
 WALL = "the table of walls ends there, and their effect is held"
@@ -46,8 +46,7 @@ _SCALED = (
 _STAND_IN = "diatomic"
 _SCALED_HEAT_ERROR, _SCALED_FORCE_ERROR = 0.015, 0.045
 """Relative standard errors: half of what is left from one table to the other at worst."""
-_DIATOMIC_CONDUCTION = 4.865  # conductivity over viscosity and gas constant of the table's gas [1]
-_DIATOMIC_FREE, _DIATOMIC_DENSE = internal_factors(1.4, 1.0, 1.0, _DIATOMIC_CONDUCTION)
+_DIATOMIC_FREE, _DIATOMIC_DENSE = internal_factors(1.4, 1.0, 1.0, MODEL_CONDUCTION)
 _DIATOMIC_RESISTANCE = _DIATOMIC_FREE / _DIATOMIC_DENSE
 
 
@@ -186,7 +185,7 @@ def viscosity_exponent(gas: AbstractGas, temperature: Numeric, ratio: Numeric) -
     array, broadcast shape
     """
     cold, warm = (gas.viscosity_exponent(factor * temperature) for factor in (1.0, _WARM))
-    share = 0.5 * jnp.log(jnp.maximum(ratio, _COLDEST)) / math.log(_WARM)
+    share = 0.5 * heating_of(ratio) / math.log(_WARM)
     return jnp.asarray(cold + share * (warm - cold))
 
 

@@ -32,6 +32,11 @@ TAC_OFFSET = 0.1
 as the TAC does where it is large, and is constant where walls are smooth."""
 
 
+COLDEST = 0.1
+"""Least :math:`T_h/T_c` of which a logarithm is taken [1]: far below every table, and above zero,
+beyond which a heat balance may step."""
+
+
 class Place(NamedTuple):
     r"""A place in the table.
 
@@ -289,7 +294,7 @@ class KineticFit:
             thinness(knudsen, self.knudsen_range),
             thinness(knudsen, self.hot_knudsen_range),
             jnp.minimum(knudsen / self.knudsen_range[0], 1.0),
-            held_within(jnp.log(ratio), *np.log(self.ratio_range)),
+            held_within(heating_of(ratio), *np.log(self.ratio_range)),
             inside,
             jnp.log(inside + TAC_OFFSET),
         )
@@ -322,6 +327,21 @@ def conduction_growth(heating: Any, exponent: Any) -> Any:
     square = heating**2
     second, fourth = (((exponent + 1.0) ** power - 1.0) for power in (2, 4))
     return 0.5 * exponent * heating + square * (second / 24.0 - square * fourth / 2880.0)
+
+
+def heating_of(ratio: Numeric) -> Array:
+    r""":math:`\ln(T_h/T_c)`, also of iterates of a heat balance that are no temperatures.
+
+    Parameters
+    ----------
+    ratio : array, shape (...)
+        :math:`T_h/T_c` [1]; below :data:`COLDEST` it counts as that.
+
+    Returns
+    -------
+    array, shape (...)
+    """
+    return jnp.log(jnp.maximum(ratio, COLDEST))
 
 
 def thinness(knudsen: Numeric, ends: tuple[float, float]) -> Array:

@@ -23,6 +23,7 @@ from jax import Array
 
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.disk import Disk
+from lightflyer.force.kinetic_ratios import heating_of
 from lightflyer.force.laws import accommodated_force, maxwell_force, normal_accommodation
 from lightflyer.force.polynomials import held_within, least_squares, polynomial, scaled
 from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
@@ -129,7 +130,7 @@ class WallFit:
             scaled(jnp.clip(jnp.log(knudsen), *np.log(range_)), low, high)
             for range_ in (self.knudsen_range, self.heated_range)
         )
-        heating = held_within(jnp.log(ratio), *self.heating_range)
+        heating = held_within(heating_of(ratio), *self.heating_range)
         cold, hot = coefficients[0], coefficients[1:]
         found = polynomial(cold, tac, position) + heating * polynomial(hot, heating, tac, heated)
         return jnp.asarray(found * _denseness(knudsen))

@@ -1,0 +1,393 @@
+"""What is kept of very many designs: the best ones, a Pareto front, the spread of a number.
+
+A reduction makes a *partial* of each chunk of a study: a dict of small arrays. Partials merge in
+any order and grouping to the same numbers, bit by bit, so that chunks may be computed anywhere,
+again and in any order. NumPy makes them, or JAX where the designs are computed. JAX's may be
+padded, which merging removes.
+"""
+
+import abc
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import reduce
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+Partial = dict[str, Any]
+"""Arrays by name."""
+
+Columns = Mapping[str, Any]
+"""Outputs and varied numbers of consecutive designs by name, arrays of one length."""
+
+_NONE = -1  # stands for a design in padding
+
+
+@dataclass(frozen=True)
+class AbstractReduction(abc.ABC):
+    """One thing to keep of all designs."""
+
+    @abc.abstractmethod
+    def empty(self) -> Partial:
+        """The partial of no design."""
+
+    @abc.abstractmethod
+    def of_chunk(self, columns: Columns, first: int) -> Partial:
+        """The partial of consecutive designs, by NumPy.
+
+        Parameters
+        ----------
+        columns : mapping of str to array, shape (n,)
+            What is not finite has no value: the design is left out.
+        first : int
+            Number of the first design.
+
+        Returns
+        -------
+        dict of str to array
+        """
+
+    @abc.abstractmethod
+    def on_device(self, columns: Columns, first: Any) -> Partial:
+        """As :meth:`of_chunk`, by JAX: of fixed shapes, for :func:`jax.jit`, in float64."""
+
+    @abc.abstractmethod
+    def merged(self, one: Partial, other: Partial) -> Partial:
+        """The partial of the designs of two, in NumPy and without padding."""
+
+    def is_whole(self, partial: Partial) -> bool:
+        """Whether a partial of :meth:`on_device` holds all that it should.
+
+        Where it does not, :meth:`of_chunk` must be used.
+        """
+        del partial
+        return True
+
+    def merged_all(self, partials: list[Partial]) -> Partial:
+        """The partial of any number of them."""
+        return reduce(self.merged, partials, self.empty())
+
+
+@dataclass(frozen=True)
+class Best(AbstractReduction):
+    """The designs with the largest, or least, values of an output.
+
+    The partial holds ``designs`` (their numbers) and ``values``, best first. Of equals the one with
+    the smaller number comes first.
+
+    Attributes
+    ----------
+    output : str
+    count : int
+        How many.
+    less_is_better : bool
+
+    Examples
+    --------
+    >>> best = Best("payload", 2)
+    >>> one = best.of_chunk({"payload": np.array([3.0, np.nan, 5.0])}, first=0)
+    >>> other = best.of_chunk({"payload": np.array([4.0, 1.0])}, first=3)
+    >>> best.merged(one, other)
+    {'designs': array([2, 3]), 'values': array([5., 4.])}
+    """
+
+    output: str
+    count: int
+    less_is_better: bool = False
+
+    def empty(self) -> Partial:
+        """See :meth:`AbstractReduction.empty`."""
+        return {"designs": np.empty(0, np.int64), "values": np.empty(0)}
+
+    def of_chunk(self, columns: Columns, first: int) -> Partial:
+        """See :meth:`AbstractReduction.of_chunk`."""
+        values = np.asarray(columns[self.output], float)
+        candidates = np.flatnonzero(np.isfinite(values))
+        if candidates.size > self.count:
+            score = self._sign * values[candidates]
+            last = candidates.size - self.count
+            candidates = candidates[score >= np.partition(score, last)[last]]
+        return self._first(first + candidates, values[candidates])
+
+    def on_device(self, columns: Columns, first: Any) -> Partial:
+        """See :meth:`AbstractReduction.on_device`."""
+        values = jnp.asarray(columns[self.output])
+        known = jnp.isfinite(values)
+        # of equals the one with the lower index comes first
+        score, places = jax.lax.top_k(
+            jnp.where(known, self._sign * values, -jnp.inf), min(self.count, values.size)
+        )
+        designs = jnp.where(jnp.isfinite(score), first + places.astype(jnp.int64), _NONE)
+        return {"designs": designs, "values": values[places]}
+
+    def merged(self, one: Partial, other: Partial) -> Partial:
+        """See :meth:`AbstractReduction.merged`."""
+        both = _joined(one, other)
+        return self._first(both["designs"], both["values"])
+
+    @property
+    def _sign(self) -> float:
+        return -1.0 if self.less_is_better else 1.0
+
+    def _first(self, designs: np.ndarray, values: np.ndarray) -> Partial:
+        order = np.lexsort((designs, -self._sign * values))[: self.count]
+        return {"designs": designs[order], "values": values[order]}
+
+
+@dataclass(frozen=True)
+class Front(AbstractReduction):
+    """The designs that no other beats in both of two numbers.
+
+    The partial holds ``designs``, ``gain`` and ``cost``, cheapest first; of designs equal in both
+    that with the smallest number.
+
+    Attributes
+    ----------
+    gain, cost : str
+        Outputs or varied numbers. More is better of the gain, less of the cost.
+    less_gain_is_better, more_cost_is_better : bool
+        The reverse.
+    capacity : int
+        Most designs of a front that :meth:`on_device` returns.
+
+    Examples
+    --------
+    >>> front = Front("payload", "altitude")
+    >>> front.of_chunk({"payload": [1.0, 3.0, 2.0], "altitude": [50.0, 60.0, 70.0]}, first=0)
+    {'designs': array([0, 1]), 'gain': array([1., 3.]), 'cost': array([50., 60.])}
+    """
+
+    gain: str
+    cost: str
+    less_gain_is_better: bool = False
+    more_cost_is_better: bool = False
+    capacity: int = 4096
+
+    def empty(self) -> Partial:
+        """See :meth:`AbstractReduction.empty`."""
+        return {"designs": np.empty(0, np.int64), "gain": np.empty(0), "cost": np.empty(0)}
+
+    def of_chunk(self, columns: Columns, first: int) -> Partial:
+        """See :meth:`AbstractReduction.of_chunk`."""
+        gain, cost = (np.asarray(columns[name], float) for name in (self.gain, self.cost))
+        known = np.flatnonzero(np.isfinite(gain) & np.isfinite(cost))
+        return self._unbeaten(first + known, gain[known], cost[known])
+
+    def on_device(self, columns: Columns, first: Any) -> Partial:
+        """See :meth:`AbstractReduction.on_device`."""
+        gain, cost = (jnp.asarray(columns[name]) for name in (self.gain, self.cost))
+        worth, price = self._signs
+        known = jnp.isfinite(gain) & jnp.isfinite(cost)
+        places = jnp.arange(gain.size, dtype=jnp.int64)
+        price_, loss, places = jax.lax.sort(
+            (
+                jnp.where(known, price * cost, jnp.inf),
+                jnp.where(known, -worth * gain, jnp.inf),
+                places,
+            ),
+            num_keys=3,
+        )
+        before = jnp.concatenate([jnp.full(1, jnp.inf), jax.lax.cummin(loss)[:-1]])
+        unbeaten = loss < before
+        size = min(self.capacity, gain.size)
+        (kept,) = jnp.nonzero(unbeaten, size=size, fill_value=0)
+        found = jnp.count_nonzero(unbeaten)
+        designs = jnp.where(jnp.arange(size) < found, first + places[kept], _NONE)
+        return {
+            "designs": designs,
+            "gain": -worth * loss[kept],
+            "cost": price * price_[kept],
+            "left_out": jnp.maximum(found - size, 0),
+        }
+
+    def is_whole(self, partial: Partial) -> bool:
+        """See :meth:`AbstractReduction.is_whole`: not where the front is above the capacity."""
+        return int(partial.get("left_out", 0)) == 0
+
+    def merged(self, one: Partial, other: Partial) -> Partial:
+        """See :meth:`AbstractReduction.merged`."""
+        both = _joined(one, other)
+        return self._unbeaten(both["designs"], both["gain"], both["cost"])
+
+    @property
+    def _signs(self) -> tuple[float, float]:
+        """What gain and cost are multiplied by so that more gain and less cost are better."""
+        return (-1.0 if self.less_gain_is_better else 1.0), (
+            -1.0 if self.more_cost_is_better else 1.0
+        )
+
+    def _unbeaten(self, designs: np.ndarray, gain: np.ndarray, cost: np.ndarray) -> Partial:
+        worth, price = self._signs
+        order = np.lexsort((designs, -worth * gain, price * cost))
+        score = worth * gain[order]
+        before = np.concatenate([[-np.inf], np.maximum.accumulate(score)[:-1]])[: score.size]
+        kept = order[score > before]
+        return {"designs": designs[kept], "gain": gain[kept], "cost": cost[kept]}
+
+
+_MANTISSA_BITS = 52  # of a float64
+_EXPONENT_BIAS = 1023
+_KEPT_BITS = 9
+_LOWEST_EXPONENT, _HIGHEST_EXPONENT = -64, 64
+
+RESOLUTION = 2.0**-_KEPT_BITS
+"""Relative width of the widest cells of :class:`Spread`."""
+
+_SHIFT = _MANTISSA_BITS - _KEPT_BITS
+_FIRST = (_EXPONENT_BIAS + _LOWEST_EXPONENT) << _KEPT_BITS
+_CELLS = (_HIGHEST_EXPONENT - _LOWEST_EXPONENT) << _KEPT_BITS
+
+
+@dataclass(frozen=True)
+class Spread(AbstractReduction):
+    r"""How the values of an output are distributed: for :func:`quantiles` and :func:`histogram`.
+
+    Numbers are counted in the cells that their first bits name: sign, exponent and nine bits of the
+    mantissa. No range has to be known before, and the same number falls into the same cell on
+    every machine. Cells are at most :data:`RESOLUTION` wide, relative to their numbers, from
+    :math:`2^{-64}` to :math:`2^{64}`. One cell holds what is smaller, one of each sign what is
+    larger.
+
+    The partial holds ``counts`` of the cells, the ``least`` and ``largest`` value (infinite without
+    any), and ``missing``, the number of designs without a value.
+
+    Attributes
+    ----------
+    output : str
+    """
+
+    output: str
+
+    def empty(self) -> Partial:
+        """See :meth:`AbstractReduction.empty`."""
+        return {
+            "counts": np.zeros(2 * _CELLS + 3, np.int64),
+            "least": np.asarray(np.inf),
+            "largest": np.asarray(-np.inf),
+            "missing": np.asarray(0),
+        }
+
+    def of_chunk(self, columns: Columns, first: int) -> Partial:
+        """See :meth:`AbstractReduction.of_chunk`."""
+        del first
+        values = np.asarray(columns[self.output], float)
+        known = values[np.isfinite(values)]
+        cells = np.clip((np.abs(known).view(np.int64) >> _SHIFT) - _FIRST + 1, 0, _CELLS + 1)
+        signed = np.where(known < 0.0, -cells, cells) + _CELLS + 1
+        return {
+            "counts": np.bincount(signed, minlength=2 * _CELLS + 3),
+            "least": np.min(known, initial=np.inf),
+            "largest": np.max(known, initial=-np.inf),
+            "missing": np.asarray(values.size - known.size),
+        }
+
+    def on_device(self, columns: Columns, first: Any) -> Partial:
+        """See :meth:`AbstractReduction.on_device`."""
+        del first
+        values = jnp.asarray(columns[self.output])
+        known = jnp.isfinite(values)
+        bits = jax.lax.bitcast_convert_type(jnp.abs(values), jnp.int64)
+        cells = jnp.clip((bits >> _SHIFT) - _FIRST + 1, 0, _CELLS + 1)
+        signed = jnp.where(values < 0.0, -cells, cells) + _CELLS + 1
+        counts: Array = jnp.zeros(2 * _CELLS + 3, jnp.int64).at[signed].add(known)
+        return {
+            "counts": counts,
+            "least": jnp.min(values, where=known, initial=jnp.inf),
+            "largest": jnp.max(values, where=known, initial=-jnp.inf),
+            "missing": jnp.count_nonzero(~known),
+        }
+
+    def merged(self, one: Partial, other: Partial) -> Partial:
+        """See :meth:`AbstractReduction.merged`."""
+        return {
+            "counts": np.asarray(one["counts"]) + np.asarray(other["counts"]),
+            "least": np.minimum(one["least"], other["least"]),
+            "largest": np.maximum(one["largest"], other["largest"]),
+            "missing": np.asarray(one["missing"]) + np.asarray(other["missing"]),
+        }
+
+
+def _ends() -> tuple[np.ndarray, np.ndarray]:
+    """Ends of the cells of :class:`Spread`, nearer to zero and farther from it."""
+    bits = (np.arange(_CELLS + 1, dtype=np.int64) + _FIRST) << _SHIFT
+    near = bits.view(float)
+    low, high = np.concatenate([[0.0], near]), np.concatenate([near, [np.inf]])
+    return np.concatenate([-low[:0:-1], low]), np.concatenate([-high[:0:-1], high])
+
+
+def _middles(spread: Partial) -> np.ndarray:
+    """What stands for the values in each cell."""
+    near, far = _ends()
+    middle = np.where(np.isinf(far), far, 0.5 * (near + far))
+    middle[_CELLS + 1] = 0.0
+    least, largest = float(spread["least"]), float(spread["largest"])
+    return np.clip(middle, least, largest) if least <= largest else middle
+
+
+def quantiles(spread: Partial, shares: Any) -> np.ndarray:
+    """Values that a share of the designs with a value do not exceed.
+
+    Parameters
+    ----------
+    spread : dict of str to array
+        Partial of a :class:`Spread`.
+    shares : array, shape (n,)
+        From 0 to 1.
+
+    Returns
+    -------
+    array, shape (n,)
+        Within half of :data:`RESOLUTION`, relative, of a design's value; NaN without any. The ends
+        are exact.
+
+    Examples
+    --------
+    >>> spread = Spread("payload").of_chunk({"payload": np.arange(1.0, 102.0)}, first=0)
+    >>> quantiles(spread, [0.0, 0.5, 1.0])
+    array([  1.     ,  51.03125, 101.     ])
+    """
+    shares = np.asarray(shares, float)
+    sums = np.cumsum(np.asarray(spread["counts"]))
+    if sums[-1] == 0:
+        return np.full(shares.shape, np.nan)
+    rank = np.clip(np.ceil(shares * sums[-1]), 1, sums[-1])
+    found = _middles(spread)[np.searchsorted(sums, rank)]
+    exact = np.where(rank == sums[-1], spread["largest"], found)
+    return np.where(rank == 1, spread["least"], exact)
+
+
+def histogram(spread: Partial, edges: Any) -> np.ndarray:
+    """Number of designs between edges.
+
+    Parameters
+    ----------
+    spread : dict of str to array
+        Partial of a :class:`Spread`.
+    edges : array, shape (n + 1,)
+        Increasing. Designs of a cell that an edge divides go where its middle is.
+
+    Returns
+    -------
+    int array, shape (n,)
+        The last bin includes its upper edge.
+    """
+    counts = np.asarray(spread["counts"])
+    filled = np.flatnonzero(counts)
+    found, _ = np.histogram(
+        _middles(spread)[filled], bins=np.asarray(edges), weights=counts[filled]
+    )
+    return np.rint(found).astype(np.int64)
+
+
+def _joined(one: Partial, other: Partial) -> Partial:
+    """The rows of two partials but for padding."""
+    both = {
+        name: np.concatenate([np.asarray(one[name]), np.asarray(other[name])])
+        for name in one
+        if np.ndim(one[name]) == 1
+    }
+    kept = both["designs"] != _NONE
+    return {name: column[kept] for name, column in both.items()}

@@ -21,6 +21,7 @@ RNG = np.random.default_rng(5)
 GAIN = np.round(RNG.normal(scale=10.0, size=600), 1)
 GAIN[::7], GAIN[3], GAIN[5:7], GAIN[9:11] = np.nan, -0.0, (np.inf, -np.inf), (1e-30, -1e30)
 COLUMNS = {"gain": GAIN, "cost": np.round(RNG.lognormal(size=600) * 5.0)}
+COLUMNS["coarse"] = np.where(np.abs(GAIN) < 100.0, np.round(GAIN, -1), np.nan)
 KNOWN = np.flatnonzero(np.isfinite(GAIN))
 REDUCTIONS = [
     Best("gain", 50),
@@ -28,6 +29,7 @@ REDUCTIONS = [
     Best("gain", 1000),
     Front("gain", "cost"),
     Front("gain", "cost", less_gain_is_better=True, more_cost_is_better=True),
+    Front("coarse", "cost"),
     Spread("gain"),
 ]
 
@@ -66,15 +68,18 @@ def test_best_designs_are_those_of_a_sorted_list(less):
     np.testing.assert_array_equal(found["values"], GAIN[expected])
 
 
+@pytest.mark.parametrize("name", ["gain", "coarse"])
 @pytest.mark.parametrize(("worth", "price"), [(1.0, 1.0), (-1.0, -1.0)])
-def test_no_design_beats_one_of_the_front(worth, price):
-    front = Front("gain", "cost", worth < 0.0, price < 0.0).of_chunk(COLUMNS, 0)
-    gain, cost = worth * GAIN[KNOWN], price * COLUMNS["cost"][KNOWN]
-    at_least = (gain[:, None] >= gain) & (cost[:, None] <= cost)
-    better = at_least & ((gain[:, None] > gain) | (cost[:, None] < cost))
-    expected = KNOWN[~better.any(axis=0)]
-    same = {(GAIN[design], COLUMNS["cost"][design]): design for design in expected[::-1]}
-    assert sorted(front["designs"]) == sorted(same.values())
+def test_no_design_beats_one_of_the_front(name, worth, price):
+    front = Front(name, "cost", worth < 0.0, price < 0.0).of_chunk(COLUMNS, 0)
+    gain, cost = worth * COLUMNS[name], price * COLUMNS["cost"]
+    known = np.flatnonzero(np.isfinite(gain))
+    gains, costs = gain[known], cost[known]
+    at_least = (gains[:, None] >= gains) & (costs[:, None] <= costs)
+    better = at_least & ((gains[:, None] > gains) | (costs[:, None] < costs))
+    # of equals the first
+    expected = {(gain[n], cost[n]): n for n in known[~better.any(axis=0)][::-1]}
+    assert sorted(front["designs"]) == sorted(expected.values())
 
 
 def test_a_front_above_the_capacity_says_so():

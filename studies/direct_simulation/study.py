@@ -15,8 +15,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+from dsmc.cells import fits
 from dsmc.gas import GASES, HARD_SPHERE_PATH
 from dsmc.simulation import Block, Numerics, Simulation
+from dsmc.vessel import build_vessel
 from dsmc.walls import build_faces
 
 FOLDER = Path(__file__).parent
@@ -29,7 +31,7 @@ BLOCK_TIME = 500.0  # [radii/√(2RT_c)], many times the relaxation of the gas i
 WARM_UP_TIME = 250.0
 # of a time step: relative to the time between collisions λ/v̄, and to crossing a cell's width
 _COLLISION_SHARE, _CELL_SHARE = 0.17, 1.0
-_WIDTH, _FINE_WIDTH = 0.1, 1.0 / 15.0
+_WIDTHS, _FINE_WIDTHS = (0.1,), (1.0 / 15.0, 1.0 / 16.0)  # the first that the vessel is made of
 _DENSE = 0.2  # Knudsen number below which cells are fine
 _MEAN_SPEED = 2.0 / math.sqrt(math.pi)
 # means over blocks, and the name of each in the results
@@ -41,6 +43,7 @@ MEASURED = (
     "heat_bottom",
     "heat_reservoir",
 )
+MEASURED_ON_FLOOR = ("force_floor", "heat_floor")  # where it is solid
 
 
 @dataclass(frozen=True)
@@ -54,25 +57,46 @@ class Point:
     tac_bottom: float
     wall: str = "maxwell"
     boundary: float = 4.0
+    floor: float | None = None  # distance below the disk, where not `boundary`
+    solid: str = ""  # parts of the vessel that are walls
+
+    @property
+    def measured(self) -> tuple[str, ...]:
+        """Quantities."""
+        return MEASURED + (MEASURED_ON_FLOOR if "floor" in self.solid else ())
 
 
 Run = tuple[Point, int, dict[str, tuple[float, float]]]
 """A point, the seed, and mean and standard error of each measured quantity."""
 
-_THIRD = round(0.3 / HARD_SPHERE_PATH, 6)
+_TENTH, _THIRD = (round(number / HARD_SPHERE_PATH, 6) for number in (0.1, 0.3))
+_HIGH, _LOW = 2.25, 1.0  # disk of 4 cm, and one of 9 cm, 4.5 cm above a floor
 POINTS_TO_RUN = [
     Point("nitrogen", _THIRD, FLIGHT, 0.5, 1.0),
     *(
         Point("nitrogen", _THIRD, FLIGHT, 0.4, 1.0, wall, boundary=2.0)
         for wall in ("maxwell", "accommodated", "cercignani-lampis")
     ),
+    *(
+        Point("nitrogen", knudsen, FLIGHT, 0.01, 1.0, floor=floor, solid=solid)
+        for knudsen, floor, solid in (
+            (_THIRD, _HIGH, "floor"),
+            (_TENTH, _HIGH, "floor"),
+            (_THIRD, _LOW, "floor"),
+            (_THIRD, _HIGH, ""),
+            (_TENTH, _HIGH, ""),
+        )
+    ),
 ]
 
 
-def numerics(knudsen: float) -> Numerics:
-    """Time step and cells for a Knudsen number."""
-    width, particles = (_FINE_WIDTH, 16.0) if knudsen < _DENSE else (_WIDTH, 20.0)
-    collision = 2.0 * knudsen / _MEAN_SPEED
+def numerics(point: Point) -> Numerics:
+    """Time step and cells of a point."""
+    dense = point.knudsen < _DENSE
+    widths, particles = (_FINE_WIDTHS, 16.0) if dense else (_WIDTHS, 20.0)
+    distances = (point.boundary, point.floor or point.boundary)
+    width = next(w for w in widths if all(fits(distance, w) for distance in distances))
+    collision = 2.0 * point.knudsen / _MEAN_SPEED
     duration = min(_COLLISION_SHARE * collision, _CELL_SHARE * width / _MEAN_SPEED)
     return Numerics(duration, width, particles)
 
@@ -86,7 +110,8 @@ def simulation(point: Point, seed: int) -> Simulation:
         (point.temperature_ratio, point.temperature_ratio),
         gas.rotational_freedoms,
     )
-    return Simulation(gas, point.knudsen, faces, point.boundary, numerics(point.knudsen), seed)
+    vessel = build_vessel(point.boundary, point.floor, solid=point.solid)
+    return Simulation(gas, point.knudsen, faces, vessel, numerics(point), seed)
 
 
 def measure(point: Point, seed: int) -> Run:
@@ -98,13 +123,13 @@ def measure(point: Point, seed: int) -> Run:
         blocks.append(block)
         print(f"\r{label(point)}, seed {seed}: block {len(blocks)}/{BLOCKS} ", end="", flush=True)
     print()
-    return point, seed, means(blocks)
+    return point, seed, means(blocks, point.measured)
 
 
-def means(blocks: list[Block]) -> dict[str, tuple[float, float]]:
+def means(blocks: list[Block], names: Iterable[str] = MEASURED) -> dict[str, tuple[float, float]]:
     """Mean and standard error of each quantity by means over blocks."""
     found = {}
-    for name in MEASURED:
+    for name in names:
         values = np.array([getattr(block, name) for block in blocks])
         error = values.std(ddof=1) / math.sqrt(values.size)
         found[name] = (float(values.mean()), float(error))
@@ -118,10 +143,10 @@ def combined(runs: Iterable[Run]) -> dict[Point, dict[str, tuple[float, float]]]
         together[point].append(result)
     found = {}
     for point, results in together.items():
-        values = np.array([[result[name] for name in MEASURED] for result in results])
+        values = np.array([[result[name] for name in point.measured] for result in results])
         errors = np.sqrt((values[..., 1] ** 2).sum(axis=0)) / len(results)
         pairs = zip(values[..., 0].mean(axis=0).tolist(), errors.tolist(), strict=True)
-        found[point] = dict(zip(MEASURED, pairs, strict=True))
+        found[point] = dict(zip(point.measured, pairs, strict=True))
     return found
 
 
@@ -140,7 +165,7 @@ def keep(run: Run, seconds: float) -> None:
     """Append a run as a line."""
     point, seed, result = run
     rounded = {name: [round(x, 6) for x in pair] for name, pair in result.items()}
-    how = asdict(numerics(point.knudsen)) | {"seconds": round(seconds)}
+    how = asdict(numerics(point)) | {"seconds": round(seconds)}
     with POINTS.open("a", encoding="utf-8") as file:
         file.write(json.dumps([asdict(point), seed, how, rounded]) + "\n")
 
@@ -167,8 +192,16 @@ def label(point: Point) -> str:
     """A point in words."""
     return (
         f"{point.gas}, Kn {point.knudsen:.4g}, T_h/T_c {point.temperature_ratio:.4g}, "
-        f"TAC {point.tac_top:g}/{point.tac_bottom:g}, {point.wall}, D {point.boundary:g}"
+        f"TAC {point.tac_top:g}/{point.tac_bottom:g}, {point.wall}, {vessel(point)}"
     )
+
+
+def vessel(point: Point) -> str:
+    """A point's vessel in words."""
+    words = f"D {point.boundary:g}"
+    if point.floor is not None:
+        words += f", {'solid' if 'floor' in point.solid else 'open'} floor {point.floor:g}"
+    return words
 
 
 def table() -> Iterator[str]:
@@ -187,7 +220,7 @@ def table() -> Iterator[str]:
             f"{point.temperature_ratio:.3f}",
             f"{point.tac_top:g}, {point.tac_bottom:g}",
             point.wall,
-            f"{point.boundary:g}",
+            vessel(point).removeprefix("D "),
             *(_shown(found.get(name)) for name in ("force", "force_reservoir", "heat")),
             by,
         ]

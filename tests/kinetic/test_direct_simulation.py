@@ -30,16 +30,17 @@ def study():
 @pytest.fixture(scope="module")
 def dsmc(study):
     """Every module of the simulation, by name."""
-    names = ("cells", "collisions", "gas", "particles", "simulation", "walls")
+    names = ("cells", "collisions", "gas", "particles", "simulation", "vessel", "walls")
     return {name: importlib.import_module(f"dsmc.{name}") for name in names}
 
 
-def small(dsmc, knudsen, ratio, boundary=1.6):
-    """A simulation of a few thousand particles of nitrogen."""
+def small(dsmc, knudsen, ratio, boundary=1.6, **vessel):
+    """A simulation of a thousand particles of nitrogen."""
     gas = dsmc["gas"].GASES["nitrogen"]
     faces = dsmc["walls"].build_faces("maxwell", (0.2, 1.0), (ratio, ratio), 2)
     numerics = dsmc["simulation"].Numerics(0.2, 0.2, 20.0)
-    return dsmc["simulation"].Simulation(gas, knudsen, faces, boundary, numerics, seed=3)
+    vessel = dsmc["vessel"].build_vessel(boundary, **vessel)
+    return dsmc["simulation"].Simulation(gas, knudsen, faces, vessel, numerics, seed=3)
 
 
 def test_without_collisions_force_and_heat_are_exact(dsmc, study):
@@ -84,7 +85,7 @@ class Box:
         self.rng = np.random.Generator(np.random.SFC64(5))
         self.collide, self.molecule = dsmc["collisions"].collide, gas.molecule(KNUDSEN)
         self.cells = dsmc["cells"].Cells(
-            *(4.0, 0.1, 40, np.zeros((1, 1), np.int32), np.ones(1)),
+            *(None, 0.1, 40, np.zeros((1, 1), np.int32), np.ones(1)),
             *(np.full(1, 1.0 / NUMBER), np.ones(1), np.zeros(1)),
         )
         self.particles = np.zeros(NUMBER, dsmc["particles"].PARTICLE)
@@ -172,6 +173,84 @@ def test_rotation_relaxes_at_the_rate_of_its_collision_number(dsmc):
     assert translation + rotation == pytest.approx(start, rel=1e-5)
 
 
+def view_factor(radius, distance):
+    """From a disk of radius 1 to one opposite (Howell's catalogue of view factors, C-41)."""
+    one, other = 1.0 / distance, radius / distance
+    total = 1.0 + (1.0 + other**2) / one**2
+    return 0.5 * (total - math.sqrt(total**2 - 4.0 * radius**2))
+
+
+def momentum_factor(radius, distance):
+    """Share of the momentum of a diffuse disk's molecules along its axis that reaches another.
+
+    Of molecules that leave as the cosine, the momentum along the normal goes as its third power.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(30)
+    nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
+    start, end = nodes[:, None, None], radius * nodes[:, None]
+    angle = math.pi * nodes
+    apart = np.sqrt(distance**2 + start**2 + end**2 - 2.0 * start * end * np.cos(angle))
+    share = 1.5 * distance**3 / (math.pi * apart**5) * start * 2.0 * end * 2.0 * math.pi * radius
+    return np.einsum("ijk,i,j,k", share, weights, weights, weights)
+
+
+def test_parts_of_a_disk_opposite():
+    """Everything reaches a disk that is near or wide."""
+    for factor in (view_factor, momentum_factor):
+        assert factor(10.0, 1.0) == pytest.approx(1.0, rel=0.02)
+        assert factor(0.5, 1.0) < factor(1.0, 1.0) < 0.7
+
+
+@pytest.mark.parametrize(("solid", "warmth"), [("floor side", 1.0), ("floor", 2.0)])
+def test_floor_without_collisions_is_exact(dsmc, study, solid, warmth):
+    """As many molecules leave each part of a wall as arrive: those of gas at rest.
+
+    A floor as cold as the gas is thus no floor for the disk. That of another temperature pushes and
+    heats by what the disk sees of it.
+    """
+    ratio, radius, distance, freedoms = 2.25, 1.6, 1.0, 2
+    made = small(
+        dsmc, math.inf, ratio, radius, floor=distance, solid=solid, floor_temperature=warmth
+    )
+    force, (top, bottom) = dsmc["walls"].free_molecular(made.faces)
+    seen, pushed = view_factor(radius, distance), momentum_factor(radius, distance)
+    expected = {
+        "force": 1.0 + 0.5 * pushed * (math.sqrt(warmth) - 1.0) / force,
+        "heat": (top + bottom * (1.0 - seen * (warmth - 1.0) / (ratio - 1.0))) / (top + bottom),
+    }
+    if warmth == 1.0:
+        expected["force_floor"] = 0.5 * pushed * (math.sqrt(ratio) - 1.0) / force
+        expected["heat_floor"] = seen * bottom / (top + bottom)
+    for whole in ("force", "heat"):
+        expected[f"{whole}_reservoir"] = expected[whole]
+    found = study.means(list(made.blocks(20, 800, 100)), expected)
+    for name, (mean, error) in found.items():
+        assert error < (0.02 if name.startswith("heat") else 0.1)
+        assert abs(mean - expected[name]) < 3.5 * error, name
+
+
+def test_gas_in_a_vessel_with_walls_is_at_rest(dsmc):
+    """Neither force nor heat on the disk, density and temperature of the reservoir."""
+    made = small(dsmc, 0.3, 1.0, floor=1.0, solid="floor side")
+    blocks = list(made.blocks(20, 400, 400))
+    for name in ("force_mean", "heat_mean"):
+        values = np.array([getattr(block, name) for block in blocks])
+        error = values.std(ddof=1) / math.sqrt(values.size)
+        assert error < 0.02
+        assert abs(values.mean()) < 3.5 * error
+    expected = (made.cells.volume / made.cells.weight).sum()
+    assert np.mean([block.particles for block in blocks]) == pytest.approx(expected, rel=0.03)
+    found = made.fields()
+    assert np.average(found["temperature"], weights=made.cells.volume) == pytest.approx(1, rel=0.02)
+
+
+def test_vessel_without_an_opening_is_refused(dsmc):
+    with pytest.raises(ValueError, match="holds the pressure"):
+        dsmc["vessel"].build_vessel(4.0, solid="floor lid side")
+    with pytest.raises(ValueError, match="'roof': must be of floor, side, lid"):
+        dsmc["vessel"].build_vessel(4.0, solid="roof")
+
+
 @pytest.mark.parametrize("wall", ["maxwell", "accommodated", "cercignani-lampis"])
 def test_walls_push_and_heat_as_they_should_without_collisions(dsmc, wall):
     walls = dsmc["walls"]
@@ -234,9 +313,9 @@ def test_every_point_of_the_study_is_kept(study):
 def test_runs_are_read_as_they_were_kept(study, tmp_path, monkeypatch):
     monkeypatch.setattr(study, "POINTS", tmp_path / "points.jsonl")
     assert study.read_runs() == []
-    point = study.Point("argon", 0.3, 2.0, 0.4, 1.0, "accommodated")
+    point = study.Point("argon", 0.3, 2.0, 0.4, 1.0, "accommodated", floor=2.0, solid="floor")
     runs = [
-        (point, seed, dict.fromkeys(study.MEASURED, (value, 0.3)))
+        (point, seed, dict.fromkeys(point.measured, (value, 0.3)))
         for seed, value in enumerate((0.5, 0.7))
     ]
     for run in runs:
@@ -248,9 +327,11 @@ def test_runs_are_read_as_they_were_kept(study, tmp_path, monkeypatch):
 
 
 def test_cells_fill_the_reservoir(dsmc):
-    cells = dsmc["cells"].build_cells(4.0, 0.1, 20.0)
-    assert cells.volume.sum() == pytest.approx(2.0 * math.pi * 4.0**3)
+    build, vessel = dsmc["cells"].build_cells, dsmc["vessel"].build_vessel
+    cells = build(vessel(4.0, 2.25, 3.0), 0.1, 20.0)
+    assert cells.volume.sum() == pytest.approx(math.pi * 4.0**2 * (2.25 + 3.0))
+    assert np.average(cells.height, weights=cells.volume) == pytest.approx(0.5 * (3.0 - 2.25))
     finest = cells.volume / (2.0 * math.pi * cells.radius) < 1.5 * 0.05**2
     assert np.all(np.abs(cells.radius[finest] - 1.0) < 0.2)
     with pytest.raises(ValueError, match="multiple"):
-        dsmc["cells"].build_cells(1.52, 0.1, 20.0)
+        build(vessel(4.0, 2.26), 0.1, 20.0)

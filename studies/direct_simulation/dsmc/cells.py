@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dsmc.vessel import PARTS, Vessel
+
 FINE, MIDDLE, COARSE = 1, 2, 4
 _NEAR_EDGE = 0.2  # from the edge, where cells are fine
 _NEAR_DISK = (1.6, 0.6)  # radius and height up to which cells are of middle size
@@ -17,8 +19,7 @@ class Cells(NamedTuple):
 
     Attributes
     ----------
-    boundary : float
-        Radius and half-height of the reservoir.
+    vessel : Vessel
     square : float
         Width of the grid's squares.
     below : int
@@ -32,7 +33,7 @@ class Cells(NamedTuple):
         Of the centres.
     """
 
-    boundary: float
+    vessel: Vessel
     square: float
     below: int
     lookup: np.ndarray
@@ -42,13 +43,13 @@ class Cells(NamedTuple):
     height: np.ndarray
 
 
-def build_cells(boundary: float, width: float, particles: float) -> Cells:
-    """Cells of a reservoir.
+def build_cells(vessel: Vessel, width: float, particles: float) -> Cells:
+    """Cells of a vessel.
 
     Parameters
     ----------
-    boundary : float
-        Radius and half-height, a multiple of half the width.
+    vessel : Vessel
+        Its distances are multiples of half the width.
     width : float
         Of the cells near the disk; half that at its edge, twice further out.
     particles : float
@@ -61,13 +62,14 @@ def build_cells(boundary: float, width: float, particles: float) -> Cells:
     Raises
     ------
     ValueError
-        If the boundary is not a multiple of half the width.
+        If a distance is not a multiple of half the width.
     """
     square = 0.5 * width
-    columns = round(boundary / square)
-    if abs(columns * square - boundary) > 1e-6 * square:
-        raise ValueError(f"boundary {boundary:g} is not a multiple of half the width {width:g}")
-    column, row = np.meshgrid(np.arange(columns), np.arange(-columns, columns), indexing="ij")
+    below, columns, above = (round(distance / square) for distance in vessel.distance)
+    for name, distance in zip(PARTS, vessel.distance, strict=True):
+        if not fits(distance, width):
+            raise ValueError(f"{name} {distance:g} is not a multiple of half the width {width:g}")
+    column, row = np.meshgrid(np.arange(columns), np.arange(-below, above), indexing="ij")
     size = _sizes(column, row, square)
     _, lookup = np.unique(
         np.stack([size, column // size, row // size]).reshape(3, -1), axis=1, return_inverse=True
@@ -80,15 +82,21 @@ def build_cells(boundary: float, width: float, particles: float) -> Cells:
     relative[lookup] = np.vectorize(_RELATIVE_WEIGHT.get)(size).ravel()
     unit = 2.0 * math.pi * width**2 / particles
     return Cells(
-        boundary=columns * square,
+        vessel=vessel,
         square=square,
-        below=columns,
+        below=below,
         lookup=lookup.reshape(column.shape).astype(np.int32),
         volume=around * square**2,
         weight=unit * relative * np.maximum(radius, 1.0),
         radius=radius,
         height=square * (np.bincount(lookup, row.ravel()) / squares + 0.5),
     )
+
+
+def fits(distance: float, width: float) -> bool:
+    """Whether a distance is a multiple of half the width of cells."""
+    squares = distance / (0.5 * width)
+    return abs(squares - round(squares)) < 1e-6
 
 
 def _sizes(column: np.ndarray, row: np.ndarray, square: float) -> np.ndarray:

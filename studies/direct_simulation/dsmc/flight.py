@@ -1,4 +1,4 @@
-"""Free flight for a time step: past the disk, into other cells, in from the reservoir and out."""
+"""Free flight for a time step: to disk and walls, into other cells, in from reservoirs and out."""
 
 import math
 from typing import NamedTuple
@@ -7,6 +7,7 @@ import numpy as np
 
 from dsmc.cells import Cells
 from dsmc.compilation import kernel
+from dsmc.vessel import FLOOR, LID, PARTS, SIDE
 from dsmc.walls import diffuse, leave
 
 _NEVER = 1e30
@@ -23,8 +24,8 @@ class Tally(NamedTuple):
         Momentum upwards given to each face.
     heat : array, shape (2,)
         Energy taken from each face.
-    entered : array, shape (2,)
-        Upward momentum and energy that came from the reservoir, less what went back.
+    entered : array, shape (3, 2)
+        Upward momentum and energy that came from floor, side and lid, less what went there.
     collisions : array, shape (1,)
         Of molecules.
     particle_steps : array, shape (1,)
@@ -43,12 +44,12 @@ class Tally(NamedTuple):
 
 
 class Inlets(NamedTuple):
-    """Pieces of the reservoir's surface, each beside one square of the grid.
+    """Pieces of reservoirs, each beside one square of the grid.
 
     Attributes
     ----------
-    side : array, shape (n,)
-        0 for the cylinder, −1 for its floor, 1 for its lid.
+    part : array, shape (n,)
+        Of the vessel: floor, side or lid.
     low, high : array, shape (n,)
         Heights of the cylinder, radii of floor and lid, between which the piece lies.
     number : array, shape (n,)
@@ -56,7 +57,7 @@ class Inlets(NamedTuple):
     cell : array, shape (n,)
     """
 
-    side: np.ndarray
+    part: np.ndarray
     low: np.ndarray
     high: np.ndarray
     number: np.ndarray
@@ -65,7 +66,7 @@ class Inlets(NamedTuple):
 
 def empty_tally() -> Tally:
     """Nothing counted."""
-    return Tally(np.zeros(2), np.zeros(2), np.zeros(2), np.zeros(1), np.zeros(1))
+    return Tally(np.zeros(2), np.zeros(2), np.zeros((len(PARTS), 2)), np.zeros(1), np.zeros(1))
 
 
 def build_inlets(cells: Cells, duration: float) -> Inlets:
@@ -73,16 +74,19 @@ def build_inlets(cells: Cells, duration: float) -> Inlets:
     columns, rows = cells.lookup.shape
     radii = cells.square * np.arange(columns + 1)
     heights = cells.square * (np.arange(rows + 1) - cells.below)
-    floor = np.pi * np.diff(radii**2)
-    area = np.concatenate([2.0 * np.pi * cells.boundary * np.diff(heights), floor, floor])
-    cell = np.concatenate([cells.lookup[-1], cells.lookup[:, 0], cells.lookup[:, -1]])
+    across = np.pi * np.diff(radii**2)
+    around = 2.0 * np.pi * cells.vessel.distance[SIDE] * np.diff(heights)
+    area = np.concatenate([across, around, across])
+    cell = np.concatenate([cells.lookup[:, 0], cells.lookup[-1], cells.lookup[:, -1]])
+    part = np.repeat([FLOOR, SIDE, LID], [columns, rows, columns])
     flux = 0.5 / math.sqrt(math.pi)  # v̄/4
+    open_ = ~np.array(cells.vessel.solid)[part]
     return Inlets(
-        side=np.repeat([0, -1, 1], [rows, columns, columns]),
-        low=np.concatenate([heights[:-1], radii[:-1], radii[:-1]]),
-        high=np.concatenate([heights[1:], radii[1:], radii[1:]]),
-        number=flux * duration * area / cells.weight[cell],
-        cell=cell,
+        part=part[open_],
+        low=np.concatenate([radii[:-1], heights[:-1], radii[:-1]])[open_],
+        high=np.concatenate([radii[1:], heights[1:], radii[1:]])[open_],
+        number=(flux * duration * area / cells.weight[cell])[open_],
+        cell=cell[open_],
     )
 
 
@@ -93,12 +97,14 @@ def fly(particles, count, cells, faces, duration, tally, rng):
     Copies are put after the others, then closed up: the number of particles is returned.
     """
     kept, end = 0, count
-    step, reach = np.float32(duration), np.float32(cells.boundary)
+    step, reach = np.float32(duration), np.float32(cells.vessel.distance[SIDE])
+    lowest = -np.float32(cells.vessel.distance[FLOOR])
+    highest = np.float32(cells.vessel.distance[LID])
     for i in range(count):
         p = particles[i]
         x, y, z = p.radius + p.radial * step, p.azimuthal * step, p.height + p.axial * step
         radius = math.sqrt(x * x + y * y)
-        if radius < reach and abs(z) < reach and p.height * z > _ZERO:
+        if radius < reach and lowest < z < highest and p.height * z > _ZERO:
             inverse = _ONE / max(radius, _NEAREST)
             radial, azimuthal = p.radial, p.azimuthal
             p.radius, p.height = radius, z
@@ -122,25 +128,28 @@ def fly(particles, count, cells, faces, duration, tally, rng):
 
 @kernel
 def let_in(particles, count, cells, inlets, faces, duration, tally, rng):
-    """Let in gas from the reservoir, each particle at some time of the step."""
-    for i in range(inlets.side.size):
+    """Let in gas from reservoirs, each particle at some time of the step."""
+    distance = cells.vessel.distance
+    for i in range(inlets.part.size):
+        part = inlets.part[i]
         weight = cells.weight[inlets.cell[i]]
         for _ in range(int(inlets.number[i] + rng.random())):
             inwards, first, second, rotation = diffuse(1.0, faces.freedoms, rng)
             p = particles[count]
             p.cell, p.rotation = inlets.cell[i], rotation
             share = rng.random()
-            if inlets.side[i] == 0:
-                p.radius = cells.boundary
+            if part == SIDE:
+                p.radius = distance[SIDE]
                 p.height = inlets.low[i] + share * (inlets.high[i] - inlets.low[i])
                 p.radial, p.azimuthal, p.axial = -inwards, first, second
             else:
                 low, high = inlets.low[i] ** 2, inlets.high[i] ** 2
                 p.radius = math.sqrt(low + share * (high - low))
-                p.height = inlets.side[i] * cells.boundary
-                p.radial, p.azimuthal, p.axial = first, second, -inlets.side[i] * inwards
-            tally.entered[0] += weight * p.axial
-            tally.entered[1] += weight * _energy(p)
+                upwards = 1.0 if part == FLOOR else -1.0
+                p.height = -upwards * distance[part]
+                p.radial, p.azimuthal, p.axial = first, second, upwards * inwards
+            tally.entered[part, 0] += weight * p.axial
+            tally.entered[part, 1] += weight * _energy(p)
             if _follow(p, cells, faces, duration * rng.random(), tally, rng):
                 copies = _enter_cell(p, cells, rng)
                 for copy in range(1, copies):
@@ -168,31 +177,46 @@ def _energy(p):
 
 @kernel
 def _follow(p, cells, faces, time, tally, rng):
-    """Move a particle that may meet the disk or leave; whether it is still inside."""
+    """Move a particle that may meet the disk, a wall or a reservoir; whether it is still inside."""
+    vessel = cells.vessel
     weight = cells.weight[p.cell]
     # in the frame where the particle was at azimuth 0, in double precision
     x, y, z = float(p.radius), 0.0, float(p.height)
     vx, vy, vz = float(p.radial), float(p.azimuthal), float(p.axial)
-    hit = _time_to_disk(x, y, z, vx, vy, vz)
-    out = _time_to_reservoir(x, y, z, vx, vy, vz, cells.boundary)
-    if hit < min(time, out):  # at most once, as both faces are plane
-        x, y, time, out = x + vx * hit, y + vy * hit, time - hit, out - hit
-        face = 0 if z > 0.0 else 1
-        upwards = 1.0 - 2.0 * face
-        z = 0.0
+    while True:
+        hit = _time_to_disk(x, y, z, vx, vy, vz)
+        out, part = _time_out(x, y, z, vx, vy, vz, vessel.distance)
+        if time <= min(hit, out):
+            break
         before = 0.5 * (vx * vx + vy * vy + vz * vz) + p.rotation
-        radius = math.sqrt(x * x + y * y)
-        normal, vx, vy, p.rotation = leave(
-            faces, face, radius, weight, abs(vz), vx, vy, p.rotation, rng
-        )
-        tally.push[face] += weight * (vz - upwards * normal)
-        vz = upwards * normal
-        tally.heat[face] += weight * (0.5 * (vx * vx + vy * vy + vz * vz) + p.rotation - before)
-        out = _time_to_reservoir(x, y, z, vx, vy, vz, cells.boundary)
-    if out < time:
-        tally.entered[0] -= weight * vz
-        tally.entered[1] -= weight * (0.5 * (vx * vx + vy * vy + vz * vz) + p.rotation)
-        return False
+        if hit < out:
+            x, y, time = x + vx * hit, y + vy * hit, time - hit
+            face = 0 if z > 0.0 else 1
+            upwards = 1.0 - 2.0 * face
+            radius = math.sqrt(x * x + y * y)
+            normal, vx, vy, p.rotation = leave(
+                faces, face, radius, weight, abs(vz), vx, vy, p.rotation, rng
+            )
+            tally.push[face] += weight * (vz - upwards * normal)
+            z, vz = 0.0, upwards * normal
+            tally.heat[face] += weight * (0.5 * (vx * vx + vy * vy + vz * vz) + p.rotation - before)
+            continue
+        tally.entered[part, 0] -= weight * vz
+        tally.entered[part, 1] -= weight * before
+        if not vessel.solid[part]:
+            return False
+        x, y, z, time = x + vx * out, y + vy * out, z + vz * out, time - out
+        normal, first, second, p.rotation = diffuse(vessel.temperature[part], faces.freedoms, rng)
+        if part == SIDE:
+            inverse = 1.0 / math.sqrt(x * x + y * y)
+            cosine, sine, vz = x * inverse, y * inverse, second
+            vx, vy = -normal * cosine - first * sine, first * cosine - normal * sine
+            x, y = vessel.distance[SIDE] * cosine, vessel.distance[SIDE] * sine
+        else:
+            vx, vy, vz = first, second, normal if part == FLOOR else -normal
+            z = -vessel.distance[FLOOR] if part == FLOOR else vessel.distance[LID]
+        tally.entered[part, 0] += weight * vz
+        tally.entered[part, 1] += weight * (0.5 * (vx * vx + vy * vy + vz * vz) + p.rotation)
     x, y, z = x + vx * time, y + vy * time, z + vz * time
     radius = math.sqrt(x * x + y * y)
     inverse = 1.0 / max(radius, _NEAREST)
@@ -211,13 +235,18 @@ def _time_to_disk(x, y, z, vx, vy, vz):
 
 
 @kernel
-def _time_to_reservoir(x, y, z, vx, vy, vz, boundary):
-    time = _NEVER
-    if vz != 0.0:
-        time = max((math.copysign(boundary, vz) - z) / vz, 0.0)
+def _time_out(x, y, z, vx, vy, vz, distance):
+    """Until a straight flight ends at the vessel, and the part where."""
+    time, part = _NEVER, LID
+    if vz > 0.0:
+        time = max((distance[LID] - z) / vz, 0.0)
+    elif vz < 0.0:
+        time, part = max((-distance[FLOOR] - z) / vz, 0.0), FLOOR
     square, outwards = vx * vx + vy * vy, x * vx + y * vy
-    inside = boundary * boundary - x * x - y * y
-    if square > 0.0 and (inside > 0.0 or outwards > 0.0):
+    if square > 0.0:
+        inside = distance[SIDE] * distance[SIDE] - x * x - y * y
         root = math.sqrt(max(outwards * outwards + square * inside, 0.0))
-        time = min(time, max((root - outwards) / square, 0.0))
-    return time
+        aside = max((root - outwards) / square, 0.0)
+        if aside < time:
+            time, part = aside, SIDE
+    return time, part

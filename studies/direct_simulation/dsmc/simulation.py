@@ -1,4 +1,4 @@
-"""The disk in its reservoir, step by step."""
+"""The disk in its vessel, step by step."""
 
 import math
 from collections.abc import Iterator
@@ -13,6 +13,7 @@ from dsmc.fields import add_moments, fields, no_moments
 from dsmc.flight import build_inlets, empty_tally, fly, let_in
 from dsmc.gas import Gas
 from dsmc.particles import put_in_order, resting_gas, sort
+from dsmc.vessel import FLOOR, SIDE, Vessel
 from dsmc.walls import Faces, free_molecular
 
 # steps between two that put particles of a cell side by side in memory and sum over them
@@ -47,11 +48,15 @@ class Block:
     ----------
     force : float
     force_reservoir : float
-        By the momentum that enters from the reservoir.
+        By the momentum that enters from floor, side and lid.
     heat : float
         Of both faces.
     heat_reservoir : float
     heat_top, heat_bottom : float
+    force_floor : float
+        Downwards on the floor, beyond that of gas at rest, over the disk's without collisions.
+    heat_floor : float
+        Into the floor, over the disk's without collisions.
     force_mean, heat_mean : float
         Force [p·A] and heat of both faces [p √(2RT_c) A].
     collision_rate : float
@@ -65,6 +70,8 @@ class Block:
     heat_reservoir: float
     heat_top: float
     heat_bottom: float
+    force_floor: float
+    heat_floor: float
     force_mean: float
     heat_mean: float
     collision_rate: float
@@ -72,7 +79,7 @@ class Block:
 
 
 class Simulation:
-    """A disk in a gas at rest in a reservoir.
+    """A disk in a vessel of gas.
 
     Parameters
     ----------
@@ -80,8 +87,7 @@ class Simulation:
     knudsen : float
         λ(T_c)/(2r) with λ = (μ/p) √(πRT/2); infinite without collisions.
     faces : Faces
-    boundary : float
-        Radius and half-height of the reservoir [radii].
+    vessel : Vessel
     numerics : Numerics
     seed : int
     """
@@ -91,14 +97,14 @@ class Simulation:
         gas: Gas,
         knudsen: float,
         faces: Faces,
-        boundary: float,
+        vessel: Vessel,
         numerics: Numerics,
         seed: int = 0,
     ) -> None:
         self.faces = faces
         self.duration = numerics.duration
         self.rng = np.random.Generator(np.random.SFC64(seed))
-        self.cells = build_cells(boundary, numerics.width, numerics.particles)
+        self.cells = build_cells(vessel, numerics.width, numerics.particles)
         self.inlets = build_inlets(self.cells, self.duration)
         self.molecule = gas.molecule(knudsen)
         gas_at_rest = resting_gas(self.cells, gas.rotational_freedoms, self.rng)
@@ -147,14 +153,17 @@ class Simulation:
         force_unit = time * 0.5 * math.pi  # p·A
         push, entered = self.tally.push / force_unit, self.tally.entered / force_unit
         heat = self.tally.heat / force_unit
+        floor_area = self.cells.vessel.distance[SIDE] ** 2  # over the disk's
         free_force, free_heat = free_molecular(self.faces)
         return Block(
             force=_quotient(push.sum(), free_force),
-            force_reservoir=_quotient(entered[0], free_force),
+            force_reservoir=_quotient(entered[:, 0].sum(), free_force),
             heat=_quotient(heat.sum(), sum(free_heat)),
-            heat_reservoir=_quotient(-entered[1], sum(free_heat)),
+            heat_reservoir=_quotient(-entered[:, 1].sum(), sum(free_heat)),
             heat_top=_quotient(heat[0], free_heat[0]),
             heat_bottom=_quotient(heat[1], free_heat[1]),
+            force_floor=_quotient(entered[FLOOR, 0] - floor_area, free_force),
+            heat_floor=_quotient(-entered[FLOOR, 1], sum(free_heat)),
             force_mean=float(push.sum()),
             heat_mean=float(heat.sum()),
             collision_rate=float(self.tally.collisions[0]) / time,

@@ -15,9 +15,10 @@ import numpy as np
 
 from lightflyer.kinetic.cases import COARSE, Case, Outcome, solve_case
 from lightflyer.kinetic.collisions.brackets import Molecule
-from lightflyer.kinetic.collisions.cases import slow_rows, solve_molecules
+from lightflyer.kinetic.collisions.cases import solve_molecules
 from lightflyer.kinetic.collisions.operator import FEWER_MOMENTS, MOMENTS
 from lightflyer.kinetic.model_gases import gas_model
+from lightflyer.kinetic.operators import assemble
 
 FOLDER = Path(__file__).parent
 POINTS = FOLDER / "points.jsonl"
@@ -86,10 +87,14 @@ def ratios(case: Case, outcome: Outcome) -> tuple[float, float]:
 
 def measure(group: list[Point]) -> Iterator[tuple[Point, dict[str, float]]]:
     """Solve points that differ in TAC and kind alone, on the coarse mesh, with both operators."""
-    rows = slow_rows(group[0].case, COARSE, Molecule(group[0].viscosity_exponent))
+    case = group[0].case
+    mesh = COARSE.mesh(case.rarefaction, case.boundary)
+    operators = assemble(mesh, case.rarefaction, COARSE.quadrature)
     for point in group:
         moments = FEWER_MOMENTS if point.fewer else MOMENTS
-        real = solve_molecules(point.case, COARSE, point.molecule, moments=moments, rows=rows)
+        real = solve_molecules(
+            point.case, COARSE, point.molecule, moments=moments, operators=operators
+        )
         model = solve_case(point.case, COARSE)
         result = {}
         pairs = zip(ratios(point.case, real), ratios(point.case, model), strict=True)

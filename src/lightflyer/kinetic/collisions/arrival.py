@@ -9,7 +9,6 @@ import numpy as np
 from numba import prange
 
 from lightflyer.kinetic._kernels import kernel, parallel_kernel
-from lightflyer.kinetic.collisions.kernel import harmonics, integrals
 from lightflyer.kinetic.directions import node_directions
 from lightflyer.kinetic.interpolation import (
     bases_at,
@@ -25,7 +24,48 @@ FLUXES = 4
 """Fluxes of arriving molecules at a face: number, normal momentum, energy, rotational energy."""
 
 _TINY = 1e-30
+_SHORTENED = 0.999999  # keeps the largest depth inside the table
 _WHOLE = 4.0 * np.pi**-0.5  # all directions, by NORMALISATION and weights of half of them
+
+
+@kernel
+def integrals(depth, table, scale, first, values):
+    """Fill J_p, then I_p, from one of these on."""
+    if depth >= _SHORTENED * LARGEST_DEPTH:
+        values[:] = 0.0
+        return
+    position = np.sqrt(depth) * scale
+    cell = int(position)
+    t = (position - cell) / scale
+    row = table[cell]
+    for p in range(values.size):
+        k = first + p
+        values[p] = ((row[0, k] * t + row[1, k]) * t + row[2, k]) * t + row[3, k]
+
+
+@kernel
+def harmonics(x, y, z, norms, out):
+    """Fill the real spherical harmonics of a direction that are even in y.
+
+    Parameters
+    ----------
+    x, y, z : float
+        Unit vector; z is the axis.
+    norms : array, shape (degrees, degrees)
+        Factors by which the mean of each square over the sphere is one.
+    out : array, shape (degrees (degrees + 1)/2,)
+        Filled, m from 0 to l within l from 0 up.
+    """
+    degrees = norms.shape[0]
+    real, imaginary, leading = 1.0, 0.0, 1.0
+    for m in range(degrees):
+        before, value = 0.0, leading
+        for degree in range(m, degrees):
+            out[degree * (degree + 1) // 2 + m] = norms[degree, m] * value * real
+            after = ((2 * degree + 1) * z * value - (degree + m) * before) / (degree + 1 - m)
+            before, value = value, after
+        real, imaginary = real * x - imaginary * y, real * y + imaginary * x
+        leading *= 2 * m + 1
 
 
 @kernel
@@ -218,7 +258,7 @@ def evaluate(points, on_face, rarefaction, setup, mesh, half, out):
     rarefaction : float
         δ [1].
     setup, mesh : tuple
-        Of :func:`lightflyer.kinetic.collisions.rows.kernel_setup`; panels.
+        Of :func:`lightflyer.kinetic.collisions.problem.MolecularProblem`; panels.
     half : tuple
         Sources at the nodes of the own half, shape (n, components), and of the other (mirrored);
         shares of the arriving molecules that leave the face diffusely and specularly; σ and

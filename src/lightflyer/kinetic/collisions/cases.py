@@ -8,10 +8,9 @@ from lightflyer.kinetic.collisions.operator import (
     CollisionOperator,
     Moments,
 )
-from lightflyer.kinetic.collisions.problem import SLOW, MolecularProblem
-from lightflyer.kinetic.collisions.rows import MolecularRows, assemble
+from lightflyer.kinetic.collisions.problem import MolecularProblem
 from lightflyer.kinetic.linear import Walls
-from lightflyer.kinetic.operators import Quadrature
+from lightflyer.kinetic.operators import Operators, Quadrature
 
 _COARSER = Resolution(3, 0.7, Quadrature(3, 3, 3))
 
@@ -36,21 +35,13 @@ def solve_at_two_levels(case: Case, molecule: Molecule) -> tuple[Outcome, Outcom
     return solve_molecules(case, fine, molecule), coarser
 
 
-def slow_rows(case: Case, resolution: Resolution, molecule: Molecule) -> MolecularRows:
-    """Rows of the preconditioner, which serve all molecules with the same viscosity exponent."""
-    mesh = resolution.mesh(case.rarefaction, case.boundary)
-    return assemble(
-        mesh, case.rarefaction, resolution.quadrature, CollisionOperator(molecule, SLOW)
-    )
-
-
 def solve_molecules(
     case: Case,
     resolution: Resolution,
     molecule: Molecule,
     *,
     moments: Moments = MOMENTS,
-    rows: MolecularRows | None = None,
+    operators: Operators | None = None,
 ) -> Outcome:
     """Solve a linear case for molecules on one mesh.
 
@@ -61,8 +52,8 @@ def solve_molecules(
     resolution : Resolution
     molecule : Molecule
     moments : Moments
-    rows : MolecularRows, optional
-        Of :func:`slow_rows`.
+    operators : Operators, optional
+        Of the model equation on this mesh, which else are made.
 
     Returns
     -------
@@ -81,7 +72,7 @@ def solve_molecules(
         CollisionOperator(molecule, moments),
         0.5 * sum(case.tac),
         case.wall,
-        rows,
+        operators,
     )
     walls = Walls(case.tac, case.perturbation)
     fields, iterations = problem.solve(walls)

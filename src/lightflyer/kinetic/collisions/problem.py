@@ -7,29 +7,39 @@ from scipy.linalg import lu_solve
 
 from lightflyer.kinetic.collisions import arrival
 from lightflyer.kinetic.collisions.brackets import maxwellian_nodes
-from lightflyer.kinetic.collisions.operator import CollisionOperator, Moments
-from lightflyer.kinetic.collisions.rows import (
+from lightflyer.kinetic.collisions.components import (
     Components,
-    MolecularRows,
-    assemble,
     harmonic_arguments,
     highest_power,
 )
-from lightflyer.kinetic.collisions.system import MolecularSystem
+from lightflyer.kinetic.collisions.operator import CollisionOperator
 from lightflyer.kinetic.collisions.tables import ray_table
-from lightflyer.kinetic.linear import FaceResult, Walls, result_of_arriving, solve_by_gmres
+from lightflyer.kinetic.linear import (
+    FaceResult,
+    LinearSystem,
+    Walls,
+    result_of_arriving,
+    solve_by_gmres,
+)
 from lightflyer.kinetic.mesh import Mesh
-from lightflyer.kinetic.operators import Quadrature, face_points, kernel_arguments, node_points
+from lightflyer.kinetic.model_gases import DIATOMIC, MONATOMIC
+from lightflyer.kinetic.operators import (
+    Operators,
+    Quadrature,
+    assemble,
+    face_points,
+    kernel_arguments,
+    node_points,
+)
 from lightflyer.kinetic.walls import Wall
 
-_TOLERANCE = 1e-6
-
-SLOW = Moments((4, 4, 2), (1, 1))
-"""Moments that are solved for directly, as preconditioner: collisions change them least."""
+_TOLERANCE = 1e-7  # of moments; the force is as good to 1e-5
 
 
 class MolecularProblem:
     """Linear problem of a gas of molecules on a mesh, for any disk in it.
+
+    The model equation, which has few fields and is factorised, preconditions it.
 
     Parameters
     ----------
@@ -41,8 +51,8 @@ class MolecularProblem:
     mean_tac : float
         TAC for which the preconditioner is made.
     wall : {"maxwell", "accommodated"}
-    slow_rows : MolecularRows, optional
-        Rows of :data:`SLOW` on this mesh for the same viscosity exponent, which else are made.
+    operators : Operators, optional
+        Of the model equation on this mesh, which else are made.
     """
 
     def __init__(
@@ -53,7 +63,7 @@ class MolecularProblem:
         operator: CollisionOperator,
         mean_tac: float,
         wall: Wall = "maxwell",
-        slow_rows: MolecularRows | None = None,
+        operators: Operators | None = None,
     ) -> None:
         self.mesh, self.rarefaction, self.wall = mesh, rarefaction, wall
         self.components = Components(operator)
@@ -67,13 +77,10 @@ class MolecularProblem:
             (*setup[:4], table, scale, norms, odd, numbers, moved, at_start),
             panels,
         )
-        slow = CollisionOperator(operator.molecule, SLOW)
-        if slow_rows is None:
-            slow_rows = assemble(mesh, rarefaction, quadrature, slow)
-        self.slow = MolecularSystem(slow_rows, Components(slow), mean_tac, wall=wall)
-        self.slow_fields = np.array(
-            [self.components.names.index(name) for name in self.slow.components.names]
-        )
+        if operators is None:
+            operators = assemble(mesh, rarefaction, quadrature)
+        gas = DIATOMIC if operator.molecule.rotates else MONATOMIC
+        self.model = LinearSystem(operators, gas, mean_tac, wall=wall)
         self.nodes, self.faces = node_points(mesh), face_points(mesh)
 
     @property
@@ -111,15 +118,14 @@ class MolecularProblem:
         return solution.reshape(self.size), iterations
 
     def _precondition(self, residual: np.ndarray) -> np.ndarray:
-        found = residual.copy()
-        slow = residual[..., self.slow_fields]
-        pair = 0.5 * (slow[0] + slow[1]), 0.5 * (slow[0] - slow[1])
+        upper, lower = gas = self.gas_fields(residual)
         even, odd = (
-            lu_solve(factor, part.ravel(), check_finite=False).reshape(part.shape)
-            for factor, part in zip(self.slow.factors, pair, strict=True)
+            lu_solve(factor, part.ravel(), check_finite=False).reshape(upper.shape)
+            for factor, part in zip(
+                self.model.factors, (0.5 * (upper + lower), 0.5 * (upper - lower)), strict=True
+            )
         )
-        found[..., self.slow_fields] = np.stack([even + odd, even - odd])
-        return found
+        return residual + (np.stack([even + odd, even - odd]) - gas) @ self._expansion.T
 
     def _sources(self, fields: np.ndarray) -> np.ndarray:
         """Sources by powers of the speed, from moments of orthonormal functions."""
@@ -156,7 +162,7 @@ class MolecularProblem:
         """
         sources = self._sources(fields)
         return [
-            result_of_arriving(self.slow, walls, self.arriving(sources, face), face)
+            result_of_arriving(self.model, walls, self.arriving(sources, face), face)
             for face in (0, 1)
         ]
 
@@ -199,11 +205,23 @@ class MolecularProblem:
                     row[i] = np.sum(weight * value * speed ** moments.powers(degree)[a])
         return readings @ self.components.orthonormal.T
 
+    @cached_property
+    def _expansion(self) -> np.ndarray:
+        """Orthonormal functions of the gas of the model equation, shape (fields, 6 or 9)."""
+        components = self.components
+        few = [
+            index
+            for index, (degree, _, a, turns) in enumerate(components.names)
+            if degree < 2 and a < (1 if turns else 2)  # the powers of the model's fields
+        ]
+        functions = components.orthonormal @ components.weights[:, few]
+        return functions @ np.linalg.inv(self._readings @ functions)
+
     def _half(self, sources: np.ndarray, walls: Walls, face: int, arriving: np.ndarray) -> tuple:
         tac = walls.tac[face]
         velocity = walls.velocity * (1.0 if face == 0 else -1.0)
-        diffuse = self.slow.diffuse_share(tac)
-        temperature = self.slow.emitted_temperature(
+        diffuse = self.model.diffuse_share(tac)
+        temperature = self.model.emitted_temperature(
             tac, walls.temperature[face], velocity, arriving
         )
         density = np.sqrt(np.pi) * (2.0 * arriving[:, 0] + velocity)

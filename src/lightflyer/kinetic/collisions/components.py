@@ -1,4 +1,4 @@
-"""Assembly of the linear problem of real molecules on a mesh: matrices for any wall."""
+"""What is known of a gas of molecules at a node."""
 
 import math
 from collections.abc import Callable
@@ -7,12 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from lightflyer.kinetic.collisions import kernel
 from lightflyer.kinetic.collisions.operator import CollisionOperator
-from lightflyer.kinetic.collisions.tables import ray_table
-from lightflyer.kinetic.linear_kernel import FLUXES
-from lightflyer.kinetic.mesh import Mesh
-from lightflyer.kinetic.operators import Quadrature, face_points, kernel_arguments, node_points
 
 
 @dataclass(frozen=True)
@@ -83,90 +78,6 @@ class Components:
                     offset = sizes[degree]
                     matrix[i, k] = blocks[degree][a + offset * rotates, b + offset * turns]
         return matrix
-
-
-@dataclass(frozen=True)
-class MolecularRows:
-    """Assembled rows, with n nodes of a half, e of a face and k translational components.
-
-    Attributes
-    ----------
-    mesh : Mesh
-    own, other, reflected : array, shape (n, n, k, k)
-        Node of the row, of the column, source, moment.
-    sigma, temperature : array, shape (n, e, k)
-        Contribution of σ and of the temperature at the nodes of the face to each moment.
-    velocity : array, shape (n, k)
-        Contribution of a uniform velocity of the face.
-    fluxes : array, shape (e, n, k, 3)
-        Node of the face, node, source, arriving flux of number, normal momentum, energy.
-    """
-
-    mesh: Mesh
-    own: np.ndarray
-    other: np.ndarray
-    reflected: np.ndarray
-    sigma: np.ndarray
-    temperature: np.ndarray
-    velocity: np.ndarray
-    fluxes: np.ndarray
-
-
-def assemble(
-    mesh: Mesh, rarefaction: float, quadrature: Quadrature, operator: CollisionOperator
-) -> MolecularRows:
-    """Assemble the linear operators by tracing all rays of a mesh.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    rarefaction : float
-        δ = √π/(4 Kn).
-    quadrature : Quadrature
-    operator : CollisionOperator
-        Rotation does not enter: rows serve all molecules with the same viscosity exponent.
-
-    Returns
-    -------
-    MolecularRows
-    """
-    components = Components(operator)
-    setup, panels = kernel_arguments(mesh, rarefaction, quadrature)
-    norms, odd, numbers = harmonic_arguments(components)
-    n, e, k = mesh.size, mesh.eta.size, len(components.translation)
-    table, scale = ray_table(operator, highest_power(components))
-    exact = components.weights[:k, :k].copy()
-    arguments = (*setup[:4], table, scale, norms, odd, numbers[:, :k].copy(), exact)
-    own, other, reflected = (np.zeros((n, n, k * k)) for _ in range(3))
-    walls = np.zeros((n, 2 * e + 1, k))
-    kernel.assemble(
-        node_points(mesh), False, rarefaction, arguments, panels, own, other, reflected, walls
-    )
-    fluxes, nothing = np.zeros((e, n, k * FLUXES)), np.zeros((e, 1, k))
-    kernel.assemble(
-        face_points(mesh), True, rarefaction, arguments, panels, fluxes, fluxes, fluxes, nothing
-    )
-    change = components.orthonormal[:k, :k]
-    walls = walls @ change.T
-    return MolecularRows(
-        mesh=mesh,
-        own=_changed(own, change),
-        other=_changed(other, change),
-        reflected=_changed(reflected, change),
-        sigma=walls[:, :e],
-        temperature=walls[:, e : 2 * e],
-        velocity=walls[:, 2 * e],
-        fluxes=np.einsum("sa,ejak->ejsk", change, fluxes.reshape(e, n, k, FLUXES)),
-    )
-
-
-def _changed(rows: np.ndarray, change: np.ndarray) -> np.ndarray:
-    """Rows between orthonormal functions in place of powers, node by node to save memory."""
-    n, k = rows.shape[0], change.shape[0]
-    rows = rows.reshape(n, n, k, k)
-    for i in range(n):
-        rows[i] = change @ rows[i] @ change.T
-    return rows
 
 
 def harmonic_arguments(components: Components) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

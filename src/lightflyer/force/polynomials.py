@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from typing import Any
 
-import jax
+import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
 
 _ERROR_POWERS = [(0,), (1,), (2,)]
-_ROUNDING, _MARGIN = 0.005, 0.02  # of corners, and how far beyond an end they lie
+_MARGIN = 0.02  # how far beyond an end a corner lies, and half of the width of its rounding
 
 
 def scaled(value: Any, low: float, high: float) -> Any:
@@ -31,11 +31,23 @@ def polynomial(coefficients: Any, *variables: Any) -> Any:
 def held_within(value: Any, low: float, high: float) -> Any:
     """A value within two ends, and a little beyond the nearer one where it lies outside.
 
-    The corners are round: a kink would stop Newton's method where a solution lies at it.
+    The corners are round: a kink would stop Newton's method where a solution lies at it. Up to the
+    ends the value is itself. Twice differentiable, without transcendental functions, which would
+    cost more than all else in a heat balance.
     """
-    low, high = low - _MARGIN, high + _MARGIN
-    above, over = ((value - end) / _ROUNDING for end in (low, high))
-    return low + _ROUNDING * (jax.nn.softplus(above) - jax.nn.softplus(over))
+    return (
+        low
+        - _MARGIN
+        + _positive_part(value - low + _MARGIN)
+        - _positive_part(value - high - _MARGIN)
+    )
+
+
+def _positive_part(value: Any) -> Any:
+    """The value where it is positive, else zero; a polynomial within the margin of zero."""
+    place = jnp.clip(value / _MARGIN, -1.0, 1.0)
+    rounded = _MARGIN * (1.0 + place) ** 3 * (3.0 - place) / 16.0
+    return jnp.where(value < _MARGIN, rounded, value)
 
 
 def least_squares(

@@ -1,0 +1,285 @@
+"""Published experiments with light-flyers beside what the package predicts, nothing refitted.
+
+    python studies/experiments/study.py          # two minutes on one core
+
+Writes results.json and docs/images/experiments.png. `--table` prints tables in Markdown.
+"""
+
+import argparse
+import json
+from pathlib import Path
+
+import disks
+import estimates
+import figure
+import numpy as np
+import others
+from disks import DIAMETERS, FILMS, NAMES, Terms
+from measurements import interval, middle, number, read, shares
+
+RESULTS = Path(__file__).parent / "results.json"
+
+SURROUNDINGS = {
+    "open space": {},
+    "walls at 15 cm": {"radius": 0.15},
+    "walls at 6 cm": {"radius": 0.06},
+    "walls at 4.5 cm": {"radius": 0.045},
+}
+"""What :class:`lightflyer.Chamber` is told of walls; `radius` is that of a reservoir all round."""
+
+ACRYLIC_RETURNS = 2.0 * (0.49 / 2.49) ** 2  # both surfaces of a sheet of index 1.49, Fresnel
+WARMER = 20.0  # [K], guessed
+RODS = 2.4e-3  # [m]
+# of the stated layers under a white lamp, germanium over alumina lit: docs/film-comparison.md
+LIT_FROM_BELOW = 0.466 / 0.721
+BOUND_OF_SPECTRUM = 0.11 / 0.08  # emittance by FTIR over that of the thermal camera, Lu et al.
+TERMS = {
+    "as it is": Terms(),
+    "collisions of the model equation": Terms(model={"collisions": "shakhov"}),
+    "Maxwell's walls": Terms(model={"wall": "maxwell"}),
+    "accommodated walls": Terms(model={"wall": "accommodated"}),
+    "1.0 g/m²": Terms(areal_density=1.0e-3),
+    "1.3 g/m²": Terms(areal_density=1.3e-3),
+    "TACs divided by 1.08": Terms(tac_scale=1.0 / 1.08),
+    "a lid of acrylic returns light": Terms(reflected=ACRYLIC_RETURNS),
+    "20 K warmer below": Terms(warmer_below=WARMER),
+    "20 K warmer on all sides": Terms(warmer_around=WARMER),
+    "germanium's emittance at its bound": Terms(germanium={"emittance": BOUND_OF_SPECTRUM}),
+    "germanium lit from below absorbs less": Terms(germanium={"absorptance": LIT_FROM_BELOW}),
+    "film over the rods in the dark": Terms(rods=RODS),
+    "both": Terms(germanium={"absorptance": LIT_FROM_BELOW}, rods=RODS),
+    "both, and 20 K warmer on all sides": Terms(
+        germanium={"absorptance": LIT_FROM_BELOW}, rods=RODS, warmer_around=WARMER
+    ),
+}
+"""One change each; their effect on the middle of all samples."""
+
+BANDS = {
+    "": Terms(),
+    ", TAC ± 0.05": Terms(tac_uncertainty=0.05),
+    ", differences of TACs as published": Terms(tac_together=True),
+    ", lift-off repeats to 2 %": Terms(),
+    ", germanium lit from below, film over the rods in the dark": TERMS["both"],
+}
+"""Other uncertainties and terms; their effect on the intervals."""
+
+STEADY, STEADY_LIFT_OFF = ", lift-off repeats to 2 %", 0.02
+
+KNOWN = ("germanium 2 cm", "nanotubes 2 cm", "reduction 2 cm")
+"""What is no test of a prediction that knows the 2-cm disks."""
+
+NEAR_AND_FAR = ("open space", "walls at 4.5 cm")
+
+
+def with_walls(terms, surroundings):
+    """Terms in some surroundings."""
+    return Terms(**(vars(terms) | {"chamber": SURROUNDINGS[surroundings]}))
+
+
+def at_the_middle(paper, terms):
+    """The least light of each disk and what germanium saves, for the middle of all samples."""
+    found = disks.predict(paper, middle(NAMES), terms)
+    return {
+        "disks": {_label(*key): _place(values) for key, values in found.items()},
+        "reductions": _numbers({s: v[0] for s, v in disks.reductions(found).items()}),
+    }
+
+
+def of_a_term(paper, terms):
+    """What a term does, plainly and with forces with which the 2-cm disks fly as measured."""
+    forces = disks.forces_needed(paper, terms)
+    matched = disks.predict(paper, middle(NAMES), terms, forces)
+    return {
+        "plain": at_the_middle(paper, terms),
+        "force": _numbers(forces),
+        "matched": {_label(*key): _place(values) for key, values in matched.items()},
+        "matched_reductions": _numbers({s: v[0] for s, v in disks.reductions(matched).items()}),
+    }
+
+
+def band(paper, terms):
+    """Intervals of all that was measured, before and after the 2-cm disks are known."""
+    drawn = shares(NAMES)
+    found = disks.predict(paper, drawn, terms)
+    weights = disks.likelihood(paper, found)
+    melting = number(paper["setting"]["melting"]).value
+    result = {"samples_left": round(float(weights.sum() ** 2 / (weights**2).sum()))}
+    measured = disks.measured(paper, drawn)
+    saved, saw = disks.reductions(found), disks.measured_reductions(paper, drawn)
+    for name, weighting in (("before", None), ("given_2_cm", weights)):
+        result[name] = {
+            "light": {_label(*k): interval(v[0], weighting) for k, v in found.items()},
+            "temperature": {_label(*k): interval(v[1], weighting) for k, v in found.items()},
+            "pressure": {_label(*k): interval(v[2], weighting) for k, v in found.items()},
+            "over_measured": {
+                _label(*k): interval(v[0] / measured[k], weighting) for k, v in found.items()
+            },
+            "reductions": {str(s): interval(v, weighting) for s, v in saved.items()},
+            "less_than_measured": {
+                str(s): interval(saw[s] - v, weighting) for s, v in saved.items()
+            },
+            "share_melted": {
+                _label(*k): _share(v[1] > melting, weighting) for k, v in found.items()
+            },
+        }
+    return result
+
+
+def reading(paper, lift_off):
+    """The file with another repeatability of lift-off."""
+    entry = paper["reading"]["lift_off"] | {"uncertainty": lift_off}
+    return paper | {"reading": paper["reading"] | {"lift_off": entry}}
+
+
+def verdicts(found, paper, elsewhere, known=()):
+    """Whether each measurement is inside of the 95 % interval of what is predicted.
+
+    Parameters
+    ----------
+    found : dict
+        Of :func:`band`, before or after the 2-cm disks are known.
+    paper, elsewhere : dict
+        Of the file; of :func:`of_others`.
+    known : sequence of str
+        Measurements that the prediction knows of, which prove nothing.
+
+    Returns
+    -------
+    dict of str to bool
+    """
+    inside = {}
+    for film in FILMS:
+        for size in DIAMETERS:
+            over = found["over_measured"][_label(film, size)]
+            exact = "least" in paper[film]["disks"][str(size)]
+            inside[_label(film, size)] = over["low"] <= 1.0 and (
+                not exact or over["high"] is None or over["high"] >= 1.0
+            )
+    for size in DIAMETERS:
+        missing = found["less_than_measured"][str(size)]
+        high = np.inf if missing["high"] is None else missing["high"]
+        inside[f"reduction {size} cm"] = missing["low"] <= 0.0 <= high
+    inside |= {name: one["over_used"]["low"] <= 1.0 for name, one in elsewhere.items()}
+    return {name: bool(value) for name, value in inside.items() if name not in known}
+
+
+def of_others(experiments, surroundings):
+    """Least light over the light used, of flyers of others.
+
+    The models of plate and sandwich are taken in open space whatever the surroundings.
+    """
+    found = {
+        "azadi2021": others.azadi(experiments["azadi2021"], with_walls(Terms(), surroundings)),
+        "cortes2020": others.cortes(experiments["cortes2020"]),
+        "schafer2025": others.schafer(experiments["schafer2025"]),
+    }
+    return {
+        name: {
+            "over_used": interval(ratio),
+            "temperature": interval(np.where(np.isfinite(ratio), temperature, np.inf)),
+        }
+        for name, (ratio, temperature) in found.items()
+    }
+
+
+def _label(film, size):
+    return f"{film} {size} cm"
+
+
+def _place(values):
+    light, temperature, pressure = (float(value[0]) for value in values)
+    return {
+        "light": round(light),
+        "temperature": round(temperature),
+        "pressure": round(pressure, 2),
+    }
+
+
+def _numbers(values):
+    return {str(name): round(float(value), 3) for name, value in values.items()}
+
+
+def _share(where, weights):
+    return round(float(np.average(where, weights=weights)), 3)
+
+
+def compute():
+    """All numbers."""
+    experiments = read()
+    paper = experiments["lu2023"]
+    results = {"middle": {}, "bands": {}, "others": {}, "inside": {}, "terms": {}}
+    for name in SURROUNDINGS:
+        results["middle"][name] = at_the_middle(paper, with_walls(Terms(), name))
+        elsewhere = results["others"][name] = of_others(experiments, name)
+        for what, terms in BANDS.items() if name in NEAR_AND_FAR else [("", Terms())]:
+            read_so = reading(paper, STEADY_LIFT_OFF) if what == STEADY else paper
+            found = results["bands"][name + what] = band(read_so, with_walls(terms, name))
+            results["inside"][name + what] = {
+                when: verdicts(found[when], paper, elsewhere, known)
+                for when, known in (("before", ()), ("given_2_cm", KNOWN))
+            }
+        print(name, flush=True)
+    for what, terms in TERMS.items():
+        results["terms"][what] = {
+            name: of_a_term(paper, with_walls(terms, name)) for name in NEAR_AND_FAR
+        }
+    return results | {"estimates": estimates.all_numbers(results)}
+
+
+def tables(results):
+    """Tables of the page, in Markdown."""
+    yield "| surroundings | Ge 2 cm | Ge 3 cm | Ge 4 cm | CNT 2 cm | CNT 3 cm | CNT 4 cm |"
+    yield "|---|" + 6 * "---|"
+    for name, found in results["middle"].items():
+        places = found["disks"].values()
+        cells = [f"{one['light']} ({one['temperature']} K)" for one in places]
+        yield f"| {name} | {' | '.join(cells)} |"
+    for when in ("before", "given_2_cm"):
+        yield ""
+        yield f"{when}: light over the measured, light saved, share of samples beyond melting"
+        for name, found in results["bands"].items():
+            one = found[when]
+            cells = [_span(value) for value in one["over_measured"].values()]
+            cells += [_span(value) for value in one["reductions"].values()]
+            cells += [f"{value:.2f}" for value in one["share_melted"].values()]
+            inside = results["inside"][name][when].values()
+            yield f"| {name} | {' | '.join(cells)} | {sum(inside)} of {len(inside)} |"
+    yield ""
+    yield "terms: force needed (Ge, CNT); then Ge 4 cm and light saved"
+    for what, where in results["terms"].items():
+        for name, found in where.items():
+            four = found["matched"]["germanium 4 cm"]
+            saved = found["matched_reductions"]
+            plain = found["plain"]["disks"]
+            yield (
+                f"| {what} | {name} | {plain['germanium 2 cm']['light']} | "
+                f"{plain['nanotubes 2 cm']['light']} | "
+                f"{found['force']['germanium']:.2f} | {found['force']['nanotubes']:.2f} | "
+                f"{four['light']} ({four['temperature']} K) | "
+                + " | ".join(f"{100 * saved[str(size)]:.0f}" for size in DIAMETERS)
+                + " |"
+            )
+    yield ""
+    for name, found in results["others"].items():
+        yield f"| {name} | " + " | ".join(_span(v["over_used"]) for v in found.values()) + " |"
+
+
+def _span(found):
+    low, median, high = ("∞" if found[k] is None else found[k] for k in ("low", "median", "high"))
+    return f"{median} ({low} to {high})"
+
+
+def main():
+    """Write the numbers and the figure."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--table", action="store_true", help="print tables and stop")
+    if parser.parse_args().table:
+        print("\n".join(tables(json.loads(RESULTS.read_text("utf-8")))))
+        return
+    results = compute()
+    RESULTS.write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n", "utf-8")
+    figure.draw(results, read())
+
+
+if __name__ == "__main__":
+    main()

@@ -80,6 +80,7 @@ POINTS_TO_RUN = [
     *(
         Point("nitrogen", knudsen, FLIGHT, 0.01, 1.0, floor=floor, solid=solid)
         for knudsen, floor, solid in (
+            (_THIRD, None, ""),
             (_THIRD, _HIGH, "floor"),
             (_TENTH, _HIGH, "floor"),
             (_THIRD, _LOW, "floor"),

@@ -208,7 +208,7 @@ def test_floor_without_collisions_is_exact(dsmc, study, solid, warmth):
     A floor as cold as the gas is thus no floor for the disk. That of another temperature pushes and
     heats by what the disk sees of it.
     """
-    ratio, radius, distance, freedoms = 2.25, 1.6, 1.0, 2
+    ratio, radius, distance = 2.25, 1.6, 1.0
     made = small(
         dsmc, math.inf, ratio, radius, floor=distance, solid=solid, floor_temperature=warmth
     )

@@ -282,9 +282,10 @@ def balance_solver(
         Takes the net power that each node absorbs [W], a tuple of arrays. Returns the unknowns, of
         the given shape and differentiable in everything, and a :class:`RootStatus`.
     """
+    balance = _balance(flyer, state, model, shape)
     if len(flyer.nodes) == 1 and not flyer.flows:
-        return partial(_solve_one, flyer, state, partial(node_losses, flyer, state, model), shape)
-    return partial(_solve_several, flyer, state, _balance(flyer, state, model, shape))
+        return partial(_solve_one, flyer, state, balance, shape)
+    return partial(_solve_several, flyer, state, balance)
 
 
 Balance: TypeAlias = Callable[..., tuple[tuple[Array, ...], tuple[Array, ...]]]
@@ -341,11 +342,15 @@ def _imbalance(
 def _solve_one(
     flyer: AbstractFlyer,
     state: EnvironmentState,
-    losses: Callable[[tuple[Array, ...]], tuple[Array, ...]],
+    balance: Balance,
     shape: tuple[int, ...],
     powers: tuple[Array, ...],
 ) -> tuple[tuple[Array, ...], RootStatus]:
     (power,) = powers
+
+    def losses(unknowns: tuple[Array, ...]) -> tuple[Array, ...]:
+        return balance(*unknowns)[0]
+
     excess, status = implicit_root(
         lambda excess: losses((excess,))[0] - power,
         lambda: uniform_excess(flyer, state, losses, power),

@@ -24,6 +24,7 @@ from lightflyer.flight.dimmest import dimmest_light
 from lightflyer.flight.loads import upward_force, weight
 from lightflyer.flyer.base import HIGHEST_TEMPERATURE, AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.foundation.ahead import ahead
 from lightflyer.foundation.precision import elementwise_entry_point
 from lightflyer.foundation.rootfind import (
     Ending,
@@ -189,11 +190,13 @@ def _by_temperature(
 ) -> Levitation:
     """One node: the temperature that carries the load, then the irradiance that holds it."""
 
-    def force(excess: Array) -> Array:
+    def pushed(excess: Array) -> Array:
         return upward_force(flyer, state, model, (excess,))
 
     load = weight(flyer, state)
     hottest = HIGHEST_TEMPERATURE / state.temperature - 1.0
+    shape = jax.eval_shape(lambda: load + pushed(hottest))
+    force = ahead(pushed, jax.ShapeDtypeStruct(shape.shape, float))
     strongest = force(hottest)
     excess, levitates, status = _reach(force, hottest, strongest, load)
     needed = total(node_losses(flyer, state, model, (excess,))) - total(flyer.heat_gains(state))

@@ -16,10 +16,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from lightflyer.sweeps.explore import BestDesign
-    from lightflyer.sweeps.run import SweepReport
+    from lightflyer.sweeps.outcome import SweepReport
     from lightflyer.sweeps.study import Study
-
-_BEST = ("relative_payload", "payload", "band_width", "lift_over_weight")
 
 
 def sweep_command(
@@ -30,17 +28,19 @@ def sweep_command(
     scheduler: str | None = None,
     workers: int | None = None,
     chunk: int | None = None,
+    reduce: Annotated[bool, Parameter(negative=())] = False,
     yes: Annotated[bool, Parameter(negative=())] = False,
     json_output: Json = False,
 ) -> None:
-    """Compute every design of a study into a folder; the same command continues an interrupted one.
+    """Compute every design of a study; the same command continues an interrupted one.
 
     Parameters
     ----------
     study_file
         TOML file with flyer = "flyer.toml" and the sections [sweep] and [outputs].
     out
-        Folder for the results, a Zarr group such as results.zarr.
+        Folder for the results, a Zarr group such as results.zarr. With --reduce a file, such as
+        best.nc.
     scheduler
         Address of a running Dask scheduler, such as tcp://127.0.0.1:8786; by default this
         machine computes.
@@ -48,6 +48,9 @@ def sweep_command(
         Threads on this machine; by default one for each processor and two more.
     chunk
         Most designs that are computed and stored together; by default 262144.
+    reduce
+        Keep the best designs, Pareto fronts and distributions instead of every design. The study
+        file's [reduce] says which.
     yes
         Start a very large study.
     json_output
@@ -62,7 +65,14 @@ def sweep_command(
             raise ParameterError(f"{name} must be at least 1")
     study = read_study(study_file)
     if not yes:
-        _require_reasonable(study, out)
+        _require_reasonable(study, out, reduce=reduce)
+    if reduce:
+        from lightflyer.cli.reduced import show_reduced
+        from lightflyer.sweeps.reduced import reduce_into
+
+        report = reduce_into(study, out, scheduler=scheduler, workers=workers, chunk=chunk or CHUNK)
+        show_reduced(study, out, report, report_line(report), json_output=json_output)
+        return
     report = sweep_into(
         study,
         out,
@@ -78,16 +88,19 @@ def sweep_command(
     printer().print(f"wrote {out}", soft_wrap=True)
 
 
-def _require_reasonable(study: "Study", out: Path) -> None:
+def _require_reasonable(study: "Study", out: Path, *, reduce: bool) -> None:
     from lightflyer.sweeps.run import LARGEST, estimate
 
     if study.size <= LARGEST:
         return
     found = estimate(study, out)
     size, free = (with_prefix(count, "B") for count in (found.size, found.free))
+    space = (
+        "" if reduce else f" and {size} on the disk, which has {free} free; --reduce keeps the best"
+    )
     raise ConfigurationError(
         f"the study has {in_words(found.designs)} designs: about {duration(found.seconds)} on this "
-        f"machine and {size} on the disk, which has {free} free; start it with --yes"
+        f"machine{space}; start it with --yes"
     )
 
 
@@ -124,7 +137,7 @@ def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.
         factor, unit = suitable(fields[name].quantity.unit, value)
         table.add_row(name, "1", f"{value * factor:.6g}", "", unit)
     console.print(table)
-    console.print(_report_line(report), soft_wrap=True)
+    console.print(report_line(report), soft_wrap=True)
     if report.not_converged:
         console.print(f"{report.not_converged} designs have not converged and are NaN")
     name, best = _best(dataset)
@@ -145,7 +158,8 @@ def _warnings(study: "Study", best: "BestDesign | None") -> tuple[str, ...]:
     return tuple(f"best design: {text}" for text in cautions_of_design(study.design, there))
 
 
-def _report_line(report: "SweepReport") -> str:
+def report_line(report: "SweepReport") -> str:
+    """What a sweep did, in a line."""
     if not report.computed:
         return f"{report.designs:,} designs: all were already computed, and are intact"
     parts = [f"{report.designs:,} designs"]
@@ -161,7 +175,7 @@ def _report_line(report: "SweepReport") -> str:
 
 def _best(dataset: "xr.Dataset") -> "tuple[str, BestDesign | None]":
     """The output by which designs are judged, and the best one."""
-    from lightflyer.sweeps.explore import best_design
+    from lightflyer.sweeps.explore import JUDGED, best_design
 
-    names = [name for name in _BEST if name in dataset]
+    names = [name for name in JUDGED if name in dataset]
     return (names[0], best_design(dataset, names[0])) if names else ("", None)

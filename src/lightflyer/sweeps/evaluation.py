@@ -73,6 +73,21 @@ class Evaluator:
         failures : int
             Number of designs that have not converged.
         """
+        return self.at(np.arange(start, stop))
+
+    def at(self, designs: np.ndarray) -> tuple[Table, int]:
+        """Outputs of designs of any numbers.
+
+        Parameters
+        ----------
+        designs : int array, shape (n,)
+
+        Returns
+        -------
+        outputs : dict of str to array, shape (n,)
+        failures : int
+            As of a call.
+        """
         study = self.study
         kernel = _kernel(study.design, study.outputs, tuple(study.fixed.items()))
 
@@ -82,7 +97,7 @@ class Evaluator:
                 self.counted.add(len(designs))
             return found
 
-        outputs, converged = in_batches(compute, (np.arange(start, stop),), self.batch)
+        outputs, converged = in_batches(compute, (designs,), self.batch)
         failed = ~converged
         for values in outputs.values():
             values[failed | ~np.isfinite(values)] = np.nan
@@ -106,12 +121,8 @@ class Evaluator:
         prepared : pytree of array, shape (n, ...), or None
             See :meth:`~lightflyer.flight.design.AbstractDesign.prepare`.
         """
-        places = np.unravel_index(designs, self.study.shape) if self.study.shape else ()
-        values = {
-            name: table[place]
-            for dimension, place in zip(self.study.dimensions, places, strict=True)
-            for name, table in dimension.values.items()
-        }
+        places = self.study.places(designs)
+        values = self.study.values_at(designs)
         if not values:
             # a study of one design still needs something to map over
             name, value = next(iter(self.study.fixed.items()))

@@ -19,6 +19,12 @@ if TYPE_CHECKING:
 COVERAGE = (0.025, 0.975)
 """Quantiles of the samples between which bands are drawn."""
 
+COSTS = {"altitude": -1.0, "levitation_irradiance": 1.0, "temperature": 1.0}
+"""What an output may be weighed against; -1 where more of that is better too."""
+
+JUDGED = ("relative_payload", "payload", "band_width", "lift_over_weight")
+"""Outputs by which designs are judged: by the first that there is."""
+
 _AT_ONCE = 2**22  # numbers read at a time
 _ROUNDING = 1e-9  # relative, of a value in other units
 
@@ -136,7 +142,7 @@ def best_design(dataset: "xr.Dataset", name: str) -> BestDesign | None:
     best = -np.inf
     place: tuple[int, ...] = ()
     for rows, values in parts(array) if array.ndim else [(slice(0, 1), np.asarray(array))]:
-        score = _typical(_worst_for_nan(sign * values), array)
+        score = _typical(worst_for_nan(sign * values), array)
         here = np.unravel_index(int(np.argmax(score)), score.shape)
         if score[here] > best:
             best = float(score[here])
@@ -155,13 +161,13 @@ def best_design(dataset: "xr.Dataset", name: str) -> BestDesign | None:
     }
     band = None
     if SAMPLE in array.dims:
-        drawn = sign * _worst_for_nan(sign * np.asarray(there))
+        drawn = sign * worst_for_nan(sign * np.asarray(there))
         low, high = np.quantile(drawn, COVERAGE, method="nearest")
         band = (float(low), float(high))
     return BestDesign(sign * best, unit_of(array), band, where, index)
 
 
-def _worst_for_nan(score: np.ndarray) -> np.ndarray:
+def worst_for_nan(score: np.ndarray) -> np.ndarray:
     """Scores of which more is better; what has no value is the worst."""
     return np.where(np.isnan(score), -np.inf, score)
 
@@ -182,7 +188,15 @@ def _typical(values: np.ndarray, array: "xr.DataArray") -> np.ndarray:
     """What stands for the samples of a design: the median, for a best draw is no better design."""
     if SAMPLE not in array.dims:
         return values
-    # of an even number the lower one, so that it is that of a sample and never a mean of infinities
+    return median_of_samples(values)
+
+
+def median_of_samples(values: np.ndarray) -> np.ndarray:
+    """Median along the last axis.
+
+    Of an even number it is the lower one, so that it is that of a sample and never a mean of
+    infinities.
+    """
     return np.quantile(values, 0.5, axis=-1, method="lower")
 
 
@@ -305,8 +319,8 @@ def pareto_front(
     other = _alike(other, array)
     able = None if able is None else _alike(able, array)
     for rows, drawn in parts(array):
-        values = worth * _typical(_worst_for_nan(worth * drawn), array)
-        there = -sign * _typical(_worst_for_nan(-sign * np.asarray(other[rows])), array)
+        values = worth * _typical(worst_for_nan(worth * drawn), array)
+        there = -sign * _typical(worst_for_nan(-sign * np.asarray(other[rows])), array)
         known = np.isfinite(values) & np.isfinite(there)
         if able is not None:
             known &= _typical(np.asarray(able[rows], float), array) >= 0.0

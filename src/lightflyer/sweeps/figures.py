@@ -27,6 +27,7 @@ from lightflyer.foundation.drawing import (
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.sweeps.distributions import SAMPLE
 from lightflyer.sweeps.explore import (
+    COSTS,
     choose_slice,
     find_name,
     less_is_better,
@@ -50,8 +51,6 @@ _IN_A_LINE = 3  # fixed fields in a line of the title
 _OPACITY = 0.25
 # legend of hatched designs, without and with samples
 _NOT_FLYING = ("cannot fly", "flies in less than half of the samples")
-# what an output may be weighed against; -1 where more of that is better too
-_COSTS = {"altitude": -1.0, "levitation_irradiance": 1.0, "temperature": 1.0}
 
 
 def _is_logarithmic(values: np.ndarray) -> bool:
@@ -349,7 +348,7 @@ def pareto_figure(dataset: "xr.Dataset", gain: str) -> Figure | None:
     """
     costs = {
         name: sign
-        for name, sign in _COSTS.items()
+        for name, sign in COSTS.items()
         if name != gain and (name in dataset.dims or name in dataset.data_vars)
     }
     if not costs:

@@ -15,6 +15,7 @@ from lightflyer.foundation.errors import ConfigurationError, LightflyerError
 from lightflyer.foundation.progress import Counted
 from lightflyer.sweeps.chunks import CHUNK, Chunks
 from lightflyer.sweeps.evaluation import Evaluator
+from lightflyer.sweeps.outcome import SweepReport
 from lightflyer.sweeps.scheduler import Task, connected, processors, run_here, run_on_dask
 from lightflyer.sweeps.sections import SamplingSection, from_arguments
 from lightflyer.sweeps.store import empty_dataset, open_store
@@ -27,34 +28,6 @@ LARGEST = 10**9
 """Number of designs above which a sweep must be confirmed."""
 
 _BYTES = 8  # of a number
-
-
-@dataclass(frozen=True)
-class SweepReport:
-    """What a sweep into a folder did.
-
-    Attributes
-    ----------
-    designs : int
-        Designs of the study.
-    found : int
-        Designs that were already computed.
-    damaged : int
-        Chunks that were computed before and had to be again.
-    computed : int
-        Designs computed now.
-    not_converged : int
-        Designs of the study whose results are NaN because a root-find failed.
-    seconds : float
-        From the first chunk to the last.
-    """
-
-    designs: int
-    found: int
-    damaged: int
-    computed: int
-    not_converged: int
-    seconds: float
 
 
 def sweep_into(

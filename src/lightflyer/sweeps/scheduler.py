@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from threading import Thread
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import jax
 
@@ -34,8 +34,21 @@ _KEPT = 2**25  # bytes: the largest that glibc takes
 _XLA_THREADS = "PJRT_NPROC"  # in the environment; read when JAX starts
 
 
+class AbstractTask(Protocol):
+    """Numbered parts of work, each computed here or on a worker of a cluster."""
+
+    def __call__(self, number: int, /) -> Any:
+        """Do a part in this process; what comes of it."""
+
+    def remotely(self, number: int, /) -> Any:
+        """Do a part on a worker; what goes to the client."""
+
+    def received(self, answer: Any, /) -> Any:
+        """What came of a part, from what a worker sent."""
+
+
 class Task(NamedTuple):
-    """What to compute, and where to write it.
+    """Chunks to compute, and where to write them.
 
     Attributes
     ----------
@@ -53,6 +66,30 @@ class Task(NamedTuple):
     chunks: Chunks
     token: str
 
+    def __call__(self, chunk: int) -> "Done":
+        """Compute a chunk and write it."""
+        outputs, failures = self.evaluator(*self.chunks.span(chunk))
+        return chunk, write_chunk(self.folder, self.chunks, chunk, outputs), failures
+
+    def remotely(self, chunk: int) -> "tuple[Done, Any]":
+        """On a worker: write the chunk if the folder is visible, else send its outputs back."""
+        import distributed
+
+        outputs, failures = self.evaluator(*self.chunks.span(chunk))
+        with suppress(OSError, ValueError):
+            if stored_study(self.folder)["token"] == self.token:
+                distributed.secede()  # the worker computes the next while this one is written
+                record = write_chunk(self.folder, self.chunks, chunk, outputs)
+                return (chunk, record, failures), None
+        return (chunk, {}, failures), outputs
+
+    def received(self, answer: "tuple[Done, Any]") -> "Done":
+        """Write the outputs that a worker could not write."""
+        (chunk, record, failures), outputs = answer
+        if outputs is not None:
+            record = write_chunk(self.folder, self.chunks, chunk, outputs)
+        return chunk, record, failures
+
 
 Done = tuple[int, Record, int]
 """Number of a chunk, checksums of its files, number of designs that have not converged."""
@@ -65,45 +102,31 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
-def compute_chunk(task: Task, chunk: int) -> Done:
-    """Compute a chunk and write it.
+def run_here(
+    task: AbstractTask, missing: Sequence[int], workers: int | None = None
+) -> Iterator[Any]:
+    """Do work in threads of this process, yielding its parts as they are done.
 
     Parameters
     ----------
-    task : Task
-    chunk : int
-
-    Returns
-    -------
-    chunk : int
-    record : dict of str to int
-    failures : int
-    """
-    outputs, failures = task.evaluator(*task.chunks.span(chunk))
-    return chunk, write_chunk(task.folder, task.chunks, chunk, outputs), failures
-
-
-def run_here(task: Task, missing: Sequence[int], workers: int | None = None) -> Iterator[Done]:
-    """Compute chunks in threads of this process, yielding them as they are done.
-
-    Parameters
-    ----------
-    task : Task
+    task : AbstractTask
     missing : sequence of int
+        Numbers of the parts to do.
     workers : int, optional
         Threads; by default one for each processor and two more, which work while others write.
 
     Yields
     ------
-    chunk, record, failures
+    object
+        What the task returns.
     """
     count = workers or processors() + 2
     waiting = iter(missing)
     pool = ThreadPoolExecutor(min(count, max(len(missing), 1)))
-    running: set[Future[Done]] = set()
+    running: set[Future[Any]] = set()
     try:
-        for chunk in waiting:
-            running.add(pool.submit(compute_chunk, task, chunk))
+        for number in waiting:
+            running.add(pool.submit(task, number))
             if len(running) >= count:
                 done, running = wait(running, return_when=FIRST_COMPLETED)
                 yield from (future.result() for future in done)
@@ -150,29 +173,24 @@ def _start_jax(threads: int) -> None:
             os.environ.pop(_XLA_THREADS, None)
 
 
-def _compute_remotely(task: Task, chunk: int) -> tuple[Done, Any]:
-    """On a worker: write the chunk if the folder is visible, else send its outputs back."""
-    import distributed
-
+def _remotely(task: AbstractTask, number: int) -> Any:
+    """On a worker: do a part of the work."""
     _settle_in()
-    outputs, failures = task.evaluator(*task.chunks.span(chunk))
-    with suppress(OSError, ValueError):
-        if stored_study(task.folder)["token"] == task.token:
-            distributed.secede()  # the worker computes the next while this one is written
-            return (chunk, write_chunk(task.folder, task.chunks, chunk, outputs), failures), None
-    return (chunk, {}, failures), outputs
+    return task.remotely(number)
 
 
-def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -> Iterator[Done]:
-    """Compute chunks on an existing Dask cluster, yielding them as they are done.
+def run_on_dask(
+    task: AbstractTask, missing: Sequence[int], client: Any, address: str
+) -> Iterator[Any]:
+    """Do work on an existing Dask cluster, yielding its parts as they are done.
 
-    Workers that see the store's folder write into it; the results of others come back and are
-    written here. The chunks of a worker that is lost go to another.
+    The parts of a worker that is lost go to another.
 
     Parameters
     ----------
-    task : Task
+    task : AbstractTask
     missing : sequence of int
+        Numbers of the parts to do.
     client : distributed.Client
         From :func:`connected`.
     address : str
@@ -180,7 +198,8 @@ def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -
 
     Yields
     ------
-    chunk, record, failures
+    object
+        What the task makes of the workers' answers.
 
     Raises
     ------
@@ -195,17 +214,15 @@ def run_on_dask(task: Task, missing: Sequence[int], client: Any, address: str) -
         shared = client.submit(pickle.loads, dumps(task), pure=False)
         waiting = iter(missing)
 
-        def submit(chunk: int) -> Any:
-            return client.submit(_compute_remotely, shared, chunk, pure=False, retries=_RETRIES)
+        def submit(number: int) -> Any:
+            return client.submit(_remotely, shared, number, pure=False, retries=_RETRIES)
 
         first = [submit(chunk) for chunk in itertools.islice(waiting, _AHEAD * threads)]
         queue = distributed.as_completed(first, loop=client.loop, with_results=True)
-        for _, ((chunk, record, failures), outputs) in queue:
+        for _, answer in queue:
             for more in itertools.islice(waiting, 1):
                 queue.add(submit(more))
-            if outputs is not None:
-                record = write_chunk(task.folder, task.chunks, chunk, outputs)
-            yield chunk, record, failures
+            yield task.received(answer)
     except (distributed.KilledWorker, distributed.CancelledError, OSError) as error:
         if isinstance(error, OSError) and error.errno is not None:
             raise  # of the disk

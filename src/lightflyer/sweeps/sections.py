@@ -14,6 +14,7 @@ from lightflyer.sweeps.distributions import METHODS, MOST_SAMPLES
 _Count = Annotated[int, pydantic.Field(strict=True, ge=1, le=MOST_SAMPLES)]
 _Base = Annotated[int, pydantic.Field(strict=True, ge=1, le=2**18)]  # times the inputs, in memory
 _Starts = Annotated[int, pydantic.Field(strict=True, ge=1, le=1000)]
+_Kept = Annotated[int, pydantic.Field(strict=True, ge=1, le=100_000)]
 _Seed = Annotated[int, pydantic.Field(strict=True, ge=0)]
 _Method = Literal[tuple(METHODS)]  # type: ignore[valid-type]
 
@@ -42,6 +43,15 @@ class SamplingSection(Section):
     method: _Method = "sobol"  # type: ignore[valid-type]
     points: _Count = 1024
     seed: _Seed = 0
+
+
+class ReduceSection(Section):
+    """``[reduce]``: what to keep of a study whose results are not all kept."""
+
+    best: _Names | None = None
+    designs: _Kept = 100
+    fronts: tuple[tuple[str, str], ...] | None = None
+    distributions: _Names | None = None
 
 
 class UncertaintySection(Section):
@@ -91,6 +101,7 @@ class StudyFile(Section):
     sweep: _Entries
     outputs: OutputsSection | None = None
     sampling: SamplingSection = SamplingSection()
+    reduce: ReduceSection = ReduceSection()
     optimise: OptimiseSection | None = None
     sensitivity: SensitivitySection | None = None
 
@@ -99,6 +110,7 @@ _SECTIONS: dict[str, type[Section]] = {
     "": StudyFile,
     "outputs": OutputsSection,
     "sampling": SamplingSection,
+    "reduce": ReduceSection,
     "optimise": OptimiseSection,
     "optimise.uncertainty": UncertaintySection,
     "optimise.stacks": StacksSection,

@@ -84,7 +84,7 @@ def write_chunk(folder: Path, chunks: Chunks, chunk: int, outputs: Mapping[str, 
         content = np.ascontiguousarray(block, "<f8").tobytes()
         record[name] = google_crc32c.value(content)
         checksum = record[name].to_bytes(_CHECKSUM_BYTES, "little")
-        _write_atomically(_chunk_file(folder, name, chunks, chunk), content, checksum)
+        write_atomically(_chunk_file(folder, name, chunks, chunk), content, checksum)
     return record
 
 
@@ -92,7 +92,8 @@ def _chunk_file(folder: Path, name: str, chunks: Chunks, chunk: int) -> Path:
     return Path(folder, name, "c", *map(str, chunks.place(chunk)))
 
 
-def _write_atomically(path: Path, *parts: bytes) -> None:
+def write_atomically(path: Path, *parts: bytes) -> None:
+    """Write a file under a temporary name, flush it to the disk and rename it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f"{path.name}.{uuid.uuid4().hex}{_PARTIAL}")
     try:
@@ -165,7 +166,7 @@ class Store:
         metadata = json.loads(path.read_text(encoding="utf-8"))
         if metadata["attributes"] | attributes != metadata["attributes"]:
             metadata["attributes"] |= attributes
-            _write_atomically(path, json.dumps(metadata).encode())
+            write_atomically(path, json.dumps(metadata).encode())
 
     def close(self) -> None:
         """Close the journal."""
@@ -181,7 +182,7 @@ class Store:
         intact = {chunk: entry for chunk, entry in entries.items() if self._is_intact(entry)}
         repaired = b"".join(map(_journal_line, intact.values()))
         if repaired != content:
-            _write_atomically(self._journal_path, repaired)
+            write_atomically(self._journal_path, repaired)
         return intact, sorted(set(entries) - set(intact))
 
     def _is_intact(self, entry: dict[str, Any]) -> bool:
@@ -283,7 +284,7 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
                 stored = stored_study(folder)
             except ValueError:
                 raise _lost(folder, records / _STUDY) from None
-            _require_same(folder, stored["description"], description)
+            require_same(folder, stored["description"], description)
             chunks = Chunks(study.shape, tuple(stored["block"]))
             if not _group_is_intact(folder, study, chunks):
                 _repair_group(folder, study, chunks)
@@ -313,7 +314,7 @@ def _require_free(folder: Path) -> None:
         raise OutputError(f"{folder}: already exists and is not a sweep; choose another folder")
 
 
-def _require_same(folder: Path, stored: dict[str, str], asked: dict[str, str]) -> None:
+def require_same(folder: Path, stored: dict[str, str], asked: dict[str, str]) -> None:
     """Raise with the differences unless two descriptions are the same."""
     lines = [
         f"  {name}: {stored.get(name, 'not given')} there, {asked.get(name, 'not given')} now"
@@ -358,9 +359,9 @@ def _create(folder: Path, study: Study, description: dict[str, str], chunks: Chu
     content = {"token": uuid.uuid4().hex, "block": chunks.block, "description": description}
     try:
         _write_group(folder, study, chunks)
-        _write_atomically(folder / _RECORDS / _JOURNAL)
+        write_atomically(folder / _RECORDS / _JOURNAL)
         text = json.dumps(content, indent=1)
-        _write_atomically(folder / _RECORDS / _STUDY, text.encode())
+        write_atomically(folder / _RECORDS / _STUDY, text.encode())
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
@@ -415,7 +416,7 @@ def _repair_group(folder: Path, study: Study, chunks: Chunks) -> None:
         _write_group(fresh, study, chunks)
         for path in fresh.rglob("*"):
             if path.is_file():
-                _write_atomically(folder / path.relative_to(fresh), path.read_bytes())
+                write_atomically(folder / path.relative_to(fresh), path.read_bytes())
 
 
 def empty_dataset(study: Study) -> "xr.Dataset":

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.toml_file import place_of, read_file
 from lightflyer.sweeps.axes import Axis, read_entry
 from lightflyer.sweeps.distributions import SAMPLE, Distribution, draw_samples
-from lightflyer.sweeps.sections import STUDY_FILE, SamplingSection, StudyFile
+from lightflyer.sweeps.sections import STUDY_FILE, ReduceSection, SamplingSection, StudyFile
 
 _LISTED = 6  # values of a number that are shown one by one
 
@@ -138,6 +138,8 @@ class Study:
         Names of the outputs.
     text : str
         Text of the study file, for the record.
+    reduce : ReduceSection
+        What to keep where not all results are kept.
     """
 
     design: AbstractDesign
@@ -145,6 +147,7 @@ class Study:
     fixed: dict[str, float]
     outputs: tuple[str, ...]
     text: str = ""
+    reduce: ReduceSection = field(default_factory=ReduceSection)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -170,6 +173,28 @@ class Study:
         """The study's outputs by name."""
         known = outputs_of(self.design.setup)
         return {name: known[name] for name in self.outputs}
+
+    def places(self, designs: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Places along each dimension of designs, which are numbered in row-major order."""
+        return np.unravel_index(designs, self.shape) if self.shape else ()
+
+    def values_at(self, designs: np.ndarray) -> dict[str, np.ndarray]:
+        """Varied numbers of some designs.
+
+        Parameters
+        ----------
+        designs : int array, shape (n,)
+
+        Returns
+        -------
+        dict of str to array, shape (n,)
+            By dotted name.
+        """
+        return {
+            name: table[place]
+            for dimension, place in zip(self.dimensions, self.places(designs), strict=True)
+            for name, table in dimension.values.items()
+        }
 
     def description(self) -> dict[str, str]:
         """What decides the results, in words that can be compared and shown.
@@ -200,6 +225,7 @@ def make_study(
     outputs: Sequence[str],
     sampling: SamplingSection | None = None,
     source: Source | None = None,
+    reduce: ReduceSection | None = None,
 ) -> Study:
     """Look up what a study names, check it, and draw its samples.
 
@@ -212,6 +238,7 @@ def make_study(
     sampling : SamplingSection, optional
     source : Source, optional
         Names file and line in errors.
+    reduce : ReduceSection, optional
 
     Returns
     -------
@@ -231,6 +258,8 @@ def make_study(
     require_compatible(design, list(entries), source, "sweep")
     with errors_at(source, "outputs", *(("variables",) if source else ())):
         check_outputs(outputs, design.setup, list(entries))
+    reduce = reduce or ReduceSection()
+    _require_known(reduce, tuple(outputs), tuple(entries), source)
     return Study(
         design=design,
         dimensions=_dimensions(design, found, sampling or SamplingSection(), source),
@@ -241,7 +270,31 @@ def make_study(
         },
         outputs=tuple(dict.fromkeys(outputs)),
         text=source.text if source else "",
+        reduce=reduce,
     )
+
+
+def _require_known(
+    reduce: ReduceSection, outputs: tuple[str, ...], fields: tuple[str, ...], source: Source | None
+) -> None:
+    """Raise unless the study has all that it is to keep something of."""
+    fronts = reduce.fronts or ()
+    asked = {
+        "best": (reduce.best or (), outputs),
+        "distributions": (reduce.distributions or (), outputs),
+        "fronts": ([name for front in fronts for name in front], (*outputs, *fields)),
+    }
+    for key, (names, known) in asked.items():
+        for name in names:
+            if name not in known:
+                with errors_at(source, "reduce", key):
+                    raise ConfigurationError(
+                        f'"{name}" is not in the study; choose from {", ".join(known)}'
+                    )
+    for gain, _ in fronts:
+        if gain not in outputs:
+            with errors_at(source, "reduce", "fronts"):
+                raise ConfigurationError(f'"{gain}" is not an output; the output comes first')
 
 
 def require_compatible(
@@ -316,4 +369,6 @@ def read_study(path: str | Path) -> Study:
         raise ConfigurationError(
             f'{path}: needs a section [outputs] with variables = ["relative_payload", ...]'
         )
-    return make_study(design, study.sweep, study.outputs.variables, study.sampling, source)
+    return make_study(
+        design, study.sweep, study.outputs.variables, study.sampling, source, study.reduce
+    )

@@ -226,6 +226,19 @@ def compute():
     return results | {"estimates": estimates.all_numbers(results)}
 
 
+def write(results):
+    """Write the numbers, one line for each name of a section."""
+    sections = []
+    for section, found in results.items():
+        lines = [f"  {_text(name)}: {_text(value)}" for name, value in found.items()]
+        sections.append(f" {_text(section)}: {{\n" + ",\n".join(lines) + "\n }")
+    RESULTS.write_text("{\n" + ",\n".join(sections) + "\n}\n", "utf-8")
+
+
+def _text(value):
+    return json.dumps(value, ensure_ascii=False)
+
+
 def tables(results):
     """Tables of the page, in Markdown."""
     yield "| surroundings | Ge 2 cm | Ge 3 cm | Ge 4 cm | CNT 2 cm | CNT 3 cm | CNT 4 cm |"
@@ -277,7 +290,7 @@ def main():
         print("\n".join(tables(json.loads(RESULTS.read_text("utf-8")))))
         return
     results = compute()
-    RESULTS.write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n", "utf-8")
+    write(results)
     figure.draw(results, read())
 
 

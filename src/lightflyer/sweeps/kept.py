@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -56,7 +57,7 @@ class Designs:
         """
         values = self.outputs.get(name)
         if values is None:
-            values = self.study.values_at(self.numbers)[name]
+            values = self._varied[name]
         return self.medians(values, sign)
 
     def medians(self, values: np.ndarray, sign: float) -> np.ndarray:
@@ -66,6 +67,11 @@ class Designs:
             return values
         return sign * median_of_samples(worst_for_nan(sign * values).reshape(-1, samples))
 
+    @cached_property
+    def _varied(self) -> dict[str, np.ndarray]:
+        return self.study.values_at(self.numbers)
+
+    @cached_property
     def flying(self) -> np.ndarray | bool:
         """Which designs fly, as far as the outputs tell."""
         import xarray as xr
@@ -152,7 +158,7 @@ def _front(gain: str, cost: str) -> Kept:
     price = 1.0 if reduction.more_cost_is_better else -1.0
 
     def partial(seen: Designs) -> Partial:
-        gains = np.where(seen.flying(), seen.typical(gain, worth), np.nan)
+        gains = np.where(seen.flying, seen.typical(gain, worth), np.nan)
         return reduction.of_chunk({gain: gains, cost: seen.typical(cost, price)}, seen.first)
 
     return Kept(f"fronts/{gain}_against_{cost}", reduction, partial)

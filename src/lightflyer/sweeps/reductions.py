@@ -221,11 +221,28 @@ class Front(AbstractReduction):
 
     def _unbeaten(self, designs: np.ndarray, gain: np.ndarray, cost: np.ndarray) -> Partial:
         worth, price = self._signs
+        left = _perhaps_unbeaten(worth * gain, price * cost)
+        designs, gain, cost = designs[left], gain[left], cost[left]
         order = np.lexsort((designs, -worth * gain, price * cost))
         score = worth * gain[order]
         before = np.concatenate([[-np.inf], np.maximum.accumulate(score)[:-1]])[: score.size]
         kept = order[score > before]
         return {"designs": designs[kept], "gain": gain[kept], "cost": cost[kept]}
+
+
+_STEPS = 256  # of cost
+
+
+def _perhaps_unbeaten(score: np.ndarray, price: np.ndarray) -> np.ndarray:
+    """Places of designs that none of a cheaper step of cost beats: few, to be sorted."""
+    span = np.ptp(price) if price.size > _STEPS else 0.0
+    if not 0.0 < span < np.inf:
+        return np.arange(price.size)
+    step = ((price - price.min()) * (_STEPS / span)).astype(np.int64)  # never falls with the cost
+    best = np.full(step.max() + 1, -np.inf)
+    np.maximum.at(best, step, score)
+    cheaper = np.concatenate([[-np.inf], np.maximum.accumulate(best)[:-1]])
+    return np.flatnonzero(score > cheaper[step])
 
 
 _MANTISSA_BITS = 52  # of a float64

@@ -23,7 +23,7 @@ from dsmc.walls import build_faces
 
 FOLDER = Path(__file__).parent
 POINTS = FOLDER / "points.jsonl"
-PEER = FOLDER / "peer.csv"
+PEERS = FOLDER / "peer.csv", FOLDER / "peer_floor.csv"
 
 FLIGHT = round(480.0 / 205.0, 6)  # T_h/T_c of the 2-cm disk
 BLOCKS = 40
@@ -173,19 +173,24 @@ def keep(run: Run, seconds: float) -> None:
 
 def read_peer() -> dict[Point, dict[str, tuple[float, float]]]:
     """Results of the other program."""
-    with PEER.open(encoding="utf-8", newline="") as file:
-        rows = csv.DictReader(line for line in file if not line.startswith("#"))
-        return {_peer_point(row): _peer_result(row) for row in rows}
+    found = {}
+    for path in PEERS:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = csv.DictReader(line for line in file if not line.startswith("#"))
+            found |= {_peer_point(row): _peer_result(row) for row in rows}
+    return found
 
 
 def _peer_point(row: dict[str, str]) -> Point:
     names = ("knudsen", "temperature_ratio", "tac_top", "tac_bottom")
     numbers = {name: float(row[name]) for name in names}
-    return Point(row["gas"], **numbers, boundary=float(row["boundary"]))
+    floor = float(row["floor"]) if row.get("floor") else None
+    place = {"boundary": float(row["boundary"]), "floor": floor, "solid": row.get("solid", "")}
+    return Point(row["gas"], **numbers, **place)
 
 
 def _peer_result(row: dict[str, str]) -> dict[str, tuple[float, float]]:
-    names = [name for name in MEASURED if row[name]]
+    names = [name for name in MEASURED if row.get(name)]
     return {name: (float(row[name]), float(row[f"{name}_error"])) for name in names}
 
 

@@ -17,6 +17,8 @@ WALL = 0.15  # from the disk, guessed [m]
 PRESSURES = (1.5, 10.0, 30.0)  # where the least light suffices, and where 6-mm disks flew [Pa]
 TILT = math.radians(10.0)
 MYLAR_CONDUCTIVITY, MYLAR_THICKNESS = 0.15, 0.5e-6  # [W/(m K)], of PET films; [m]
+LID_ABOVE_FLOOR, LID_COOLER = 0.2, 10.0  # both guessed [m], [K]
+_PUSH_OF_HEAT = 0.8 / math.sqrt(math.pi)  # of a thin disk across a flow of heat, over q/√(2RT)
 _STOKESLET = 16.0 / (6.0 * math.pi)  # mean axial velocity around a moving disk, over U r/R
 _SOURCE = 2.0 / math.pi  # radius of the sphere that warms the gas far away as a disk does, over r
 _NEARER = 0.0449  # [m]
@@ -61,6 +63,28 @@ def updraft(pressure, temperature, excess, radius, wall):
     density = float(AIR.density(pressure, temperature))
     source, moved = _SOURCE * radius, _STOKESLET * radius
     return density * STANDARD_GRAVITY * excess / temperature * math.pi * source * moved * wall
+
+
+def thermophoresis(temperature, gradient, tac_mean):
+    r"""Pressure on a thin level disk in gas that is warmer below [Pa], with free molecules.
+
+    .. math:: \frac FA = \frac{4}{5\sqrt\pi}\,(2-\bar\alpha)\,\frac{q}{\sqrt{2RT}},
+        \qquad q = \kappa\,\frac{dT}{dz}
+
+    Parameters
+    ----------
+    temperature, gradient, tac_mean : float
+        [K], downwards [K/m], [1].
+
+    Notes
+    -----
+    The gas far away has Grad's distribution of a heat flux, and disk and free path are small and
+    large beside each other: it is an upper bound at the Knudsen numbers of these disks. It does not
+    depend on the pressure.
+    """
+    speed = math.sqrt(2.0 * AIR.specific_gas_constant * temperature)
+    heat = float(AIR.conductivity(temperature)) * gradient
+    return _PUSH_OF_HEAT * (2.0 - tac_mean) * heat / speed
 
 
 def convection(light, size):
@@ -145,6 +169,10 @@ def all_numbers(results):
         found[f"{size} cm"] = {
             "convection": convection(light, size),
             "hovering": hovering(paper, size, float(light["light"]), light["pressure"]),
+            "warmer_floor_over_weight": _digits(
+                thermophoresis(293.0, LID_COOLER / LID_ABOVE_FLOOR, 0.845)
+                / (1.15e-3 * STANDARD_GRAVITY)
+            ),
             "light_at_10_degrees_of_tilt": _digits(tilted(paper, size, TILT)),
             "share_in_light_beside_rods": _digits(disks.lit_share(0.005 * size, rods)),
             "heat_travels_mm": _digits(

@@ -147,6 +147,24 @@ def test_updraft_is_the_work_of_warm_gas_on_the_flow_of_a_moving_disk(study):
     assert found == pytest.approx(expected, rel=1e-3)
 
 
+def test_push_of_heat_is_the_moment_of_grads_distribution(study):
+    """Momentum of the molecules that arrive at both faces, by quadrature over their velocities."""
+    nodes, weights = np.polynomial.hermite.hermgauss(40)
+    heat = 0.01  # over p √(2RT)
+    axial, half = np.polynomial.legendre.leggauss(80)
+    axial, half = 3.5 * (axial + 1.0), 3.5 * half  # away from a face
+    x, y, z = np.meshgrid(nodes, nodes, axial, indexing="ij")
+    share = np.einsum("i,j,k->ijk", weights, weights, half * np.exp(-(axial**2))) / math.pi**1.5
+    grad = 0.8 * heat * z * (x * x + y * y + z * z - 2.5)
+    arriving = 2.0 * np.sum(share * z**2 * grad)  # over p; at the other face its opposite
+    expected = 2.0 * arriving * (1.0 + 0.2)  # with what is reflected
+    air = importlib.import_module("lightflyer.gas").AIR
+    speed = math.sqrt(2.0 * 287.05 * 300.0)
+    pressure = float(air.conductivity(300.0)) * 50.0 / (heat * speed)
+    found = study["estimates"].thermophoresis(300.0, 50.0, 0.8) / pressure
+    assert found == pytest.approx(expected, rel=1e-3)
+
+
 def test_shipped_results_are_todays(study, paper, results):
     """Near walls, for the middle of all samples."""
     study_of = study["study"]

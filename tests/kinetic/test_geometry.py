@@ -164,6 +164,6 @@ def panel(mesh, r, z):
 def test_rays_end_on_the_reservoir():
     for direction in ([1.0, 0.0, 0.0], [0.6, 0.0, 0.8], [-0.6, 0.0, -0.8], [0.0, 1.0, 0.0]):
         w = np.array(direction)
-        s = exit_length(0.5, 1.0, w, 4.0)
+        s = exit_length(0.5, 1.0, w, 4.0, 4.0, 4.0)
         end = np.array([0.5, 0.0, 1.0]) + s * w
         assert max(np.hypot(end[0], end[1]), abs(end[2])) == pytest.approx(4.0)

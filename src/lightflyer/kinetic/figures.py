@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from lightflyer.foundation.drawing import SKY, figure_for, outlined
 
 if TYPE_CHECKING:
+    from lightflyer.kinetic.chamber import ChamberSolution
     from lightflyer.kinetic.solver import Solution
 
 _EXTENT = 3.0
@@ -16,12 +17,12 @@ _POINTS = 241
 _LEVELS = 16
 
 
-def draw_flow(solution: "Solution", ax: Axes, extent: float = _EXTENT) -> Axes:
+def draw_flow(solution: "Solution | ChamberSolution", ax: Axes, extent: float = _EXTENT) -> Axes:
     """Draw the temperature of the gas and its streamlines in a plane through the axis.
 
     Parameters
     ----------
-    solution : Solution
+    solution : Solution or ChamberSolution
     ax : matplotlib.axes.Axes
     extent : float
         Half-width and half-height of the plot [disk radii].
@@ -59,12 +60,12 @@ def draw_flow(solution: "Solution", ax: Axes, extent: float = _EXTENT) -> Axes:
     return ax
 
 
-def flow_figure(solution: "Solution", ax: Axes | None = None) -> Figure:
+def flow_figure(solution: "Solution | ChamberSolution", ax: Axes | None = None) -> Figure:
     """A figure with :func:`draw_flow`, up to the reservoir where there is one.
 
     Parameters
     ----------
-    solution : Solution
+    solution : Solution or ChamberSolution
     ax : matplotlib.axes.Axes, optional
         By default that of a new figure.
 

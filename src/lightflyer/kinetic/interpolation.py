@@ -44,6 +44,19 @@ def eta_basis_at(eta, mesh, basis):
 
 
 @kernel
+def rim_basis_at(eta, mesh, basis):
+    """Fill the Lagrange basis in η on the walls around the gas; returns the first node's number.
+
+    Panels share no nodes there, since emission jumps at the edge between two walls.
+    """
+    edges = mesh[2]
+    panel = panel_of(edges, eta)
+    v = (eta - edges[panel]) / (edges[panel + 1] - edges[panel])
+    _lagrange(mesh[7][panel], v, basis)
+    return panel * basis.size
+
+
+@kernel
 def bases_at(xi, eta, mesh, xi_basis, eta_basis):
     """Fill the Lagrange bases in ξ and η at a point.
 
@@ -59,13 +72,13 @@ def bases_at(xi, eta, mesh, xi_basis, eta_basis):
     xi_first, eta_first : int
         Numbers of the first node in ξ and in η.
     """
-    xi_edges, xi_kinds, _, xi_nodes, _, boundary = mesh
+    xi_edges, xi_kinds, _, xi_nodes, _, boundary, ceiling, _ = mesh
     i = panel_of(xi_edges, xi)
     kind = xi_kinds[i]
     if kind == LINEAR:
         v = (xi - xi_edges[i]) / (xi_edges[i + 1] - xi_edges[i])
     elif kind == CYLINDER:
-        outer = cylinder_xi(eta, boundary)
+        outer = cylinder_xi(eta, boundary, ceiling)
         v = (1.0 / xi_edges[i] - 1.0 / xi) / (1.0 / xi_edges[i] - 1.0 / outer)
         low, offset = 0.0, BEYOND * boundary
         while i < xi_kinds.size - 1 and v >= xi_edges[i + 1] - offset:

@@ -96,17 +96,7 @@ class LinearSystem:
 
     def _sources(self) -> tuple[np.ndarray, np.ndarray]:
         """Matrices from a node's fields to the six translational and three rotational sources."""
-        gas, mix = self.gas, np.zeros((9, self.fields))
-        heat = 0.8 * (1.0 - gas.translational_rate)
-        for source, factor in enumerate((1.0, 2.0, 2.0, 1.0, heat, heat)):
-            mix[source, source] = factor
-        if gas.has_rotation:
-            # total temperature is 3/5 translational and 2/5 rotational
-            mix[0, 3], mix[0, 6] = -0.4 * gas.exchange_rate, 0.4 * gas.exchange_rate
-            mix[3, 3], mix[3, 6] = 1.0 - 0.4 * gas.exchange_rate, 0.4 * gas.exchange_rate
-            mix[6, 6], mix[6, 3] = 1.0 - 0.6 * gas.exchange_rate, 0.6 * gas.exchange_rate
-            mix[7, 7] = mix[8, 8] = 2.0 * (1.0 - gas.rotational_rate)
-        return mix[:6], mix[6:]
+        return source_matrices(self.gas, self.fields)
 
     def _matrix(self, rows: np.ndarray) -> np.ndarray:
         """Rows (n, n, 6 sources, 6 moments) as a matrix between fields."""
@@ -281,15 +271,7 @@ class LinearSystem:
 
     def corrected(self, fields: np.ndarray) -> np.ndarray:
         """Correction of given fields by which uniform ones are exact, shape (n, fields)."""
-        translation, rotation = self._sources()
-        corrections = self.operators.corrections
-        moments = np.einsum("nsm,sf,nf->nm", corrections, translation, fields, optimize=True)
-        if self.gas.has_rotation:
-            part = corrections[:, :3, :3].copy()
-            part[..., 0] -= corrections[:, :3, 3]
-            turning = np.einsum("nsm,sf,nf->nm", part, rotation, fields, optimize=True)
-            moments = np.concatenate([moments, turning], axis=1)
-        return moments
+        return corrected(self.operators.corrections, self.gas, fields)
 
     def arriving(self, fields: np.ndarray) -> np.ndarray:
         """Fluxes that arrive at the nodes of a face, shape (e, 3 or 4).
@@ -305,6 +287,48 @@ class LinearSystem:
             )
             arriving = np.concatenate([arriving, turning[:, None]], axis=1)
         return arriving
+
+
+def source_matrices(gas: GasModel, fields: int) -> tuple[np.ndarray, np.ndarray]:
+    """Matrices from a node's fields to the six translational and three rotational sources.
+
+    Parameters
+    ----------
+    gas : GasModel
+    fields : int
+        6, or 9 with rotation.
+
+    Returns
+    -------
+    translation : array, shape (6, fields)
+    rotation : array, shape (3, fields)
+    """
+    mix = np.zeros((9, fields))
+    heat = 0.8 * (1.0 - gas.translational_rate)
+    for source, factor in enumerate((1.0, 2.0, 2.0, 1.0, heat, heat)):
+        mix[source, source] = factor
+    if gas.has_rotation:
+        # total temperature is 3/5 translational and 2/5 rotational
+        mix[0, 3], mix[0, 6] = -0.4 * gas.exchange_rate, 0.4 * gas.exchange_rate
+        mix[3, 3], mix[3, 6] = 1.0 - 0.4 * gas.exchange_rate, 0.4 * gas.exchange_rate
+        mix[6, 6], mix[6, 3] = 1.0 - 0.6 * gas.exchange_rate, 0.6 * gas.exchange_rate
+        mix[7, 7] = mix[8, 8] = 2.0 * (1.0 - gas.rotational_rate)
+    return mix[:6], mix[6:]
+
+
+def corrected(corrections: np.ndarray, gas: GasModel, fields: np.ndarray) -> np.ndarray:
+    """Correction of given fields by which uniform ones are exact, shape (n, fields).
+
+    ``corrections``, shape (n, 6, 6), are those of a gas of one temperature.
+    """
+    translation, rotation = source_matrices(gas, fields.shape[1])
+    moments = np.einsum("nsm,sf,nf->nm", corrections, translation, fields, optimize=True)
+    if gas.has_rotation:
+        part = corrections[:, :3, :3].copy()
+        part[..., 0] -= corrections[:, :3, 3]
+        turning = np.einsum("nsm,sf,nf->nm", part, rotation, fields, optimize=True)
+        moments = np.concatenate([moments, turning], axis=1)
+    return moments
 
 
 def solve_by_gmres(

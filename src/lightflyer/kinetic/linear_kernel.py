@@ -20,6 +20,7 @@ from lightflyer.kinetic.interpolation import (
     eta_basis_at,
     interpolate,
     nodes_in_eta,
+    rim_basis_at,
     scatter,
 )
 from lightflyer.kinetic.rays import (
@@ -29,7 +30,7 @@ from lightflyer.kinetic.rays import (
     maxwellian_integrals,
     piece_integrals,
     spheroidal,
-    trace_ray,
+    trace_between,
 )
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
@@ -37,8 +38,18 @@ FIELDS = 6
 FLUXES = 3
 """Fluxes of arriving molecules at a face: number, normal momentum, energy."""
 
+WALL_FLUXES = 4
+"""The same and axial momentum, which differs from normal momentum at a side wall."""
+
 EMISSIONS = 3
 """Emissions of a wall, by their factor: σ with 1, temperature with c²/θ−2, velocity with c·e_z."""
+
+RIM_EMISSIONS = 2
+"""Emissions of the walls around the gas, which rest: σ and temperature."""
+
+DIRECT, ACROSS, REFLECTED = 0, 1, 2
+"""Ways by which walls around the gas are seen: in the own half, in the other one past the disk, and
+in the own half by reflection at the disk."""
 
 NORMALISATION = 2.0 * np.pi**-1.5  # of the Maxwellian; directions cover half of the sphere
 MOST_DIRECTIONS = 40000
@@ -84,11 +95,12 @@ def _moments(power_0, power_1, power_2, power_3, row, theta, weight, out):
 
 
 @kernel
-def _fluxes(power_1, power_2, power_3, normal, weight, out):
-    """Fill the fluxes that arrive at a face, from integrals with 1 to 3 more powers."""
+def _fluxes(power_1, power_2, power_3, normal, axial, weight, out):
+    """Fill the fluxes that arrive at a wall, from integrals with 1 to 3 more powers."""
     out[0] = weight * normal * power_1
     out[1] = weight * normal * normal * power_2
     out[2] = weight * normal * power_3
+    out[3] = weight * normal * axial * power_2
 
 
 @kernel
@@ -104,7 +116,7 @@ def _source_weights(j, first, on_face, row, source, theta, source_theta, weight,
         for component in range(2 if vector else 1):
             w = weight * source[component] if vector else weight
             if on_face:
-                _fluxes(power_1, power_2, power_3, row[1], w, out[field + component])
+                _fluxes(power_1, power_2, power_3, row[1], row[2], w, out[field + component])
             else:
                 power_0 = _shape(j, first, kind, inverse)
                 _moments(power_0, power_1, power_2, power_3, row, theta, w, out[field + component])
@@ -129,9 +141,9 @@ def _conserve(uniform, radial_scale, cell, correction):
 
 
 @kernel
-def _locate(point, direction, start, width, state, setup, mesh, scratch):
+def _locate(point, direction, start, width, state, excess, setup, mesh, scratch):
     """Fill position, temperature and collision frequency at the points of one piece of a ray."""
-    rarefaction, exponent, excess, _, linear = state
+    rarefaction, exponent, linear = state[0], state[1], state[5]
     gauss_ray = setup[3]
     xi_basis, eta_basis, panels, radial, temperatures, frequencies, _, _, here = scratch
     eta_size = nodes_in_eta(mesh)
@@ -153,7 +165,7 @@ def _locate(point, direction, start, width, state, setup, mesh, scratch):
 def _add_piece(depth, width, below, seen, state, setup, mesh, scratch, target, out):
     """Add the points of one piece to a row; returns the optical depth at the piece's end."""
     on_face, row, straight, theta, weight = seen
-    linear, gauss_ray = state[4], setup[3]
+    linear, gauss_ray = state[5], setup[3]
     xi_basis, eta_basis, panels, radial, temperatures, frequencies, buffer, integrals, _ = scratch
     _, source, weights, uniform = out
     eta_size = nodes_in_eta(mesh)
@@ -173,16 +185,16 @@ def _add_piece(depth, width, below, seen, state, setup, mesh, scratch, target, o
 
 
 @kernel
-def _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, walls):
+def _ray(point, direction, seen, state, setup, meshes, scratch, out, cuts, rows, walls, rim):
     """Add one ray to a row; returns the optical depth at its end."""
     table, scale = setup[5:]
-    number, hit, crossing = trace_ray(
+    number, hit, crossing, leaves = trace_between(
         point[0],
         point[1],
         direction,
         REACH * LARGEST_DEPTH / state[0],
         1.0 / state[0],
-        mesh,
+        meshes,
         cuts,
     )
     disk = crossing < 1.0
@@ -196,23 +208,34 @@ def _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, w
         below = start >= hit
         if below and disk and not emitted:
             emitted = True
-            maxwellian_integrals(depth, state[3], table, scale, out[0])
-            _wall(out[0], seen, np.sqrt(1.0 - crossing), state[3], mesh, scratch[1][0], walls)
-        _locate(point, direction, start, width, state, setup, mesh, scratch)
-        target = 0
+            maxwellian_integrals(depth, state[4], table, scale, out[0])
+            eta = np.sqrt(1.0 - crossing)
+            _wall(out[0], seen, eta, state[4], meshes[0], scratch[1][0], walls)
+        target = DIRECT
         if below:
-            target = 2 if disk else 1
+            target = REFLECTED if disk else ACROSS
+        mesh, excess = (meshes[1], state[3]) if target == ACROSS else (meshes[0], state[2])
+        _locate(point, direction, start, width, state, excess, setup, mesh, scratch)
         depth = _add_piece(
             depth, width, below, seen, state, setup, mesh, scratch, rows[target], out
         )
+    if leaves and rim[DIRECT].size > 0 and depth < LARGEST_DEPTH:
+        end = cuts[number - 1]
+        x, y = point[0] + end * direction[0], end * direction[1]
+        _, eta = spheroidal(x * x + y * y, point[1] + end * direction[2])
+        target = DIRECT
+        if hit < end:
+            target = REFLECTED if disk else ACROSS
+        maxwellian_integrals(depth, 1.0, table, scale, out[0])
+        _rim(out[0], seen, eta, meshes[0], scratch[1][0], rim[target])
     return depth
 
 
 @kernel
-def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
+def _row(i, point, on_face, state, setup, meshes, rows, walls, rim, correction):
     """Fill one row: weights of the own half's fields, the other half's and after reflection."""
     layer, gauss_height, gauss_azimuth, gauss_ray, _, table, scale = setup
-    order, points = mesh[3].shape[2], gauss_ray.shape[1]
+    order, points = meshes[0][3].shape[2], gauss_ray.shape[1]
     directions = np.empty((MOST_DIRECTIONS, 4))
     count = node_directions(point[0], point[1], layer, gauss_height, gauss_azimuth, directions)
     scratch = (
@@ -226,21 +249,27 @@ def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
         np.empty((points, NUMBER)),
         np.empty(1),
     )
-    weights = np.empty((FIELDS, FLUXES if on_face else FIELDS))
+    weights = np.empty((FIELDS, WALL_FLUXES if on_face else FIELDS))
     uniform = np.zeros_like(weights)
     j, cuts = np.empty(NUMBER), np.empty(MOST_CUTS)
     out = (j, np.empty(2), weights, uniform)
-    row, straight = np.empty(2), np.empty(2)
-    corrected = state[4] and not on_face
+    row, straight = np.empty(3), np.empty(2)
+    corrected = state[5] and not on_face
     theta = 1.0 if on_face else 1.0 + state[2][i, 0]
     for d in range(count):
         direction = directions[d]
         straight[0], straight[1] = -direction[0], -direction[2]
         row[0] = straight[0] / point[2]
-        row[1] = direction[2] if on_face else straight[1]
+        row[1], row[2] = straight[1], straight[1]
+        if on_face:
+            row[1] = point[3] * direction[0] + point[4] * direction[2]
+            if row[1] <= 0.0:
+                continue
         weight = NORMALISATION * direction[3]
         seen = (on_face, row, straight, theta, weight)
-        depth = _ray(point, direction, seen, state, setup, mesh, scratch, out, cuts, rows, walls)
+        depth = _ray(
+            point, direction, seen, state, setup, meshes, scratch, out, cuts, rows, walls, rim
+        )
         if corrected and depth < LARGEST_DEPTH:
             # contribution of uniform fields beyond the end of the ray
             maxwellian_integrals(depth, 1.0, table, scale, j)
@@ -253,16 +282,12 @@ def _row(i, point, on_face, state, setup, mesh, rows, walls, correction):
 @kernel
 def _wall(j, seen, eta, face, mesh, eta_basis, walls):
     """Add the emission of a face at θ = ``face`` towards a node: σ and temperature by its nodes."""
-    _, row, straight, theta, weight = seen
     order, first = eta_basis.size, eta_basis_at(eta, mesh, eta_basis)
     size, inverse = nodes_in_eta(mesh), 1.0 / face
     out = np.empty(FIELDS)
     for kind in range(EMISSIONS):
-        w = weight * straight[1] if kind == 2 else weight
-        power_0, power_1 = _emitted(j, 1, kind, inverse), _emitted(j, 2, kind, inverse)
-        power_2, power_3 = _emitted(j, 3, kind, inverse), _emitted(j, 4, kind, inverse)
-        _moments(power_0, power_1, power_2, power_3, row, theta, w, out)
-        for m in range(FIELDS):
+        _emission(j, kind, inverse, seen, out)
+        for m in range(walls.shape[1]):
             if kind == 2:
                 walls[2 * size, m] += out[m]
             else:
@@ -270,29 +295,63 @@ def _wall(j, seen, eta, face, mesh, eta_basis, walls):
                     walls[kind * size + first + a, m] += eta_basis[a] * out[m]
 
 
+@kernel
+def _emission(j, kind, inverse, seen, out):
+    """Fill the moments or fluxes of one emission of a wall along a ray."""
+    on_face, row, straight, theta, weight = seen
+    w = weight * straight[1] if kind == 2 else weight
+    power_1, power_2 = _emitted(j, 2, kind, inverse), _emitted(j, 3, kind, inverse)
+    power_3 = _emitted(j, 4, kind, inverse)
+    if on_face:
+        _fluxes(power_1, power_2, power_3, row[1], row[2], w, out)
+    else:
+        power_0 = _emitted(j, 1, kind, inverse)
+        _moments(power_0, power_1, power_2, power_3, row, theta, w, out)
+
+
+@kernel
+def _rim(j, seen, eta, mesh, basis, target):
+    """Add the emission of a wall around the gas: σ and temperature by its nodes."""
+    first, size = rim_basis_at(eta, mesh, basis), target.shape[0] // RIM_EMISSIONS
+    out = np.empty(FIELDS)
+    for kind in range(RIM_EMISSIONS):
+        _emission(j, kind, 1.0, seen, out)
+        for m in range(target.shape[1]):
+            for a in range(basis.size):
+                target[kind * size + first + a, m] += basis[a] * out[m]
+
+
 @parallel_kernel
-def assemble(points, on_face, state, setup, mesh, own, other, reflected, walls, corrections):
-    """Fill the rows of all nodes of a half, or of all nodes on a face.
+def assemble(
+    points, on_face, state, setup, mesh, beyond, own, other, reflected, walls, rim, corrections
+):
+    """Fill the rows of all nodes of a half, or of all nodes on a wall.
 
     One kernel does both, as compiling takes many seconds.
 
     Parameters
     ----------
-    points : array, shape (m, 3)
-        Radius, height and √(1−η²) of the nodes.
+    points : array, shape (m, 5)
+        Radius, height and √(1−η²) of the nodes; on a wall the radial and axial component of its
+        normal, into the gas.
     on_face : bool
-        Whether the rows are fluxes that arrive at a face, not moments.
+        Whether the rows are fluxes that arrive at a wall, not moments.
     state : tuple
-        δ [1], exponent of the collision frequency in θ, θ − 1 at the nodes, θ of the face, and
-        whether all of them are 1.
-    setup, mesh : tuple
-        Quadratures and tables; panels.
-    own, other, reflected : array, shape (m, n, 36 or 18)
-        Zeros, filled: node of the row, node of the column, 6 × field + moment or 3 × field + flux.
-        On a face all three are the same array.
-    walls : array, shape (m, 2 e + 1, 6)
+        δ [1], exponent of the collision frequency in θ, θ − 1 at the nodes of the own and of the
+        other half, θ of the face, and whether all of them are 1.
+    setup : tuple
+        Quadratures and tables.
+    mesh, beyond : tuple
+        Panels of the own and of the other half.
+    own, other, reflected : array, shape (m, n, 36 or 24)
+        Zeros, filled: node of the row, node of the column, 6 × field + moment or 4 × field + flux.
+        On a face of the disk, which sees its own half only, all three may be the same array.
+    walls : array, shape (m, 2 e + 1, 6 or 4)
         Zeros, filled: σ at the nodes of the face, then its temperature there and its velocity. Not
-        used on a face, which sees no wall.
+        used on a face, which does not see itself.
+    rim : array, shape (3, m, 2 w, 6 or 4)
+        Zeros, filled: σ at the nodes of the walls around the gas, then their temperature there, in
+        the three ways by which they are seen. Without nodes, nothing comes from there.
     corrections : array, shape (m, 6, 6)
         Filled where θ is 1: additions to each node's own weights, field × moment. Not used on a
         face.
@@ -300,4 +359,15 @@ def assemble(points, on_face, state, setup, mesh, own, other, reflected, walls, 
     for i in prange(points.shape[0]):
         rows = (own[i], other[i], reflected[i])
         # numba counts in unsigned integers here, for which it would compile everything once more
-        _row(np.int64(i), points[i], on_face, state, setup, mesh, rows, walls[i], corrections[i])
+        _row(
+            np.int64(i),
+            points[i],
+            on_face,
+            state,
+            setup,
+            (mesh, beyond),
+            rows,
+            walls[i],
+            rim[:, i],
+            corrections[i],
+        )

@@ -20,7 +20,7 @@ from lightflyer.kinetic._kernels import kernel
 
 LINEAR, INVERSE, DECAYING, CYLINDER = 0, 1, 2, 3
 """Variable of interpolation in a panel: ξ; 1/ξ; 1/ξ with fields that vanish at infinity; 1/ξ from
-a spheroid to the cylinder r ≤ D, |z| ≤ D."""
+a spheroid to the cylinder r ≤ R, z ≤ H."""
 
 
 BEYOND = 10.0
@@ -67,7 +67,9 @@ class Mesh:
     order : int
         Nodes per panel and direction.
     boundary : float
-        Half-width D of the cylinder [disk radii], infinite in open space.
+        Radius of the cylinder [disk radii], infinite in open space.
+    ceiling : float
+        Its height above the disk's plane [disk radii].
     """
 
     xi_edges: np.ndarray
@@ -75,6 +77,7 @@ class Mesh:
     eta_edges: np.ndarray
     order: int
     boundary: float
+    ceiling: float
 
     @cached_property
     def xi_nodes(self) -> np.ndarray:
@@ -143,7 +146,7 @@ class Mesh:
         start = self.xi_edges[int(np.argmax(self.xi_kinds == CYLINDER))]
         ends = [max(0.0, edge - BEYOND * self.boundary) for edge in (low, high)]
         share = ends[0] + (ends[1] - ends[0]) * v
-        outer = cylinder_xi(self.eta, self.boundary)
+        outer = cylinder_xi(self.eta, self.boundary, self.ceiling)
         return 1.0 / (1.0 / start + (1.0 / outer - 1.0 / start) * share)
 
     @cached_property
@@ -168,16 +171,16 @@ class Mesh:
 
 
 @kernel
-def cylinder_xi(eta: Any, boundary: float) -> Any:  # a number or an array of them
-    """ξ where the hyperbola of constant η leaves the cylinder r ≤ D, |z| ≤ D."""
+def cylinder_xi(eta: Any, boundary: float, ceiling: float) -> Any:  # a number or an array of them
+    """ξ where the hyperbola of constant η leaves the cylinder r ≤ R, |z| ≤ H."""
     side = np.sqrt(np.maximum(boundary**2 / np.maximum(1.0 - eta**2, 1e-300) - 1.0, 1e-300))
-    return np.minimum(side, boundary / np.maximum(eta, 1e-300))
+    return np.minimum(side, ceiling / np.maximum(eta, 1e-300))
 
 
-def _cylinder_corner(boundary: float) -> float:
-    """η of the cylinder's corner r = z = D."""
-    excess = 2.0 * boundary**2 - 1.0
-    return float(boundary / np.sqrt(0.5 * (excess + np.sqrt(excess**2 + 4.0 * boundary**2))))
+def cylinder_corner(boundary: float, ceiling: float) -> float:
+    """η of the cylinder's corner r = R, z = H."""
+    excess = boundary**2 + ceiling**2 - 1.0
+    return float(ceiling / np.sqrt(0.5 * (excess + np.sqrt(excess**2 + 4.0 * ceiling**2))))
 
 
 def _geometric(first: float, growth: float, end: float) -> list[float]:
@@ -187,6 +190,12 @@ def _geometric(first: float, growth: float, end: float) -> list[float]:
         edges.append(edges[-1] + width)
         width *= growth
     return list(np.array(edges) * end / edges[-1])
+
+
+def _outwards(inner: float, far: float, refinement: float) -> list[float]:
+    """Edges of panels beyond ``inner`` up to ``far``, in geometric progression."""
+    steps = max(1, int(np.ceil(refinement * np.log(far / inner) / np.log(1.9))))
+    return list(inner * (far / inner) ** (np.arange(1, steps + 1) / steps))
 
 
 def _shares_to_cylinder(depth: float, refinement: float) -> np.ndarray:
@@ -231,11 +240,10 @@ def build_mesh(
     far = 0.6 * boundary if np.isfinite(boundary) else max(3.0, 3.0 / rarefaction)
     inner = min(1.0, 0.5 * boundary)
     near = _geometric(0.3 * layer / refinement, growth, inner)
-    steps = max(1, int(np.ceil(refinement * np.log(far / inner) / np.log(1.9))))
-    outer = list(inner * (far / inner) ** (np.arange(1, steps + 1) / steps))
+    outer = _outwards(inner, far, refinement)
     kinds = [LINEAR] * (len(near) - 1)
     if far > inner * 1.01:
-        kinds += [INVERSE] * steps
+        kinds += [INVERSE] * len(outer)
         near += outer
     if np.isfinite(boundary):
         shares = _shares_to_cylinder(rarefaction * (boundary - far), refinement)
@@ -246,7 +254,99 @@ def build_mesh(
     edge = min(0.45, 0.7 * np.sqrt(2.0 / rarefaction))
     eta_edges = _geometric(edge / refinement, 1.0 + 0.5 / refinement, 1.0)
     if np.isfinite(boundary):
-        corner = _cylinder_corner(boundary)
+        corner = cylinder_corner(boundary, boundary)
         nearest = int(np.argmin(np.abs(np.array(eta_edges[1:-1]) - corner))) + 1
         eta_edges[nearest] = corner
-    return Mesh(np.array(xi_edges), np.array(kinds), np.array(eta_edges), order, boundary)
+    return Mesh(np.array(xi_edges), np.array(kinds), np.array(eta_edges), order, boundary, boundary)
+
+
+_GAP_GROWTH = 1.6
+"""Ratio of the ends of panels on the longest way to a chamber's walls."""
+
+_WALL_LAYER = 2.0  # optical depth of the panels next to a chamber's walls
+_CLOSEST_EDGES = 0.3  # of the smaller neighbour: nearer edges of panels in η are moved together
+
+
+def build_chamber_meshes(
+    rarefaction: float,
+    radius: float,
+    ceilings: tuple[float, float],
+    *,
+    order: int = 5,
+    refinement: float = 1.0,
+) -> tuple[Mesh, Mesh]:
+    """Meshes of the two halves of a cylinder around the disk.
+
+    They have the same panels, which end at different heights, so that their nodes in the plane of
+    the disk coincide.
+
+    Parameters
+    ----------
+    rarefaction : float
+        δ = √π/(4 Kn) [1].
+    radius : float
+        Of the side wall [disk radii].
+    ceilings : tuple of float
+        Heights of the upper and of the lower half [disk radii].
+    order : int
+        Nodes per panel and direction.
+    refinement : float
+        Divides the widths of the panels.
+
+    Returns
+    -------
+    upper, lower : Mesh
+    """
+    nearest = min(*ceilings, float(np.sqrt(radius**2 - 1.0)))
+    furthest = max(*ceilings, radius)
+    inner, far = min(1.0, 0.5 * nearest), 0.6 * nearest
+    layer = min(1.0, 1.5 / rarefaction)
+    near = _geometric(0.3 * layer / refinement, 1.0 + 1.4 / refinement, inner)
+    kinds = [LINEAR] * (len(near) - 1)
+    if far > inner * 1.3:
+        outer = _outwards(inner, far, refinement)
+        near += outer
+        kinds += [INVERSE] * len(outer)
+    far = near[-1]
+    shares = _shares_to_walls(furthest / far, rarefaction * far, refinement)
+    edge = min(0.45, 0.7 * np.sqrt(2.0 / rarefaction), 1.2 * nearest)
+    eta_edges = _geometric(edge / refinement, 1.0 + 0.5 / refinement, 1.0)
+    corners = sorted({cylinder_corner(radius, height) for height in ceilings})
+    for corner in corners:
+        eta_edges = _with_edge(eta_edges, corner, corners)
+    upper, lower = (
+        Mesh(
+            np.array([*near, *(BEYOND * radius + shares)]),
+            np.array(kinds + [CYLINDER] * shares.size),
+            np.array(eta_edges),
+            order,
+            radius,
+            height,
+        )
+        for height in ceilings
+    )
+    return upper, lower
+
+
+def _shares_to_walls(ratio: float, depth: float, refinement: float) -> np.ndarray:
+    """Ends of the panels next to a chamber's walls, as shares of the way there in 1/ξ.
+
+    ``ratio`` is that of the longest way's ends and ``depth`` the optical depth of its start.
+    """
+    count = max(1, int(np.ceil(refinement * np.log(ratio) / np.log(_GAP_GROWTH))))
+    ends = ratio ** (np.arange(1, count + 1) / count)
+    # the last panel is thin enough to see the wall
+    while ratio > 1.5 and depth * (ratio - ([1.0, *ends])[-2]) > _WALL_LAYER * 3.0 / refinement:
+        before = ([1.0, *ends])[-2]
+        ends = np.append(ends[:-1], [ratio - (ratio - before) / 3.0, ratio])
+    return (1.0 - 1.0 / ends) / (1.0 - 1.0 / ratio)
+
+
+def _with_edge(edges: list[float], value: float, fixed: list[float]) -> list[float]:
+    """Edges with one at a value: the nearest one is moved unless fixed, or one is added."""
+    nearest = int(np.argmin(np.abs(np.array(edges[1:-1]) - value))) + 1 if len(edges) > 2 else 0
+    if nearest and edges[nearest] not in fixed:
+        gap = min(edges[nearest] - edges[nearest - 1], edges[nearest + 1] - edges[nearest])
+        if abs(edges[nearest] - value) < _CLOSEST_EDGES * gap:
+            return sorted([*edges[:nearest], value, *edges[nearest + 1 :]])
+    return sorted([*edges, value])

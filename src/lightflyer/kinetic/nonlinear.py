@@ -59,6 +59,37 @@ class HotDisk:
         return top, bottom
 
 
+def diffuse_emission(
+    arriving: np.ndarray, tac: float, temperature: np.ndarray | float, wall: Wall, rotates: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Density and temperature of the molecules that leave a wall diffusely, as many as arrive.
+
+    Parameters
+    ----------
+    arriving : array, shape (e, 5)
+        Fluxes of number, momentum, energy and rotational energy less those of the gas at rest.
+    tac : float
+    temperature : array, shape (e,), or float
+        Of the wall [T_c].
+    wall : {"maxwell", "accommodated"}
+    rotates : bool
+        Whether molecules carry rotational energy.
+
+    Returns
+    -------
+    density, temperature : array, shape (e,)
+    """
+    flux = 1.0 + 2.0 * _SQRT_PI * arriving[:, 0]
+    emitted = np.broadcast_to(np.asarray(temperature, float), flux.shape)
+    if wall == "accommodated":
+        energy = arriving[:, 2] - 2.0 * arriving[:, 0]
+        if rotates:
+            energy = energy + arriving[:, 3] - arriving[:, 0]
+        excess = 2.0 * _SQRT_PI / (3.0 if rotates else 2.0) * energy / flux
+        emitted = 1.0 + tac * (emitted - 1.0) + (1.0 - tac) * excess
+    return flux / np.sqrt(emitted), np.ascontiguousarray(emitted)
+
+
 class NonlinearProblem:
     """Non-linear problem on the mesh of a linear system.
 
@@ -76,7 +107,7 @@ class NonlinearProblem:
         self.system, self.rarefaction = system, rarefaction
         gas, mesh = system.gas, system.operators.mesh
         setup, panels = kernel_arguments(mesh, rarefaction, quadrature)
-        self.arguments = (rarefaction, setup, panels)
+        self.arguments = (rarefaction, setup, panels, panels)
         self.quadrature = quadrature
         self.gas = (
             0.8 * (1.0 - gas.translational_rate),
@@ -98,11 +129,12 @@ class NonlinearProblem:
         solid, diffuse = 1.0 - disk.open_fraction, disk.diffuse_share(face)
         shares = np.array([solid * diffuse, solid * (1.0 - diffuse), disk.open_fraction])
         density, temperature = emitted
-        return fields[face], fields[1 - face], density, shares, temperature
+        nothing = np.zeros((2, 0))
+        return fields[face], fields[1 - face], density, shares, temperature, nothing, nothing
 
     def arriving(self, fields: np.ndarray, face: int, disk: HotDisk) -> np.ndarray:
-        """Fluxes that arrive at a face, less those of the gas at rest, shape (e, 4)."""
-        fluxes, unused = np.empty((self.faces.shape[0], 4)), np.ones(self.faces.shape[0])
+        """Fluxes that arrive at a face, less those of the gas at rest, shape (e, 5)."""
+        fluxes, unused = np.empty((self.faces.shape[0], 5)), np.ones(self.faces.shape[0])
         half = self._half(fields, face, disk, (unused, unused))
         nonlinear_kernel.evaluate(self.faces, True, *self.arguments, self.gas, half, fluxes)
         return fluxes
@@ -114,7 +146,7 @@ class NonlinearProblem:
 
         Parameters
         ----------
-        arriving : array, shape (e, 4)
+        arriving : array, shape (e, 5)
             Fluxes of :meth:`arriving`.
         face : int
             0 top, 1 bottom.
@@ -125,18 +157,8 @@ class NonlinearProblem:
         density, temperature : array, shape (e,)
             At the nodes of the face.
         """
-        flux = 1.0 + 2.0 * _SQRT_PI * arriving[:, 0]
-        tac, wall = disk.tac[face], disk.temperature[face]
-        temperature = np.full(flux.shape, float(wall))
-        if disk.wall == "accommodated":
-            has_rotation = self.system.gas.has_rotation
-            energy = arriving[:, 2] - 2.0 * arriving[:, 0]
-            if has_rotation:
-                energy = energy + arriving[:, 3] - arriving[:, 0]
-            modes = 3.0 if has_rotation else 2.0
-            excess = 2.0 * _SQRT_PI / modes * energy / flux
-            temperature = 1.0 + tac * (wall - 1.0) + (1.0 - tac) * excess
-        return flux / np.sqrt(temperature), temperature
+        temperature, rotates = disk.temperature[face], self.system.gas.has_rotation
+        return diffuse_emission(arriving, disk.tac[face], temperature, disk.wall, rotates)
 
     def evaluate(self, fields: np.ndarray, disk: HotDisk) -> np.ndarray:
         """Fields that follow from given fields, shape (2, n, fields)."""
@@ -214,7 +236,7 @@ class NonlinearProblem:
             steps.append(step.ravel())
             states.append(fields.ravel())
             del steps[:-_MEMORY], states[:-_MEMORY]
-            fields = _damped(fields, _anderson(states, steps).reshape(fields.shape))
+            fields = damped(fields, anderson(states, steps).reshape(fields.shape))
         raise ConvergenceError(
             f"the non-linear kinetic equation did not converge in {_MOST_ITERATIONS} iterations: "
             f"last residual {residual:.1e}"
@@ -242,7 +264,7 @@ class NonlinearProblem:
         return FaceResult(2.0 * solid * pressure, solid * heat)
 
 
-def _damped(old: np.ndarray, new: np.ndarray) -> np.ndarray:
+def damped(old: np.ndarray, new: np.ndarray) -> np.ndarray:
     """Fields on the way to new ones, where pressure and temperature at most halve."""
     share = 1.0
     for field in (0, 3):
@@ -251,7 +273,7 @@ def _damped(old: np.ndarray, new: np.ndarray) -> np.ndarray:
     return old + share * (new - old)
 
 
-def _anderson(states: list[np.ndarray], steps: list[np.ndarray]) -> np.ndarray:
+def anderson(states: list[np.ndarray], steps: list[np.ndarray]) -> np.ndarray:
     """Next state by Anderson mixing of the last states and their steps."""
     if len(steps) == 1:
         return states[-1] + steps[-1]

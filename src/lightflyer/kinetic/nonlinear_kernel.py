@@ -20,6 +20,7 @@ from lightflyer.kinetic.interpolation import (
     interpolate,
     interpolate_on_face,
     nodes_in_eta,
+    rim_basis_at,
 )
 from lightflyer.kinetic.linear_kernel import MOST_DIRECTIONS, NORMALISATION
 from lightflyer.kinetic.rays import (
@@ -29,7 +30,7 @@ from lightflyer.kinetic.rays import (
     maxwellian_integrals,
     piece_integrals,
     spheroidal,
-    trace_ray,
+    trace_between,
 )
 from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH, NUMBER
 
@@ -84,11 +85,11 @@ def _add_piece(brought, weight, hot, cold, coefficients, rotates):
 
 
 @kernel
-def _ray(point, direction, rarefaction, setup, mesh, gas, half, cuts, brought):
+def _ray(point, direction, rarefaction, setup, meshes, gas, half, cuts, brought):
     """Fill the contribution of one ray: its deviation times the speed to the powers 2 to 5."""
     # arrays and the loop over points are local: a compiler cannot rule out that arrays passed to a
     # function of its own overlap, and that takes half as long again
-    rule, eta_size, order = setup[3], nodes_in_eta(mesh), mesh[3].shape[2]
+    rule, eta_size, order = setup[3], nodes_in_eta(meshes[0]), meshes[0][3].shape[2]
     points = rule.shape[1]
     xi_basis, eta_basis, state = np.empty(order), np.empty(order), np.zeros(10)
     frequencies, thetas, ones = np.empty(points), np.empty(points), np.ones(points)
@@ -96,8 +97,8 @@ def _ray(point, direction, rarefaction, setup, mesh, gas, half, cuts, brought):
     buffer, coefficients = np.empty((4, NUMBER)), np.empty((points, 2, 4))
     optical_scale = 1.0 / rarefaction
     longest = REACH * LARGEST_DEPTH * optical_scale
-    number, hit, crossing = trace_ray(
-        point[0], point[1], direction, longest, optical_scale, mesh, cuts
+    number, hit, crossing, leaves = trace_between(
+        point[0], point[1], direction, longest, optical_scale, meshes, cuts
     )
     disk = crossing < 1.0
     reflected, transmitted = half[3][1], half[3][2]
@@ -114,12 +115,12 @@ def _ray(point, direction, rarefaction, setup, mesh, gas, half, cuts, brought):
             if below and disk and at_disk < 0:
                 x, y = point[0] + hit * direction[0], hit * direction[1]
                 eta = np.sqrt(max(0.0, 1.0 - x * x - y * y))
-                _add_wall(brought, eta, half, depth, setup, mesh, eta_basis, hot[0], cold[0])
+                _add_wall(brought, eta, half, depth, setup, meshes[0], eta_basis, hot[0], cold[0])
                 at_disk, depth_at_disk, share = piece, depth, reflected
             if share == 0.0:
                 break
             other = below and (through == 1 or not disk)
-            fields = half[1] if other else half[0]
+            fields, mesh = (half[1], meshes[1]) if other else (half[0], meshes[0])
             vertical = direction[2] if below else -direction[2]
             for k in range(points):
                 s = start + width * rule[0, k]
@@ -140,6 +141,10 @@ def _ray(point, direction, rarefaction, setup, mesh, gas, half, cuts, brought):
                 _add_piece(brought, w, hot[k], cold[k], coefficients[k], gas[4])
             if depth > LARGEST_DEPTH:
                 break
+        end = cuts[number - 1]
+        rim = half[6] if hit < end and (through == 1 or not disk) else half[5]
+        seen, place = share * leaves, (point, direction, end)
+        _add_rim(brought, place, rim, seen, depth, setup, meshes[0], hot[0], cold[0])
         if at_disk < 0 or transmitted == 0.0:
             return
         first, depth, share = at_disk, depth_at_disk, transmitted
@@ -148,25 +153,50 @@ def _ray(point, direction, rarefaction, setup, mesh, gas, half, cuts, brought):
 @kernel
 def _add_wall(brought, eta, half, depth, setup, mesh, eta_basis, hot, cold):
     """Add the diffuse emission of a face at a point, less that of the gas at rest."""
-    _, _, sigma, shares, temperatures = half
-    table, scale = setup[5:]
-    density = interpolate_on_face(sigma, eta, mesh, eta_basis)
-    temperature = max(LOWEST, interpolate_on_face(temperatures, eta, mesh, eta_basis))
-    maxwellian_integrals(depth, temperature, table, scale, hot)
-    maxwellian_integrals(depth, 1.0, table, scale, cold)
-    for k in range(_POWERS):
-        brought[k] += shares[0] * (density * hot[k + 1] - cold[k + 1])
-    for k in range(2):
-        brought[_POWERS + k] += shares[0] * (density * temperature * hot[k + 1] - cold[k + 1])
+    density = interpolate_on_face(half[2], eta, mesh, eta_basis)
+    temperature = max(LOWEST, interpolate_on_face(half[4], eta, mesh, eta_basis))
+    _add_emission(brought, (density, temperature, half[3][0]), depth, setup, hot, cold)
 
 
 @kernel
-def _add_fluxes(w, z, brought, out):
-    """Add the number, momentum and energies of one ray that arrive at a face."""
-    out[0] -= w * z * brought[1]
-    out[1] += w * z * z * brought[2]
-    out[2] -= w * z * brought[3]
-    out[3] -= w * z * brought[5]
+def _add_rim(brought, place, rim, share, depth, setup, mesh, hot, cold):
+    """Add the emission of the walls around the gas at the end of a ray, if it is seen."""
+    if rim.size == 0 or share == 0.0 or depth >= LARGEST_DEPTH:
+        return
+    point, direction, end = place
+    x, y = point[0] + end * direction[0], end * direction[1]
+    _, eta = spheroidal(x * x + y * y, point[1] + end * direction[2])
+    basis = np.empty(mesh[7].shape[2])
+    first = rim_basis_at(eta, mesh, basis)
+    density, temperature = 0.0, 0.0
+    for a in range(basis.size):
+        density += basis[a] * rim[0, first + a]
+        temperature += basis[a] * rim[1, first + a]
+    emission = (density, max(LOWEST, temperature), share)
+    _add_emission(brought, emission, depth, setup, hot, cold)
+
+
+@kernel
+def _add_emission(brought, emission, depth, setup, hot, cold):
+    """Add a Maxwellian of given density, temperature and share, less that of the gas at rest."""
+    density, temperature, share = emission
+    table, scale = setup[5:]
+    maxwellian_integrals(depth, temperature, table, scale, hot)
+    maxwellian_integrals(depth, 1.0, table, scale, cold)
+    for k in range(_POWERS):
+        brought[k] += share * (density * hot[k + 1] - cold[k + 1])
+    for k in range(2):
+        brought[_POWERS + k] += share * (density * temperature * hot[k + 1] - cold[k + 1])
+
+
+@kernel
+def _add_fluxes(w, normal, z, brought, out):
+    """Add number, normal momentum, energies and axial momentum that one ray brings to a wall."""
+    out[0] += w * normal * brought[1]
+    out[1] += w * normal * normal * brought[2]
+    out[2] += w * normal * brought[3]
+    out[3] += w * normal * brought[5]
+    out[4] += w * normal * z * brought[2]
 
 
 @kernel
@@ -187,7 +217,7 @@ def _add_moments(w, x, z, brought, out):
 
 
 @kernel
-def _collect(point, on_face, rarefaction, setup, mesh, gas, half, out):
+def _collect(point, on_face, rarefaction, setup, meshes, gas, half, out):
     """Raw moments at a node, or fluxes at a face, summed over all directions."""
     layer, gauss_height, gauss_azimuth = setup[:3]
     directions = np.empty((MOST_DIRECTIONS, 4))
@@ -196,10 +226,13 @@ def _collect(point, on_face, rarefaction, setup, mesh, gas, half, out):
     out[:] = 0.0
     for d in range(count):
         direction = directions[d]
-        _ray(point, direction, rarefaction, setup, mesh, gas, half, cuts, brought)
+        normal = point[3] * direction[0] + point[4] * direction[2]
+        if on_face and normal <= 0.0:
+            continue
+        _ray(point, direction, rarefaction, setup, meshes, gas, half, cuts, brought)
         w, x, z = NORMALISATION * direction[3], -direction[0], -direction[2]
         if on_face:
-            _add_fluxes(w, z, brought, out)
+            _add_fluxes(w, normal, z, brought, out)
         else:
             _add_moments(w, x, z, brought, out)
 
@@ -227,33 +260,39 @@ def _central(raw, radial_scale, rotates, fields):
 
 
 @parallel_kernel
-def evaluate(points, on_face, rarefaction, setup, mesh, gas, half, out):
+def evaluate(points, on_face, rarefaction, setup, mesh, beyond, gas, half, out):
     """Fill the fields at the nodes of one half, or the fluxes on a face, that follow from fields.
 
     Parameters
     ----------
-    points : array, shape (m, 3)
-        Radius, height and √(1−η²) of the nodes.
+    points : array, shape (m, 5)
+        Radius, height and √(1−η²) of the nodes; on a wall the radial and axial component of its
+        normal, into the gas.
     on_face : bool
-        Whether to give the fluxes that arrive at a face, not fields.
+        Whether to give the fluxes that arrive at a wall, not fields.
     rarefaction : float
         δ of the gas far away.
-    setup, mesh : tuple
-        Quadratures and tables; panels.
+    setup : tuple
+        Quadratures and tables.
+    mesh, beyond : tuple
+        Panels of the own and of the other half.
     gas : tuple
         Factors of the two heat fluxes, exchange rate, −ω, whether molecules rotate.
     half : tuple
         Own fields, the other half's (mirrored), σ on the face; the shares of the arriving
         molecules that leave it diffusely, specularly and on its other side; the temperature of the
-        diffuse ones at the nodes of the face.
-    out : array, shape (m, 6 or 9) or, on a face, (m, 4)
-        Filled with fields, or with number, normal momentum, energy and rotational energy less
-        those of the gas at rest.
+        diffuse ones at the nodes of the face; density and temperature of the molecules that leave
+        the walls around the gas, in the own and in the other half, shape (2, w), where w = 0 if
+        none do.
+    out : array, shape (m, 6 or 9) or, on a wall, (m, 5)
+        Filled with fields, or with number, normal momentum, energy, rotational energy and axial
+        momentum less those of the gas at rest.
     """
     for i in prange(points.shape[0]):
+        meshes = (mesh, beyond)
         if on_face:
-            _collect(points[i], on_face, rarefaction, setup, mesh, gas, half, out[i])
+            _collect(points[i], on_face, rarefaction, setup, meshes, gas, half, out[i])
         else:
             raw = np.empty(12)
-            _collect(points[i], on_face, rarefaction, setup, mesh, gas, half, raw)
+            _collect(points[i], on_face, rarefaction, setup, meshes, gas, half, raw)
             _central(raw, points[i, 2], gas[4], out[i])

@@ -39,6 +39,8 @@ def kernel_arguments(mesh: Mesh, rarefaction: float, quadrature: Quadrature) -> 
         _lagrange_bases(mesh.xi_nodes),
         _lagrange_bases(mesh.eta_nodes),
         float(mesh.boundary),
+        float(mesh.ceiling),
+        _lagrange_bases(np.tile(gauss(mesh.order)[0], (mesh.eta_nodes.shape[0], 1))),
     )
     return setup, panels
 
@@ -114,14 +116,15 @@ class Operators:
 
 
 def node_points(mesh: Mesh) -> np.ndarray:
-    """Radius, height and √(1−η²) of the nodes, shape (n, 3)."""
-    return np.stack([mesh.radius, mesh.height, mesh.radial_scale], axis=1)
+    """Radius, height and √(1−η²) of the nodes, shape (n, 5); the rest is for walls."""
+    zero = np.zeros_like(mesh.radius)
+    return np.stack([mesh.radius, mesh.height, mesh.radial_scale, zero, zero], axis=1)
 
 
 def face_points(mesh: Mesh) -> np.ndarray:
-    """Radius, height and 1 of the nodes on a face, shape (e, 3); the scale is not used there."""
+    """Radius, height, 1 (not used) and normal of the nodes on a face, shape (e, 5)."""
     zero = np.zeros_like(mesh.eta)
-    return np.stack([mesh.face_radius, zero, zero + 1.0], axis=1)
+    return np.stack([mesh.face_radius, zero, zero + 1.0, zero, zero + 1.0], axis=1)
 
 
 def assemble(
@@ -147,17 +150,41 @@ def assemble(
     base = base or BaseState()
     linear = base.excess is None
     excess = np.zeros(n) if base.excess is None else np.ascontiguousarray(base.excess)
-    state = (rarefaction, base.frequency_exponent, excess[:, None], base.face, linear)
+    column = excess[:, None]
+    state = (rarefaction, base.frequency_exponent, column, column, base.face, linear)
+    bare = np.zeros((3, n, 0, linear_kernel.FIELDS))
     own, other, reflected = (np.zeros((n, n, 36)) for _ in range(3))
     walls = np.zeros((n, 2 * e + 1, linear_kernel.FIELDS))
     corrections = np.zeros((n, linear_kernel.FIELDS, linear_kernel.FIELDS))
     linear_kernel.assemble(
-        node_points(mesh), False, state, setup, panels, own, other, reflected, walls, corrections
+        node_points(mesh),
+        False,
+        state,
+        setup,
+        panels,
+        panels,
+        own,
+        other,
+        reflected,
+        walls,
+        bare,
+        corrections,
     )
-    fluxes = np.zeros((e, n, linear_kernel.FIELDS * linear_kernel.FLUXES))
+    fluxes = np.zeros((e, n, linear_kernel.FIELDS * linear_kernel.WALL_FLUXES))
     nothing = np.zeros((e, 0, linear_kernel.FIELDS))
     linear_kernel.assemble(
-        face_points(mesh), True, state, setup, panels, fluxes, fluxes, fluxes, nothing, nothing
+        face_points(mesh),
+        True,
+        state,
+        setup,
+        panels,
+        panels,
+        fluxes,
+        fluxes,
+        fluxes,
+        nothing,
+        bare[:, :e],
+        nothing,
     )
     return Operators(
         mesh=mesh,
@@ -167,7 +194,7 @@ def assemble(
         sigma=walls[:, :e],
         temperature=walls[:, e : 2 * e],
         velocity=walls[:, 2 * e],
-        fluxes=fluxes.reshape(e, n, 6, 3),
+        fluxes=fluxes.reshape(e, n, 6, linear_kernel.WALL_FLUXES)[..., : linear_kernel.FLUXES],
         corrections=corrections,
         theta=1.0 + excess,
         face_theta=base.face,

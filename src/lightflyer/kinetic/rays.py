@@ -65,15 +65,15 @@ def _push_roots(cuts, count, a, b, c, length):
 
 
 @kernel
-def exit_length(radius, height, direction, boundary):
-    """Length of a ray up to the cylinder r ≤ D, |z| ≤ D."""
+def exit_length(radius, height, direction, boundary, above, below):
+    """Length of a ray up to the cylinder r ≤ ``boundary``, −``below`` ≤ z ≤ ``above``."""
     if not np.isfinite(boundary):
         return np.inf
     length = np.inf
     if direction[2] > 0.0:
-        length = (boundary - height) / direction[2]
+        length = (above - height) / direction[2]
     elif direction[2] < 0.0:
-        length = (boundary + height) / -direction[2]
+        length = (below + height) / -direction[2]
     a = direction[0] ** 2 + direction[1] ** 2
     if a > 0.0:
         b = radius * direction[0]
@@ -144,7 +144,17 @@ def cut_ray(radius, height, direction, length, optical_scale, xi_edges, eta_edge
 
 @kernel
 def trace_ray(radius, height, direction, longest, optical_scale, mesh, cuts):
-    """Cut a ray that ends at the reservoir or where nothing beyond is seen.
+    """Cut a ray as :func:`trace_between` between halves that are alike."""
+    meshes = (mesh, mesh)
+    count, hit, crossing, _ = trace_between(
+        radius, height, direction, longest, optical_scale, meshes, cuts
+    )
+    return count, hit, crossing
+
+
+@kernel
+def trace_between(radius, height, direction, longest, optical_scale, meshes, cuts):
+    """Cut a ray that ends at the cylinder around the gas or where nothing beyond is seen.
 
     Parameters
     ----------
@@ -152,8 +162,10 @@ def trace_ray(radius, height, direction, longest, optical_scale, mesh, cuts):
         As for :func:`cut_ray`.
     longest : float
         Largest length [disk radii].
-    mesh : tuple
-        Panels, of :func:`lightflyer.kinetic.operators.kernel_arguments`.
+    meshes : tuple
+        Panels of the own and of the other half, of
+        :func:`lightflyer.kinetic.operators.kernel_arguments`. They differ in the height of the
+        cylinder only.
 
     Returns
     -------
@@ -163,13 +175,22 @@ def trace_ray(radius, height, direction, longest, optical_scale, mesh, cuts):
         Distance at which the ray crosses z = 0, infinite if it does not.
     crossing : float
         Squared radius of that point; 1 where the ray ends before.
+    leaves : bool
+        Whether the ray ends at the cylinder.
     """
-    length = min(longest, exit_length(radius, height, direction, mesh[5]))
-    count, hit = cut_ray(radius, height, direction, length, optical_scale, mesh[0], mesh[2], cuts)
-    crossing = 1.0
-    if hit < length:
-        crossing = (radius + hit * direction[0]) ** 2 + (hit * direction[1]) ** 2
-    return count, hit, crossing
+    own, other = meshes
+    below, crossing = other[6], 1.0
+    if direction[2] < 0.0:
+        s = -height / direction[2]
+        crossing = (radius + s * direction[0]) ** 2 + (s * direction[1]) ** 2
+        if crossing < 1.0:
+            below = own[6]  # the disk reflects it into the half it came from
+    end = exit_length(radius, height, direction, own[5], own[6], below)
+    length = min(longest, end)
+    count, hit = cut_ray(radius, height, direction, length, optical_scale, own[0], own[2], cuts)
+    if not hit < length:
+        crossing = 1.0
+    return count, hit, crossing, end <= longest
 
 
 @kernel

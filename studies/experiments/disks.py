@@ -101,7 +101,7 @@ def lit_share(radius, width):
     return 1.0 - 2.0 * width * np.sqrt(3.0) * radius / (np.pi * radius**2)
 
 
-def levitation(found, diameter, terms, errors, temperature, pressures=PRESSURES):
+def levitation(found, diameter, terms, errors, temperature, pressures=PRESSURES, model=None):
     """The least light at which disks lift off, at each pressure.
 
     Parameters
@@ -117,6 +117,8 @@ def levitation(found, diameter, terms, errors, temperature, pressures=PRESSURES)
         Of gas and walls [K].
     pressures : array, shape (p,)
         [Pa].
+    model : lightflyer.AbstractForceModel, optional
+        In place of the kinetic one of the terms.
 
     Returns
     -------
@@ -135,7 +137,7 @@ def levitation(found, diameter, terms, errors, temperature, pressures=PRESSURES)
         ),
         radius=radius,
     )  # fmt: skip
-    model = lf.Kinetic(**{k: v[:, None] for k, v in errors.items()}, **terms.model)
+    model = model or lf.Kinetic(**{k: v[:, None] for k, v in errors.items()}, **terms.model)
     chamber = lf.Chamber(
         temperature=temperature, radiation=_radiation(terms, temperature), **terms.chamber
     )

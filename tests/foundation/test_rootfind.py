@@ -91,6 +91,16 @@ def test_nan_inputs_end_as_not_finite(bad):
     assert float(found[0]) == pytest.approx(2.0, rel=1e-12)
 
 
+def test_saturating_laws_take_two_steps_however_near_the_asymptote():
+    targets = np.array([1e-3, 0.5, 0.999, 1.0 - 1e-6])
+    with lf.float64():
+        found, status = bracketed_power_newton(
+            lambda x: x / (1.0 + x), targets, 1e-9 * np.ones(4), 1e9 * np.ones(4), guess=1.0
+        )
+    np.testing.assert_allclose(found, targets / (1.0 - targets), rtol=1e-9)
+    assert int(status.steps) <= 2
+
+
 def cube_root(value):
     def search():
         return bracketed_power_newton(lambda x: x**3, value, 0.1 * value, value + 1.0, value)

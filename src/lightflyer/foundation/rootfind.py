@@ -249,6 +249,11 @@ def bracketed_power_newton(
     :math:`s = x f'/f`. The power is replaced by its Padé approximant about one, which is exact to
     second order and needs neither logarithm nor exponential. Bisection is geometric.
 
+    A function that grows less than linearly may be saturating, :math:`f = ax/(1 + bx)`, as the
+    force on a hot flyer is. A power would lead much too far there. The step is taken in
+    reciprocals, where such a function is a straight line:
+    :math:`x \leftarrow x/[1 + (f/f_0 - 1)/s]`.
+
     Parameters
     ----------
     function : callable
@@ -293,8 +298,10 @@ def power_step(value: Array, slope: Array, point: Array, target: Array) -> tuple
         See :func:`bracketed_power_newton`.
     """
     ratio, inverse_exponent = value / target, value / (point * slope)
-    more, less = 1.0 + inverse_exponent, 1.0 - inverse_exponent
-    return ratio - 1.0, point * (more + less * ratio) / (less + more * ratio)
+    low, high = jnp.minimum(inverse_exponent, 1.0), jnp.maximum(inverse_exponent, 1.0)
+    rise = inverse_exponent + high
+    above, below = 1.0 + low + (1.0 - low) * ratio, 2.0 - rise + rise * ratio
+    return ratio - 1.0, point * above / below
 
 
 def geometric_middle(lower: Array, upper: Array) -> Array:

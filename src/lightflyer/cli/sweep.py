@@ -1,7 +1,7 @@
 """``lightflyer sweep``: compute the outputs of many designs into a folder."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 from rich.console import Console
@@ -28,6 +28,7 @@ def sweep_command(
     scheduler: str | None = None,
     workers: int | None = None,
     chunk: int | None = None,
+    device: Literal["cpu", "gpu"] | None = None,
     reduce: Annotated[bool, Parameter(negative=())] = False,
     yes: Annotated[bool, Parameter(negative=())] = False,
     json_output: Json = False,
@@ -48,6 +49,8 @@ def sweep_command(
         Threads on this machine; by default one for each processor and two more.
     chunk
         Most designs that are computed and stored together; by default 262144.
+    device
+        Compute on the processors or on all GPUs; by default where JAX does.
     reduce
         Keep the best designs, Pareto fronts and distributions instead of every design. The study
         file's [reduce] says which.
@@ -70,7 +73,14 @@ def sweep_command(
         from lightflyer.cli.reduced import show_reduced
         from lightflyer.sweeps.reduced import reduce_into
 
-        report = reduce_into(study, out, scheduler=scheduler, workers=workers, chunk=chunk or CHUNK)
+        report = reduce_into(
+            study,
+            out,
+            scheduler=scheduler,
+            workers=workers,
+            chunk=chunk or CHUNK,
+            device=device,
+        )
         show_reduced(study, out, report, report_line(report), json_output=json_output)
         return
     report = sweep_into(
@@ -79,6 +89,7 @@ def sweep_command(
         scheduler=scheduler,
         workers=workers,
         chunk=CHUNK if chunk is None else chunk,
+        device=device,
     )
     dataset = open_sweep(out)
     if json_output:

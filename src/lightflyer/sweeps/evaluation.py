@@ -1,6 +1,7 @@
 """Many designs at once: a compiled function of the varied numbers, applied in batches."""
 
 import itertools
+import math
 import threading
 from functools import lru_cache
 from typing import Any
@@ -14,6 +15,7 @@ from lightflyer.foundation.batches import in_batches
 from lightflyer.foundation.errors import ConfigurationError
 from lightflyer.foundation.precision import float64, jit_with_options
 from lightflyer.foundation.progress import Counted
+from lightflyer.sweeps.devices import OnDevices
 from lightflyer.sweeps.study import Study
 
 BATCH = 16_384
@@ -21,6 +23,9 @@ BATCH = 16_384
 
 BATCH_OVER_BAND = 128
 """Designs evaluated at once where each is searched over some hundred altitudes."""
+
+BATCH_ON_GPU, BATCH_OVER_BAND_ON_GPU = 2**18, 2**12
+"""The same of all GPUs together: a chunk, so that none is filled up. Not measured on any yet."""
 
 MOST_PREPARED = 5_000
 """Most variants of a film of layers in one study: each takes a fraction of a second."""
@@ -48,15 +53,19 @@ class Evaluator:
     Parameters
     ----------
     study : Study
+    device : {"cpu", "gpu"}, optional
+        Where to compute: on all of the kind. By default where JAX does.
     """
 
     counted: Counted | None = None
     """Counts the designs as they are computed, in this process."""
 
-    def __init__(self, study: Study):
-        self.study = study
+    def __init__(self, study: Study, device: str | None = None):
+        self.study, self.device = study, device
         searched = any(output.over_band for output in study.known_outputs.values())
         self.batch = BATCH_OVER_BAND if searched else BATCH
+        if device == "gpu":
+            self.batch = BATCH_OVER_BAND_ON_GPU if searched else BATCH_ON_GPU
         self._prepared, self._strides = _prepare(study)
 
     def __call__(self, start: int, stop: int) -> tuple[Table, int]:
@@ -89,7 +98,7 @@ class Evaluator:
             As of a call.
         """
         study = self.study
-        kernel = _kernel(study.design, study.outputs, tuple(study.fixed.items()))
+        kernel = _kernel(study.design, study.outputs, tuple(study.fixed.items()), self.device)
 
         def compute(designs: np.ndarray) -> tuple[Table, np.ndarray]:
             found = kernel(*self.inputs(designs))
@@ -97,7 +106,8 @@ class Evaluator:
                 self.counted.add(len(designs))
             return found
 
-        outputs, converged = in_batches(compute, (designs,), self.batch)
+        size = math.ceil(self.batch / kernel.parts) * kernel.parts
+        outputs, converged = in_batches(compute, (designs,), size)
         failed = ~converged
         for values in outputs.values():
             values[failed | ~np.isfinite(values)] = np.nan
@@ -136,16 +146,31 @@ class Evaluator:
 
 
 class _Kernel:
-    """Outputs of many designs, compiled once for all threads of a process."""
+    """Outputs of many designs, compiled once for all threads of a process.
 
-    def __init__(self, design: AbstractDesign, names: tuple[str, ...], fixed: dict[str, float]):
+    Attributes
+    ----------
+    parts : int
+        Number of devices that share the designs.
+    """
+
+    def __init__(
+        self,
+        design: AbstractDesign,
+        names: tuple[str, ...],
+        fixed: dict[str, float],
+        device: str | None,
+    ):
         coordinate = design.coordinate_name
 
         def one(values: Any, prepared: Any) -> Any:
             given = fixed | values
             return evaluate(design.build(given, prepared), names, given.get(coordinate))
 
-        self._compiled = jit_with_options(jax.vmap(one), _COMPILATION)
+        self._devices = OnDevices(device) if device else None
+        self.parts = self._devices.count if self._devices else 1
+        every = self._devices.divided(jax.vmap(one)) if self._devices else jax.vmap(one)
+        self._compiled = jit_with_options(every, {} if device == "gpu" else _COMPILATION)
         self._ready: set[Any] = set()
         self._lock = threading.Lock()
 
@@ -162,6 +187,8 @@ class _Kernel:
 
     def _run(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
         with float64():
+            if self._devices:
+                values, prepared = self._devices.placed((values, prepared))
             outputs, converged = self._compiled(values, prepared)
             return {name: np.asarray(column) for name, column in outputs.items()}, np.asarray(
                 converged
@@ -170,9 +197,12 @@ class _Kernel:
 
 @lru_cache(maxsize=16)
 def _kernel(
-    design: AbstractDesign, names: tuple[str, ...], fixed: tuple[tuple[str, float], ...]
+    design: AbstractDesign,
+    names: tuple[str, ...],
+    fixed: tuple[tuple[str, float], ...],
+    device: str | None,
 ) -> _Kernel:
-    return _Kernel(design, names, dict(fixed))
+    return _Kernel(design, names, dict(fixed), device)
 
 
 def _prepare(study: Study) -> tuple[Any, list[int]]:

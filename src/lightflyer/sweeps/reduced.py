@@ -28,6 +28,7 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ConfigurationError, OutputError
 from lightflyer.foundation.progress import Counted
 from lightflyer.sweeps.chunks import CHUNK
+from lightflyer.sweeps.devices import find_devices
 from lightflyer.sweeps.evaluation import Evaluator
 from lightflyer.sweeps.kept import Designs, Kept, samples_of, what_is_kept
 from lightflyer.sweeps.outcome import SweepReport
@@ -239,6 +240,7 @@ def reduce_into(
     scheduler: str | None = None,
     workers: int | None = None,
     chunk: int = CHUNK,
+    device: str | None = None,
     evaluator: Any = None,
     save_every: float = SAVE_EVERY,
 ) -> SweepReport:
@@ -256,6 +258,8 @@ def reduce_into(
         Threads of this process.
     chunk : int
         Designs computed at once, at most.
+    device : {"cpu", "gpu"}, optional
+        Where to compute; by default where JAX does.
     evaluator : callable, optional
         In place of the study's own :class:`~lightflyer.sweeps.evaluation.Evaluator`.
     save_every : float
@@ -270,8 +274,10 @@ def reduce_into(
     OutputError
         If the file holds something else or another study, or cannot be written.
     ConfigurationError
-        If the scheduler does not answer.
+        If the scheduler does not answer, or there is no such device.
     """
+    if device and scheduler is None:
+        find_devices(device)
     path, blocks = Path(path), Blocks.of(study, chunk)
     if path.suffix != _SUFFIX:
         raise OutputError(
@@ -288,7 +294,7 @@ def reduce_into(
         progress = Progress(folder, kept, len(blocks), description)
         missing = [int(block) for block in np.flatnonzero(~progress.done)]
         left = sum(map(blocks.count, missing))
-        own = Evaluator(study) if evaluator is None else evaluator
+        own = Evaluator(study, device) if evaluator is None else evaluator
         counted = Counted("computing designs", study.size, "designs", done=study.size - left)
         task = BlockTask(study, own, blocks)
         found = (

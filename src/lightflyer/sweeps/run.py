@@ -14,6 +14,7 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.foundation.errors import ConfigurationError, LightflyerError
 from lightflyer.foundation.progress import Counted
 from lightflyer.sweeps.chunks import CHUNK, Chunks
+from lightflyer.sweeps.devices import find_devices
 from lightflyer.sweeps.evaluation import Evaluator
 from lightflyer.sweeps.outcome import SweepReport
 from lightflyer.sweeps.scheduler import Task, connected, processors, run_here, run_on_dask
@@ -37,6 +38,7 @@ def sweep_into(
     scheduler: str | None = None,
     workers: int | None = None,
     chunk: int = CHUNK,
+    device: str | None = None,
     evaluator: Callable[[int, int], Any] | None = None,
 ) -> SweepReport:
     """Compute a study into a folder, or the part of it that is missing there.
@@ -52,6 +54,8 @@ def sweep_into(
         Threads of this process.
     chunk : int
         Designs in a chunk of a new folder, at most.
+    device : {"cpu", "gpu"}, optional
+        Where to compute; by default where JAX does.
     evaluator : callable, optional
         In place of the study's own :class:`~lightflyer.sweeps.evaluation.Evaluator`.
 
@@ -64,9 +68,11 @@ def sweep_into(
     OutputError
         If the folder holds something else or another study, or cannot be written.
     ConfigurationError
-        If the scheduler does not answer.
+        If the scheduler does not answer, or there is no such device.
     """
     folder = Path(folder)
+    if device and scheduler is None:
+        find_devices(device)
     with ExitStack() as stack:
         # first, so that no folder is made for a scheduler that does not answer
         client = stack.enter_context(connected(scheduler)) if scheduler else None
@@ -75,7 +81,7 @@ def sweep_into(
         left = sum(_length(chunks, number) for number in missing)
         start, computed = time.perf_counter(), 0
         if missing:
-            own = Evaluator(study) if evaluator is None else None
+            own = Evaluator(study, device) if evaluator is None else None
             counted = Counted("computing designs", study.size, "designs", done=study.size - left)
             counts_itself = scheduler is None and own is not None
             if scheduler is None and own is not None:
@@ -124,6 +130,7 @@ def sweep(
     seed: int = 0,
     out: str | Path | None = None,
     scheduler: str | None = None,
+    device: str | None = None,
 ) -> "xr.Dataset":
     """Outputs of a flyer over every combination of some of its numbers.
 
@@ -150,6 +157,9 @@ def sweep(
         interrupted sweep.
     scheduler : str, optional
         Address of a Dask scheduler that computes into ``out``.
+    device : {"cpu", "gpu"}, optional
+        Where to compute, on all of the kind; by default where JAX does. Results of a GPU differ
+        from those of a processor by rounding.
 
     Returns
     -------
@@ -188,25 +198,26 @@ def sweep(
     sampling = from_arguments(SamplingSection, method=method, points=points, seed=seed)
     study = make_study(design, over, names, sampling)
     if out is not None:
-        sweep_into(study, out, scheduler=scheduler)
+        sweep_into(study, out, scheduler=scheduler, device=device)
         return open_sweep(out)
     if scheduler is not None:
         raise ConfigurationError("a scheduler computes into a folder; give out as well")
-    return in_memory(study)
+    return in_memory(study, device)
 
 
-def in_memory(study: Study) -> "xr.Dataset":
+def in_memory(study: Study, device: str | None = None) -> "xr.Dataset":
     """The outputs of a study as a dataset in memory.
 
     Parameters
     ----------
     study : Study
+    device : {"cpu", "gpu"}, optional
 
     Returns
     -------
     xarray.Dataset
     """
-    results, failures = Evaluator(study)(0, study.size)
+    results, failures = Evaluator(study, device)(0, study.size)
     dataset = empty_dataset(study)
     dims = [dimension.name for dimension in study.dimensions]
     for name, output in study.known_outputs.items():

@@ -42,8 +42,10 @@ listings: $(STAMP)  ## after a change of results on purpose: take what commands 
 wheel: $(STAMP)  ## build the package and use its wheel in an empty environment
 	VENV=$(VENV) .ci/check_wheel
 
-bench: $(STAMP)  ## measure speed beside SciPy's; prints the table of docs/benchmarks.md
+bench: $(STAMP)  ## measure speed beside others'; prints tables and draws the figure of docs/benchmarks.md
 	$(BIN)/python benchmarks/solver.py
+	$(BIN)/python -O benchmarks/film.py
+	$(BIN)/python benchmarks/story.py
 
 # What is installed is exactly what the lock file names.
 $(STAMP): pyproject.toml requirements.lock

@@ -33,7 +33,7 @@ def mean_speed(t):
     return np.sqrt(8.0 * R * t / np.pi)
 
 
-def lost_power(hot, cold, pressure, radius, tac_mean, emittance, *, reported=True):
+def lost_power(hot, cold, pressure, radius, tac_mean, emittance, reported=True):
     """Heat loss of a disk with equal faces [W]; Eqs. (3)-(10), (17)."""
     area, mean, difference = np.pi * radius**2, 0.5 * (hot + cold), hot - cold
     at = cold if reported else mean

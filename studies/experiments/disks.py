@@ -242,24 +242,29 @@ def reductions(found):
     return saved
 
 
-def likelihood(paper, found):
+def likelihood(paper, found, shares):
     """Of what was measured of the 2-cm disks, for each sample.
+
+    Parameters
+    ----------
+    paper : dict
+        Of the file.
+    found : dict
+        Of :func:`predict`.
+    shares : mapping of str to array, shape (n,)
+        Those of the scale of the light count, which all disks share.
 
     Returns
     -------
     array, shape (n,)
-        Of the least light with germanium and of the light that germanium saves.
+        1 where both films need exactly the light that they needed.
     """
-    reading = {key: number(entry).uncertainty for key, entry in paper["reading"].items()}
-    light, saved = found["germanium", 2][0], reductions(found)[2]
-    least_light = paper["germanium"]["disks"]["2"]["least"]
-    left = 1.0 - paper["reductions"]["2"]["value"]
-    flies = np.isfinite(light)
-    off = np.log(np.where(flies, light, least_light) / least_light)
-    apart = np.log(np.where(flies, 1.0 - saved, left) / left)
-    both = (off / np.hypot(reading["light"], reading["lift_off"])) ** 2
-    both += (apart / (np.sqrt(2.0) * reading["lift_off"])) ** 2
-    return np.where(flies, np.exp(-0.5 * both), 0.0)
+    scale, spread = _reading(paper, "light", shares), number(paper["reading"]["lift_off"])
+    squares = 0.0
+    for name in FILMS:
+        measured_light = scale * paper[name]["disks"]["2"]["least"]
+        squares += (np.log(found[name, 2][0] / measured_light) / spread.uncertainty) ** 2
+    return np.exp(-0.5 * squares)
 
 
 def forces_needed(paper, terms):

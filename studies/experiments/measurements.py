@@ -9,7 +9,7 @@ import numpy as np
 from scipy.stats import norm, qmc
 
 EXPERIMENTS = Path(__file__).parent / "experiments.toml"
-SAMPLES = 16384  # a power of two
+SAMPLES = 65536  # a power of two
 PERCENTILES = (2.5, 50.0, 97.5)
 SEED = 1
 _KINDS = {"printed", "derived", "assumed"}
@@ -27,14 +27,15 @@ class Number:
         Standard deviation of a normal distribution; 0 where there are ends, or none is known.
     low, high : float
         Ends between which each value is equally likely; the middle twice where there are none.
-    highest : float
-        What is possible at most.
+    lowest, highest : float
+        What is possible at least and at most; values beyond are taken for these.
     """
 
     value: float
     uncertainty: float
     low: float
     high: float
+    lowest: float = -math.inf
     highest: float = math.inf
 
     def at(self, share):
@@ -52,7 +53,7 @@ class Number:
             found = self.value + self.uncertainty * norm.ppf(share)
         else:
             found = self.low + (self.high - self.low) * np.asarray(share)
-        return np.minimum(found, self.highest)
+        return np.clip(found, self.lowest, self.highest)
 
 
 def number(entry) -> Number:
@@ -70,7 +71,8 @@ def number(entry) -> Number:
     low = entry.get("low", entry.get("value"))
     high = entry.get("high", entry.get("value"))
     uncertainty = entry.get("uncertainty", 0.0)
-    return Number(0.5 * (low + high), uncertainty, low, high, entry.get("highest", math.inf))
+    bounds = entry.get("lowest", -math.inf), entry.get("highest", math.inf)
+    return Number(0.5 * (low + high), uncertainty, low, high, *bounds)
 
 
 def read():

@@ -1,6 +1,6 @@
 """Published experiments with light-flyers beside what the package predicts, nothing refitted.
 
-    python studies/experiments/study.py          # two minutes on one core
+    python studies/experiments/study.py          # three minutes on one core
 
 Writes results.json and docs/images/experiments.png. `--table` prints tables in Markdown.
 """
@@ -135,7 +135,7 @@ def band(paper, terms):
     """Intervals of all that was measured, before and after the 2-cm disks are known."""
     drawn = shares(NAMES)
     found = disks.predict(paper, drawn, terms)
-    weights = disks.likelihood(paper, found)
+    weights = disks.likelihood(paper, found, drawn)
     melting = number(paper["setting"]["melting"]).value
     result = {"samples_left": round(float(weights.sum() ** 2 / (weights**2).sum()))}
     measured = disks.measured(paper, drawn)

@@ -92,15 +92,14 @@ def test_samples_follow_their_numbers(study):
 
 
 def test_samples_count_by_what_was_measured_of_the_2_cm_disks(study, paper):
-    """One at the measured values counts fully; each is wrong by one standard deviation once."""
-    of_light, of_ratio = math.hypot(0.05, 0.05), math.sqrt(2.0) * 0.05
-    light = 1500.0 * np.array([1.0, math.exp(of_light), 1.0, np.inf])
-    nanotubes = np.array([1500.0, light[1], 1500.0 * math.exp(of_ratio), 1500.0]) / 0.71
-    found = {("germanium", 2): (light,), ("nanotubes", 2): (nanotubes,)}
-    for size in (3, 4):
-        found |= {(name, size): (nanotubes,) for name in study["disks"].FILMS}
-    expected = [1.0, math.exp(-0.5), math.exp(-0.5), 0.0]
-    assert study["disks"].likelihood(paper, found) == pytest.approx(expected)
+    """The light of each film, apart from the scale of all light, within 5 % of lift-off."""
+    one, high = math.exp(0.05), norm.cdf(1.0)  # a scale that is one standard deviation too high
+    shares = {"light": np.array([0.5, 0.5, 0.5, high, 0.5])}
+    germanium = 1500.0 * np.array([1.0, one, 1.0 / one, 1.05, np.inf])
+    nanotubes = 1500.0 / 0.71 * np.array([1.0, 1.0, one, 1.05, 1.0])
+    found = {("germanium", 2): (germanium,), ("nanotubes", 2): (nanotubes,)}
+    expected = [1.0, math.exp(-0.5), math.exp(-1.0), 1.0, 0.0]
+    assert study["disks"].likelihood(paper, found, shares) == pytest.approx(expected, rel=1e-3)
 
 
 def test_verdicts(study, paper):

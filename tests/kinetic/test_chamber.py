@@ -37,7 +37,7 @@ def reservoir(distance):
 @pytest.fixture(scope="module")
 def near():
     """A closed chamber with all surfaces near, and its rays."""
-    problem = case(0.5, Chamber(floor=0.6, lid=1.5, wall=2.0))
+    problem = case(0.5, Chamber(floor=0.6, lid=1.5, side=2.0))
     return problem, assembled(problem, COARSE)
 
 
@@ -95,7 +95,7 @@ def test_heat_and_force_are_reciprocal(near):
 
 
 def replace_floor(chamber, floor):
-    return Chamber(floor, chamber.lid, chamber.wall)
+    return Chamber(floor, chamber.lid, chamber.side)
 
 
 def test_free_molecules_between_disk_and_floor():
@@ -185,7 +185,7 @@ def test_small_differences_are_linear(local):
     ("change", "names"),
     [
         ({"chamber": lambda: Chamber(0.05, 4.0, 4.0)}, "floor = 0.05"),
-        ({"chamber": lambda: Chamber(1.0, 4.0, 1.0)}, "wall = 1"),
+        ({"chamber": lambda: Chamber(1.0, 4.0, 1.0)}, "side = 1"),
         ({"chamber": lambda: Chamber(1.0, 40.0, 4.0)}, "lid = 40"),
         ({"chamber": lambda: Chamber(Surface(1.0, tac=1.2), 4.0, 4.0)}, "floor_tac = 1.2"),
         ({"chamber": lambda: Chamber(Surface(1.0, temperature=-2.0), 4.0, 4.0)}, "floor_temp"),
@@ -211,7 +211,7 @@ def test_solution_tells_all_surfaces_and_the_flow(monkeypatch):
     monkeypatch.setattr(chamber_cases, "meshes", lambda *, linear: (COARSE, SKETCH))
     chamber = Chamber(0.6, 1.5, Surface(2.0, temperature=0.1))
     found = solve_in_chamber(0.5, 0.8, 0.9, chamber=chamber, film="local")
-    assert set(found.forces) == set(found.heats) == {"disk", "floor", "lid", "wall"}
+    assert set(found.forces) == set(found.heats) == {"disk", "floor", "lid", "side"}
     assert abs(found.closure["force"]) < 2e-3
     assert abs(found.closure["heat"]) < 5e-3
     flow = found.flow(np.array([0.0, 0.0, 0.0]), np.array([-0.3, 0.3, 1.6]))
@@ -219,4 +219,4 @@ def test_solution_tells_all_surfaces_and_the_flow(monkeypatch):
     assert np.isnan(flow["temperature"][2])
     assert found.to_json()["closure"] == found.closure
     assert "floor 0.6" in found.title
-    assert "wall 2 at +0.1" in found.title
+    assert "side 2 at +0.1" in found.title

@@ -18,7 +18,9 @@ from lightflyer.foundation.progress import report
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from lightflyer.kinetic import Solution
+    from lightflyer.kinetic import Chamber, ChamberSolution, Solution
+
+SurfaceName = Literal["floor", "lid", "side"]
 
 
 def kinetic_command(
@@ -34,6 +36,16 @@ def kinetic_command(
     gas: Literal["monatomic", "diatomic"] = "monatomic",
     wall: Literal["maxwell", "accommodated"] = "maxwell",
     boundary: float | None = None,
+    floor: float | None = None,
+    lid: float | None = None,
+    side: float | None = None,
+    reservoir: list[SurfaceName] | None = None,
+    floor_temperature: float = 0.0,
+    lid_temperature: float = 0.0,
+    side_temperature: float = 0.0,
+    chamber_tac: float = 1.0,
+    local_balance: bool = False,
+    radiation: float = 0.0,
     collisions: Literal["shakhov", "vhs"] = "shakhov",
     viscosity_exponent: float | None = None,
     collision_number: float | None = None,
@@ -74,6 +86,28 @@ def kinetic_command(
     boundary
         Half-width and half-height of a cold cylindrical reservoir around the disk, in radii:
         1.5 to 338 Kn.
+    floor
+        Distance of a solid floor below the disk, in radii, 0.1 to 338 Kn; with --lid and --side.
+    lid
+        Distance of a solid lid above the disk.
+    side
+        Radius of a solid side wall around the disk, 1.2 to 338 Kn.
+    reservoir
+        Floor, lid or side that is the end of a reservoir instead of solid; may be repeated.
+    floor_temperature
+        Temperature of the floor over that of the gas, less 1; in the linear problem in the unit of
+        the disk's perturbation.
+    lid_temperature
+        The same for the lid.
+    side_temperature
+        The same for the side wall.
+    chamber_tac
+        Accommodation coefficient of floor, lid and side wall, 0 to 1.
+    local_balance
+        Whether each spot of the film loses the heat that it absorbs, the same everywhere. The
+        disk's temperature is then the mean over its area.
+    radiation
+        Heat that such a film also radiates, per unit area and perturbation, over p√(2RT_c).
     collisions
         The model equation of Shakhov and Rykov, or the collision operator of VHS molecules, in the
         linear problem.
@@ -99,27 +133,34 @@ def kinetic_command(
     if temperature_ratio is None and top_temperature_ratio is not None:
         raise ParameterError("--top-temperature-ratio needs --temperature-ratio, of the lower face")
     from lightflyer.foundation.files import output_directory
-    from lightflyer.kinetic import solve
 
     # a folder that cannot be written is found before, not after, a long solution
     written: list[str] = []
     opened = nullcontext() if out is None else output_directory(out)
     with opened as stage, _named_as_options():
-        solution = solve(
-            kn,
-            tac_top,
-            tac_bottom,
-            top_temperature=1.0 if top_temperature is None else top_temperature,
-            bottom_temperature=1.0 if bottom_temperature is None else bottom_temperature,
-            temperature_ratio=_of_both_faces(temperature_ratio, top_temperature_ratio),
-            open_fraction=open_fraction,
-            gas=gas,
-            wall=wall,
-            boundary=boundary,
-            collisions=collisions,
-            viscosity_exponent=viscosity_exponent,
-            collision_number=collision_number,
+        heated: dict[str, Any] = {
+            "top_temperature": 1.0 if top_temperature is None else top_temperature,
+            "bottom_temperature": 1.0 if bottom_temperature is None else bottom_temperature,
+            "temperature_ratio": _of_both_faces(temperature_ratio, top_temperature_ratio),
+            "gas": gas,
+            "wall": wall,
+        }
+        chamber = _chamber(
+            {"floor": floor, "lid": lid, "side": side},
+            {"floor": floor_temperature, "lid": lid_temperature, "side": side_temperature},
+            tuple(reservoir or ()),
+            chamber_tac,
         )
+        others = {
+            "open_fraction": open_fraction,
+            "boundary": boundary,
+            "collisions": collisions,
+            "viscosity_exponent": viscosity_exponent,
+            "collision_number": collision_number,
+        }
+        film = {"film": "local" if local_balance else "isothermal", "radiation": radiation}
+        faces = kn, tac_top, tac_bottom
+        solution = _solved(faces, heated, others, film, chamber)
         if stage is not None:
             report("drawing the flow")
             written = _write(stage, solution, figures)
@@ -132,14 +173,76 @@ def kinetic_command(
         figures.tell(console, [] if out is None else [out / name for name in written], hint)
 
 
+def _solved(
+    faces: tuple[float, float, float],
+    heated: dict[str, Any],
+    others: dict[str, Any],
+    film: dict[str, Any],
+    chamber: "Chamber | None",
+) -> "Solution | ChamberSolution":
+    from lightflyer.kinetic import solve, solve_in_chamber
+
+    kn, tac_top, tac_bottom = faces
+    if chamber is None and film == {"film": "isothermal", "radiation": 0.0}:
+        return solve(kn, tac_top, tac_bottom, **heated, **others)
+    usual = {"open_fraction": 0.0, "collisions": "shakhov"}
+    for name, value in others.items():
+        if value != usual.get(name):
+            option = f"--{name.replace('_', '-')}"
+            raise ParameterError(
+                f"{option} cannot be combined with --floor, --lid, --side or --local-balance"
+            )
+    return solve_in_chamber(kn, tac_top, tac_bottom, **heated, **film, chamber=chamber)
+
+
+def _chamber(
+    distances: dict[str, float | None],
+    temperatures: dict[str, float],
+    reservoirs: tuple[SurfaceName, ...],
+    tac: float,
+) -> "Chamber | None":
+    """Chamber of given options, or none."""
+    missing = [f"--{name}" for name, distance in distances.items() if distance is None]
+    if len(missing) == len(distances):
+        given = [f"--{name}-temperature" for name, value in temperatures.items() if value]
+        given += ["--reservoir"] * bool(reservoirs) + ["--chamber-tac"] * (tac != 1.0)
+        if given:
+            raise ParameterError(f"{given[0]} needs --floor, --lid and --side")
+        return None
+    if missing:
+        raise ParameterError(
+            f"--floor, --lid and --side belong together: {' and '.join(missing)} not given"
+        )
+    from lightflyer.kinetic import Chamber, Surface
+
+    return Chamber(
+        **{
+            name: Surface(distance, name not in reservoirs, temperatures[name], tac)
+            for name, distance in distances.items()
+            if distance is not None
+        }
+    )
+
+
 def _of_both_faces(ratio: float | None, top: float | None) -> float | tuple[float, float] | None:
     return ratio if ratio is None or top is None else (top, ratio)
 
 
-def _show(console: "Console", solution: "Solution") -> None:
+def _show(console: "Console", solution: "Solution | ChamberSolution") -> None:
     described = solution.to_json()
     console.print(solution.title, soft_wrap=True)
     console.print(_table(described))
+    if "forces" in described:
+        console.print(_surfaces(described))
+        profile = described["film_temperature"]
+        if described["imbalance"] is not None:
+            console.print(
+                f"film: T/T_c - 1 is {profile[0]:.4f} in the centre and {profile[-1]:.4f} at the "
+                f"edge; absorbed and lost heat differ by at most {described['imbalance']:.0e}",
+                soft_wrap=True,
+            )
+        for words in described["warnings"]:
+            console.print(f"warning: {words}", soft_wrap=True)
     count = described["iterations"]
     excluded = " and excludes that of the model" if solution.is_model else ""
     console.print(
@@ -161,7 +264,23 @@ def _named_as_options() -> Iterator[None]:
         raise ParameterError(f"{option}{space}{rest}" if known else str(error)) from None
 
 
-def _write(stage: Callable[[str], Path], solution: "Solution", figures: FigureOptions) -> list[str]:
+def _surfaces(described: dict[str, Any]) -> Table:
+    errors = described["error_estimate"]
+    table = Table(box=None, padding=(0, 1))
+    for heading in ("", "force up\n[pA]", "heat out\n[p√(2RT_c)A]"):
+        table.add_column(heading, justify="right" if heading else "left")
+    for name, force in described["forces"].items():
+        table.add_row(name, f"{force:.6f}", f"{described['heats'][name]:.6f}")
+    table.add_row("error, disk", f"± {errors['force']:.1g}", f"± {errors['heat']:.1g}")
+    if described["closure"]:
+        closure = described["closure"]
+        table.add_row("sum over sum of sizes", f"{closure['force']:.0e}", f"{closure['heat']:.0e}")
+    return table
+
+
+def _write(
+    stage: Callable[[str], Path], solution: "Solution | ChamberSolution", figures: FigureOptions
+) -> list[str]:
     from lightflyer.kinetic.figures import flow_figure
 
     write_json(stage("kinetic.json"), solution.to_json() | {"inputs": solution.inputs})

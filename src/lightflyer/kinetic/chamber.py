@@ -50,7 +50,7 @@ class ChamberSolution:
         Q/Q_fm of each face and of both, over the free-molecular heat with the mean temperatures of
         the faces.
     forces, heats : mapping of str to float
-        Of ``disk``, ``floor``, ``lid`` and ``wall``, the last three in a chamber. Of a reservoir:
+        Of ``disk``, ``floor``, ``lid`` and ``side``, the last three in a chamber. Of a reservoir:
         momentum and energy that leave through it, energy with its sign reversed.
     error_estimate : dict of str to float
         Numerical error of ``force_ratio``, ``heat_ratio``, ``force`` and ``heat``: their change
@@ -58,8 +58,9 @@ class ChamberSolution:
     closure : dict of str to float
         ``force`` and ``heat``: their sums over all surfaces of a chamber, over the sums of their
         magnitudes; zero but for numerical errors.
-    imbalance : float
-        Largest relative difference of absorbed and lost heat of a spot of a local film.
+    imbalance : float or None
+        Largest relative difference of absorbed and lost heat of a spot of a local film; None for
+        an isothermal one.
     absorbed : float
         Heat that the film loses per area of the disk, by gas and radiation [p √(2RT_c)].
     film_radius, film_temperature : array, shape (21,)
@@ -80,7 +81,7 @@ class ChamberSolution:
     heats: Mapping[str, float]
     error_estimate: dict[str, float | None]
     closure: dict[str, float]
-    imbalance: float
+    imbalance: float | None
     absorbed: float
     film_radius: np.ndarray
     film_temperature: np.ndarray
@@ -277,7 +278,7 @@ def solve_in_chamber(
     A floor below raises force and heat loss of a disk in a wide reservoir:
 
     >>> from lightflyer.kinetic import Chamber, Surface, solve_in_chamber
-    >>> chamber = Chamber(floor=1.0, lid=Surface(3.0, solid=False), wall=Surface(3.0, solid=False))
+    >>> chamber = Chamber(floor=1.0, lid=Surface(3.0, solid=False), side=3.0)
     >>> solution = solve_in_chamber(3.0, 0.8, 0.9, chamber=chamber)  # doctest: +SKIP
     """
     local = require_balance(film, radiation, absorbed)
@@ -356,7 +357,7 @@ def _solved(case: "ChamberCase", knudsen: float) -> ChamberSolution:
         heats={"disk": sum(fine.totals.heat), **fine.totals.heats},
         error_estimate=errors,
         closure=_closure(fine.totals),
-        imbalance=fine.imbalance,
+        imbalance=fine.imbalance if case.film.local else None,
         absorbed=fine.absorbed,
         film_radius=radius,
         film_temperature=fine.film_at(radius),

@@ -58,7 +58,7 @@ class ChamberCase:
             return mesh, mesh
         return build_chamber_meshes(
             self.rarefaction,
-            self.chamber.wall.distance,
+            self.chamber.side.distance,
             self.chamber.ceilings,
             order=resolution.order,
             refinement=resolution.refinement,

@@ -126,7 +126,7 @@ class ChamberSystem:
             return []
         flat = self.halves[half].rim.is_flat
         end = self.chamber.lid if half == 0 else self.chamber.floor
-        return [(self.chamber.wall, ~flat), (end, flat)]
+        return [(self.chamber.side, ~flat), (end, flat)]
 
     # ------------------------------------------------------------------ functionals
 
@@ -362,6 +362,33 @@ class ChamberSystem:
         """Unknowns, shape (size,)."""
         return lu_solve(self.factors, self.equations[1], check_finite=False)
 
+    def respond(self, faces: tuple[float, float], surfaces: dict[str, float]) -> np.ndarray:
+        """Unknowns for other temperatures of the same film, at rest, and of the same chamber.
+
+        Parameters
+        ----------
+        faces : tuple of float
+            Perturbations of top and bottom; of a local film the first is its mean.
+        surfaces : dict of str to float
+            Those of ``floor``, ``lid`` and ``wall``; 0 for others.
+
+        Returns
+        -------
+        array, shape (size,)
+        """
+        layout, right = self.layout, np.zeros(self.layout.size)
+        for half in (0, 1):
+            if not self.film.local:
+                right[layout.film(half)] = faces[half]
+            emitted = right[layout.wall_emitted(half)]
+            names = ("side", "lid" if half == 0 else "floor")
+            for name, (surface, mask) in zip(names, self.surface_masks(half), strict=False):
+                if surface.solid:
+                    emitted[mask] = surface.tac * surfaces.get(name, 0.0)
+        if self.film.local:
+            right[layout.power] = faces[0]
+        return lu_solve(self.factors, right, check_finite=False)
+
     @cached_property
     def factors(self) -> tuple[np.ndarray, np.ndarray]:
         """LU factors of the matrix."""
@@ -398,7 +425,7 @@ class ChamberSystem:
         """Add forces, heats and molecules of the walls of a half to totals, by name."""
         axial, recoil, heat, sent = fluxes
         rim, sign = self.halves[half].rim, 1.0 if half == 0 else -1.0
-        names = ("wall", "lid" if half == 0 else "floor")
+        names = ("side", "lid" if half == 0 else "floor")
         for (_, mask), name in zip(self.surface_masks(half), names, strict=False):
             # molecules leave a side wall with no axial momentum
             force = sign * (2.0 * axial + np.where(rim.is_flat, recoil, 0.0))

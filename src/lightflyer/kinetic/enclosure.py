@@ -6,13 +6,13 @@ from lightflyer.foundation.checks import require_range
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.kinetic.walls import Wall
 
-SURFACES = ("floor", "lid", "wall")
-"""Surfaces of a chamber; ``wall`` is the side wall."""
+SURFACES = ("floor", "lid", "side")
+"""Surfaces of a chamber; ``side`` is the side wall."""
 
 NEAREST = 0.1
 """Smallest height of a disk above a floor, or below a lid [disk radii]."""
 
-NEAREST_WALL = 1.2
+NEAREST_SIDE = 1.2
 """Smallest radius of a side wall [disk radii]."""
 
 TALLEST = 8.0
@@ -52,31 +52,31 @@ class Chamber:
 
     Attributes
     ----------
-    floor, lid, wall : Surface
+    floor, lid, side : Surface
         Below and above the disk, and the side wall.
 
     Examples
     --------
     >>> from lightflyer.kinetic import Chamber, Surface
-    >>> chamber = Chamber(floor=2.25, lid=Surface(4.0, solid=False), wall=4.0)
+    >>> chamber = Chamber(floor=2.25, lid=Surface(4.0, solid=False), side=4.0)
     >>> chamber.floor.solid, chamber.is_closed
     (True, False)
     """
 
     floor: Surface
     lid: Surface
-    wall: Surface
+    side: Surface
 
     def __init__(
-        self, floor: "Surface | float", lid: "Surface | float", wall: "Surface | float"
+        self, floor: "Surface | float", lid: "Surface | float", side: "Surface | float"
     ) -> None:
-        for name, given in zip(SURFACES, (floor, lid, wall), strict=True):
+        for name, given in zip(SURFACES, (floor, lid, side), strict=True):
             surface = given if isinstance(given, Surface) else Surface(float(given))
             object.__setattr__(self, name, surface)
         self._check()
 
     def _check(self) -> None:
-        for name, least in zip(SURFACES, (NEAREST, NEAREST, NEAREST_WALL), strict=True):
+        for name, least in zip(SURFACES, (NEAREST, NEAREST, NEAREST_SIDE), strict=True):
             surface = getattr(self, name)
             require_range(name, surface.distance, least)
             require_range(f"{name}_tac", surface.tac, 0.0, 1.0)
@@ -86,7 +86,7 @@ class Chamber:
                     f"{name}_temperature = {surface.temperature:g}: a reservoir is at T_c"
                 )
         for name in ("floor", "lid"):
-            highest = TALLEST * self.wall.distance
+            highest = TALLEST * self.side.distance
             require_range(name, getattr(self, name).distance, NEAREST, highest)
 
     @property

@@ -263,7 +263,7 @@ def build_mesh(
 _GAP_GROWTH = 1.6
 """Ratio of the ends of panels on the longest way to a chamber's walls."""
 
-_WALL_LAYER = 2.0  # optical depth of the panels next to a chamber's walls
+_WALL_LAYER = 3.0  # largest optical depth of the panels next to a chamber's walls
 _CLOSEST_EDGES = 0.3  # of the smaller neighbour: nearer edges of panels in η are moved together
 
 
@@ -336,7 +336,7 @@ def _shares_to_walls(ratio: float, depth: float, refinement: float) -> np.ndarra
     count = max(1, int(np.ceil(refinement * np.log(ratio) / np.log(_GAP_GROWTH))))
     ends = ratio ** (np.arange(1, count + 1) / count)
     # the last panel is thin enough to see the wall
-    while ratio > 1.5 and depth * (ratio - ([1.0, *ends])[-2]) > _WALL_LAYER * 3.0 / refinement:
+    while ratio > 1.5 and depth * (ratio - ([1.0, *ends])[-2]) > _WALL_LAYER / refinement:
         before = ([1.0, *ends])[-2]
         ends = np.append(ends[:-1], [ratio - (ratio - before) / 3.0, ratio])
     return (1.0 - 1.0 / ends) / (1.0 - 1.0 / ratio)

@@ -176,7 +176,13 @@ def test_a_stores_own_records_are_never_taken_for_granted(study, tmp_path):
         lf.open_sweep(folder)
 
 
-@pytest.mark.parametrize("damage", [lambda path: path.write_text("{"), Path.unlink])
+def flip_a_bit(path):
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize("damage", [lambda path: path.write_text("{"), Path.unlink, flip_a_bit])
 @pytest.mark.parametrize("part", ["zarr.json", "lift/zarr.json", "altitude/zarr.json",
                                   "flyer.diameter/c/0"])  # fmt: skip
 def test_descriptions_and_coordinates_that_are_lost_are_written_anew(study, tmp_path, part, damage):

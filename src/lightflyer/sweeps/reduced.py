@@ -296,6 +296,9 @@ def reduce_into(
         left = sum(map(blocks.count, missing))
         own = Evaluator(study, device) if evaluator is None else evaluator
         counted = Counted("computing designs", study.size, "designs", done=study.size - left)
+        counts_itself = scheduler is None and evaluator is None
+        if counts_itself:
+            own.counted = counted  # as its batches end: a block may take minutes
         task = BlockTask(study, own, blocks)
         found = (
             run_on_dask(task, missing, client, scheduler)
@@ -305,7 +308,8 @@ def reduce_into(
         try:
             for block, content, failures in found:
                 progress.add(block, content, failures, save_every)
-                counted.add(blocks.count(block))
+                if not counts_itself:
+                    counted.add(blocks.count(block))
         finally:
             progress.save()
         tree = as_tree(study, own, kept, progress.partials, progress.failures)

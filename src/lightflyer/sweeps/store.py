@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 _RECORDS = ".lightflyer"
 _STUDY, _JOURNAL, _LOCK = "study.json", "journal", "lock"
+_METADATA = "zarr.json"  # of a group or an array
 _PARTIAL = ".partial"
 _CHECKSUM_BYTES = 4
 _MOST_DIFFERENCES = 12
@@ -162,8 +163,7 @@ class Store:
     def finish(self) -> None:
         """Record in the group's attributes that it is complete."""
         attributes = {"complete": not self.missing, "not_converged": self.failures}
-        path = self.folder / "zarr.json"
-        metadata = json.loads(path.read_text(encoding="utf-8"))
+        path, metadata = self.folder / _METADATA, _metadata(self.folder)
         if metadata["attributes"] | attributes != metadata["attributes"]:
             metadata["attributes"] |= attributes
             write_atomically(path, json.dumps(metadata).encode())
@@ -399,14 +399,22 @@ def _group_is_intact(folder: Path, study: Study, chunks: Chunks) -> bool:
     try:
         group: Any = zarr.open_group(folder, mode="r", use_consolidated=False)
         coordinates = empty_dataset(study).coords
-        return all(
-            np.array_equal(group[name][...], values) for name, values in coordinates.items()
-        ) and all(
-            (group[name].shape, group[name].chunks) == (chunks.shape, chunks.block)
-            for name in study.outputs
+        told = _metadata(folder)["consolidated_metadata"]["metadata"]
+        return (
+            all(np.array_equal(group[name][...], values) for name, values in coordinates.items())
+            and all(
+                (group[name].shape, group[name].chunks) == (chunks.shape, chunks.block)
+                for name in study.outputs
+            )
+            # readers take this copy of all descriptions in place of each array's own
+            and all(told[name] == _metadata(folder / name) for name in _names_in_group(study))
         )
     except (OSError, ValueError, LookupError, TypeError, RuntimeError):  # as decoders raise them
         return False
+
+
+def _metadata(folder: Path) -> Any:
+    return json.loads((folder / _METADATA).read_text(encoding="utf-8"))
 
 
 def _repair_group(folder: Path, study: Study, chunks: Chunks) -> None:

@@ -44,11 +44,11 @@ def designs(count):
     }
 
 
-def build(values):
+def build(values, gas=lf.gas.LU2023_AIR):
     film = lf.FilmProperties(1e-3, 0.75, values["emittance"], values["emittance"], 0.8, 0.9)
     radiation = Radiation(values["irradiance"], stefan_boltzmann=numpy_model.STEFAN_BOLTZMANN)
     state = EnvironmentState(
-        values["pressure"], values["cold"], numpy_model.GRAVITY, lf.gas.LU2023_AIR, radiation
+        values["pressure"], values["cold"], numpy_model.GRAVITY, gas, radiation
     )
     return lf.Disk(film, values["radius"]), state
 
@@ -149,16 +149,20 @@ def peak_memory(task, count):
     return float(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
 
 
+def residual_of(disk, state, model):
+    """One evaluation of a heat balance's residual, at its solution."""
+    compiled = jax.jit(lambda excess: node_losses(disk, state, model, (excess,)))
+    excess = jnp.asarray(lf.equilibrium(disk, state, model).unknowns[0])
+    return lambda: compiled(excess)
+
+
 def compare(count, repeats):
     values = designs(count)
     sample = {key: column[:SCALAR_SAMPLE] for key, column in values.items()}
-    disk, state = build(values)
+    kinetic = *build(values, lf.gas.AIR), lf.Kinetic()
     with lf.float64():
         six = gradient_inputs(values)
         lift, gradient = lift_and_gradient()
-        model = lf.Lu2023()
-        one_residual = jax.jit(lambda excess: node_losses(disk, state, model, (excess,)))
-        excess = jnp.asarray(package_temperatures(values) / values["cold"] - 1.0)
         times, results = medians(
             {
                 "package": lambda: package_temperatures(values),
@@ -167,7 +171,10 @@ def compare(count, repeats):
                 "brentq": lambda: scipy_scalar(sample, SCALAR_SAMPLE),
                 "lift": lambda: lift(*six),
                 "gradient": lambda: gradient(*six),
-                "residual": lambda: one_residual(excess),
+                "residual": residual_of(*build(values), lf.Lu2023()),
+                "kinetic": lambda: lf.equilibrium(*kinetic),
+                "kinetic residual": residual_of(*kinetic),
+                "levitation": lambda: lf.levitate(*kinetic),
             },
             repeats,
         )
@@ -184,7 +191,19 @@ LABELS = {
     "residual": "one evaluation of the residual",
     "lift": "lift",
     "gradient": "reverse gradient of lift in six inputs",
+    "kinetic": "heat balance by the kinetic force",
+    "kinetic residual": "one evaluation of its residual",
+    "levitation": "levitation by the kinetic force",
 }
+BASES = {"gradient": "lift", "kinetic residual": "kinetic", "levitation": "kinetic"}
+
+
+def evaluations(times):
+    lu2023, kinetic = (
+        times[solve] / times[residual]
+        for solve, residual in (("package", "residual"), ("kinetic", "kinetic residual"))
+    )
+    return f"{lu2023:.1f} (kinetic {kinetic:.1f})"
 
 
 def main():
@@ -200,9 +219,10 @@ def main():
     print(f"{options.designs:,} designs, float64, medians of {options.repeats} alternating runs")
     print(f"{'':56}{'seconds':>9}{'ratio':>9}")
     for name, label in LABELS.items():
-        ratio = times[name] / times["lift" if name == "gradient" else "package"]
+        ratio = times[name] / times[BASES.get(name, "package")]
         print(f"{label:56}{times[name]:9.3f}{ratio:9.2f}")
-    print("ratios are to the package's heat balance; the gradient's is to lift")
+    print("ratios are to the package's heat balance, the gradient's to lift, the last two to the")
+    print("kinetic one; a solve costs as much as", evaluations(times), "evaluations")
     print(f"largest relative difference of temperature from find_root: {worst:.1e}")
     for task in ("solve", "gradient"):
         print(f"peak memory, {task} alone: {peak_memory(task, options.designs):.0f} MB")

@@ -337,6 +337,7 @@ def sweep_reduced(
     points: int = 1024,
     seed: int = 0,
     scheduler: str | None = None,
+    device: str | None = None,
     best: str | Sequence[str] | None = None,
     designs: int | None = None,
     fronts: Sequence[tuple[str, str]] | None = None,
@@ -346,7 +347,7 @@ def sweep_reduced(
 
     Parameters
     ----------
-    what, environment, model, over, outputs, method, points, seed, scheduler
+    what, environment, model, over, outputs, method, points, seed, scheduler, device
         As of :func:`lightflyer.sweep`.
     out : str or path
         NetCDF file. The same call continues an interrupted sweep.
@@ -383,7 +384,7 @@ def sweep_reduced(
         from_arguments(SamplingSection, method=method, points=points, seed=seed),
         reduce=from_arguments(ReduceSection, **asked),
     )
-    reduce_into(study, out, scheduler=scheduler)
+    reduce_into(study, out, scheduler=scheduler, device=device)
     return open_reduced(out)
 
 

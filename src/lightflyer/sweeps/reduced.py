@@ -45,8 +45,8 @@ if TYPE_CHECKING:
 MOST_BLOCKS = 10_000
 """Blocks of the largest study: a scheduler hands out some hundred a second."""
 
-SAVE_EVERY = 30.0
-"""Time after which what is merged is saved [s]."""
+SAVE_EVERY = 2.0
+"""Time after which what is merged is saved [s]; Ctrl-C ends the process without saving."""
 
 _SUFFIX = ".nc"
 _UNFINISHED, _STATE, _LOCK = ".unfinished", "state.npz", "lock"

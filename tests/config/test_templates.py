@@ -120,6 +120,12 @@ def test_a_key_of_another_choice_is_refused_by_naming_that_choice(tmp_path):
             read_flyer_file(path)
 
 
+OF_SECTIONS_IN_COMMENTS = (
+    *("of =", "quantile =", "method", "points", "seed"),
+    *("best =", "designs =", "fronts =", "distributions ="),
+)
+
+
 @pytest.mark.parametrize(
     ("kind", "read"),
     [
@@ -136,9 +142,13 @@ def test_studies_can_be_read_beside_the_flyer_file(kind, read, tmp_path):
     found = pkgutil.resolve_name(read)(path)
     assert found.design.setup.flyer.describe()
     for match in re.finditer(r"^# ((?:\w+|\"[^\"]+\") = [^#]*?)(?: +#.*)?$", text, re.M):
-        if match[1].startswith(("of =", "quantile =", "method", "points", "seed")):
-            continue  # of sections that are comments too
+        if match[1].startswith(OF_SECTIONS_IN_COMMENTS):
+            continue
         path.write_text(text.replace(match[0], match[1]), encoding="utf-8")
+        pkgutil.resolve_name(read)(path)
+    for match in re.finditer(r"^# \[(?:sampling|reduce)\].*(?:\n# .*)+", text, re.M):
+        path.write_text(text.replace(match[0], match[0].replace("# ", "", 1).replace("\n# ", "\n")),
+                        encoding="utf-8")  # fmt: skip
         pkgutil.resolve_name(read)(path)
 
 

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from lightflyer.kinetic import cases, solver
+from lightflyer.kinetic import cases, chamber_cases, solver
 from lightflyer.kinetic.operators import Quadrature
 
 CASE = ("kinetic", "--kn", "2", "--tac-top", "0.8", "--tac-bottom", "0.9")
@@ -105,3 +105,18 @@ def test_without_numba_the_extra_is_named():
     assert done.stderr.strip() == (
         "lightflyer: error: the kinetic solver needs numba: pip install 'lightflyer[kinetic]'"
     )
+
+
+def test_a_disk_in_a_chamber(run, monkeypatch, tmp_path):
+    meshes = [cases.Resolution(order, 0.7, Quadrature(3, 3, 3)) for order in (3, 2)]
+    monkeypatch.setattr(chamber_cases, "meshes", lambda *, linear: meshes)
+    place = ("--floor", "1", "--lid", "2", "--side", "2", "--reservoir", "lid")
+    code, text, errors = run(*CASE, *place, "--local-balance", "--out", tmp_path / "out")
+    assert (code, errors) == (0, "")
+    assert "floor 1, lid 2 (reservoir), side 2 radii away" in text
+    assert "in the centre" in text
+    found = json.loads((tmp_path / "out" / "kinetic.json").read_text())
+    assert set(found["forces"]) == {"disk", "floor", "lid", "side"}
+    assert found["imbalance"] < 1e-6
+    assert found["inputs"]["chamber"]["lid"]["solid"] is False
+    assert (tmp_path / "out" / "flow.png").stat().st_size > 10_000

@@ -103,7 +103,7 @@ def test_free_molecules_between_disk_and_floor():
     gap, tac, floor_tac = 0.2, 0.8, 0.5
     chamber = Chamber(Surface(gap, tac=floor_tac), 2.0, 3.0)
     film = Film((1.0, tac), (1.0, 1.0), wall="accommodated")
-    system = ChamberSystem(assembled(case(1000.0, chamber), COARSE), MONATOMIC, chamber, film)
+    system = ChamberSystem(assembled(case(1000.0, chamber), SKETCH), MONATOMIC, chamber, film)
     loss = system.face_heat(1)[0] @ system.solve()
     edges = np.linspace(0.0, 3.0, 601)
     ring, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
@@ -131,7 +131,7 @@ def test_fourier_between_disk_and_floor():
     gap, kn = 0.3, 0.012
     delta, chamber = rarefaction(kn), Chamber(gap, 0.6, 1.3)
     film = Film((1.0, 1.0), (1.0, 1.0))
-    system = ChamberSystem(assembled(case(kn, chamber, film), COARSE), MONATOMIC, chamber, film)
+    system = ChamberSystem(assembled(case(kn, chamber, film), SKETCH), MONATOMIC, chamber, film)
     loss = system.face_heat(1)[0] @ system.solve()
     conductivity = 15.0 / (8.0 * delta)  # [r p √(2RT)/T], Prandtl number 2/3
     assert loss[-1] == pytest.approx(conductivity / (gap + 2.0 * 1.954 / delta), rel=0.012)

@@ -272,14 +272,6 @@ def solve_in_chamber(
     References
     ----------
     As for :func:`solve`.
-
-    Examples
-    --------
-    A floor below raises force and heat loss of a disk in a wide reservoir:
-
-    >>> from lightflyer.kinetic import Chamber, Surface, solve_in_chamber
-    >>> chamber = Chamber(floor=1.0, lid=Surface(3.0, solid=False), side=3.0)
-    >>> solution = solve_in_chamber(3.0, 0.8, 0.9, chamber=chamber)  # doctest: +SKIP
     """
     local = require_balance(film, radiation, absorbed)
     case = _chamber_case(

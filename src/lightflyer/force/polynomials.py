@@ -22,9 +22,10 @@ def polynomial(coefficients: Any, *variables: Any) -> Any:
     if not variables:
         return coefficients
     first, *others = variables
-    result: Any = 0.0
-    for coefficient in reversed(coefficients):
-        result = result * first + polynomial(coefficient, *others)
+    *lower, highest = (polynomial(coefficient, *others) for coefficient in coefficients)
+    result: Any = highest  # not from zero, which XLA would multiply and add
+    for value in reversed(lower):
+        result = result * first + value
     return result
 
 

@@ -108,6 +108,9 @@ class EnvironmentState(eqx.Module):
     radiation : Radiation
     wall_distance : array or None
         Distance from the flyer's centre to cold walls around it [m]; None in the open.
+    floor_distance, lid_distance : array or None
+        Distance down to a solid floor and up to a solid lid [m]; None where there is none near.
+        With either, the walls around are solid too.
     wind : Wind or None
         None where the gas is at rest.
     """
@@ -118,6 +121,8 @@ class EnvironmentState(eqx.Module):
     gas: AbstractGas
     radiation: Radiation
     wall_distance: Numeric = None
+    floor_distance: Numeric = None
+    lid_distance: Numeric = None
     wind: Wind | None = None
 
 

@@ -51,8 +51,15 @@ class Chamber(AbstractEnvironment):
     pressure_range : tuple of float
         Lowest and highest pressure of interest [Pa].
     radius : array or None
-        Distance from the flyer to the walls [m]; None for walls too far away to matter. Only
-        the kinetic force model takes it into account.
+        Distance from the flyer to the walls [m]; None for walls too far away to matter.
+    floor, lid : array or None
+        Height of the flyer above a solid floor, and of a solid lid above the flyer [m]; None for
+        one too far away to matter. With neither, the walls' cylinder is as high as wide, and cold
+        gas enters through all of it.
+
+    Notes
+    -----
+    Of force models only the kinetic one takes walls, floor and lid into account; others warn.
 
     Raises
     ------
@@ -68,6 +75,8 @@ class Chamber(AbstractEnvironment):
     radiation: Radiation = Radiation()
     pressure_range: tuple[Numeric, Numeric] = (1e-2, 1e3)
     radius: Length | None = None
+    floor: Length | None = None
+    lid: Length | None = None
 
     def __check_init__(self) -> None:
         lowest, highest = self.pressure_range
@@ -124,6 +133,8 @@ class Chamber(AbstractEnvironment):
             gas=self.gas,
             radiation=self.radiation,
             wall_distance=self.radius,
+            floor_distance=self.floor,
+            lid_distance=self.lid,
         )
 
 
@@ -137,6 +148,8 @@ class ChamberSection(EnvironmentSection):
     pressure_min: Pressure = Measured(1e-2)
     pressure_max: Pressure = Measured(1e3)
     radius: Length | None = None
+    floor: Length | None = None
+    lid: Length | None = None
 
     @pydantic.model_validator(mode="after")
     def _ordered(self) -> "ChamberSection":
@@ -153,5 +166,11 @@ class ChamberSection(EnvironmentSection):
             gravity=gravity,
             radiation=self.build_radiation(),
             pressure_range=(self.pressure_min.value, self.pressure_max.value),
-            radius=None if self.radius is None else self.radius.value,
+            radius=_value(self.radius),
+            floor=_value(self.floor),
+            lid=_value(self.lid),
         )
+
+
+def _value(given: Measured | None) -> Numeric | None:
+    return None if given is None else given.value

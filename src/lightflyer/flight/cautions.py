@@ -126,11 +126,15 @@ def cautions_of_design(design: AbstractDesign, values: Mapping[str, float]) -> t
 
 
 def _of_walls(setup: Setup, state: EnvironmentState) -> tuple[str, ...]:
-    """That walls are given and the force model knows none."""
-    if state.wall_distance is None or setup.model.feels_walls:
-        return ()
+    """That walls, floor or lid are given and the force model knows none."""
     name = type(setup.model).__name__
-    return (f"the walls around the flyer have no effect: {name} is for open space",)
+    found: tuple[str, ...] = ()
+    if state.wall_distance is not None and not setup.model.feels_walls:
+        found += (f"the walls around the flyer have no effect: {name} is for open space",)
+    ends = (state.floor_distance, state.lid_distance)
+    if any(end is not None for end in ends) and not setup.model.feels_floor:
+        found += (f"floor and lid have no effect: {name} knows none",)
+    return found
 
 
 def _of_cells(setup: Setup, state: EnvironmentState) -> Iterator[str]:

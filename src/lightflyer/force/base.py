@@ -68,6 +68,8 @@ class AbstractForceModel(Checked):
     feels_walls : bool
         Whether heat loss or force depend on walls around the flyer. Where they do not, a result in
         a chamber whose walls are given says so.
+    feels_floor : bool
+        The same for a floor and a lid.
     """
 
     flyers: eqx.AbstractClassVar[tuple[type[AbstractFlyer], ...]]
@@ -75,6 +77,7 @@ class AbstractForceModel(Checked):
     results: ClassVar[Mapping[str, ModelResult]] = MappingProxyType({})
     adds_buoyancy: ClassVar[bool] = True
     feels_walls: ClassVar[bool] = True
+    feels_floor: ClassVar[bool] = False
 
     @abc.abstractmethod
     def heat_loss(

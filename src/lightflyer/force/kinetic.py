@@ -14,6 +14,7 @@ from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force import kinetic_disk, kinetic_sandwich
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.kinetic_collisions import Collisions
+from lightflyer.force.kinetic_local_balance import FilmBalance, require_film_balance
 from lightflyer.force.kinetic_walls import Wall, Walls, described, require_walls
 from lightflyer.force.passage import Transmission, require_transmission
 from lightflyer.force.section import ForceSection
@@ -81,6 +82,10 @@ class Kinetic(AbstractForceModel):
         Those of VHS molecules, by factors on what the model equation's take
         (:mod:`lightflyer.force.kinetic_collisions`), or those of the model equation alone, which
         have a wider error.
+    film_balance : {"isothermal", "local"}
+        Whether a disk has one temperature, or each spot of its film balances the heat that it
+        absorbs and loses (:mod:`lightflyer.force.kinetic_local_balance`); the temperature is then
+        the mean.
 
     Notes
     -----
@@ -101,7 +106,9 @@ class Kinetic(AbstractForceModel):
     let molecules pass, :func:`lightflyer.force.passage.passage`.
 
     Where the surroundings have a wall (:attr:`EnvironmentState.wall_distance`), force and heat
-    are those in a chamber of that radius.
+    are those in a chamber of that radius. With a floor or a lid the surfaces are solid, each at its
+    own distance, and a disk of like faces is pushed too
+    (:mod:`lightflyer.force.kinetic_chamber`).
 
     References
     ----------
@@ -110,6 +117,7 @@ class Kinetic(AbstractForceModel):
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk, Sandwich)
     molecules: ClassVar[tuple[str, ...]] = ("monatomic", "diatomic")
+    feels_floor: ClassVar[bool] = True
 
     force_error: StandardErrors | None = None
     heat_error: StandardErrors | None = None
@@ -119,11 +127,13 @@ class Kinetic(AbstractForceModel):
     wall_error: StandardErrors | None = None
     tangential_accommodation: Fraction | None = None
     collisions: Collisions = eqx.field(static=True, default="vhs")
+    film_balance: FilmBalance = eqx.field(static=True, default="isothermal")
 
     def __check_init__(self) -> None:
         super().__check_init__()
         require_walls(self._walls)
         require_transmission(self.transmission)
+        require_film_balance(self.film_balance)
         if self.collisions not in get_args(Collisions):
             raise ParameterError(f"collisions must be one of {', '.join(get_args(Collisions))}")
         if self.polyatomic not in get_args(Polyatomic):
@@ -158,7 +168,13 @@ class Kinetic(AbstractForceModel):
                 flyer, state, unknowns, self.transmission, self.heat_error, self.collisions
             )
         return kinetic_disk.heat_loss(
-            flyer, state, unknowns, self.heat_error, self._walls, self.collisions
+            flyer,
+            state,
+            unknowns,
+            self.heat_error,
+            self._walls,
+            self.collisions,
+            self.film_balance,
         )
 
     @entry_point
@@ -169,7 +185,13 @@ class Kinetic(AbstractForceModel):
                 flyer, state, unknowns, self.transmission, self.force_error, self.collisions
             )
         return kinetic_disk.force(
-            flyer, state, unknowns, self.force_error, self._walls, self.collisions
+            flyer,
+            state,
+            unknowns,
+            self.force_error,
+            self._walls,
+            self.collisions,
+            self.film_balance,
         )
 
     def _require_table_of_sandwich(self, gas: AbstractGas) -> None:
@@ -185,6 +207,10 @@ class Kinetic(AbstractForceModel):
             found = kinetic_sandwich.caveats(flyer, state, temperature, self.transmission)
             if self.wall not in ("unknown", "maxwell"):
                 found += (f"wall = {self.wall} has no effect: walls are {_WALLS_OF_SANDWICH}",)
+            if state.floor_distance is not None or state.lid_distance is not None:
+                found += ("floor and lid have no effect: their table is for a disk",)
+            if self.film_balance != "isothermal":
+                found += ("film_balance has no effect: both membranes are isothermal",)
             return found
         found = kinetic_disk.caveats(flyer, state, temperature, self._walls)
         if self.transmission != "aligned":
@@ -206,6 +232,7 @@ class KineticSection(ForceSection):
     wall_error: StandardErrors = Measured(0.0, 1.0)
     tangential_accommodation: Fraction | None = None
     collisions: Collisions = "vhs"
+    film_balance: FilmBalance = "isothermal"
 
     @pydantic.model_validator(mode="before")
     @classmethod
@@ -227,4 +254,5 @@ class KineticSection(ForceSection):
             self.wall_error.value,
             None if tangential is None else tangential.value,
             self.collisions,
+            self.film_balance,
         )

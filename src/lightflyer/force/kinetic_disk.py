@@ -10,6 +10,12 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.disk import Disk
 from lightflyer.force import kinetic_walls
 from lightflyer.force.free_molecular import disk_conductance
+from lightflyer.force.kinetic_chamber import (
+    PUSH_ERROR,
+    Around,
+    chamber_fit,
+    chamber_of,
+)
 from lightflyer.force.kinetic_collisions import (
     MODEL_CONDUCTION,
     Collisions,
@@ -18,6 +24,7 @@ from lightflyer.force.kinetic_collisions import (
     heat_error,
     with_collisions,
 )
+from lightflyer.force.kinetic_local_balance import FilmBalance, Kept, local_balance_fit
 from lightflyer.force.kinetic_ratios import KineticFit, heating_of
 from lightflyer.force.kinetic_table import GASES
 from lightflyer.force.kinetic_table_fit import kinetic_fit
@@ -57,18 +64,20 @@ def heat_loss(
     error: Numeric | None,
     walls: Walls,
     collisions: Collisions,
+    balance: FilmBalance,
 ) -> tuple[Array, ...]:
     """See :meth:`AbstractForceModel.heat_loss`; ``error`` in standard errors."""
     (excess,) = unknowns
     fit, knudsen = _fit_and_knudsen_number(disk, state)
     place = _place(disk, state, excess)
     _, of_heat = _factors(state, place, knudsen, collisions)
-    _, chamber = _wall_factors(fit, knudsen, disk, state)
-    ratio = with_collisions(chamber * fit.heat_ratio(knudsen, *place), of_heat)
+    around = _around(fit, knudsen, disk, state)
+    ratio = with_collisions(around.heat * fit.heat_ratio(knudsen, *place), of_heat)
     if state.gas.molecules not in GASES:
         ratio = scaled_heat_ratio(ratio, _resistance(state, excess))
     resisting = (_kind(state.gas), knudsen, ratio)
     ratio = kinetic_walls.heat_ratio(disk, excess, resisting, walls)
+    ratio *= _kept(disk, state, excess, knudsen, ratio, balance).heat
     if error is not None:
         own = heat_error(fit.table_errors(knudsen)[1], ratio, collisions)
         ratio *= 1.0 + error * _with_scaling(own, _SCALED_HEAT_ERROR, state.gas)
@@ -82,23 +91,27 @@ def force(
     error: Numeric | None,
     walls: Walls,
     collisions: Collisions,
+    balance: FilmBalance,
 ) -> Array:
     """See :meth:`AbstractForceModel.force`; ``error`` in standard errors."""
     (excess,) = unknowns
     fit, knudsen = _fit_and_knudsen_number(disk, state)
     place = _place(disk, state, excess)
     of_force, of_heat = _factors(state, place, knudsen, collisions)
-    by_force, by_heat = _wall_factors(fit, knudsen, disk, state)
-    ratio = with_collisions(by_force * fit.force_ratio(knudsen, *place), of_force)
+    around = _around(fit, knudsen, disk, state)
+    ratio = with_collisions(around.force * fit.force_ratio(knudsen, *place), of_force)
+    heat = with_collisions(around.heat * fit.heat_ratio(knudsen, *place), of_heat)
     if state.gas.molecules not in GASES:
-        heat = with_collisions(by_heat * fit.heat_ratio(knudsen, *place), of_heat)
         ratio *= scaled_heat_ratio(heat, _resistance(state, excess)) / heat
     resisting = (_kind(state.gas), knudsen, ratio)
     found = kinetic_walls.force(disk, state, excess, resisting, walls)
+    found *= _kept(disk, state, excess, knudsen, heat, balance).force
+    push = around.push(disk, state, excess)
     if error is not None:
         own = force_error(fit.table_errors(knudsen)[0], ratio, collisions)
         found *= 1.0 + error * _with_scaling(own, _SCALED_FORCE_ERROR, state.gas)
-    return found
+        push *= 1.0 + error * PUSH_ERROR
+    return found + push
 
 
 def caveats(
@@ -115,10 +128,13 @@ def caveats(
         (Validity("T_h/T_c", *fit.ratio_range, HELD), ratio),
         (Validity("the mean TAC", *fit.tac_range, HELD), disk.film.tac_mean),
     ]
-    if state.wall_distance is not None:
+    chamber = chamber_of(state, disk.radius)
+    if chamber is None and state.wall_distance is not None:
         near = Validity("the walls' distance over the radius", fit.nearest_wall, math.inf, WALL)
         looks.append((near, state.wall_distance / disk.radius))
     found = [text for range_, value in looks for text in range_.caveats(value, pressure)]
+    if chamber is not None:
+        found += chamber_fit().caveats(chamber, pressure)
     if state.gas.molecules not in GASES:
         found.append(f"{state.gas.name} {_SCALED}")
     covered = fit.knudsen_range[0]
@@ -200,12 +216,31 @@ def _factors(
     return gas.factors(knudsen, tac)
 
 
-def _wall_factors(fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState) -> Any:
-    """Factors of force and heat by the walls of a chamber [1]."""
+def _around(fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState) -> Around:
+    """What a chamber does to force and heat."""
+    film, chamber = disk.film, chamber_of(state, disk.radius)
+    if chamber is not None:
+        opened = fit.heat_ratio(knudsen, 1.0, film.tac_mean, film.tac_difference)
+        return chamber_fit().around(knudsen, chamber, opened, film.tac_mean)
     if state.wall_distance is None:
-        return 1.0, 1.0
-    distance, film = state.wall_distance / disk.radius, disk.film
-    return fit.wall_factors(knudsen, distance, film.tac_mean, film.tac_difference)
+        return Around()
+    distance = state.wall_distance / disk.radius
+    return Around(*fit.wall_factors(knudsen, distance, film.tac_mean, film.tac_difference))
+
+
+def _kept(
+    disk: Disk,
+    state: EnvironmentState,
+    excess: Numeric,
+    knudsen: Numeric,
+    heat_ratio: Numeric,
+    balance: FilmBalance,
+) -> Kept:
+    """What is kept of force and heat where the film is not isothermal [1]."""
+    if balance == "isothermal":
+        return Kept()
+    fit = local_balance_fit()
+    return fit.kept(disk, state, excess, knudsen, heat_ratio)
 
 
 def _with_scaling(error: Array, of_scaling: float, gas: AbstractGas) -> Array:

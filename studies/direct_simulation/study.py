@@ -87,7 +87,10 @@ POINTS_TO_RUN = [
         )
     ),
     # faces as good as alike: what pushes is the floor
-    Point("nitrogen", _THIRD, FLIGHT, 0.99, 1.0, floor=_HIGH, solid="floor"),
+    *(
+        Point("nitrogen", kn, FLIGHT, 0.99, 1.0, floor=_HIGH, solid="floor")
+        for kn in (_THIRD, _TENTH)
+    ),
 ]
 
 

@@ -11,8 +11,8 @@ from lightflyer.foundation import drawing as plot
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 SHOWN = {
     "open space": plot.VERMILION,
-    "walls at 15 cm": plot.ORANGE,
-    "walls at 4.5 cm": plot.BLUE,
+    "walls at 4.5 cm": plot.ORANGE,
+    "floor at 4.5 cm, else 10 cm": plot.BLUE,
 }
 _APART = 0.24  # of lines of one row
 _ENDLESS = 1e6  # stands for infinite light [W/m²]

@@ -26,11 +26,13 @@ SURROUNDINGS = {
     "walls at 15 cm": {"radius": 0.15},
     "walls at 6 cm": {"radius": 0.06},
     "walls at 4.5 cm": {"radius": 0.045},
+    "floor at 4.5 cm, else 15 cm": {"floor": 0.045, "lid": 0.15, "radius": 0.15},
+    "floor at 4.5 cm, else 10 cm": {"floor": 0.045, "lid": 0.10, "radius": 0.10},
+    "floor at 4.5 cm, else 7 cm": {"floor": 0.045, "lid": 0.07, "radius": 0.07},
 }
-"""What :class:`lightflyer.Chamber` is told of walls; `radius` is that of a reservoir all round.
+"""What :class:`lightflyer.Chamber` is told of walls.
 
-A solid floor is one more line, ``"floor at 4.5 cm": {"floor": 0.045, "radius": 0.15}``, as soon as
-the force model takes it into account.
+`radius` alone is that of a reservoir all round; with a floor all surfaces are solid.
 """
 
 ACRYLIC_RETURNS = 2.0 * (0.49 / 2.49) ** 2  # both surfaces of a sheet of index 1.49, Fresnel
@@ -76,7 +78,7 @@ KNOWN = ("germanium 2 cm", "nanotubes 2 cm", "reduction 2 cm")
 
 FITTED_WITH = {"tac_top": 0.8, "tac_bottom": 0.9}
 
-NEAR_AND_FAR = ("open space", "walls at 4.5 cm")
+NEAR_AND_FAR = ("open space", "walls at 4.5 cm", "floor at 4.5 cm, else 10 cm")
 
 
 def with_walls(terms, surroundings):

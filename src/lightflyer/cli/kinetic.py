@@ -5,8 +5,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+from cyclopts import Parameter
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
@@ -39,12 +40,12 @@ def kinetic_command(
     floor: float | None = None,
     lid: float | None = None,
     side: float | None = None,
-    reservoir: list[SurfaceName] | None = None,
+    reservoir: Annotated[list[SurfaceName] | None, Parameter(negative=())] = None,
     floor_temperature: float = 0.0,
     lid_temperature: float = 0.0,
     side_temperature: float = 0.0,
     chamber_tac: float = 1.0,
-    local_balance: bool = False,
+    local_balance: Annotated[bool, Parameter(negative=())] = False,
     radiation: float = 0.0,
     collisions: Literal["shakhov", "vhs"] = "shakhov",
     viscosity_exponent: float | None = None,

@@ -13,6 +13,13 @@ if importlib.metadata.version("jaxlib").startswith("0.10."):
         "--xla_cpu_opt_preset=CPU_OPT_PRESET_FAST_COMPILE",
     )
 
+# Programs that the tests compile too are compiled once; see there as well.
+os.environ.setdefault(
+    "JAX_COMPILATION_CACHE_DIR", str(Path(__file__).parents[1] / ".pytest_cache" / "programs")
+)
+os.environ.setdefault("JAX_COMPILATION_CACHE_MAX_SIZE", str(2 * 10**9))
+os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.2")
+
 import lightflyer
 
 sys.path.insert(0, str(Path(__file__).parent / "_extensions"))

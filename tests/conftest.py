@@ -22,6 +22,14 @@ import pytest
 import lightflyer as lf
 from lightflyer import cli
 
+# What one worker compiled serves the others, and the next run; JAX knows a program by its content.
+# A largest size makes JAX lock the folder.
+jax.config.update(
+    "jax_compilation_cache_dir", str(Path(__file__).parents[1] / ".pytest_cache" / "programs")
+)
+jax.config.update("jax_compilation_cache_max_size", 2 * 10**9)
+jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)
+
 
 @pytest.fixture
 def film():

@@ -67,7 +67,7 @@ class LinearSystem:
         self.mean_tac, self.open_fraction = mean_tac, open_fraction
         self.accommodated = (1.0 - open_fraction) * mean_tac
         self.n = operators.mesh.size
-        self.fields = self._number_of_fields()
+        self.fields = 9 if gas.has_rotation else 6
         self.size = self.n * self.fields
         same, other = operators.own + operators.reflected, operators.other
         even = self._matrix(same + other)
@@ -80,14 +80,6 @@ class LinearSystem:
         self.factors = tuple(
             lu_factor(unit - matrix - met, check_finite=False) for matrix in (even, odd)
         )
-
-    @property
-    def moved(self) -> int:
-        """Number of fields that move with the molecules; those of rotational energy follow."""
-        return 6
-
-    def _number_of_fields(self) -> int:
-        return 9 if self.gas.has_rotation else 6
 
     @cached_property
     def _beyond(self) -> np.ndarray:
@@ -207,8 +199,8 @@ class LinearSystem:
         nothing = np.zeros((operators.sigma.shape[1], 4))
         leaving = self.emitted_temperature(tac, temperature, velocity, nothing)
         emitted = diffuse * np.einsum("ief,e->if", self._warmth, leaving)
-        emitted[:, : self.moved] += (4.0 - 2.0 * diffuse) * velocity * operators.velocity
-        emitted[:, : self.moved] += diffuse * _SQRT_PI * velocity * operators.sigma.sum(axis=1)
+        emitted[:, :6] += (4.0 - 2.0 * diffuse) * velocity * operators.velocity
+        emitted[:, :6] += diffuse * _SQRT_PI * velocity * operators.sigma.sum(axis=1)
         return emitted.ravel()
 
     def solve(self, walls: Walls) -> tuple[np.ndarray, int]:

@@ -10,7 +10,7 @@ import pytest
 from scipy.special import i0, k0
 
 from lightflyer.foundation.errors import ConvergenceError, ParameterError
-from lightflyer.kinetic import cases, nonlinear, solve
+from lightflyer.kinetic import cases, fixed_point, solve
 from lightflyer.kinetic.cases import COARSE, MEDIUM, Case, Resolution, solve_case
 from lightflyer.kinetic.flow import sample
 from lightflyer.kinetic.linear import LinearSystem, Walls, face_result
@@ -339,6 +339,6 @@ def test_bad_input_is_named(change, names):
 
 
 def test_no_convergence_is_an_error_with_its_residual(sketched, monkeypatch):
-    monkeypatch.setattr(nonlinear, "_MOST_ITERATIONS", 2)
+    monkeypatch.setattr(fixed_point, "_MOST_ITERATIONS", 2)
     with pytest.raises(ConvergenceError, match="last residual"):
         solve(1.0, 0.8, 0.9, temperature_ratio=2.0)

@@ -12,19 +12,14 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import lu_solve
 
-from lightflyer.foundation.errors import ConvergenceError
-from lightflyer.foundation.progress import report
 from lightflyer.kinetic import nonlinear_kernel
 from lightflyer.kinetic.chamber_linear import NUMBER, ChamberSystem, Totals
+from lightflyer.kinetic.fixed_point import Problem, iterate
 from lightflyer.kinetic.halves import HalvesState, assemble_halves, wall_quadrature
-from lightflyer.kinetic.nonlinear import anderson, diffuse_emission
+from lightflyer.kinetic.nonlinear import diffuse_emission
 from lightflyer.kinetic.operators import Quadrature, face_points, kernel_arguments, node_points
 
 _SQRT_PI = np.sqrt(np.pi)
-_MOST_ITERATIONS = 60
-_MEMORY = 12
-_RENEWED = 0.03  # residual below which the preconditioner is renewed, once
-_THIN_GAS = 1.0  # δ up to which the linear problem's factors precondition as well
 _LARGEST_STEP = 0.5  # of pressures and temperatures, relative
 _ROTATIONAL, _AXIAL = 3, 4  # places of fluxes of the compiled kernel
 
@@ -56,14 +51,7 @@ class HotChamber:
 
     def __init__(self, system: ChamberSystem, rarefaction: float, quadrature: Quadrature) -> None:
         self.system, self.rarefaction, self.quadrature = system, rarefaction, quadrature
-        gas = system.gas
-        self.gas = (
-            0.8 * (1.0 - gas.translational_rate),
-            2.0 * (1.0 - gas.rotational_rate),
-            gas.exchange_rate,
-            -gas.viscosity_exponent,
-            gas.has_rotation,
-        )
+        self.gas = system.gas.of_kernel
         meshes = [half.mesh for half in system.halves]
         self.panels = [kernel_arguments(mesh, rarefaction, quadrature)[1] for mesh in meshes]
         self.setup = kernel_arguments(meshes[0], rarefaction, quadrature)[0]
@@ -237,33 +225,20 @@ class HotChamber:
         ConvergenceError
             If the iteration diverges or does not converge; the message has the last residual.
         """
-        dense, renewed = self.rarefaction > _THIN_GAS, False
-        if dense:
-            self.precondition_about(start)
-        x, residual = start.copy(), np.inf
-        steps: list[np.ndarray] = []
-        states: list[np.ndarray] = []
-        for iteration in range(1, _MOST_ITERATIONS + 1):
-            missing, arrivals = self.evaluate(x)
-            step = lu_solve(self.factors, missing, check_finite=False)
-            residual = float(np.abs(step).max())
-            report(f"solving the non-linear equation, residual {residual:.1e}")
-            if residual < tolerance:
-                return x, arrivals, iteration
-            if not np.isfinite(residual):
-                raise ConvergenceError("the non-linear kinetic equation diverged")
-            if dense and not renewed and residual < _RENEWED:
-                renewed = True
-                self.precondition_about(x)
-                step, steps, states = lu_solve(self.factors, missing, check_finite=False), [], []
-            steps.append(step)
-            states.append(x)
-            del steps[:-_MEMORY], states[:-_MEMORY]
-            x = self._damped(x, anderson(states, steps))
-        raise ConvergenceError(
-            f"the non-linear kinetic equation did not converge in {_MOST_ITERATIONS} iterations: "
-            f"last residual {residual:.1e}"
+        arrivals: list[Arrivals] = []
+
+        def missing(x: np.ndarray) -> np.ndarray:
+            found, *arrivals[:] = self.evaluate(x)
+            return found
+
+        problem = Problem(
+            missing,
+            lambda missing: lu_solve(self.factors, missing, check_finite=False),
+            self.precondition_about,
+            self._damped,
         )
+        x, _, iterations = iterate(problem, start, tolerance, self.rarefaction)
+        return x, arrivals[0], iterations
 
     def _damped(self, old: np.ndarray, new: np.ndarray) -> np.ndarray:
         """Unknowns on the way to new ones, where pressures and temperatures at most halve."""

@@ -40,6 +40,17 @@ class GasModel:
         """Whether molecules carry rotational energy."""
         return self.rotational_rate > 0.0
 
+    @property
+    def of_kernel(self) -> tuple[float, float, float, float, bool]:
+        """Argument of the non-linear kernel."""
+        return (
+            0.8 * (1.0 - self.translational_rate),
+            2.0 * (1.0 - self.rotational_rate),
+            self.exchange_rate,
+            -self.viscosity_exponent,
+            self.has_rotation,
+        )
+
 
 MONATOMIC = GasModel("monatomic", 2.0 / 3.0, 0.0, 0.0, 0.66)
 """Prandtl number 2/3 and helium's viscosity exponent [Bird1994]_."""

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lu_solve
 
-from lightflyer.foundation.errors import ConvergenceError
-from lightflyer.foundation.progress import report
 from lightflyer.kinetic import nonlinear_kernel
+from lightflyer.kinetic.fixed_point import Problem, iterate
 from lightflyer.kinetic.linear import FaceResult, LinearSystem
 from lightflyer.kinetic.operators import (
     BaseState,
@@ -25,10 +24,6 @@ from lightflyer.kinetic.operators import (
 from lightflyer.kinetic.walls import Wall
 
 _SQRT_PI = np.sqrt(np.pi)
-_MOST_ITERATIONS = 60
-_MEMORY = 12
-_RENEWED = 0.03  # residual below which the preconditioner is renewed, once
-_THIN_GAS = 1.0  # δ up to which the linear problem's factors precondition as well
 
 
 @dataclass(frozen=True)
@@ -109,13 +104,7 @@ class NonlinearProblem:
         setup, panels = kernel_arguments(mesh, rarefaction, quadrature)
         self.arguments = (rarefaction, setup, panels, panels)
         self.quadrature = quadrature
-        self.gas = (
-            0.8 * (1.0 - gas.translational_rate),
-            2.0 * (1.0 - gas.rotational_rate),
-            gas.exchange_rate,
-            -gas.viscosity_exponent,
-            gas.has_rotation,
-        )
+        self.gas = gas.of_kernel
         self.nodes, self.faces = node_points(mesh), face_points(mesh)
         self.factors = system.factors
 
@@ -212,35 +201,14 @@ class NonlinearProblem:
         ConvergenceError
             If the iteration diverges or does not converge; the message has the last residual.
         """
-        is_dense, renewed = self.rarefaction > _THIN_GAS, False
-        if is_dense:
-            self.precondition_about(start, disk)
-        fields = start
-        steps: list[np.ndarray] = []
-        states: list[np.ndarray] = []
-        residual = np.inf
-        for iteration in range(1, _MOST_ITERATIONS + 1):
-            missing = self.evaluate(fields, disk) - fields
-            step = self._precondition(missing)
-            residual = float(np.abs(step).max())
-            report(f"solving the non-linear equation, residual {residual:.1e}")
-            if residual < tolerance:
-                return fields + step, iteration
-            if not np.isfinite(residual):
-                raise ConvergenceError("the non-linear kinetic equation diverged")
-            if is_dense and not renewed and residual < _RENEWED:
-                # the temperatures are now accurate enough to precondition about
-                renewed = True
-                self.precondition_about(fields, disk)
-                step, steps, states = self._precondition(missing), [], []
-            steps.append(step.ravel())
-            states.append(fields.ravel())
-            del steps[:-_MEMORY], states[:-_MEMORY]
-            fields = damped(fields, anderson(states, steps).reshape(fields.shape))
-        raise ConvergenceError(
-            f"the non-linear kinetic equation did not converge in {_MOST_ITERATIONS} iterations: "
-            f"last residual {residual:.1e}"
+        problem = Problem(
+            lambda fields: self.evaluate(fields, disk) - fields,
+            self._precondition,
+            lambda fields: self.precondition_about(fields, disk),
+            damped,
         )
+        fields, step, iterations = iterate(problem, start, tolerance, self.rarefaction)
+        return fields + step, iterations
 
     def _precondition(self, residual: np.ndarray) -> np.ndarray:
         parts = 0.5 * (residual[0] + residual[1]), 0.5 * (residual[0] - residual[1])
@@ -271,16 +239,3 @@ def damped(old: np.ndarray, new: np.ndarray) -> np.ndarray:
         value, change = 1.0 + old[..., field], new[..., field] - old[..., field]
         share = min(share, 0.5 / max(0.5, float((-change / value).max())))
     return old + share * (new - old)
-
-
-def anderson(states: list[np.ndarray], steps: list[np.ndarray]) -> np.ndarray:
-    """Next state by Anderson mixing of the last states and their steps."""
-    if len(steps) == 1:
-        return states[-1] + steps[-1]
-    differences = np.stack([steps[-1] - step for step in steps[:-1]], axis=1)
-    weights = np.linalg.lstsq(differences, steps[-1], rcond=1e-12)[0]
-    state, step = states[-1].copy(), steps[-1].copy()
-    for k, weight in enumerate(weights):
-        state -= weight * (states[-1] - states[k])
-        step -= weight * (steps[-1] - steps[k])
-    return state + step

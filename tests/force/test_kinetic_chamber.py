@@ -104,6 +104,13 @@ def test_what_is_nearer_than_the_table_is_said():
     assert not [t for t in lf.Kinetic().caveats(disk(), state_at(0.1), 400.0) if "floor" in t]
 
 
+def test_denser_gas_and_atoms_are_said():
+    dense = lf.Kinetic().caveats(disk(), state_at(0.01, floor=2.0), 400.0)
+    assert [text for text in dense if "table of chambers" in text and "0.01" in text]
+    atoms = replace(state_at(0.1, floor=2.0), gas=lf.gas.ARGON)
+    assert [t for t in lf.Kinetic().caveats(disk(), atoms, 400.0) if "diatomic" in t]
+
+
 @pytest.mark.parametrize("model", [lf.Lu2023(), lf.force.FreeMolecular()])
 def test_a_model_that_knows_no_floor_says_so(model):
     chamber = lf.Chamber(floor=0.045)

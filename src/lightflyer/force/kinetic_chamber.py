@@ -39,6 +39,11 @@ _ODD = ((1, 0, 0), (2, 0, 0), (3, 0, 0), (2, 1, 0), (1, 0, 1), (2, 0, 1), (1, 0,
 _FEW, _MANY = 4, 5  # powers of the Knudsen number
 
 _HELD = "the table of chambers ends there, and their effect is held"
+_DENSE = (
+    "the table of chambers ends there, and their factors are held; the push on like faces falls as "
+    "the square of the Knudsen number"
+)
+_OF_DIATOMIC = "what floor and lid do is taken from a diatomic gas"
 REFERENCE_TAC = 0.85
 """Mean TAC in the table of chambers."""
 
@@ -161,8 +166,14 @@ class ChamberFit:
             * (beyond * dense * tac / REFERENCE_TAC),
         )
 
-    def caveats(self, chamber: Chamber, pressure: Numeric) -> Iterator[str]:
-        """Where a chamber is nearer than the table's."""
+    def caveats(
+        self, chamber: Chamber, knudsen: Numeric, pressure: Numeric, molecules: str
+    ) -> Iterator[str]:
+        """Where surfaces are nearer, or the gas denser or another, than the table's."""
+        if molecules == "monatomic":
+            yield _OF_DIATOMIC
+        dense = Validity("the Knudsen number", self.knudsen_range[0], np.inf, _DENSE)
+        yield from dense.caveats(knudsen, pressure)
         names = ("the floor's", "the lid's", "the side wall's")
         for name, least, distance in zip(names, self.nearest, chamber, strict=True):
             if np.all(np.isinf(distance)):

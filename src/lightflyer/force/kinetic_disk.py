@@ -134,7 +134,7 @@ def caveats(
         looks.append((near, state.wall_distance / disk.radius))
     found = [text for range_, value in looks for text in range_.caveats(value, pressure)]
     if chamber is not None:
-        found += chamber_fit().caveats(chamber, pressure)
+        found += chamber_fit().caveats(chamber, knudsen, pressure, state.gas.molecules)
     if state.gas.molecules not in GASES:
         found.append(f"{state.gas.name} {_SCALED}")
     covered = fit.knudsen_range[0]

@@ -109,6 +109,8 @@ def test_denser_gas_and_atoms_are_said():
     assert [text for text in dense if "table of chambers" in text and "0.01" in text]
     atoms = replace(state_at(0.1, floor=2.0), gas=lf.gas.ARGON)
     assert [t for t in lf.Kinetic().caveats(disk(), atoms, 400.0) if "diatomic" in t]
+    local = lf.Kinetic(film_balance="local").caveats(disk(), state_at(0.01), 400.0)
+    assert [text for text in local if "locally" in text]
 
 
 @pytest.mark.parametrize("model", [lf.Lu2023(), lf.force.FreeMolecular()])

@@ -212,7 +212,7 @@ class Kinetic(AbstractForceModel):
             if self.film_balance != "isothermal":
                 found += ("film_balance has no effect: both membranes are isothermal",)
             return found
-        found = kinetic_disk.caveats(flyer, state, temperature, self._walls)
+        found = kinetic_disk.caveats(flyer, state, temperature, self._walls, self.film_balance)
         if self.transmission != "aligned":
             found += (f"transmission = {self.transmission} has no effect: a disk has no holes",)
         return found

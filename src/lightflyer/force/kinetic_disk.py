@@ -115,7 +115,11 @@ def force(
 
 
 def caveats(
-    disk: Disk, state: EnvironmentState, temperature: Numeric, walls: Walls
+    disk: Disk,
+    state: EnvironmentState,
+    temperature: Numeric,
+    walls: Walls,
+    balance: FilmBalance,
 ) -> tuple[str, ...]:
     """See :meth:`AbstractForceModel.caveats`."""
     fit, knudsen = _fit_and_knudsen_number(disk, state)
@@ -135,6 +139,8 @@ def caveats(
     found = [text for range_, value in looks for text in range_.caveats(value, pressure)]
     if chamber is not None:
         found += chamber_fit().caveats(chamber, knudsen, pressure, state.gas.molecules)
+    if balance == "local":
+        found += local_balance_fit().caveats(knudsen, pressure, state.gas.molecules)
     if state.gas.molecules not in GASES:
         found.append(f"{state.gas.name} {_SCALED}")
     covered = fit.knudsen_range[0]

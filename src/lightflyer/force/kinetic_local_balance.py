@@ -14,6 +14,7 @@ problem (``studies/kinetic_chamber``), :math:`n` and :math:`\mathrm{Kn}_0` are f
 large differences and with radiation.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple, get_args
@@ -30,6 +31,7 @@ from lightflyer.force.polynomials import least_squares, polynomial, scaled
 from lightflyer.foundation.errors import ParameterError
 from lightflyer.foundation.table import shipped_table
 from lightflyer.foundation.types import Numeric
+from lightflyer.foundation.validity import Validity
 
 FilmBalance = Literal["isothermal", "local"]
 """One temperature of the whole film, or one that follows from each spot's balance of heat."""
@@ -37,6 +39,7 @@ FilmBalance = Literal["isothermal", "local"]
 _HEATING_EXPONENT = 1.57
 _KNUDSEN_0 = 0.062
 _POWERS = [(0,), (1,), (2,), (3,)]
+_HELD = "the table of films that balance their heat locally ends there, and what it says is held"
 _LEAST = 1e-5  # shares that meshes resolve [1]
 
 
@@ -69,6 +72,14 @@ class LocalBalanceFit:
     knudsen_range: tuple[float, float]
     force: Any
     heat: Any
+
+    def caveats(self, knudsen: Numeric, pressure: Numeric, molecules: str) -> Iterator[str]:
+        """Where the gas is denser or another than the table's."""
+        if molecules == "monatomic":
+            yield "what a film's local balance of heat does is taken from a diatomic gas"
+        yield from Validity("the Knudsen number", self.knudsen_range[0], np.inf, _HELD).caveats(
+            knudsen, pressure
+        )
 
     def kept(
         self,

@@ -78,6 +78,17 @@ def test_forces_and_heats_of_all_surfaces_add_up(near):
     assert solve_chamber_case(equal, COARSE, halves=halves).totals.force > 1e-3
 
 
+# studies/direct_simulation: nitrogen, T_h/T_c 2.3415, force over p A and its standard error
+@pytest.mark.parametrize(
+    ("knudsen", "simulated", "error"), [(0.294524, 0.0072, 0.0013), (0.098175, 0.00434, 0.00068)]
+)
+def test_a_floor_pushes_a_disk_of_like_faces_as_simulated(knudsen, simulated, error):
+    chamber = Chamber(Surface(2.25), reservoir(4.0), reservoir(4.0))
+    problem = case(knudsen, chamber, Film((0.99, 1.0), (1.0, 1.0)), DIATOMIC)
+    small = solve_chamber_case(problem, COARSE).totals.force
+    assert 2.0 * (np.sqrt(2.3415) - 1.0) * small == pytest.approx(simulated, abs=2.0 * error)
+
+
 def test_heat_and_force_are_reciprocal(near):
     """Onsager: floor and disk heat one another alike, and motion draws the heat that pushes."""
     problem, halves = near

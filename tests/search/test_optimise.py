@@ -119,6 +119,12 @@ def test_multipliers_and_elasticities_are_slopes_of_scipys_optimum(cool):
     above, below = (heaviest_below(330.0, 0.9 * share)[0] for share in (1.0001, 0.9999))
     slope = (above - below) / (2e-4 * cool.value)
     assert cool.elasticities["film.tac_bottom"] == pytest.approx(slope, rel=1e-4)
+    sizes = [abs(size) for size in cool.elasticities.values()]
+    assert sizes == pytest.approx(sorted(sizes, reverse=True), rel=1e-5)
+    same = ["environment.irradiance", "film.absorptance"]  # both scale the light
+    first, second = (cool.elasticities[name] for name in same)
+    assert first == pytest.approx(second, rel=1e-9)
+    assert [name for name in cool.elasticities if name in same] == same  # whatever the rounding
 
 
 def test_scipys_differential_evolution_finds_nothing_better(cool):

@@ -222,13 +222,12 @@ def _show_made(console: Console, problem: "Problem", optimum: "Optimum") -> None
 
 
 def _show_elasticities(console: Console, optimum: "Optimum") -> None:
-    ranked = sorted(optimum.elasticities.items(), key=lambda item: -abs(item[1]))
-    if not ranked:
+    if not optimum.elasticities:
         return
     table = Table(box=None, padding=(0, 1))
     table.add_column("1 % more of", justify="left")
     table.add_column("changes the optimum by [%]", justify="right")
-    for name, elasticity in ranked[:_SHOWN_ELASTICITIES]:
+    for name, elasticity in list(optimum.elasticities.items())[:_SHOWN_ELASTICITIES]:
         table.add_row(name, f"{elasticity:+.3g}")
     console.print(table)
 

@@ -121,7 +121,7 @@ def elasticity_figure(optimum: "Optimum") -> Figure:
     matplotlib.figure.Figure
     """
     known = {name: value for name, value in optimum.elasticities.items() if np.isfinite(value)}
-    names = sorted(known, key=lambda name: abs(known[name]))
+    names = list(reversed(known))  # the largest on top
     figure = new_figure(height=_FRAME + _ROW * len(names))
     (ax,) = figure.axes
     rows, values = np.arange(len(names)), np.array([known[name] for name in names])

@@ -65,7 +65,7 @@ class Optimum:
         Gain of the objective per unit of each active limit, by the output's name.
     elasticities : dict of str to float
         Relative change of the objective over that of each number that is not free, while the best
-        design moves along.
+        design moves along; the largest first.
     starts, agreeing : int
         Number of searches, and of those that found this optimum.
     evaluations : int
@@ -410,6 +410,8 @@ def _multipliers(function: ObjectiveFunction, point: np.ndarray) -> np.ndarray:
 def _elasticities(
     function: ObjectiveFunction, best: Found, multipliers: np.ndarray
 ) -> dict[str, float]:
-    """Elasticity of the optimum in every number that is not free."""
+    """Elasticity of the optimum in every number that is not free, the largest first."""
     slopes = function.parameter_gradient(best.point, multipliers)
-    return {name: float(slope) / best.score for name, slope in slopes.items() if float(slope)}
+    found = {name: float(slope) / best.score for name, slope in slopes.items() if float(slope)}
+    # Some differ by rounding only, as those of irradiance and absorptance: then by name.
+    return dict(sorted(found.items(), key=lambda item: (-float(f"{abs(item[1]):.5e}"), item[0])))

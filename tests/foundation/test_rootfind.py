@@ -91,6 +91,24 @@ def test_nan_inputs_end_as_not_finite(bad):
     assert float(found[0]) == pytest.approx(2.0, rel=1e-12)
 
 
+def test_steps_without_asking_end_at_the_same_bits(monkeypatch):
+    """As on a GPU: an element that has ended is not moved by the steps of others."""
+    target = np.geomspace(1e-6, 1e6, 50)
+
+    def found():
+        with lf.float64():
+            high = jnp.full(target.shape, 1e9)
+            return bracketed_newton(lambda x: x**3 / target - 1.0, 0.0 * high, high, 0.5 * high)
+
+    root, status = found()
+    monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
+    same, again = found()
+    np.testing.assert_array_equal(root, same)
+    assert np.all(status.converged)
+    assert np.all(again.converged)
+    assert int(again.steps) == int(status.steps) > 4
+
+
 def test_saturating_laws_take_two_steps_however_near_the_asymptote():
     targets = np.array([1e-3, 0.5, 0.999, 1.0 - 1e-6])
     with lf.float64():

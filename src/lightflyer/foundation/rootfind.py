@@ -27,6 +27,13 @@ ROUNDING = sys.float_info.epsilon
 MAXIMUM_STEPS = 100
 """Bound on Newton and bisection steps. Bisection alone needs about 60 for any bracket."""
 
+STEPS_ON_GPU = 4
+"""Steps before a GPU first asks whether all elements have ended.
+
+Between questions XLA can join all arithmetic into one kernel. Four steps end every one of the heat
+balances of random disks in ``benchmarks/solver.py``. On processors this loses.
+"""
+
 
 class Ending(enum.IntEnum):
     """Why a search ended."""
@@ -329,8 +336,10 @@ def _search(
         search, steps = at
         return jnp.any(search.active) & (steps < MAXIMUM_STEPS)
 
-    start = BracketSearch.within(*bracket_and_guess), jnp.zeros((), int)
-    end, steps = jax.lax.while_loop(unfinished, advance, start)
+    at = BracketSearch.within(*bracket_and_guess), jnp.zeros((), int)
+    for _ in range(STEPS_ON_GPU if jax.default_backend() == "gpu" else 0):
+        at = advance(at)
+    end, steps = jax.lax.while_loop(unfinished, advance, at)
     return end.point, RootStatus(ending=end.ending, steps=steps)
 
 

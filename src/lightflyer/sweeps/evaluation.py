@@ -3,6 +3,7 @@
 import itertools
 import math
 import threading
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
@@ -117,12 +118,13 @@ class Evaluator:
         # another process counts for itself
         return {name: value for name, value in vars(self).items() if name != "counted"}
 
-    def inputs(self, designs: np.ndarray) -> tuple[Table, Any]:
+    def inputs(self, designs: Any) -> tuple[dict[str, Any], Any]:
         """Varied numbers of some designs, and what is prepared for them.
 
         Parameters
         ----------
         designs : int array, shape (n,)
+            Of NumPy or JAX.
 
         Returns
         -------
@@ -131,18 +133,36 @@ class Evaluator:
         prepared : pytree of array, shape (n, ...), or None
             See :meth:`~lightflyer.flight.design.AbstractDesign.prepare`.
         """
+        arrays = designs.__array_namespace__()  # NumPy's or JAX's
         places = self.study.places(designs)
         values = self.study.values_at(designs)
         if not values:
             # a study of one design still needs something to map over
             name, value = next(iter(self.study.fixed.items()))
-            values = {name: np.full(designs.shape, value)}
+            values = {name: arrays.full(designs.shape, value)}
         if self._prepared is None:
             return values, None
-        number = np.zeros(designs.shape, int)
+        number = arrays.zeros(designs.shape, int)
         for place, stride in zip(places, self._strides, strict=True):
-            number += stride * place
-        return values, jax.tree.map(lambda leaf: leaf[number], self._prepared)
+            number = number + stride * place
+        return values, jax.tree.map(lambda leaf: arrays.asarray(leaf)[number], self._prepared)
+
+    @property
+    def of_one(self) -> Callable[[Any, Any], Any]:
+        """Outputs of one design, and whether they have converged, from its part of inputs."""
+        return _outputs_of_one(self.study.design, self.study.outputs, self.study.fixed)
+
+
+def _outputs_of_one(
+    design: AbstractDesign, names: tuple[str, ...], fixed: dict[str, float]
+) -> Callable[[Any, Any], Any]:
+    coordinate = design.coordinate_name
+
+    def one(values: Any, prepared: Any) -> Any:
+        given = fixed | values
+        return evaluate(design.build(given, prepared), names, given.get(coordinate))
+
+    return one
 
 
 class _Kernel:
@@ -161,15 +181,11 @@ class _Kernel:
         fixed: dict[str, float],
         device: str | None,
     ):
-        coordinate = design.coordinate_name
-
-        def one(values: Any, prepared: Any) -> Any:
-            given = fixed | values
-            return evaluate(design.build(given, prepared), names, given.get(coordinate))
-
         self._devices = OnDevices(device) if device else None
         self.parts = self._devices.count if self._devices else 1
-        every = self._devices.divided(jax.vmap(one)) if self._devices else jax.vmap(one)
+        every = jax.vmap(_outputs_of_one(design, names, fixed))
+        if self._devices:
+            every = self._devices.divided(every)
         self._compiled = jit_with_options(every, {} if device == "gpu" else _COMPILATION)
         self._ready: set[Any] = set()
         self._lock = threading.Lock()

@@ -167,9 +167,9 @@ def best_design(dataset: "xr.Dataset", name: str) -> BestDesign | None:
     return BestDesign(sign * best, unit_of(array), band, where, index)
 
 
-def worst_for_nan(score: np.ndarray) -> np.ndarray:
-    """Scores of which more is better; what has no value is the worst."""
-    return np.where(np.isnan(score), -np.inf, score)
+def worst_for_nan(score: Any) -> Any:
+    """Scores of which more is better, of NumPy or JAX; what has no value is the worst."""
+    return score.__array_namespace__().where(_is_missing(score), -np.inf, score)
 
 
 def _samples_last(array: "xr.DataArray") -> "xr.DataArray":
@@ -191,13 +191,13 @@ def _typical(values: np.ndarray, array: "xr.DataArray") -> np.ndarray:
     return median_of_samples(values)
 
 
-def median_of_samples(values: np.ndarray) -> np.ndarray:
-    """Median along the last axis.
+def median_of_samples(values: Any) -> Any:
+    """Median along the last axis, of NumPy or JAX.
 
     Of an even number it is the lower one, so that it is that of a sample and never a mean of
     infinities.
     """
-    return np.quantile(values, 0.5, axis=-1, method="lower")
+    return values.__array_namespace__().quantile(values, 0.5, axis=-1, method="lower")
 
 
 def choose_slice(
@@ -264,29 +264,40 @@ def _bare(text: str) -> float | str:
         return text
 
 
-def margin(dataset: "xr.Dataset") -> "xr.DataArray | None":
+def margin(table: Mapping[Any, Any], where: Any = None) -> Any:
     """Whether the designs of a sweep fly, as far as its outputs tell.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    table : xarray.Dataset or mapping of str to array
+    where : callable, optional
+        As :func:`numpy.where`, for the kind of the arrays; by default xarray's.
 
     Returns
     -------
-    xarray.DataArray or None
+    array or None
         Zero or positive where a design flies, on an arbitrary scale; None where no output tells.
     """
-    if "lift_over_weight" in dataset:
-        return dataset["lift_over_weight"] - 1.0
+    if where is None:
+        import xarray as xr
+
+        where = xr.where
+    if "lift_over_weight" in table:
+        return table["lift_over_weight"] - 1.0
     for name in ("relative_payload", "payload"):
-        if name in dataset:
-            return dataset[name].fillna(-1.0)
+        if name in table:
+            return where(_is_missing(table[name]), -1.0, table[name])
     for name in ("lowest_altitude", "levitation_irradiance"):
-        if name in dataset:
-            return dataset[name].notnull() - 0.5
-    if "band_width" in dataset:
-        return (dataset["band_width"] > 0.0) - 0.5
+        if name in table:
+            return where(_is_missing(table[name]), -0.5, 0.5)
+    if "band_width" in table:
+        return where(table["band_width"] > 0.0, 0.5, -0.5)
     return None
+
+
+def _is_missing(values: Any) -> Any:
+    """Where an array of any kind has no number."""
+    return values != values  # as NaN does, whatever kind of array it is in
 
 
 def pareto_front(

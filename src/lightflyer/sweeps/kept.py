@@ -1,10 +1,10 @@
 """What a study keeps where not every design is kept, and how it is read from a chunk of designs."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-
-import numpy as np
+from typing import Any
 
 from lightflyer.sweeps.distributions import SAMPLE
 from lightflyer.sweeps.explore import (
@@ -15,13 +15,13 @@ from lightflyer.sweeps.explore import (
     median_of_samples,
     worst_for_nan,
 )
-from lightflyer.sweeps.reductions import AbstractReduction, Best, Front, Partial, Spread
+from lightflyer.sweeps.reductions import AbstractReduction, Best, Columns, Front, Partial, Spread
 from lightflyer.sweeps.study import Study
 
 
 @dataclass(frozen=True)
 class Designs:
-    """Outputs and numbers of consecutive designs.
+    """Outputs and numbers of consecutive designs, in arrays of NumPy or of JAX.
 
     Where the study has samples, a design is a place along all other dimensions, and all its samples
     are here.
@@ -38,11 +38,11 @@ class Designs:
     """
 
     study: Study
-    first: int
-    outputs: Mapping[str, np.ndarray]
-    numbers: np.ndarray
+    first: Any
+    outputs: Mapping[str, Any]
+    numbers: Any
 
-    def typical(self, name: str, sign: float) -> np.ndarray:
+    def typical(self, name: str, sign: float) -> Any:
         """An output or varied number of each design; with samples, their median.
 
         Parameters
@@ -60,7 +60,7 @@ class Designs:
             values = self._varied[name]
         return self.medians(values, sign)
 
-    def medians(self, values: np.ndarray, sign: float) -> np.ndarray:
+    def medians(self, values: Any, sign: float) -> Any:
         """The median over the samples of each design, if there are any."""
         samples = samples_of(self.study)
         if not samples:
@@ -68,17 +68,20 @@ class Designs:
         return sign * median_of_samples(worst_for_nan(sign * values).reshape(-1, samples))
 
     @cached_property
-    def _varied(self) -> dict[str, np.ndarray]:
+    def _varied(self) -> dict[str, Any]:
         return self.study.values_at(self.numbers)
 
     @cached_property
-    def flying(self) -> np.ndarray | bool:
+    def flying(self) -> Any:
         """Which designs fly, as far as the outputs tell."""
-        import xarray as xr
+        able = margin(self.outputs, self.where)
+        return True if able is None else self.medians(able, 1.0) >= 0.0
 
-        columns = {name: ("design", values) for name, values in self.outputs.items()}
-        able = margin(xr.Dataset(columns))
-        return True if able is None else self.medians(np.asarray(able, float), 1.0) >= 0.0
+    @property
+    def where(self) -> Callable[..., Any]:
+        """As :func:`numpy.where`, for the kind of the arrays."""
+        chosen: Callable[..., Any] = self.numbers.__array_namespace__().where
+        return chosen
 
 
 def samples_of(study: Study) -> int:
@@ -96,13 +99,21 @@ class Kept:
     name : str
         Group of the result, such as ``"best/payload"``.
     reduction : AbstractReduction
-    partial : callable
-        From :class:`Designs` to the reduction's partial.
+    columns : callable
+        What the reduction looks at, by name, from :class:`Designs`.
     """
 
     name: str
     reduction: AbstractReduction
-    partial: Callable[[Designs], Partial]
+    columns: Callable[[Designs], Columns]
+
+    def partial(self, seen: Designs) -> Partial:
+        """What is kept of some designs, in arrays of NumPy."""
+        return self.reduction.of_chunk(self.columns(seen), seen.first)
+
+    def partial_on_device(self, seen: Designs, inside: Any) -> Partial:
+        """What is kept of those of some designs that are inside, in arrays of JAX."""
+        return self.reduction.on_device(self.columns(seen), seen.first, inside)
 
 
 def what_is_kept(study: Study) -> list[Kept]:
@@ -138,11 +149,7 @@ def what_is_kept(study: Study) -> list[Kept]:
 def _best(output: str, count: int) -> Kept:
     reduction = Best(output, count, less_is_better(output))
     sign = -1.0 if reduction.less_is_better else 1.0
-    return Kept(
-        f"best/{output}",
-        reduction,
-        lambda seen: reduction.of_chunk({output: seen.typical(output, sign)}, seen.first),
-    )
+    return Kept(f"best/{output}", reduction, lambda seen: {output: seen.typical(output, sign)})
 
 
 def more_is_better_of_cost(name: str) -> bool:
@@ -157,15 +164,13 @@ def _front(gain: str, cost: str) -> Kept:
     worth = -1.0 if reduction.less_gain_is_better else 1.0
     price = 1.0 if reduction.more_cost_is_better else -1.0
 
-    def partial(seen: Designs) -> Partial:
-        gains = np.where(seen.flying, seen.typical(gain, worth), np.nan)
-        return reduction.of_chunk({gain: gains, cost: seen.typical(cost, price)}, seen.first)
+    def columns(seen: Designs) -> Columns:
+        gains = seen.where(seen.flying, seen.typical(gain, worth), math.nan)
+        return {gain: gains, cost: seen.typical(cost, price)}
 
-    return Kept(f"fronts/{gain}_against_{cost}", reduction, partial)
+    return Kept(f"fronts/{gain}_against_{cost}", reduction, columns)
 
 
 def _spread(output: str) -> Kept:
     reduction = Spread(output)
-    return Kept(
-        f"distributions/{output}", reduction, lambda seen: reduction.of_chunk(seen.outputs, 0)
-    )
+    return Kept(f"distributions/{output}", reduction, lambda seen: seen.outputs)

@@ -30,10 +30,16 @@ from lightflyer.foundation.progress import Counted
 from lightflyer.sweeps.chunks import CHUNK
 from lightflyer.sweeps.devices import find_devices
 from lightflyer.sweeps.evaluation import Evaluator
-from lightflyer.sweeps.kept import Designs, Kept, samples_of, what_is_kept
+from lightflyer.sweeps.kept import Kept, samples_of, what_is_kept
 from lightflyer.sweeps.outcome import SweepReport
 from lightflyer.sweeps.reduced_tree import as_tree
-from lightflyer.sweeps.reductions import Partial
+from lightflyer.sweeps.reducers import (
+    CHUNK_ON_GPU,
+    DeviceReducer,
+    Partials,
+    Reducer,
+    merge,
+)
 from lightflyer.sweeps.scheduler import connected, run_here, run_on_dask
 from lightflyer.sweeps.sections import ReduceSection, SamplingSection, from_arguments
 from lightflyer.sweeps.store import require_same, versions, write_atomically
@@ -55,9 +61,6 @@ _DONE, _FAILURES, _DESCRIPTION = "done", "failures", "description"
 _DAMAGES = (zipfile.BadZipFile, zlib.error, ValueError, LookupError, EOFError, OSError,
             NotImplementedError)  # fmt: skip
 """What reading a damaged archive raises."""
-
-Partials = dict[str, Partial]
-"""What is kept of some blocks, by the names of :class:`~lightflyer.sweeps.kept.Kept`."""
 
 
 @dataclass(frozen=True)
@@ -106,13 +109,13 @@ class BlockTask:
     Attributes
     ----------
     study : Study
-    evaluator : callable
-        Outputs, and number of failures, of the designs from a number up to another.
+    reducer : callable
+        What is kept, and number of failures, of the designs from a number up to another.
     blocks : Blocks
     """
 
     study: Study
-    evaluator: Any
+    reducer: Any
     blocks: Blocks
 
     def __call__(self, block: int) -> tuple[int, bytes, int]:
@@ -121,11 +124,9 @@ class BlockTask:
         partials = {part.name: part.reduction.empty() for part in kept}
         failures = 0
         for start, stop in self.blocks.chunks(block):
-            outputs, failed = self.evaluator(start, stop)
+            found, failed = self.reducer(start, stop)
             failures += failed
-            first = start // max(samples_of(self.study), 1)
-            seen = Designs(self.study, first, outputs, np.arange(start, stop))
-            merge(kept, partials, {part.name: part.partial(seen) for part in kept})
+            merge(kept, partials, found)
         return block, packed(partials), failures
 
     remotely = __call__
@@ -133,12 +134,6 @@ class BlockTask:
     def received(self, answer: tuple[int, bytes, int]) -> tuple[int, bytes, int]:
         """The same."""
         return answer
-
-
-def merge(kept: list[Kept], partials: Partials, more: Partials) -> None:
-    """Merge further partials into some."""
-    for part in kept:
-        partials[part.name] = part.reduction.merged(partials[part.name], more[part.name])
 
 
 def packed(partials: Partials, **more: Any) -> bytes:
@@ -239,7 +234,7 @@ def reduce_into(
     *,
     scheduler: str | None = None,
     workers: int | None = None,
-    chunk: int = CHUNK,
+    chunk: int | None = None,
     device: str | None = None,
     evaluator: Any = None,
     save_every: float = SAVE_EVERY,
@@ -256,10 +251,10 @@ def reduce_into(
         Address of a Dask scheduler; by default threads of this process compute.
     workers : int, optional
         Threads of this process.
-    chunk : int
+    chunk : int, optional
         Designs computed at once, at most.
     device : {"cpu", "gpu"}, optional
-        Where to compute; by default where JAX does.
+        Where to compute; by default where JAX does. A GPU also reduces: designs never leave it.
     evaluator : callable, optional
         In place of the study's own :class:`~lightflyer.sweeps.evaluation.Evaluator`.
     save_every : float
@@ -278,7 +273,8 @@ def reduce_into(
     """
     if device and scheduler is None:
         find_devices(device)
-    path, blocks = Path(path), Blocks.of(study, chunk)
+    path, on_gpu = Path(path), device == "gpu" and evaluator is None
+    blocks = Blocks.of(study, chunk or (CHUNK_ON_GPU if on_gpu else CHUNK))
     if path.suffix != _SUFFIX:
         raise OutputError(
             f"{path}: a reduced sweep is a NetCDF file; let its name end with {_SUFFIX}"
@@ -296,10 +292,12 @@ def reduce_into(
         left = sum(map(blocks.count, missing))
         own = Evaluator(study, device) if evaluator is None else evaluator
         counted = Counted("computing designs", study.size, "designs", done=study.size - left)
+        reducer: Any = DeviceReducer(study, "gpu") if on_gpu else Reducer(study, own)
         counts_itself = scheduler is None and evaluator is None
         if counts_itself:
-            own.counted = counted  # as its batches end: a block may take minutes
-        task = BlockTask(study, own, blocks)
+            counting = reducer if on_gpu else own
+            counting.counted = counted  # as its batches end: a block may take minutes
+        task = BlockTask(study, reducer, blocks)
         found = (
             run_on_dask(task, missing, client, scheduler)
             if scheduler

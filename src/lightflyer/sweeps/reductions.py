@@ -51,8 +51,16 @@ class AbstractReduction(abc.ABC):
         """
 
     @abc.abstractmethod
-    def on_device(self, columns: Columns, first: Any) -> Partial:
-        """As :meth:`of_chunk`, by JAX: of fixed shapes, for :func:`jax.jit`, in float64."""
+    def on_device(self, columns: Columns, first: Any, inside: Any = True) -> Partial:
+        """As :meth:`of_chunk`, by JAX: of fixed shapes, for :func:`jax.jit`, in float64.
+
+        Parameters
+        ----------
+        columns, first
+            As of :meth:`of_chunk`; no value where not inside.
+        inside : bool array, shape (n,), optional
+            Which rows are designs; others only fill the arrays.
+        """
 
     @abc.abstractmethod
     def merged(self, one: Partial, other: Partial) -> Partial:
@@ -112,8 +120,9 @@ class Best(AbstractReduction):
             candidates = candidates[score >= np.partition(score, last)[last]]
         return self._first(first + candidates, values[candidates])
 
-    def on_device(self, columns: Columns, first: Any) -> Partial:
+    def on_device(self, columns: Columns, first: Any, inside: Any = True) -> Partial:
         """See :meth:`AbstractReduction.on_device`."""
+        del inside  # others have no value
         values = jnp.asarray(columns[self.output])
         known = jnp.isfinite(values)
         # of equals the one with the lower index comes first
@@ -176,8 +185,9 @@ class Front(AbstractReduction):
         known = np.flatnonzero(np.isfinite(gain) & np.isfinite(cost))
         return self._unbeaten(first + known, gain[known], cost[known])
 
-    def on_device(self, columns: Columns, first: Any) -> Partial:
+    def on_device(self, columns: Columns, first: Any, inside: Any = True) -> Partial:
         """See :meth:`AbstractReduction.on_device`."""
+        del inside  # others have no value
         gain, cost = (jnp.asarray(columns[name]) for name in (self.gain, self.cost))
         worth, price = self._signs
         known = jnp.isfinite(gain) & jnp.isfinite(cost)
@@ -301,7 +311,7 @@ class Spread(AbstractReduction):
             "missing": np.asarray(values.size - known.size),
         }
 
-    def on_device(self, columns: Columns, first: Any) -> Partial:
+    def on_device(self, columns: Columns, first: Any, inside: Any = True) -> Partial:
         """See :meth:`AbstractReduction.on_device`."""
         del first
         values = jnp.asarray(columns[self.output])
@@ -314,7 +324,7 @@ class Spread(AbstractReduction):
             "counts": counts,
             "least": jnp.min(values, where=known, initial=jnp.inf),
             "largest": jnp.max(values, where=known, initial=-jnp.inf),
-            "missing": jnp.count_nonzero(~known),
+            "missing": jnp.count_nonzero(~known & inside),
         }
 
     def merged(self, one: Partial, other: Partial) -> Partial:

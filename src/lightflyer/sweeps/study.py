@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -174,24 +175,27 @@ class Study:
         known = outputs_of(self.design.setup)
         return {name: known[name] for name in self.outputs}
 
-    def places(self, designs: np.ndarray) -> tuple[np.ndarray, ...]:
+    def places(self, designs: Any) -> tuple[Any, ...]:
         """Places along each dimension of designs, which are numbered in row-major order."""
-        return np.unravel_index(designs, self.shape) if self.shape else ()
+        arrays = designs.__array_namespace__()
+        return tuple(arrays.unravel_index(designs, self.shape)) if self.shape else ()
 
-    def values_at(self, designs: np.ndarray) -> dict[str, np.ndarray]:
+    def values_at(self, designs: Any) -> dict[str, Any]:
         """Varied numbers of some designs.
 
         Parameters
         ----------
         designs : int array, shape (n,)
+            Of NumPy or JAX.
 
         Returns
         -------
         dict of str to array, shape (n,)
-            By dotted name.
+            By dotted name, of the same kind.
         """
+        asarray = designs.__array_namespace__().asarray
         return {
-            name: table[place]
+            name: asarray(table)[place]
             for dimension, place in zip(self.dimensions, self.places(designs), strict=True)
             for name, table in dimension.values.items()
         }

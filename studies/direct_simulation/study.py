@@ -59,6 +59,7 @@ class Point:
     boundary: float = 4.0
     floor: float | None = None  # distance below the disk, where not `boundary`
     solid: str = ""  # parts of the vessel that are walls
+    floor_temperature: float = 1.0  # over that of the rest
 
     @property
     def measured(self) -> tuple[str, ...]:
@@ -91,6 +92,11 @@ POINTS_TO_RUN = [
         Point("nitrogen", kn, FLIGHT, 0.99, 1.0, floor=_HIGH, solid="floor")
         for kn in (_THIRD, _TENTH)
     ),
+    # and a warm one, beside a reservoir and beside a cold side wall
+    *(
+        Point("nitrogen", _THIRD, 1.2, 0.99, 1.0, "maxwell", 4.0, _HIGH, solid, 1.5)
+        for solid in ("floor lid", "floor side")
+    ),
 ]
 
 
@@ -114,7 +120,9 @@ def simulation(point: Point, seed: int) -> Simulation:
         (point.temperature_ratio, point.temperature_ratio),
         gas.rotational_freedoms,
     )
-    vessel = build_vessel(point.boundary, point.floor, solid=point.solid)
+    vessel = build_vessel(
+        point.boundary, point.floor, solid=point.solid, floor_temperature=point.floor_temperature
+    )
     return Simulation(gas, point.knudsen, faces, vessel, numerics(point), seed)
 
 
@@ -210,6 +218,9 @@ def vessel(point: Point) -> str:
     words = f"D {point.boundary:g}"
     if point.floor is not None:
         words += f", {'solid' if 'floor' in point.solid else 'open'} floor {point.floor:g}"
+        words += f"{', solid side' if 'side' in point.solid else ''}"
+    if point.floor_temperature != 1.0:
+        words += f" at {point.floor_temperature:g} T_c"
     return words
 
 

@@ -111,6 +111,9 @@ class EnvironmentState(eqx.Module):
     floor_distance, lid_distance : array or None
         Distance down to a solid floor and up to a solid lid [m]; None where there is none near.
         With either, the walls around are solid too.
+    floor_excess : array or None
+        Floor's temperature over that of lid and side wall, less one [1]; None where all are alike.
+        The gas temperature is then that which the gas has at the flyer's place.
     wind : Wind or None
         None where the gas is at rest.
     """
@@ -123,6 +126,7 @@ class EnvironmentState(eqx.Module):
     wall_distance: Numeric = None
     floor_distance: Numeric = None
     lid_distance: Numeric = None
+    floor_excess: Numeric = None
     wind: Wind | None = None
 
 

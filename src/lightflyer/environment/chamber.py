@@ -1,7 +1,8 @@
 """A vacuum chamber with a lamp."""
 
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
+import numpy as np
 import pydantic
 
 from lightflyer.environment.base import (
@@ -12,9 +13,14 @@ from lightflyer.environment.base import (
 )
 from lightflyer.environment.radiation import Radiation
 from lightflyer.environment.section import EnvironmentSection
+from lightflyer.environment.warm_floor import (
+    over_warm_floor,
+    radiation_over_floor,
+    view_of_floor,
+)
 from lightflyer.foundation import constants
 from lightflyer.foundation.checks import require_positive, require_range
-from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.foundation.errors import ConfigurationError, ParameterError
 from lightflyer.foundation.quantity import (
     Acceleration,
     Length,
@@ -23,6 +29,7 @@ from lightflyer.foundation.quantity import (
     Temperature,
     quantity_of,
 )
+from lightflyer.foundation.text import span
 from lightflyer.foundation.types import Numeric
 from lightflyer.foundation.units import Measured
 from lightflyer.gas.air import AIR
@@ -56,6 +63,10 @@ class Chamber(AbstractEnvironment):
         Height of the flyer above a solid floor, and of a solid lid above the flyer [m]; None for
         one too far away to matter. With neither, the walls' cylinder is as high as wide, and cold
         gas enters through all of it.
+    floor_temperature : array or None
+        Where it is not that of lid and side wall [K]. It needs the floor's distance, and that of
+        lid or walls. The gas then has the temperature at the flyer's place,
+        :mod:`lightflyer.environment.warm_floor`, and the floor radiates as a black one.
 
     Notes
     -----
@@ -64,7 +75,8 @@ class Chamber(AbstractEnvironment):
     Raises
     ------
     ParameterError
-        If a concrete value is not positive or the range is empty.
+        If a concrete value is not positive, the range is empty, or a floor's temperature is given
+        without the distances that it needs.
     """
 
     dimmable_light: ClassVar[bool] = True
@@ -77,9 +89,12 @@ class Chamber(AbstractEnvironment):
     radius: Length | None = None
     floor: Length | None = None
     lid: Length | None = None
+    floor_temperature: Temperature | None = None
 
     def __check_init__(self) -> None:
         lowest, highest = self.pressure_range
+        if self.floor_temperature is not None:
+            _require_distances(self.floor, self.lid, self.radius)
         require_positive(pressure_range=lowest)
         require_range("upper end of pressure_range", highest, lowest, open_below=True)
 
@@ -103,7 +118,25 @@ class Chamber(AbstractEnvironment):
 
     def assumptions(self) -> tuple[str, ...]:
         """See :meth:`AbstractEnvironment.assumptions`."""
-        return (*super().assumptions(), *self.gas.assumptions())
+        told = self._seen_radiation.describe()
+        if self.floor_temperature is not None:
+            told += (
+                f"floor at {span(self.floor_temperature)} K, all else at {span(self.temperature)} "
+                "K; the gas as warm as between them at the flyer's place",
+            )
+        return (*told, *self.gas.assumptions())
+
+    @property
+    def _seen_radiation(self) -> Radiation:
+        if self.floor_temperature is None:
+            return self.radiation
+        wall = np.inf if self.radius is None else self.radius
+        return radiation_over_floor(
+            self.radiation,
+            self.temperature,
+            self.floor_temperature,
+            view_of_floor(self.floor, wall),
+        )
 
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:  # noqa: ARG002
         """Surroundings at a pressure, which may lie outside the range of interest.
@@ -126,15 +159,29 @@ class Chamber(AbstractEnvironment):
         """
         pressure = self.coordinate.quantity.number("pressure", coordinate)
         _PRESSURE.check("pressure", pressure)
-        return EnvironmentState(
+        state = EnvironmentState(
             pressure=pressure,
             temperature=self.temperature,
             gravity=self.gravity,
             gas=self.gas,
-            radiation=self.radiation,
+            radiation=self._seen_radiation,
             wall_distance=self.radius,
             floor_distance=self.floor,
             lid_distance=self.lid,
+        )
+        if self.floor_temperature is None:
+            return state
+        return over_warm_floor(state, self.floor_temperature)
+
+
+def _require_distances(floor: Any, lid: Any, radius: Any) -> None:
+    """Raise unless it is known where between a warm floor and cold walls the gas is."""
+    if floor is None:
+        raise ParameterError("floor_temperature needs the distance of the floor; give floor")
+    if lid is None and radius is None:
+        raise ParameterError(
+            "floor_temperature needs a wall of another temperature; give lid or radius, or the "
+            "gas is as warm as the floor"
         )
 
 
@@ -150,6 +197,13 @@ class ChamberSection(EnvironmentSection):
     radius: Length | None = None
     floor: Length | None = None
     lid: Length | None = None
+    floor_temperature: Temperature | None = None
+
+    @pydantic.model_validator(mode="after")
+    def _complete(self) -> "ChamberSection":
+        if self.floor_temperature is not None:
+            _require_distances(self.floor, self.lid, self.radius)
+        return self
 
     @pydantic.model_validator(mode="after")
     def _ordered(self) -> "ChamberSection":
@@ -169,6 +223,7 @@ class ChamberSection(EnvironmentSection):
             radius=_value(self.radius),
             floor=_value(self.floor),
             lid=_value(self.lid),
+            floor_temperature=_value(self.floor_temperature),
         )
 
 

@@ -133,7 +133,8 @@ def _of_walls(setup: Setup, state: EnvironmentState) -> tuple[str, ...]:
         found += (f"the walls around the flyer have no effect: {name} is for open space",)
     ends = (state.floor_distance, state.lid_distance)
     if any(end is not None for end in ends) and not setup.model.feels_floor:
-        found += (f"floor and lid have no effect: {name} knows none",)
+        but = "" if state.floor_excess is None else " but on the gas temperature"
+        found += (f"floor and lid have no effect{but}: {name} knows none",)
     return found
 
 

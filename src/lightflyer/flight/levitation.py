@@ -130,8 +130,9 @@ def levitate(
 def _levitate(
     flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
 ) -> Levitation:
-    buoyant = type(flyer).buoyancy is not AbstractFlyer.buoyancy
-    if len(flyer.nodes) == 1 and not flyer.flows and not buoyant:
+    lifts_cold = type(flyer).buoyancy is not AbstractFlyer.buoyancy
+    lifts_cold |= model.pushes_unheated(flyer, state)
+    if len(flyer.nodes) == 1 and not flyer.flows and not lifts_cold:
         return _by_temperature(flyer, state, model)
     return _by_irradiance(flyer, state, model)
 

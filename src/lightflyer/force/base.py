@@ -116,6 +116,22 @@ class AbstractForceModel(Checked):
         array, broadcast shape
         """
 
+    def pushes_unheated(self, flyer: Any, state: EnvironmentState) -> bool:
+        """Whether a flyer that is as warm as the gas is pushed too.
+
+        Parameters
+        ----------
+        flyer : AbstractFlyer
+        state : EnvironmentState
+
+        Returns
+        -------
+        bool
+            No by default.
+        """
+        del flyer, state
+        return False
+
     def flow_balance(
         self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:

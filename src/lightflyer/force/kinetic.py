@@ -108,7 +108,8 @@ class Kinetic(AbstractForceModel):
     Where the surroundings have a wall (:attr:`EnvironmentState.wall_distance`), force and heat
     are those in a chamber of that radius. With a floor or a lid the surfaces are solid, each at its
     own distance, and a disk of like faces is pushed too
-    (:mod:`lightflyer.force.kinetic_chamber`).
+    (:mod:`lightflyer.force.kinetic_chamber`); a floor of another temperature pushes any disk
+    (:mod:`lightflyer.force.kinetic_warm_floor`).
 
     References
     ----------
@@ -193,6 +194,10 @@ class Kinetic(AbstractForceModel):
             self.collisions,
             self.film_balance,
         )
+
+    def pushes_unheated(self, flyer: Any, state: EnvironmentState) -> bool:
+        """See :meth:`AbstractForceModel.pushes_unheated`: a disk over a warm floor is."""
+        return isinstance(flyer, Disk) and state.floor_excess is not None
 
     def _require_table_of_sandwich(self, gas: AbstractGas) -> None:
         if gas.molecules not in self.molecules:

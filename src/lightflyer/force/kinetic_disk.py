@@ -29,6 +29,7 @@ from lightflyer.force.kinetic_ratios import KineticFit, heating_of
 from lightflyer.force.kinetic_table import GASES
 from lightflyer.force.kinetic_table_fit import kinetic_fit
 from lightflyer.force.kinetic_walls import Walls
+from lightflyer.force.kinetic_warm_floor import push_of_floor
 from lightflyer.force.schafer2025_table import internal_factors
 from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.types import Numeric
@@ -111,6 +112,8 @@ def force(
         own = force_error(fit.table_errors(knudsen)[0], ratio, collisions)
         found *= 1.0 + error * _with_scaling(own, _SCALED_FORCE_ERROR, state.gas)
         push *= 1.0 + error * PUSH_ERROR
+    if state.floor_excess is not None:
+        push += push_of_floor(disk, state, knudsen, error)
     return found + push
 
 

@@ -1,0 +1,59 @@
+"""Fit what a warm floor does: the share of its excess that the gas has, and its push on a disk.
+
+Run as ``python studies/kinetic_chamber/warm_floor.py``; prints the numbers of
+``environment/warm_floor.py`` and ``force/kinetic_warm_floor.py``, and what is left of the table.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from lightflyer.environment import warm_floor
+from lightflyer.force import kinetic_warm_floor
+from lightflyer.foundation.precision import float64
+from lightflyer.foundation.table import shipped_table
+
+TAC = 0.85  # of the table's disk
+
+
+def chambers() -> dict[str, np.ndarray]:
+    """The table but for a tube, whose solution does not conserve molecules."""
+    table = dict(shipped_table("kinetic_chamber.csv").numbers)
+    good = ~((table["wall"] == 1.5) & (table["lid"] == 12.0))
+    return {name: column[good] for name, column in table.items()}
+
+
+def fit(
+    name: str, function: Callable[[np.ndarray], np.ndarray], values: np.ndarray, start: list[float]
+) -> None:
+    """Fit and print."""
+    found = least_squares(lambda numbers: np.asarray(function(numbers)) - values, start)
+    print(f"{name}: {np.round(found.x, 4).tolist()}")
+    print(f"  r.m.s. {np.sqrt(np.mean(found.fun**2)):.4f}, at most {np.abs(found.fun).max():.4f}")
+
+
+def main() -> None:
+    """Fit both."""
+    table = chambers()
+    knudsen, *place = (table[name] for name in ("knudsen", "floor", "lid", "wall"))
+    with float64():
+        # in radii, of which Kn is half a mean free path
+        fit(
+            "share: join, its power, jump",
+            lambda numbers: warm_floor.joined_share(*place, knudsen, *numbers),
+            table["floor_share"],
+            [0.5, 1.0, 1.5],
+        )
+        # a disk as cold as the walls is colder than the gas, which pushes it too
+        unheated = table["floor_push"] + table["floor_share"] * table["lift"]
+        fit(
+            "push: first, second, steepness, power",
+            lambda numbers: kinetic_warm_floor.joined_push(*place, knudsen, TAC, *numbers),
+            unheated,
+            [0.2, 0.05, 1.4, 0.8],
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -302,3 +302,18 @@ def test_documentation_shows_what_the_report_says(folder):
     rows = [line for line in page.splitlines() if line.startswith("|")]
     assert len(rows) > 40
     assert [row for row in rows if row not in report] == []
+
+
+def test_kinetic_theory_beside_the_paper_is_what_the_package_predicts(folder):
+    found = json.loads((folder / "report.json").read_text(encoding="utf-8"))["kinetic"]
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    disk = lf.Disk(film, 0.01)
+    band = lf.levitation_band(disk, lf.lu2023_earth(), lf.Kinetic())
+    np.testing.assert_allclose(
+        [found["band_low"], found["band_high"]], [1e-3 * band.lower, 1e-3 * band.upper], rtol=1e-4
+    )
+    slanting = lf.lu2023_earth(incidence=np.pi / 4.0)
+    assert not lf.levitation_band(disk, slanting, lf.Kinetic(), throw=False).exists
+    assert found["band_45_low"] is None
+    page = (folder / "report.md").read_text(encoding="utf-8")
+    assert f"| 1 | upper edge | 78 km | 78 km | {found['band_high']:.3g} km |" in page

@@ -21,6 +21,8 @@ from lightflyer.flight.balance import require_converged
 from lightflyer.flight.outputs import tabulate
 from lightflyer.flight.setup import Setup
 from lightflyer.flyer.disk import Disk
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.force.kinetic import Kinetic
 from lightflyer.force.lu2023 import PRINTED, REPORTED, Lu2023, Reading
 from lightflyer.foundation import constants
 from lightflyer.foundation.batches import in_batches
@@ -88,17 +90,20 @@ class Column:
     Attributes
     ----------
     key, title, description : str
-    reading : Reading
+    reading : Reading or None
+        Of the paper's model; None for kinetic theory in its place.
     """
 
     key: str
     title: str
     description: str
-    reading: Reading
+    reading: Reading | None
 
     @property
-    def model(self) -> Lu2023:
-        """The force model with the paper's coefficients."""
+    def model(self) -> AbstractForceModel:
+        """The force model, the paper's with its coefficients."""
+        if self.reading is None:
+            return Kinetic()
         fitted = facts()["coefficients"]
         return Lu2023(fitted["c_fm"], fitted["c_cont"], self.reading)
 
@@ -119,7 +124,12 @@ COLUMNS = (
         REPORTED_MEAN,
     ),
 )
-"""Columns of the report. A further model is a further entry."""
+"""Columns of the report that are readings of the paper."""
+
+KINETIC = Column(
+    "kinetic", "kinetic theory", "the force from the kinetic equation, nothing fitted", None
+)
+"""What the package predicts by default, in the paper's surroundings; no reading of the paper."""
 
 Table = dict[str, np.ndarray]
 """Outputs of :mod:`lightflyer.flight.outputs` by name, in SI units."""
@@ -128,7 +138,7 @@ _tabulate = quick_entry_point(tabulate)
 
 
 def behaviour(
-    model: Lu2023,
+    model: AbstractForceModel,
     properties: FilmProperties,
     *,
     diameter: Any,
@@ -141,7 +151,7 @@ def behaviour(
 
     Parameters
     ----------
-    model : Lu2023
+    model : AbstractForceModel
     properties : FilmProperties
     diameter, pressure, gas_temperature, irradiance, incidence : array, shape (...)
         [m], [Pa], [K], [W/m²], [rad]; they broadcast.

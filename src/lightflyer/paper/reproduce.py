@@ -11,7 +11,7 @@ from lightflyer.paper import report
 from lightflyer.paper.conditions import COLUMNS
 from lightflyer.paper.curves import FIGURES, rows
 from lightflyer.paper.figures import measured_figures, paper_figure
-from lightflyer.paper.results import check_values, column_values, common_values
+from lightflyer.paper.results import check_values, column_values, common_values, kinetic_values
 from lightflyer.paper.tables import table_1, table_s2, tac_pairs, to_csv
 
 
@@ -28,6 +28,8 @@ def compute() -> report.Results:
         results.checks[column.key] = check_values(column)
         progress.report(f"claims, {column.title}")
         results.columns[column.key] = {**common, **column_values(column)}
+    progress.report("claims, kinetic theory")
+    results.kinetic = kinetic_values()
     return results
 
 

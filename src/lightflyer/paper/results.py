@@ -15,6 +15,7 @@ from lightflyer.flight.outputs import OUTPUTS, json_name
 from lightflyer.foundation import constants
 from lightflyer.foundation.types import Numeric
 from lightflyer.paper.conditions import (
+    KINETIC,
     POINTS,
     Column,
     atmosphere,
@@ -316,6 +317,28 @@ def column_values(column: Column) -> dict[str, float]:
     dict of str to float
     """
     return {**_altitude_values(column), **_payload_values(column), **_chamber_values(column)}
+
+
+def kinetic_values() -> dict[str, float | None]:
+    """Numbers of the mesosphere by kinetic theory.
+
+    Those of the chamber depend on its floor and walls, which the paper's model does not have.
+
+    Returns
+    -------
+    dict of str to float or None
+        None where the disk flies nowhere.
+    """
+    light = constants.SOLAR_CONSTANT_LU2023
+    _, most = _maximum(
+        lambda x: over_altitude(KINETIC, x, _DISK, light)["lift_over_weight"], *SEARCHED_ALTITUDES
+    )
+    found = {
+        **_altitude_values(KINETIC),
+        **_payload_values(KINETIC),
+        "largest_lift": float(most[0]),
+    }
+    return {name: value if np.isfinite(value) else None for name, value in found.items()}
 
 
 def check_values(column: Column) -> list[dict[str, float]]:

@@ -167,3 +167,25 @@ def test_radiation_evens_the_film_out():
 def test_a_bad_balance_is_named():
     with pytest.raises(ParameterError, match="film_balance"):
         lf.Kinetic(film_balance="adiabatic")
+
+
+@pytest.mark.parametrize("place", [lf.Earth(floor=0.02), lf.environment.Mars(floor=0.02)])
+def test_ground_below_in_open_air(place):
+    altitude = 70e3 if isinstance(place, lf.Earth) else 50e3
+    model = lf.Kinetic(polyatomic="scaled")
+    light = [
+        float(lf.levitate(disk(), world.state(altitude), model).irradiance)
+        for world in (replace(place, floor=None), place)
+    ]
+    assert 0.1 * light[0] < light[1] < 0.5 * light[0]  # a floor two radii away
+    assert any(text.startswith("solid floor 2 cm below") for text in place.assumptions())
+
+
+def test_ground_below_in_a_flyer_file(flyer_file):
+    text = templates()["earth"].read()
+    given = text.replace("[environment]\n", '[environment]\nfloor = "1 cm"\n', 1)
+    assert given != text
+    found = lf.predict(flyer_file(text=given), at=[75e3])
+    assert any("solid floor 1 cm below" in told for told in found.setup.environment.assumptions())
+    plain = lf.predict(flyer_file(text=text), at=[75e3])
+    assert found.at["lift"][0] > 1.1 * plain.at["lift"][0]

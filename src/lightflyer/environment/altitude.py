@@ -2,12 +2,15 @@
 
 from typing import ClassVar
 
+import numpy as np
 import pydantic
 
 from lightflyer.environment.base import Coordinate
 from lightflyer.environment.section import EnvironmentSection
 from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import Altitude
+from lightflyer.foundation.quantity import Altitude, Length
+from lightflyer.foundation.text import span
+from lightflyer.foundation.types import Numeric
 
 _SPACING = 1000.0  # metres, which resolves the layers of every atmosphere
 
@@ -46,6 +49,24 @@ def altitude_coordinate(
     )
 
 
+def describe_floor(floor: Numeric | None) -> tuple[str, ...]:
+    """What is assumed of solid ground below a flyer.
+
+    Parameters
+    ----------
+    floor : array or None
+        Distance down to it [m].
+
+    Returns
+    -------
+    tuple of str
+        Empty without any.
+    """
+    if floor is None:
+        return ()
+    return (f"solid floor {span(100.0 * np.asarray(floor))} cm below, as warm as the gas",)
+
+
 class AltitudeSection(EnvironmentSection):
     """``[environment]`` of a planet: the altitudes to search."""
 
@@ -53,6 +74,7 @@ class AltitudeSection(EnvironmentSection):
 
     altitude_min: Altitude | None = None
     altitude_max: Altitude | None = None
+    floor: Length | None = None
 
     @pydantic.model_validator(mode="after")
     def _ordered(self) -> "AltitudeSection":

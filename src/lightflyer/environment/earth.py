@@ -10,7 +10,7 @@ import equinox as eqx
 import numpy as np
 import pydantic
 
-from lightflyer.environment.altitude import altitude_coordinate
+from lightflyer.environment.altitude import altitude_coordinate, describe_floor
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.global_nrlmsis import GlobalNRLMSIS
 from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
@@ -44,6 +44,7 @@ from lightflyer.foundation.quantity import (
     GeomagneticIndex,
     Irradiance,
     Latitude,
+    Length,
     Longitude,
     SolarFlux,
 )
@@ -95,6 +96,9 @@ class Earth(AbstractEnvironment):
     place : Place or None
         Where and when, for states whose place is not given. With a sky, ``radiation`` becomes the
         light there in full, and of states what is left of it behind the horizon.
+    floor : array or None
+        Distance down to solid ground, or to a platform, at every altitude [m]; None for open air.
+        It changes what the gas does to the flyer, not the light.
 
     Examples
     --------
@@ -110,6 +114,7 @@ class Earth(AbstractEnvironment):
     wind: AbstractWind | None = None
     sky: AbstractSky | None = None
     place: Place | None = None
+    floor: Length | None = None
 
     def __post_init__(self) -> None:
         if self.sky is None or self.place is None:
@@ -131,16 +136,17 @@ class Earth(AbstractEnvironment):
 
     def assumptions(self) -> tuple[str, ...]:
         """See :meth:`AbstractEnvironment.assumptions`."""
-        told = self.radiation.describe(VIEW_OF_PLANET)
+        told = self.radiation.describe(VIEW_OF_PLANET) + describe_floor(self.floor)
         if self.sky is None or self.place is None:
             return told
-        light, *_ = told
+        light = told[0]
         altitudes = np.linspace(*self.coordinate.searched, _SHADOW_STEPS)
         visible = self.sky.radiation(altitudes, self.place).visible
         return (
             f"{light}, {self.place.describe()}",
             *describe_shadow(altitudes, visible),
             *self.sky.assumptions(),
+            *describe_floor(self.floor),
         )
 
     def assumptions_of_air(self) -> tuple[str, ...]:
@@ -199,6 +205,7 @@ def _state(earth: Earth, altitude: Numeric, place: Place | None) -> EnvironmentS
         gravity=earth_gravity(altitude) if earth.gravity is None else earth.gravity,
         gas=gas,
         radiation=earth.radiation.seen_from(earth_view(altitude)),
+        floor_distance=earth.floor,
     )
 
 
@@ -284,6 +291,7 @@ class EarthSection(SkySection):
             sky=self.build_sky(),
             place=self.build_place(),
             wind=None if self.wind is None else self.wind.build(atmosphere, self.indices),
+            floor=None if self.floor is None else self.floor.value,
         )
 
 

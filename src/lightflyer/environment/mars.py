@@ -8,7 +8,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.environment.altitude import altitude_coordinate
+from lightflyer.environment.altitude import altitude_coordinate, describe_floor
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.mars import (
     MOLAR_MASS,
@@ -43,6 +43,7 @@ from lightflyer.foundation.precision import entry_point
 from lightflyer.foundation.quantity import (
     RADIANS_PER_DEGREE,
     Acceleration,
+    Length,
 )
 from lightflyer.foundation.types import Numeric
 from lightflyer.gas.base import AbstractGas
@@ -202,6 +203,9 @@ class Mars(AbstractEnvironment):
     place : Place or None
         Where and when, in place of none: with a sky, ``radiation`` becomes that of the place, as
         a flyer above dust and horizon has it.
+    floor : array or None
+        Distance down to solid ground, or to a platform, at every altitude [m]; None for open air.
+        It changes what the gas does to the flyer, not the light.
 
     Notes
     -----
@@ -223,6 +227,7 @@ class Mars(AbstractEnvironment):
     wind: AbstractWind | None = None
     sky: AbstractSky | None = None
     place: Place | None = None
+    floor: Length | None = None
 
     def __post_init__(self) -> None:
         if self.sky is None or self.place is None:
@@ -247,7 +252,7 @@ class Mars(AbstractEnvironment):
         told = self.radiation.describe(VIEW_OF_PLANET)
         if self.sky is not None and self.place is not None:
             told = f"{told[0]}, {self.place.describe()}", *self.sky.assumptions()
-        return (*told, *self.assumptions_of_air())
+        return (*told, *describe_floor(self.floor), *self.assumptions_of_air())
 
     def assumptions_of_air(self) -> tuple[str, ...]:
         """See :meth:`AbstractEnvironment.assumptions_of_air`: atmosphere, dust, gas."""
@@ -297,6 +302,7 @@ def _state(mars: Mars, altitude: Numeric, place: Place | None) -> EnvironmentSta
         gravity=mars_gravity(altitude) if mars.gravity is None else mars.gravity,
         gas=mars.gas,
         radiation=radiation.seen_from(view),
+        floor_distance=mars.floor,
     )
 
 

@@ -174,4 +174,5 @@ class MarsSection(AltitudeSection):
             dust=Dust(self.dust_optical_depth.value),
             sky=sky,
             place=self.build_place(),
+            floor=None if self.floor is None else self.floor.value,
         )

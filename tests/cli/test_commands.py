@@ -338,6 +338,18 @@ def test_help_and_version_import_nothing_heavy():
     assert "predict" in result.stdout
 
 
+def test_reading_a_flyer_file_imports_nothing_to_draw_with():
+    code = (
+        "import sys\nimport lightflyer.config.reader\n"
+        "heavy = {'matplotlib', 'xarray', 'optimistix', 'jax.scipy.special'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 0, result.stderr
+
+
 def test_runs_as_a_module_with_a_closed_pipe(flyer_file):
     command = f"{sys.executable} -m lightflyer predict {flyer_file()} | head -1"
     result = subprocess.run(

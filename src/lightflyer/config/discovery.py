@@ -15,7 +15,7 @@ _ROOMS = (
     "lightflyer.flyer",
     "lightflyer.force",
 )
-_FIGURES = "figures"  # drawn on demand, and matplotlib with them
+_FIGURES = "figures"  # how such names end: they draw on demand, and import matplotlib
 
 ENTRY_POINTS = "lightflyer"
 """Group of entry points by which other packages declare alternatives."""
@@ -27,7 +27,7 @@ def discover() -> None:
     for room in _ROOMS:
         package = importlib.import_module(room)
         for module in pkgutil.iter_modules(package.__path__):
-            if not module.ispkg and module.name != _FIGURES:
+            if not module.ispkg and not module.name.endswith(_FIGURES):
                 importlib.import_module(f"{room}.{module.name}")
     for entry in importlib.metadata.entry_points(group=ENTRY_POINTS):
         entry.load()

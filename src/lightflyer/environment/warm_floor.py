@@ -24,6 +24,7 @@ from dataclasses import replace
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.scipy.special import i0e
 
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Radiation
@@ -112,8 +113,6 @@ def conducted_share(floor: Numeric, lid: Numeric, wall: Numeric) -> Array:
     array, broadcast shape
         [1].
     """
-    from jax.scipy.special import i0e  # imports SciPy, which few commands need
-
     lid = jnp.minimum(lid, _ENOUGH * wall)
     height = floor + lid
     wall = jnp.minimum(wall, _ENOUGH * height)

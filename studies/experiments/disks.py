@@ -52,6 +52,8 @@ class Terms:
         Temperature of all that is seen below, over the gas temperature [K].
     warmer_around : float
         That of all surroundings.
+    warmer_floor : float
+        Temperature of a solid floor over that of lid and side wall [K].
     germanium : mapping
         Factors on properties of the germanium film.
     rods : float
@@ -67,6 +69,7 @@ class Terms:
     reflected: float = 0.0
     warmer_below: float = 0.0
     warmer_around: float = 0.0
+    warmer_floor: float = 0.0
     germanium: Mapping[str, float] = field(default_factory=dict)
     rods: float = 0.0
 
@@ -138,8 +141,14 @@ def levitation(found, diameter, terms, errors, temperature, pressures=PRESSURES,
         radius=radius,
     )  # fmt: skip
     model = model or lf.Kinetic(**{k: v[:, None] for k, v in errors.items()}, **terms.model)
+    over_floor = {}
+    if terms.warmer_floor and "floor" in terms.chamber:
+        over_floor["floor_temperature"] = temperature + terms.warmer_floor
     chamber = lf.Chamber(
-        temperature=temperature, radiation=_radiation(terms, temperature), **terms.chamber
+        temperature=temperature,
+        radiation=_radiation(terms, temperature),
+        **terms.chamber,
+        **over_floor,
     )
     return lf.levitate(disk, chamber.state(pressures), model)
 
@@ -151,7 +160,8 @@ def _radiation(terms, temperature):
     return Radiation(
         albedo=terms.reflected,
         infrared_above=STEFAN_BOLTZMANN * above**4,
-        infrared_below=STEFAN_BOLTZMANN * below**4,
+        # a floor of another temperature radiates by itself
+        infrared_below=None if terms.warmer_floor else STEFAN_BOLTZMANN * below**4,
     )
 
 

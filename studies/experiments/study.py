@@ -52,12 +52,17 @@ TERMS = {
     "a lid of acrylic returns light": Terms(reflected=ACRYLIC_RETURNS),
     "20 K warmer below": Terms(warmer_below=WARMER),
     "20 K warmer on all sides": Terms(warmer_around=WARMER),
+    "floor 10 K warmer than the rest": Terms(warmer_floor=0.5 * WARMER),
+    "floor 20 K warmer than the rest": Terms(warmer_floor=WARMER),
     "germanium's emittance at its bound": Terms(germanium={"emittance": BOUND_OF_SPECTRUM}),
     "germanium lit from below absorbs less": Terms(germanium={"absorptance": LIT_FROM_BELOW}),
     "film over the rods in the dark": Terms(rods=RODS),
     "both": Terms(germanium={"absorptance": LIT_FROM_BELOW}, rods=RODS),
     "both, and 20 K warmer on all sides": Terms(
         germanium={"absorptance": LIT_FROM_BELOW}, rods=RODS, warmer_around=WARMER
+    ),
+    "both, and the floor 20 K warmer than the rest": Terms(
+        germanium={"absorptance": LIT_FROM_BELOW}, rods=RODS, warmer_floor=WARMER
     ),
 }
 """One change each; their effect on the middle of all samples."""

@@ -18,7 +18,7 @@ TAC = 0.85  # of the table's disk
 
 
 def chambers() -> dict[str, np.ndarray]:
-    """The table but for a tube, whose solution does not conserve molecules."""
+    """The table but for a tube, whose mesh is too coarse for a warm floor."""
     table = dict(shipped_table("kinetic_chamber.csv").numbers)
     good = ~((table["wall"] == 1.5) & (table["lid"] == 12.0))
     return {name: column[good] for name, column in table.items()}

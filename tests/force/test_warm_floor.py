@@ -63,7 +63,7 @@ def test_thin_gas_has_half_of_the_view_and_dense_gas_conducts():
 
 
 def test_share_and_push_follow_the_solved_equation():
-    """All chambers of the table but a tube, whose solution does not conserve molecules."""
+    """All chambers of the table but a tube, whose mesh is too coarse for a warm floor."""
     table = dict(shipped_table("kinetic_chamber.csv").numbers)
     good = ~((table["wall"] == 1.5) & (table["lid"] == 12.0))
     table = {name: column[good] for name, column in table.items()}

@@ -105,6 +105,16 @@ def test_by_direct_simulation():
     assert abs(off) < 2.0 * np.hypot(noise, float(error) / (pressure * plain.area))
 
 
+def test_in_dense_gas_neither_push_nor_its_error_lifts():
+    """What is wrong by a share of p A must not be multiplied by any pressure."""
+    state = lf.Chamber(floor_temperature=350.0, **AROUND).state(np.array([1e3, 1e4, 1e5]))
+    unheated = np.zeros(3)
+    errors = [lf.Kinetic(each).force(disk(), state, (unheated,)) for each in (0.0, 2.0)]
+    weight = float(disk().mass) * 9.80665
+    assert np.all(np.abs(errors) < 0.1 * weight)
+    assert np.all(np.diff(errors, axis=1) < 0.0)
+
+
 def test_a_floor_as_warm_as_the_rest_changes_nothing():
     chambers = lf.Chamber(**AROUND), lf.Chamber(floor_temperature=COLD, **AROUND)
     for model in (lf.Kinetic(), lf.Lu2023()):

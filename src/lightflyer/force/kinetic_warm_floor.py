@@ -27,6 +27,9 @@ _FIRST, _SECOND, _STEEPNESS = 0.1679, 0.0516, 1.1198  # a, b, c
 _ERROR, _RELATIVE_ERROR = 0.003, 0.05
 """Standard error of the push, of p A per unit of the floor's excess and relative."""
 
+_DENSEST = 0.03
+"""Knudsen number where the table ends; in denser gas the former error falls as its square."""
+
 
 def push_of_floor(
     disk: Disk, state: EnvironmentState, knudsen: Numeric, error: Numeric | None
@@ -50,7 +53,8 @@ def push_of_floor(
     numbers = _FIRST, _SECOND, _STEEPNESS
     push = joined_push(floor, lid, wall, knudsen, disk.film.tac_bottom, *numbers)
     if error is not None:
-        push += error * (_ERROR + _RELATIVE_ERROR * push)
+        known = jnp.minimum(knudsen / _DENSEST, 1.0) ** 2
+        push += error * (_ERROR * known + _RELATIVE_ERROR * push)
     growth = 2.0 * (jnp.sqrt(1.0 + state.floor_excess) - 1.0)
     return state.pressure * disk.area * push * growth
 

@@ -83,6 +83,17 @@ def test_turned_over_the_force_is_reversed():
     assert above == pytest.approx(-below, rel=1e-9)
 
 
+def test_a_floor_lifts_a_disk_of_like_faces_whichever_is_on_top():
+    state = replace(state_at(0.1, floor=2.25, lid=10.0, wall=10.0), floor_excess=0.1)
+    lifts = []
+    for tilt in (0.0, np.pi):
+        turned = replace(disk(0.85, 0.85), attitude=lf.environment.Attitude(tilt=tilt))
+        along_axis = float(lf.Kinetic().force(turned, state, (0.5,)))
+        lifts.append(along_axis * np.cos(tilt))
+    assert lifts[0] > 0.0
+    assert lifts[1] == pytest.approx(lifts[0], rel=1e-12)
+
+
 def test_a_floor_lifts_faces_that_are_alike():
     plain, state = disk(0.85, 0.85), state_at(0.1, floor=2.25, lid=10.0, wall=10.0)
     alone = lf.Kinetic().force(plain, state, (0.5,))

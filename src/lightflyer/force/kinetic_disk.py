@@ -114,6 +114,8 @@ def force(
         push *= 1.0 + error * PUSH_ERROR
     if state.floor_excess is not None:
         push += push_of_floor(disk, state, knudsen, error)
+    if disk.attitude is not None:  # floor and lid do not turn with the disk
+        push *= jnp.cos(disk.attitude.tilt)
     return found + push
 
 

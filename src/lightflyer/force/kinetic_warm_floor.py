@@ -7,11 +7,11 @@ momentum than those from above: thermophoresis. For a disk of like faces
     \frac{F}{pA} = 2\left(\sqrt{T_f/T_c}-1\right)\frac{2-\alpha_b}{4}\,
     \frac{1 - \cos^3\vartheta}{\left[1 + a/k + (b/k)^2\right]^c}, \qquad k = \frac{\lambda}{2d}
 
-The last but one factor is what free molecules bring: :math:`\vartheta` is the half-angle at which
-the disk sees the floor, and d the geometric mean of the distances. In dense gas the force falls
-somewhat faster than the square of the mean free path. Three numbers are fitted to the solutions
-behind :mod:`lightflyer.environment.warm_floor`, for TACs of 0.85; they follow them within 0.003 and
-5 % (r.m.s.).
+Without the denominator it is what free molecules bring: :math:`\vartheta` is the half-angle at
+which the disk sees the floor, and d the geometric mean of the distances. In dense gas the force
+falls somewhat faster than the square of the mean free path. Three numbers are fitted to the
+solutions behind :mod:`lightflyer.environment.warm_floor`, for TACs of 0.85; they follow them within
+0.003 and 5 % (r.m.s.).
 """
 
 import jax.numpy as jnp

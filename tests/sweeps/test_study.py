@@ -131,6 +131,7 @@ CHANGED = {
     "environment.infrared_top": 10.0,
     "environment.infrared_bottom": 200.0,
     "environment.albedo": 0.3,
+    "environment.floor": 0.05,
     "force.c_fm": 0.5,
     "force.c_cont": 2.0,
 }

@@ -11,10 +11,12 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.force import kinetic_walls
 from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic_chamber import (
+    FORCE_ERROR,
     PUSH_ERROR,
     Around,
     chamber_fit,
     chamber_of,
+    resisting_share,
 )
 from lightflyer.force.kinetic_collisions import (
     MODEL_CONDUCTION,
@@ -73,7 +75,7 @@ def heat_loss(
     place = _place(disk, state, excess)
     _, of_heat = _factors(state, place, knudsen, collisions)
     around = _around(fit, knudsen, disk, state)
-    ratio = with_collisions(around.heat * fit.heat_ratio(knudsen, *place), of_heat)
+    ratio = with_collisions(around.heat_ratio(fit.heat_ratio(knudsen, *place)), of_heat)
     if state.gas.molecules not in GASES:
         ratio = scaled_heat_ratio(ratio, _resistance(state, excess))
     resisting = (_kind(state.gas), knudsen, ratio)
@@ -100,8 +102,8 @@ def force(
     place = _place(disk, state, excess)
     of_force, of_heat = _factors(state, place, knudsen, collisions)
     around = _around(fit, knudsen, disk, state)
-    ratio = with_collisions(around.force * fit.force_ratio(knudsen, *place), of_force)
-    heat = with_collisions(around.heat * fit.heat_ratio(knudsen, *place), of_heat)
+    ratio = with_collisions(around.force_ratio(fit.force_ratio(knudsen, *place)), of_force)
+    heat = with_collisions(around.heat_ratio(fit.heat_ratio(knudsen, *place)), of_heat)
     if state.gas.molecules not in GASES:
         ratio *= scaled_heat_ratio(heat, _resistance(state, excess)) / heat
     resisting = (_kind(state.gas), knudsen, ratio)
@@ -110,6 +112,8 @@ def force(
     push = around.push(disk, state, excess)
     if error is not None:
         own = force_error(fit.table_errors(knudsen)[0], ratio, collisions)
+        if chamber_of(state, disk.radius) is not None:
+            own = jnp.hypot(own, FORCE_ERROR)
         found *= 1.0 + error * _with_scaling(own, _SCALED_FORCE_ERROR, state.gas)
         push *= 1.0 + error * PUSH_ERROR
     if state.floor_excess is not None:
@@ -230,13 +234,16 @@ def _factors(
 def _around(fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState) -> Around:
     """What a chamber does to force and heat."""
     film, chamber = disk.film, chamber_of(state, disk.radius)
-    if chamber is not None:
-        opened = fit.heat_ratio(knudsen, 1.0, film.tac_mean, film.tac_difference)
-        return chamber_fit().around(knudsen, chamber, opened, film.tac_mean)
-    if state.wall_distance is None:
+    if chamber is None and state.wall_distance is None:
         return Around()
-    distance = state.wall_distance / disk.radius
-    return Around(*fit.wall_factors(knudsen, distance, film.tac_mean, film.tac_difference))
+    faces = film.tac_mean, film.tac_difference
+    force, heat = (of(knudsen, 1.0, *faces) for of in (fit.force_ratio, fit.heat_ratio))
+    if chamber is None:
+        distance = state.wall_distance / disk.radius
+        of_force, of_heat = fit.wall_factors(knudsen, distance, *faces)
+        return Around(resisting_share(of_force, force), resisting_share(of_heat, heat))
+    of_force, of_heat, lift = chamber_fit().effects(knudsen, chamber, heat, film.tac_mean)
+    return Around(resisting_share(of_force, force), resisting_share(of_heat, heat), lift)
 
 
 def _kept(

@@ -82,20 +82,20 @@ class Around(NamedTuple):
     r"""What is around a disk does to it, by default nothing.
 
     The gas takes :math:`1/\hat F - 1` of the force that is left: what resists. Surroundings leave a
-    share of that, which a hot disk has in common with one that is hardly warmer than the gas; the
-    factors on force and heat themselves it has not.
+    share of that. Among solid walls a hot disk has it in common with one that is hardly warmer than
+    the gas; the factors on force and heat themselves it has not.
 
     Attributes
     ----------
-    force_kept, heat_kept : array, shape (...)
+    force_kept, heat_kept : array, shape (...) or None
         Share of the gas's resistance to force, by the difference of the TACs, and heat that the
-        surroundings leave [1].
+        surroundings leave [1]; None in open space, for all of it.
     lift : array, shape (...)
         Push on a disk of like faces [p A per unit of the disk's T/T_c − 1].
     """
 
-    force_kept: Numeric = 1.0
-    heat_kept: Numeric = 1.0
+    force_kept: Numeric | None = None
+    heat_kept: Numeric | None = None
     lift: Numeric = 0.0
 
     def force_ratio(self, opened: Numeric) -> Array:
@@ -141,8 +141,8 @@ def resisting_share(factor: Numeric, opened: Numeric) -> Array:
     return jnp.asarray((1.0 / (factor * opened) - 1.0) / (1.0 / opened - 1.0))
 
 
-def _resisted(opened: Numeric, kept: Numeric) -> Array:
-    return jnp.asarray(1.0 / (1.0 + kept * (1.0 / opened - 1.0)))
+def _resisted(opened: Numeric, kept: Numeric | None) -> Array:
+    return jnp.asarray(opened if kept is None else 1.0 / (1.0 + kept * (1.0 / opened - 1.0)))
 
 
 @dataclass(frozen=True)

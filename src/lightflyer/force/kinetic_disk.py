@@ -74,7 +74,7 @@ def heat_loss(
     fit, knudsen = _fit_and_knudsen_number(disk, state)
     place = _place(disk, state, excess)
     _, of_heat = _factors(state, place, knudsen, collisions)
-    around = _around(fit, knudsen, disk, state)
+    around = _around(fit, knudsen, disk, state, place)
     ratio = with_collisions(around.heat_ratio(fit.heat_ratio(knudsen, *place)), of_heat)
     if state.gas.molecules not in GASES:
         ratio = scaled_heat_ratio(ratio, _resistance(state, excess))
@@ -101,7 +101,7 @@ def force(
     fit, knudsen = _fit_and_knudsen_number(disk, state)
     place = _place(disk, state, excess)
     of_force, of_heat = _factors(state, place, knudsen, collisions)
-    around = _around(fit, knudsen, disk, state)
+    around = _around(fit, knudsen, disk, state, place)
     ratio = with_collisions(around.force_ratio(fit.force_ratio(knudsen, *place)), of_force)
     heat = with_collisions(around.heat_ratio(fit.heat_ratio(knudsen, *place)), of_heat)
     if state.gas.molecules not in GASES:
@@ -231,19 +231,27 @@ def _factors(
     return gas.factors(knudsen, tac)
 
 
-def _around(fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState) -> Around:
+def _around(
+    fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState, place: tuple[Any, ...]
+) -> Around:
     """What a chamber does to force and heat."""
     film, chamber = disk.film, chamber_of(state, disk.radius)
-    if chamber is None and state.wall_distance is None:
-        return Around()
     faces = film.tac_mean, film.tac_difference
-    force, heat = (of(knudsen, 1.0, *faces) for of in (fit.force_ratio, fit.heat_ratio))
-    if chamber is None:
+
+    def around(opened: tuple[Any, ...], force: Numeric, heat: Numeric, lift: Numeric) -> Around:
+        of_force, of_heat = (of(knudsen, *opened) for of in (fit.force_ratio, fit.heat_ratio))
+        return Around(resisting_share(force, of_force), resisting_share(heat, of_heat), lift)
+
+    if chamber is not None:
+        # what solid walls leave of the gas's resistance is the same for a hot disk
+        warm = 1.0, *faces
+        opened = fit.heat_ratio(knudsen, *warm)
+        return around(warm, *chamber_fit().effects(knudsen, chamber, opened, film.tac_mean))
+    if state.wall_distance is not None:
+        # a reservoir's factors themselves are
         distance = state.wall_distance / disk.radius
-        of_force, of_heat = fit.wall_factors(knudsen, distance, *faces)
-        return Around(resisting_share(of_force, force), resisting_share(of_heat, heat))
-    of_force, of_heat, lift = chamber_fit().effects(knudsen, chamber, heat, film.tac_mean)
-    return Around(resisting_share(of_force, force), resisting_share(of_heat, heat), lift)
+        return around(place, *fit.wall_factors(knudsen, distance, *faces), 0.0)
+    return Around()
 
 
 def _kept(

@@ -218,9 +218,9 @@ def vessel(point: Point) -> str:
     words = f"D {point.boundary:g}"
     if point.floor is not None:
         words += f", {'solid' if 'floor' in point.solid else 'open'} floor {point.floor:g}"
-        words += f"{', solid side' if 'side' in point.solid else ''}"
     if point.floor_temperature != 1.0:
         words += f" at {point.floor_temperature:g} T_c"
+    words += "".join(f", solid {part}" for part in ("side", "lid") if part in point.solid)
     return words
 
 

@@ -324,30 +324,28 @@ def test_an_interrupt_is_one_line_at_any_moment(flyer_file, tmp_path, command, d
     assert errors.endswith(f"lightflyer: interrupted; {WHAT_NEXT[command]}\n".encode())
 
 
-def test_help_and_version_import_nothing_heavy():
-    code = (
-        "import sys\nfrom lightflyer.cli import app\n"
-        "app('--help', exit_on_error=False, result_action='return_value')\n"
-        "heavy = {'jax', 'numpy', 'xarray', 'matplotlib', 'pint', 'pydantic'}\n"
-        "assert not heavy & set(sys.modules), heavy & set(sys.modules)"
-    )
+def printed_without_importing(heavy, code):
+    """What a program prints that must not import some packages."""
+    check = f"import sys\nfound = {heavy} & set(sys.modules)\nassert not found, found"
     result = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+        [sys.executable, "-c", f"{code}\n{check}"], capture_output=True, text=True, check=False
     )
     assert result.returncode == 0, result.stderr
-    assert "predict" in result.stdout
+    return result.stdout
+
+
+def test_help_and_version_import_nothing_heavy():
+    heavy = {"jax", "numpy", "xarray", "matplotlib", "pint", "pydantic"}
+    code = (
+        "from lightflyer.cli import app\n"
+        "app('--help', exit_on_error=False, result_action='return_value')"
+    )
+    assert "predict" in printed_without_importing(heavy, code)
 
 
 def test_reading_a_flyer_file_imports_nothing_to_draw_with():
-    code = (
-        "import sys\nimport lightflyer.config.reader\n"
-        "heavy = {'matplotlib', 'xarray', 'optimistix'}\n"
-        "assert not heavy & set(sys.modules), heavy & set(sys.modules)"
-    )
-    result = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False
-    )
-    assert result.returncode == 0, result.stderr
+    heavy = {"matplotlib", "xarray", "optimistix"}
+    printed_without_importing(heavy, "import lightflyer.config.reader")
 
 
 def test_runs_as_a_module_with_a_closed_pipe(flyer_file):

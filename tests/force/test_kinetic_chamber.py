@@ -42,9 +42,11 @@ def disk(top=0.8, bottom=0.9):
 
 def misfits(fit, table):
     place = Chamber(table["floor"], table["lid"], table["wall"])
+    opened = 0.5, table["open_heat_ratio"]
     with float64():
-        effects = fit.effects(table["knudsen"], place, table["open_heat_ratio"], 0.85)
-        force, heat, lift = map(np.asarray, effects)
+        walls = fit.walls(table["knudsen"], place, opened, 0.85)
+        factors = walls.force_ratio(opened[0]) / opened[0], walls.heat_ratio(opened[1]) / opened[1]
+        force, heat, lift = map(np.asarray, (*factors, walls.lift))
     return {
         "force": force / table["force_factor"] - 1.0,
         "heat": heat / table["heat_factor"] - 1.0,
@@ -236,3 +238,29 @@ def test_hot_disks_in_chambers_are_met_within_the_stated_error(
     unit = pressure * float(body.area)
     allowed = np.hypot(FORCE_ERROR * (force - push), PUSH_ERROR * push) / unit
     assert abs(force / unit - solved) < 2.0 * allowed
+
+
+@pytest.mark.parametrize(
+    ("knudsen", "simulated", "noise"), [(0.2945, 0.734, 0.003), (0.0982, 0.358, 0.002)]
+)
+def test_a_solid_floor_by_direct_simulation(knudsen, simulated, noise):
+    """Nitrogen, TACs 0.01 and 1, T_h/T_c 2.34, over that of free molecules; lid and side open."""
+    gas, cold, ratio = lf.gas.NITROGEN, 205.0, 480.0 / 205.0
+    pressure = float(lf.gas.mean_free_path(1.0, cold, gas)) / (2.0 * RADIUS * knudsen)
+    far = {"floor": 2.25 * RADIUS, "lid": 4.0 * RADIUS, "radius": 4.0 * RADIUS}
+    body, state = disk(0.01, 1.0), lf.Chamber(temperature=cold, gas=gas, **far).state(pressure)
+    force, above = (
+        float(lf.Kinetic(each, wall="maxwell").force(body, state, (ratio - 1.0,)))
+        for each in (0.0, 1.0)
+    )
+    free = 0.5 * 0.99 * (np.sqrt(ratio) - 1.0) * pressure * float(body.area)
+    assert abs(force / free - simulated) < 2.0 * np.hypot(noise, (above - force) / free)
+
+
+def test_walls_do_nothing_to_free_molecules():
+    tiny = replace(disk(), radius=1e-9)
+    state = lf.Chamber(floor=3e-9, lid=3e-9, radius=3e-9).state(1e-15)
+    opened = lf.Chamber().state(1e-15)
+    forces = [float(lf.Kinetic().force(tiny, each, (0.5,))) for each in (state, opened)]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-9)
+    assert forces[0] > 0.0

@@ -9,7 +9,7 @@ same: the gas between disk and floor is warmer than that above. For small temper
 
 with :math:`F_o, Q_o` in open space and :math:`\theta = T_h/T_c - 1`. The solver's table of the
 factors is made by ``studies/kinetic_chamber``; here it is fitted by polynomials in the inverse
-distances. For a hot disk :class:`Around` keeps what the factors say of the gas's resistance.
+distances. For a hot disk :class:`SolidWalls` keeps what the factors say of the gas's resistance.
 """
 
 from collections.abc import Iterator
@@ -73,38 +73,71 @@ def chamber_of(state: EnvironmentState, radius: Numeric) -> Chamber | None:
 
 
 FORCE_ERROR, PUSH_ERROR = 0.03, 0.15
-"""Relative standard errors among floor, lid and walls: of the force by the difference of the TACs,
-and of the push on a disk of like faces. Solutions of the non-linear equation at 1.6 to 2.34 times
-the gas's temperature are met within 4 % and 25 %."""
+"""Relative standard errors among solid walls: of the force by the difference of the TACs, and of
+the push on a disk of like faces. They are what six solutions of the non-linear equation at 1.6 to
+2.34 times the gas's temperature show."""
+
+_LEAST_RESISTANCE = 1e-12  # of free molecules; a share of nothing is any number
 
 
-class Around(NamedTuple):
-    r"""What is around a disk does to it, by default nothing.
-
-    The gas takes :math:`1/\hat F - 1` of the force that is left: what resists. Surroundings leave a
-    share of that. Among solid walls a hot disk has it in common with one that is hardly warmer than
-    the gas; the factors on force and heat themselves it has not.
+class Reservoir(NamedTuple):
+    """What open surroundings do to a disk, by default nothing: they multiply.
 
     Attributes
     ----------
-    force_kept, heat_kept : array, shape (...) or None
+    force, heat : array, shape (...)
+        Factors on force and heat loss [1].
+    """
+
+    force: Numeric = 1.0
+    heat: Numeric = 1.0
+
+    def force_ratio(self, opened: Numeric) -> Numeric:
+        """Force over that of free molecules, from that in open space [1]."""
+        return self.force * opened
+
+    def heat_ratio(self, opened: Numeric) -> Numeric:
+        """Heat loss over that of free molecules, from that in open space [1]."""
+        return self.heat * opened
+
+    def push(self, disk: Disk, state: EnvironmentState, excess: Numeric) -> Numeric:
+        """Push on a disk of like faces [N]: none."""
+        del disk, state, excess
+        return 0.0
+
+    @property
+    def force_error(self) -> float:
+        """Relative standard error of the force, besides that in open space [1]."""
+        return 0.0
+
+
+class SolidWalls(NamedTuple):
+    r"""What solid surfaces do to a disk.
+
+    The gas takes :math:`1/\hat F - 1` of the force that is left: what resists. Solid walls leave a
+    share of that, which a hot disk has in common with one that is hardly warmer than the gas; the
+    factors on force and heat themselves it has not.
+
+    Attributes
+    ----------
+    force_kept, heat_kept : array, shape (...)
         Share of the gas's resistance to force, by the difference of the TACs, and heat that the
-        surroundings leave [1]; None in open space, for all of it.
+        surroundings leave [1].
     lift : array, shape (...)
         Push on a disk of like faces [p A per unit of the disk's T/T_c − 1].
     """
 
-    force_kept: Numeric | None = None
-    heat_kept: Numeric | None = None
-    lift: Numeric = 0.0
+    force_kept: Numeric
+    heat_kept: Numeric
+    lift: Numeric
 
-    def force_ratio(self, opened: Numeric) -> Array:
-        """Force over that of free molecules, from that in open space [1]."""
-        return _resisted(opened, self.force_kept)
+    def force_ratio(self, opened: Numeric) -> Numeric:
+        """As of :class:`Reservoir`."""
+        return resisted(opened, self.force_kept)
 
-    def heat_ratio(self, opened: Numeric) -> Array:
-        """Heat loss over that of free molecules, from that in open space [1]."""
-        return _resisted(opened, self.heat_kept)
+    def heat_ratio(self, opened: Numeric) -> Numeric:
+        """As of :class:`Reservoir`."""
+        return resisted(opened, self.heat_kept)
 
     def push(self, disk: Disk, state: EnvironmentState, excess: Numeric) -> Numeric:
         """Push on a disk of like faces [N].
@@ -122,27 +155,33 @@ class Around(NamedTuple):
         growth = 2.0 * (jnp.sqrt(1.0 + excess) - 1.0)
         return state.pressure * disk.area * self.lift * growth
 
+    @property
+    def force_error(self) -> float:
+        """As of :class:`Reservoir`."""
+        return FORCE_ERROR
 
-def resisting_share(factor: Numeric, opened: Numeric) -> Array:
-    """Share of the gas's resistance that is left where a factor is on force or heat.
+
+def resisted(opened: Numeric, kept: Numeric) -> Array:
+    """Force or heat over that of free molecules where a share of the resistance is left.
 
     Parameters
     ----------
-    factor : array, shape (...)
-        [1].
     opened : array, shape (...)
-        Force or heat in open space over that of free molecules [1].
+        The same in open space [1].
+    kept : array, shape (...)
+        Share [1].
 
     Returns
     -------
     array, broadcast shape
         [1].
     """
-    return jnp.asarray((1.0 / (factor * opened) - 1.0) / (1.0 / opened - 1.0))
+    return jnp.asarray(opened / (opened + kept * (1.0 - opened)))
 
 
-def _resisted(opened: Numeric, kept: Numeric | None) -> Array:
-    return jnp.asarray(opened if kept is None else 1.0 / (1.0 + kept * (1.0 / opened - 1.0)))
+def _kept(factor: Numeric, opened: Numeric) -> Array:
+    """Share of the resistance that is left where a factor is on force or heat [1]."""
+    return (1.0 / factor - opened) / jnp.maximum(1.0 - opened, _LEAST_RESISTANCE)
 
 
 @dataclass(frozen=True)
@@ -166,27 +205,25 @@ class ChamberFit:
     kept: Any
     lift: Any
 
-    def effects(
-        self, knudsen: Numeric, chamber: Chamber, opened: Numeric, tac: Numeric
-    ) -> tuple[Array, Array, Array]:
-        """Effect on a disk that is hardly warmer than the gas.
+    def walls(
+        self, knudsen: Numeric, chamber: Chamber, opened: tuple[Numeric, Numeric], tac: Numeric
+    ) -> SolidWalls:
+        """Effect on a disk.
 
         Parameters
         ----------
         knudsen : array, shape (...)
         chamber : Chamber
-        opened : array, shape (...)
-            Heat loss in open space over that of free molecules, for small differences [1].
+        opened : tuple of array, shape (...)
+            Force and heat loss in open space over those of free molecules, for small differences
+            [1].
         tac : array, shape (...)
             Mean of the faces [1]. The push on a disk of like faces is as good as proportional to
             it.
 
         Returns
         -------
-        force, heat : array, broadcast shape
-            Factors of the force by the difference of the TACs and of the heat loss [1].
-        lift : array, broadcast shape
-            Push on a disk of like faces [p A per unit of the disk's T/T_c − 1].
+        SolidWalls
         """
         place, dense = thinness(knudsen, self.knudsen_range), denseness(knudsen)
         # thermal stress, which pushes like faces in dense gas, is of second order
@@ -197,11 +234,13 @@ class ChamberFit:
             parts = zip(coefficients, terms, strict=True)
             return sum((polynomial(own, place) * term for own, term in parts), jnp.zeros(()))
 
-        kept = jnp.exp(value(self.kept, _terms(near, _EVEN, 1.0)))
-        heat = 1.0 / (opened + kept * (1.0 - opened))
+        heat_kept = jnp.exp(value(self.kept, _terms(near, _EVEN, 1.0)))
         beside = jnp.exp(value(self.force, _terms(near, _EVEN, 1.0)) * dense)
+        force, heat = opened
+        factor = beside * resisted(heat, heat_kept) / heat
         lift = value(self.lift, _terms(near, _ODD, -1.0))
-        return heat * beside, heat, lift * (beyond * dense * tac / REFERENCE_TAC)
+        lift *= beyond * dense * tac / REFERENCE_TAC
+        return SolidWalls(_kept(factor, force), heat_kept, lift)
 
     def caveats(
         self, chamber: Chamber, knudsen: Numeric, pressure: Numeric, molecules: str

@@ -11,12 +11,11 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.force import kinetic_walls
 from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic_chamber import (
-    FORCE_ERROR,
     PUSH_ERROR,
-    Around,
+    Reservoir,
+    SolidWalls,
     chamber_fit,
     chamber_of,
-    resisting_share,
 )
 from lightflyer.force.kinetic_collisions import (
     MODEL_CONDUCTION,
@@ -74,7 +73,7 @@ def heat_loss(
     fit, knudsen = _fit_and_knudsen_number(disk, state)
     place = _place(disk, state, excess)
     _, of_heat = _factors(state, place, knudsen, collisions)
-    around = _around(fit, knudsen, disk, state, place)
+    around = _around(fit, knudsen, disk, state)
     ratio = with_collisions(around.heat_ratio(fit.heat_ratio(knudsen, *place)), of_heat)
     if state.gas.molecules not in GASES:
         ratio = scaled_heat_ratio(ratio, _resistance(state, excess))
@@ -101,7 +100,7 @@ def force(
     fit, knudsen = _fit_and_knudsen_number(disk, state)
     place = _place(disk, state, excess)
     of_force, of_heat = _factors(state, place, knudsen, collisions)
-    around = _around(fit, knudsen, disk, state, place)
+    around = _around(fit, knudsen, disk, state)
     ratio = with_collisions(around.force_ratio(fit.force_ratio(knudsen, *place)), of_force)
     heat = with_collisions(around.heat_ratio(fit.heat_ratio(knudsen, *place)), of_heat)
     if state.gas.molecules not in GASES:
@@ -112,8 +111,8 @@ def force(
     push = around.push(disk, state, excess)
     if error is not None:
         own = force_error(fit.table_errors(knudsen)[0], ratio, collisions)
-        if chamber_of(state, disk.radius) is not None:
-            own = jnp.hypot(own, FORCE_ERROR)
+        if around.force_error:
+            own = jnp.hypot(own, around.force_error)
         found *= 1.0 + error * _with_scaling(own, _SCALED_FORCE_ERROR, state.gas)
         push *= 1.0 + error * PUSH_ERROR
     if state.floor_excess is not None:
@@ -232,26 +231,17 @@ def _factors(
 
 
 def _around(
-    fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState, place: tuple[Any, ...]
-) -> Around:
+    fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState
+) -> Reservoir | SolidWalls:
     """What a chamber does to force and heat."""
     film, chamber = disk.film, chamber_of(state, disk.radius)
     faces = film.tac_mean, film.tac_difference
-
-    def around(opened: tuple[Any, ...], force: Numeric, heat: Numeric, lift: Numeric) -> Around:
-        of_force, of_heat = (of(knudsen, *opened) for of in (fit.force_ratio, fit.heat_ratio))
-        return Around(resisting_share(force, of_force), resisting_share(heat, of_heat), lift)
-
     if chamber is not None:
-        # what solid walls leave of the gas's resistance is the same for a hot disk
-        warm = 1.0, *faces
-        opened = fit.heat_ratio(knudsen, *warm)
-        return around(warm, *chamber_fit().effects(knudsen, chamber, opened, film.tac_mean))
-    if state.wall_distance is not None:
-        # a reservoir's factors themselves are
-        distance = state.wall_distance / disk.radius
-        return around(place, *fit.wall_factors(knudsen, distance, *faces), 0.0)
-    return Around()
+        opened = fit.force_ratio(knudsen, 1.0, *faces), fit.heat_ratio(knudsen, 1.0, *faces)
+        return chamber_fit().walls(knudsen, chamber, opened, film.tac_mean)
+    if state.wall_distance is None:
+        return Reservoir()
+    return Reservoir(*fit.wall_factors(knudsen, state.wall_distance / disk.radius, *faces))
 
 
 def _kept(

@@ -70,6 +70,7 @@ def joined_push(
     steepness: float,
 ) -> Array:
     """Push for small excesses, distances in radii [p A per unit of the floor's excess]."""
+    # a wall that is infinitely far would have no derivative
     cosine = floor / jnp.hypot(floor, jnp.minimum(wall, 1e9 * floor))
     free = 0.25 * (2.0 - tac) * (1.0 - cosine**3)
     thin = knudsen / middle_distance(floor, lid, wall)

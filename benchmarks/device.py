@@ -21,8 +21,8 @@ import jax.numpy as jnp
 import numpy as np
 
 import lightflyer as lf
+from lightflyer.compute.devices import OnDevices, find_devices
 from lightflyer.environment import EnvironmentState, Radiation
-from lightflyer.sweeps.devices import OnDevices, find_devices
 from lightflyer.sweeps.reductions import Best, Front, Spread
 
 RESULT = Path(__file__).with_name("device.csv")

@@ -16,7 +16,7 @@ import numpy as np
 import tmm
 
 import lightflyer as lf
-from lightflyer.film.transfer_matrix import transfer
+from lightflyer.film.optics.transfer_matrix import transfer
 
 STACKS, LAYERS, WAVELENGTHS, ANGLES = 1000, 4, 400, 16
 SAMPLE = 400  # calls of tmm that are timed; one per wavelength, angle and polarisation

@@ -17,7 +17,7 @@ import numpy as np
 import lightflyer as lf
 from lightflyer.environment import EnvironmentState, Radiation
 from lightflyer.film import EmittanceCurve
-from lightflyer.film.curve import node_temperatures
+from lightflyer.film.optics.curve import node_temperatures
 
 MOST_SOLID = 0.99  # of what the holes leave, so that supports stand on film
 

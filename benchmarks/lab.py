@@ -19,7 +19,7 @@ ROWS = 1_000_000
 
 def write_tac(path):
     """A run of a heater logged for very long."""
-    from lightflyer.lab.tac import heater_power
+    from lightflyer.lab.tac.fit import heater_power
 
     rng = np.random.default_rng(0)
     pressure = np.exp(rng.uniform(np.log(1e-4), np.log(200.0), ROWS))

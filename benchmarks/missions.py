@@ -9,10 +9,10 @@ import time
 import numpy as np
 
 import lightflyer as lf
-from lightflyer.flight import ObjectDesign
-from lightflyer.mission.attitude import Level
+from lightflyer.design import ObjectDesign
 from lightflyer.mission.fleet import BATCH, Ensemble, flights_of, fly_all
-from lightflyer.mission.integration import Accuracy, Limits
+from lightflyer.mission.path.attitude import Level
+from lightflyer.mission.path.integration import Accuracy, Limits
 
 DAY = 86_400.0
 

@@ -83,7 +83,7 @@ def sweep_once(kind, count, folder):
     """A sweep with four outputs, in a folder."""
     from sweep import study
 
-    from lightflyer.sweeps.evaluation import Evaluator
+    from lightflyer.compute.evaluation import Evaluator
     from lightflyer.sweeps.reduced import reduce_into
     from lightflyer.sweeps.run import sweep_into
 
@@ -194,7 +194,7 @@ def show(found):
 
 def draw(found):
     """Time of heat balances, time of sweeps, and memory."""
-    from lightflyer.foundation.drawing import new_figure
+    from lightflyer.files.drawing import new_figure
 
     figure = new_figure(columns=3, width=4.2)
     panels = (

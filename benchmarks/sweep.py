@@ -24,15 +24,15 @@ import numpy as np
 from scipy.optimize import differential_evolution
 
 import lightflyer as lf
-from lightflyer.foundation.progress import reported_to
+from lightflyer.compute.chunks import Chunks
+from lightflyer.compute.evaluation import BATCH, Evaluator
+from lightflyer.compute.scheduler import processors
+from lightflyer.core.progress import reported_to
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.optimiser import find_optimum
 from lightflyer.search.problem import as_problem
-from lightflyer.sweeps.chunks import Chunks
-from lightflyer.sweeps.evaluation import BATCH, Evaluator
+from lightflyer.study.study import make_study
 from lightflyer.sweeps.run import sweep_into
-from lightflyer.sweeps.scheduler import processors
-from lightflyer.sweeps.study import make_study
 
 VARIABLES = ["temperature", "lift", "relative_payload", "levitation_irradiance"]
 LARGE = 100_000_000

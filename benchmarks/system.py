@@ -17,9 +17,9 @@ from scipy.optimize import root
 from solver import medians
 
 import lightflyer as lf
-from lightflyer.foundation.precision import elementwise_entry_point
-from lightflyer.foundation.rootfind import bracketed_power_newton, implicit_root
-from lightflyer.foundation.system import solve_system
+from lightflyer.numerics.rootfind import bracketed_power_newton, implicit_root
+from lightflyer.numerics.system import solve_system
+from lightflyer.program.entry_point import elementwise_entry_point
 
 SAMPLE = 2000
 SMALLEST_SHARE = 1e-12

@@ -21,7 +21,6 @@ import pytest
 
 import lightflyer as lf
 from lightflyer import cli
-from lightflyer.foundation.kept_programs import KeptProgram
 
 # What one worker compiled serves the others, and the next run; JAX knows a program by its content.
 # A largest size makes JAX lock the folder.
@@ -29,18 +28,6 @@ SHARED = str(Path(__file__).parents[1] / ".pytest_cache" / "programs")
 jax.config.update("jax_compilation_cache_dir", SHARED)
 jax.config.update("jax_compilation_cache_max_size", 2 * 10**9)
 jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)
-
-_find = KeptProgram.find
-
-
-def _find_elsewhere(program, arguments):
-    """Programs found without tracing would not see what a test patches."""
-    if jax.config.jax_compilation_cache_dir == SHARED:
-        return None
-    return _find(program, arguments)
-
-
-KeptProgram.find = _find_elsewhere
 
 
 @pytest.fixture

@@ -19,10 +19,10 @@ import lightflyer as lf
 from lightflyer.calibration import Points
 from lightflyer.calibration.bayes import Posterior
 from lightflyer.calibration.figures import fitted_curve
-from lightflyer.foundation import drawing
-from lightflyer.lab.height_map import HeightMap
+from lightflyer.files import drawing
+from lightflyer.files.display_units import in_words
+from lightflyer.lab.readers.height_map import HeightMap
 from lightflyer.sweeps.figures import pareto_figure
-from lightflyer.sweeps.shown import in_words
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 SETUP = lf.Setup(lf.Disk(FILM, 0.01), lf.Chamber(), lf.Lu2023())
@@ -94,7 +94,7 @@ def prediction():
 
 @pytest.fixture(scope="module")
 def uncertain(prediction):
-    design = lf.flight.ObjectDesign(SETUP, {"flyer.film.absorptance": 0.03})
+    design = lf.design.ObjectDesign(SETUP, {"flyer.film.absorptance": 0.03})
     return lf.propagate(design, prediction=prediction, samples=0)
 
 

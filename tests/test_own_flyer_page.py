@@ -5,6 +5,7 @@ from pathlib import Path
 
 import jax
 import numpy as np
+import pydantic
 import pytest
 
 import lightflyer as lf
@@ -26,6 +27,7 @@ def run_page(name):
 def page():
     found = run_page("own-flyer.md")
     del lf.flyer.FlyerSection.alternatives["disk-with-instrument"]  # no part of the package
+    del lf.force.ForceSection.alternatives["carried"]
     return found
 
 
@@ -87,6 +89,24 @@ def test_its_derivatives_and_its_mistakes(page):
         make(disk, -1.0, 1e-4, 1e-6)
     with pytest.raises(lf.ParameterError, match="Lu2023 is not for DiskWithInstrument"):
         lf.lift(page["flyer"], state, lf.Lu2023())
+
+
+def test_its_sections_have_the_fields_of_the_classes(page):
+    section = page["InstrumentSection"](
+        shape="disk-with-instrument",
+        diameter="2 cm",
+        radius="0.2 mm",
+        power="0.1 mW",
+        wires=1e-6,
+        payload="50 ug",
+    )
+    flyer, model = section.build(page["film"], 0.0), page["CarriedSection"](model="carried").build()
+    assert flyer.disk.radius == 0.01
+    state = page["earth"].state(72e3)
+    expected = lf.levitate(page["flyer"], state, page["model"]).irradiance
+    assert lf.levitate(flyer, state, model).irradiance == pytest.approx(expected, rel=1e-12)
+    with pytest.raises(pydantic.ValidationError, match="must be positive"):
+        page["InstrumentSection"](**section.model_dump() | {"radius": "-1 mm"})
 
 
 def test_sandwich_page():

@@ -13,7 +13,7 @@ import lightflyer as lf
 ROOT = Path(lf.__file__).parents[2]
 ROOMS = ["environment", "film", "flight", "flyer", "force", "gas", "prediction", "uncertainty",
          "calibration", "comparison", "sweeps", "search", "lab", "kinetic", "mission", "drag",
-         "budget"]  # fmt: skip
+         "budget", "design"]  # fmt: skip
 
 
 def test_data_flows_one_way(monkeypatch):
@@ -32,7 +32,7 @@ def test_public_names_are_there_and_never_module_and_function_at_once(room):
 
 
 def test_only_figures_draw():
-    drawing = {"foundation/drawing.py"}
+    drawing = {"files/drawing.py"}
     for path in (ROOT / "src").rglob("*.py"):
         if "matplotlib" in path.read_text(encoding="utf-8") and path.name != "figures.py":
             lines = [
@@ -45,7 +45,7 @@ def test_only_figures_draw():
 
 
 def test_every_kind_of_flyer_has_a_template_to_start_from(tmp_path):
-    from lightflyer.cli.init import templates
+    from lightflyer.cli.commands.init import templates
     from lightflyer.flyer import FlyerSection
 
     shapes = set()

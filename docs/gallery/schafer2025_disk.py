@@ -12,8 +12,8 @@ Within the same bounds the two agree, which :doc:`/sandwich` shows.
 
 import matplotlib.pyplot as plt
 
-from lightflyer.force.kinetic_sandwich_table import sandwich_table
-from lightflyer.force.schafer2025_table import perforated_disk_table
+from lightflyer.force.kinetic.sandwich_table import sandwich_table
+from lightflyer.force.membranes.schafer2025_table import perforated_disk_table
 
 simulated, solved = perforated_disk_table(), sandwich_table("monatomic")
 

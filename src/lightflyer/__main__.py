@@ -50,9 +50,9 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors=_SPELLED_OUT)
     from lightflyer.cli import main as run  # takes a while
-    from lightflyer.cli.compiled import keep_compiled
+    from lightflyer.cli.code_cache import keep_code
 
-    keep_compiled(sys.argv[1:])
+    keep_code()
     run()
 
 
@@ -69,7 +69,7 @@ def _wait() -> None:
 
 
 def _stop(*_: Any) -> None:
-    files = sys.modules.get("lightflyer.foundation.files")
+    files = sys.modules.get("lightflyer.core.atomic_files")
     if files is not None and hasattr(files, "remove_unfinished"):  # it may be half loaded
         files.remove_unfinished()
     what_next = _GOES_ON.get("".join(sys.argv[1:2]), _BEGINS_ANEW)

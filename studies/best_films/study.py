@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import differential_evolution
 
 import lightflyer as lf
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
 
 HERE = Path(__file__).parent
 NANOMETRE, MILLIGRAM, KILOMETRE = 1e-9, 1e-6, 1e3

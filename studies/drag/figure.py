@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 import lightflyer as lf
 from lightflyer.drag import disk, free_molecular
 from lightflyer.drag.disk_table import dense_share
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
 
 HERE = Path(__file__).parent
 IMAGES = HERE.parents[1] / "docs" / "images"

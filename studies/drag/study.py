@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.kinetic.cases import FINE, MEDIUM
+from lightflyer.kinetic.disk.cases import FINE, MEDIUM
 from lightflyer.kinetic.model_gases import gas_model
 from lightflyer.kinetic.moving import MovedDisk, moving_outcomes
 

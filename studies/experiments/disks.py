@@ -10,8 +10,8 @@ from scipy.optimize import brentq
 from scipy.stats import norm
 
 import lightflyer as lf
+from lightflyer.core.constants import STEFAN_BOLTZMANN
 from lightflyer.environment import Radiation
-from lightflyer.foundation.constants import STEFAN_BOLTZMANN
 
 FILMS = ("germanium", "nanotubes")
 DIAMETERS = (2, 3, 4)  # [cm]

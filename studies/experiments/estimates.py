@@ -7,10 +7,10 @@ import numpy as np
 from measurements import middle, number, read
 
 import lightflyer as lf
+from lightflyer.core.constants import STANDARD_GRAVITY
 from lightflyer.drag import disk_drag
 from lightflyer.environment import Radiation
 from lightflyer.environment.radiation import Attitude
-from lightflyer.foundation.constants import STANDARD_GRAVITY
 from lightflyer.gas import AIR, knudsen_number, mean_free_path
 
 WALL = 0.15  # from the disk, guessed [m]

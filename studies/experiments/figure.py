@@ -6,7 +6,7 @@ import disks
 import numpy as np
 from measurements import number
 
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 SHOWN = {

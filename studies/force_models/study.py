@@ -12,10 +12,10 @@ import jax.numpy as jnp
 import numpy as np
 
 import lightflyer as lf
+from lightflyer.core import constants
 from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation, sunlight
+from lightflyer.files import drawing as plot
 from lightflyer.force import PRINTED, REPORTED, fit_simple_form
-from lightflyer.foundation import constants
-from lightflyer.foundation import drawing as plot
 from lightflyer.gas import AIR, LU2023_AIR, mean_free_path
 from lightflyer.kinetic import solve
 

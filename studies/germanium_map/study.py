@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import lightflyer as lf
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
 
 HERE = Path(__file__).parent
 NANOMETRE, KILOMETRE = 1e-9, 1e3

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 import lightflyer as lf
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
 
 HERE = Path(__file__).parent
 ALTITUDE = 72e3

@@ -8,11 +8,11 @@ import equinox as eqx
 import numpy as np
 
 import lightflyer as lf
+from lightflyer.core import constants
 from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation
-from lightflyer.force import celenza2023_laws as published
-from lightflyer.force.hollow_flow import Corrections
-from lightflyer.foundation import constants
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
+from lightflyer.force.pumps import celenza2023_laws as published
+from lightflyer.force.pumps.hollow_flow import Corrections
 
 HERE = Path(__file__).parent
 FORMS = ("cone", "sphere", "rocket")

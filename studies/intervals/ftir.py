@@ -14,8 +14,8 @@ import numpy as np
 from scipy.fft import dct
 from trial import Trial
 
-from lightflyer.lab.ftir import reduce_ftir
-from lightflyer.lab.spectrum_data import MeasuredSpectrum
+from lightflyer.lab.ftir.reduction import reduce_ftir
+from lightflyer.lab.readers.spectrum_data import MeasuredSpectrum
 
 COMMAND = "lab ftir"
 BAND = (500.0, 1300.0)  # [1/cm], as the command's default

@@ -15,8 +15,8 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
 import numpy_model
 
-from lightflyer.lab.levitation import compare, levitation_curve
-from lightflyer.lab.levitation_data import LiftOffs
+from lightflyer.lab.levitation.curve import compare, levitation_curve
+from lightflyer.lab.levitation.data import LiftOffs
 
 COMMAND = "lab levitation"
 

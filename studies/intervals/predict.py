@@ -13,7 +13,7 @@ from scipy.optimize import brentq, minimize_scalar
 from trial import Trial
 
 import lightflyer as lf
-from lightflyer.foundation.units import Measured
+from lightflyer.core.units import Measured
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 import numpy_model

@@ -12,8 +12,8 @@ import numpy as np
 from scipy import fft, stats
 from trial import Trial
 
-from lightflyer.lab.height_map import HeightMap
-from lightflyer.lab.surface import HEIGHT_ACCURACY, roughness
+from lightflyer.lab.readers.height_map import HeightMap
+from lightflyer.lab.surface.reduction import HEIGHT_ACCURACY, roughness
 
 COMMAND = "lab roughness"
 

@@ -15,7 +15,7 @@ from scipy.interpolate import PchipInterpolator
 from trial import Trial
 
 import lightflyer as lf
-from lightflyer.foundation.table import Table
+from lightflyer.files.table import Table
 
 COMMAND = "lab tac"
 

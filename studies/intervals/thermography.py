@@ -12,7 +12,7 @@ import numpy as np
 from trial import Trial
 
 from lightflyer import lab
-from lightflyer.foundation.units import Measured
+from lightflyer.core.units import Measured
 
 COMMAND = "lab thermography"
 

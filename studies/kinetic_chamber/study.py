@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import lu_solve
 
-from lightflyer.kinetic.chamber_cases import MEDIUM, ChamberCase, assembled
-from lightflyer.kinetic.chamber_linear import ChamberSystem
-from lightflyer.kinetic.enclosure import Chamber, Film
-from lightflyer.kinetic.linear import solve_by_gmres
+from lightflyer.kinetic.chamber.cases import MEDIUM, ChamberCase, assembled
+from lightflyer.kinetic.chamber.enclosure import Chamber, Film
+from lightflyer.kinetic.chamber.linear import ChamberSystem
+from lightflyer.kinetic.disk.linear import solve_by_gmres
 from lightflyer.kinetic.model_gases import DIATOMIC
 
 FOLDER = Path(__file__).parent

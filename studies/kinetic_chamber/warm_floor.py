@@ -1,7 +1,7 @@
 """Fit what a warm floor does: the share of its excess that the gas has, and its push on a disk.
 
 Run as ``python studies/kinetic_chamber/warm_floor.py``; prints the numbers of
-``environment/warm_floor.py`` and ``force/kinetic_warm_floor.py``, and what is left of the table.
+``environment/warm_floor.py`` and ``force/kinetic/warm_floor.py``, and what is left of the table.
 """
 
 from collections.abc import Callable
@@ -9,10 +9,10 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import least_squares
 
+from lightflyer.core.precision import float64
 from lightflyer.environment import warm_floor
-from lightflyer.force import kinetic_warm_floor
-from lightflyer.foundation.precision import float64
-from lightflyer.foundation.table import shipped_table
+from lightflyer.files.table import shipped_table
+from lightflyer.force.kinetic import warm_floor as kinetic_warm_floor
 
 TAC = 0.85  # of the table's disk
 

@@ -15,9 +15,9 @@ import numpy as np
 from scipy.optimize import brentq, least_squares
 from study import ratios
 
-from lightflyer.kinetic.cases import COARSE, MEDIUM, Case, solve_case
 from lightflyer.kinetic.collisions.brackets import Molecule
 from lightflyer.kinetic.collisions.cases import solve_molecules
+from lightflyer.kinetic.disk.cases import COARSE, MEDIUM, Case, solve_case
 from lightflyer.kinetic.model_gases import gas_model
 
 FOLDER = Path(__file__).parent

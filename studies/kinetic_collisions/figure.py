@@ -6,8 +6,8 @@ import numpy as np
 from comparison import EXPONENTS, Place, compared
 
 import lightflyer as lf
-from lightflyer.force.kinetic_collisions import FORCE_HEATED, HEAT_HEATED, collision_fit
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
+from lightflyer.force.kinetic.collisions import FORCE_HEATED, HEAT_HEATED, collision_fit
 
 IMAGE = Path(__file__).parents[2] / "docs" / "images" / "kinetic-collisions.png"
 GASES = ("hard spheres", "helium", "argon", "nitrogen")

@@ -12,13 +12,13 @@ import jax
 import numpy as np
 
 import lightflyer as lf
-from lightflyer.force.kinetic_sandwich_table import sandwich_fit
-from lightflyer.force.schafer2025_table import (
+from lightflyer.files import drawing as plot
+from lightflyer.force.kinetic.sandwich_table import sandwich_fit
+from lightflyer.force.membranes.schafer2025_table import (
     FREE_FORCE,
     TEMPERATURE_EXCESS,
     perforated_disk_table,
 )
-from lightflyer.foundation import drawing as plot
 
 HERE = Path(__file__).parent
 IMAGES = HERE.parents[1] / "docs" / "images"

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.kinetic.cases import (
+from lightflyer.kinetic.disk.cases import (
     COARSE,
     FINE,
     MEDIUM,
@@ -24,9 +24,9 @@ from lightflyer.kinetic.cases import (
     Resolution,
     solve_case,
 )
-from lightflyer.kinetic.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic.disk.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic.disk.operators import assemble
 from lightflyer.kinetic.model_gases import gas_model
-from lightflyer.kinetic.operators import assemble
 from lightflyer.kinetic.solver import FURTHEST_DEPTH
 
 FOLDER = Path(__file__).parent

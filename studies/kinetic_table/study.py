@@ -13,14 +13,14 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.force.kinetic_ratios import KineticFit
-from lightflyer.force.kinetic_table import Table, WallTable, wall_table
-from lightflyer.force.kinetic_table_fit import fit
-from lightflyer.foundation.precision import float64
-from lightflyer.kinetic.cases import COARSE, FINE, MEDIUM, Case, solve_case
-from lightflyer.kinetic.linear import FaceResult, LinearSystem, Walls, face_result
+from lightflyer.core.precision import float64
+from lightflyer.force.kinetic.ratios import KineticFit
+from lightflyer.force.kinetic.table import Table, WallTable, wall_table
+from lightflyer.force.kinetic.table_fit import fit
+from lightflyer.kinetic.disk.cases import COARSE, FINE, MEDIUM, Case, solve_case
+from lightflyer.kinetic.disk.linear import FaceResult, LinearSystem, Walls, face_result
+from lightflyer.kinetic.disk.operators import assemble
 from lightflyer.kinetic.model_gases import GasModel, gas_model
-from lightflyer.kinetic.operators import assemble
 from lightflyer.kinetic.solver import furthest_boundary
 
 FOLDER = Path(__file__).parent

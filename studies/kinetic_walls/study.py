@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.kinetic.cases import COARSE, MEDIUM, Case, Resolution, solve_case
-from lightflyer.kinetic.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic.disk.cases import COARSE, MEDIUM, Case, Resolution, solve_case
+from lightflyer.kinetic.disk.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic.disk.operators import assemble
 from lightflyer.kinetic.model_gases import gas_model
-from lightflyer.kinetic.operators import assemble
 from lightflyer.kinetic.walls import WALLS, Wall
 
 FOLDER = Path(__file__).parent

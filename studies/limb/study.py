@@ -26,8 +26,8 @@ from scipy.special import erf
 
 import lightflyer as lf
 from lightflyer.environment import EARTH_LIMB, Daylight, Place, horizon_depression, visible_share
-from lightflyer.film.spectra import am0
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
+from lightflyer.film.optics.spectra import am0
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 RADIUS = 6_371e3

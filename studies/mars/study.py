@@ -11,8 +11,8 @@ import numpy as np
 import lightflyer as lf
 from lightflyer.environment import Dust, MarsAtmosphere, Radiation, air_of_mars, mars_sunlight
 from lightflyer.environment.atmosphere.mars import SURFACE_PRESSURE_SPREAD, TEMPERATURE_SPREAD
+from lightflyer.files import drawing as plot
 from lightflyer.force.lu2023 import PRINTED
-from lightflyer.foundation import drawing as plot
 from lightflyer.gas import FROZEN_CARBON_DIOXIDE
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"

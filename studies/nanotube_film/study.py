@@ -7,8 +7,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 import lightflyer as lf
+from lightflyer.files import drawing as plot
 from lightflyer.film import Film, Layer, Mixture, material, vacuum
-from lightflyer.foundation import drawing as plot
 
 HERE = Path(__file__).parent
 IMAGE = HERE.parents[1] / "docs" / "images" / "nanotube-film.png"

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 import lightflyer as lf
-from lightflyer.force.outer_flow import CREEPING, through_flow_coefficient
-from lightflyer.foundation.table import shipped_table
+from lightflyer.files.table import shipped_table
+from lightflyer.force.laws.outer_flow import CREEPING, through_flow_coefficient
 
 HERE = Path(__file__).parent
 SHOWN = 90  # points outward of which the stream function is kept

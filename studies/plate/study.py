@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import lightflyer as lf
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
 
 HERE = Path(__file__).parent
 IMAGES = HERE.parents[1] / "docs" / "images"

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 

@@ -4,7 +4,7 @@ import numpy as np
 from sampling import Guess, drawn
 
 import lightflyer as lf
-from lightflyer.force import celenza2023_laws as published
+from lightflyer.force.pumps import celenza2023_laws as published
 
 SAMPLES = 256
 ALTITUDE, SIZE, CLAIMED = 80e3, 10.0, 1.0  # [m], [m], [kg]

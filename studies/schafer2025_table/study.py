@@ -11,8 +11,12 @@ from pathlib import Path
 import numpy as np
 
 import lightflyer as lf
-from lightflyer.force.schafer2025_table import fit, perforated_disk_fit, perforated_disk_table
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
+from lightflyer.force.membranes.schafer2025_table import (
+    fit,
+    perforated_disk_fit,
+    perforated_disk_table,
+)
 
 HERE = Path(__file__).parent
 IMAGES = HERE.parents[1] / "docs" / "images"

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 import lightflyer as lf
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
+from lightflyer.study.study import read_study
 from lightflyer.sweeps.run import sweep_into
-from lightflyer.sweeps.study import read_study
 
 HERE = Path(__file__).parent
 MILLIGRAM, CENTIMETRE, KILOMETRE, GRAM = 1e-6, 1e-2, 1e3, 1e-3

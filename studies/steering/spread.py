@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import lightflyer as lf
-from lightflyer.foundation import drawing as plot
-from lightflyer.mission.figures import plot_spread
+from lightflyer.files import drawing as plot
+from lightflyer.mission.report.figures import plot_spread
 
 IMAGE = Path(__file__).parents[2] / "docs" / "images" / "spread.png"
 

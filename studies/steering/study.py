@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 import lightflyer as lf
+from lightflyer.files import drawing as plot
 from lightflyer.force.lu2023 import PRINTED
-from lightflyer.foundation import drawing as plot
 
 IMAGE = Path(__file__).parents[2] / "docs" / "images" / "steering.png"
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)

@@ -20,11 +20,11 @@ from pathlib import Path
 import distributed
 import numpy as np
 
-from lightflyer.foundation.drawing import new_figure
-from lightflyer.sweeps.evaluation import Evaluator
-from lightflyer.sweeps.kept import Designs, what_is_kept
+from lightflyer.compute.evaluation import Evaluator
+from lightflyer.compute.scheduler import connected, run_on_dask
+from lightflyer.files.drawing import new_figure
 from lightflyer.sweeps.reduced import Blocks, Progress, packed, reduce_into
-from lightflyer.sweeps.scheduler import connected, run_on_dask
+from lightflyer.sweeps.reduction_plan import Designs, plan_reductions
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parents[1] / "benchmarks"))
@@ -52,7 +52,7 @@ class Sent:
 
 def of_a_chunk(asked):
     """Processor time of a chunk's outputs, and of what is kept of it."""
-    evaluate, kept, blocks = Evaluator(asked), what_is_kept(asked), Blocks.of(asked)
+    evaluate, kept, blocks = Evaluator(asked), plan_reductions(asked), Blocks.of(asked)
     outputs, _ = evaluate(0, blocks.chunk)  # compiles
     for part in kept:
         part.partial(Designs(asked, 0, outputs, np.arange(blocks.chunk)))  # imports
@@ -78,7 +78,7 @@ def of_a_block(asked, content, count):
             silence_logs=logging.CRITICAL,
         )  # fmt: skip
         with cluster, connected(cluster.scheduler_address) as client:
-            progress = Progress(Path(name), what_is_kept(asked), count, {})
+            progress = Progress(Path(name), plan_reductions(asked), count, {})
             list(run_on_dask(Sent(content), range(20), client, "here"))
             # the scheduler lives in this process; its workers do not
             start, wall = time.process_time(), time.perf_counter()

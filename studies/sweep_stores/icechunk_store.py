@@ -1,6 +1,6 @@
 """The sweep's store on Icechunk's transactions, as short as it gets: what the trial compares.
 
-Offers what `lightflyer.sweeps.run` uses of `lightflyer.sweeps.store`: `open_store`, `write_chunk`,
+Offers what `lightflyer.sweeps.run` uses of `lightflyer.compute.store`: `open_store`, `write_chunk`,
 `Store`. A chunk is written in a fork of the session, which a commit merges; whether a chunk is done
 stands in an array beside the outputs. Chunks carry the same CRC-32C as the package's own store, as
 Icechunk itself has no checksum of them.
@@ -16,9 +16,9 @@ import numpy as np
 import zarr
 from zarr.codecs import Crc32cCodec
 
-from lightflyer.foundation.errors import OutputError
-from lightflyer.sweeps.chunks import Chunks
-from lightflyer.sweeps.store import empty_dataset, versions
+from lightflyer.compute.chunks import Chunks
+from lightflyer.compute.store import empty_dataset, versions
+from lightflyer.core.errors import OutputError
 
 _DONE, _FAILURES, _NOT_DONE = "chunk_failures", "failures", -1
 

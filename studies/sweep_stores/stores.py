@@ -28,10 +28,11 @@ import icechunk_store
 import numpy as np
 import xarray as xr
 
+from lightflyer.compute import scheduler, store
 from lightflyer.config.flyer_file import FlyerFile
-from lightflyer.foundation.errors import LightflyerError
-from lightflyer.sweeps import run, scheduler, store
-from lightflyer.sweeps.study import make_study
+from lightflyer.core.errors import LightflyerError
+from lightflyer.study.study import make_study
+from lightflyer.sweeps import run
 
 STORES = {"own": store, "icechunk": icechunk_store}
 VARIABLES = ["lift", "payload", "temperature", "relative_payload"]

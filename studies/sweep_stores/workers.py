@@ -28,7 +28,7 @@ KEPT = {"MALLOC_TRIM_THRESHOLD_": "33554432", "MALLOC_MMAP_THRESHOLD_": "3355443
 
 def without_settings():
     """On a worker: leave the allocator as Dask starts it."""
-    from lightflyer.sweeps import scheduler
+    from lightflyer.compute import scheduler
 
     scheduler._keep_freed_memory = lambda: None
 

@@ -3,7 +3,7 @@
 import numpy as np
 from kinds import KINDS
 
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
 
 LOOKS = {
     "disk, kinetic theory": (plot.BLUE, "-"),

@@ -19,7 +19,7 @@ from kinds import KINDS
 from scipy.stats import qmc
 
 import lightflyer as lf
-from lightflyer.flight.cautions import cautions_at
+from lightflyer.design.cautions import cautions_at
 from lightflyer.flight.loads import buoyancy, largest_payload, upward_force
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 

@@ -13,9 +13,9 @@ import numpy as np
 from kinds import KINDS, SMALLEST
 
 import lightflyer as lf
+from lightflyer.core.atomic_files import output_directory
+from lightflyer.design.outputs import evaluate
 from lightflyer.flight.loads import buoyancy
-from lightflyer.flight.outputs import evaluate
-from lightflyer.foundation.files import output_directory
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.optimiser import find_optimum
 from lightflyer.search.problem import as_problem

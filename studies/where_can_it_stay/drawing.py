@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 MONTHS = "JFMAMJJASOND"

@@ -15,11 +15,11 @@ import jax.numpy as jnp
 import numpy as np
 
 import lightflyer as lf
+from lightflyer.core.clock import seconds_of
 from lightflyer.environment import Daylight, Place, UniformGround, UniformWind
-from lightflyer.foundation.clock import seconds_of
-from lightflyer.mission.attitude import AbstractAttitudeRule, Level
-from lightflyer.mission.integration import Accuracy, Limits, Start, track
-from lightflyer.mission.motion import Craft
+from lightflyer.mission.path.attitude import AbstractAttitudeRule, Level
+from lightflyer.mission.path.integration import Accuracy, Limits, Start, track
+from lightflyer.mission.path.motion import Craft
 
 DAY = 86_400.0
 LIMITS = Limits(20e3, 149e3)

@@ -14,9 +14,9 @@ import numpy as np
 from flights import DAY, SIZES, Case, disks, fly, largest_payload, largest_size
 
 import lightflyer as lf
+from lightflyer.core.clock import seconds_of
 from lightflyer.force.lu2023 import PRINTED
-from lightflyer.foundation.clock import seconds_of
-from lightflyer.mission.attitude import FollowSun, Level
+from lightflyer.mission.path.attitude import FollowSun, Level
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "results.json"

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
 from lightflyer import film
-from lightflyer.film.spectra import planck
-from lightflyer.foundation import drawing as plot
+from lightflyer.files import drawing as plot
+from lightflyer.film.optics.spectra import planck
 
 HERE = Path(__file__).parent
 NM = 1e-9

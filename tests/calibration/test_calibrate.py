@@ -12,7 +12,7 @@ from scipy.optimize import minimize_scalar
 import lightflyer as lf
 from lightflyer.calibration import Points
 from lightflyer.calibration.targets import target_of
-from lightflyer.foundation.quantity import Coefficient, Conductivity, Length, Mass
+from lightflyer.core.quantity import Coefficient, Conductivity, Length, Mass
 
 TRUTH = np.array([0.4, 3.0])
 PRESSURE = np.tile(np.geomspace(1.5, 25.0, 7), 2)
@@ -91,7 +91,7 @@ def test_takes_whatever_makes_a_design(what, setup, noisy):
             "objects": (setup.flyer, setup.environment, setup.model),
             "file": (file,),
             "path": (path,),
-            "design": (lf.flight.ObjectDesign(setup),),
+            "design": (lf.design.ObjectDesign(setup),),
         }[what]
         fit = lf.calibrate(points(noisy), *design, free=["c_fm", "emittance"])
     # the file's coefficients are the paper's
@@ -226,7 +226,7 @@ def uncertain(setup, spreads, correlations=None):
         tuple(f"flyer.film.{name}" for name in pair): value
         for pair, value in (correlations or {}).items()
     }
-    return lf.flight.ObjectDesign(setup, names, pairs)
+    return lf.design.ObjectDesign(setup, names, pairs)
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.8])
@@ -242,7 +242,7 @@ def test_total_interval_of_a_coefficient_is_that_of_one_over_the_difference(
     design = uncertain(setup, data, {("tac_top", "tac_bottom"): correlation})
     light = np.exp(log_light(pressure, 0.02, c_cont=1e5))
     points = Points("thin", ["one"] * 7, {"pressure": pressure, "irradiance": light})
-    thin = lf.flight.ObjectDesign(
+    thin = lf.design.ObjectDesign(
         lf.Setup(setup.flyer, CHAMBER, lf.Lu2023(0.5, 1e5)),
         design.uncertainties,
         design.correlations,
@@ -264,7 +264,7 @@ def test_slopes_by_inputs_are_those_of_refits(setup, noisy):
         logs = []
         for sign in (1.0, -1.0):
             value = getattr(setup.flyer.film, name) + sign * 0.05 * spread
-            moved = lf.flight.ObjectDesign(setup).build({f"flyer.film.{name}": value})
+            moved = lf.design.ObjectDesign(setup).build({f"flyer.film.{name}": value})
             logs.append(np.log(lf.calibrate(points(noisy), moved, **EXACT).values))
         slope = (logs[0] - logs[1]) / 0.1
         # to first order residuals count as zero
@@ -519,7 +519,7 @@ def test_payload_counts(setup):
 def test_names_of_numbers(name, fields, factor, value):
     """An object has a radius and two emittances; points have a diameter and one emittance."""
     film = lf.FilmProperties(1e-3, 0.75, 0.06, 0.08, tac_top=0.8, tac_bottom=0.9)
-    design = lf.flight.ObjectDesign(lf.Setup(lf.Disk(film, 0.01), CHAMBER, lf.Lu2023(0.5, 2.0)))
+    design = lf.design.ObjectDesign(lf.Setup(lf.Disk(film, 0.01), CHAMBER, lf.Lu2023(0.5, 2.0)))
     target = target_of(design, name)
     assert list(target.fields) == fields
     assert (target.factor, target.value) == (factor, pytest.approx(value))

@@ -6,7 +6,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.calibration.points import read_points
-from lightflyer.lab.levitation_data import read_lift_offs
+from lightflyer.lab.levitation.data import read_lift_offs
 from lightflyer.lab.synthetic import example_files
 
 GOOD = """\

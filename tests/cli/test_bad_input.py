@@ -5,7 +5,7 @@ import re
 import pytest
 
 import lightflyer as lf
-from lightflyer.cli.init import templates
+from lightflyer.cli.commands.init import templates
 from lightflyer.force.free_molecular import FreeMolecular
 
 TEXTS = {kind: template.read() for kind, template in templates().items()}

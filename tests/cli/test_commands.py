@@ -239,7 +239,7 @@ def test_a_failure_half_way_leaves_nothing(run, flyer_file, tmp_path, monkeypatc
     def full_disk(*_, **__):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("lightflyer.foundation.drawing.save", full_disk)
+    monkeypatch.setattr("lightflyer.files.drawing.save", full_disk)
     code, _, errors = run("predict", flyer_file(), "--out", tmp_path / "out")
     assert code == 2
     assert "No space left" in errors

@@ -217,7 +217,7 @@ def test_a_folder_with_something_else_is_left_alone(run, study, tmp_path):
 
 
 def test_a_scheduler_that_does_not_answer(run, study, tmp_path, monkeypatch):
-    monkeypatch.setattr("lightflyer.sweeps.scheduler.ANSWER_WITHIN", 1.0)
+    monkeypatch.setattr("lightflyer.compute.scheduler.ANSWER_WITHIN", 1.0)
     start = time.perf_counter()
     code, _, errors = run(
         "sweep", study(), "--out", tmp_path / "r.zarr", "--scheduler", "tcp://127.0.0.1:9"
@@ -232,7 +232,7 @@ def test_a_scheduler_that_does_not_answer(run, study, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("answer", [b"", b"HTTP/1.1 400 Bad request\r\n\r\n"])
 def test_what_listens_but_is_no_scheduler(run, study, tmp_path, monkeypatch, answer):
-    monkeypatch.setattr("lightflyer.sweeps.scheduler.ANSWER_WITHIN", 1.0)
+    monkeypatch.setattr("lightflyer.compute.scheduler.ANSWER_WITHIN", 1.0)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
         def serve():

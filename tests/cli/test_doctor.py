@@ -8,7 +8,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer import cli
-from lightflyer.cli import doctor
+from lightflyer.cli.commands import doctor
 
 
 def report(capsys):
@@ -50,9 +50,9 @@ def test_doctor_names_what_is_missing_and_how_to_get_it(capsys, monkeypatch):
 
 def test_doctor_says_where_programs_are_kept(capsys, monkeypatch, tmp_path):
     monkeypatch.setenv("LIGHTFLYER_CACHE", str(tmp_path / "kept"))
-    assert report(capsys)["compiled_programs"]["folder"].startswith(str(tmp_path / "kept"))
+    assert report(capsys)["kept_programs"]["folder"].startswith(str(tmp_path / "kept"))
     monkeypatch.setenv("LIGHTFLYER_CACHE", "off")
-    assert report(capsys)["compiled_programs"]["folder"] is None
+    assert report(capsys)["kept_programs"]["folder"] is None
 
 
 def test_every_extra_is_among_all_of_them():

@@ -3,8 +3,8 @@ import json
 import pytest
 import xarray as xr
 
+from lightflyer.cli.commands.predict import _show_bands
 from lightflyer.cli.output import printer
-from lightflyer.cli.predict import _show_bands
 
 FILE = """\
 [flyer]

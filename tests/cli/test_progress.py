@@ -6,7 +6,7 @@ import time
 import pytest
 
 from lightflyer.cli import main, output, progress
-from lightflyer.foundation.progress import Counted, report, reported_to
+from lightflyer.core.progress import Counted, report, reported_to
 
 
 class Terminal(io.StringIO):

@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from lightflyer.foundation import page
+from lightflyer.files import page
 
 HEADER = "sample,pressure [Pa],irradiance [W/m^2]\n"
 CURVE = ((1.5, 2500), (2, 2000), (3, 1600), (4, 1500), (5, 1550), (6, 1700), (8, 2100), (12, 2900))

@@ -11,7 +11,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.comparison import to_dataset, write_csv
 from lightflyer.comparison.tables import joined, require_comparable
-from lightflyer.flight.outputs import outputs_of
+from lightflyer.design.outputs import outputs_of
 
 
 def disk(areal_density=1e-3, radius=0.01, tac_bottom=0.9):
@@ -25,7 +25,7 @@ def over_earth(flyer, **earth):
 
 @pytest.fixture(scope="module")
 def designs():
-    uncertain = lf.flight.ObjectDesign(
+    uncertain = lf.design.ObjectDesign(
         over_earth(disk(radius=0.02)), {"flyer.film.tac_bottom": 0.02, "flyer.radius": 5e-4}
     )
     return [over_earth(disk()), uncertain]

@@ -7,10 +7,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import lightflyer as lf
+from lightflyer.config.designs import as_design
 from lightflyer.config.flyer_file import section_at
-from lightflyer.flight.design import as_design
-from lightflyer.foundation.quantity import Length
-from lightflyer.foundation.section import alternative_tags
+from lightflyer.core.quantity import Length
+from lightflyer.files.section import alternative_tags
 
 MINIMAL = {
     "flyer": {"diameter": "2 cm"},

@@ -7,7 +7,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.calibration.points import read_points
-from lightflyer.cli.init import templates
+from lightflyer.cli.commands.init import templates
 from lightflyer.config.reader import read_flyer_file
 from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED
 
@@ -129,7 +129,7 @@ OF_SECTIONS_IN_COMMENTS = (
 @pytest.mark.parametrize(
     ("kind", "read"),
     [
-        ("sweep", "lightflyer.sweeps.study:read_study"),
+        ("sweep", "lightflyer.study.study:read_study"),
         ("optimise", "lightflyer.search:read_problem"),
         ("sensitivity", "lightflyer.search:read_sensitivity_study"),
     ],

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.cli.init import templates
+from lightflyer.cli.commands.init import templates
 from lightflyer.config.flyer_file import flyer_file_type
 from lightflyer.config.reader import read_design
-from lightflyer.flight.cautions import cautions, cautions_of_force
-from lightflyer.flight.outputs import tabulate
-from lightflyer.foundation.precision import quick_entry_point
+from lightflyer.design.cautions import cautions, cautions_of_force
+from lightflyer.design.outputs import tabulate
+from lightflyer.program.entry_point import entry_point
 
 model = pytest.importorskip("calculator.model")
 from calculator.page import html  # noqa: E402
@@ -141,7 +141,7 @@ def computed(script, designs, run_javascript):
     return dict(zip(calls, found, strict=True))
 
 
-_tabulate = quick_entry_point(
+_tabulate = entry_point(
     lambda setup, altitude: tabulate(setup, altitude, setup.environment.radiation.irradiance)
 )
 

@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from lightflyer.foundation.precision import float64
-from lightflyer.foundation.system import solve_system
+from lightflyer.core.precision import float64
+from lightflyer.numerics.system import solve_system
 
 control = pytest.importorskip("calculator.control")
 from calculator.javascript import Tables, number, write_function  # noqa: E402

@@ -7,7 +7,7 @@ import tomllib
 import pytest
 
 import lightflyer as lf
-from lightflyer.cli.init import templates
+from lightflyer.cli.commands.init import templates
 
 model = pytest.importorskip("calculator.model")
 from calculator.page import html  # noqa: E402

@@ -23,13 +23,13 @@ from matplotlib.testing.compare import compare_images
 from PIL import Image
 
 import lightflyer as lf
-from lightflyer.cli.init import templates
+from lightflyer.cli.commands.init import templates
 from lightflyer.config.flyer_file import flyer_file_type
 from lightflyer.config.reader import FLYER_FILE, read_film_file
-from lightflyer.foundation.toml_file import validate
-from lightflyer.lab.optics_data import SAMPLE_FILE, SampleFile
+from lightflyer.files.toml_file import validate
+from lightflyer.lab.optics.data import SAMPLE_FILE, SampleFile
 from lightflyer.lab.synthetic import example_files
-from lightflyer.sweeps.sections import STUDY_FILE, StudyFile
+from lightflyer.study.sections import STUDY_FILE, StudyFile
 
 pytestmark = pytest.mark.snippets
 

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.core.errors import ParameterError
 from lightflyer.drag import free_molecular
 from lightflyer.drag.disk_table import dense_share
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.kinetic import cases
-from lightflyer.kinetic.cases import COARSE, Case, Resolution, solve_case
+from lightflyer.kinetic.disk import cases
+from lightflyer.kinetic.disk.cases import COARSE, Case, Resolution, solve_case
+from lightflyer.kinetic.disk.operators import Quadrature
 from lightflyer.kinetic.model_gases import DIATOMIC, MONATOMIC, GasModel
 from lightflyer.kinetic.moving import MovedDisk, moving_outcomes
-from lightflyer.kinetic.operators import Quadrature
 
 STUDY = Path(__file__).parents[2] / "studies" / "drag" / "study.py"
 FACES = (0.6, 0.9)

@@ -8,9 +8,9 @@ from scipy.special import expn
 
 import lightflyer as lf
 from lightflyer.environment import Dust, MarsAtmosphere, Place, mars_sunlight
-from lightflyer.environment.dust import air_mass, dusty_light, two_stream_transmittance
-from lightflyer.environment.mars_sun import distance_in_season, zenith_angle_in_season
-from lightflyer.foundation.table import shipped_table
+from lightflyer.environment.light.dust import air_mass, dusty_light, two_stream_transmittance
+from lightflyer.environment.light.mars_sun import distance_in_season, zenith_angle_in_season
+from lightflyer.files.table import shipped_table
 
 ASTRONOMICAL_UNIT = 149_597_870_700.0
 # Mars by the NASA fact sheet: mass times gravitational constant [m³/s²], mean radius [m]

@@ -226,7 +226,8 @@ def test_derivatives_of_the_sky_forwards_and_backwards():
         forwards, backwards = jax.jacfwd(light)(start), jax.jacrev(light)(start)
         together = jax.vmap(light)(jnp.stack([start, start + 10.0 * steps]))
     np.testing.assert_allclose(forwards, backwards, rtol=1e-10, atol=1e-14)
-    np.testing.assert_allclose(together[1], light(start + 10.0 * steps), rtol=1e-12)
+    # angles of 1e5 rad are rounded to 1e-11, and a setting sun magnifies that
+    np.testing.assert_allclose(together[1], light(start + 10.0 * steps), rtol=1e-8)
     for column, step in enumerate(steps * np.eye(4)):
         change = (light(start + step) - light(start - step)) / (2.0 * steps[column])
         np.testing.assert_allclose(forwards[:, column], change, rtol=1e-4, atol=1e-9)

@@ -21,9 +21,9 @@ from lightflyer.explorer.maps import Choices
 from lightflyer.explorer.notices import noticing
 from lightflyer.explorer.panes import panes
 from lightflyer.explorer.state import View, plain, to_toml
-from lightflyer.film.spectra import am0
-from lightflyer.foundation.toml_file import parsed, validate
-from lightflyer.lab.levitation_data import read_lift_offs
+from lightflyer.files.toml_file import parsed, validate
+from lightflyer.film.optics.spectra import am0
+from lightflyer.lab.levitation.data import read_lift_offs
 
 
 @pytest.fixture

@@ -7,13 +7,13 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.core.quantity import Length, Quantity
+from lightflyer.core.units import Measured
 from lightflyer.explorer import server
 from lightflyer.explorer.editing import slider, sliders, switched
 from lightflyer.explorer.grammar import BASES, grammar, quantity_text
 from lightflyer.explorer.hints import templates
 from lightflyer.explorer.state import View, Workplace, from_url, plain, to_toml, to_url
-from lightflyer.foundation.quantity import Length, Quantity
-from lightflyer.foundation.units import Measured
 
 DOCUMENTS = {name: plain(template.document) for name, template in templates().items()}
 

@@ -21,8 +21,8 @@ from lightflyer.film import (
     light_by_angle,
     tabulated_material,
 )
-from lightflyer.film.angle_figures import angle_figures
-from lightflyer.film.angle_tables import write_csv, write_spectral_csv
+from lightflyer.film.report.angle_figures import angle_figures
+from lightflyer.film.report.angle_tables import write_csv, write_spectral_csv
 
 ANGLES = np.radians([0.0, 35.0, 80.0])
 COARSE = 100

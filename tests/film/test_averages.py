@@ -4,6 +4,7 @@ import pytest
 import tmm
 
 import lightflyer as lf
+from lightflyer.core import constants
 from lightflyer.film import (
     EmittanceCurve,
     Film,
@@ -18,7 +19,6 @@ from lightflyer.film import (
     planck,
     tabulated_material,
 )
-from lightflyer.foundation import constants
 
 TEMPERATURES = np.array([200.0, 300.0, 441.0, 1000.0])
 

@@ -6,7 +6,7 @@ import yaml
 
 import lightflyer as lf
 from lightflyer.film import Film, FilmSummary, Layer, am0, material, search_pages
-from lightflyer.film.database import database_page, database_pages, page_details
+from lightflyer.film.media.database import database_page, database_pages, page_details
 
 
 @pytest.mark.parametrize(

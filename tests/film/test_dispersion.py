@@ -8,7 +8,7 @@ from scipy.integrate import quad
 import lightflyer as lf
 from lightflyer import film
 from lightflyer.config.reader import read_film_file
-from lightflyer.film.dispersion import Cauchy, Drude, Formula, Lorentz, TaucLorentz
+from lightflyer.film.media.dispersion import Cauchy, Drude, Formula, Lorentz, TaucLorentz
 
 EV = 1.602176634e-19
 

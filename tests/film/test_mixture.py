@@ -14,7 +14,7 @@ from lightflyer.film import (
     Graded,
     Layer,
     Mixture,
-    Tempered,
+    TemperatureDependentMedium,
     absorptance,
     am0,
     at_temperature,
@@ -26,8 +26,8 @@ from lightflyer.film import (
     tabulated_material,
     vacuum,
 )
-from lightflyer.film.findings import film_warnings
-from lightflyer.film.sheets import sheet_error, sheet_warnings
+from lightflyer.film.optics.findings import film_warnings
+from lightflyer.film.optics.graded_sheets import sheet_error, sheet_warnings
 
 WAVELENGTH = np.array([0.5e-6, 1e-6])
 
@@ -120,13 +120,15 @@ def test_a_graded_layer_stays_one_layer_and_turns_over():
 
 def test_constants_between_temperatures():
     media, tables = (flat("cold", 2.0, 0.1), flat("warm", 2.4, 0.3)), (200.0, 400.0)
-    middle = Tempered(media, tables, 250.0)
+    middle = TemperatureDependentMedium(media, tables, 250.0)
     np.testing.assert_allclose(middle.index(WAVELENGTH), [[2.1] * 2, [0.15] * 2], rtol=1e-14)
     with lf.float64():
-        slope = jax.grad(lambda at: Tempered(media, tables, at).index(5e-7)[0])(250.0)
+        slope = jax.grad(lambda at: TemperatureDependentMedium(media, tables, at).index(5e-7)[0])(
+            250.0
+        )
     assert slope == pytest.approx(0.4 / 200.0, rel=1e-12)
     with pytest.raises(lf.ParameterError, match="= 500 is not between 200 and 400"):
-        Tempered(media, tables, 500.0)
+        TemperatureDependentMedium(media, tables, 500.0)
     pages = [material(f"main/Si/Franta-{kelvin}K") for kelvin in (400, 300)]
     film = Film((Layer(at_temperature(pages, 400.0), 1e-7),))
     np.testing.assert_array_equal(film.index(WAVELENGTH)[0][0], pages[0].index(WAVELENGTH)[0])

@@ -23,8 +23,7 @@ from lightflyer.film import (
     stack_optics,
     tabulated_material,
 )
-from lightflyer.film.findings import property_warnings, thick_warnings
-from lightflyer.foundation.precision import _QUICK_COMPILATION, jit_with_options
+from lightflyer.film.optics.findings import property_warnings, thick_warnings
 
 WAVELENGTH = 7e-7
 NOTHING = np.zeros(0)
@@ -151,13 +150,10 @@ def test_samples_are_differentiable():
         )  # fmt: skip
         return (optics.reflectance + 2.0 * optics.transmittance + 3.0 * optics.absorptance).sum()
 
-    def quick(function):
-        return jit_with_options(function, _QUICK_COMPILATION)
-
     way = np.cos(np.arange(POINT.size))
     with lf.float64():
-        _, forward = quick(lambda x: jax.jvp(outcomes, (x,), (way,)))(POINT)
-        reverse = np.asarray(quick(jax.grad(outcomes))(POINT)) @ way
+        _, forward = jax.jit(lambda x: jax.jvp(outcomes, (x,), (way,)))(POINT)
+        reverse = np.asarray(jax.jit(jax.grad(outcomes))(POINT)) @ way
         difference = outcomes(POINT + 1e-5 * way) - outcomes(POINT - 1e-5 * way)
     assert forward == pytest.approx(float(difference) / 2e-5, rel=1e-7)
     assert reverse == pytest.approx(float(forward), rel=1e-12)

@@ -3,6 +3,7 @@ import pytest
 from scipy.integrate import quad
 
 import lightflyer as lf
+from lightflyer.core import constants
 from lightflyer.film import (
     Spectrum,
     am0,
@@ -11,7 +12,6 @@ from lightflyer.film import (
     planck,
     spectrum_from_csv,
 )
-from lightflyer.foundation import constants
 
 
 def test_sunlight_adds_up_to_the_solar_constant_of_its_standard():

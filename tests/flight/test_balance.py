@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 import lightflyer as lf
 from lightflyer.flight.balance import require_converged
-from lightflyer.foundation.rootfind import Ending
+from lightflyer.numerics.rootfind import Ending
 
 
 def state(pressure, temperature=220.0, **radiation):

@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import lightflyer as lf
+from lightflyer.core.errors import ParameterError
 from lightflyer.drag import disk as disk_module
-from lightflyer.foundation.errors import ParameterError
 
 ALTITUDES = np.array([50e3, 60e3, 70e3, 80e3])
 

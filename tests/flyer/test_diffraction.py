@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.design.cautions import cautions_at
+from lightflyer.design.setup import Setup
 from lightflyer.film import am0, blackbody_fraction
-from lightflyer.film.diffraction import (
+from lightflyer.film.optics.diffraction import (
     LARGEST_DEFICIT,
     MEDIAN_WAVELENGTH_BY_TEMPERATURE,
     MEDIAN_WAVELENGTH_OF_SUNLIGHT,
@@ -13,8 +15,6 @@ from lightflyer.film.diffraction import (
     narrow_channels,
     narrow_holes,
 )
-from lightflyer.flight.cautions import cautions_at
-from lightflyer.flight.setup import Setup
 
 
 def test_half_of_the_radiation_lies_beyond_the_median_wavelengths():

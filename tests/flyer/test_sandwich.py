@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.film.curve import NODES, EmittanceCurve
+from lightflyer.film.optics.curve import NODES, EmittanceCurve
 from lightflyer.flyer.sheets import Exitance, Sheet, net_gains, perforated
 
 SIGMA = 5.670374419e-8

@@ -11,16 +11,16 @@ from scipy.optimize import brentq, fsolve
 
 import lightflyer as lf
 from lightflyer.flight.loads import upward_force
-from lightflyer.force.channel_pump import outer_resistance, through_flow
-from lightflyer.force.channels import (
+from lightflyer.force.kinetic.table_fit import kinetic_fit
+from lightflyer.force.laws.channels import (
     SLOT,
     channel_coefficients,
     channel_conductance,
     gas_at_faces,
 )
-from lightflyer.force.disk_gas import disk_surroundings, recoil_ratio
-from lightflyer.force.kinetic_table_fit import kinetic_fit
-from lightflyer.force.schafer2025_table import perforated_disk_fit, perforated_disk_table
+from lightflyer.force.laws.disk_gas import disk_surroundings, recoil_ratio
+from lightflyer.force.membranes.schafer2025_table import perforated_disk_fit, perforated_disk_table
+from lightflyer.force.pumps.channel_pump import outer_resistance, through_flow
 
 MODEL = lf.ChannelPump()
 GAS = lf.gas.AIR

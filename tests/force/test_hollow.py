@@ -14,11 +14,11 @@ import lightflyer as lf
 from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation
 from lightflyer.flight.balance import light_and_gains, node_losses
 from lightflyer.flight.loads import buoyancy, upward_force
-from lightflyer.force import celenza2023_laws as published
-from lightflyer.force.channels import SLOT, channel_coefficients, direct_share
 from lightflyer.force.convection import sphere_conductance
-from lightflyer.force.hollow_flow import Corrections, Errors, PumpFlow, pump_flow
-from lightflyer.gas.passing import slot_transmission
+from lightflyer.force.laws.channels import SLOT, channel_coefficients, direct_share
+from lightflyer.force.pumps import celenza2023_laws as published
+from lightflyer.force.pumps.hollow_flow import Corrections, Errors, PumpFlow, pump_flow
+from lightflyer.gas.transmission_probability import slot_transmission
 
 MODEL = lf.HollowPump()
 SIGMA = 5.670374419e-8
@@ -241,7 +241,7 @@ def test_own_errors_of_the_model(name, scatter):
             name
         ]
         assert lowest < force - 1.0 < highest
-    assert lf.force.hollow_pump._SCATTER._asdict()[name] == scatter
+    assert lf.force.pumps.hollow_pump._SCATTER._asdict()[name] == scatter
 
 
 def test_published_force_has_no_buoyancy():
@@ -328,7 +328,7 @@ def by_hand(body, pressure, temperature, irradiance):
         exchange = wall * (most - mean) ** 2 / (4.0 * most) if most > mean else 0.0
         return velocity, jet, exchange
 
-    from lightflyer.force.channels import ROUND, thermomolecular_exponent
+    from lightflyer.force.laws.channels import ROUND, thermomolecular_exponent
 
     cold_speed = np.sqrt(2.0 * constant * temperature)
     cold_viscosity = float(air.viscosity(temperature))

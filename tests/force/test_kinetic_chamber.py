@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.cli.init import templates
-from lightflyer.force.kinetic_chamber import (
+from lightflyer.cli.commands.init import templates
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.precision import float64
+from lightflyer.files.table import shipped_table
+from lightflyer.force.kinetic.chamber import (
     FORCE_ERROR,
     PUSH_ERROR,
     Chamber,
     chamber_fit,
     fitted,
 )
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.precision import float64
-from lightflyer.foundation.table import shipped_table
 
 RADIUS = 0.01
 COLD = 293.0

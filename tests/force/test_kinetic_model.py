@@ -12,15 +12,17 @@ from scipy.optimize import approx_fprime
 
 import lightflyer as lf
 from lightflyer.environment import EnvironmentState, Radiation
-from lightflyer.force import kinetic_disk, kinetic_table, kinetic_table_fit
-from lightflyer.force.kinetic_collisions import (
+from lightflyer.force.kinetic import disk as kinetic_disk
+from lightflyer.force.kinetic import table as kinetic_table
+from lightflyer.force.kinetic import table_fit as kinetic_table_fit
+from lightflyer.force.kinetic.collisions import (
     FORCE_ERROR,
     FORCE_HEATED,
     HEAT_ERROR,
     HEAT_HEATED,
     with_collisions,
 )
-from lightflyer.force.kinetic_table_fit import kinetic_fit
+from lightflyer.force.kinetic.table_fit import kinetic_fit
 
 GASES = kinetic_table.GASES
 COLD = 205.0

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.force.kinetic_disk import scaled_heat_ratio
-from lightflyer.force.kinetic_table_fit import kinetic_fit
+from lightflyer.force.kinetic.disk import scaled_heat_ratio
+from lightflyer.force.kinetic.table_fit import kinetic_fit
 
 SCALED = lf.Kinetic(polyatomic="scaled")
 CO2 = lf.gas.CARBON_DIOXIDE

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.force import kinetic_sandwich_table as tables
-from lightflyer.force.kinetic_table_fit import kinetic_fit
-from lightflyer.force.sandwich import rarefaction
-from lightflyer.kinetic.cases import COARSE, Case, solve_case
+from lightflyer.force.kinetic import sandwich_table as tables
+from lightflyer.force.kinetic.table_fit import kinetic_fit
+from lightflyer.force.membranes.sandwich import rarefaction
+from lightflyer.kinetic.disk.cases import COARSE, Case, solve_case
 from lightflyer.kinetic.model_gases import DIATOMIC
 
 COLD = 220.0

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.flight.setup import Setup
-from lightflyer.force import kinetic_walls, laws
-from lightflyer.force.kinetic_walls import wall_fit
-from lightflyer.foundation.table import shipped_table
+from lightflyer.design.setup import Setup
+from lightflyer.files.table import shipped_table
+from lightflyer.force.kinetic import walls as kinetic_walls
+from lightflyer.force.kinetic.walls import wall_fit
+from lightflyer.force.laws import faces as laws
 from lightflyer.prediction.prediction import Prediction
 
 COLD, EXCESS = 205.0, 1.34

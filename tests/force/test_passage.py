@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from lightflyer.force.passage import passage, require_transmission
-from lightflyer.foundation.errors import ParameterError
+from lightflyer.core.errors import ParameterError
+from lightflyer.force.laws.membrane_transmission import passage, require_transmission
 
 OUTER, INNER = (0.7, 0.9), (0.8, 0.6)  # of the top, the bottom membrane
 NOBODY, TOP, BOTTOM = 0, 1, 2

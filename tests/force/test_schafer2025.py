@@ -10,9 +10,9 @@ from scipy.optimize import fsolve
 
 import lightflyer as lf
 from lightflyer.flight.loads import upward_force
-from lightflyer.force.gap import accommodation_between, gap_conductance
-from lightflyer.force.sandwich import rarefaction
-from lightflyer.force.schafer2025_table import internal_factors, perforated_disk_fit
+from lightflyer.force.laws.gap import accommodation_between, gap_conductance
+from lightflyer.force.membranes.sandwich import rarefaction
+from lightflyer.force.membranes.schafer2025_table import internal_factors, perforated_disk_fit
 
 MODEL, WIDE = lf.Schafer2025(), lf.Schafer2025(transmission="wide")
 SIGMA = 5.670374419e-8

@@ -6,10 +6,10 @@ import jax
 import pytest
 
 import lightflyer as lf
-from lightflyer.flight.cautions import cautions_in
-from lightflyer.flight.setup import Setup
+from lightflyer.core.precision import float64
+from lightflyer.design.cautions import cautions_in
+from lightflyer.design.setup import Setup
 from lightflyer.force.free_molecular import FreeMolecular, LinearFreeMolecular
-from lightflyer.foundation.precision import float64
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 DISK = lf.Disk(FILM, 0.01)

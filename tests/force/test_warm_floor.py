@@ -7,11 +7,11 @@ import pytest
 from scipy.special import j1, jn_zeros
 
 import lightflyer as lf
+from lightflyer.core.constants import STEFAN_BOLTZMANN
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.precision import float64
 from lightflyer.environment.warm_floor import conducted_share, share_of_floor, view_of_floor
-from lightflyer.foundation.constants import STEFAN_BOLTZMANN
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.precision import float64
-from lightflyer.foundation.table import shipped_table
+from lightflyer.files.table import shipped_table
 
 COLD = 293.0
 RADIUS = 0.01

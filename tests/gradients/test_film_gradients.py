@@ -16,7 +16,7 @@ from lightflyer.film import (
     material,
     stack_optics,
 )
-from lightflyer.film.transfer_matrix import transfer
+from lightflyer.film.optics.transfer_matrix import transfer
 
 # n and k of two layers, thickness / 100 nm, wavelength / 500 nm, incidence
 POINT = np.array([1.7, 3.5, 0.02, 0.8, 1.3, 0.4, 1.1, 0.7])

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.foundation.precision import is_entry_point
+from lightflyer.program.entry_point import is_entry_point
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 STATE = lf.Earth().state(72e3)
-CURVE = lf.film.EmittanceCurve.through(np.linspace(0.05, 0.09, lf.film.curve.NODES))
+CURVE = lf.film.EmittanceCurve.through(np.linspace(0.05, 0.09, lf.film.optics.curve.NODES))
 GASES = {
     "AbstractReferenceGas": lf.gas.AIR,
     "Lu2023Air": lf.gas.LU2023_AIR,

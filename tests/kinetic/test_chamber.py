@@ -5,18 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.kinetic import Chamber, Surface, chamber_cases, solve_in_chamber
-from lightflyer.kinetic import halves as halves_module
-from lightflyer.kinetic.cases import Case, Resolution, solve_case
-from lightflyer.kinetic.chamber_cases import COARSE, ChamberCase, assembled, solve_chamber_case
-from lightflyer.kinetic.chamber_linear import ChamberSystem
-from lightflyer.kinetic.enclosure import Film
-from lightflyer.kinetic.halves import assemble_halves
-from lightflyer.kinetic.mesh import build_chamber_meshes
+from lightflyer.core.errors import ParameterError
+from lightflyer.kinetic import Chamber, Surface, solve_in_chamber
+from lightflyer.kinetic.chamber import cases as chamber_cases
+from lightflyer.kinetic.chamber import half_mesh_operator as halves_module
+from lightflyer.kinetic.chamber.cases import COARSE, ChamberCase, assembled, solve_chamber_case
+from lightflyer.kinetic.chamber.enclosure import Film
+from lightflyer.kinetic.chamber.half_mesh_operator import assemble_halves
+from lightflyer.kinetic.chamber.linear import ChamberSystem
+from lightflyer.kinetic.disk.cases import Case, Resolution, solve_case
+from lightflyer.kinetic.disk.operators import Quadrature
+from lightflyer.kinetic.grid.mesh import build_chamber_meshes
+from lightflyer.kinetic.grid.rim import Rim
 from lightflyer.kinetic.model_gases import DIATOMIC, MONATOMIC
-from lightflyer.kinetic.operators import Quadrature
-from lightflyer.kinetic.rim import Rim
 
 SKETCH = Resolution(3, 0.7, Quadrature(3, 3, 3))
 HOT = Film((0.8, 0.9), (1.0, 1.0))

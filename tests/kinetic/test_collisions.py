@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from lightflyer.foundation.errors import ParameterError
+from lightflyer.core.errors import ParameterError
 
 pytest.importorskip("numba")
 
 from lightflyer.kinetic import solve
-from lightflyer.kinetic.cases import Resolution
 from lightflyer.kinetic.collisions.brackets import Molecule
 from lightflyer.kinetic.collisions.half_space import slip
 from lightflyer.kinetic.collisions.operator import CollisionOperator, Moments
 from lightflyer.kinetic.collisions.problem import MolecularProblem
-from lightflyer.kinetic.linear import Walls
-from lightflyer.kinetic.operators import Quadrature
+from lightflyer.kinetic.disk.cases import Resolution
+from lightflyer.kinetic.disk.linear import Walls
+from lightflyer.kinetic.disk.operators import Quadrature
 
 NITROGEN = Molecule(0.74, 0.2, rotates=True)
 FEW = Moments((5, 5, 4, 3), (3, 3, 2))

@@ -5,19 +5,19 @@ import os
 import numpy as np
 import pytest
 
-from lightflyer.kinetic import _kernels
-from lightflyer.kinetic.directions import node_directions
-from lightflyer.kinetic.interpolation import bases_at, nodes_in_eta
-from lightflyer.kinetic.mesh import build_mesh, gauss, panel_nodes
-from lightflyer.kinetic.operators import Quadrature, kernel_arguments
-from lightflyer.kinetic.rays import (
+from lightflyer.kinetic.disk.operators import Quadrature, kernel_arguments
+from lightflyer.kinetic.grid import kernels as _kernels
+from lightflyer.kinetic.grid.directions import node_directions
+from lightflyer.kinetic.grid.interpolation import bases_at, nodes_in_eta
+from lightflyer.kinetic.grid.mesh import build_mesh, gauss, panel_nodes
+from lightflyer.kinetic.grid.rays import (
     MOST_CUTS,
     cut_ray,
     exit_length,
     piece_integrals,
     spheroidal,
 )
-from lightflyer.kinetic.speed_integrals import NUMBER, speed_integral
+from lightflyer.kinetic.grid.speed_integrals import NUMBER, speed_integral
 
 
 @pytest.mark.parametrize("boundary", [np.inf, 4.0, 1.5])

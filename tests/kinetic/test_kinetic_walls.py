@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from lightflyer.foundation.errors import ParameterError
+from lightflyer.core.errors import ParameterError
 from lightflyer.kinetic import solve, solve_moving
-from lightflyer.kinetic.cases import Case, Resolution, solve_case
-from lightflyer.kinetic.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic.disk.cases import Case, Resolution, solve_case
+from lightflyer.kinetic.disk.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic.disk.operators import Quadrature, assemble
 from lightflyer.kinetic.model_gases import DIATOMIC, MONATOMIC
 from lightflyer.kinetic.moving import MovedDisk
-from lightflyer.kinetic.operators import Quadrature, assemble
 
 SKETCH = Resolution(3, 0.7, Quadrature(3, 3, 3))
 ROUGH = Resolution(2, 0.7, Quadrature(2, 2, 2))  # where both sides have the same error of a mesh

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from scipy.special import i0, k0
 
-from lightflyer.foundation.errors import ConvergenceError, ParameterError
-from lightflyer.kinetic import cases, fixed_point, solve
-from lightflyer.kinetic.cases import COARSE, MEDIUM, Case, Resolution, solve_case
-from lightflyer.kinetic.flow import sample
-from lightflyer.kinetic.linear import LinearSystem, Walls, face_result
+from lightflyer.core.errors import ConvergenceError, ParameterError
+from lightflyer.kinetic import solve
+from lightflyer.kinetic.disk import cases, fixed_point
+from lightflyer.kinetic.disk.cases import COARSE, MEDIUM, Case, Resolution, solve_case
+from lightflyer.kinetic.disk.flow import sample
+from lightflyer.kinetic.disk.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic.disk.operators import Quadrature, assemble
 from lightflyer.kinetic.model_gases import DIATOMIC, MONATOMIC
-from lightflyer.kinetic.operators import Quadrature, assemble
 from lightflyer.kinetic.solver import TEMPERATURE_RATIOS
 from lightflyer.kinetic.walls import Wall
 

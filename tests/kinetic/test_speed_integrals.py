@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from lightflyer.kinetic import speed_integrals
-from lightflyer.kinetic.speed_integrals import speed_integral, spline_table
+from lightflyer.kinetic.grid import speed_integrals
+from lightflyer.kinetic.grid.speed_integrals import speed_integral, spline_table
 
 
 @pytest.mark.parametrize("power", [1, 4, 8])

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lightflyer.foundation.quantity import Pressure
-from lightflyer.lab.tables import Column, read_table
+from lightflyer.core.quantity import Pressure
+from lightflyer.lab.readers.tables import Column, read_table
 
 STUDY = Path(__file__).parents[2] / "studies" / "damaged_files"
 FIRST, EACH = 0, 1  # seeds; the study runs 2,000

@@ -11,11 +11,11 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.calibration.points import read_points
-from lightflyer.film.material_csv import read_index_csv
-from lightflyer.foundation.table import read_table
+from lightflyer.files.table import read_table
+from lightflyer.film.media.material_csv import read_index_csv
 from lightflyer.lab.synthetic import example_files
-from lightflyer.lab.tac_data import read_resistance_calibration, read_tac
-from lightflyer.lab.thermography_data import THERMAL, columns_of
+from lightflyer.lab.tac.data import read_resistance_calibration, read_tac
+from lightflyer.lab.thermography.data import THERMAL, columns_of
 
 STUDY = Path(__file__).parents[2] / "studies" / "damaged_files"
 EACH = 200

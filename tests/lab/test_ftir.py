@@ -4,14 +4,14 @@ from scipy.fft import dct
 from scipy.integrate import quad
 
 import lightflyer as lf
-from lightflyer.lab.ftir import (
+from lightflyer.lab.ftir.means import planck_weights, uncovered_power
+from lightflyer.lab.ftir.reduction import (
     BAND,
     DEFAULT_ACCURACY,
     reduce_ftir,
     to_dataset,
 )
-from lightflyer.lab.ftir_means import planck_weights, uncovered_power
-from lightflyer.lab.spectrum_data import MeasuredSpectrum, read_spectrum
+from lightflyer.lab.readers.spectrum_data import MeasuredSpectrum, read_spectrum
 
 PER_CM = 100.0
 C2 = 0.01438776877  # second radiation constant [m K], CODATA 2018

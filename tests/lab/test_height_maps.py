@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.lab.height_map import HeightMap, list_channels, read_height_map
-from lightflyer.lab.height_maps.channel import Channel, chosen
-from lightflyer.lab.number_matrix import read_number_matrix
-from lightflyer.lab.surface import roughness, to_dataset
+from lightflyer.lab.readers.height_map import HeightMap, list_channels, read_height_map
+from lightflyer.lab.readers.height_maps.channel import Channel, chosen
+from lightflyer.lab.readers.number_matrix import read_number_matrix
+from lightflyer.lab.surface.reduction import roughness, to_dataset
 
 pytest.importorskip("SurfaceTopography")
 FILES = Path(__file__).parent / "height_maps"

@@ -4,16 +4,16 @@ from scipy.interpolate import CubicSpline
 from skmisc.loess import loess
 
 import lightflyer as lf
+from lightflyer.design.setup import Setup
 from lightflyer.environment import Chamber
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flight.levitation import levitate
-from lightflyer.flight.setup import Setup
 from lightflyer.flyer import Disk
 from lightflyer.force import Lu2023
-from lightflyer.lab.levitation import LEAST_POINTS, compare, levitation_curve, summary
-from lightflyer.lab.levitation_data import LiftOffs, read_lift_offs
-from lightflyer.lab.levitation_minimum import smoother
-from lightflyer.lab.levitation_model import calibrate_curves, model_curve
+from lightflyer.lab.levitation.curve import LEAST_POINTS, compare, levitation_curve, summary
+from lightflyer.lab.levitation.data import LiftOffs, read_lift_offs
+from lightflyer.lab.levitation.minimum import smoother
+from lightflyer.lab.levitation.model import calibrate_curves, model_curve
 
 RANGE = (1.5, 40.0)
 

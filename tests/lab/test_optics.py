@@ -9,13 +9,13 @@ import tmm
 
 import lightflyer as lf
 from lightflyer.config.reader import read_design, read_film_file
-from lightflyer.film.dispersion import Cauchy, Formula
-from lightflyer.film.thickness import thickness_uncertainty
-from lightflyer.lab.optics import fit_optics, to_dataset
-from lightflyer.lab.optics_data import FilmSpectrum, FreeNumber, OpticsSample, read_sample
-from lightflyer.lab.optics_model import OpticalModel, Problem
-from lightflyer.lab.optics_search import correlation_length, intervals, search
-from lightflyer.lab.spectra.meaning import MeasuredSpectrum
+from lightflyer.film.media.dispersion import Cauchy, Formula
+from lightflyer.film.optics.thickness import thickness_uncertainty
+from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample, read_sample
+from lightflyer.lab.optics.fit import fit_optics, to_dataset
+from lightflyer.lab.optics.model import OpticalModel, Problem
+from lightflyer.lab.optics.search import correlation_length, intervals, search
+from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.synthetic.optics import TRUTH, optics_files
 
 TRUE = np.array([TRUTH["germanium"], TRUTH["porosity"], TRUTH["mylar"]])
@@ -241,7 +241,7 @@ def test_flyer_file_has_the_numbers_with_their_correlation(command):
 
 
 def test_update_refuses_other_layers(command, tmp_path):
-    from lightflyer.config.update_layers import require_same_layers
+    from lightflyer.lab.optics.flyer_file import require_same_layers
 
     flyer = tmp_path / "flyer.toml"
     flyer.write_text(

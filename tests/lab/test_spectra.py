@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.lab.ftir import reduce_ftir, to_dataset
-from lightflyer.lab.spectra import jcamp_dx, omnic, opus, spc
-from lightflyer.lab.spectra.formats import format_of, opened, read_raw
-from lightflyer.lab.spectra.meaning import Wanted, measured
-from lightflyer.lab.spectra.raw import Source
-from lightflyer.lab.spectrum_data import read_spectrum
+from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
+from lightflyer.lab.readers.spectra import jcamp_dx, omnic, opus, spc
+from lightflyer.lab.readers.spectra.formats import format_of, opened, read_raw
+from lightflyer.lab.readers.spectra.interpretation import Wanted, measured
+from lightflyer.lab.readers.spectra.raw import Source
+from lightflyer.lab.readers.spectrum_data import read_spectrum
 
 SAMPLES = Path(__file__).parent / "spectra"
 DAMAGES = 200

@@ -5,9 +5,9 @@ from hypothesis import strategies as st
 from scipy import ndimage, stats
 
 import lightflyer as lf
-from lightflyer.lab.height_map import HeightMap, read_height_map
-from lightflyer.lab.levelling import flatten_rows
-from lightflyer.lab.surface import (
+from lightflyer.lab.readers.height_map import HeightMap, read_height_map
+from lightflyer.lab.surface.levelling import flatten_rows
+from lightflyer.lab.surface.reduction import (
     find_particles,
     level,
     roughness,

@@ -8,15 +8,16 @@ from scipy import stats
 from scipy.optimize import least_squares
 
 import lightflyer as lf
-from lightflyer.foundation.table import Table
+from lightflyer.files.table import Table
 from lightflyer.gas import AIR, LU2023_AIR
-from lightflyer.lab import tac, tac_problem
 from lightflyer.lab.estimate import student_factor
-from lightflyer.lab.tac_accuracy import EXACT, TacAccuracy
-from lightflyer.lab.tac_checks import rows_off_the_curve
-from lightflyer.lab.tac_data import TacRun
-from lightflyer.lab.tac_law import HEAT_LAWS, KINETIC_LAW, KineticLaw
-from lightflyer.lab.tac_record import mean_tac, summary
+from lightflyer.lab.tac import fit as tac
+from lightflyer.lab.tac import problem as tac_problem
+from lightflyer.lab.tac.accuracy import EXACT, TacAccuracy
+from lightflyer.lab.tac.checks import rows_off_the_curve
+from lightflyer.lab.tac.data import TacRun
+from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC_LAW, KineticLaw
+from lightflyer.lab.tac.record import mean_tac, summary
 
 TRUTH = (0.75, 1.22, 4.09)  # the paper's fit to platinum
 DIAMETER = 24e-3

@@ -11,16 +11,16 @@ import pytest
 from PIL import Image, TiffImagePlugin
 
 import lightflyer as lf
-from lightflyer.lab.thermal_image import (
+from lightflyer.lab.thermography.images import flir
+from lightflyer.lab.thermography.images.radiometry import CameraSettings, signal, temperatures
+from lightflyer.lab.thermography.images.scaled import parse_scale
+from lightflyer.lab.thermography.thermal_image import (
     ThermalImage,
     parse_regions,
     read_thermal_image,
     region_temperatures,
     setting_warnings,
 )
-from lightflyer.lab.thermal_images import flir
-from lightflyer.lab.thermal_images.radiometry import CameraSettings, signal, temperatures
-from lightflyer.lab.thermal_images.scaled import parse_scale
 
 FILES = Path(__file__).parent / "thermal_images"
 CELSIUS = 273.15

@@ -4,21 +4,21 @@ from scipy import constants, integrate, optimize
 from uncertainties import ufloat
 
 import lightflyer as lf
-from lightflyer.foundation.units import Measured
+from lightflyer.core.units import Measured
 from lightflyer.lab import Scene, flat_band, standard_uncertainties
-from lightflyer.lab.thermal_image import (
-    parse_regions,
-    read_thermal_image,
-    region_temperatures,
-    region_warnings,
-)
-from lightflyer.lab.thermography import reduce_readings
-from lightflyer.lab.thermography_data import (
+from lightflyer.lab.thermography.data import (
     LIGHT,
     THERMAL,
     Readings,
     given_readings,
     read_readings,
+)
+from lightflyer.lab.thermography.reduction import reduce_readings
+from lightflyer.lab.thermography.thermal_image import (
+    parse_regions,
+    read_thermal_image,
+    region_temperatures,
+    region_warnings,
 )
 
 TOTAL = Scene(camera=None)

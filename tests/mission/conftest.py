@@ -10,7 +10,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.environment import EARTH_PLANET, EnvironmentState, Planet, Wind
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.mission.position import directions, unit_vector
+from lightflyer.mission.path.position import directions, unit_vector
 
 DAY = 86_400.0
 

@@ -7,13 +7,13 @@ import xarray as xr
 import lightflyer as lf
 from lightflyer.environment import EARTH_PLANET, Attitude, Place, Radiation, Wind
 from lightflyer.mission import FollowSun, Own
-from lightflyer.mission.coastline import coastline
-from lightflyer.mission.facts import day_and_night
-from lightflyer.mission.integration import rate_of
 from lightflyer.mission.mission import times_of
-from lightflyer.mission.motion import Craft, steady_speeds, velocity
-from lightflyer.mission.position import directions, latitude_and_longitude, unit_vector
-from lightflyer.mission.wind_error import WindError, draw_wind_errors
+from lightflyer.mission.path.integration import rate_of
+from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
+from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
+from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
+from lightflyer.mission.report.coastline import coastline
+from lightflyer.mission.report.facts import day_and_night
 
 
 def test_positions_come_back_and_directions_are_at_right_angles(rng):

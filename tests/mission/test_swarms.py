@@ -9,10 +9,11 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import binomtest
 
 import lightflyer as lf
-from lightflyer.mission import Circle, Polygon, Tether, spreading
-from lightflyer.mission.figures import plot_spread
-from lightflyer.mission.spreading import binomial_interval
-from lightflyer.mission.tethers import _Hung
+from lightflyer.mission import Circle, Polygon, Tether
+from lightflyer.mission.report.figures import plot_spread
+from lightflyer.mission.swarms import spreading
+from lightflyer.mission.swarms.spreading import binomial_interval
+from lightflyer.mission.swarms.tethers import _Hung
 
 RADIUS = 6.371e6
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)

@@ -10,13 +10,13 @@ from scipy.spatial.transform import Rotation
 
 import lightflyer as lf
 from lightflyer.environment import Place
-from lightflyer.mission.attitude import FollowSun, Level
-from lightflyer.mission.dynamics import Inertia, track_with_inertia
-from lightflyer.mission.ending import MissionEnd
-from lightflyer.mission.integration import Accuracy, Limits, Start, scaled, steady_rate, track
 from lightflyer.mission.mission import trajectory
-from lightflyer.mission.motion import Craft
-from lightflyer.mission.position import unit_vector
+from lightflyer.mission.path.attitude import FollowSun, Level
+from lightflyer.mission.path.dynamics import Inertia, track_with_inertia
+from lightflyer.mission.path.ending import MissionEnd
+from lightflyer.mission.path.integration import Accuracy, Limits, Start, scaled, steady_rate, track
+from lightflyer.mission.path.motion import Craft
+from lightflyer.mission.path.position import unit_vector
 
 HALF_DAY = 43_200.0
 SIZES = {1e-3: 65.3, 2e-3: 63.3, 5e-3: 57.0, 1e-2: 46.7, 2e-2: 31.4, 3e-2: 24.9}

@@ -8,7 +8,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.calibration import read_points
-from lightflyer.foundation.progress import reported_to
+from lightflyer.core.progress import reported_to
 from lightflyer.paper.claims import Claim, Quantity, Verdict, claims
 from lightflyer.paper.conditions import COLUMNS, facts
 from lightflyer.paper.curves import FIGURES

@@ -12,9 +12,9 @@ import pytest
 from scipy.optimize import minimize_scalar, root
 
 import lightflyer as lf
+from lightflyer.core.quantity import ArealDensity, Coefficient, Fraction, Length, Mass
+from lightflyer.design import ObjectDesign
 from lightflyer.environment import AbstractEnvironment, Coordinate, EnvironmentState, Radiation
-from lightflyer.flight import ObjectDesign
-from lightflyer.foundation.quantity import ArealDensity, Coefficient, Fraction, Length, Mass
 from lightflyer.gas import AbstractGas
 
 SIGMA = 5.670374419e-8

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.force.kinetic import KineticSection
+from lightflyer.force.kinetic.model import KineticSection
 from lightflyer.search.problem import as_problem
 from lightflyer.search.sobol import make_sensitivity_study
-from lightflyer.sweeps.sections import SensitivitySection
+from lightflyer.study.sections import SensitivitySection
 
 FILM = {
     "areal_density": "1 g/m^2",

@@ -10,9 +10,9 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import lightflyer as lf
-from lightflyer.cli.optimise import _write_flyer
-from lightflyer.film.family import Family, padded_thickness
-from lightflyer.foundation.precision import float64
+from lightflyer.cli.commands.optimise import _write_flyer
+from lightflyer.core.precision import float64
+from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate, padded_thickness
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import as_problem
 
@@ -76,7 +76,7 @@ def film(flyer):
 
 @pytest.fixture(scope="module")
 def family(film):
-    return Family.of(film, layers=5)
+    return ThicknessSurrogate.of(film, layers=5)
 
 
 def payload_of(design, values):

@@ -17,12 +17,12 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.config.flyer_file import FlyerFile
+from lightflyer.study.study import make_study
 from lightflyer.sweeps.run import sweep_into
-from lightflyer.sweeps.study import make_study
 
 CHUNK = 50
 SECONDS_PER_CHUNK = 2e-3
-LATEST = 0.12  # of a kill, after the process began [s]
+LATEST = 0.25  # of a kill, after the process began [s]
 CHUNKS_BEFORE_A_KILL = 12  # at most; then the process waits for its end, however fast it is
 
 FILM = {

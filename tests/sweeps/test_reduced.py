@@ -11,11 +11,11 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
-from lightflyer.sweeps.distributions import SAMPLE
+from lightflyer.study.distributions import SAMPLE
+from lightflyer.study.sections import ReduceSection
+from lightflyer.study.study import Dimension, Study, make_study
 from lightflyer.sweeps.reduced import Blocks, open_reduced, reduce_into
 from lightflyer.sweeps.reductions import RESOLUTION
-from lightflyer.sweeps.sections import ReduceSection
-from lightflyer.sweeps.study import Dimension, Study, make_study
 
 VARIABLES = ["payload", "temperature", "levitation_irradiance"]
 DIAMETERS, ALTITUDES = np.geomspace(0.005, 0.05, 40), np.linspace(60e3, 90e3, 25)

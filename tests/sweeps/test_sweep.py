@@ -8,11 +8,11 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
-from lightflyer.flight.design import as_design
-from lightflyer.sweeps.chunks import Chunks
-from lightflyer.sweeps.evaluation import Evaluator
+from lightflyer.compute.chunks import Chunks
+from lightflyer.compute.evaluation import Evaluator
+from lightflyer.config.designs import as_design
+from lightflyer.study.study import make_study
 from lightflyer.sweeps.run import open_sweep
-from lightflyer.sweeps.study import make_study
 
 POINT_OUTPUTS = [
     "pressure",

@@ -23,11 +23,11 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
-from lightflyer.flight.design import as_design
-from lightflyer.foundation.quantity import Coefficient, Length, Mass
-from lightflyer.sweeps import scheduler, store
+from lightflyer.compute import scheduler, store
+from lightflyer.config.designs import as_design
+from lightflyer.core.quantity import Coefficient, Length, Mass
+from lightflyer.study.study import make_study
 from lightflyer.sweeps.run import sweep_into
-from lightflyer.sweeps.study import make_study
 
 KILLS_HERE, KILLS_OF_CLIENTS, KILLS_OF_WORKERS = 44, 2, 4
 SCRIPT = Path(__file__).with_name("killed_sweeps.py")

@@ -6,13 +6,13 @@ import pytest
 import scipy.stats
 
 import lightflyer as lf
+from lightflyer.core.quantity import Fraction
+from lightflyer.design.design import ObjectDesign
 from lightflyer.environment.earth import Lu2023Section
 from lightflyer.film.section import MeasuredFilmSection
-from lightflyer.flight.design import ObjectDesign
 from lightflyer.force.lu2023 import Lu2023ForceSection
-from lightflyer.foundation.quantity import Fraction
 from lightflyer.uncertainty.inputs import draw, draw_possible, uncertain_inputs
-from lightflyer.uncertainty.monte_carlo import edges, least_light, optimum
+from lightflyer.uncertainty.monte_carlo import crossing, least_light, optimum, widest_band
 
 FILM = {
     "areal_density": "1.0 g/m^2",
@@ -194,46 +194,91 @@ def test_objects_with_uncertainties_give_what_the_file_gives():
     told = configure(tac_bottom="0.9 ± 0.02", tac_top="0.8 ± 0.02", tac_correlation=0.5)
     names = ("flyer.film.tac_top", "flyer.film.tac_bottom")
     setup = told.build()
-    design = lf.flight.ObjectDesign(setup, dict.fromkeys(names, 0.02), {names: 0.5})
+    design = lf.design.ObjectDesign(setup, dict.fromkeys(names, 0.02), {names: 0.5})
     ours = lf.propagate(design, samples=100)
     theirs = lf.propagate(told, samples=100)
     assert ours.tac_correlation == theirs.tac_correlation == 0.5
     for name, value in theirs.first_order.items():
         assert ours.first_order[name] == pytest.approx(value, rel=1e-9), name
     with pytest.raises(lf.ConfigurationError, match="did you mean"):
-        lf.flight.ObjectDesign(setup, {"flyer.film.tac_botom": 0.02})
+        lf.design.ObjectDesign(setup, {"flyer.film.tac_botom": 0.02})
 
 
 def test_edges_and_optimum_of_known_curves():
-    x = np.linspace(0.0, 10.0, 201)
-    curve = np.exp(1.0 - (x - 5.2) ** 2 / 4.0)[None]
-    lower, upper = edges(x, np.vstack([curve, 0.1 * curve]))
+    x = np.linspace(0.0, 10.0, 201)[None]
+    curve = np.exp(1.0 - (x - 5.2) ** 2 / 4.0)
+    both = np.vstack([x, x]), np.vstack([curve, 0.1 * curve])
+    lower, upper = (crossing(*(rows[:, ::way] for rows in both)) for way in (1, -1))
     assert lower[0] == pytest.approx(3.2, abs=1e-3)
     assert upper[0] == pytest.approx(7.2, abs=1e-3)
     assert np.isnan(lower[1])
-    place, there = optimum(x, curve, {"square": (x**2)[None], "curve": curve})
+    assert crossing(x[:, 100:], curve[:, 100:]) == 5.0  # flies from the first place on
+    place, there = optimum(x, curve, {"square": x**2, "curve": curve})
     assert place[0] == pytest.approx(5.2, abs=1e-3)
     assert there["square"][0] == pytest.approx(5.2**2, abs=0.01)
     assert there["curve"][0] == pytest.approx(np.e, rel=1e-4)
 
 
+def test_the_widest_band_counts_in_coordinates_not_in_points():
+    place = np.array([0.0, 1.0, 2.0, 3.0, 10.0, 20.0])
+    flies = np.array([[1, 1, 1, 0, 1, 1], [1, 1, 0, 0, 0, 1], [0, 0, 0, 1, 0, 0]], bool)
+    np.testing.assert_array_equal(widest_band(place, flies), [[4, 0, 3], [5, 1, 3]])
+
+
 def test_an_optimum_at_an_end_is_the_end_though_the_curve_bends_upwards():
-    x = np.linspace(0.0, 10.0, 21)
-    falling = np.stack([np.exp(-x), np.exp(x - 10.0)])
+    x = np.tile(np.linspace(0.0, 10.0, 21), (2, 1))
+    falling = np.exp([[-1.0], [1.0]] * x - [[0.0], [10.0]])
     place, there = optimum(x, falling, {"curve": falling})
     np.testing.assert_array_equal(place, [0.0, 10.0])
     np.testing.assert_allclose(there["curve"], 1.0, rtol=1e-12)
 
 
 def test_samples_that_need_no_light_need_none():
-    x = np.linspace(0.0, 1.0, 5)
+    x = np.tile(np.linspace(0.0, 1.0, 5), (2, 1))
     needed = np.array([[3.0, 2.0, 1.0, 2.0, 3.0], [3.0, 0.0, 0.0, 2.0, np.inf]])
-    place, there = least_light(
-        x, {"levitation_irradiance": needed, "heat": np.tile(x, (2, 1))}, (True, True)
-    )
+    place, there = least_light(x, {"levitation_irradiance": needed, "heat": x})
     np.testing.assert_allclose(place, [0.5, 0.25])
     np.testing.assert_allclose(there["levitation_irradiance"], [1.0, 0.0])
     np.testing.assert_allclose(there["heat"], [0.5, 0.25])
+
+
+def strong(model, tac_bottom, environment=None):
+    """A disk that lifts hundreds of times its weight, so that its band is wide."""
+    film = lf.FilmProperties(2e-5, 0.9, 0.08, 0.08, tac_top=0.6, tac_bottom=tac_bottom)
+    environment = environment or lf.Earth(radiation=lf.environment.Radiation())
+    return lf.Setup(lf.Disk(film, 0.01), environment, model)
+
+
+@pytest.mark.parametrize("model", [lf.Lu2023(), lf.Kinetic()])
+def test_samples_of_a_large_margin_are_those_of_repeated_predictions(model):
+    design = ObjectDesign(strong(model, 0.95), {"flyer.film.tac_bottom": 0.02})
+    found = lf.propagate(design, samples=100)
+    (lower, upper), group = found.prediction.bands[0], "altitude_band_km"
+    assert found.coordinate[0] < lower < upper < found.coordinate[-1]
+    drawn = draw(uncertain_inputs(design), 100, 0)[:, 0]
+    for sample in np.argsort(drawn)[[0, 50, -1]]:
+        truth = lf.predict(strong(model, drawn[sample]), at=[]).summary()
+        for name, expected in {
+            f"{group}.lower": truth[group][0],
+            f"{group}.upper": truth[group][1],
+            "best.altitude_km": truth["best"]["altitude_km"],
+            "minimum_irradiance.altitude_km": truth["minimum_irradiance"]["altitude_km"],
+        }.items():
+            assert found.sampled[name][sample] == pytest.approx(expected, abs=0.005), name
+        payload = truth["best"]["payload_mg"]
+        assert found.sampled["best.payload_mg"][sample] == pytest.approx(payload, rel=1e-4)
+
+
+def test_an_edge_is_at_an_end_only_where_that_is_searched_to():
+    setup = dataclasses.replace(strong(lf.Lu2023(), 0.95), search_range=(20e3, 110.95e3))
+    design = ObjectDesign(setup, {"flyer.film.tac_bottom": 0.02})
+    found = lf.propagate(design, samples=200, over=np.linspace(70e3, 80e3, 5))
+    upper = found.sampled["altitude_band_km.upper"]
+    assert found.nominal["altitude_band_km.upper"] == pytest.approx(110.764, abs=1e-3)
+    assert upper.max() == pytest.approx(110.95, rel=1e-12)
+    beyond = np.mean(upper > 110.9499)
+    assert beyond == pytest.approx(scipy.stats.norm.sf(0.186 / 0.35), abs=0.1)
+    assert upper.min() < 110.2  # outside of the coordinates whose bands were asked for
 
 
 def dark(absorptance, spread, **changes):

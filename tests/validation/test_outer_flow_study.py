@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.force import outer_flow
+from lightflyer.force.laws import outer_flow
 
 STUDY = Path(__file__).parents[2] / "studies" / "outer_flow"
 MODULES = ("claim", "findings", "mesh")

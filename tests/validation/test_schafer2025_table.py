@@ -7,7 +7,11 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.force.schafer2025_table import fit, perforated_disk_fit, perforated_disk_table
+from lightflyer.force.membranes.schafer2025_table import (
+    fit,
+    perforated_disk_fit,
+    perforated_disk_table,
+)
 
 THIN = 10.0  # rarefaction up to which the force of the table is smooth to a percent
 INNER = slice(1, 6)  # open fractions 0.2 to 0.9

@@ -10,7 +10,7 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 import lightflyer as lf
-from lightflyer.foundation.table import shipped_table
+from lightflyer.files.table import shipped_table
 
 TOLERANCE = 5e-5
 

@@ -16,17 +16,17 @@ import jax.numpy as jnp
 import numpy as np
 
 import lightflyer
-from lightflyer.cli.init import templates
+from lightflyer.cli.commands.init import templates
 from lightflyer.config.flyer_file import FileDesign, flyer_file_type, models_for
+from lightflyer.core.precision import float64
+from lightflyer.core.quantity import quantities_of
+from lightflyer.core.units import scale_and_offset
+from lightflyer.core.validity import Validity
+from lightflyer.design.cautions import cautions_of_force
+from lightflyer.design.operating_point import OperatingPoint
+from lightflyer.design.outputs import OUTPUTS
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flight.case import Case
-from lightflyer.flight.cautions import cautions_of_force
-from lightflyer.flight.outputs import OUTPUTS
 from lightflyer.flyer.disk import DiskSection
-from lightflyer.foundation.precision import float64
-from lightflyer.foundation.quantity import quantities_of
-from lightflyer.foundation.units import scale_and_offset
-from lightflyer.foundation.validity import Validity
 
 from .control import trace
 from .javascript import Tables, write_function
@@ -149,10 +149,10 @@ def factor(number: Number) -> float:
     return scale_and_offset(number.unit, unit)[0] if number.unit else 1.0
 
 
-def case(base: FileDesign, values: Any) -> Case:
+def case(base: FileDesign, values: Any) -> OperatingPoint:
     """The flyer of some numbers, in the order of :data:`COMPUTED`."""
     named = {number.name: value for number, value in zip(COMPUTED, values, strict=True)}
-    return Case(base.build(named), named[_ALTITUDE])
+    return OperatingPoint(base.build(named), named[_ALTITUDE])
 
 
 @contextmanager
@@ -168,12 +168,12 @@ def _recorded() -> Iterator[list[tuple[Validity, Any]]]:
         yield found
 
 
-def ranges_of(one: Case) -> tuple[list[tuple[Validity, Any]], tuple[str, ...]]:
+def ranges_of(one: OperatingPoint) -> tuple[list[tuple[Validity, Any]], tuple[str, ...]]:
     """What a model, its flyer and its gas look at before they warn.
 
     Parameters
     ----------
-    one : Case
+    one : OperatingPoint
 
     Returns
     -------

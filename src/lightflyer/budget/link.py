@@ -3,9 +3,8 @@
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.foundation import constants
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import (
+from lightflyer.core import constants
+from lightflyer.core.quantity import (
     Checked,
     DataRate,
     Decibels,
@@ -15,7 +14,8 @@ from lightflyer.foundation.quantity import (
     LinkDistance,
     Temperature,
 )
-from lightflyer.foundation.types import Numeric
+from lightflyer.core.types import Numeric
+from lightflyer.program.entry_point import entry_point
 
 REQUIRED_SIGNAL_DB = 9.6
 """Energy per bit over noise density [dB] at which one bit in 1e5 is wrong: coherent detection of

@@ -7,11 +7,11 @@ import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.budget.link import RadioLink
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import ArealDensity, Checked, Efficiency, Fraction, Mass, Power
+from lightflyer.core.types import Numeric
 from lightflyer.environment.radiation import Attitude, Radiation
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import ArealDensity, Checked, Efficiency, Fraction, Mass, Power
-from lightflyer.foundation.types import Numeric
+from lightflyer.program.entry_point import entry_point
 
 
 class Item(Checked):

@@ -1,77 +1,38 @@
 """``[payload]`` of a flyer file: what the payload consists of."""
 
+from collections.abc import Mapping
+from typing import ClassVar
+
 import pydantic
 
-from lightflyer.budget.link import REQUIRED_SIGNAL_DB, RadioLink
+from lightflyer.budget.link import RadioLink
 from lightflyer.budget.payload import Budget, Item, SolarCells
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import (
-    ArealDensity,
-    DataRate,
-    Decibels,
-    Efficiency,
-    Fraction,
-    Frequency,
-    LinkDistance,
-    Mass,
-    Power,
-    Temperature,
-)
-from lightflyer.foundation.section import Section
-from lightflyer.foundation.units import Measured
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.section import Section, Spelling
 
 
-class ItemSection(Section):
+class ItemSection(Section, of=Item):
     """An entry of ``items``."""
 
     name: str = pydantic.Field(min_length=1)
-    mass: Mass = Measured(0.0)
-    power: Power = Measured(0.0)
-    duty: Fraction = Measured(1.0)
-
-    def build(self) -> Item:
-        """The item."""
-        return Item(self.name, self.mass.value, self.power.value, self.duty.value)
 
 
-class CellsSection(Section):
+class CellsSection(Section, of=SolarCells):
     """``[payload.cells]``: solar cells that feed the payload."""
 
-    efficiency: Efficiency
-    areal_density: ArealDensity
-    conversion: Efficiency = Measured(1.0)
 
-    def build(self) -> SolarCells:
-        """The cells."""
-        return SolarCells(self.efficiency.value, self.areal_density.value, self.conversion.value)
-
-
-class LinkSection(Section):
+class LinkSection(Section, of=RadioLink):
     """``[payload.link]``: a radio link."""
 
-    range: LinkDistance
-    frequency: Frequency
-    data_rate: DataRate
-    noise_temperature: Temperature
-    transmit_gain_dbi: Decibels = Measured(0.0)
-    receive_gain_dbi: Decibels = Measured(0.0)
-    required_signal_db: Decibels = Measured(REQUIRED_SIGNAL_DB)
-    losses_db: Decibels = Measured(0.0)
-    margin_db: Decibels = Measured(3.0)
-    efficiency: Efficiency = Measured(0.3)
-    duty: Fraction = Measured(1.0)
-
-    def build(self) -> RadioLink:
-        """The link."""
-        names = [name for name in type(self).model_fields if name != "range"]
-        return RadioLink(self.range.value, **{name: getattr(self, name).value for name in names})
+    spelled: ClassVar[Mapping[str, Spelling]] = {"distance": Spelling("range")}
 
 
-class PayloadSection(Section):
+class PayloadSection(Section, of=Budget):
     """``[payload]``: what a payload needs, set beside what the flyer carries."""
 
+    first_keys: ClassVar[tuple[str, ...]] = ("items", "reserve")
+
     items: tuple[ItemSection, ...] = ()
-    reserve: Fraction = Measured(0.0)
     cells: CellsSection | None = None
     link: LinkSection | None = None
 
@@ -87,9 +48,4 @@ class PayloadSection(Section):
 
     def build(self) -> Budget:
         """The budget."""
-        return Budget(
-            tuple(item.build() for item in self.items),
-            None if self.cells is None else self.cells.build(),
-            None if self.link is None else self.link.build(),
-            self.reserve.value,
-        )
+        return self.make()

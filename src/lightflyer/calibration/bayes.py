@@ -22,9 +22,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.calibration.calibration import Calibration
-from lightflyer.foundation.errors import ConvergenceError, MissingExtraError, ParameterError
-from lightflyer.foundation.precision import float64
-from lightflyer.foundation.progress import report
+from lightflyer.core.errors import ConvergenceError, MissingExtraError, ParameterError
+from lightflyer.core.precision import float64
+from lightflyer.core.progress import report
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -29,12 +29,12 @@ from lightflyer.calibration.problem import (
     problem_of,
 )
 from lightflyer.calibration.total import from_inputs
+from lightflyer.config.designs import as_design
+from lightflyer.core.checks import require_positive
+from lightflyer.core.errors import ConvergenceError, ParameterError
+from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.design import as_design
-from lightflyer.flight.setup import Setup
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.checks import require_positive
-from lightflyer.foundation.errors import ConvergenceError, ParameterError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

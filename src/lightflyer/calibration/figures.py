@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.calibration.problem import UNREACHABLE, Problem
-from lightflyer.foundation.drawing import (
+from lightflyer.files.drawing import (
     GREY,
     INTERVAL,
     LINES,

@@ -11,8 +11,8 @@ import numpy as np
 
 from lightflyer.calibration.points import Points
 from lightflyer.calibration.targets import Fields, Target
-from lightflyer.flight.design import AbstractDesign
-from lightflyer.foundation.checks import require_range
+from lightflyer.core.checks import require_range
+from lightflyer.design.design import AbstractDesign
 from lightflyer.uncertainty.inputs import Change, Inputs, uncertain_inputs
 
 PRESSURE_GAUGE, LIGHT_METER = "pressure gauge", "light meter"

@@ -14,9 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD, require_step
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.layout import Column
-from lightflyer.foundation.quantity import (
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.quantity import (
     AccommodationCoefficient,
     ArealDensity,
     Emittance,
@@ -27,7 +26,8 @@ from lightflyer.foundation.quantity import (
     Quantity,
     quantity_of,
 )
-from lightflyer.foundation.table import Rejected, Table, read_table
+from lightflyer.files.table import Rejected, Table, read_table
+from lightflyer.files.table_layout import Column
 
 REQUIRED = ("pressure", "irradiance")
 """Columns that every file has."""
@@ -283,7 +283,7 @@ def read_points(path: str | Path, *, columns: str | None = None, strict: bool = 
         ``sample`` all points belong to one, which has the file's name.
     columns : str, optional
         The columns in the order of the file, in place of a header; see
-        :func:`~lightflyer.foundation.table.read_table`.
+        :func:`~lightflyer.files.table.read_table`.
     strict : bool
         Refuse rows that cannot be read and unknown columns. Otherwise
         :attr:`Points.warnings` names them.

@@ -16,10 +16,10 @@ import numpy as np
 from lightflyer.calibration.inputs import FitInputs, fit_inputs
 from lightflyer.calibration.points import Points
 from lightflyer.calibration.targets import Fields, Target, target_of
-from lightflyer.flight.design import AbstractDesign
+from lightflyer.core.errors import ParameterError
+from lightflyer.design.design import AbstractDesign
 from lightflyer.flight.levitation import levitate
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.precision import quick_entry_point
+from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import Change
 
 DEFAULT_FREE = ("c_fm", "c_cont")
@@ -41,7 +41,7 @@ class LevitationModel(eqx.Module):
     ----------
     design : AbstractDesign
     prepared : object
-        From :meth:`~lightflyer.flight.design.AbstractDesign.prepare`.
+        From :meth:`~lightflyer.design.design.AbstractDesign.prepare`.
     targets : tuple of (tuple of str, float)
         For each row of ``stated``, the numbers of the design that have its values, and the factor
         from the values to the numbers.
@@ -114,7 +114,7 @@ class LevitationModel(eqx.Module):
         return prepared
 
 
-@quick_entry_point
+@entry_point
 def _linearised(
     model: LevitationModel, log_parameters: Any, log_pressure: Any, shifts: Any
 ) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from lightflyer.foundation.errors import ParameterError
+from lightflyer.core.errors import ParameterError
 
 CENTRE = 0.5
 """Distance of the middle of a step from its upper end, in steps."""

@@ -11,9 +11,9 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple, TypeAlias
 
-from lightflyer.flight.design import AbstractDesign, ObjectDesign
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.quantity import Quantity
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.quantity import Quantity
+from lightflyer.design.design import AbstractDesign, ObjectDesign
 
 ALIASES = {"diameter": ("radius", 0.5)}
 """Other names of numbers: the number's own name, and the factor to its value."""

@@ -19,7 +19,7 @@ import numpy as np
 
 from lightflyer.calibration.least_squares import LeastSquares
 from lightflyer.calibration.problem import UNREACHABLE
-from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
+from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 
 RADIUS = NORMAL_HALF_WIDTH_95
 """Radius of the ellipsoid in standard uncertainties, for 95 %."""

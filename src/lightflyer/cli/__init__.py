@@ -16,7 +16,7 @@ import cyclopts
 import lightflyer
 from lightflyer.cli.progress import Display, working
 from lightflyer.cli.report import note_warning, reporting
-from lightflyer.foundation.errors import LightflyerError, ParameterWarning
+from lightflyer.core.errors import LightflyerError, ParameterWarning
 
 EXIT_FAILURE = 2
 EXIT_INTERRUPTED = 130
@@ -30,40 +30,42 @@ app.register_install_completion_command(
     help="Install completion of commands and options for this shell: bash, zsh, fish or PowerShell."
 )
 app.command(
-    "lightflyer.cli.init:init", name="init", help="Write a commented flyer file to start from."
+    "lightflyer.cli.commands.init:init",
+    name="init",
+    help="Write a commented flyer file to start from.",
 )
 app.command(
-    "lightflyer.cli.predict:predict_command",
+    "lightflyer.cli.commands.predict:predict_command",
     name="predict",
     help="Predict where a flyer levitates, what it carries and how hot it gets.",
 )
 app.command(
-    "lightflyer.cli.explore:explore_command",
+    "lightflyer.cli.commands.explore:explore_command",
     name="explore",
     help="Open a page on which a flyer's numbers can be moved.",
 )
 app.command(
-    "lightflyer.cli.fly:fly_command",
+    "lightflyer.cli.commands.fly:fly_command",
     name="fly",
     help="Fly a mission: where a flyer goes, whether it survives the night, what ends it.",
 )
 app.command(
-    "lightflyer.cli.compare:compare_command",
+    "lightflyer.cli.commands.compare:compare_command",
     name="compare",
     help="Compare several flyers over altitude or pressure.",
 )
 app.command(
-    "lightflyer.cli.film:film_command",
+    "lightflyer.cli.commands.film:film_command",
     name="film",
     help="Compute absorptance, emittance and areal density of a film from its layers.",
 )
 app.command(
-    "lightflyer.cli.materials:materials_command",
+    "lightflyer.cli.commands.materials:materials_command",
     name="materials",
     help="List the materials for layers.",
 )
 app.command(
-    "lightflyer.cli.calibrate:calibrate_command",
+    "lightflyer.cli.commands.calibrate:calibrate_command",
     name="calibrate",
     help="Fit force coefficients and film properties to measured levitation points.",
 )
@@ -73,37 +75,37 @@ app.command(
     help="Reduce raw measurements to numbers with intervals, figures and records.",
 )
 app.command(
-    "lightflyer.cli.sweep:sweep_command",
+    "lightflyer.cli.commands.sweep:sweep_command",
     name="sweep",
     help="Compute many designs of a study into a folder.",
 )
 app.command(
-    "lightflyer.cli.map:map_command",
+    "lightflyer.cli.commands.map:map_command",
     name="map",
     help="Draw the results of a sweep: maps, best designs, Pareto fronts.",
 )
 app.command(
-    "lightflyer.cli.optimise:optimise_command",
+    "lightflyer.cli.commands.optimise:optimise_command",
     name="optimise",
     help="Find the best design of a study, by gradients from many starts.",
 )
 app.command(
-    "lightflyer.cli.sensitivity:sensitivity_command",
+    "lightflyer.cli.commands.sensitivity:sensitivity_command",
     name="sensitivity",
     help="Which uncertain property costs most: what to measure next.",
 )
 app.command(
-    "lightflyer.cli.paper:paper_command",
+    "lightflyer.cli.commands.paper:paper_command",
     name="paper",
     help="Recompute the paper: its claims, figures and tables beside ours.",
 )
 app.command(
-    "lightflyer.cli.kinetic:kinetic_command",
+    "lightflyer.cli.commands.kinetic:kinetic_command",
     name="kinetic",
     help="Solve the kinetic equation around a hot thin disk.",
 )
 app.command(
-    "lightflyer.cli.doctor:doctor_command",
+    "lightflyer.cli.commands.doctor:doctor_command",
     name="doctor",
     help="Say what is installed: extras, devices, libraries, caches.",
 )

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from lightflyer.cli import report as reports
 from lightflyer.cli.output import say
-from lightflyer.foundation.errors import ParameterError
+from lightflyer.core.errors import ParameterError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,7 +57,7 @@ class FigureOptions:
             raise ParameterError(f"{', '.join(used)}: figures need a folder; add --out FOLDER")
         if not used:
             return  # and Matplotlib need not be imported yet
-        from lightflyer.foundation.drawing import FORMATS, require_style
+        from lightflyer.files.drawing import FORMATS, require_style
 
         if not self.endings or set(self.endings) - set(FORMATS):
             allowed = ", ".join(FORMATS)
@@ -84,7 +84,7 @@ class FigureOptions:
         Parameters
         ----------
         stage : callable
-            See :func:`~lightflyer.foundation.files.output_directory`.
+            See :func:`~lightflyer.core.atomic_files.output_directory`.
         draw : callable
             Returns figures by file name without ending.
 
@@ -93,7 +93,7 @@ class FigureOptions:
         list of str
             Names of the files.
         """
-        from lightflyer.foundation.drawing import save, styled
+        from lightflyer.files.drawing import save, styled
 
         names = []
         with styled(self.style):

@@ -85,7 +85,7 @@ def _pressures(prediction: "Prediction", summary: dict[str, Any], bands: int) ->
 
 def _mass(kilograms: float, form: str = ".4g") -> str:
     """A mass with a unit that suits it."""
-    from lightflyer.flight.outputs import OUTPUTS
+    from lightflyer.design.outputs import OUTPUTS
 
     factor, unit = OUTPUTS["own_mass"].shown_for(kilograms)
     return f"{kilograms * factor:{form}} {unit}"
@@ -100,7 +100,7 @@ def _payload(best: dict[str, float], place: str) -> str:
 
 def payload_line(best: dict[str, float]) -> str:
     """What the payload needs where the flyer carries most, and what is left."""
-    from lightflyer.flight.outputs import BUDGET_OUTPUTS
+    from lightflyer.design.outputs import BUDGET_OUTPUTS
 
     def shown(name: str, form: str = ".4g") -> str:
         output = BUDGET_OUTPUTS[name]
@@ -139,7 +139,7 @@ def _points_tables(prediction: "Prediction", width: int) -> Iterator[Table]:
 
     What does not fit the width goes into further tables.
     """
-    from lightflyer.flight.outputs import node_outputs
+    from lightflyer.design.outputs import node_outputs
 
     if not prediction.asked.size:
         return
@@ -166,7 +166,7 @@ def _points_tables(prediction: "Prediction", width: int) -> Iterator[Table]:
 
 
 def _own_heading(prediction: "Prediction", name: str) -> str:
-    from lightflyer.flight.outputs import outputs_of
+    from lightflyer.design.outputs import outputs_of
 
     words, known = name.replace("_", " "), outputs_of(prediction.setup)[name]
     return f"{words}\n[{{}}]" if known.shown[1] else words
@@ -174,7 +174,7 @@ def _own_heading(prediction: "Prediction", name: str) -> str:
 
 def _points_table(prediction: "Prediction", headings: dict[str, tuple[str, str]]) -> Table:
     """Table of some results, each with its heading and format."""
-    from lightflyer.flight.outputs import outputs_of
+    from lightflyer.design.outputs import outputs_of
 
     where, (_, factor) = prediction.coordinate, prediction.coordinate_key
     known = outputs_of(prediction.setup)

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from lightflyer.cli.output import BEFORE_RESULTS
-from lightflyer.foundation.progress import Step, reported_to
+from lightflyer.core.progress import Step, reported_to
 
 if TYPE_CHECKING:
     from rich.progress import Progress

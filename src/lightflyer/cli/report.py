@@ -11,7 +11,7 @@ import re
 import shlex
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
 from itertools import takewhile
 from pathlib import Path
@@ -21,8 +21,8 @@ from rich.table import Table
 
 import lightflyer
 from lightflyer.cli import output
-from lightflyer.foundation import page
-from lightflyer.foundation.errors import OutputError, ParameterError
+from lightflyer.core.errors import OutputError, ParameterError
+from lightflyer.files import page
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,19 +47,24 @@ class Report:
     """
 
     def __init__(self, path: Path, arguments: Sequence[str]) -> None:
+        # with NumPy, which --help does without
+        from lightflyer.core.text import files_read
+
         self.path = path
         self._arguments = list(arguments)
         self._named = [Path(part) for part in arguments if _is_file(part)]
         self._results: list[Table | str] = []
         self._figures: list[str] = []
-        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        self._folder: Path | None = None
+        self._until_closed = ExitStack()
+        self._files_read = self._until_closed.enter_context(files_read())
 
     @property
     def folder(self) -> Path:
         """Folder for what a command writes beside figures, which is removed in the end."""
         if self._folder is None:
-            self._folder = tempfile.TemporaryDirectory()
-        return Path(self._folder.name)
+            self._folder = Path(self._until_closed.enter_context(tempfile.TemporaryDirectory()))
+        return self._folder
 
     def note(self, thing: object) -> None:
         """Take what is printed: a table, or lines."""
@@ -67,7 +72,7 @@ class Report:
 
     def draw(self, figures: "Mapping[str, Figure]") -> None:
         """Take figures by their names."""
-        from lightflyer.foundation.drawing import save
+        from lightflyer.files.drawing import save
 
         for name, figure in figures.items():
             vector, pixels = (self.folder / f"{name}.{ending}" for ending in ("svg", "png"))
@@ -87,21 +92,17 @@ class Report:
         OutputError
             If it cannot be written.
         """
-        from lightflyer.foundation.files import output_directory
+        from lightflyer.core.atomic_files import output_directory
 
         with output_directory(self.path.parent) as stage:
             stage(self.path.name).write_text(self._page(), encoding="utf-8")
 
     def close(self) -> None:
-        """Remove what was written for the page only."""
-        if self._folder is not None:
-            self._folder.cleanup()
+        """Remove what was written for the page only, and note no more files."""
+        self._until_closed.close()
 
     def _page(self) -> str:
-        # with NumPy, which --help does without
-        from lightflyer.foundation.text import FILES_READ
-
-        inputs = list(dict.fromkeys([*self._named, *FILES_READ]))
+        inputs = list(dict.fromkeys([*self._named, *self._files_read]))
         command = takewhile(lambda part: part.isalpha() and not _is_file(part), self._arguments)
         title = " ".join(["lightflyer", *command, *(path.name for path in inputs[:1])])
         parts = [
@@ -189,14 +190,11 @@ def begin(path: Path) -> Report:
         If it cannot be written.
     """
     global current
-    from lightflyer.foundation.text import FILES_READ
-
     if path.suffix.lower() != _ENDING:
         raise ParameterError(f'--report {path}: the page is HTML; name it "{path.stem}{_ENDING}"')
     if path.is_dir() or not path.parent.is_dir():
         reason = "is a folder" if path.is_dir() else "its folder does not exist"
         raise OutputError(f"--report {path}: {reason}")
-    FILES_READ.clear()
     current = Report(path, _arguments)
     output.AFTER_PRINT.append(current.note)
     return current

@@ -1,6 +1,6 @@
 from .comparison import Compared as Compared
 from .comparison import Comparison as Comparison
 from .comparison import compare as compare
-from .footing import Difference as Difference
+from .differences import Difference as Difference
 from .tables import to_dataset as to_dataset
 from .tables import write_csv as write_csv

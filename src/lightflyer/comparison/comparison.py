@@ -13,15 +13,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.comparison.footing import Difference, differing_models, differing_surroundings
+from lightflyer.comparison.differences import Difference, differing_models, differing_surroundings
 from lightflyer.comparison.tables import require_comparable
+from lightflyer.config.designs import as_design
+from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterError
+from lightflyer.core.progress import report
+from lightflyer.core.units import scale_and_offset
+from lightflyer.design.design import AbstractDesign
+from lightflyer.design.outputs import OUTPUTS, outputs_of
+from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
-from lightflyer.flight.design import AbstractDesign, as_design
-from lightflyer.flight.outputs import OUTPUTS, outputs_of
-from lightflyer.flight.setup import Setup
-from lightflyer.foundation.errors import ConfigurationError, LightflyerError, ParameterError
-from lightflyer.foundation.progress import report
-from lightflyer.foundation.units import scale_and_offset
 from lightflyer.prediction.evaluator import Evaluator, Table
 from lightflyer.prediction.prediction import Prediction, predict_design
 from lightflyer.uncertainty.propagation import (

@@ -7,7 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from lightflyer.foundation.drawing import (
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.units import scale_and_offset
+from lightflyer.files.drawing import (
     BAND,
     GREY,
     LINES,
@@ -18,8 +20,6 @@ from lightflyer.foundation.drawing import (
     plain_decades,
     shared_legend,
 )
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.units import scale_and_offset
 
 if TYPE_CHECKING:
     from lightflyer.comparison.comparison import Compared, Comparison

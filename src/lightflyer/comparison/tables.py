@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import lightflyer
-from lightflyer.flight.outputs import Output, outputs_of
-from lightflyer.flight.setup import Setup
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.units import dataset_unit
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.units import dataset_unit
+from lightflyer.design.outputs import Output, outputs_of
+from lightflyer.design.setup import Setup
 
 if TYPE_CHECKING:
     import xarray as xr

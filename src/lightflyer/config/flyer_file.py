@@ -13,18 +13,18 @@ from pydantic import Discriminator, Tag
 
 from lightflyer.budget.section import PayloadSection
 from lightflyer.config.discovery import discover
-from lightflyer.config.quick_films import QuickFilms, part_at
+from lightflyer.config.surrogate_films import SurrogateFilms, part_at
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.quantity import Quantity
+from lightflyer.core.types import Numeric
+from lightflyer.core.units import Measured
+from lightflyer.design.design import AbstractDesign, AbstractStacks, digest
+from lightflyer.design.setup import Setup
 from lightflyer.environment.section import EnvironmentSection
+from lightflyer.files.section import Alternative, Section
 from lightflyer.film.section import FilmSection
-from lightflyer.flight.design import AbstractDesign, AbstractStacks, digest
-from lightflyer.flight.setup import Setup
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.quantity import Quantity
-from lightflyer.foundation.section import Alternative, Section
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.units import Measured
 
 discover()
 
@@ -51,7 +51,7 @@ class FlyerFile(Section):
                   "tac_top": 0.8, "tac_bottom": "0.90 ± 0.03"},
         )
 
-    Numbers are :class:`~lightflyer.foundation.units.Measured`: value and uncertainty, in SI units
+    Numbers are :class:`~lightflyer.core.units.Measured`: value and uncertainty, in SI units
     (angles in degrees).
     """
 
@@ -392,9 +392,9 @@ class FileDesign(AbstractDesign):
             if film.layered
         }
 
-    def quick_parts(self, names: Sequence[str]) -> QuickFilms:
+    def quick_parts(self, names: Sequence[str]) -> SurrogateFilms:
         """See :meth:`AbstractDesign.quick_parts`: films whose thicknesses change."""
-        return QuickFilms(self.file, self._replaced, names)
+        return SurrogateFilms(self.file, self._replaced, names)
 
     def stacks(self, asked: Any, folder: Path | None = None) -> AbstractStacks:
         """See :meth:`AbstractDesign.stacks`."""

@@ -4,11 +4,10 @@ from pathlib import Path
 from typing import Any
 
 from lightflyer.config.flyer_file import FileDesign, FlyerFile, flyer_file_type, section_at
-from lightflyer.film.sample_section import SampleSection
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.section import Section
-from lightflyer.foundation.text import read_text
-from lightflyer.foundation.toml_file import (
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.text import read_text
+from lightflyer.files.section import Section
+from lightflyer.files.toml_file import (
     FileKind,
     load,
     named_keys,
@@ -17,6 +16,7 @@ from lightflyer.foundation.toml_file import (
     read_file,
     validate,
 )
+from lightflyer.film.sample_section import SampleSection
 
 
 def _keys_of(section: str, document: Any) -> list[str]:

@@ -11,19 +11,19 @@ import jax.numpy as jnp
 import numpy as np
 import pydantic
 
-from lightflyer.config.quick_films import part_at, require_simple
-from lightflyer.film.family import Family, padded_thickness
+from lightflyer.config.surrogate_films import part_at, require_simple
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.extras import extra
+from lightflyer.core.quantity import Quantity
+from lightflyer.core.types import Numeric
+from lightflyer.design.design import AbstractDesign, AbstractStacks
+from lightflyer.design.setup import Setup
+from lightflyer.files.toml_file import FOLDER
+from lightflyer.files.validation_messages import format_error
 from lightflyer.film.layer_section import LayerSection
-from lightflyer.film.properties import FilmProperties
+from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate, padded_thickness
+from lightflyer.film.properties import PROPERTIES, FilmProperties
 from lightflyer.film.section import FACES, WholeFilm
-from lightflyer.flight.design import AbstractDesign, AbstractStacks
-from lightflyer.flight.setup import Setup
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.extras import extra
-from lightflyer.foundation.mistakes import explain
-from lightflyer.foundation.quantity import Quantity
-from lightflyer.foundation.toml_file import FOLDER
-from lightflyer.foundation.types import Numeric
 
 if TYPE_CHECKING:
     from lightflyer.config.flyer_file import FileDesign
@@ -95,7 +95,7 @@ def _explained(mistake: Any, end: str) -> str:
     if mistake["type"] == "extra_forbidden":
         known = (*(key for key in LayerSection.model_fields if key != "thickness"), *_BOUNDS)
         return f"{name} is unknown; choose from {', '.join((*known, _CARRIER))}"
-    return explain(mistake, name)
+    return format_error(mistake, name)
 
 
 class StackTables(eqx.Module):
@@ -103,7 +103,7 @@ class StackTables(eqx.Module):
 
     Attributes
     ----------
-    family : Family
+    family : ThicknessSurrogate
     low, high : array, shape (layers,)
         Bounds of the thicknesses [m].
     density : array, shape (layers,)
@@ -112,7 +112,7 @@ class StackTables(eqx.Module):
         [1], and the temperature that the film bears [K].
     """
 
-    family: Family
+    family: ThicknessSurrogate
     low: Numeric
     high: Numeric
     density: Numeric
@@ -231,7 +231,7 @@ class Stacks(AbstractStacks):
             raise ConfigurationError("a search over stacks knows no graded layers")
         top, bottom = self._tacs(sequence)
         return StackTables(
-            family=Family.of(film, section.light(), layers=self.most),
+            family=ThicknessSurrogate.of(film, section.light(), layers=self.most),
             low=padded_thickness(np.array([one.low for one in layers]), self.most),
             high=padded_thickness(np.array([one.high for one in layers]), self.most),
             density=np.pad([one.density for one in layers], (0, self.most - len(layers))),
@@ -252,8 +252,7 @@ class Stacks(AbstractStacks):
         shares = np.array([values[name] for name in self.shares])
         section = self._section(sequence, self.thicknesses(sequence, shares))
         found = section.build(self.incidence, passing=self.passing)
-        names = FilmProperties.__dataclass_fields__
-        fields = {name: getattr(found, name) for name in names}
+        fields = {name: getattr(found, name) for name in PROPERTIES}
         fields["highest_temperature"] = self.limit(sequence)
         return {self.film: WholeFilm(FilmProperties(**fields))}
 

@@ -7,14 +7,16 @@ import re
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal, TextIO
+from typing import TYPE_CHECKING, Any, Literal, TextIO
 
-from lightflyer.foundation.errors import ConfigurationError, OutputError
-from lightflyer.foundation.extras import extra
-from lightflyer.foundation.files import TEMPORARY, unfinished
-from lightflyer.foundation.text import read_text
-from lightflyer.foundation.units import rewrite
-from lightflyer.lab.estimate import Estimate
+from lightflyer.core.atomic_files import TEMPORARY, unfinished
+from lightflyer.core.errors import ConfigurationError, OutputError
+from lightflyer.core.extras import extra
+from lightflyer.core.text import read_text
+from lightflyer.core.units import rewrite
+
+if TYPE_CHECKING:
+    from lightflyer.lab.estimate import Estimate
 
 Face = Literal["top", "bottom", "both"]
 """Faces of a film that a value applies to."""
@@ -26,7 +28,7 @@ _NEW_FILE = 0o666
 _FACES = {"top": ("top",), "bottom": ("bottom",), "both": ("top", "bottom")}
 
 
-def measured_text(estimate: Estimate, digits: int = _DIGITS) -> str:
+def measured_text(estimate: "Estimate", digits: int = _DIGITS) -> str:
     """Text of an estimate for a flyer file.
 
     Parameters
@@ -43,6 +45,7 @@ def measured_text(estimate: Estimate, digits: int = _DIGITS) -> str:
 
     Examples
     --------
+    >>> from lightflyer.lab import Estimate
     >>> measured_text(Estimate.normal(0.90312, 0.0313))
     '0.903 ± 0.031'
     """
@@ -55,7 +58,7 @@ def measured_text(estimate: Estimate, digits: int = _DIGITS) -> str:
 
 
 def update_flyer_file(
-    path: str | Path, values: Mapping[tuple[str, str], Estimate], origin: str
+    path: str | Path, values: Mapping[tuple[str, str], "Estimate"], origin: str
 ) -> list[str]:
     """Write values with their uncertainties and their origin into a flyer file.
 

@@ -24,6 +24,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.types import Numeric
 from lightflyer.drag import free_molecular
 from lightflyer.drag.inertia import SPHERE_REYNOLDS, sphere_inertia
 from lightflyer.drag.similarity import (
@@ -35,9 +36,8 @@ from lightflyer.drag.similarity import (
     reynolds_number,
     viscosity_growth,
 )
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
 from lightflyer.gas.base import AbstractGas
+from lightflyer.program.entry_point import entry_point
 
 _SQRT_PI = math.sqrt(math.pi)
 _STOKES = 6.0

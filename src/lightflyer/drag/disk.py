@@ -23,6 +23,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
 from lightflyer.drag import free_molecular
 from lightflyer.drag.disk_table import TAC_RANGE, dense_share
 from lightflyer.drag.inertia import DISK_REYNOLDS, disk_inertia, edgewise_inertia
@@ -35,10 +37,8 @@ from lightflyer.drag.similarity import (
     reynolds_number,
     viscosity_growth,
 )
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import AbstractGas, mean_free_path
+from lightflyer.program.entry_point import entry_point
 
 Direction = Literal["broadside", "edgewise"]
 """How a body moves: along its axis or across it."""

@@ -17,12 +17,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.precision import float64
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
 from lightflyer.drag import free_molecular
-from lightflyer.foundation.precision import float64
-from lightflyer.foundation.spline import Spline
-from lightflyer.foundation.table import shipped_table
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.validity import Validity
+from lightflyer.files.table import shipped_table
+from lightflyer.numerics.spline import Spline
 
 _OFFSET = 1.5  # any of the size of the rarefaction at which both resistances are alike
 

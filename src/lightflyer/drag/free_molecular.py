@@ -15,8 +15,8 @@ import numpy as np
 from jax import Array
 from jax.scipy.special import erf
 
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
+from lightflyer.core.types import Numeric
+from lightflyer.program.entry_point import entry_point
 
 _SQRT_PI = math.sqrt(math.pi)
 _TERMS = 20

@@ -9,9 +9,9 @@ import math
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.validity import Validity
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
+from lightflyer.program.entry_point import entry_point
 
 _LN_10 = math.log(10.0)
 

@@ -3,8 +3,8 @@
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.validity import Validity
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
 from lightflyer.gas.base import AbstractGas
 
 SLOW = Validity(

@@ -10,12 +10,12 @@ import math
 
 from jax import Array
 
+from lightflyer.core.types import Numeric
 from lightflyer.drag import free_molecular
 from lightflyer.drag.disk import face_means
 from lightflyer.drag.similarity import molecular_speed
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
 from lightflyer.gas.base import AbstractGas
+from lightflyer.program.entry_point import entry_point
 
 TURNING = 32.0 / 3.0
 """Torque in slow flow over μ, the cube of the radius and the rate."""

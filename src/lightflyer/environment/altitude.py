@@ -5,12 +5,12 @@ from typing import ClassVar
 import numpy as np
 import pydantic
 
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Altitude, Length
+from lightflyer.core.text import span
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Coordinate
 from lightflyer.environment.section import EnvironmentSection
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import Altitude, Length
-from lightflyer.foundation.text import span
-from lightflyer.foundation.types import Numeric
 
 _SPACING = 1000.0  # metres, which resolves the layers of every atmosphere
 

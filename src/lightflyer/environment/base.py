@@ -7,10 +7,8 @@ from typing import Any, ClassVar, NamedTuple
 import equinox as eqx
 import numpy as np
 
-from lightflyer.environment.planet import Planet
-from lightflyer.environment.radiation import Radiation
-from lightflyer.foundation.clock import seconds_of, written
-from lightflyer.foundation.quantity import (
+from lightflyer.core.clock import seconds_of, written
+from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Checked,
     Latitude,
@@ -18,7 +16,9 @@ from lightflyer.foundation.quantity import (
     Quantity,
     quantity_of,
 )
-from lightflyer.foundation.types import Numeric
+from lightflyer.core.types import Numeric
+from lightflyer.environment.planet import Planet
+from lightflyer.environment.radiation import Radiation
 from lightflyer.gas.base import AbstractGas
 
 _DEGREES = tuple(quantity_of(kind) or Quantity() for kind in (Latitude, Longitude))
@@ -189,12 +189,10 @@ class AbstractEnvironment(Checked):
     dimmable_light: ClassVar[bool] = False
     """True if the light can be turned up and down, as a lamp can and the sun cannot."""
 
-    radiation: eqx.AbstractVar[Radiation]
+    planet: ClassVar[Planet | None] = None
+    """The planet over which places are; None in a chamber."""
 
-    @property
-    def planet(self) -> Planet | None:
-        """The planet over which places are; None in a chamber."""
-        return None
+    radiation: eqx.AbstractVar[Radiation]
 
     @property
     @abc.abstractmethod

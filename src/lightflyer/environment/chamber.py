@@ -5,6 +5,21 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 import pydantic
 
+from lightflyer.core import constants
+from lightflyer.core.checks import require_positive, require_range
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.quantity import (
+    Acceleration,
+    Irradiance,
+    Length,
+    Pressure,
+    Quantity,
+    Temperature,
+    quantity_of,
+)
+from lightflyer.core.text import span
+from lightflyer.core.types import Numeric
+from lightflyer.core.units import Measured
 from lightflyer.environment.base import (
     AbstractEnvironment,
     Coordinate,
@@ -18,23 +33,9 @@ from lightflyer.environment.warm_floor import (
     radiation_over_floor,
     view_of_floor,
 )
-from lightflyer.foundation import constants
-from lightflyer.foundation.checks import require_positive, require_range
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.quantity import (
-    Acceleration,
-    Length,
-    Pressure,
-    Quantity,
-    Temperature,
-    quantity_of,
-)
-from lightflyer.foundation.text import span
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.units import Measured
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
-from lightflyer.gas.known import GASES
+from lightflyer.gas.registry import GASES
 
 DEFAULT_PRESSURES = tuple(digit * 10.0**decade for decade in range(-4, 6) for digit in (1.0, 3.0))
 """Pressures reported one by one where none are asked for, if in the chamber's range [Pa]."""
@@ -191,6 +192,7 @@ class ChamberSection(EnvironmentSection):
     search_keys: ClassVar[tuple[str, str]] = ("pressure_min", "pressure_max")
 
     kind: Literal["chamber"]
+    irradiance: Irradiance = Measured(constants.TOTAL_SOLAR_IRRADIANCE)
     temperature: Temperature
     pressure_min: Pressure = Measured(1e-2)
     pressure_max: Pressure = Measured(1e3)

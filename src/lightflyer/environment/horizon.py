@@ -10,9 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import Altitude, Checked, Length, Refractivity
-from lightflyer.foundation.types import Numeric
+from lightflyer.core.quantity import Altitude, Checked, Length, Refractivity
+from lightflyer.core.types import Numeric
+from lightflyer.program.entry_point import entry_point
 
 _SMOOTHED = 500.0  # altitude within which the horizon of a flyer near the limb is smoothed [m]
 

@@ -1,76 +1,38 @@
 """Mars: its air, gravity, dust and sunlight."""
 
-import math
-from dataclasses import replace
 from typing import Final
 
 import equinox as eqx
-import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.environment.altitude import altitude_coordinate, describe_floor
+from lightflyer.core import constants
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import (
+    RADIANS_PER_DEGREE,
+)
+from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.mars import (
     MOLAR_MASS,
     MarsAtmosphere,
-    mars_gravity,
 )
-from lightflyer.environment.base import (
-    AbstractEnvironment,
-    Coordinate,
-    EnvironmentState,
-    Place,
-)
-from lightflyer.environment.dust import Dust, dusty_light
-from lightflyer.environment.ground import UniformGround
-from lightflyer.environment.horizon import Limb
-from lightflyer.environment.mars_sun import (
-    ECCENTRICITY,
+from lightflyer.environment.light.dust import Dust
+from lightflyer.environment.light.ground import UniformGround
+from lightflyer.environment.light.mars_sun import (
     NOON,
-    SEMI_MAJOR_AXIS,
     MarsSun,
     distance_in_season,
     zenith_angle_in_season,
 )
-from lightflyer.environment.planet import MARS_PLANET, Planet
+from lightflyer.environment.light.sky import Daylight
+from lightflyer.environment.planet import MARS_LIMB, MARS_PLANET, Planet
+from lightflyer.environment.planetary import Planetary
 from lightflyer.environment.radiation import SKY_INFRARED, Radiation
-from lightflyer.environment.sky import VIEW_OF_PLANET, AbstractSky, Daylight
-from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.foundation import constants
-from lightflyer.foundation.checks import require_range
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import (
-    RADIANS_PER_DEGREE,
-    Acceleration,
-    Length,
-)
-from lightflyer.foundation.types import Numeric
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.carbon_dioxide import CARBON_DIOXIDE
+from lightflyer.program.entry_point import entry_point
 
-MARS_ALBEDO: Final = 0.25
-"""Share of sunlight that Mars reflects [1]: within 30° of the equator 0.18 to 0.28 without dust
-storms; [JPLD8160]_."""
-
-MARS_INFRARED: Final = 112.0
-"""Heat radiation that leaves Mars: global mean of day and night, 111.7 ± 2.4 W/m² [W/m²];
-[Creecy2022]_. Below the overhead sun it is about 390, over the polar caps 30; [JPLD8160]_."""
-
-MEAN_IRRADIANCE: Final = constants.TOTAL_SOLAR_IRRADIANCE / (
-    SEMI_MAJOR_AXIS**2 * math.sqrt(1.0 - ECCENTRICITY**2)
-)
-"""Sunlight above the air of Mars, mean over its year [W/m²]."""
-
-DEFAULT_ALTITUDES = tuple(1e3 * kilometres for kilometres in range(30, 81, 5))
-"""Altitudes reported one by one where none are asked for [m]."""
-
-_HIGHEST_SEARCHED = 130e3  # top of the reference atmosphere [m]
 _GAS_CONSTANT = 1e3 * constants.BOLTZMANN * constants.AVOGADRO  # [J/(kmol K)]
-
-# Rays are bent by less than 0.01° in the thin air of Mars; it is dust that dims them.
-MARS_LIMB: Final = Limb(height=0.0, refractivity=3.5e-6, scale_height=9e3)
-"""The edge of Mars: the ground at altitude 0."""
 
 
 def air_of_mars(gas: AbstractGas = CARBON_DIOXIDE) -> AbstractGas:
@@ -116,9 +78,9 @@ def mars_sunlight(
     latitude: Numeric | None = None,
     local_time: Numeric = NOON,
     *,
-    albedo: Numeric = MARS_ALBEDO,
+    albedo: Numeric = MARS_PLANET.albedo,
     infrared_above: Numeric | None = SKY_INFRARED,
-    infrared_below: Numeric | None = MARS_INFRARED,
+    infrared_below: Numeric | None = MARS_PLANET.infrared,
 ) -> Radiation:
     """Sunlight above Mars by season, latitude and hour, with light and heat from below.
 
@@ -154,7 +116,7 @@ def mars_sunlight(
     """
     if solar_longitude is None and latitude is not None:
         raise ConfigurationError("the sun's height at a latitude needs a solar_longitude")
-    irradiance: Numeric = MEAN_IRRADIANCE
+    irradiance: Numeric = MARS_PLANET.irradiance
     zenith_angle: Numeric = 0.0
     if solar_longitude is not None:
         season = solar_longitude * RADIANS_PER_DEGREE
@@ -175,12 +137,12 @@ MARS_SKY: Final = Daylight(
     sun=MarsSun(),
     planet=MARS_PLANET,
     limb=MARS_LIMB,
-    ground=UniformGround(MARS_ALBEDO, MARS_INFRARED),
+    ground=UniformGround(MARS_PLANET.albedo, MARS_PLANET.infrared),
 )
 """Sunlight above Mars by date and place, before dust dims it."""
 
 
-class Mars(AbstractEnvironment):
+class Mars(Planetary):
     """Above a place on Mars; the coordinate is the altitude above the areoid [m].
 
     Attributes
@@ -189,23 +151,13 @@ class Mars(AbstractEnvironment):
         Default :class:`MarsAtmosphere`.
     gas : AbstractGas
         Default carbon dioxide with the gas constant of the air of Mars, :func:`air_of_mars`.
-    gravity : array or None
-        Constant gravity [m/s²]; None lets it fall off with altitude.
-    radiation : Radiation
-        Sunlight above the air, and thermal surroundings; default :func:`mars_sunlight`.
+    gravity, radiation, wind, sky, place, floor
+        See :class:`Planetary`; by default gravity that falls off with altitude and
+        :func:`mars_sunlight`. A sky is such as :data:`MARS_SKY`.
+    planet : Planet
+        Default :data:`MARS_PLANET`.
     dust : Dust or None
         Dims the beam and scatters light down; None for clear air.
-    wind : AbstractWind or None
-        Wind where a place is given; None for gas at rest.
-    sky : AbstractSky or None
-        Light and heat radiation where a place is given, such as :data:`MARS_SKY`; None leaves
-        them to ``radiation``.
-    place : Place or None
-        Where and when, in place of none: with a sky, ``radiation`` becomes that of the place, as
-        a flyer above dust and horizon has it.
-    floor : array or None
-        Distance down to solid ground, or to a platform, at every altitude [m]; None for open air.
-        It changes what the gas does to the flyer, not the light.
 
     Notes
     -----
@@ -221,108 +173,5 @@ class Mars(AbstractEnvironment):
 
     atmosphere: AbstractAtmosphere = eqx.field(default_factory=MarsAtmosphere)
     gas: AbstractGas = air_of_mars()
-    gravity: Acceleration | None = None
-    radiation: Radiation = mars_sunlight()
-    dust: Dust | None = Dust()
-    wind: AbstractWind | None = None
-    sky: AbstractSky | None = None
-    place: Place | None = None
-    floor: Length | None = None
-
-    def __post_init__(self) -> None:
-        if self.sky is None or self.place is None:
-            return
-        full = self.sky.radiation(self.atmosphere.altitude_range[1], self.place)
-        self.radiation = replace(full, visible=None, ground_view=None, lit_ground=None)
-
-    @property
-    def planet(self) -> Planet:
-        """See :attr:`AbstractEnvironment.planet`."""
-        return MARS_PLANET
-
-    @property
-    def coordinate(self) -> Coordinate:
-        """Altitude above the areoid, over the atmosphere's range."""
-        return altitude_coordinate(
-            self.atmosphere.altitude_range, _HIGHEST_SEARCHED, DEFAULT_ALTITUDES
-        )
-
-    def assumptions(self) -> tuple[str, ...]:
-        """See :meth:`AbstractEnvironment.assumptions`."""
-        told = self.radiation.describe(VIEW_OF_PLANET)
-        if self.sky is not None and self.place is not None:
-            told = f"{told[0]}, {self.place.describe()}", *self.sky.assumptions()
-        return (*told, *describe_floor(self.floor), *self.assumptions_of_air())
-
-    def assumptions_of_air(self) -> tuple[str, ...]:
-        """See :meth:`AbstractEnvironment.assumptions_of_air`: atmosphere, dust, gas."""
-        dust = "dust: none" if self.dust is None else self.dust.describe()
-        return (self.atmosphere.describe(), dust, *self.gas.assumptions())
-
-    def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
-        """Surroundings at an altitude.
-
-        Parameters
-        ----------
-        coordinate : array, shape (...)
-            Altitude above the areoid [m].
-        place : Place, optional
-            Where and when, for the wind and the sky; by default its own.
-
-        Returns
-        -------
-        EnvironmentState
-
-        Raises
-        ------
-        ParameterError
-            If a concrete altitude is outside the atmosphere's range; traced ones give NaN.
-        """
-        altitude = self.coordinate.quantity.number("altitude", coordinate)
-        require_range("altitude [m]", altitude, *self.atmosphere.altitude_range)
-        place = self.place if place is None else place
-        state = _state(self, altitude, place)
-        if self.wind is None or place is None:
-            return state
-        return replace(state, wind=self.wind.velocity(altitude, place))
-
-
-@entry_point
-def _state(mars: Mars, altitude: Numeric, place: Place | None) -> EnvironmentState:
-    radiation = mars.radiation
-    if mars.sky is not None and place is not None:
-        radiation = mars.sky.radiation(altitude, place)
-    pressure = mars.atmosphere.pressure(altitude, place)
-    if mars.dust is not None:
-        radiation = _dimmed(mars.dust, mars.atmosphere, radiation, altitude, place)
-    view = (MARS_PLANET.radius / (MARS_PLANET.radius + altitude)) ** 2
-    return EnvironmentState(
-        pressure=pressure,
-        temperature=mars.atmosphere.temperature(altitude, place),
-        gravity=mars_gravity(altitude) if mars.gravity is None else mars.gravity,
-        gas=mars.gas,
-        radiation=radiation.seen_from(view),
-        floor_distance=mars.floor,
-    )
-
-
-def _dimmed(
-    dust: Dust,
-    atmosphere: AbstractAtmosphere,
-    radiation: Radiation,
-    altitude: Numeric,
-    place: Place | None,
-) -> Radiation:
-    """Light below the dust above a place."""
-    distance = MARS_PLANET.radius + altitude
-    cosine = jnp.cos(radiation.zenith_angle)
-    # where a ray from below the horizontal comes nearest to the ground
-    lowest = jnp.maximum(distance * jnp.sin(radiation.zenith_angle) - MARS_PLANET.radius, 0.0)
-    ground = atmosphere.pressure(0.0, place)
-    depth, lowest_depth = (
-        dust.depth_above(atmosphere.pressure(height, place) / ground)
-        for height in (altitude, lowest)
-    )
-    light = dusty_light(dust, depth, lowest_depth, cosine, distance)
-    seen = 1.0 if radiation.visible is None else radiation.visible
-    return replace(radiation, visible=seen * light.beam, scattered=seen * light.scattered)
+    planet: Planet = eqx.field(static=True, kw_only=True, default=MARS_PLANET)  # type: ignore[misc]
+    dust: Dust | None = eqx.field(default=Dust(), kw_only=True)

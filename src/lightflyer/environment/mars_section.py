@@ -3,31 +3,13 @@
 import datetime
 import math
 from dataclasses import replace
-from typing import Literal
+from typing import ClassVar, Literal
 
 import pydantic
 
-from lightflyer.environment.altitude import AltitudeSection
-from lightflyer.environment.atmosphere.mars import SURFACE_PRESSURE, MarsAtmosphere
-from lightflyer.environment.base import Place
-from lightflyer.environment.dust import OPTICAL_DEPTH, Dust
-from lightflyer.environment.ground import UniformGround
-from lightflyer.environment.mars import (
-    MARS_ALBEDO,
-    MARS_INFRARED,
-    MARS_SKY,
-    MEAN_IRRADIANCE,
-    Mars,
-    air_of_mars,
-    season_irradiance,
-)
-from lightflyer.environment.mars_sun import NOON, MarsSun, zenith_angle_in_season
-from lightflyer.environment.radiation import SKY_INFRARED
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import (
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
-    Fraction,
-    Irradiance,
     Latitude,
     LocalTime,
     Longitude,
@@ -36,22 +18,41 @@ from lightflyer.foundation.quantity import (
     SolarLongitude,
     TemperatureOffset,
 )
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.units import Measured
+from lightflyer.core.types import Numeric
+from lightflyer.core.units import Measured
+from lightflyer.environment.atmosphere.mars import SURFACE_PRESSURE, MarsAtmosphere
+from lightflyer.environment.base import Place
+from lightflyer.environment.light.dust import OPTICAL_DEPTH, Dust
+from lightflyer.environment.light.ground import UniformGround
+from lightflyer.environment.light.mars_sun import NOON, MarsSun, zenith_angle_in_season
+from lightflyer.environment.light.sky import AbstractSky
+from lightflyer.environment.mars import (
+    MARS_SKY,
+    Mars,
+    air_of_mars,
+    season_irradiance,
+)
+from lightflyer.environment.planet import MARS_PLANET, Planet
+from lightflyer.environment.planetary import Planetary, PlanetSection
+from lightflyer.environment.radiation import Radiation
+from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.carbon_dioxide import CARBON_DIOXIDE
-from lightflyer.gas.known import CARBON_DIOXIDES
+from lightflyer.gas.registry import CARBON_DIOXIDES
 
 _PLACE = ("date", "latitude", "longitude")
 _GIVEN_LIGHT = ("irradiance", "incidence", "solar_longitude", "local_time")
 _EPHEMERIS = 'sun = "ephemeris"'
 
 
-class MarsSection(AltitudeSection):
+class MarsSection(PlanetSection):
     """``[environment]``: Mars with the reference atmosphere of COSPAR.
 
     The light is given by irradiance and incidence, by season, latitude and local solar time, or
     by the sun's ephemeris.
     """
+
+    planet: ClassVar[Planet] = MARS_PLANET
+    environment: ClassVar[type[Planetary]] = Mars
 
     kind: Literal["mars"]
     sun: Literal["ephemeris"] | None = None
@@ -59,13 +60,11 @@ class MarsSection(AltitudeSection):
     gas: Literal[tuple(CARBON_DIOXIDES)] | None = None  # type: ignore[valid-type]
     surface_pressure: Pressure = Measured(SURFACE_PRESSURE)
     temperature_offset: TemperatureOffset = Measured(0.0)
-    irradiance: Irradiance = Measured(MEAN_IRRADIANCE)
     solar_longitude: SolarLongitude | None = None
     latitude: Latitude | None = None
     longitude: Longitude | None = None
     local_time: LocalTime = Measured(NOON)
-    albedo: Fraction = Measured(MARS_ALBEDO)
-    surroundings: Literal["mars", "gas"] = "mars"
+    surroundings: Literal["mars", "gas"] = "mars"  # type: ignore[assignment]
     dust_optical_depth: OpticalDepth = Measured(OPTICAL_DEPTH)
 
     @pydantic.model_validator(mode="after")
@@ -144,35 +143,35 @@ class MarsSection(AltitudeSection):
             return None
         return Place.at(self.date, self.latitude.value, self.longitude.value)
 
-    @property
-    def default_infrared(self) -> tuple[float | None, float | None]:
-        """Heat radiation from above and below where the file gives none [W/m²]."""
-        return (SKY_INFRARED, MARS_INFRARED) if self.surroundings == "mars" else (None, None)
-
-    def build(self) -> Mars:
-        """Mars with this light and air."""
-        radiation = self.build_radiation()
-        if self.solar_longitude is not None:
-            season = self.solar_longitude.value * RADIANS_PER_DEGREE
-            radiation = replace(
-                radiation,
-                irradiance=season_irradiance(season),
-                zenith_angle=self._zenith_angle,
-            )
-        sky = None
-        if self.sun is not None:
-            ground = UniformGround(radiation.albedo, radiation.infrared_below)
-            sky = replace(MARS_SKY, ground=ground, infrared_above=radiation.infrared_above)
-        return Mars(
-            atmosphere=MarsAtmosphere(
-                surface_pressure=self.surface_pressure.value,
-                temperature_offset=self.temperature_offset.value,
-            ),
-            gas=air_of_mars(CARBON_DIOXIDES[self.gas or CARBON_DIOXIDE.name]),
-            gravity=None if self.gravity is None else self.gravity.value,
-            radiation=radiation,
-            dust=Dust(self.dust_optical_depth.value),
-            sky=sky,
-            place=self.build_place(),
-            floor=None if self.floor is None else self.floor.value,
+    def build_atmosphere(self) -> MarsAtmosphere:
+        """See :meth:`PlanetSection.build_atmosphere`."""
+        return MarsAtmosphere(
+            surface_pressure=self.surface_pressure.value,
+            temperature_offset=self.temperature_offset.value,
         )
+
+    def build_gas(self) -> AbstractGas:
+        """See :meth:`PlanetSection.build_gas`."""
+        return air_of_mars(CARBON_DIOXIDES[self.gas or CARBON_DIOXIDE.name])
+
+    def build_dust(self) -> Dust:
+        """See :meth:`PlanetSection.build_dust`."""
+        return Dust(self.dust_optical_depth.value)
+
+    def build_radiation(self) -> Radiation:
+        """See :meth:`EnvironmentSection.build_radiation`: by season and hour where given."""
+        radiation = super().build_radiation()
+        if self.solar_longitude is None:
+            return radiation
+        season = self.solar_longitude.value * RADIANS_PER_DEGREE
+        return replace(
+            radiation, irradiance=season_irradiance(season), zenith_angle=self._zenith_angle
+        )
+
+    def build_sky(self) -> AbstractSky | None:
+        """See :meth:`PlanetSection.build_sky`."""
+        if self.sun is None:
+            return None
+        radiation = self.build_radiation()
+        ground = UniformGround(radiation.albedo, radiation.infrared_below)
+        return replace(MARS_SKY, ground=ground, infrared_above=radiation.infrared_above)

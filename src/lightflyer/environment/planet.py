@@ -1,18 +1,38 @@
-"""A planet: its size, shape and rotation."""
+"""A planet as data: size, rotation, gravity, and the light and heat over it.
 
+Another planet is one more :class:`Planet`; with an atmosphere it is a
+:class:`~lightflyer.environment.planetary.Planetary`.
+"""
+
+import math
 from typing import Any, Final
 
 import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import Checked, Flattening, PlanetRadius, RotationRate
-from lightflyer.foundation.types import Numeric
+from lightflyer.core import constants
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import (
+    Acceleration,
+    Checked,
+    Flattening,
+    Fraction,
+    Irradiance,
+    PlanetRadius,
+    RotationRate,
+)
+from lightflyer.core.types import Numeric
+from lightflyer.environment.horizon import EARTH_LIMB, Limb
+from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED, SKY_INFRARED, Radiation
+from lightflyer.program.entry_point import entry_point
 
 
 class Planet(Checked):
-    r"""An ellipsoid of revolution that turns about its polar axis.
+    r"""An ellipsoid of revolution that turns about its polar axis, in its sun's light.
+
+    Motion over a planet needs its size and rotation alone. Numbers that are None must come from
+    elsewhere.
 
     Attributes
     ----------
@@ -23,6 +43,23 @@ class Planet(Checked):
         Angular velocity against the stars, positive towards the east [rad/s].
     flattening : array
         :math:`(a-b)/a` [1]; zero makes a sphere.
+    gravity : array or None
+        Acceleration of free fall at altitude zero [m/s²].
+    irradiance : array or None
+        Sunlight above the air, mean over the year [W/m²].
+    albedo : array
+        Share of sunlight that leaves the planet again [1].
+    infrared : array or None
+        Heat radiation that leaves the planet [W/m²]; None for black ground at the gas temperature.
+    effective_radius : array or None
+        Distance from the centre at altitude zero with which gravity and the view of the ground
+        fall off [m]; None for ``radius``.
+    limb : Limb or None
+        Edge behind which the sun sets, for light by date and place.
+    highest_searched : float
+        Altitude above which no search looks by itself [m].
+    reported_altitudes : tuple of float
+        Altitudes reported where none are asked for [m].
 
     Raises
     ------
@@ -39,11 +76,59 @@ class Planet(Checked):
     radius: PlanetRadius
     rotation_rate: RotationRate
     flattening: Flattening = 0.0
+    gravity: Acceleration | None = None
+    irradiance: Irradiance | None = None
+    albedo: Fraction = 0.0
+    infrared: Irradiance | None = None
+    effective_radius: PlanetRadius | None = None
+    limb: Limb | None = None
+    highest_searched: float = eqx.field(static=True, default=math.inf)
+    reported_altitudes: tuple[float, ...] = eqx.field(static=True, default=())
 
     @property
     def equatorial_radius(self) -> Any:
         """Radius of the equator [m]."""
         return self.radius / (1.0 - self.flattening / 3.0)
+
+    def view_from(self, altitude: Numeric) -> Any:
+        """View factor to the planet of a face that looks straight down from an altitude [m]."""
+        radius = self.radius if self.effective_radius is None else self.effective_radius
+        return (radius / (radius + altitude)) ** 2
+
+    def gravity_at(self, altitude: Numeric) -> Any:
+        """Acceleration of free fall at an altitude [m], without the planet's rotation [m/s²].
+
+        Raises
+        ------
+        ParameterError
+            If the planet has no ``gravity``.
+        """
+        return self._number("gravity") * self.view_from(altitude)  # the same inverse square
+
+    def sunlight(self) -> Radiation:
+        """Sunlight from overhead above the air, and what the planet reflects and radiates.
+
+        Returns
+        -------
+        Radiation
+
+        Raises
+        ------
+        ParameterError
+            If the planet has no ``irradiance``.
+        """
+        return Radiation(
+            self._number("irradiance"),
+            albedo=self.albedo,
+            infrared_above=None if self.infrared is None else SKY_INFRARED,
+            infrared_below=self.infrared,
+        )
+
+    def _number(self, name: str) -> Numeric:
+        value = getattr(self, name)
+        if value is None:
+            raise ParameterError(f"the planet {self.name} has no {name}; give it one")
+        return value
 
     def curvature_radius(self, latitude: Numeric, azimuth: Numeric) -> Array:
         r"""Radius of curvature of the ellipsoid along a direction.
@@ -81,18 +166,71 @@ def _curvature_radius(planet: Planet, latitude: Numeric, azimuth: Numeric) -> Ar
     return 1.0 / (jnp.cos(azimuth) ** 2 / along + jnp.sin(azimuth) ** 2 / across)
 
 
+def mean_irradiance(semi_major_axis: float, eccentricity: float) -> float:
+    """Sunlight on an orbit, mean over the year.
+
+    Parameters
+    ----------
+    semi_major_axis : float
+        [au].
+    eccentricity : float
+        [1].
+
+    Returns
+    -------
+    float
+        [W/m²].
+    """
+    return constants.TOTAL_SOLAR_IRRADIANCE / (
+        semi_major_axis**2 * math.sqrt(1.0 - eccentricity**2)
+    )
+
+
+def _kilometres(*altitudes: float) -> tuple[float, ...]:
+    return tuple(1e3 * altitude for altitude in altitudes)
+
+
 EARTH_PLANET: Final = Planet(
     name="Earth",
     radius=6_371_008.7714,
     rotation_rate=7.292115e-5,
     flattening=1.0 / 298.257223563,
+    gravity=constants.STANDARD_GRAVITY,
+    irradiance=constants.TOTAL_SOLAR_IRRADIANCE,
+    albedo=EARTH_ALBEDO,
+    infrared=EARTH_INFRARED,
+    effective_radius=constants.EARTH_EFFECTIVE_RADIUS,
+    limb=EARTH_LIMB,
+    highest_searched=150e3,  # above, the gas carries no film
+    reported_altitudes=_kilometres(*range(50, 101, 5)),  # the mesosphere
 )
-"""Earth as the World Geodetic System 1984 has it; [NIMA2000]_."""
+"""Earth: size and rotation by the World Geodetic System 1984, [NIMA2000]_, gravity by
+[USSA1976]_ Eq. (17)."""
+
+MARS_SEMI_MAJOR_AXIS, MARS_ECCENTRICITY = 1.52367934, 0.0934
+"""Of the orbit of Mars about the year 2000 [au], [1]; [AllisonMcEwen2000]_."""
+
+# Rays are bent by less than 0.01° in the thin air of Mars; it is dust that dims them.
+MARS_LIMB: Final = Limb(height=0.0, refractivity=3.5e-6, scale_height=9e3)
+"""The edge of Mars: the ground at altitude 0."""
+
+_MARS_RADIUS = 3_389_527.0  # [m]
 
 MARS_PLANET: Final = Planet(
     name="Mars",
-    radius=3_389_527.0,
+    radius=_MARS_RADIUS,
     rotation_rate=7.0882181e-5,
     flattening=0.005886,
+    gravity=constants.MARS_GRAVITATIONAL_PARAMETER / _MARS_RADIUS**2,
+    irradiance=mean_irradiance(MARS_SEMI_MAJOR_AXIS, MARS_ECCENTRICITY),
+    # [JPLD8160]: within 30° of the equator 0.18 to 0.28 without dust storms
+    albedo=0.25,
+    # [Creecy2022]: global mean of day and night, 111.7 ± 2.4 W/m². Below the overhead sun it is
+    # about 390, over the polar caps 30 [JPLD8160].
+    infrared=112.0,
+    limb=MARS_LIMB,
+    highest_searched=130e3,  # top of the reference atmosphere
+    reported_altitudes=_kilometres(*range(30, 81, 5)),
 )
-"""Mars; size and rotation by [Archinal2018]_."""
+"""Mars; size and rotation by [Archinal2018]_. Gravity is without the planet's rotation, which
+takes 0.5 % of it at the equator."""

@@ -8,10 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.environment.horizon import facing_share
-from lightflyer.environment.view_factor import ground_view_factor, sphere_view_factor
-from lightflyer.foundation import constants
-from lightflyer.foundation.quantity import (
+from lightflyer.core import constants
+from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Angle,
     AngularRadius,
@@ -20,8 +18,10 @@ from lightflyer.foundation.quantity import (
     Irradiance,
     PolarAngle,
 )
-from lightflyer.foundation.text import span
-from lightflyer.foundation.types import Numeric
+from lightflyer.core.text import span
+from lightflyer.core.types import Numeric
+from lightflyer.environment.horizon import facing_share
+from lightflyer.environment.view_factor import ground_view_factor, sphere_view_factor
 
 EARTH_ALBEDO = 0.29
 """Share of sunlight that Earth reflects, clouds included: global mean, 99.1 of 340.0 W/m² [1];

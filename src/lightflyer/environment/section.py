@@ -4,21 +4,21 @@ import abc
 from collections.abc import Mapping
 from typing import ClassVar, Literal
 
-from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.environment.radiation import Radiation
-from lightflyer.foundation import constants
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.quantity import (
+from lightflyer.core import constants
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Acceleration,
     Fraction,
     Incidence,
     Irradiance,
 )
-from lightflyer.foundation.section import Alternative
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.units import Measured, scale_and_offset
-from lightflyer.gas.known import GASES
+from lightflyer.core.types import Numeric
+from lightflyer.core.units import Measured, scale_and_offset
+from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.environment.radiation import Radiation
+from lightflyer.files.section import Alternative
+from lightflyer.gas.registry import GASES
 
 _SEARCH = "says where bands are searched"
 
@@ -41,7 +41,7 @@ class EnvironmentSection(Alternative, abc.ABC):
 
     gas: GasName | None = None  # type: ignore[valid-type]
     gravity: Acceleration | None = None
-    irradiance: Irradiance = Measured(constants.TOTAL_SOLAR_IRRADIANCE)
+    irradiance: Irradiance
     incidence: Incidence = Measured(0.0)
     infrared_top: Irradiance | None = None
     infrared_bottom: Irradiance | None = None

@@ -7,22 +7,22 @@ from typing import ClassVar, Literal
 import numpy as np
 import pydantic
 
-from lightflyer.environment.altitude import AltitudeSection
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Altitude, Latitude, Longitude
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
-from lightflyer.environment.ground import AbstractGround, Knocke1988Ground, UniformGround
 from lightflyer.environment.horizon import EARTH_LIMB
-from lightflyer.environment.sky import Daylight
-from lightflyer.environment.sun import EarthSun
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import Altitude, Latitude, Longitude
-from lightflyer.foundation.types import Numeric
+from lightflyer.environment.light.ground import AbstractGround, Knocke1988Ground, UniformGround
+from lightflyer.environment.light.sky import Daylight
+from lightflyer.environment.light.sun import EarthSun
+from lightflyer.environment.planetary import PlanetSection
 
 _PLACE = ("date", "latitude", "longitude")
 _GIVEN_LIGHT = ("irradiance", "incidence")
 _EPHEMERIS = 'sun = "ephemeris"'
 
 
-class SkySection(AltitudeSection, abc.ABC):
+class SkySection(PlanetSection, abc.ABC):
     """``[environment]`` over Earth: light as given, or by the sun's ephemeris.
 
     Without date and place, the ephemeris is for a mission, which has its own.
@@ -118,5 +118,5 @@ class SkySection(AltitudeSection, abc.ABC):
             ground = UniformGround(radiation.albedo, radiation.infrared_below)
         limb = EARTH_LIMB
         if self.limb_height is not None:
-            limb = EARTH_LIMB.at(self.limb_height.value)
+            limb = limb.at(self.limb_height.value)
         return Daylight(limb=limb, ground=ground, infrared_above=radiation.infrared_above)

@@ -8,8 +8,8 @@ With the half-angle :math:`\gamma` of the planet's disk as seen from the flyer,
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
+from lightflyer.core.types import Numeric
+from lightflyer.program.entry_point import entry_point
 
 _SMALLEST = 1e-12  # of sines and roots below, where a branch that is not taken would divide by zero
 

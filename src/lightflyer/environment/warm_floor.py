@@ -26,11 +26,11 @@ import numpy as np
 from jax import Array
 from jax.scipy.special import i0e
 
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Radiation
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
 from lightflyer.gas.base import mean_free_path
+from lightflyer.program.entry_point import entry_point
 
 _RARE = 0.4257
 """Of the join of both limits, :math:`c`."""

@@ -14,11 +14,11 @@ from typing import Any, NamedTuple, ParamSpec, TypeVar
 import numpy as np
 
 from lightflyer.config.flyer_file import FileDesign
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.units import parse, scale_and_offset
+from lightflyer.design.outputs import OUTPUTS, Output, outputs_of
+from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
-from lightflyer.flight.outputs import OUTPUTS, Output, outputs_of
-from lightflyer.flight.setup import Setup
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.units import parse, scale_and_offset
 from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
 from lightflyer.prediction.prediction import Prediction, predict_design, search_grid
 from lightflyer.uncertainty.propagation import PredictionUncertainty, propagate

@@ -7,14 +7,14 @@ from copy import deepcopy
 from typing import Any, NamedTuple
 
 from lightflyer.config.flyer_file import FileDesign, models_for, sections_in
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Quantity
+from lightflyer.core.units import Measured, scale_and_offset
 from lightflyer.explorer.grammar import BASES, MISSION, kinds_of_part, quantity_text
 from lightflyer.explorer.hints import base_of, example, templates
 from lightflyer.explorer.state import Document, plain
+from lightflyer.files.section import Alternative, Section
 from lightflyer.flyer.section import FlyerSection
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import Quantity
-from lightflyer.foundation.section import Alternative, Section
-from lightflyer.foundation.units import Measured, scale_and_offset
 
 _DECADE = 10.0  # a slider of a positive number reaches so many times below and above
 _TWICE = 2.0  # one of a number that may be zero, from there to so many times

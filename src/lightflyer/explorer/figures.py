@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.comparison import compare
+from lightflyer.core.errors import ConfigurationError
 from lightflyer.explorer import jobs
 from lightflyer.explorer.compute import prediction_of, uncertainty_of
 from lightflyer.explorer.maps import Choices, payload_map
 from lightflyer.explorer.state import Document, Workplace
-from lightflyer.foundation.drawing import (
+from lightflyer.files.drawing import (
     ORANGE,
     VERMILION,
     legend_below,
@@ -20,7 +21,6 @@ from lightflyer.foundation.drawing import (
     plain_decades,
     save,
 )
-from lightflyer.foundation.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -86,8 +86,8 @@ def _models(workplace: Workplace, document: Document, _: Choices) -> "Figure":
 
 
 def _mission(workplace: Workplace, document: Document, _: Choices) -> "Figure":
-    from lightflyer.mission.figures import mission_figures
     from lightflyer.mission.mission import fly
+    from lightflyer.mission.report.figures import mission_figures
 
     flight = workplace.mission(document)
     return mission_figures(fly(flight.design, **flight.arguments()))["altitude"]

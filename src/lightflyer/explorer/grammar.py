@@ -11,15 +11,15 @@ from typing import Any, Literal, Union, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from lightflyer.config.flyer_file import PARTS, FlyerFile, sections_in
+from lightflyer.core.quantity import Quantity
+from lightflyer.core.units import Measured
 from lightflyer.environment.section import EnvironmentSection
 from lightflyer.explorer.hints import base_of, hints
-from lightflyer.film.library import PAGES
+from lightflyer.files.section import Alternative, Section
+from lightflyer.film.media.library import PAGES
 from lightflyer.film.section import FilmSection
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
-from lightflyer.foundation.quantity import Quantity
-from lightflyer.foundation.section import Alternative, Section
-from lightflyer.foundation.units import Measured
 from lightflyer.mission.section import MissionSection
 
 MISSION = "mission"

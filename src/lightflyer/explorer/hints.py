@@ -11,7 +11,7 @@ from importlib import resources
 from typing import Any, NamedTuple
 
 from lightflyer.config.flyer_file import section_at
-from lightflyer.foundation.section import Alternative, Section
+from lightflyer.files.section import Alternative, Section
 from lightflyer.mission.section import EnsembleSection, LaunchesSection, MissionSection
 
 _HEADER = re.compile(r"^\s*(?:# )?\[([\w.]+)\]")

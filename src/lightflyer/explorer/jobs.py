@@ -13,6 +13,8 @@ import numpy as np
 
 from lightflyer.comparison.comparison import FEWEST, compare
 from lightflyer.config.flyer_file import FileDesign, models_for
+from lightflyer.core.errors import ConfigurationError, LightflyerError
+from lightflyer.core.progress import Step, report, reported_to
 from lightflyer.explorer import view
 from lightflyer.explorer.compute import (
     coordinate_factor,
@@ -22,13 +24,11 @@ from lightflyer.explorer.compute import (
 )
 from lightflyer.explorer.maps import Choices, payload_map, variable_numbers, words_of
 from lightflyer.explorer.state import Document, Workplace
+from lightflyer.files.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from lightflyer.film.layered_section import LayeredFilmSection
-from lightflyer.film.spectra import planck
-from lightflyer.film.summary import FilmSummary
-from lightflyer.foundation.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
-from lightflyer.foundation.errors import ConfigurationError, LightflyerError
-from lightflyer.foundation.progress import Step, report, reported_to
-from lightflyer.mission.facts import day_and_night
+from lightflyer.film.optics.spectra import planck
+from lightflyer.film.report.summary import FilmSummary
+from lightflyer.mission.report.facts import day_and_night
 from lightflyer.prediction.evaluator import Evaluator
 from lightflyer.prediction.prediction import Prediction
 
@@ -400,7 +400,7 @@ def run(
     document : dict
     choices : Choices
     tell : callable
-        Takes each :class:`~lightflyer.foundation.progress.Step`.
+        Takes each :class:`~lightflyer.core.progress.Step`.
     stop : threading.Event
         Ends the job at its next step.
 

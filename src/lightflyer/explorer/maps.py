@@ -6,18 +6,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lightflyer.config.flyer_file import FileDesign
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.progress import report
+from lightflyer.core.quantity import Quantity
+from lightflyer.core.units import scale_and_offset
+from lightflyer.design.cautions import cautions, cautions_of_force
+from lightflyer.design.outputs import OUTPUTS
+from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
 from lightflyer.explorer import view
 from lightflyer.explorer.compute import Quick, coordinate_factor, prediction_of, pretty_unit
 from lightflyer.explorer.state import Document, Workplace
-from lightflyer.flight.cautions import cautions, cautions_of_force
-from lightflyer.flight.outputs import OUTPUTS
-from lightflyer.flight.setup import Setup
-from lightflyer.foundation.drawing import BLUE, ORANGE, VERMILION
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.progress import report
-from lightflyer.foundation.quantity import Quantity
-from lightflyer.foundation.units import scale_and_offset
+from lightflyer.files.drawing import BLUE, ORANGE, VERMILION
 from lightflyer.prediction.evaluator import POINTS, Evaluator
 
 MAP_COLUMNS = 33

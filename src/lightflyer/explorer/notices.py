@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from lightflyer.foundation.errors import ParameterWarning
+from lightflyer.core.errors import ParameterWarning
 
 _HERE = threading.local()
 

@@ -11,6 +11,7 @@ import numpy as np
 import lightflyer
 from lightflyer.calibration.points import read_points
 from lightflyer.config.flyer_file import FileDesign, models_for
+from lightflyer.core.errors import ConfigurationError, LightflyerError
 from lightflyer.explorer import view
 from lightflyer.explorer.compute import (
     Quick,
@@ -41,7 +42,6 @@ from lightflyer.explorer.state import (
     to_url,
 )
 from lightflyer.flyer.section import FlyerSection
-from lightflyer.foundation.errors import ConfigurationError, LightflyerError
 
 Answer = dict[str, Any]
 

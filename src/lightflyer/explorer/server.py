@@ -27,14 +27,14 @@ import tornado.iostream
 import tornado.web
 
 import lightflyer
+from lightflyer.core.errors import ConfigurationError, LightflyerError, OutputError
+from lightflyer.core.progress import Step
 from lightflyer.explorer import jobs, pages
 from lightflyer.explorer.downloads import download
 from lightflyer.explorer.maps import Choices
 from lightflyer.explorer.notices import noticing
 from lightflyer.explorer.panes import panes
 from lightflyer.explorer.state import Workplace
-from lightflyer.foundation.errors import ConfigurationError, LightflyerError, OutputError
-from lightflyer.foundation.progress import Step
 
 ADDRESS = "127.0.0.1"
 

@@ -15,16 +15,16 @@ from typing import Any, NamedTuple
 from urllib.parse import parse_qsl, urlencode
 
 from lightflyer.config.flyer_file import PARTS, FileDesign, section_at
-from lightflyer.config.mission_file import MissionFile, mission_of_text
 from lightflyer.config.reader import FLYER_FILE, design_of_text
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.extras import extra
+from lightflyer.core.text import read_text
 from lightflyer.explorer.grammar import MISSION
 from lightflyer.explorer.hints import templates
 from lightflyer.explorer.notices import gathering
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.extras import extra
-from lightflyer.foundation.section import Alternative
-from lightflyer.foundation.text import read_text
-from lightflyer.foundation.toml_file import parsed
+from lightflyer.files.section import Alternative
+from lightflyer.files.toml_file import parsed
+from lightflyer.mission.mission_file import MissionFile, mission_of_text
 
 Document = dict[str, Any]
 """Content of a flyer file, with numbers as the user wrote them and dates as texts."""

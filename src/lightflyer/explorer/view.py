@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.design.outputs import OUTPUTS, outputs_of
 from lightflyer.environment.base import Coordinate
 from lightflyer.explorer.compute import Quick, coordinate_factor, pretty_unit
-from lightflyer.flight.outputs import OUTPUTS, outputs_of
-from lightflyer.foundation.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from lightflyer.files.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from lightflyer.prediction.prediction import Prediction
 from lightflyer.uncertainty.propagation import PredictionUncertainty
 

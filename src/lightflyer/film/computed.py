@@ -7,27 +7,27 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.film.averages import (
+from lightflyer.core.checks import is_traced
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
+from lightflyer.core.units import Measured
+from lightflyer.film.optics.averages import (
     Average,
     Shares,
     heat_shares,
     light_shares,
     thermal_coverage,
 )
-from lightflyer.film.curve import NODES, EmittanceCurve, node_temperatures
-from lightflyer.film.findings import (
+from lightflyer.film.optics.curve import NODES, EmittanceCurve, node_temperatures
+from lightflyer.film.optics.findings import (
     medium_warnings,
     property_warnings,
     roughness_warnings,
     thick_warnings,
 )
-from lightflyer.film.properties import FilmProperties
-from lightflyer.film.spectra import Spectrum
-from lightflyer.film.stack import GRAZING, Film, Side
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.precision import is_traced
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.units import Measured
+from lightflyer.film.optics.spectra import Spectrum
+from lightflyer.film.optics.stack import GRAZING, Film, Side
+from lightflyer.film.properties import PROPERTIES, FilmProperties
 
 REPORT_TEMPERATURES = (200.0, 250.0, 300.0, 350.0, 400.0, 450.0, 500.0)
 """Temperatures at which an emittance is reported [K]: those of light-flyers."""
@@ -59,7 +59,7 @@ class ComputedFilm:
         The properties that were measured, by name; all others are computed.
     averages : dict of str to Average
         The averages behind the computed absorptances and transmittances, and for heat radiation
-        at the temperatures of :func:`~lightflyer.film.curve.node_temperatures`, by name.
+        at the temperatures of :func:`~lightflyer.film.optics.curve.node_temperatures`, by name.
     """
 
     film: Film
@@ -127,8 +127,8 @@ class ComputedFilm:
         return lower, upper
 
     def _with(self, values: dict[str, Any]) -> FilmProperties:
-        names = FilmProperties.__dataclass_fields__
-        return FilmProperties(**{name: getattr(self.properties, name) for name in names} | values)
+        own = {name: getattr(self.properties, name) for name in PROPERTIES}
+        return FilmProperties(**own | values)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -288,7 +288,7 @@ def with_measured(optics: FilmProperties, given: dict[str, Any]) -> dict[str, An
     dict of str to object
         Properties by name.
     """
-    found = {name: getattr(optics, name) for name in FilmProperties.__dataclass_fields__}
+    found = {name: getattr(optics, name) for name in PROPERTIES}
     for name in ("absorptance", "transmittance"):
         if name in given:
             found[f"{name}_bottom"] = None  # the top's then stands for both

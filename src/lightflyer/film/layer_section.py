@@ -7,21 +7,9 @@ from typing import Annotated, Any, Literal
 import pydantic
 from pydantic import Field, ValidationInfo
 
-from lightflyer.film.catalogue import material
-from lightflyer.film.database import database_page, looks_like_page
-from lightflyer.film.dispersion_section import DispersionSection
-from lightflyer.film.effective_media import Rule, Shape
-from lightflyer.film.graded import SHEETS, Graded
-from lightflyer.film.library import PAGES, VACUUM, Entry, canonical_name
-from lightflyer.film.material_csv import names_file
-from lightflyer.film.materials import Material, material_from_csv, vacuum
-from lightflyer.film.medium import Extrapolation, Medium
-from lightflyer.film.mixture import Mixture
-from lightflyer.film.stack import Layer
-from lightflyer.film.tempered import Tempered
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.precision import is_traced
-from lightflyer.foundation.quantity import (
+from lightflyer.core.checks import is_traced
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.quantity import (
     AccommodationCoefficient,
     Density,
     Fraction,
@@ -29,9 +17,21 @@ from lightflyer.foundation.quantity import (
     Temperature,
     Thickness,
 )
-from lightflyer.foundation.section import Section
-from lightflyer.foundation.toml_file import FOLDER
-from lightflyer.foundation.units import Measured
+from lightflyer.core.units import Measured
+from lightflyer.files.section import Section
+from lightflyer.files.toml_file import FOLDER
+from lightflyer.film.media.catalogue import material
+from lightflyer.film.media.database import database_page, looks_like_page
+from lightflyer.film.media.dispersion_section import DispersionSection
+from lightflyer.film.media.effective_media import Rule, Shape
+from lightflyer.film.media.graded import SHEETS, Graded
+from lightflyer.film.media.library import PAGES, VACUUM, Entry, canonical_name
+from lightflyer.film.media.material_csv import names_file
+from lightflyer.film.media.materials import Material, material_from_csv, vacuum
+from lightflyer.film.media.medium import Extrapolation, Medium
+from lightflyer.film.media.mixture import Mixture
+from lightflyer.film.media.temperature_dependent import TemperatureDependentMedium
+from lightflyer.film.optics.stack import Layer
 
 Policy = Literal["error", "hold", "lossless"]
 
@@ -307,7 +307,9 @@ class LayerSection(_Named):
             raise ConfigurationError("two tables are for the same temperature")
         assert self.temperature is not None  # as checked
         at = tuple(sorted(known))
-        found = Tempered(tuple(known[one] for one in at), at, self.temperature.value)
+        found = TemperatureDependentMedium(
+            tuple(known[one] for one in at), at, self.temperature.value
+        )
         return found if self.density is None else found.with_density(self.density.value)
 
 

@@ -9,23 +9,23 @@ import numpy as np
 import pydantic
 from pydantic import Discriminator, Field, Tag, ValidationInfo
 
-from lightflyer.film.computed import ComputedFilm, with_measured
-from lightflyer.film.layer_section import LayerSection, Policy, file_beside, is_varied
-from lightflyer.film.properties import FilmProperties
-from lightflyer.film.section import FACES, FilmSection, MeasuredFilmSection, WholeFilm
-from lightflyer.film.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
-from lightflyer.film.stack import Film
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.precision import is_traced
-from lightflyer.foundation.quantity import (
+from lightflyer.core.checks import is_traced
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import (
     AccommodationCoefficient,
     ArealDensity,
     Correlation,
     Fraction,
     Roughness,
 )
-from lightflyer.foundation.section import Section
-from lightflyer.foundation.units import Measured
+from lightflyer.core.units import Measured
+from lightflyer.files.section import Section
+from lightflyer.film.computed import ComputedFilm, with_measured
+from lightflyer.film.layer_section import LayerSection, Policy, file_beside, is_varied
+from lightflyer.film.optics.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
+from lightflyer.film.optics.stack import Film
+from lightflyer.film.properties import FilmProperties
+from lightflyer.film.section import FACES, FilmSection, MeasuredFilmSection, WholeFilm
 
 _LAMPS = {"AM0": am0, "cold-white-led": cold_white_led}
 
@@ -337,12 +337,5 @@ AnyFilmSection: TypeAlias = Annotated[
 ]
 """Type of a field that is a film: measured, or of layers.
 
-Sections of flyers that hold their own films annotate them with it, and call
-:meth:`FilmSection.build`::
-
-    class SandwichSection(FlyerSection):
-        top: AnyFilmSection
-
-        def build(self, film, incidence):
-            return Sandwich(top=self.top.build(incidence))
+The section of a flyer of several films has it for each of them.
 """

@@ -1,5 +1,6 @@
 """The optical, surface and mass properties of a film, however they were obtained."""
 
+import dataclasses
 import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -8,15 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.film.curve import (
-    EmittanceCurve,
-    coefficients_of,
-    emittance_at,
-    emittance_bounds,
-)
-from lightflyer.foundation.checks import is_concrete
-from lightflyer.foundation.errors import ParameterError, ParameterWarning
-from lightflyer.foundation.quantity import (
+from lightflyer.core.checks import is_concrete
+from lightflyer.core.errors import ParameterError, ParameterWarning
+from lightflyer.core.quantity import (
     AccommodationCoefficient,
     ArealDensity,
     Checked,
@@ -24,7 +19,13 @@ from lightflyer.foundation.quantity import (
     Fraction,
     Temperature,
 )
-from lightflyer.foundation.types import Numeric
+from lightflyer.core.types import Numeric
+from lightflyer.film.optics.curve import (
+    EmittanceCurve,
+    coefficients_of,
+    emittance_at,
+    emittance_bounds,
+)
 
 _WHOLE = 1.0 + 1e-9  # all radiation, and rounding
 _CONSERVED = (
@@ -255,6 +256,10 @@ class FilmProperties(Checked):
         """Transmittance for light on the bottom face, or the top's where none is given [1]."""
         below = self.transmittance_bottom
         return self.transmittance if below is None else below
+
+
+PROPERTIES = tuple(field.name for field in dataclasses.fields(FilmProperties))
+"""Names of all properties of a film."""
 
 
 def area_weighted(films: Sequence[FilmProperties], shares: Sequence[Numeric]) -> FilmProperties:

@@ -4,13 +4,13 @@ from typing import ClassVar
 
 import pydantic
 
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Length, OpenFraction, Thickness
 from lightflyer.film.layer_section import LayerSection
 from lightflyer.film.layered_section import LayeredFilmSection
-from lightflyer.film.materials import Extrapolation
-from lightflyer.film.medium import Medium
-from lightflyer.film.stack import Film
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import Length, OpenFraction, Thickness
+from lightflyer.film.media.materials import Extrapolation
+from lightflyer.film.media.medium import Medium
+from lightflyer.film.optics.stack import Film
 
 
 class SubstrateSection(LayerSection):

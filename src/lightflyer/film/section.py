@@ -7,9 +7,8 @@ from typing import Any, ClassVar
 import equinox as eqx
 import pydantic
 
-from lightflyer.film.properties import FilmProperties, require_conservation
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.quantity import (
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.quantity import (
     AccommodationCoefficient,
     ArealDensity,
     Correlation,
@@ -17,8 +16,9 @@ from lightflyer.foundation.quantity import (
     Fraction,
     Temperature,
 )
-from lightflyer.foundation.section import Alternative
-from lightflyer.foundation.units import Measured
+from lightflyer.core.units import Measured
+from lightflyer.files.section import Alternative
+from lightflyer.film.properties import PROPERTIES, FilmProperties, require_conservation
 
 FACES = ("tac_top", "tac_bottom")
 """Numbers whose errors ``tac_correlation`` is about."""
@@ -94,9 +94,7 @@ class FilmSection(Alternative, abc.ABC):
     def stated(self) -> dict[str, Measured]:
         """The values that the file gives, by the name of the film's property."""
         given = {
-            name: getattr(self, name)
-            for name in FilmProperties.__dataclass_fields__
-            if getattr(self, name) is not None
+            name: getattr(self, name) for name in PROPERTIES if getattr(self, name) is not None
         }
         if self.emittance is not None:
             given |= {"emittance_top": self.emittance, "emittance_bottom": self.emittance}

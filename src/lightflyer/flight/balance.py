@@ -28,21 +28,22 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.checks import is_traced
+from lightflyer.core.errors import ConvergenceError
+from lightflyer.core.quantity import require_record
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.ahead import ahead
-from lightflyer.foundation.errors import ConvergenceError
-from lightflyer.foundation.precision import elementwise_entry_point, is_traced
-from lightflyer.foundation.quantity import require_record
-from lightflyer.foundation.rootfind import (
+from lightflyer.numerics.rootfind import (
     Ending,
     RootStatus,
     bracketed_power_newton,
     describe_endings,
     implicit_root,
 )
-from lightflyer.foundation.types import Numeric
+from lightflyer.numerics.system import solve_system
+from lightflyer.program.entry_point import elementwise_entry_point
 
 SMALLEST_SHARE = 1e-26
 """Lower end of a bracket, over its upper end: far below any flyer's excess."""
@@ -70,7 +71,7 @@ class Equilibrium(eqx.Module):
     residual : array
         Largest imbalance of a node, over the absorbed power [1].
     ending : int array
-        Why the search ended, a :class:`~lightflyer.foundation.rootfind.Ending`.
+        Why the search ended, a :class:`~lightflyer.numerics.rootfind.Ending`.
     """
 
     nodes: tuple[str, ...] = eqx.field(static=True)
@@ -298,15 +299,14 @@ def _balance(
     model: AbstractForceModel,
     shape: tuple[int, ...],
 ) -> Balance:
-    """Both sides of a flyer's equations but for the powers, and as much as possible ahead."""
+    """Both sides of a flyer's equations but for the powers, traced once for all who call it."""
 
     def balance(*unknowns: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
         losses = node_losses(flyer, state, model, unknowns)
         return losses, tuple(model.flow_balance(flyer, state, unknowns))
 
-    unknown = jax.ShapeDtypeStruct(shape, float)
-    count = len(flyer.nodes) + len(flyer.flows)
-    return ahead(balance, *(unknown,) * count)
+    traced = jax.jit(balance)
+    return lambda *unknowns: traced(*(jnp.broadcast_to(one, shape) for one in unknowns))
 
 
 def imbalance_of(
@@ -365,8 +365,6 @@ def _solve_several(
     balance: Balance,
     powers: tuple[Array, ...],
 ) -> tuple[tuple[Array, ...], RootStatus]:
-    from lightflyer.foundation.system import solve_system  # half a second that a disk can spare
-
     def guess() -> tuple[Array, ...]:
         excess, _ = uniform_excess(
             flyer, state, lambda unknowns: balance(*unknowns)[0], total(powers)

@@ -14,20 +14,21 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.precision import float64
+from lightflyer.core.quantity import require_record
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flight.balance import require_converged, require_suitable
 from lightflyer.flight.loads import lift, weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.precision import entry_point, float64
-from lightflyer.foundation.quantity import require_record
-from lightflyer.foundation.rootfind import (
+from lightflyer.numerics.rootfind import (
     Ending,
     RootStatus,
     bracketed_newton,
     implicit_root,
 )
-from lightflyer.foundation.types import Numeric
+from lightflyer.program.entry_point import entry_point
 
 MOST_BANDS = 4
 """Greatest number of separate bands of one flyer."""
@@ -49,7 +50,7 @@ class Band(eqx.Module):
     lower_open, upper_open : bool array
         Whether the edge is the end of the searched range, not of the flyer's ability.
     ending : int array
-        Why the search for the edges ended, a :class:`~lightflyer.foundation.rootfind.Ending`.
+        Why the search for the edges ended, a :class:`~lightflyer.numerics.rootfind.Ending`.
     """
 
     lower: Numeric

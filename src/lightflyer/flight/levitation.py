@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flight.balance import (
     SMALLEST_SHARE,
@@ -20,19 +21,18 @@ from lightflyer.flight.balance import (
     require_suitable,
     total,
 )
-from lightflyer.flight.dimmest import dimmest_light
 from lightflyer.flight.loads import upward_force, weight
+from lightflyer.flight.minimum_irradiance import dimmest_light
 from lightflyer.flyer.base import HIGHEST_TEMPERATURE, AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.ahead import ahead
-from lightflyer.foundation.precision import elementwise_entry_point
-from lightflyer.foundation.rootfind import (
+from lightflyer.numerics.rootfind import (
     Ending,
     RootStatus,
     bracketed_power_newton,
     implicit_root,
 )
-from lightflyer.foundation.types import Numeric
+from lightflyer.numerics.system import implicit_system
+from lightflyer.program.entry_point import elementwise_entry_point
 
 HIGHEST_IRRADIANCE = 1e7
 """Irradiance above which nothing levitates [W/m²]: two black faces at the highest temperature of
@@ -59,7 +59,7 @@ class Levitation(eqx.Module):
     residual : array
         Force over weight, minus one [1].
     ending : int array
-        Why the search ended, a :class:`~lightflyer.foundation.rootfind.Ending`. That no
+        Why the search ended, a :class:`~lightflyer.numerics.rootfind.Ending`. That no
         irradiance suffices is an answer: converged.
     """
 
@@ -197,7 +197,11 @@ def _by_temperature(
     load = weight(flyer, state)
     hottest = HIGHEST_TEMPERATURE / state.temperature - 1.0
     shape = jax.eval_shape(lambda: load + pushed(hottest))
-    force = ahead(pushed, jax.ShapeDtypeStruct(shape.shape, float))
+    traced = jax.jit(pushed)
+
+    def force(excess: Array) -> Array:
+        return traced(jnp.broadcast_to(excess, shape.shape))
+
     strongest = force(hottest)
     excess, levitates, status = _reach(force, hottest, strongest, load)
     needed = total(node_losses(flyer, state, model, (excess,))) - total(flyer.heat_gains(state))
@@ -220,8 +224,6 @@ def _by_irradiance(
     The brightest light looked at absorbs what the flyer would lose if all of it were at the
     highest temperature: at any stronger one some node is hotter.
     """
-    from lightflyer.foundation.system import implicit_system  # as in the heat balance
-
     load = weight(flyer, state)
     collecting = total(flyer.beam_areas(state))
     can_collect = collecting > 0.0

@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flight.balance import (
     Equilibrium,
@@ -12,8 +13,7 @@ from lightflyer.flight.balance import (
 )
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.precision import elementwise_entry_point, entry_point
-from lightflyer.foundation.types import Numeric
+from lightflyer.program.entry_point import elementwise_entry_point, entry_point
 
 
 @entry_point

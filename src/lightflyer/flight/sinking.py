@@ -7,17 +7,17 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.checks import is_concrete
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import require_record
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place
 from lightflyer.flight.balance import equilibrium, require_converged, require_suitable
 from lightflyer.flight.loads import upward_force, weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.checks import is_concrete
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.precision import elementwise_entry_point
-from lightflyer.foundation.quantity import require_record
-from lightflyer.foundation.rootfind import RootStatus, bracketed_power_newton, implicit_root
-from lightflyer.foundation.types import Numeric
+from lightflyer.numerics.rootfind import RootStatus, bracketed_power_newton, implicit_root
+from lightflyer.program.entry_point import elementwise_entry_point
 
 _SLOW = 1e-6
 """Speed at which drag is proportional to it, far below those of flight [m/s]."""

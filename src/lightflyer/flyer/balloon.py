@@ -1,27 +1,24 @@
 """A balloon: a spherical envelope of film, open or closed, around warm gas."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-import pydantic
 from jax import Array
 
+from lightflyer.core import constants
+from lightflyer.core.quantity import Distance, Length, Mass, MolarMass, Tension
+from lightflyer.core.types import Numeric
 from lightflyer.drag.convex import convex_caveats, convex_drag, sphere_outline
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
+from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.properties import FilmProperties, excess_of_growth
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.section import FlyerSection
-from lightflyer.foundation import constants
-from lightflyer.foundation.checks import is_concrete
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.quantity import Distance, Length, Mass, MolarMass, Tension
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.units import Measured
 
 _MOLAR_GAS_CONSTANT = constants.BOLTZMANN * constants.AVOGADRO  # [J/(mol K)]
 
@@ -45,6 +42,17 @@ class Filling(NamedTuple):
     volume: Numeric
     mass: Numeric
     overpressure: Numeric
+
+
+def _contradiction(
+    radius: Numeric, opening_radius: Numeric, gas_mass: Numeric | None
+) -> str | None:
+    """How numbers contradict each other, or None."""
+    if np.any(np.asarray(opening_radius) >= radius):
+        return "the opening must be smaller than the balloon"
+    if gas_mass is not None and np.any(np.asarray(opening_radius) > 0.0):
+        return "a closed balloon, which has a gas_mass, has no opening"
+    return None
 
 
 class Balloon(AbstractFlyer):
@@ -96,6 +104,7 @@ class Balloon(AbstractFlyer):
 
     nodes: ClassVar[tuple[str, ...]] = ("envelope",)
     drag_law: ClassVar[str] = "of a sphere by Cunningham's law, with inertia"
+    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
     film: FilmProperties
     radius: Length
@@ -105,13 +114,6 @@ class Balloon(AbstractFlyer):
     payload: Mass = 0.0
     attitude: Attitude | None = None
     film_strength: Tension | None = None
-
-    def __check_init__(self) -> None:
-        super().__check_init__()  # first each number by itself
-        sizes = (self.radius, self.opening_radius)
-        problem = _contradiction(*sizes, self.gas_mass) if is_concrete(*sizes) else None
-        if problem:
-            raise ParameterError(problem)
 
     @property
     def area(self) -> Numeric:
@@ -308,52 +310,23 @@ class Balloon(AbstractFlyer):
         return self.film_area * gain
 
 
-def _contradiction(
-    radius: Numeric, opening_radius: Numeric, gas_mass: Numeric | None
-) -> str | None:
-    """How numbers contradict each other, or None."""
-    if np.any(np.asarray(opening_radius) >= radius):
-        return "the opening must be smaller than the balloon"
-    if gas_mass is not None and np.any(np.asarray(opening_radius) > 0.0):
-        return "a closed balloon, which has a gas_mass, has no opening"
-    return None
-
-
-class BalloonSection(FlyerSection):
+class BalloonSection(FlyerSection, of=Balloon):
     """``[flyer]``: a balloon, whose film is in ``[film]``."""
 
-    flyer_type: ClassVar[type[AbstractFlyer]] = Balloon
     default_model: ClassVar[str] = "balloon"
     not_varied: ClassVar[Mapping[str, str]] = {
         "film_strength": "is a limit and changes no result",
     }
+    spelled: ClassVar[Mapping[str, Spelling]] = {
+        "radius": DIAMETER,
+        "opening_radius": Spelling("opening_diameter", 0.5),
+    }
+    left_out: ClassVar[tuple[str, ...]] = ("molar_mass",)
+    first_keys: ClassVar[tuple[str, ...]] = ("shape", "diameter", "opening_diameter")
 
     shape: Literal["balloon"]
-    diameter: Length
-    opening_diameter: Distance = Measured(0.0)
     gas: Literal["ambient", "helium", "hydrogen"] = "ambient"
-    gas_mass: Mass | None = None
-    film_strength: Tension | None = None
 
-    @pydantic.model_validator(mode="after")
-    def _numbers_fit(self) -> "BalloonSection":
-        mass = None if self.gas_mass is None else self.gas_mass.value
-        problem = _contradiction(self.diameter.value, self.opening_diameter.value, mass)
-        if problem:
-            raise ConfigurationError(problem)
-        return self
-
-    def build(self, film: FilmProperties | None, incidence: float) -> Balloon:  # noqa: ARG002
-        """The balloon, of the given film."""
-        assert film is not None  # needs_film saw to it
-        mass, strength = self.gas_mass, self.film_strength
-        return Balloon(
-            film,
-            radius=0.5 * self.diameter.value,
-            opening_radius=0.5 * self.opening_diameter.value,
-            gas_mass=None if mass is None else mass.value,
-            molar_mass=MOLAR_MASSES.get(self.gas),
-            payload=self.payload.value,
-            attitude=self.attitude(),
-            film_strength=None if strength is None else strength.value,
-        )
+    def make(self, **given: Any) -> Balloon:
+        """The balloon, with the gas of that name."""
+        return super().make(molar_mass=MOLAR_MASSES.get(self.gas), **given)

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import equinox as eqx
 from jax import Array
 
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Checked, Mass
+from lightflyer.core.types import Numeric
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import Checked, Mass
-from lightflyer.foundation.types import Numeric
 
 HIGHEST_TEMPERATURE = 3000.0
 """Highest temperature of the search [K]: no film survives it, and the gas correlations end

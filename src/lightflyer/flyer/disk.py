@@ -1,19 +1,21 @@
 """The flat disk of the paper."""
 
+from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.quantity import Length, Mass
+from lightflyer.core.types import Numeric
 from lightflyer.drag.disk import Direction, disk_caveats, disk_drag, edgewise_disk_drag
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
+from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.section import FlyerSection
-from lightflyer.foundation.quantity import Length, Mass
-from lightflyer.foundation.types import Numeric
 
 _CENTIMETRE = 1e-2
 
@@ -141,21 +143,10 @@ class Disk(AbstractFlyer):
         return self.area * state.radiation.stefan_boltzmann * state.temperature**4
 
 
-class DiskSection(FlyerSection):
+class DiskSection(FlyerSection, of=Disk):
     """``[flyer]``: a disk."""
 
-    flyer_type: ClassVar[type[AbstractFlyer]] = Disk
     needs_transmittance: ClassVar[bool] = False
+    spelled: ClassVar[Mapping[str, Spelling]] = {"radius": DIAMETER}
 
     shape: Literal["disk"] = "disk"
-    diameter: Length
-
-    def build(self, film: FilmProperties | None, incidence: float) -> Disk:  # noqa: ARG002
-        """The disk, of the given film."""
-        assert film is not None  # needs_film saw to it
-        return Disk(
-            film,
-            radius=0.5 * self.diameter.value,
-            payload=self.payload.value,
-            attitude=self.attitude(),
-        )

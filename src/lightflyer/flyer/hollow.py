@@ -1,19 +1,30 @@
 """Hollow bodies with a wall full of channels, which pumps gas in, and an outlet for the jet."""
 
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal, get_args
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-import pydantic
 from jax import Array
 
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.precision import float64
+from lightflyer.core.quantity import (
+    Coefficient,
+    Conductivity,
+    Density,
+    Length,
+    Mass,
+    OpenFraction,
+)
+from lightflyer.core.types import Numeric
 from lightflyer.drag.convex import Outline, convex_caveats, convex_drag
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude, Exitances, Radiation
-from lightflyer.film.diffraction import narrow_channels
-from lightflyer.film.layered_section import AnyFilmSection
+from lightflyer.files.section import Spelling
+from lightflyer.film.optics.diffraction import narrow_channels
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.hollow_geometry import FORMS, Form, HollowForm, seen_below_horizon
@@ -28,21 +39,43 @@ from lightflyer.flyer.sheets import (
     sheet_in_infrared,
     sheet_in_light,
 )
-from lightflyer.foundation.checks import is_concrete
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.precision import float64
-from lightflyer.foundation.quantity import (
-    Coefficient,
-    Conductivity,
-    Density,
-    Length,
-    Mass,
-    OpenFraction,
-)
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.units import Measured
 
 _CENTIMETRE = 1e-2
+
+
+def _contradiction(
+    form: str,
+    size: Numeric,
+    outlet_radius: Numeric,
+    open_fraction: Numeric,
+    channel_width: Numeric,
+    wall_thickness: Numeric,
+    sheet_thickness: Numeric,
+    channel_aspect: Numeric,
+) -> str | None:
+    """How sizes contradict each other, or None."""
+    body = np.asarray(outlet_radius if form == "rocket" else 0.5 * np.asarray(size))
+    sheet = np.asarray(sheet_thickness)
+    lined = (1.0 + 2.0 * sheet / channel_width) * (
+        1.0 + 2.0 * sheet / (np.asarray(channel_aspect) * channel_width)
+    )
+    found = (
+        (form != "rocket" and np.any(np.asarray(outlet_radius) >= body),
+         f"the outlet must be smaller than the {form}"),
+        (np.any(np.asarray(open_fraction) <= 0.0),
+         "open_fraction must be positive: gas flows through the wall's channels"),
+        (np.any(np.asarray(channel_aspect) < 1.0),
+         "channel_aspect must be 1 at least: it is the longer side over the shorter"),
+        (np.any(np.asarray(wall_thickness) <= 2.0 * sheet),
+         "wall_thickness must exceed twice sheet_thickness: the wall has two faces"),
+        (np.any(np.asarray(wall_thickness) >= body),
+         f"wall_thickness must be smaller than the radius of the {form}"),
+        (np.any(np.asarray(channel_width) * channel_aspect >= 2.0 * body),
+         f"the channels must be narrower than the {form}"),
+        (np.any(np.asarray(open_fraction) * lined > 1.0),
+         "channels of this open_fraction and their sheets take more than the whole wall"),
+    )  # fmt: skip
+    return next((text for wrong, text in found if wrong), None)
 
 
 class HollowBody(AbstractFlyer):
@@ -100,6 +133,7 @@ class HollowBody(AbstractFlyer):
 
     nodes: ClassVar[tuple[str, ...]] = ("inner", "outer")
     drag_law: ClassVar[str] = "of a closed body by its surface and Cunningham's law, with inertia"
+    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
     outer: FilmProperties
     inner: FilmProperties
@@ -117,15 +151,11 @@ class HollowBody(AbstractFlyer):
     attitude: Attitude | None = None
 
     def __check_init__(self) -> None:
-        super().__check_init__()  # first each number by itself
+        super().__check_init__()  # first the numbers
         if self.form not in FORMS:
             raise ParameterError(
                 f'form = "{self.form}" is unknown; choose from {", ".join(get_args(Form))}'
             )
-        sizes = {name: getattr(self, name) for name in _SIZES}
-        problem = _contradiction(self.form, **sizes) if is_concrete(*sizes.values()) else None
-        if problem:
-            raise ParameterError(problem)
 
     @property
     def geometry(self) -> HollowForm:
@@ -349,102 +379,17 @@ class HollowBody(AbstractFlyer):
         return outer, inner
 
 
-_SIZES = (
-    "size",
-    "outlet_radius",
-    "open_fraction",
-    "channel_width",
-    "wall_thickness",
-    "sheet_thickness",
-    "channel_aspect",
-)
-
-
-def _contradiction(
-    form: str,
-    *,
-    size: Numeric,
-    outlet_radius: Numeric,
-    open_fraction: Numeric,
-    channel_width: Numeric,
-    wall_thickness: Numeric,
-    sheet_thickness: Numeric,
-    channel_aspect: Numeric,
-) -> str | None:
-    """How sizes contradict each other, or None."""
-    body = np.asarray(outlet_radius if form == "rocket" else 0.5 * np.asarray(size))
-    sheet = np.asarray(sheet_thickness)
-    lined = (1.0 + 2.0 * sheet / channel_width) * (
-        1.0 + 2.0 * sheet / (np.asarray(channel_aspect) * channel_width)
-    )
-    found = (
-        (form != "rocket" and np.any(np.asarray(outlet_radius) >= body),
-         f"the outlet must be smaller than the {form}"),
-        (np.any(np.asarray(open_fraction) <= 0.0),
-         "open_fraction must be positive: gas flows through the wall's channels"),
-        (np.any(np.asarray(channel_aspect) < 1.0),
-         "channel_aspect must be 1 at least: it is the longer side over the shorter"),
-        (np.any(np.asarray(wall_thickness) <= 2.0 * sheet),
-         "wall_thickness must exceed twice sheet_thickness: the wall has two faces"),
-        (np.any(np.asarray(wall_thickness) >= body),
-         f"wall_thickness must be smaller than the radius of the {form}"),
-        (np.any(np.asarray(channel_width) * channel_aspect >= 2.0 * body),
-         f"the channels must be narrower than the {form}"),
-        (np.any(np.asarray(open_fraction) * lined > 1.0),
-         "channels of this open_fraction and their sheets take more than the whole wall"),
-    )  # fmt: skip
-    return next((text for wrong, text in found if wrong), None)
-
-
-class HollowSection(FlyerSection):
+class HollowSection(FlyerSection, of=HollowBody):
     """``[flyer]``: a hollow body, with its films in ``[flyer.outer]`` and ``[flyer.inner]``."""
 
-    flyer_type: ClassVar[type[AbstractFlyer]] = HollowBody
-    needs_film: ClassVar[bool] = False
     default_model: ClassVar[str] = "hollow-pump"
+    spelled: ClassVar[Mapping[str, Spelling]] = {
+        "outlet_radius": Spelling("outlet_diameter", 0.5),
+    }
+    first_keys: ClassVar[tuple[str, ...]] = (
+        *("shape", "form", "size", "outlet_diameter", "open_fraction"),
+        *("channel_width", "channel_aspect"),
+    )
 
     shape: Literal["hollow"]
     form: Form
-    size: Length
-    outlet_diameter: Length
-    open_fraction: OpenFraction
-    channel_width: Length
-    channel_aspect: Coefficient = Measured(10.0)
-    wall_thickness: Length
-    sheet_thickness: Length
-    sheet_conductivity: Conductivity
-    sheet_density: Density | None = None
-    outer: AnyFilmSection
-    inner: AnyFilmSection
-
-    @pydantic.model_validator(mode="after")
-    def _sizes_fit(self) -> "HollowSection":
-        same = (name for name in _SIZES if name != "outlet_radius")
-        problem = _contradiction(
-            self.form,
-            outlet_radius=0.5 * self.outlet_diameter.value,
-            **{name: getattr(self, name).value for name in same},
-        )
-        if problem:
-            raise ConfigurationError(problem)
-        return self
-
-    def build(self, film: FilmProperties | None, incidence: float) -> HollowBody:  # noqa: ARG002
-        """The body, of its own films."""
-        density = self.sheet_density
-        return HollowBody(
-            outer=self.outer.build(incidence),
-            inner=self.inner.build(incidence),
-            size=self.size.value,
-            outlet_radius=0.5 * self.outlet_diameter.value,
-            open_fraction=self.open_fraction.value,
-            channel_width=self.channel_width.value,
-            wall_thickness=self.wall_thickness.value,
-            sheet_thickness=self.sheet_thickness.value,
-            sheet_conductivity=self.sheet_conductivity.value,
-            form=self.form,
-            channel_aspect=self.channel_aspect.value,
-            sheet_density=None if density is None else density.value,
-            payload=self.payload.value,
-            attitude=self.attitude(),
-        )

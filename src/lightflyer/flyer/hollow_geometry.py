@@ -20,7 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.foundation.types import Numeric
+from lightflyer.core.types import Numeric
 
 Form = Literal["cone", "sphere", "rocket"]
 """Names of the shapes."""

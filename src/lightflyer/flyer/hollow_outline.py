@@ -2,10 +2,10 @@
 
 import jax.numpy as jnp
 
+from lightflyer.core.types import Numeric
 from lightflyer.drag.convex import Outline, sphere_outline
 from lightflyer.drag.disk import Direction
 from lightflyer.flyer.hollow_geometry import FORMS
-from lightflyer.foundation.types import Numeric
 
 
 def hollow_outline(

@@ -1,12 +1,14 @@
 """The nanocardboard plate: two films joined by the walls of open channels."""
 
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal
 
 import jax.numpy as jnp
 import numpy as np
-import pydantic
 from jax import Array
 
+from lightflyer.core.quantity import ArealDensity, Conductivity, Density, Length, Mass
+from lightflyer.core.types import Numeric
 from lightflyer.drag.disk import (
     Direction,
     disk_caveats,
@@ -16,20 +18,33 @@ from lightflyer.drag.disk import (
 )
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
-from lightflyer.film.diffraction import narrow_channels
-from lightflyer.film.layered_section import AnyFilmSection
+from lightflyer.files.section import DIAMETER, Spelling
+from lightflyer.film.optics.diffraction import narrow_channels
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.sheets import net_gains, sheet_in_light
-from lightflyer.foundation.checks import is_concrete
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.quantity import ArealDensity, Conductivity, Density, Length, Mass
-from lightflyer.foundation.types import Numeric
-from lightflyer.gas.passing import slot_transmission
+from lightflyer.gas.transmission_probability import slot_transmission
 
 _MILLIMETRE = 1e-3
+
+
+def _contradiction(
+    radius: Numeric,
+    channel_width: Numeric,
+    channel_length: Numeric,
+    spacing: Numeric,
+    wall_thickness: Numeric,
+) -> str | None:
+    """How sizes contradict each other, or None."""
+    if np.any(np.asarray(channel_length) < channel_width):
+        return "channel_length is the long side of a channel: at least its channel_width"
+    if np.any(np.asarray(channel_length) + spacing > 2.0 * np.asarray(radius)):
+        return "channel_length and spacing together must not exceed the plate's diameter"
+    if np.any(2.0 * np.asarray(wall_thickness) >= spacing):
+        return "wall_thickness must be less than half of spacing: neighbouring walls would meet"
+    return None
 
 
 class Plate(AbstractFlyer):
@@ -86,6 +101,7 @@ class Plate(AbstractFlyer):
     drag_law: ClassVar[str] = (
         "of a thin disk by the kinetic equation, less the molecules that pass, with inertia"
     )
+    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
     top: FilmProperties
     bottom: FilmProperties
@@ -100,19 +116,6 @@ class Plate(AbstractFlyer):
     attitude: Attitude | None = None
     wall_density: Density | None = None
     areal_density: ArealDensity | None = None
-
-    def __check_init__(self) -> None:
-        super().__check_init__()  # first each number by itself
-        sizes = (
-            self.radius,
-            self.channel_width,
-            self.channel_length,
-            self.spacing,
-            self.wall_thickness,
-        )
-        problem = _contradiction(*sizes) if is_concrete(*sizes) else None
-        if problem:
-            raise ParameterError(problem)
 
     @property
     def area(self) -> Numeric:
@@ -251,74 +254,10 @@ class Plate(AbstractFlyer):
         return f"plate of {2.0 * float(np.asarray(self.radius)) / _MILLIMETRE:g} mm"
 
 
-def _contradiction(
-    radius: Numeric,
-    channel_width: Numeric,
-    channel_length: Numeric,
-    spacing: Numeric,
-    wall_thickness: Numeric,
-) -> str | None:
-    """How sizes contradict each other, or None."""
-    if np.any(np.asarray(channel_length) < channel_width):
-        return "channel_length is the long side of a channel: at least its channel_width"
-    if np.any(np.asarray(channel_length) + spacing > 2.0 * np.asarray(radius)):
-        return "channel_length and spacing together must not exceed the plate's diameter"
-    if np.any(2.0 * np.asarray(wall_thickness) >= spacing):
-        return "wall_thickness must be less than half of spacing: neighbouring walls would meet"
-    return None
-
-
-class PlateSection(FlyerSection):
+class PlateSection(FlyerSection, of=Plate):
     """``[flyer]``: a plate, with its films in ``[flyer.top]`` and ``[flyer.bottom]``."""
 
-    flyer_type: ClassVar[type[AbstractFlyer]] = Plate
-    needs_film: ClassVar[bool] = False
     default_model: ClassVar[str] = "channel-pump"
+    spelled: ClassVar[Mapping[str, Spelling]] = {"radius": DIAMETER}
 
     shape: Literal["plate"]
-    diameter: Length
-    channel_width: Length
-    channel_length: Length
-    spacing: Length
-    height: Length
-    wall_thickness: Length
-    wall_conductivity: Conductivity
-    wall_density: Density | None = None
-    areal_density: ArealDensity | None = None
-    top: AnyFilmSection
-    bottom: AnyFilmSection
-
-    @pydantic.model_validator(mode="after")
-    def _sizes_fit(self) -> "PlateSection":
-        problem = _contradiction(
-            0.5 * self.diameter.value,
-            self.channel_width.value,
-            self.channel_length.value,
-            self.spacing.value,
-            self.wall_thickness.value,
-        )
-        if problem:
-            raise ConfigurationError(problem)
-        return self
-
-    def build(self, film: FilmProperties | None, incidence: float) -> Plate:  # noqa: ARG002
-        """The plate, of its own films."""
-        optional = {
-            name: getattr(self, name).value
-            for name in ("wall_density", "areal_density")
-            if getattr(self, name) is not None
-        }
-        return Plate(
-            top=self.top.build(incidence),
-            bottom=self.bottom.build(incidence),
-            radius=0.5 * self.diameter.value,
-            channel_width=self.channel_width.value,
-            channel_length=self.channel_length.value,
-            spacing=self.spacing.value,
-            height=self.height.value,
-            wall_thickness=self.wall_thickness.value,
-            wall_conductivity=self.wall_conductivity.value,
-            payload=self.payload.value,
-            attitude=self.attitude(),
-            **optional,
-        )

@@ -1,13 +1,22 @@
 """The sandwich of two perforated membranes, the lower one warmer in sunlight."""
 
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-import pydantic
 from jax import Array
 
+from lightflyer.core.quantity import (
+    Conductivity,
+    Density,
+    Fraction,
+    Length,
+    Mass,
+    OpenFraction,
+)
+from lightflyer.core.types import Numeric
 from lightflyer.drag.disk import (
     Direction,
     disk_caveats,
@@ -17,8 +26,8 @@ from lightflyer.drag.disk import (
 )
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
-from lightflyer.film.diffraction import narrow_holes
-from lightflyer.film.layered_section import AnyFilmSection
+from lightflyer.files.section import DIAMETER, Spelling
+from lightflyer.film.optics.diffraction import narrow_holes
 from lightflyer.film.properties import FilmProperties, excess_of_growth
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.section import FlyerSection
@@ -30,20 +39,20 @@ from lightflyer.flyer.sheets import (
     sheet_in_infrared,
     sheet_in_light,
 )
-from lightflyer.foundation.checks import is_concrete
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.quantity import (
-    Conductivity,
-    Density,
-    Fraction,
-    Length,
-    Mass,
-    OpenFraction,
-)
-from lightflyer.foundation.types import Numeric
-from lightflyer.gas.passing import coaxial_share
+from lightflyer.gas.transmission_probability import coaxial_share
 
 _CENTIMETRE = 1e-2
+
+
+def _contradiction(
+    radius: Numeric, hole_radius: Numeric, open_fraction: Numeric, support_fraction: Numeric
+) -> str | None:
+    """How sizes contradict each other, or None."""
+    if np.any(np.asarray(hole_radius) >= radius):
+        return "hole_radius must be smaller than the radius of the sandwich"
+    if np.any(np.asarray(open_fraction) + support_fraction > 1.0):
+        return "open_fraction and support_fraction exceed 1 together; supports stand on film"
+    return None
 
 
 class Sandwich(AbstractFlyer):
@@ -97,6 +106,7 @@ class Sandwich(AbstractFlyer):
     drag_law: ClassVar[str] = (
         "of a thin disk by the kinetic equation, less the molecules that pass, with inertia"
     )
+    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
     top: FilmProperties
     bottom: FilmProperties
@@ -109,13 +119,6 @@ class Sandwich(AbstractFlyer):
     payload: Mass = 0.0
     attitude: Attitude | None = None
     support_density: Density | None = None
-
-    def __check_init__(self) -> None:
-        super().__check_init__()  # first each number by itself
-        sizes = (self.radius, self.hole_radius, self.open_fraction, self.support_fraction)
-        problem = _contradiction(*sizes) if is_concrete(*sizes) else None
-        if problem:
-            raise ParameterError(problem)
 
     @property
     def area(self) -> Numeric:
@@ -266,60 +269,10 @@ class Sandwich(AbstractFlyer):
         return Exitance(self.solid_fraction * top, self.solid_fraction * bottom)
 
 
-def _contradiction(
-    radius: Numeric, hole_radius: Numeric, open_fraction: Numeric, support_fraction: Numeric
-) -> str | None:
-    """How sizes contradict each other, or None."""
-    if np.any(np.asarray(hole_radius) >= radius):
-        return "hole_radius must be smaller than the radius of the sandwich"
-    if np.any(np.asarray(open_fraction) + support_fraction > 1.0):
-        return "open_fraction and support_fraction exceed 1 together; supports stand on film"
-    return None
-
-
-class SandwichSection(FlyerSection):
+class SandwichSection(FlyerSection, of=Sandwich):
     """``[flyer]``: a sandwich, with its films in ``[flyer.top]`` and ``[flyer.bottom]``."""
 
-    flyer_type: ClassVar[type[AbstractFlyer]] = Sandwich
-    needs_film: ClassVar[bool] = False
     default_model: ClassVar[str] = "schafer2025"
+    spelled: ClassVar[Mapping[str, Spelling]] = {"radius": DIAMETER}
 
     shape: Literal["sandwich"]
-    diameter: Length
-    gap: Length
-    open_fraction: OpenFraction
-    hole_radius: Length
-    support_fraction: Fraction
-    support_conductivity: Conductivity
-    support_density: Density | None = None
-    top: AnyFilmSection
-    bottom: AnyFilmSection
-
-    @pydantic.model_validator(mode="after")
-    def _sizes_fit(self) -> "SandwichSection":
-        problem = _contradiction(
-            0.5 * self.diameter.value,
-            self.hole_radius.value,
-            self.open_fraction.value,
-            self.support_fraction.value,
-        )
-        if problem:
-            raise ConfigurationError(problem)
-        return self
-
-    def build(self, film: FilmProperties | None, incidence: float) -> Sandwich:  # noqa: ARG002
-        """The sandwich, of its own films."""
-        density = self.support_density
-        return Sandwich(
-            top=self.top.build(incidence),
-            bottom=self.bottom.build(incidence),
-            radius=0.5 * self.diameter.value,
-            gap=self.gap.value,
-            open_fraction=self.open_fraction.value,
-            hole_radius=self.hole_radius.value,
-            support_fraction=self.support_fraction.value,
-            support_conductivity=self.support_conductivity.value,
-            payload=self.payload.value,
-            attitude=self.attitude(),
-            support_density=None if density is None else density.value,
-        )

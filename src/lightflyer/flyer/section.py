@@ -1,18 +1,25 @@
 """``[flyer]`` of a flyer file: what all its alternatives share."""
 
-import abc
-from typing import ClassVar
+import dataclasses
+from typing import Any, ClassVar
 
+from lightflyer.core.quantity import RADIANS_PER_DEGREE, Azimuth, Mass, Tilt
+from lightflyer.core.units import Measured
 from lightflyer.environment.radiation import Attitude
+from lightflyer.files.section import Alternative
+from lightflyer.film.layered_section import AnyFilmSection
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.foundation.quantity import RADIANS_PER_DEGREE, Azimuth, Mass, Tilt
-from lightflyer.foundation.section import Alternative
-from lightflyer.foundation.units import Measured
+
+_FILM = "film"
 
 
-class FlyerSection(Alternative, abc.ABC):
-    """``[flyer]``: payload and attitude; subclasses add shape and size."""
+class FlyerSection(Alternative):
+    """``[flyer]``: payload and attitude; subclasses add shape and size.
+
+    A field ``film`` of the flyer is what ``[film]`` says; any other film has a section of its own,
+    such as ``[flyer.top]``, after the numbers.
+    """
 
     choosing_keys: ClassVar[tuple[tuple[str, str], ...]] = (("shape", "disk"),)
     flyer_type: ClassVar[type[AbstractFlyer]]
@@ -31,7 +38,19 @@ class FlyerSection(Alternative, abc.ABC):
     tilt: Tilt = Measured(0.0)
     azimuth: Azimuth = Measured(0.0)
 
-    @abc.abstractmethod
+    def __init_subclass__(cls, of: type[AbstractFlyer] | None = None, **options: Any) -> None:
+        if of is not None:
+            cls.flyer_type = of
+            if _films(of) and _FILM not in _films(of):
+                cls.needs_film = False
+        super().__init_subclass__(of=of, **options)
+
+    @classmethod
+    def keys_of(cls, described: type) -> dict[str, tuple[Any, Any]]:
+        """See :meth:`Section.keys_of`."""
+        films = {name: (AnyFilmSection, ...) for name in _films(described) if name != _FILM}
+        return super().keys_of(described) | films
+
     def build(self, film: FilmProperties | None, incidence: float) -> AbstractFlyer:
         """The flyer.
 
@@ -46,6 +65,11 @@ class FlyerSection(Alternative, abc.ABC):
         -------
         AbstractFlyer
         """
+        films = {
+            name: film if name == _FILM else getattr(self, name).build(incidence)
+            for name in _films(self.flyer_type)
+        }
+        return self.make(**films, attitude=self.attitude())
 
     def attitude(self) -> Attitude | None:
         """Attitude of the flyer, None for a level one."""
@@ -55,3 +79,7 @@ class FlyerSection(Alternative, abc.ABC):
         return Attitude(
             self.tilt.value * RADIANS_PER_DEGREE, self.azimuth.value * RADIANS_PER_DEGREE
         )
+
+
+def _films(flyer: type) -> list[str]:
+    return [field.name for field in dataclasses.fields(flyer) if field.type is FilmProperties]

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.core.types import Numeric
 from lightflyer.film.properties import FilmProperties
-from lightflyer.foundation.types import Numeric
 
 
 class Sheet(NamedTuple):

@@ -7,6 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.quantity import StandardErrors
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.balloon import Balloon
 from lightflyer.flyer.base import AbstractFlyer
@@ -14,10 +16,7 @@ from lightflyer.force.base import AbstractForceModel, ModelResult
 from lightflyer.force.convection import OUTER_RAYLEIGH, sphere_conductance
 from lightflyer.force.lu2023 import rayleigh_number
 from lightflyer.force.section import ForceSection
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import StandardErrors
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.units import Measured
+from lightflyer.program.entry_point import entry_point
 
 _SCATTER = 0.15
 """Standard uncertainty of the law outside, relative [1]: what laws of turbulent convection differ
@@ -148,14 +147,7 @@ def _of_filling(
         )
 
 
-class BalloonForceSection(ForceSection):
+class BalloonForceSection(ForceSection, of=BalloonConvection):
     """``[force]``: convection and buoyancy of a balloon; the law's own error counts."""
 
-    model_type: ClassVar[type[AbstractForceModel]] = BalloonConvection
-
     model: Literal["balloon"]
-    convection_error: StandardErrors = Measured(0.0, 1.0)
-
-    def build(self) -> BalloonConvection:
-        """The force model."""
-        return BalloonConvection(self.convection_error.value)

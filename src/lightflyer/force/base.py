@@ -14,11 +14,11 @@ from typing import Any, ClassVar
 import equinox as eqx
 from jax import Array
 
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Checked
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.quantity import Checked
-from lightflyer.foundation.types import Numeric
 from lightflyer.gas.base import AbstractGas
 
 ANY_GAS = ("monatomic", "diatomic", "polyatomic")

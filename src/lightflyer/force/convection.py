@@ -20,12 +20,12 @@ import math
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.force.laws import free_molecular_conductance, in_series
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
+from lightflyer.force.laws.faces import free_molecular_conductance, in_series
 from lightflyer.force.lu2023 import rayleigh_number
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import AbstractGas
+from lightflyer.program.entry_point import entry_point
 
 _CONDUCTION = 2.0  # Nusselt number of a sphere in endless gas at rest, by the diameter
 _LAMINAR, _TURBULENT = 0.589, 0.150  # [Churchill1983]; [ChurchillChu1975], 0.387²

@@ -5,16 +5,16 @@ from typing import ClassVar, Literal
 
 from jax import Array
 
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.force.laws import accommodated_force, free_molecular_conductance, linear_force
+from lightflyer.force.laws.faces import accommodated_force, free_molecular_conductance, linear_force
 from lightflyer.force.section import ForceSection
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.validity import Validity
 from lightflyer.gas.base import knudsen_number
+from lightflyer.program.entry_point import entry_point
 
 # by the kinetic force, collisions take 1 % at Kn 10
 _THIN = Validity(
@@ -141,25 +141,13 @@ def _caveats_of_collisions(disk: Disk, state: EnvironmentState) -> tuple[str, ..
     return tuple(_THIN.caveats(knudsen, state.pressure))
 
 
-class FreeMolecularSection(ForceSection):
+class FreeMolecularSection(ForceSection, of=FreeMolecular):
     """``[force]``: the exact free-molecular limit."""
-
-    model_type: ClassVar[type[AbstractForceModel]] = FreeMolecular
 
     model: Literal["free-molecular"]
 
-    def build(self) -> FreeMolecular:
-        """The force model."""
-        return FreeMolecular()
 
-
-class LinearFreeMolecularSection(ForceSection):
+class LinearFreeMolecularSection(ForceSection, of=LinearFreeMolecular):
     """``[force]``: the free-molecular limit for small temperature differences."""
 
-    model_type: ClassVar[type[AbstractForceModel]] = LinearFreeMolecular
-
     model: Literal["free-molecular-linear"]
-
-    def build(self) -> LinearFreeMolecular:
-        """The force model."""
-        return LinearFreeMolecular()

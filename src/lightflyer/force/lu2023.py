@@ -6,25 +6,24 @@ neither is the truth, nor known to be the paper's.
 """
 
 import math
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.core.quantity import Coefficient
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.force.laws import free_molecular_conductance, in_series
+from lightflyer.force.laws.faces import free_molecular_conductance, in_series
 from lightflyer.force.section import ForceSection
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import Coefficient
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.units import Measured
-from lightflyer.foundation.validity import Validity
 from lightflyer.gas.air import AbstractAir
 from lightflyer.gas.base import AbstractGas
+from lightflyer.program.entry_point import entry_point
 
 _THERMAL_CREEP = 1.14  # κ_s of [Lu2023] Eq. (20)
 _DISK_NUSSELT = 8.0 / math.pi  # isothermal disk at rest, [Lu2023] Eq. (7)
@@ -318,16 +317,12 @@ def _of_gas(gas: AbstractGas) -> tuple[str, ...]:
     return (f"c_fm and c_cont of lu2023 were fitted in air, and the gas is {gas.name}",)
 
 
-class Lu2023ForceSection(ForceSection):
+class Lu2023ForceSection(ForceSection, of=Lu2023):
     """``[force]``: the paper's interpolation between limits."""
-
-    model_type: ClassVar[type[AbstractForceModel]] = Lu2023
 
     model: Literal["lu2023"] = "lu2023"
     reading: Literal["reported", "printed"] = "reported"
-    c_fm: Coefficient = Measured(_FITTED_C_FM)
-    c_cont: Coefficient = Measured(_FITTED_C_CONT)
 
-    def build(self) -> Lu2023:
-        """The force model."""
-        return Lu2023(self.c_fm.value, self.c_cont.value, READINGS[self.reading])
+    def make(self, **given: Any) -> Lu2023:
+        """The model in that reading."""
+        return super().make(reading=READINGS[self.reading], **given)

@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.lu2023 import REPORTED, Lu2023, Reading
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.types import Numeric
 
 
 class SimpleForm(NamedTuple):

@@ -7,9 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.foundation import constants
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
+from lightflyer.core import constants
+from lightflyer.core.types import Numeric
 from lightflyer.gas import relaxation
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.lemmon_jacobsen import LemmonJacobsen
@@ -20,6 +19,7 @@ from lightflyer.gas.reference import (
     vibration,
 )
 from lightflyer.gas.relaxation import Parker
+from lightflyer.program.entry_point import entry_point
 
 
 def _power(base: Numeric, exponent: float, unit: float = 1.0) -> Array:

@@ -13,11 +13,11 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.foundation.checks import require_positive
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
+from lightflyer.core.checks import require_positive
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
 from lightflyer.gas.relaxation import COLLISION_RATE, Parker, vhs_collision_rate
+from lightflyer.program.entry_point import entry_point
 
 
 class AbstractGas(eqx.Module):

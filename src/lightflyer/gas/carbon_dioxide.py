@@ -6,13 +6,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.validity import Validity
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
 from lightflyer.gas.base import AbstractGas
-from lightflyer.gas.followed import Followed
+from lightflyer.gas.chebyshev_fit import ChebyshevFit
 from lightflyer.gas.reference import BEYOND, GAS_CONSTANT, vibration
+from lightflyer.program.entry_point import entry_point
 
 MOLAR_MASS = 44.0098
 """Molar mass [kg/kmol]; [SpanWagner1996]_."""
@@ -132,11 +132,11 @@ def _viscous_conductivity(temperature: np.ndarray) -> np.ndarray:
 
 _ENDS = (COLDEST, HOTTEST)
 # without the root of T, with which it continues beyond the range
-_VISCOSITY_FIT = Followed.of(
+_VISCOSITY_FIT = ChebyshevFit.of(
     lambda kelvin: reference_viscosity(kelvin) / np.sqrt(kelvin), _ENDS, _MIDDLE, _DEGREE
 )
-_HEAT_CAPACITY_FIT = Followed.of(reference_heat_capacity, _ENDS, _MIDDLE, _DEGREE)
-_EUCKEN_FIT = Followed.of(
+_HEAT_CAPACITY_FIT = ChebyshevFit.of(reference_heat_capacity, _ENDS, _MIDDLE, _DEGREE)
+_EUCKEN_FIT = ChebyshevFit.of(
     lambda kelvin: _published_conductivity(kelvin) / _viscous_conductivity(kelvin),
     (_COLDEST_CONDUCTIVITY, HOTTEST),
     _MIDDLE,

@@ -10,12 +10,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.foundation import constants
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
-from lightflyer.foundation.validity import Validity
+from lightflyer.core import constants
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
 from lightflyer.gas.base import AbstractGas
-from lightflyer.gas.followed import Followed
+from lightflyer.gas.chebyshev_fit import ChebyshevFit
+from lightflyer.program.entry_point import entry_point
 
 GAS_CONSTANT: Final = 1e3 * constants.BOLTZMANN * constants.AVOGADRO
 """Molar gas constant [J/(kmol K)]."""
@@ -57,22 +57,22 @@ class Correlations:
     # Transport is followed without the root of T, with which it continues beyond the range. The
     # polynomials are made when they are first used: few gases are, and a start should be fast.
     @cached_property
-    def followed_viscosity(self) -> Followed:
+    def followed_viscosity(self) -> ChebyshevFit:
         """Of the viscosity over the root of the temperature."""
         return self._followed(lambda kelvin: self.viscosity(kelvin) / np.sqrt(kelvin))
 
     @cached_property
-    def followed_conductivity(self) -> Followed:
+    def followed_conductivity(self) -> ChebyshevFit:
         """Of the conductivity over the root of the temperature."""
         return self._followed(lambda kelvin: self.conductivity(kelvin) / np.sqrt(kelvin))
 
     @cached_property
-    def followed_heat_capacity(self) -> Followed:
+    def followed_heat_capacity(self) -> ChebyshevFit:
         """Of the heat capacity over the gas constant."""
         return self._followed(self.heat_capacity)
 
-    def _followed(self, formula: Formula) -> Followed:
-        return Followed.of(formula, self.ends, _MIDDLE, _DEGREE)
+    def _followed(self, formula: Formula) -> ChebyshevFit:
+        return ChebyshevFit.of(formula, self.ends, _MIDDLE, _DEGREE)
 
 
 _MIDDLE, _DEGREE = 600.0, 12  # [K]; follow every formula here to 1e-5
@@ -134,17 +134,24 @@ def vibration(temperature: np.ndarray, characteristic: float) -> np.ndarray:
     return (half / np.sinh(half)) ** 2
 
 
-def monatomic_heat_capacity(temperature: np.ndarray) -> np.ndarray:
-    """Isobaric heat capacity of atoms over the gas constant, 5/2 at any temperature.
+@dataclass(frozen=True)
+class IdealHeatCapacity:
+    """Isobaric heat capacity of an ideal gas over its gas constant, as published.
 
-    Parameters
+    Attributes
     ----------
-    temperature : array, shape (...)
-        [K].
-
-    Returns
-    -------
-    array, shape (...)
-        [1].
+    polynomial : tuple of float
+        Of the rigid molecule, in ascending powers of the temperature [K].
+    vibrations : tuple of tuple
+        Weights [1] and temperatures [K] of oscillators.
     """
-    return np.full_like(temperature, MONATOMIC_HEAT_CAPACITY)
+
+    polynomial: tuple[float, ...]
+    vibrations: tuple[tuple[float, float], ...] = ()
+
+    def __call__(self, temperature: np.ndarray) -> np.ndarray:
+        """Heat capacity [1] at temperatures [K], shape (...)."""
+        total = np.polynomial.polynomial.polyval(temperature, self.polynomial)
+        for weight, characteristic in self.vibrations:
+            total = total + weight * vibration(temperature, characteristic)
+        return np.asarray(total)

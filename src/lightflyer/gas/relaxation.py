@@ -6,8 +6,8 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
+from lightflyer.core.types import Numeric
+from lightflyer.program.entry_point import entry_point
 
 _FIRST, _SECOND = 0.5 * math.pi**1.5, math.pi + 0.25 * math.pi**2  # [Parker1959]
 

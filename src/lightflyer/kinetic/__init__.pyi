@@ -1,7 +1,7 @@
-from .chamber import ChamberSolution as ChamberSolution
-from .chamber import solve_in_chamber as solve_in_chamber
-from .enclosure import Chamber as Chamber
-from .enclosure import Surface as Surface
+from .chamber.enclosure import Chamber as Chamber
+from .chamber.enclosure import Surface as Surface
+from .chamber.solution import ChamberSolution as ChamberSolution
+from .chamber.solution import solve_in_chamber as solve_in_chamber
 from .figures import draw_flow as draw_flow
 from .figures import flow_figure as flow_figure
 from .moving import MovingSolution as MovingSolution

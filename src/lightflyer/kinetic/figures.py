@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.foundation.drawing import SKY, figure_for, outlined
+from lightflyer.files.drawing import SKY, figure_for, outlined
 
 if TYPE_CHECKING:
-    from lightflyer.kinetic.chamber import ChamberSolution
-    from lightflyer.kinetic.enclosure import Chamber
+    from lightflyer.kinetic.chamber.enclosure import Chamber
+    from lightflyer.kinetic.chamber.solution import ChamberSolution
     from lightflyer.kinetic.solver import Solution
 
 _EXTENT = 3.0

@@ -8,7 +8,7 @@ Rates are in units of the collision frequency p/μ. A heat flux that relaxes at 
 
 from dataclasses import dataclass
 
-from lightflyer.foundation.errors import ParameterError
+from lightflyer.core.errors import ParameterError
 
 
 @dataclass(frozen=True)

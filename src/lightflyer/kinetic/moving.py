@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.foundation.checks import require_range
-from lightflyer.foundation.extras import extra
-from lightflyer.foundation.quantity import HIGHEST_OPEN_FRACTION
+from lightflyer.core.checks import require_range
+from lightflyer.core.extras import extra
+from lightflyer.core.quantity import HIGHEST_OPEN_FRACTION
 from lightflyer.kinetic.model_gases import GasModel, gas_model
 from lightflyer.kinetic.walls import Wall, require_wall
 
@@ -122,7 +122,7 @@ class MovingSolution:
         dict of str to array, shape (...)
             As for :meth:`Solution.flow`.
         """
-        from lightflyer.kinetic.flow import sample
+        from lightflyer.kinetic.disk.flow import sample
 
         return sample(self._outcome, np.asarray(radius, float), np.asarray(height, float))
 
@@ -183,7 +183,7 @@ def solve_moving(
     require_range("open_fraction", open_fraction, 0.0, HIGHEST_OPEN_FRACTION)
     model, known = gas_model(gas), require_wall(wall)
     extra("numba", "the kinetic solver", "kinetic")
-    from lightflyer.kinetic.cases import Outcome, meshes
+    from lightflyer.kinetic.disk.cases import Outcome, meshes
 
     disk = MovedDisk((float(tac_top), float(tac_bottom)), float(open_fraction), known)
     rarefaction = float(np.sqrt(np.pi) / (4.0 * knudsen))
@@ -218,8 +218,8 @@ def moving_outcomes(
     -------
     list of MovingOutcome
     """
-    from lightflyer.kinetic.linear import LinearSystem, Walls, face_result
-    from lightflyer.kinetic.operators import assemble
+    from lightflyer.kinetic.disk.linear import LinearSystem, Walls, face_result
+    from lightflyer.kinetic.disk.operators import assemble
 
     mesh = level.mesh(rarefaction, np.inf)
     operators = assemble(mesh, rarefaction, level.quadrature)

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.foundation.checks import require_range
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.extras import extra
-from lightflyer.foundation.progress import report
-from lightflyer.foundation.quantity import HIGHEST_OPEN_FRACTION
+from lightflyer.core.checks import require_range
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.extras import extra
+from lightflyer.core.progress import report
+from lightflyer.core.quantity import HIGHEST_OPEN_FRACTION
 from lightflyer.kinetic.model_gases import gas_model
 from lightflyer.kinetic.walls import WALLS, require_wall
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from lightflyer.kinetic.cases import Case, Outcome
     from lightflyer.kinetic.collisions.brackets import Molecule
+    from lightflyer.kinetic.disk.cases import Case, Outcome
 
 KNUDSEN_RANGE = (0.03, 100.0)
 """Knudsen numbers λ(T_c)/(2r) for which the meshes are made."""
@@ -179,7 +179,7 @@ class Solution:
             ``heat_flux_axial`` [p √(2RT_c)]; for a diatomic gas also ``rotational_temperature``.
             In the linear problem all are per unit perturbation.
         """
-        from lightflyer.kinetic.flow import sample
+        from lightflyer.kinetic.disk.flow import sample
 
         return sample(self._outcome, np.asarray(radius, float), np.asarray(height, float))
 
@@ -275,7 +275,7 @@ def solve(
         boundary,
     )
     molecule = _molecule(case, collisions, viscosity_exponent, collision_number)
-    from lightflyer.kinetic.cases import SMALLEST_ERROR, meshes, solve_case
+    from lightflyer.kinetic.disk.cases import SMALLEST_ERROR, meshes, solve_case
 
     began = time.perf_counter()
     report("solving the kinetic equation (compiled once, at its first use)")
@@ -333,7 +333,7 @@ def _case(
     if all(value == (0.0 if linear else 1.0) for value in temperature):
         raise ParameterError("both faces are at the gas temperature: force and heat are zero")
     extra("numba", "the kinetic solver", "kinetic")
-    from lightflyer.kinetic.cases import Case
+    from lightflyer.kinetic.disk.cases import Case
 
     return Case(
         rarefaction=float(np.sqrt(np.pi) / (4.0 * knudsen)),

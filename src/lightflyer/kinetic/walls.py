@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from lightflyer.foundation.errors import ParameterError
+from lightflyer.core.errors import ParameterError
 
 Wall = Literal["maxwell", "accommodated"]
 """A share α of the molecules leaves at the temperature of the face and the rest is reflected, or

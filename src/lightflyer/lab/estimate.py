@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy import optimize, stats
 
-from lightflyer.foundation.errors import ParameterError
+from lightflyer.core.errors import ParameterError
 
 CONFIDENCE = 0.95
 """Confidence of every interval of the lab bench."""

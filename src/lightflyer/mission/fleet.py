@@ -11,25 +11,23 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.precision import float64
+from lightflyer.core.progress import report
+from lightflyer.core.quantity import Checked, Distance, Duration, Speed
+from lightflyer.core.types import Numeric
+from lightflyer.design.design import AbstractDesign
+from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Place
-from lightflyer.flight.design import AbstractDesign
-from lightflyer.flight.setup import Setup
-from lightflyer.foundation.precision import entry_point, float64, quick_entry_point
-from lightflyer.foundation.progress import report
-from lightflyer.foundation.quantity import Checked, Distance, Duration, Speed
-from lightflyer.foundation.types import Numeric
-from lightflyer.mission.attitude import AbstractAttitudeRule
-from lightflyer.mission.integration import Accuracy, Limits, Start, Track, track
-from lightflyer.mission.motion import Craft, planet_of
-from lightflyer.mission.position import directions, latitude_and_longitude, unit_vector
-from lightflyer.mission.wind_error import WindError, draw_wind_errors
+from lightflyer.mission.path.attitude import AbstractAttitudeRule
+from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track, track
+from lightflyer.mission.path.motion import Craft, planet_of
+from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
+from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
+from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 
 BATCH = 256
 """Flights that are integrated together: a step costs each of them what the slowest needs."""
-
-FEW = 16
-"""Flights up to which compiling costs more than flying."""
 
 _A_DAY = 86_400.0
 _WIND, _RELEASE = 1, 2  # added to the seed, so that one does not follow the other
@@ -204,7 +202,7 @@ def _integrate(flights: Flights, limits: Limits, elapsed: Any, accuracy: Accurac
     return jax.vmap(one)(flights.varied, flights.starts, flights.wind_errors)
 
 
-_tracks, _tracks_of_few = entry_point(_integrate), quick_entry_point(_integrate)
+_tracks = entry_point(_integrate, way="xla")  # thousands of steps one after the other
 
 
 def fly_all(flights: Flights, limits: Limits, elapsed: np.ndarray, accuracy: Accuracy) -> Track:
@@ -224,12 +222,11 @@ def fly_all(flights: Flights, limits: Limits, elapsed: np.ndarray, accuracy: Acc
         Fields have a leading axis of length ``flights.count``.
     """
     size = min(BATCH, flights.count)
-    tracks_of = _tracks_of_few if flights.count <= FEW else _tracks
     starts = range(0, flights.count, size)
     found: list[Track] = []
 
     def compute(start: int) -> Track:
-        return tracks_of(_taken(flights, start, size), limits, elapsed, accuracy)
+        return _tracks(_taken(flights, start, size), limits, elapsed, accuracy)
 
     report("flying", 0, flights.count, "flights")
     found.append(compute(0))  # and is compiled once

@@ -9,23 +9,20 @@ import jax
 import numpy as np
 
 import lightflyer
+from lightflyer.config.designs import as_design
+from lightflyer.core.precision import float64
+from lightflyer.core.quantity import Duration, Quantity, quantity_of
+from lightflyer.design.design import AbstractDesign
+from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.flight.balance import ENERGY_TOLERANCE, require_converged
-from lightflyer.flight.design import AbstractDesign, as_design
-from lightflyer.flight.setup import Setup
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.precision import entry_point, float64
-from lightflyer.foundation.quantity import Duration, Quantity, quantity_of
-from lightflyer.foundation.rootfind import Ending
-from lightflyer.mission.assumptions import assumptions_of, described
-from lightflyer.mission.attitude import AbstractAttitudeRule, Own
-from lightflyer.mission.cautions import cautions_along, why_ended
-from lightflyer.mission.dataset import Several, add_several, add_survival, dataset_of
-from lightflyer.mission.dynamics import Inertia, track_with_inertia
-from lightflyer.mission.ending import MissionEnd
 from lightflyer.mission.fleet import Ensemble, flights_of, fly_all
-from lightflyer.mission.integration import (
+from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
+from lightflyer.mission.path.dynamics import Inertia, track_with_inertia
+from lightflyer.mission.path.ending import MissionEnd
+from lightflyer.mission.path.integration import (
     LONGEST_STEP,
     TOLERANCE,
     Accuracy,
@@ -34,10 +31,15 @@ from lightflyer.mission.integration import (
     Track,
     track,
 )
-from lightflyer.mission.moments import VARIABLES, Course, Variable, moments, node_variables
-from lightflyer.mission.motion import Craft, planet_of
-from lightflyer.mission.position import latitude_and_longitude
-from lightflyer.mission.release import Release, limits_of, require_release_inside
+from lightflyer.mission.path.moments import VARIABLES, Course, Variable, moments, node_variables
+from lightflyer.mission.path.motion import Craft, planet_of
+from lightflyer.mission.path.position import latitude_and_longitude
+from lightflyer.mission.path.release import Release, limits_of, require_release_inside
+from lightflyer.mission.report.assumptions import assumptions_of, described
+from lightflyer.mission.report.cautions import cautions_along, why_ended
+from lightflyer.mission.report.dataset import Several, add_several, add_survival, dataset_of
+from lightflyer.numerics.rootfind import Ending
+from lightflyer.program.entry_point import entry_point
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -5,9 +5,9 @@ from typing import Annotated, Any, Literal
 
 import pydantic
 
-from lightflyer.foundation.clock import seconds_of
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import (
+from lightflyer.core.clock import seconds_of
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Altitude,
     Distance,
@@ -18,11 +18,11 @@ from lightflyer.foundation.quantity import (
     Speed,
     Tilt,
 )
-from lightflyer.foundation.section import Section
-from lightflyer.foundation.units import Measured
-from lightflyer.mission.attitude import AbstractAttitudeRule, FollowSun, Level, Own
+from lightflyer.core.units import Measured
+from lightflyer.files.section import Section
 from lightflyer.mission.fleet import Ensemble
-from lightflyer.mission.release import Release
+from lightflyer.mission.path.attitude import AbstractAttitudeRule, FollowSun, Level, Own
+from lightflyer.mission.path.release import Release
 
 MOST_MEMBERS = 100_000
 """Largest ensemble of one command: its tracks are kept in memory."""

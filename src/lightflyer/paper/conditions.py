@@ -13,22 +13,22 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.core import constants
+from lightflyer.design.outputs import tabulate
+from lightflyer.design.setup import Setup
 from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
 from lightflyer.environment.chamber import Chamber
 from lightflyer.environment.radiation import Radiation
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flight.balance import require_converged
-from lightflyer.flight.outputs import tabulate
-from lightflyer.flight.setup import Setup
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.force.kinetic import Kinetic
+from lightflyer.force.kinetic.model import Kinetic
 from lightflyer.force.lu2023 import PRINTED, REPORTED, Lu2023, Reading
-from lightflyer.foundation import constants
-from lightflyer.foundation.batches import in_batches
-from lightflyer.foundation.precision import quick_entry_point
-from lightflyer.foundation.rootfind import Ending
 from lightflyer.gas.air import LU2023_AIR
+from lightflyer.numerics.batches import in_batches
+from lightflyer.numerics.rootfind import Ending
+from lightflyer.program.entry_point import entry_point
 
 REPORTED_MEAN = Reading(
     heat_weight=REPORTED.heat_weight,
@@ -132,9 +132,9 @@ KINETIC = Column(
 """What the package predicts by default, in the paper's surroundings; no reading of the paper."""
 
 Table = dict[str, np.ndarray]
-"""Outputs of :mod:`lightflyer.flight.outputs` by name, in SI units."""
+"""Outputs of :mod:`lightflyer.design.outputs` by name, in SI units."""
 
-_tabulate = quick_entry_point(tabulate)
+_tabulate = entry_point(tabulate)
 
 
 def behaviour(

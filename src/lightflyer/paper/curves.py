@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from lightflyer.flight.outputs import OUTPUTS
-from lightflyer.foundation import constants
+from lightflyer.core import constants
+from lightflyer.design.outputs import OUTPUTS
 from lightflyer.paper.conditions import (
     COLUMNS,
     Table,

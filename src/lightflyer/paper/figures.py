@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.calibration.points import Points
-from lightflyer.foundation import constants
-from lightflyer.foundation.drawing import (
+from lightflyer.core import constants
+from lightflyer.files.drawing import (
     BLUE,
     GREY,
     MARKERS,

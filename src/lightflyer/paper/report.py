@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import lightflyer
-from lightflyer.foundation import page
+from lightflyer.files import page
 from lightflyer.paper.claims import DECIDING, Claim, Quantity, claims
 from lightflyer.paper.conditions import COLUMNS, KINETIC, facts
 from lightflyer.paper.curves import FIGURES, captions

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from lightflyer.calibration.points import Points
-from lightflyer.foundation import progress
-from lightflyer.foundation.drawing import DOTS_PER_INCH, save, styled
-from lightflyer.foundation.files import output_directory
+from lightflyer.core import progress
+from lightflyer.core.atomic_files import output_directory
+from lightflyer.files.drawing import DOTS_PER_INCH, save, styled
 from lightflyer.paper import report
 from lightflyer.paper.conditions import COLUMNS
 from lightflyer.paper.curves import FIGURES, rows
@@ -50,12 +50,12 @@ def reproduce(
     points : Points, optional
         The user's own measured points.
     formats : sequence of str
-        Of the figures, see :data:`~lightflyer.foundation.drawing.FORMATS`; PNG is always among
+        Of the figures, see :data:`~lightflyer.files.drawing.FORMATS`; PNG is always among
         them, for the report.
     dpi : int
         Dots per inch of a PNG.
     style : str, optional
-        See :func:`~lightflyer.foundation.drawing.styled`.
+        See :func:`~lightflyer.files.drawing.styled`.
 
     Returns
     -------

@@ -9,11 +9,11 @@ import numpy as np
 from scipy.constants import c, h, k
 from scipy.optimize import brentq, minimize_scalar
 
+from lightflyer.core import constants
+from lightflyer.core.types import Numeric
+from lightflyer.design.outputs import OUTPUTS, json_name
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flight.looks import Function, crossing, peak
-from lightflyer.flight.outputs import OUTPUTS, json_name
-from lightflyer.foundation import constants
-from lightflyer.foundation.types import Numeric
+from lightflyer.flight.grid_refinement import Function, crossing, peak
 from lightflyer.paper.conditions import (
     KINETIC,
     POINTS,

@@ -1,31 +1,23 @@
-"""Outputs of one flyer at any number of coordinates, with one compiled function.
+"""Outputs of one flyer at any number of coordinates."""
 
-They are evaluated on tables of a fixed length, so that JAX compiles one function once.
-"""
-
-from functools import partial
 from typing import TypeAlias
 
 import numpy as np
 
+from lightflyer.design.outputs import predicted_names, tabulate_places
+from lightflyer.design.setup import Setup
 from lightflyer.flight.balance import require_converged
-from lightflyer.flight.outputs import predicted_names, tabulate
-from lightflyer.flight.setup import Setup
-from lightflyer.foundation.batches import in_batches
-from lightflyer.foundation.precision import quick_entry_point
-from lightflyer.foundation.rootfind import Ending
+from lightflyer.numerics.rootfind import Ending
 
 POINTS = 301
-"""Length of the tables."""
+"""Places that a search looks at at a time."""
 
 Table: TypeAlias = dict[str, np.ndarray]
 """Outputs by name, each an array over the same coordinates, in SI units."""
 
-_tabulate = quick_entry_point(tabulate)
-
 
 class Evaluator:
-    """Evaluates a setup's outputs at any number of coordinates with one compiled function.
+    """Evaluates a setup's outputs at any number of coordinates.
 
     Parameters
     ----------
@@ -51,7 +43,7 @@ class Evaluator:
         dict of str to array, shape (n,)
         """
         light = np.full(coordinates.shape, self.irradiance) if irradiance is None else irradiance
-        table = in_batches(partial(_tabulate, self.setup), (coordinates, light), POINTS)
+        table = tabulate_places(self.setup, coordinates, light)
         failed = table.pop("converged") < 0.5
         ending = np.where(failed, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
         require_converged("prediction", ending, table.pop("residual"))

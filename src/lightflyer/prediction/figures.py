@@ -8,8 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.flight.outputs import OUTPUTS, node_outputs
-from lightflyer.foundation.drawing import (
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.units import scale_and_offset
+from lightflyer.design.outputs import OUTPUTS, node_outputs
+from lightflyer.files.drawing import (
     BLUE,
     GREEN,
     GREY,
@@ -23,8 +25,6 @@ from lightflyer.foundation.drawing import (
     outlined,
     plain_decades,
 )
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.units import scale_and_offset
 from lightflyer.prediction.evaluator import POINTS, Evaluator
 
 if TYPE_CHECKING:

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.environment.base import AbstractEnvironment, Coordinate
-from lightflyer.flight.cautions import cautions, cautions_of_force
-from lightflyer.flight.design import AbstractDesign, as_design
-from lightflyer.flight.looks import bands_of, crossing, peak
-from lightflyer.flight.outputs import (
+from lightflyer.config.designs import as_design
+from lightflyer.core.units import scale_and_offset
+from lightflyer.design.cautions import cautions, cautions_of_force
+from lightflyer.design.design import AbstractDesign
+from lightflyer.design.outputs import (
     budget_outputs,
     json_name,
     model_outputs,
@@ -22,9 +22,10 @@ from lightflyer.flight.outputs import (
     outputs_of,
     predicted_names,
 )
-from lightflyer.flight.setup import Setup
+from lightflyer.design.setup import Setup
+from lightflyer.environment.base import AbstractEnvironment, Coordinate
+from lightflyer.flight.grid_refinement import bands_of, crossing, peak
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.units import scale_and_offset
 from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import lightflyer
-from lightflyer.flight.outputs import outputs_of
-from lightflyer.foundation.units import dataset_unit
+from lightflyer.core.units import dataset_unit
+from lightflyer.design.outputs import outputs_of
 
 if TYPE_CHECKING:
     import xarray as xr

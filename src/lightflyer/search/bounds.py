@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.flight.design import Field
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import Quantity
-from lightflyer.sweeps.axes import read_ends
-from lightflyer.sweeps.distributions import Distribution, Normal
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Quantity
+from lightflyer.design.design import Field
+from lightflyer.study.axes import read_ends
+from lightflyer.study.distributions import Distribution, Normal
 
 _KEYS = ("from", "to", "scale", "uncertainty")
 _PERCENT = re.compile(r"\s*([-+.\deE]+)\s*%\s*")

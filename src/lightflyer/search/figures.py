@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.foundation.drawing import (
+from lightflyer.files.display_units import in_words, scale_and_label
+from lightflyer.files.drawing import (
     BLUE,
     GREEN,
     GREY,
@@ -17,7 +18,6 @@ from lightflyer.foundation.drawing import (
     new_figure,
     wrapped,
 )
-from lightflyer.sweeps.shown import in_words, scale_and_label
 
 if TYPE_CHECKING:
     from lightflyer.search.front import Front

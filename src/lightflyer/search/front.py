@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.core.errors import LightflyerError
+from lightflyer.core.extras import extra
+from lightflyer.core.progress import Counted
+from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.outputs import outputs_of
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.errors import LightflyerError
-from lightflyer.foundation.extras import extra
-from lightflyer.foundation.progress import Counted
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import PROBABILITY, Problem, as_problem
 from lightflyer.search.range_check import cautions_about

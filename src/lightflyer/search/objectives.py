@@ -11,9 +11,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax.scipy.special import ndtr
 
-from lightflyer.flight.outputs import evaluate
-from lightflyer.foundation.batches import in_batches
-from lightflyer.foundation.precision import float64
+from lightflyer.core.precision import float64
+from lightflyer.design.outputs import evaluate
+from lightflyer.numerics.batches import in_batches
 from lightflyer.search.problem import PROBABILITY, Constraint, Objective, Problem
 
 SCREENED = 512
@@ -30,7 +30,7 @@ class Context(eqx.Module):
     Attributes
     ----------
     tables : pytree
-        See :class:`~lightflyer.flight.design.QuickParts`; None where no film changes.
+        See :class:`~lightflyer.design.design.QuickParts`; None where no film changes.
     shift : pytree
         Films computed in full less those on a coarse grid, where the two were last compared; zero
         before. None where no film changes.
@@ -113,7 +113,7 @@ class ObjectiveFunction:
             Of the same shapes.
         limits : array, shape (constraints,)
         exact : callable
-            In place of :meth:`~lightflyer.flight.design.AbstractDesign.prepare`.
+            In place of :meth:`~lightflyer.design.design.AbstractDesign.prepare`.
         """
         self._context = Context(tables, self._nothing(), limits)
         self._exact = exact

@@ -18,19 +18,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import qmc
 
+from lightflyer.config.designs import as_design
+from lightflyer.core.errors import ConfigurationError, LightflyerError
+from lightflyer.core.progress import report
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.design import as_design
+from lightflyer.files.display_units import amount
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.errors import ConfigurationError, LightflyerError
-from lightflyer.foundation.progress import report
 from lightflyer.prediction.prediction import Prediction, predict_design
-from lightflyer.search.climb import AGREEMENT, FEASIBLE, Found, climb, climb_in_full
+from lightflyer.search.local_search import AGREEMENT, FEASIBLE, Found, climb, climb_in_full
 from lightflyer.search.objectives import SCREENED, ObjectiveFunction
 from lightflyer.search.problem import Problem, as_problem
 from lightflyer.search.range_check import cautions_about, require_within_range
 from lightflyer.search.stacks import Ranking, choose_stack, merit
 from lightflyer.search.tolerance import AsMade, made
-from lightflyer.sweeps.shown import amount
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -208,8 +208,8 @@ def optimise(
     ...     lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023(),
     ...     maximise="payload", over={"altitude": {"from": "60 km", "to": "90 km"}},
     ... )
-    >>> print(f"{best.value * 1e6:.4f} mg at {best.design['altitude'] / 1e3:.3f} km")
-    0.1855 mg at 72.116 km
+    >>> print(f"{best.value * 1e6:.4f} mg at {best.design['altitude'] / 1e3:.2f} km")
+    0.1855 mg at 72.12 km
     """
     problem = as_problem(
         what,

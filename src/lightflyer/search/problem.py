@@ -8,17 +8,18 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.config.designs import as_design
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.quantity import Quantity
+from lightflyer.design.design import AbstractDesign, AbstractStacks, Field
+from lightflyer.design.outputs import check_outputs, outputs_of
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.design import AbstractDesign, AbstractStacks, Field, as_design
-from lightflyer.flight.outputs import check_outputs, outputs_of
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.quantity import Quantity
 from lightflyer.search.bounds import Bounds, Tolerance, errors_of, read_bounds
-from lightflyer.sweeps.axes import Axis, read_entry
-from lightflyer.sweeps.distributions import Distribution, draw_samples, stated_distributions
-from lightflyer.sweeps.sections import OptimiseSection, SamplingSection, from_arguments
-from lightflyer.sweeps.study import Source, errors_at, read_study_file, require_compatible
+from lightflyer.study.axes import Axis, read_entry
+from lightflyer.study.distributions import Distribution, draw_samples, stated_distributions
+from lightflyer.study.sections import OptimiseSection, SamplingSection, from_arguments
+from lightflyer.study.study import Source, errors_at, read_study_file, require_compatible
 
 PROBABILITY = "probability_of_flying"
 """Share of the samples in which a design carries its weight: an objective or a constraint."""

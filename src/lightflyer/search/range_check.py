@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from lightflyer.flight.cautions import cautions_of_design
-from lightflyer.foundation.errors import LightflyerError
+from lightflyer.core.errors import LightflyerError
+from lightflyer.design.cautions import cautions_of_design
 from lightflyer.search.problem import Problem
 
 

@@ -17,21 +17,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.compute.evaluation import Evaluator
+from lightflyer.config.designs import as_design
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.extras import extra
+from lightflyer.core.progress import Counted
+from lightflyer.core.quantity import StandardErrors, quantity_of
+from lightflyer.core.units import file_unit
+from lightflyer.design.design import AbstractDesign
+from lightflyer.design.outputs import check_outputs, outputs_of
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.design import AbstractDesign, as_design
-from lightflyer.flight.outputs import check_outputs, outputs_of
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.errors import ConfigurationError, ParameterError
-from lightflyer.foundation.extras import extra
-from lightflyer.foundation.progress import Counted
-from lightflyer.foundation.quantity import StandardErrors, quantity_of
-from lightflyer.foundation.units import file_unit
 from lightflyer.search.sobol_estimates import REPLICATES, indices_with_intervals
-from lightflyer.sweeps.axes import Axis, read_entry
-from lightflyer.sweeps.distributions import SAMPLE, Distribution, stated_distributions
-from lightflyer.sweeps.evaluation import Evaluator
-from lightflyer.sweeps.sections import SensitivitySection, from_arguments
-from lightflyer.sweeps.study import (
+from lightflyer.study.axes import Axis, read_entry
+from lightflyer.study.distributions import SAMPLE, Distribution, stated_distributions
+from lightflyer.study.sections import SensitivitySection, from_arguments
+from lightflyer.study.study import (
     Dimension,
     Source,
     Study,

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
-from lightflyer.foundation.errors import LightflyerError
-from lightflyer.foundation.progress import report
-from lightflyer.search.climb import FEASIBLE, INFEASIBLE, Found, climb, climb_in_full
+from lightflyer.core.errors import LightflyerError
+from lightflyer.core.progress import report
+from lightflyer.search.local_search import FEASIBLE, INFEASIBLE, Found, climb, climb_in_full
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import Choice, Problem
 

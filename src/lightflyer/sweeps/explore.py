@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.flight.outputs import OUTPUTS
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.units import file_unit, parse
-from lightflyer.sweeps.distributions import SAMPLE
-from lightflyer.sweeps.shown import amount, suitable, unit_of
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.units import file_unit, parse
+from lightflyer.design.outputs import OUTPUTS
+from lightflyer.files.display_units import amount, suitable, unit_of
+from lightflyer.study.distributions import SAMPLE
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,7 +10,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from lightflyer.foundation.drawing import (
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.display_units import scale_and_label
+from lightflyer.files.drawing import (
     BAND,
     BLUE,
     GREEN,
@@ -24,8 +26,7 @@ from lightflyer.foundation.drawing import (
     plain_decades,
     wrapped,
 )
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.sweeps.distributions import SAMPLE
+from lightflyer.study.distributions import SAMPLE
 from lightflyer.sweeps.explore import (
     COSTS,
     choose_slice,
@@ -35,7 +36,6 @@ from lightflyer.sweeps.explore import (
     over_samples,
     pareto_front,
 )
-from lightflyer.sweeps.shown import scale_and_label
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.flight.design import AbstractDesign, Field
-from lightflyer.flight.outputs import check_outputs, outputs_of
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.sweeps.axes import Axis, read_entry, require
-from lightflyer.sweeps.evaluation import Evaluator, Table
-from lightflyer.sweeps.study import Dimension, Study, errors_at, require_compatible
+from lightflyer.compute.evaluation import Evaluator, Table
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.design.design import AbstractDesign, Field
+from lightflyer.design.outputs import check_outputs, outputs_of
+from lightflyer.study.axes import Axis, read_entry, require
+from lightflyer.study.study import Dimension, Study, errors_at, require_compatible
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -22,15 +22,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.compute.chunks import CHUNK
+from lightflyer.compute.devices import find_devices
+from lightflyer.compute.evaluation import Evaluator
+from lightflyer.compute.scheduler import connected, run_here, run_on_dask
+from lightflyer.compute.store import require_same, versions, write_atomically
+from lightflyer.config.designs import as_design
+from lightflyer.core.errors import ConfigurationError, OutputError
+from lightflyer.core.progress import Counted
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.design import as_design
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.errors import ConfigurationError, OutputError
-from lightflyer.foundation.progress import Counted
-from lightflyer.sweeps.chunks import CHUNK
-from lightflyer.sweeps.devices import find_devices
-from lightflyer.sweeps.evaluation import Evaluator
-from lightflyer.sweeps.kept import Kept, samples_of, what_is_kept
+from lightflyer.study.sections import ReduceSection, SamplingSection, from_arguments
+from lightflyer.study.study import Study, make_study
 from lightflyer.sweeps.outcome import SweepReport
 from lightflyer.sweeps.reduced_tree import as_tree
 from lightflyer.sweeps.reducers import (
@@ -40,10 +43,7 @@ from lightflyer.sweeps.reducers import (
     Reducer,
     merge,
 )
-from lightflyer.sweeps.scheduler import connected, run_here, run_on_dask
-from lightflyer.sweeps.sections import ReduceSection, SamplingSection, from_arguments
-from lightflyer.sweeps.store import require_same, versions, write_atomically
-from lightflyer.sweeps.study import Study, make_study
+from lightflyer.sweeps.reduction_plan import ReductionSpec, plan_reductions, samples_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -120,7 +120,7 @@ class BlockTask:
 
     def __call__(self, block: int) -> tuple[int, bytes, int]:
         """Number of the block, what is kept of it, and how many designs have not converged."""
-        kept = what_is_kept(self.study)
+        kept = plan_reductions(self.study)
         partials = {part.name: part.reduction.empty() for part in kept}
         failures = 0
         for start, stop in self.blocks.chunks(block):
@@ -170,7 +170,7 @@ class Progress:
     Parameters
     ----------
     folder : Path
-    kept : list of Kept
+    kept : list of ReductionSpec
     count : int
         Number of blocks.
     description : dict of str to str
@@ -185,7 +185,9 @@ class Progress:
         Designs that have not converged.
     """
 
-    def __init__(self, folder: Path, kept: list[Kept], count: int, description: dict[str, str]):
+    def __init__(
+        self, folder: Path, kept: list[ReductionSpec], count: int, description: dict[str, str]
+    ):
         self._path, self._kept, self._description = folder / _STATE, kept, description
         self.partials: Partials = {part.name: part.reduction.empty() for part in kept}
         self.done = np.zeros(count, bool)
@@ -256,7 +258,7 @@ def reduce_into(
     device : {"cpu", "gpu"}, optional
         Where to compute; by default where JAX does. A GPU also reduces: designs never leave it.
     evaluator : callable, optional
-        In place of the study's own :class:`~lightflyer.sweeps.evaluation.Evaluator`.
+        In place of the study's own :class:`~lightflyer.compute.evaluation.Evaluator`.
     save_every : float
         Time after which what is merged is saved [s].
 
@@ -279,7 +281,7 @@ def reduce_into(
         raise OutputError(
             f"{path}: a reduced sweep is a NetCDF file; let its name end with {_SUFFIX}"
         )
-    kept = what_is_kept(study)
+    kept = plan_reductions(study)
     description = _described(study, kept, blocks)
     start = time.perf_counter()
     with ExitStack() as stack:
@@ -386,7 +388,7 @@ def sweep_reduced(
     return open_reduced(out)
 
 
-def _described(study: Study, kept: list[Kept], blocks: Blocks) -> dict[str, str]:
+def _described(study: Study, kept: list[ReductionSpec], blocks: Blocks) -> dict[str, str]:
     """All that decides the result, in words."""
     return (
         study.description()

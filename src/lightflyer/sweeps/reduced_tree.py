@@ -4,12 +4,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.sweeps.distributions import SAMPLE
+from lightflyer.compute.store import empty_dataset
+from lightflyer.study.distributions import SAMPLE
+from lightflyer.study.study import Study
 from lightflyer.sweeps.explore import less_is_better
-from lightflyer.sweeps.kept import Designs, Kept, samples_of
+from lightflyer.sweeps.reduction_plan import Designs, ReductionSpec, samples_of
 from lightflyer.sweeps.reductions import RESOLUTION, Best, Partial, Spread, histogram, quantiles
-from lightflyer.sweeps.store import empty_dataset
-from lightflyer.sweeps.study import Study
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,7 +26,11 @@ _MOST_OF_THEM = (
 
 
 def as_tree(
-    study: Study, evaluator: Any, kept: list[Kept], partials: dict[str, Partial], failures: int
+    study: Study,
+    evaluator: Any,
+    kept: list[ReductionSpec],
+    partials: dict[str, Partial],
+    failures: int,
 ) -> "xr.DataTree":
     """Tables of the best designs, the fronts and the distributions of a study.
 
@@ -35,7 +39,7 @@ def as_tree(
     study : Study
     evaluator : Evaluator
         Computes all outputs of the designs that are kept.
-    kept : list of Kept
+    kept : list of ReductionSpec
     partials : dict of str to dict
         Of all designs, by name.
     failures : int

@@ -10,16 +10,16 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.foundation.precision import float64
-from lightflyer.foundation.progress import Counted
-from lightflyer.sweeps.devices import OnDevices
-from lightflyer.sweeps.evaluation import Evaluator
-from lightflyer.sweeps.kept import Designs, Kept, samples_of, what_is_kept
+from lightflyer.compute.devices import OnDevices
+from lightflyer.compute.evaluation import Evaluator
+from lightflyer.core.precision import float64
+from lightflyer.core.progress import Counted
+from lightflyer.study.study import Study
+from lightflyer.sweeps.reduction_plan import Designs, ReductionSpec, plan_reductions, samples_of
 from lightflyer.sweeps.reductions import Partial
-from lightflyer.sweeps.study import Study
 
 Partials = dict[str, Partial]
-"""What is kept of some designs, by the names of :class:`~lightflyer.sweeps.kept.Kept`."""
+"""What is kept of some designs, by the names in :mod:`lightflyer.sweeps.reduction_plan`."""
 
 CHUNK_ON_GPU = 2**22
 """Designs computed at once on all GPUs together: some milliseconds of work. Not measured on any."""
@@ -27,7 +27,7 @@ CHUNK_ON_GPU = 2**22
 _MORE = 16  # batches of an evaluator: less memory is needed where only partials come back
 
 
-def merge(kept: list[Kept], partials: Partials, more: Partials) -> None:
+def merge(kept: list[ReductionSpec], partials: Partials, more: Partials) -> None:
     """Merge further partials into some."""
     for part in kept:
         partials[part.name] = part.reduction.merged(partials[part.name], more[part.name])
@@ -63,7 +63,7 @@ class Reducer:
         outputs, failures = self._evaluator(start, stop)
         first = start // max(samples_of(self._study), 1)
         seen = Designs(self._study, first, outputs, np.arange(start, stop))
-        return {part.name: part.partial(seen) for part in what_is_kept(self._study)}, failures
+        return {part.name: part.partial(seen) for part in plan_reductions(self._study)}, failures
 
 
 class DeviceReducer:
@@ -105,7 +105,7 @@ class DeviceReducer:
         program = self._compiled()
         firsts = range(start, stop, program.designs)
         spans = [(first, min(first + program.designs, stop)) for first in firsts]
-        kept = what_is_kept(self._study)
+        kept = plan_reductions(self._study)
         partials: Partials = {part.name: part.reduction.empty() for part in kept}
         failures, running = 0, program(*spans[0])
         for span, following in zip_longest(spans, spans[1:]):
@@ -120,7 +120,7 @@ class DeviceReducer:
         return partials, failures
 
     def _received(
-        self, kept: list[Kept], done: Any, span: tuple[int, int]
+        self, kept: list[ReductionSpec], done: Any, span: tuple[int, int]
     ) -> tuple[list[Partials], int]:
         """What each device found; where one had no room for all, reduced by NumPy."""
         every, failures = jax.tree.map(np.asarray, done)
@@ -150,7 +150,7 @@ class _Program:
     """
 
     def __init__(self, study: Study, evaluator: Evaluator, device: str, batch: int):
-        samples, kept = max(samples_of(study), 1), what_is_kept(study)
+        samples, kept = max(samples_of(study), 1), plan_reductions(study)
         self._devices = OnDevices(device)
         self._length = samples * math.ceil(batch / (samples * self._devices.count))
         self.designs = self._length * self._devices.count

@@ -8,19 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lightflyer.compute.chunks import CHUNK, Chunks
+from lightflyer.compute.devices import find_devices
+from lightflyer.compute.evaluation import Evaluator
+from lightflyer.compute.scheduler import Task, connected, processors, run_here, run_on_dask
+from lightflyer.compute.store import empty_dataset, open_store
+from lightflyer.config.designs import as_design
+from lightflyer.core.errors import ConfigurationError, LightflyerError
+from lightflyer.core.progress import Counted
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.design import as_design
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.errors import ConfigurationError, LightflyerError
-from lightflyer.foundation.progress import Counted
-from lightflyer.sweeps.chunks import CHUNK, Chunks
-from lightflyer.sweeps.devices import find_devices
-from lightflyer.sweeps.evaluation import Evaluator
+from lightflyer.study.sections import SamplingSection, from_arguments
+from lightflyer.study.study import Study, make_study
 from lightflyer.sweeps.outcome import SweepReport
-from lightflyer.sweeps.scheduler import Task, connected, processors, run_here, run_on_dask
-from lightflyer.sweeps.sections import SamplingSection, from_arguments
-from lightflyer.sweeps.store import empty_dataset, open_store
-from lightflyer.sweeps.study import Study, make_study
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,7 +57,7 @@ def sweep_into(
     device : {"cpu", "gpu"}, optional
         Where to compute; by default where JAX does.
     evaluator : callable, optional
-        In place of the study's own :class:`~lightflyer.sweeps.evaluation.Evaluator`.
+        In place of the study's own :class:`~lightflyer.compute.evaluation.Evaluator`.
 
     Returns
     -------
@@ -244,7 +244,7 @@ def open_sweep(folder: str | Path) -> "xr.Dataset":
     """
     import xarray as xr
 
-    from lightflyer.sweeps.store import require_extra
+    from lightflyer.compute.store import require_extra
 
     require_extra()
     folder = Path(folder)

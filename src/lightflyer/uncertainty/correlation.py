@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from lightflyer.foundation.errors import ParameterError
+from lightflyer.core.errors import ParameterError
 
 Correlations = Mapping[tuple[str, str], float]
 """Correlation of the errors of two numbers, by their dotted names in either order."""

@@ -7,8 +7,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.flight.outputs import tabulate
-from lightflyer.foundation.precision import quick_entry_point
+from lightflyer.design.outputs import tabulate
+from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import Inputs
 
 Table = dict[str, np.ndarray]
@@ -17,26 +17,16 @@ Table = dict[str, np.ndarray]
 _COORDINATE_STEP = 1e-4  # relative, over which slopes are compared for second derivatives
 
 
-@quick_entry_point
-def _derivatives(setup: Any, tangents: Any, coordinate: Any) -> Any:
-    """Outputs, and their derivatives in the inputs and, last, the coordinate."""
-    count = len(tangents)
+@entry_point
+def _along(setup: Any, coordinate: Any, change: Any, coordinate_change: Any) -> Any:
+    """Outputs, and how they change with the setup and the coordinate in one direction."""
 
-    def outputs(shifts: Any, coordinate: Any) -> dict[str, Any]:
-        moved = jax.tree.map(
-            lambda leaf, *parts: leaf + sum(shifts[i] * part for i, part in enumerate(parts)),
-            setup,
-            *tangents,
-        )
-        table = tabulate(moved, coordinate, moved.environment.radiation.irradiance)
+    def outputs(moved: Any, place: Any) -> dict[str, Any]:
+        table = tabulate(moved, place, moved.environment.radiation.irradiance)
         return {name: table[name] for name in table if name not in ("converged", "residual")}
 
-    def change(direction: Any) -> Any:
-        motion = (direction[:count], direction[count] * jnp.ones_like(coordinate))
-        return jax.jvp(outputs, (jnp.zeros(count), coordinate), motion)
-
-    # all directions at once: the values, which they share, are found once
-    return jax.vmap(change, out_axes=(None, 0))(jnp.eye(count + 1))
+    direction = change, coordinate_change * jnp.ones_like(coordinate)
+    return jax.jvp(outputs, (setup, coordinate), direction)
 
 
 @dataclass(frozen=True)
@@ -104,7 +94,11 @@ def derivatives(inputs: Inputs, coordinate: np.ndarray) -> Derivatives:
     step = _COORDINATE_STEP * coordinate
     shifted = np.concatenate([coordinate, coordinate - step, coordinate + step])
     setup, tangents = inputs.setup_and_tangents()
-    value, change = _derivatives(setup, tuple(tangents), shifted)
+    still = jax.tree.map(np.zeros_like, setup)
+    directions = [(tangent, 0.0) for tangent in tangents] + [(still, 1.0)]
+    moves = [_along(setup, shifted, *direction) for direction in directions]
+    value = moves[0][0]
+    change = {name: np.stack([move[name] for _, move in moves]) for name in value}
     count = coordinate.size
     step = np.where(step > 0.0, step, np.nan)  # at sea level there is none
     return Derivatives(

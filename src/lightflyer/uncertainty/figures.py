@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lightflyer.foundation.drawing import BAND, GREY, legend_below
-from lightflyer.foundation.units import dataset_unit
+from lightflyer.core.units import dataset_unit
+from lightflyer.files.drawing import BAND, GREY, legend_below
 from lightflyer.prediction.figures import across, panels, shown_for_best
 
 if TYPE_CHECKING:

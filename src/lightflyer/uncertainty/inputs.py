@@ -9,10 +9,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.flight.design import AbstractDesign
-from lightflyer.foundation.errors import ParameterError, ParameterWarning
-from lightflyer.foundation.precision import float64, quick_entry_point
-from lightflyer.foundation.quantity import require_possible
+from lightflyer.core.errors import ParameterError, ParameterWarning
+from lightflyer.core.precision import float64
+from lightflyer.core.quantity import require_possible
+from lightflyer.design.design import AbstractDesign
+from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.correlation import correlation_matrix
 
 _STEP = 1e-3  # relative, over which costly parts of a design are compared
@@ -162,7 +163,7 @@ class Inputs:
         def leaves(inputs: Any) -> list[Any]:
             return [jnp.asarray(leaf, float) for leaf in jax.tree.leaves(self.build(inputs))]
 
-        @quick_entry_point
+        @entry_point
         def both(values: Any, directions: Any) -> Any:
             base, push = jax.linearize(leaves, values)
             return base, jax.vmap(push)(directions)

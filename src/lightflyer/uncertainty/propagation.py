@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.config.designs import as_design
+from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.progress import report
+from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.design import as_design
-from lightflyer.flight.outputs import outputs_of
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.foundation.constants import NORMAL_HALF_WIDTH_95
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.progress import report
-from lightflyer.prediction.prediction import Place, Prediction, predict_design
+from lightflyer.prediction.prediction import Place, Prediction, predict_design, search_grid
 from lightflyer.uncertainty import monte_carlo
 from lightflyer.uncertainty.derivatives import Derivatives, derivatives
 from lightflyer.uncertainty.inputs import Drawn, Inputs, draw_possible, uncertain_inputs
@@ -54,6 +54,7 @@ BANDS = (
 _POSITIVE = "levitation_irradiance"  # goes with the inverse of the TACs' difference
 _MARGIN = 10  # points of the prediction's table searched beyond the nominal range
 _LIGHT_SPAN = 30.0  # irradiance, over the least, up to which the nominal range reaches
+_SEARCHED_POINTS = 61  # over the whole searched range, besides those of the bands
 
 Table = dict[str, np.ndarray]
 
@@ -208,7 +209,7 @@ def propagate(
     ----------
     what : FlyerFile, path, AbstractDesign, Setup or AbstractFlyer
         A flyer file states ± itself; for objects make an
-        :class:`~lightflyer.flight.design.ObjectDesign` with ``uncertainties``.
+        :class:`~lightflyer.design.design.ObjectDesign` with ``uncertainties``.
     environment, model : optional
         Where ``what`` is a flyer.
     prediction : Prediction, optional
@@ -238,8 +239,7 @@ def propagate(
     building every sample. The optics of layers are taken as parabolas in each thickness and in the
     light's angle of incidence. What missing optical data leave open lies evenly between its bounds,
     as often below the nominal value as above it. Uncertainties of an atmosphere's date, place and
-    indices are not propagated. Of several bands the samples follow the one around the strongest
-    lift.
+    indices are not propagated. Of several bands the samples, too, have the widest.
     """
     require_samples(samples, seed)
     design = as_design(what, environment, model)
@@ -248,13 +248,7 @@ def propagate(
         return None
     prediction = predict_design(design) if prediction is None else prediction
     targets, points = _targets(prediction)
-    logarithmic = prediction.coordinate.logarithmic
-    if over is None:
-        even = _even_grid(prediction)
-        grid = np.exp(even) if logarithmic else even
-    else:
-        grid = np.asarray(over, float)
-        even = np.log(grid) if logarithmic else grid
+    grid = _even_grid(prediction) if over is None else np.asarray(over, float)
     names = (*BANDS, *prediction.own_names)
     coordinates = np.concatenate([grid, points])
     report("bands to first order")
@@ -265,10 +259,17 @@ def propagate(
         report("bands by Monte Carlo")
         drawn = draw_possible(inputs, samples, seed)
         told = _cautions(drawn)
+        coordinates = np.concatenate([coordinates, search_grid(prediction.setup, _SEARCHED_POINTS)])
         table = monte_carlo.tabulate_samples(inputs, drawn.samples, coordinates)
-        searched = prediction.coordinates[[0, -1]]
-        ends = (bool(grid[0] <= searched[0]), bool(grid[-1] >= searched[1]))
-        sampled = _sampled(targets, table, even, ends, logarithmic=logarithmic)
+        found = monte_carlo.search(
+            inputs,
+            drawn.samples,
+            coordinates,
+            table,
+            (prediction.coordinates[0], prediction.coordinates[-1]),
+            logarithmic=prediction.coordinate.logarithmic,
+        )
+        sampled = {target.name: _sampled(target, found, table, grid.size) for target in targets}
         bands = _quantiles({name: table[name][:, : grid.size] for name in names})
     else:
         bands = _normal_bands(slopes, names, grid.size)
@@ -402,7 +403,7 @@ def _targets(prediction: Prediction) -> tuple[list[_Target], np.ndarray]:
 
 
 def _even_grid(prediction: Prediction) -> np.ndarray:
-    """Evenly spaced coordinates, or logarithms of them, at which bands are known."""
+    """Coordinates [m], [Pa] at which bands are known, evenly spaced or in equal ratios."""
     coordinates = prediction.coordinates
     last = coordinates.size - 1
     best = int(np.searchsorted(coordinates, prediction.best.coordinate))
@@ -412,11 +413,12 @@ def _even_grid(prediction: Prediction) -> np.ndarray:
         needed = prediction.table["levitation_irradiance"]
         near = np.flatnonzero(needed < (_LIGHT_SPAN * least or np.inf))
         low, high = min(low, near[0] - _MARGIN), max(high, near[-1] + _MARGIN)
+    if prediction.widest is not None:
+        lower, upper = np.searchsorted(coordinates, prediction.bands[prediction.widest])
+        low, high = min(low, lower - _MARGIN), max(high, upper + _MARGIN)
     if prediction.coordinate.logarithmic:
-        low, high = 0, last
-    ends = coordinates[[max(low, 0), min(high, last)]]
-    start, stop = np.log(ends) if prediction.coordinate.logarithmic else ends
-    return np.linspace(start, stop, BAND_POINTS)
+        return np.geomspace(coordinates[0], coordinates[-1], BAND_POINTS)
+    return np.linspace(coordinates[max(low, 0)], coordinates[min(high, last)], BAND_POINTS)
 
 
 def _normal_ends(value: Any, spread: Any, *, positive: bool) -> tuple[Any, Any]:
@@ -445,35 +447,15 @@ def _spread(target: _Target, slopes: Derivatives, before: int) -> float:
     return target.scale * slopes.spread(moving)
 
 
-def _sampled(
-    targets: list[_Target],
-    table: Table,
-    even: np.ndarray,
-    ends: tuple[bool, bool],
-    *,
-    logarithmic: bool,
-) -> dict[str, np.ndarray]:
-    """Each result in each sample.
-
-    ``even`` is the evenly spaced coordinate of the bands; ``ends`` tells whether it begins and
-    stops with the searched range.
-    """
-    over_grid = {name: values[:, : even.size] for name, values in table.items()}
-    found: dict[str, Any] = {}
-    lower, upper = monte_carlo.edges(even, over_grid["lift_over_weight"])
-    found["lower"], found["upper"] = (lower, {}), (upper, {})
-    found["payload"] = monte_carlo.optimum(even, over_grid["payload"], over_grid, ends)
-    found["levitation_irradiance"] = monte_carlo.least_light(even, over_grid, ends)
-    results = {}
-    for target in targets:
-        if target.mover:
-            place, there = found[target.mover]
-            coordinate = np.exp(place) if logarithmic else place
-            values = there[target.quantity] if target.quantity else coordinate
-        else:
-            values = table[target.quantity][:, even.size + target.point]
-        results[target.name] = target.scale * values
-    return results
+def _sampled(target: _Target, found: monte_carlo.Found, table: Table, before: int) -> np.ndarray:
+    """One result in each sample, shape (samples,); fixed points follow ``before`` columns."""
+    if not target.mover:
+        values = table[target.quantity][:, before + target.point]
+    elif target.quantity:
+        values = found.table[target.mover][target.quantity]
+    else:
+        values = found.coordinate[target.mover]
+    return target.scale * values
 
 
 def _quantiles(table: Table) -> tuple[Table, Table]:

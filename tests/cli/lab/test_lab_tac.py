@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from lightflyer.config.reader import read_flyer_file
-from lightflyer.lab.tac import heater_power
+from lightflyer.lab.tac.fit import heater_power
 
 LU2023_FORCE = """\
 model = "lu2023"

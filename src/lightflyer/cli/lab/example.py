@@ -25,7 +25,7 @@ def example_command(
     seed
         Seed of the noise.
     """
-    from lightflyer.foundation.files import output_directory
+    from lightflyer.core.atomic_files import output_directory
     from lightflyer.lab.synthetic import example_files
 
     files = example_files(name, seed)

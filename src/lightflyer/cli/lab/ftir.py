@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab._shared import (
+from lightflyer.cli.lab.shared import (
     Files,
     finish,
     optional_share,
@@ -22,13 +22,13 @@ from lightflyer.cli.lab._shared import (
 )
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer
-from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from lightflyer.lab.ftir import Ftir
-    from lightflyer.lab.spectra.meaning import MeasuredSpectrum
+    from lightflyer.lab.ftir.reduction import Ftir
+    from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 
 _PERCENT = 100.0
 
@@ -99,8 +99,8 @@ def ftir_command(
     """
     out = figures.folder(out)
     from lightflyer.config.update import emittance_keys
-    from lightflyer.lab.ftir import reduce_ftir, to_dataset
-    from lightflyer.lab.spectrum_data import read_spectrum
+    from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
+    from lightflyer.lab.readers.spectrum_data import read_spectrum
 
     if update is not None and reflectance is None:
         raise ConfigurationError(
@@ -179,8 +179,8 @@ def _computed(film: Path | None, result: "Ftir") -> tuple[dict[str, Any], list[s
     if film is None:
         return {}, []
     from lightflyer.config.reader import read_film_file
-    from lightflyer.foundation.errors import ParameterError
-    from lightflyer.lab.ftir_film import computed_spectra
+    from lightflyer.core.errors import ParameterError
+    from lightflyer.lab.ftir.film import computed_spectra
 
     try:
         found, extrapolated = computed_spectra(read_film_file(film).film(), result)
@@ -190,13 +190,13 @@ def _computed(film: Path | None, result: "Ftir") -> tuple[dict[str, Any], list[s
 
 
 def _figures(result: "Ftir", computed: dict[str, Any]) -> "dict[str, Figure]":
-    from lightflyer.lab.figures.ftir import ftir_figures
+    from lightflyer.lab.ftir.figures import ftir_figures
 
     return ftir_figures(result, computed)
 
 
 def _show_read(console: Console, spectra: "Sequence[MeasuredSpectrum]") -> None:
-    from lightflyer.lab.spectra.names import PER_CENTIMETRE
+    from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
 
     for one in spectra:
         ends = one.wavenumber[[0, -1]] / PER_CENTIMETRE
@@ -224,7 +224,7 @@ def _facts(spectrum: "MeasuredSpectrum") -> str:
 
 
 def _show(console: Console, result: "Ftir") -> None:
-    from lightflyer.lab.spectra.names import PER_CENTIMETRE
+    from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
 
     low, high = (end / PER_CENTIMETRE for end in result.band)
     accuracy = f"{_PERCENT * result.accuracy:.3g} %"

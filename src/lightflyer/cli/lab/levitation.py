@@ -9,8 +9,8 @@ from rich.console import Console
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab._points import open_interval_text
-from lightflyer.cli.lab._shared import (
+from lightflyer.cli.lab.points import open_interval_text
+from lightflyer.cli.lab.shared import (
     Files,
     finish,
     optional_share,
@@ -23,14 +23,14 @@ from lightflyer.cli.lab._shared import (
 )
 from lightflyer.cli.options import Json, Seed
 from lightflyer.cli.output import print_json, printer
-from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.calibration.calibration import Calibration
     from lightflyer.lab.estimate import Estimate
-    from lightflyer.lab.levitation import LevitationCurve
+    from lightflyer.lab.levitation.curve import LevitationCurve
 
 _PERCENT = 100.0
 
@@ -101,8 +101,8 @@ def levitation_command(
         How figures are written.
     """
     out = figures.folder(out)
-    from lightflyer.lab import levitation
-    from lightflyer.lab.levitation_data import read_lift_offs
+    from lightflyer.lab.levitation import curve as levitation
+    from lightflyer.lab.levitation.data import read_lift_offs
 
     _require_flyer(flyer, calibrate=calibrate, update=update is not None)
     read = [read_lift_offs(file, columns=columns) for file in files]
@@ -152,7 +152,7 @@ def _require_flyer(flyer: Path | None, *, calibrate: bool, update: bool) -> None
 
 
 def _coefficients(fit: "Calibration") -> "dict[tuple[str, str], Estimate]":
-    from lightflyer.lab.levitation_model import measured_coefficients
+    from lightflyer.lab.levitation.model import measured_coefficients
 
     return {("force", name): one for name, one in measured_coefficients(fit).items()}
 
@@ -178,7 +178,7 @@ def _models(
     if flyer is None:
         return {}, None
     from lightflyer.config.reader import read_flyer_file
-    from lightflyer.lab.levitation_model import calibrate_curves, model_curve
+    from lightflyer.lab.levitation.model import calibrate_curves, model_curve
 
     file = read_flyer_file(flyer)
     setup = file.build()
@@ -212,13 +212,13 @@ def _show_fit(console: Console, fit: "Calibration") -> None:
 def _figures(
     curves: "Sequence[LevitationCurve]", pressure_unit: str, models: dict[str, Any]
 ) -> "dict[str, Figure]":
-    from lightflyer.lab.figures.levitation import levitation_figures
+    from lightflyer.lab.levitation.figures import levitation_figures
 
     return levitation_figures(curves, pressure_unit=pressure_unit, models=models)
 
 
 def _show(console: Console, curves: "Sequence[LevitationCurve]") -> None:
-    from lightflyer.lab.levitation import compare
+    from lightflyer.lab.levitation.curve import compare
 
     table = Table(box=None, padding=(0, 1))
     headings = ("sample", "points", "W/m²", "95 % interval", "at Pa", "95 % interval")

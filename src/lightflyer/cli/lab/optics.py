@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab._shared import (
+from lightflyer.cli.lab.shared import (
     finish,
     show_rejected,
     show_warnings,
@@ -19,7 +19,7 @@ from lightflyer.cli.output import print_json, printer
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from lightflyer.lab.optics import OpticsFit
+    from lightflyer.lab.optics.fit import OpticsFit
 
 _PERCENT = 100.0
 
@@ -60,13 +60,13 @@ def optics_command(
         How figures are written.
     """
     out = figures.folder(out)
-    from lightflyer.lab.optics import fit_optics, to_dataset
-    from lightflyer.lab.optics_data import read_sample
-    from lightflyer.lab.optics_record import tables
+    from lightflyer.lab.optics.data import read_sample
+    from lightflyer.lab.optics.fit import fit_optics, to_dataset
+    from lightflyer.lab.optics.record import tables
 
     sample = read_sample(sample_file)
     if update is not None:
-        from lightflyer.config.update_layers import require_same_layers
+        from lightflyer.lab.optics.flyer_file import require_same_layers
 
         require_same_layers(update, sample)
     result = fit_optics(sample, starts=starts, seed=seed)
@@ -79,7 +79,7 @@ def optics_command(
     def write() -> list[str]:
         if update is None:
             return []
-        from lightflyer.config.update_layers import update_layers
+        from lightflyer.lab.optics.flyer_file import update_layers
 
         return update_layers(update, result, sample_file.name)
 
@@ -98,7 +98,7 @@ def optics_command(
 
 
 def _figures(result: "OpticsFit") -> "dict[str, Figure]":
-    from lightflyer.lab.figures.optics import optics_figures
+    from lightflyer.lab.optics.figures import optics_figures
 
     return optics_figures(result)
 
@@ -115,7 +115,7 @@ def _show_read(console: Console, result: "OpticsFit") -> None:
 
 
 def _show(console: Console, result: "OpticsFit") -> None:
-    from lightflyer.lab.optics_findings import written
+    from lightflyer.lab.optics.findings import written
 
     rows: list[tuple[str, Any, float, str]] = [
         (name, one, *written(one.unit)) for name, one in result.numbers.items()

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab._shared import (
+from lightflyer.cli.lab.shared import (
     Files,
     estimate_table,
     finish,
@@ -23,7 +23,7 @@ from lightflyer.cli.output import print_json, printer
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from lightflyer.lab.surface import Roughness
+    from lightflyer.lab.surface.reduction import Roughness
 
 _PERCENT = 100.0
 _MICROMETRE = 1e-6
@@ -93,8 +93,8 @@ def roughness_command(
     if list_channels:
         _show_channels(files, json_output=json_output)
         return
-    from lightflyer.lab.height_map import read_height_map
-    from lightflyer.lab.surface import roughness, summary, to_dataset
+    from lightflyer.lab.readers.height_map import read_height_map
+    from lightflyer.lab.surface.reduction import roughness, summary, to_dataset
 
     options: dict[str, Any] = {
         "mask": mask, "threshold": threshold, "order": order, "flatten": flatten,
@@ -124,7 +124,7 @@ def roughness_command(
 
 
 def _show_channels(files: "Sequence[Path]", *, json_output: bool) -> None:
-    from lightflyer.lab.height_map import list_channels
+    from lightflyer.lab.readers.height_map import list_channels
 
     found = {str(file): list_channels(file) for file in files}
     if json_output:
@@ -146,13 +146,13 @@ def _show_channels(files: "Sequence[Path]", *, json_output: bool) -> None:
 
 
 def _figures(results: "Sequence[Roughness]") -> "dict[str, Figure]":
-    from lightflyer.lab.figures.surface import roughness_figures
+    from lightflyer.lab.surface.figures import roughness_figures
 
     return roughness_figures(results)
 
 
 def _show(console: Console, results: "Sequence[Roughness]") -> None:
-    from lightflyer.lab.surface import mean_parameters
+    from lightflyer.lab.surface.reduction import mean_parameters
 
     for one in results:
         console.print(_about_map(one), soft_wrap=True)
@@ -169,7 +169,7 @@ def _show(console: Console, results: "Sequence[Roughness]") -> None:
 
 def _about_map(one: "Roughness") -> str:
     """Size of a map and what is masked, in one line."""
-    from lightflyer.lab.surface import count_objects
+    from lightflyer.lab.surface.reduction import count_objects
 
     rows, columns = one.height.shape
     channel = f", {one.source.channel}" if one.source.channel else ""

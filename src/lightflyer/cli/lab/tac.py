@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab._shared import (
+from lightflyer.cli.lab.shared import (
     Files,
     difference,
     finish,
@@ -24,14 +24,14 @@ from lightflyer.cli.lab._shared import (
 )
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer
-from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.lab.estimate import Estimate
-    from lightflyer.lab.tac import TacFit
-    from lightflyer.lab.tac_law import AbstractHeatLaw
+    from lightflyer.lab.tac.fit import TacFit
+    from lightflyer.lab.tac.heat_law import AbstractHeatLaw
 
 _PERCENT = 100.0
 _KINETIC = "kinetic"  # reading of force models that have none of the paper's
@@ -124,9 +124,10 @@ def tac_command(
     """
     out = figures.folder(out)
     from lightflyer.gas import GASES
-    from lightflyer.lab import tac, tac_record
-    from lightflyer.lab.tac_accuracy import TacAccuracy, unstated_accuracies
-    from lightflyer.lab.tac_data import read_resistance_calibration, read_tac
+    from lightflyer.lab.tac import fit as tac
+    from lightflyer.lab.tac import record as tac_record
+    from lightflyer.lab.tac.accuracy import TacAccuracy, unstated_accuracies
+    from lightflyer.lab.tac.data import read_resistance_calibration, read_tac
 
     _require_face(update, face)
     thermometer = None if calibration is None else read_resistance_calibration(calibration)
@@ -177,8 +178,8 @@ def _require_face(update: Path | None, face: str | None) -> None:
 
 
 def _law(reading: str, wall: str | None) -> "AbstractHeatLaw":
-    from lightflyer.foundation.checks import require_positive
-    from lightflyer.lab.tac_law import HEAT_LAWS, KINETIC, KineticLaw
+    from lightflyer.core.checks import require_positive
+    from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC, KineticLaw
 
     if wall is None:
         return HEAT_LAWS[reading]
@@ -221,7 +222,7 @@ def _for_flyer_file(
         return {}, []
     from lightflyer.config.reader import read_flyer_file
     from lightflyer.config.update import tac_keys
-    from lightflyer.lab.tac_record import mean_tac, why_no_property
+    from lightflyer.lab.tac.record import mean_tac, why_no_property
 
     reason = why_no_property(fits)
     if reason is not None:
@@ -237,7 +238,7 @@ def _for_flyer_file(
 
 
 def _about_faces(fits: "Sequence[TacFit]", file: Any, face: str) -> str:
-    from lightflyer.lab.tac_record import correlation_between_samples
+    from lightflyer.lab.tac.record import correlation_between_samples
 
     if face == "both":
         return "the same coefficient on both faces gives a flyer without force"
@@ -253,7 +254,7 @@ def _about_faces(fits: "Sequence[TacFit]", file: Any, face: str) -> str:
 
 
 def _about_gas(gas: str, file: Any) -> str:
-    from lightflyer.gas.known import AIRS
+    from lightflyer.gas.registry import AIRS
 
     around = file.environment.build().gas.name
     if gas == around or {gas, around} <= AIRS.keys():
@@ -277,13 +278,13 @@ def _about_reading(fit: "TacFit", file: Any) -> str:
 
 
 def _figures(fits: "Sequence[TacFit]") -> "dict[str, Figure]":
-    from lightflyer.lab.figures.tac import tac_figures
+    from lightflyer.lab.tac.figures import tac_figures
 
     return tac_figures(fits)
 
 
 def _show(console: Console, fits: "Sequence[TacFit]") -> None:
-    from lightflyer.lab.tac_record import mean_tac
+    from lightflyer.lab.tac.record import mean_tac
 
     for fit in fits:
         console.print(

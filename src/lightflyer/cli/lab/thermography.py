@@ -7,7 +7,7 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab._shared import (
+from lightflyer.cli.lab.shared import (
     difference,
     estimate_table,
     finish,
@@ -21,15 +21,15 @@ from lightflyer.cli.lab._shared import (
 )
 from lightflyer.cli.options import Json, Seed
 from lightflyer.cli.output import print_json, printer
-from lightflyer.foundation.errors import ConfigurationError
+from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from lightflyer.foundation.units import Measured
-    from lightflyer.lab.thermal_image import ThermalImage
-    from lightflyer.lab.thermography import RadiativeProperties
-    from lightflyer.lab.thermography_data import Readings, Scene
+    from lightflyer.core.units import Measured
+    from lightflyer.lab.thermography.data import Readings, Scene
+    from lightflyer.lab.thermography.reduction import RadiativeProperties
+    from lightflyer.lab.thermography.thermal_image import ThermalImage
 
 
 def thermography_command(
@@ -125,7 +125,7 @@ def thermography_command(
         How figures are written.
     """
     out = figures.folder(out)
-    from lightflyer.lab import thermography
+    from lightflyer.lab.thermography import reduction as thermography
 
     texts = {"hotplate": hotplate, "lower": lower, "upper": upper, "ambient": ambient}
     given = {f"{name}_temperature": one for name, one in _quantities(texts, "K").items()}
@@ -185,9 +185,9 @@ def _accuracy(text: str | None, *, light_meter: bool) -> float | None:
 
 
 def _scene(band: str | None, emissivity: str | None, film: str | None) -> "Scene":
-    from lightflyer.foundation.errors import ParameterError
-    from lightflyer.lab.camera import UNCOOLED, parse_band
-    from lightflyer.lab.thermography_data import BLACK, Scene
+    from lightflyer.core.errors import ParameterError
+    from lightflyer.lab.thermography.camera import UNCOOLED, parse_band
+    from lightflyer.lab.thermography.data import BLACK, Scene
 
     camera = UNCOOLED if band is None else parse_band(band)
     own = BLACK if emissivity is None else quantity("--hotplate-emissivity", emissivity, "")
@@ -199,7 +199,7 @@ def _scene(band: str | None, emissivity: str | None, film: str | None) -> "Scene
 
 
 def _of_meter(file: Any, columns: str | None, accuracy: float | None) -> "tuple[Readings, list]":
-    from lightflyer.lab.thermography_data import LIGHT, read_readings
+    from lightflyer.lab.thermography.data import LIGHT, read_readings
 
     readings, table = read_readings(file, LIGHT, columns=columns, accuracy=accuracy)
     return readings, [table]
@@ -209,7 +209,7 @@ def _of_table(
     file: Path | None, columns: str | None, given: "dict[str, Measured]",
     accuracy: float | None, scene: "Scene",
 ) -> "tuple[Readings, list]":  # fmt: skip
-    from lightflyer.lab.thermography_data import THERMAL, given_readings, read_readings
+    from lightflyer.lab.thermography.data import THERMAL, given_readings, read_readings
 
     if file is None:
         return given_readings(given, THERMAL, accuracy=accuracy, scene=scene), []
@@ -223,8 +223,12 @@ def _image(
     file: Path | None, regions: str | None, settings: tuple[str | None, ...]
 ) -> "ThermalImage | None":
     """The image that the options name, if they name one."""
-    from lightflyer.lab.thermal_image import IMAGE_SUFFIXES, parse_regions, read_thermal_image
-    from lightflyer.lab.thermal_images.scaled import parse_scale
+    from lightflyer.lab.thermography.images.scaled import parse_scale
+    from lightflyer.lab.thermography.thermal_image import (
+        IMAGE_SUFFIXES,
+        parse_regions,
+        read_thermal_image,
+    )
 
     is_image = file is not None and file.suffix.lower() in IMAGE_SUFFIXES
     if file is None or not (is_image or regions):
@@ -254,17 +258,17 @@ def _of_image(
 ) -> "Readings":  # fmt: skip
     import dataclasses
 
-    from lightflyer.lab.thermal_image import (
-        parse_regions,
-        region_temperatures,
-        region_warnings,
-        setting_warnings,
-    )
-    from lightflyer.lab.thermography_data import (
+    from lightflyer.lab.thermography.data import (
         THERMAL,
         accuracy_warnings,
         given_readings,
         with_accuracy,
+    )
+    from lightflyer.lab.thermography.thermal_image import (
+        parse_regions,
+        region_temperatures,
+        region_warnings,
+        setting_warnings,
     )
 
     rectangles = parse_regions(regions or "")
@@ -293,7 +297,7 @@ def _values(
 
 
 def _figures(result: "RadiativeProperties") -> "dict[str, Figure]":
-    from lightflyer.lab.figures.thermography import thermography_figures
+    from lightflyer.lab.thermography.figures import thermography_figures
 
     return thermography_figures(result)
 

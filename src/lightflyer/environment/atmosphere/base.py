@@ -7,8 +7,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
-from lightflyer.foundation.types import Numeric
 
 
 class AbstractAtmosphere(eqx.Module):

@@ -13,14 +13,14 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import RADIANS_PER_DEGREE
+from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.nrlmsis import Indices, evaluate
 from lightflyer.environment.base import Place
-from lightflyer.foundation.cubic_grid import Axis, interpolate
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import RADIANS_PER_DEGREE
-from lightflyer.foundation.types import Numeric
+from lightflyer.numerics.cubic_grid import Axis, interpolate
+from lightflyer.program.entry_point import entry_point
 
 _DAY = 86400.0
 TROPICAL_YEAR = 365.2425 * _DAY

@@ -5,11 +5,11 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
+from lightflyer.core import constants
+from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
-from lightflyer.foundation import constants
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
+from lightflyer.program.entry_point import entry_point
 
 # Inverse temperature [1/K] as a polynomial in altitude [km], highest power first. The paper
 # prints three digits of each, which is useless above 20 km; these come with the code of

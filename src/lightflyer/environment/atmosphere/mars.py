@@ -9,17 +9,17 @@ import numpy as np
 from jax import Array
 from numpy.typing import ArrayLike
 
+from lightflyer.core import constants
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Checked, Pressure, TemperatureOffset
+from lightflyer.core.text import span
+from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.environment.planet import MARS_PLANET
-from lightflyer.foundation import constants
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import Checked, Pressure, TemperatureOffset
-from lightflyer.foundation.spline import Spline
-from lightflyer.foundation.table import shipped_table
-from lightflyer.foundation.text import span
-from lightflyer.foundation.types import Numeric
+from lightflyer.files.table import shipped_table
+from lightflyer.numerics.spline import Spline
+from lightflyer.program.entry_point import entry_point
 
 SURFACE_PRESSURE = 636.0
 """At the areoid, mean of the northern summer [Pa]; [Seiff1982]_ as in [Pitts1990]_ table XI.
@@ -47,22 +47,6 @@ _NODES, _WEIGHTS = (
     0.5 * (values + offset)
     for values, offset in zip(np.polynomial.legendre.leggauss(3), (1.0, 0.0), strict=True)
 )
-
-
-def mars_gravity(altitude: Numeric) -> Any:
-    """Acceleration of free fall above the mean radius of Mars [m/s²].
-
-    Parameters
-    ----------
-    altitude : array, shape (...)
-        [m].
-
-    Returns
-    -------
-    array, shape (...)
-        Without the planet's rotation, which takes 0.5 % of it at the equator.
-    """
-    return constants.MARS_GRAVITATIONAL_PARAMETER / (MARS_PLANET.radius + altitude) ** 2
 
 
 def _monotone(altitude: np.ndarray, temperature: np.ndarray) -> Spline:
@@ -116,7 +100,7 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
     Notes
     -----
     Differentiable in altitude and in every number; the temperature once continuously, the
-    logarithm of pressure twice. Hydrostatic to 1e-6 with :func:`mars_gravity`. The default's
+    logarithm of pressure twice. Hydrostatic to 1e-6 with the planet's gravity. The default's
     pressures agree with those of the source's own table, which has three digits, within 1.3 % up
     to 100 km. Altitudes count from the areoid, where the mean pressure is about 610 Pa; the ground
     lies between 8 km below it and 21 km above.
@@ -232,4 +216,4 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
         return jnp.take_along_axis(rows, chosen, axis=-1)[..., 0] + partial
 
     def _integrand(self, altitude: Array, offset: Array) -> Array:
-        return mars_gravity(altitude) / (self.profile(altitude) + offset)
+        return MARS_PLANET.gravity_at(altitude) / (self.profile(altitude) + offset)

@@ -6,20 +6,20 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.environment.atmosphere.base import AbstractAtmosphere
-from lightflyer.environment.base import Place
-from lightflyer.foundation import constants
-from lightflyer.foundation.errors import MissingExtraError
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import (
+from lightflyer.core import constants
+from lightflyer.core.errors import MissingExtraError
+from lightflyer.core.quantity import (
     GeomagneticIndex,
     Latitude,
     Longitude,
     SolarFlux,
     quantity_of,
 )
-from lightflyer.foundation.spline import Spline
-from lightflyer.foundation.types import Numeric
+from lightflyer.core.types import Numeric
+from lightflyer.environment.atmosphere.base import AbstractAtmosphere
+from lightflyer.environment.base import Place
+from lightflyer.numerics.spline import Spline
+from lightflyer.program.entry_point import entry_point
 
 _VERSION = 2.1
 _TOP = 200e3

@@ -8,14 +8,14 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core import constants
+from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
-from lightflyer.foundation import constants
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.spline import Spline
-from lightflyer.foundation.table import shipped_table
-from lightflyer.foundation.types import Numeric
+from lightflyer.files.table import shipped_table
 from lightflyer.gas.air import US1976_AIR
+from lightflyer.numerics.spline import Spline
+from lightflyer.program.entry_point import entry_point
 
 # [USSA1976] table 4: bases of the layers below 86 km in geopotential altitude [m'], and the
 # gradients of molecular-scale temperature above them [K/m'].

@@ -7,10 +7,11 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
+from lightflyer.core.checks import is_traced
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
-from lightflyer.foundation.errors import ParameterError
-from lightflyer.foundation.precision import entry_point, is_traced
-from lightflyer.foundation.types import Numeric
+from lightflyer.program.entry_point import entry_point
 
 
 class AbstractWind(eqx.Module):

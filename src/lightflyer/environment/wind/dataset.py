@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import RADIANS_PER_DEGREE
-from lightflyer.foundation.units import scale_and_offset
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import RADIANS_PER_DEGREE
+from lightflyer.core.units import scale_and_offset
 
 EPOCH = np.datetime64("2000-01-01T12:00:00", "ns")
 """Origin of :attr:`lightflyer.environment.Place.time`."""

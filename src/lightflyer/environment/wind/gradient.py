@@ -6,15 +6,15 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.polynomial import legendre
 
+from lightflyer.core import constants
+from lightflyer.core.quantity import RADIANS_PER_DEGREE, require_record
+from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.global_nrlmsis import TROPICAL_YEAR, GlobalNRLMSIS
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.foundation import constants
-from lightflyer.foundation.cubic_grid import Axis, interpolate
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import RADIANS_PER_DEGREE, require_record
-from lightflyer.foundation.types import Numeric
+from lightflyer.numerics.cubic_grid import Axis, interpolate
+from lightflyer.program.entry_point import entry_point
 
 HIGHEST = 100e3
 """Altitude above which tides, waves and ions drive more of the wind than the balance holds [m]."""

@@ -7,15 +7,15 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import RADIANS_PER_DEGREE
+from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.environment.wind.dataset import EPOCH, WindGrid, open_dataset, read_grid
-from lightflyer.foundation.cubic_grid import Axis, interpolate
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import RADIANS_PER_DEGREE
-from lightflyer.foundation.types import Numeric
+from lightflyer.numerics.cubic_grid import Axis, interpolate
+from lightflyer.program.entry_point import entry_point
 
 _TURN = 2.0 * np.pi
 # Units of margins, in which ends compare.

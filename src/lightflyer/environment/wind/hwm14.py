@@ -14,12 +14,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.global_nrlmsis import TROPICAL_YEAR
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.types import Numeric
+from lightflyer.program.entry_point import entry_point
 
 HIGHEST = 110e3
 """Altitude above which storms of the magnetic field, left out here, change the wind [m]."""

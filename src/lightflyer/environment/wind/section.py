@@ -9,6 +9,9 @@ from typing import Annotated, Any, ClassVar, Literal
 import pydantic
 from pydantic import Discriminator, Tag, ValidationInfo
 
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import GeomagneticIndex, SolarFlux, Velocity
+from lightflyer.core.units import Measured
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.global_nrlmsis import GlobalNRLMSIS
 from lightflyer.environment.atmosphere.nrlmsis import Indices
@@ -18,11 +21,8 @@ from lightflyer.environment.wind.gradient import GradientWind
 from lightflyer.environment.wind.gridded import GriddedWind
 from lightflyer.environment.wind.hwm14 import HWM14
 from lightflyer.environment.wind.uniform import SumOfWinds, UniformWind
-from lightflyer.foundation.errors import ConfigurationError
-from lightflyer.foundation.quantity import GeomagneticIndex, SolarFlux, Velocity
-from lightflyer.foundation.section import Alternative
-from lightflyer.foundation.toml_file import FOLDER
-from lightflyer.foundation.units import Measured
+from lightflyer.files.section import Alternative
+from lightflyer.files.toml_file import FOLDER
 
 _NO_ACTIVITY = (
     "the gradient wind is that of NRLMSIS: give wind.f107 and wind.ap, or an atmosphere with them"

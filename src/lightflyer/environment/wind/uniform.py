@@ -3,12 +3,12 @@
 import jax.numpy as jnp
 import numpy as np
 
+from lightflyer.core.quantity import Checked, Velocity, require_record
+from lightflyer.core.text import span
+from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.foundation.precision import entry_point
-from lightflyer.foundation.quantity import Checked, Velocity, require_record
-from lightflyer.foundation.text import span
-from lightflyer.foundation.types import Numeric
+from lightflyer.program.entry_point import entry_point
 
 
 class UniformWind(Checked, AbstractWind):

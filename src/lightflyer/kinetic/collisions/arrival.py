@@ -8,17 +8,17 @@ the ray ends. So many moments cost little more than their interpolation.
 import numpy as np
 from numba import prange
 
-from lightflyer.kinetic._kernels import kernel, parallel_kernel
-from lightflyer.kinetic.directions import node_directions
-from lightflyer.kinetic.interpolation import (
+from lightflyer.kinetic.disk.linear_kernel import MOST_DIRECTIONS, NORMALISATION
+from lightflyer.kinetic.grid.directions import node_directions
+from lightflyer.kinetic.grid.interpolation import (
     bases_at,
     interpolate,
     interpolate_on_face,
     nodes_in_eta,
 )
-from lightflyer.kinetic.linear_kernel import MOST_DIRECTIONS, NORMALISATION
-from lightflyer.kinetic.rays import MOST_CUTS, REACH, SHORTEST, spheroidal, trace_ray
-from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH
+from lightflyer.kinetic.grid.kernels import kernel, parallel_kernel
+from lightflyer.kinetic.grid.rays import MOST_CUTS, REACH, SHORTEST, spheroidal, trace_ray
+from lightflyer.kinetic.grid.speed_integrals import LARGEST_DEPTH
 
 FLUXES = 4
 """Fluxes of arriving molecules at a face: number, normal momentum, energy, rotational energy."""

@@ -1,6 +1,5 @@
 """Cases of the disk problem with the collision operator of real molecules, on one mesh."""
 
-from lightflyer.kinetic.cases import COARSE, MEDIUM, Case, Outcome, Resolution, totals
 from lightflyer.kinetic.collisions.brackets import Molecule
 from lightflyer.kinetic.collisions.operator import (
     FEWER_MOMENTS,
@@ -9,8 +8,9 @@ from lightflyer.kinetic.collisions.operator import (
     Moments,
 )
 from lightflyer.kinetic.collisions.problem import MolecularProblem
-from lightflyer.kinetic.linear import Walls
-from lightflyer.kinetic.operators import Operators, Quadrature
+from lightflyer.kinetic.disk.cases import COARSE, MEDIUM, Case, Outcome, Resolution, totals
+from lightflyer.kinetic.disk.linear import Walls
+from lightflyer.kinetic.disk.operators import Operators, Quadrature
 
 _COARSER = Resolution(3, 0.7, Quadrature(3, 3, 3))
 

@@ -16,9 +16,9 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.special import lpmv
 
-from lightflyer.foundation.errors import ParameterError
+from lightflyer.core.errors import ParameterError
 from lightflyer.kinetic.collisions.operator import CollisionOperator
-from lightflyer.kinetic.mesh import panel_nodes
+from lightflyer.kinetic.grid.mesh import panel_nodes
 
 _DEPTH = 30.0  # of the layer that is solved [ℓ]
 _PANELS, _ORDER, _GROWTH = 22, 5, 1.4

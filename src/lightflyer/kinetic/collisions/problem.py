@@ -14,16 +14,14 @@ from lightflyer.kinetic.collisions.components import (
 )
 from lightflyer.kinetic.collisions.operator import CollisionOperator
 from lightflyer.kinetic.collisions.tables import ray_table
-from lightflyer.kinetic.linear import (
+from lightflyer.kinetic.disk.linear import (
     FaceResult,
     LinearSystem,
     Walls,
     result_of_arriving,
     solve_by_gmres,
 )
-from lightflyer.kinetic.mesh import Mesh
-from lightflyer.kinetic.model_gases import DIATOMIC, MONATOMIC
-from lightflyer.kinetic.operators import (
+from lightflyer.kinetic.disk.operators import (
     Operators,
     Quadrature,
     assemble,
@@ -31,6 +29,8 @@ from lightflyer.kinetic.operators import (
     kernel_arguments,
     node_points,
 )
+from lightflyer.kinetic.grid.mesh import Mesh
+from lightflyer.kinetic.model_gases import DIATOMIC, MONATOMIC
 from lightflyer.kinetic.walls import Wall
 
 _TOLERANCE = 1e-7  # of moments; the force is as good to 1e-5

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from lightflyer.kinetic.collisions.operator import CollisionOperator
-from lightflyer.kinetic.speed_integrals import LARGEST_DEPTH
+from lightflyer.kinetic.grid.speed_integrals import LARGEST_DEPTH
 
 _INTERVALS = 1200
 _LOGARITHM_OF_SPEED = np.linspace(-14.0, 2.0, 700)

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from lightflyer.foundation.errors import ParameterError
+from lightflyer.core.errors import ParameterError
 
 
 class Example(NamedTuple):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lightflyer.lab.synthetic._faults import faulty_table, label
+from lightflyer.lab.synthetic.faults import faulty_table, label
 
 _FIRST, _LAST, _STEP = 400.0, 4000.0, 2.0  # [1/cm]
 _NOISE = 0.002

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from lightflyer.film.catalogue import material
-from lightflyer.film.mixture import porous
-from lightflyer.film.stack import Film, Layer
-from lightflyer.lab.synthetic._faults import label
+from lightflyer.film.media.catalogue import material
+from lightflyer.film.media.mixture import porous
+from lightflyer.film.optics.stack import Film, Layer
+from lightflyer.lab.synthetic.faults import label
 
 TRUTH = {"germanium": 31e-9, "porosity": 0.35, "mylar": 512e-9}
 """Thicknesses [m] and porosity [1] of the synthetic film."""

@@ -6,9 +6,9 @@ import struct
 import numpy as np
 from scipy import ndimage
 
-from lightflyer.foundation.extras import extra
-from lightflyer.lab.levelling import level
-from lightflyer.lab.synthetic._faults import label
+from lightflyer.core.extras import extra
+from lightflyer.lab.surface.levelling import level
+from lightflyer.lab.synthetic.faults import label
 
 _SIDE = 10e-6  # [m]
 _PIXELS = 256

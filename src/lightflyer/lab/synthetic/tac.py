@@ -10,9 +10,9 @@ import numpy as np
 from lightflyer.environment.chamber import Chamber
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.disk import Disk
-from lightflyer.force.kinetic import Kinetic
-from lightflyer.lab.synthetic._faults import TORR, faulty_table, label
-from lightflyer.lab.tac import LU2023_HEATER_DIAMETER
+from lightflyer.force.kinetic.model import Kinetic
+from lightflyer.lab.synthetic.faults import TORR, faulty_table, label
+from lightflyer.lab.tac.fit import LU2023_HEATER_DIAMETER
 
 
 class TacTruth(NamedTuple):

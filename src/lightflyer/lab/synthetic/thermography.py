@@ -7,8 +7,8 @@ It does so here by a sum of its own, not by the code that reduces its readings.
 import numpy as np
 from scipy import optimize
 
-from lightflyer.foundation.constants import BOLTZMANN, PLANCK, SPEED_OF_LIGHT
-from lightflyer.lab.synthetic._faults import faulty_table, label
+from lightflyer.core.constants import BOLTZMANN, PLANCK, SPEED_OF_LIGHT
+from lightflyer.lab.synthetic.faults import faulty_table, label
 
 REFLECTANCE, TRANSMITTANCE = 0.12, 0.80
 """Properties of the synthetic film in the infrared; its emissivity is 0.08."""

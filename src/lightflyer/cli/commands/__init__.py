@@ -1,0 +1,1 @@
+"""Commands, one a module; those of the lab bench are in ``cli/lab``."""

@@ -1,0 +1,261 @@
+"""``lightflyer calibrate``: force coefficients from measured levitation points."""
+
+import math
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.table import Table
+
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
+from lightflyer.cli.lab.points import open_interval_text
+from lightflyer.cli.lab.shared import optional_share, quantity, show_warnings
+from lightflyer.cli.options import Json, Samples, Seed
+from lightflyer.cli.output import print_json, printer, write_json
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from lightflyer.calibration.bayes import Posterior
+    from lightflyer.calibration.calibration import Calibration
+
+
+def calibrate_command(
+    points_file: Path,
+    /,
+    *,
+    flyer: Path | None = None,
+    free: str = "c_fm,c_cont",
+    columns: str | None = None,
+    step: str | None = None,
+    pressure_accuracy: str | None = None,
+    irradiance_accuracy: str | None = None,
+    scale_errors: Annotated[bool, Parameter(negative=())] = False,
+    keep_ground_effect: Annotated[bool, Parameter(negative=())] = False,
+    out: Path | None = None,
+    posterior: Annotated[bool, Parameter(negative=())] = False,
+    samples: Samples = 2000,
+    seed: Seed = 0,
+    json_output: Json = False,
+    figures: ResultOptions = AS_USUAL,
+) -> None:
+    """Fit force coefficients and film properties to measured levitation points.
+
+    Parameters
+    ----------
+    points_file
+        Table with the columns pressure and irradiance, units in the header such as
+        "pressure [mTorr]", and sample where there is more than one; "lightflyer lab levitation"
+        reads the same files. Further columns: irradiance_uncertainty, pressure_uncertainty,
+        launchpad, floor_gap, and the properties in which samples differ (diameter,
+        areal_density, emittance, absorptance, tac_top, tac_bottom), each with its uncertainty
+        (emittance_uncertainty).
+    flyer
+        Flyer file with a chamber: it gives everything that is not fitted, and the starting
+        values; its ± go into the total intervals. Default: the paper's 2-cm disk, as "lightflyer
+        init --kind chamber" writes it.
+    free
+        Parameters to fit, separated by commas: numbers of the flyer file such as c_fm, c_cont,
+        tac_top, tac_bottom, emittance, absorptance. Brackets restrict one to a sample:
+        "c_fm,c_cont,emittance[Ge 2 cm]".
+    columns
+        Columns in the order of the file, in place of a header: "pressure [Pa], irradiance
+        [W/m^2]"; - skips a column.
+    step
+        Step in which the light was raised until the sample lifted off, such as "200 W/m^2": what
+        suffices lies within the last one.
+    pressure_accuracy
+        Relative standard uncertainty of the pressure gauge's calibration, common to all points,
+        such as "0.5 %". Default: 5 %, assumed.
+    irradiance_accuracy
+        The same of the light meter. Default: 5 %, assumed.
+    scale_errors
+        Multiply the stated uncertainties of the points by the root of the reduced chi-squared.
+    keep_ground_effect
+        Fit points also where the floor is nearer than the sample's diameter.
+    out
+        Folder for the fit (JSON), the residuals (CSV) and their figure, and the draws
+        from the posterior (CSV).
+    posterior
+        Also draw from the posterior by NUTS, at the inputs as given, without their ±; needs
+        numpyro: pip install 'lightflyer[posterior]'.
+    samples
+        Number of draws from the posterior.
+    seed
+        Seed of the draws from the posterior.
+    json_output
+        Print one JSON object instead of a table.
+    figures
+        How figures are written.
+    """
+    out = figures.folder(out)
+    from lightflyer.calibration.calibration import calibrate
+    from lightflyer.calibration.points import read_points
+    from lightflyer.config.reader import read_flyer_file
+
+    points = read_points(points_file, columns=columns)
+    points = points if keep_ground_effect else points.without_ground_effect()
+    points = points.stepped(0.0 if step is None else quantity("--step", step, "W/m^2").value)
+    template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"
+    with resources.as_file(template) as default:
+        design = read_flyer_file(default if flyer is None else flyer)
+    names = [name.strip() for name in free.split(",") if name.strip()]
+    fit = calibrate(
+        points,
+        design,
+        free=names,
+        pressure_accuracy=optional_share("--pressure-accuracy", pressure_accuracy),
+        irradiance_accuracy=optional_share("--irradiance-accuracy", irradiance_accuracy),
+        scale_errors=scale_errors,
+    )
+    drawn = _draw(fit, samples, seed) if posterior else None
+    written = [] if out is None else _write(out, fit, drawn, figures)
+    if json_output:
+        print_json(_summary(fit, drawn))
+        return
+    console = printer()
+    if flyer is None:
+        warmth = design.environment.temperature.value
+        console.print(
+            f"flyer: the paper's 2-cm disk in a chamber at {warmth:g} K; use --flyer for yours"
+        )
+    _show(console, fit, drawn)
+    hint = "add --out FOLDER to write the fit and a figure of the residuals"
+    figures.tell(console, written, hint)
+
+
+def _draw(fit: "Calibration", samples: int, seed: int) -> "Posterior":
+    from lightflyer.calibration.bayes import posterior
+
+    return posterior(fit, samples=samples, seed=seed)
+
+
+def _summary(fit: "Calibration", drawn: "Posterior | None") -> dict[str, Any]:
+    return fit.summary() | ({} if drawn is None else {"posterior": drawn.summary()})
+
+
+def _write(
+    out: Path, fit: "Calibration", drawn: "Posterior | None", options: FigureOptions
+) -> list[Path]:
+    from lightflyer.calibration.figures import calibration_figure, posterior_figure
+    from lightflyer.core.atomic_files import output_directory
+
+    def draw() -> "dict[str, Figure]":
+        figures = {"residuals": calibration_figure(fit)}
+        return figures if drawn is None else figures | {"posterior": posterior_figure(drawn)}
+
+    names = ["calibration.json", "residuals.csv"]
+    with output_directory(out) as stage:
+        write_json(stage("calibration.json"), _summary(fit, drawn))
+        stage("residuals.csv").write_text(_residuals_csv(fit), encoding="utf-8")
+        names += options.write(stage, draw)
+        if drawn is not None:
+            names.append("posterior.csv")
+            stage("posterior.csv").write_text(_draws_csv(drawn), encoding="utf-8")
+    return [out / name for name in names]
+
+
+def _draws_csv(drawn: "Posterior") -> str:
+    """One line per draw: the number of its chain, from 1, and the parameters."""
+    header = ",".join(["chain", *(name.replace(",", ";") for name in drawn.names)])
+    rows = [
+        ",".join([str(number), *(f"{value:.8g}" for value in draw)])
+        for number, chain in enumerate(drawn.draws, start=1)
+        for draw in chain
+    ]
+    return "\n".join([header, *rows]) + "\n"
+
+
+def _residuals_csv(fit: "Calibration") -> str:
+    header = (
+        "sample,pressure [Pa],irradiance [W/m^2],fitted [W/m^2],"
+        "residual of log-irradiance,uncertainty of log-irradiance"
+    )
+    columns = (
+        fit.points.pressure,
+        fit.points.irradiance,
+        fit.fitted,
+        fit.residuals,
+        fit.uncertainty,
+    )
+    rows = [
+        ",".join([sample.replace(",", ";"), *(f"{value:.8g}" for value in values)])
+        for sample, *values in zip(fit.points.samples, *columns, strict=True)
+    ]
+    return "\n".join([header, *rows]) + "\n"
+
+
+def _show(console: Console, fit: "Calibration", drawn: "Posterior | None") -> None:
+    table = Table(box=None, padding=(0, 1))
+    headings = ("parameter", "value", "given inputs\n95 %", "total\n95 %", "total\n±")
+    for heading in headings:
+        table.add_column(heading, justify="left" if heading == "parameter" else "right")
+    for row, name in enumerate(fit.names):
+        table.add_row(
+            name,
+            f"{fit.values[row]:.4g}",
+            open_interval_text(*fit.intervals[row]),
+            open_interval_text(*fit.total_intervals[row]),
+            f"{fit.total_standard_uncertainties[row]:.2g}",
+        )
+    console.print(table)
+    for text in _explained(fit):
+        console.print(text, soft_wrap=True)
+    if drawn is not None:
+        _show_posterior(console, drawn)
+    show_warnings(console, fit.warnings)
+
+
+def _explained(fit: "Calibration") -> list[str]:
+    """What the intervals of the table contain, in words."""
+    kind = "estimated from the scatter" if fit.estimated_scatter else "as stated in the file"
+    if fit.error_scale != 1.0:
+        kind = f"as stated in the file, times {fit.error_scale:.3g}"
+    chi_squared = (
+        f"; reduced chi-squared {fit.reduced_chi_squared:.3g}"
+        if math.isfinite(fit.reduced_chi_squared)
+        else ""
+    )
+    shares = ", ".join(
+        f"{name} ({_percentages(values)})" for name, values in fit.contributions.items()
+    )
+    return [
+        f"{len(fit.points)} points of {len(set(fit.points.samples))} samples scatter by "
+        f"{100.0 * fit.scatter:.2g} % of the irradiance; their uncertainty is {kind}{chi_squared}",
+        "given inputs: the points' scatter alone, everything else exactly as stated",
+        f"total: also the ± of {shares or 'nothing else, since nothing has one'}",
+    ]
+
+
+def _percentages(shares: Any) -> str:
+    """Relative standard uncertainty of each parameter by one input."""
+    return ", ".join(f"{100.0 * share:.2g} %" for share in shares)
+
+
+def _show_posterior(console: Console, drawn: "Posterior") -> None:
+    table = Table(box=None, padding=(0, 1))
+    headings = (
+        "posterior\nat given inputs",
+        "mean",
+        "standard\ndeviation",
+        "95 % interval",
+        "R-hat",
+        "effective",
+    )
+    for heading in headings:
+        table.add_column(heading, justify="left" if heading.startswith("posterior") else "right")
+    for name, found in drawn.summary()["parameters"].items():
+        low, high = found["interval_95"]
+        table.add_row(
+            name,
+            f"{found['mean']:.4g}",
+            f"{found['standard_deviation']:.2g}",
+            f"{low:.4g} to {high:.4g}",
+            f"{found['r_hat']:.3f}",
+            f"{found['effective_draws']:.0f}",
+        )
+    console.print(table)
+    chains, draws = drawn.draws.shape[:2]
+    console.print(f"{chains * draws} draws in {chains} chains, {drawn.divergences} divergent")

@@ -1,0 +1,142 @@
+"""``lightflyer doctor``: what is installed, and what is missing."""
+
+import importlib.metadata
+import os
+import platform
+import sys
+from pathlib import Path
+from typing import Any
+
+from packaging.requirements import Requirement
+from rich.table import Table
+
+import lightflyer
+from lightflyer.cli.options import Json
+from lightflyer.cli.output import print_json, printer
+from lightflyer.core.cache import SETTING, cache_folder
+
+_MEGABYTE = 1e6
+_EVERY_EXTRA = "all"  # names the others
+
+
+def doctor_command(*, json_output: Json = False) -> None:
+    """Say which extras, devices, libraries and caches are there.
+
+    Send its output with a report of a fault.
+
+    Parameters
+    ----------
+    json_output
+        Print one JSON object instead of tables.
+    """
+    found = {
+        "lightflyer": lightflyer.__version__,
+        "python": platform.python_version(),
+        "system": f"{platform.system()} {platform.release()}, {platform.machine()}",
+        "cores": os.cpu_count(),
+        **_numerics(),
+        "requirements": _requirements(None),
+        "extras": {name: _requirements(name) for name in _extras()},
+        "kept_programs": _cache(),
+    }
+    if json_output:
+        print_json(found)
+        return
+    console = printer()
+    console.print(_overview(found))
+    console.print(_extras_table(found["extras"]))
+    lacking = [entry for entry in found["requirements"] if entry["problem"]]
+    for entry in lacking:
+        console.print(f"{entry['package']}: {entry['problem']}; pip install --upgrade lightflyer")
+
+
+def _numerics() -> dict[str, Any]:
+    """Devices and libraries of linear algebra."""
+    import jax
+    import numpy as np
+
+    blas = np.show_config(mode="dicts")["Build Dependencies"]["blas"]
+    return {
+        "jax": jax.__version__,
+        "devices": [f"{device.device_kind} ({device.platform})" for device in jax.devices()],
+        "numpy": np.__version__,
+        "blas": f"{blas['name']} {blas['version']}",
+    }
+
+
+def _extras() -> list[str]:
+    names = importlib.metadata.metadata("lightflyer").get_all("Provides-Extra") or []
+    return sorted(set(names) - {_EVERY_EXTRA})
+
+
+def _requirements(extra: str | None) -> list[dict[str, Any]]:
+    """Packages that the package needs, or one of its extras, and what is wrong with each."""
+    needs = [Requirement(text) for text in importlib.metadata.requires("lightflyer") or []]
+    return [_state(need) for need in needs if _is_for(need, extra)]
+
+
+def _is_for(need: Requirement, extra: str | None) -> bool:
+    always = need.marker is None or need.marker.evaluate({"extra": ""})
+    if extra is None or need.marker is None:
+        return always and extra is None
+    return not always and need.marker.evaluate({"extra": extra})
+
+
+def _state(need: Requirement) -> dict[str, Any]:
+    try:
+        version = importlib.metadata.version(need.name)
+    except importlib.metadata.PackageNotFoundError:
+        return {"package": need.name, "version": None, "problem": "missing"}
+    fits = need.specifier.contains(version, prereleases=True)
+    problem = None if fits else f"is {version}, but {need.specifier} is needed"
+    return {"package": need.name, "version": version, "problem": problem}
+
+
+def _cache() -> dict[str, Any]:
+    """Where programs are kept, and how many."""
+    folder = cache_folder()
+    if folder is None:
+        return {"folder": None, "writable": False, "files": 0, "bytes": 0}
+    sizes = [path.stat().st_size for path in folder.rglob("*") if path.is_file()]
+    above = next(path for path in (folder, *folder.parents) if path.exists())
+    writable = os.access(above, os.W_OK)
+    return {"folder": str(folder), "writable": writable, "files": len(sizes), "bytes": sum(sizes)}
+
+
+def _overview(found: dict[str, Any]) -> Table:
+    table = Table(show_header=False, box=None)
+    rows = {
+        "lightflyer": f"{found['lightflyer']} in {Path(lightflyer.__file__).parent}",
+        "Python": f"{found['python']}, {sys.executable}",
+        "system": f"{found['system']}, {found['cores']} cores",
+        "JAX": f"{found['jax']} on {', '.join(found['devices'])}",
+        "NumPy": f"{found['numpy']} with {found['blas']}",
+        "kept programs": _in_words(found["kept_programs"]),
+    }
+    for name, text in rows.items():
+        table.add_row(name, text)
+    return table
+
+
+def _in_words(cache: dict[str, Any]) -> str:
+    if cache["folder"] is None:
+        return f"not kept: {SETTING} says so"
+    if not cache["writable"]:
+        return f"not kept: {cache['folder']} cannot be written; {SETTING}=FOLDER names another"
+    size = cache["bytes"] / _MEGABYTE
+    return f"{cache['files']} files, {size:.0f} MB in {cache['folder']}"
+
+
+def _extras_table(extras: dict[str, list[dict[str, Any]]]) -> Table:
+    table = Table("extra")
+    table.add_column("", no_wrap=True)  # a command to copy
+    table.add_column("packages")
+    for name, packages in extras.items():
+        complete = not any(entry["problem"] for entry in packages)
+        state = "ready" if complete else f"pip install 'lightflyer[{name}]'"
+        listed = [
+            f"{entry['package']} {entry['version'] if not entry['problem'] else entry['problem']}"
+            for entry in packages
+        ]
+        table.add_row(name, state, ", ".join(listed))
+    return table

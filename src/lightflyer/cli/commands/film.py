@@ -1,0 +1,413 @@
+"""``lightflyer film``: optics and areal density of a film from its layers."""
+
+import gc
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.table import Table
+
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
+from lightflyer.cli.options import Json
+from lightflyer.cli.output import print_json, printer, write_json
+from lightflyer.core.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from lightflyer.film import Film
+    from lightflyer.film.report.angular_summary import AngularSummary
+    from lightflyer.film.report.summary import FilmSummary
+    from lightflyer.film.sample_section import SampleSection
+
+_LEAST_SHARE = 0.0005  # of a spectrum, printed as 0.1 %
+_SHOWN_TEMPERATURE = 300.0  # [K], nearest to which an emittance by angle is printed
+_ROUNDING = 1e-9  # so that steps that make 90 degrees end before it
+_NANOMETRES, _GRAMS = 1e9, 1e3
+_TEMPERATURES = "200 K,250 K,300 K,350 K,400 K,450 K,500 K"
+
+
+def film_command(
+    film_file: Path,
+    /,
+    *,
+    out: Path | None = None,
+    temperatures: str = _TEMPERATURES,
+    at: str | None = None,
+    angles: str | None = None,
+    json_output: Json = False,
+    figures: ResultOptions = AS_USUAL,
+) -> None:
+    """Compute absorptance, transmittance, emittance and areal density of a film from its layers.
+
+    Transmittances matter where a film shades another, as in a sandwich. Where the file states ± of
+    layers' numbers, values have 95 % intervals from them. Shares of a spectrum without
+    optical data are printed with bounds, apart from the intervals.
+
+    Parameters
+    ----------
+    film_file
+        TOML file whose section [film] has layers, such as a flyer file.
+    out
+        Folder for figures and the summary (JSON).
+    temperatures
+        Temperatures of the film at which to give its emittance.
+    at
+        Wavelengths, such as "550 nm,10 um", at which to give reflectance, transmittance and
+        absorptance.
+    angles
+        Angles to the normal, such as "0 deg,30 deg,60 deg", or a step, such as "5 deg", at which to
+        give shares of the light and the emittance of the top by polarisation.
+    json_output
+        Print one JSON object instead of tables.
+    figures
+        How figures are written.
+    """
+    out = figures.folder(out)
+    gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
+    from lightflyer.cli.lab.shared import show_warnings
+    from lightflyer.config.reader import read_film_file
+    from lightflyer.film.report.summary import FilmSummary
+
+    section = read_film_file(film_file)
+    asked = _quantities("--temperatures", temperatures, "K")
+    directions = _directions(angles)
+    film = section.film()
+    written = section.written_layers
+    tied = len(section.layers)
+    spreads = section.independent_spreads
+    spreads += [layer.thickness.uncertainty for layer in written[tied:]]  # a thick substrate
+    others = section.neighbours()
+    points, beyond = _points(film, at, spreads, others)
+    summary = FilmSummary.of(
+        film, section.light(), asked,
+        thickness_uncertainty=spreads,
+        density_uncertainty=[
+            None if layer.density is None else layer.density.uncertainty
+            for layer in written
+        ],
+        others=others,
+    )  # fmt: skip
+    by_angle = None if directions is None else _by_angle(summary, directions)
+    warnings = [*summary.warnings, *beyond]
+    described = summary.to_json() | {"origin": _origins(section), "warnings": warnings}
+    described |= {} if at is None else {"at": points}
+    described |= {} if by_angle is None else {"angles": _angles_json(by_angle)}
+    paths = [] if out is None else _write(out, summary, by_angle, described, figures)
+    if json_output:
+        print_json(described)
+        return
+    console = printer()
+    _show(console, section, summary, points)
+    if by_angle is not None:
+        _show_angles(console, by_angle)
+    show_warnings(console, warnings)
+    if summary.uncertainty is None:
+        console.print("state ± of the layers' thicknesses for intervals")
+    figures.tell(console, paths, "add --out FOLDER to write figures and data")
+
+
+def _quantities(option: str, text: str, unit: str) -> Any:
+    import numpy as np
+
+    from lightflyer.core.units import parse
+
+    try:
+        values = [parse(part.strip(), unit).value for part in text.split(",") if part.strip()]
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{option}: {error}") from None
+    if not values:
+        raise ConfigurationError(f'{option} "{text}" has no quantity in it')
+    return np.array(values)
+
+
+def _points(
+    film: "Film",
+    at: str | None,
+    spreads: Sequence[float | None],
+    others: "Sequence[tuple[Film, Film]]",
+) -> tuple[list[dict[str, Any]], list[str]]:
+    """Optics at the wavelengths of ``--at``, for normal incidence on the top, and warnings."""
+    if at is None:
+        return [], []
+    from lightflyer.film.optics.thickness import thickness_uncertainty
+    from lightflyer.film.report.summary import possible_interval
+
+    wavelengths = _quantities("--at", at, "m")
+
+    def optics(one: "Film") -> dict[str, Any]:
+        found = one.optics(wavelengths).unpolarised()
+        shares = {"reflectance": found.reflectance, "transmittance": found.transmittance,
+                  "absorptance": found.absorptance}  # fmt: skip
+        return shares | ({"scattered": found.scattered} if one.is_rough else {})
+
+    values = optics(film)
+    points: list[dict[str, Any]] = [{"wavelength_um": float(one) * 1e6} for one in wavelengths]
+    for number, point in enumerate(points):
+        point |= {name: float(value[number]) for name, value in values.items()}
+    if any(spreads) or others:
+        spread = thickness_uncertainty(optics, film, [one or 0.0 for one in spreads], others)
+        for number, point in enumerate(points):
+            point["interval_95"] = {
+                name: possible_interval(point[name], one[number], 1.0).tolist()
+                for name, one in spread.items()
+            }
+    beyond = [
+        f"at {point['wavelength_um']:.5g} µm optical data are extrapolated: {text}"
+        for point, one in zip(points, wavelengths, strict=True)
+        for text in film.extrapolated(one, one)
+    ]
+    return points, beyond
+
+
+def _origins(section: "SampleSection") -> dict[str, Any]:
+    """Measured values of the file, which replace the computed ones in predictions."""
+    return {
+        name: {"origin": "measured", "value": value.value, "uncertainty": value.uncertainty}
+        for name, value in section.measured().items()
+    }
+
+
+def _directions(angles: str | None) -> Any:
+    """Angles of ``--angles`` [rad], or None."""
+    if angles is None:
+        return None
+    import numpy as np
+
+    asked = _quantities("--angles", angles, "rad")
+    right = 0.5 * np.pi
+    if asked.size == 1 and 0.0 < asked[0] < right:
+        asked = np.arange(0.0, right * (1.0 - _ROUNDING), asked[0])
+    if np.any(asked < 0.0) or np.any(asked >= right):
+        raise ConfigurationError(f'--angles "{angles}": angles are from 0 to below 90 degrees')
+    return asked
+
+
+def _by_angle(summary: "FilmSummary", directions: Any) -> "AngularSummary":
+    from lightflyer.film.report.angular_summary import AngularSummary
+
+    return AngularSummary.of(summary.film, summary.light, directions, summary.temperatures)
+
+
+def _write(
+    out: Path,
+    summary: "FilmSummary",
+    by_angle: "AngularSummary | None",
+    described: dict[str, Any],
+    figures: FigureOptions,
+) -> list[Path]:
+    from lightflyer.core import atomic_files as output
+    from lightflyer.film.report.figures import film_figures
+
+    names = ["film.json"]
+    with output.output_directory(out) as stage:
+        write_json(stage("film.json"), described)
+        names += figures.write(stage, lambda: film_figures(summary))
+        if by_angle is not None:
+            names += _write_angles(by_angle, stage, figures)
+    return [out / name for name in names]
+
+
+def _write_angles(
+    by_angle: "AngularSummary", stage: Callable[[str], Path], figures: FigureOptions
+) -> list[str]:
+    from lightflyer.film.report.angle_figures import angle_figures
+    from lightflyer.film.report.angle_tables import write_csv, write_spectral_csv
+
+    tables = {"film-angles.csv": write_csv, "film-angles-spectral.csv": write_spectral_csv}
+    for name, write in tables.items():
+        write(by_angle, stage(name))
+    by_angle.to_dataset().to_netcdf(stage("film-angles.nc"), engine="h5netcdf")
+    return [*tables, "film-angles.nc", *figures.write(stage, lambda: angle_figures(by_angle))]
+
+
+def _angles_json(by_angle: "AngularSummary") -> dict[str, Any]:
+    """Averages by angle, as lists over the angles."""
+    import numpy as np
+
+    from lightflyer.film.optics.angles import POLARISATIONS, table_of
+
+    def listed(values: Any) -> dict[str, Any]:
+        return {name: values[row].tolist() for row, name in enumerate(POLARISATIONS)}
+
+    emittance = table_of(by_angle.thermal)["absorptance"]
+    return {
+        "angle_deg": np.degrees(by_angle.incidence).tolist(),
+        "light": {name: listed(values) for name, values in table_of(by_angle.lit).items()},
+        "emittance_top": {
+            f"{temperature:g}": listed(emittance[..., number])
+            for number, temperature in enumerate(by_angle.temperatures)
+        },
+    }
+
+
+def _show_angles(console: Console, by_angle: "AngularSummary") -> None:
+    """Print shares of the light, and the emittance at one temperature, by angle."""
+    import numpy as np
+
+    from lightflyer.film.optics.angles import table_of
+
+    number = int(np.argmin(abs(by_angle.temperatures - _SHOWN_TEMPERATURE)))
+    shown = f"{by_angle.temperatures[number]:g} K"
+    light, heat = table_of(by_angle.lit), table_of(by_angle.thermal)["absorptance"][..., number]
+    columns = [light["reflectance"], light["transmittance"], light["absorptance"], heat]
+    heads = ("angle\n[deg]", *(f"{name}\ns / p / mean" for name in
+             ("reflectance", "transmittance", "absorptance", f"emittance, {shown}")))  # fmt: skip
+    table = _table(f"by angle, of {by_angle.light.name}, top", heads)
+    for place, angle in enumerate(np.degrees(by_angle.incidence)):
+        cells = (" / ".join(f"{one:.3f}" for one in part[:, place]) for part in columns)
+        table.add_row(f"{angle:.4g}", *cells)
+    console.print(table)
+
+
+def _show(
+    console: Console,
+    section: "SampleSection",
+    summary: "FilmSummary",
+    points: list[dict[str, Any]],
+) -> None:
+    from lightflyer.film.media.materials import MICROMETRE
+
+    _show_layers(console, section, summary)
+    for table in (_emittances(summary), _intervals(summary), _missing(summary)):
+        if table is not None:
+            console.print(table)
+    shortest, longest = summary.wavelength[[0, -1]] / MICROMETRE
+    console.print(f"spectrum from {shortest:.4g} µm to {longest:.4g} µm")
+    for point in points:
+        parts = [
+            f"{name} {point[name]:.4f}" + _span(point.get("interval_95", {}).get(name))
+            for name in ("reflectance", "transmittance", "absorptance", "scattered")
+            if name in point
+        ]
+        console.print(f"at {point['wavelength_um']:.5g} µm: {', '.join(parts)}", soft_wrap=True)
+    limit = section.limit()
+    if limit is not None:
+        console.print(f"highest temperature that the film bears {limit:g} K")
+    measured = section.measured() if summary.film.free_standing else {}
+    for name, value in measured.items():
+        spread = "" if value.uncertainty is None else f" ± {value.uncertainty:g}"
+        console.print(f"measured, used in predictions: {name} {value.value:g}{spread}")
+
+
+def _show_layers(console: Console, section: "SampleSection", summary: "FilmSummary") -> None:
+    """Print the layers, their mass and what they absorb of the light."""
+    for layer, written in zip(summary.film.layers, section.written_layers, strict=True):
+        spread = written.thickness.uncertainty
+        stated = "" if spread is None else f" ± {spread * _NANOMETRES:g} nm"
+        console.print(
+            f"{layer.material.name:10} {layer.thickness_text:>8}{stated}  {layer.material.source}",
+            soft_wrap=True,
+        )
+    for name, medium in (("above", summary.film.above), ("below", summary.film.below)):
+        if medium is not None:
+            console.print(f"{name} it {medium.name}, endless  {medium.source}", soft_wrap=True)
+    if summary.film.unknown_density is None:
+        mass = float(summary.film.areal_density) * _GRAMS
+        interval = _interval(summary, "areal_density_g_m2")
+        console.print(f"areal density     {mass:.4g} g/m²{interval}")
+    lights = {"AM0": ("solar", summary.solar)}
+    if summary.lamp is not summary.solar:
+        lights[summary.light.name] = ("lamp", summary.lamp)
+    for light, (kind, averages) in lights.items():
+        for side, mean in averages.items():
+            interval = _interval(summary, f"{kind}_absorptance_{side}")
+            console.print(f"absorptance       {mean.value:.4f}{interval} of {light}, {side}"
+                          f"{_bounded(mean)}", soft_wrap=True)  # fmt: skip
+        passing = summary.passing[kind]
+        interval = _interval(summary, f"{kind}_transmittance")
+        console.print(f"transmittance     {passing.value:.4f}{interval} of {light}"
+                      f"{_bounded(passing)}", soft_wrap=True)  # fmt: skip
+
+
+def _interval(summary: "FilmSummary", name: str) -> str:
+    """95 % interval of a single value, in words."""
+    return _span(summary.interval(name))
+
+
+def _span(ends: Any) -> str:
+    return "" if ends is None else f" ({ends[0]:.4g} to {ends[1]:.4g})"
+
+
+def _bounded(mean: Any) -> str:
+    """Bounds of an absorptance, and why, where some of the light lies outside the data."""
+    outside = 1.0 - float(mean.covered)
+    if outside < _LEAST_SHARE:
+        return ""
+    return f"; {outside:.1%} is outside the data: bounds {mean.lower:.3f} to {mean.upper:.3f}"
+
+
+def _table(title: str, headings: Sequence[str]) -> Table:
+    table = Table(box=None, padding=(0, 1), title=title, title_justify="left", title_style="")
+    for heading in headings:
+        table.add_column(heading, justify="right")
+    return table
+
+
+def _emittances(summary: "FilmSummary") -> Table:
+    sides = tuple(summary.thermal)
+    table = _table("emittance", ("at\n[K]", *_of_sides("hemispherical", sides),
+                                 *_of_sides("normal", sides), "absorptance\n/ emittance",
+                                 "infrared\ntransmittance"))  # fmt: skip
+    values = summary.values()
+    kinds = ("emittance", "emittance_normal")
+    names = [f"{kind}_{side}" for kind in kinds for side in sides]
+    for row, temperature in enumerate(summary.temperatures):
+        table.add_row(
+            f"{temperature:g}",
+            *(f"{values[name][row]:.4f}" for name in names),
+            _ratio(values["selectivity"][row]),
+            f"{values['infrared_transmittance'][row]:.4f}",
+        )
+    return table
+
+
+def _of_sides(what: str, sides: Sequence[str]) -> list[str]:
+    """Headings of a column a side, of which the first says what it is."""
+    return [f"{what if not number else ''}\n{side}" for number, side in enumerate(sides)]
+
+
+def _ratio(value: float) -> str:
+    """A ratio, a dash where its denominator is zero."""
+    return f"{value:.2f}".replace("nan", "–")
+
+
+def _from_to(ends: Any) -> str:
+    return f"{ends[0]:.4g} to {ends[1]:.4g}".replace("nan to nan", "–")
+
+
+def _intervals(summary: "FilmSummary") -> Table | None:
+    """95 % intervals from the thicknesses."""
+    if summary.uncertainty is None:
+        return None
+    title = "95 % intervals from the stated ± of the layers' numbers"
+    sides = tuple(summary.thermal)
+    table = _table(title, ("at\n[K]", *_of_sides("hemispherical", sides),
+                           "absorptance\n/ emittance", "infrared\ntransmittance"))  # fmt: skip
+    names = (*(f"emittance_{side}" for side in sides), "selectivity", "infrared_transmittance")
+    columns = [summary.interval(name) for name in names]
+    for row, temperature in enumerate(summary.temperatures):
+        ends = [column[:, row] for column in columns if column is not None]
+        table.add_row(f"{temperature:g}", *map(_from_to, ends))
+    return table
+
+
+def _missing(summary: "FilmSummary") -> Table | None:
+    """Shares of the radiation without data, and bounds of the emittance."""
+    top = summary.thermal["top"]
+    if (1.0 - top.covered).max() < _LEAST_SHARE:
+        return None
+    title = (
+        "radiation without optical data, and bounds if nothing or everything is absorbed, or "
+        "passes, there"
+    )
+    table = _table(title, ("at\n[K]", "outside\nthe data", "of which\nextrapolated",
+                           *_of_sides("hemispherical", tuple(summary.thermal)),
+                           "infrared\ntransmittance"))  # fmt: skip
+    for row, temperature in enumerate(summary.temperatures):
+        table.add_row(
+            f"{temperature:g}", f"{1.0 - top.covered[row]:.1%}",
+            f"{top.extrapolated_share[row]:.1%}",
+            *(f"{one.lower[row]:.3f} to {one.upper[row]:.3f}"
+              for one in (*summary.thermal.values(), summary.passing["thermal"])),
+        )  # fmt: skip
+    return table

@@ -1,0 +1,157 @@
+"""``lightflyer init``: files to start from."""
+
+import re
+import tomllib
+from importlib import resources
+from pathlib import Path
+from typing import NamedTuple
+
+from lightflyer.cli.output import printer
+from lightflyer.core.errors import ConfigurationError, OutputError, ParameterError
+
+_PREFIX, _SUFFIX = "flyer-", ".toml"
+
+
+class Template(NamedTuple):
+    """A commented file that comes with the package.
+
+    Attributes
+    ----------
+    source : str
+        Its name in ``data/``.
+    name : str
+        Name under which it is written where none is given.
+    following : tuple of str
+        Commands that use it; ``{}`` stands for its path.
+    """
+
+    source: str
+    name: str
+    following: tuple[str, ...]
+
+    @property
+    def is_flyer(self) -> bool:
+        """Whether it describes a flyer."""
+        return self.source.startswith(_PREFIX)
+
+    def read(self) -> str:
+        """The text."""
+        return (resources.files("lightflyer") / "data" / self.source).read_text(encoding="utf-8")
+
+
+_MODEL = re.compile(r'^model = "([^"]*)".*$', re.M)
+_PREDICT = "predict {} --out prediction"
+_OTHERS = {
+    "mission": Template("mission.toml", "mission.toml", ("fly {} --out mission",)),
+    "sweep": Template("study-sweep.toml", "study.toml", ("sweep {} --out results.zarr",)),
+    "optimise": Template("study-optimise.toml", "study.toml", ("optimise {} --write best.toml",)),
+    "optimise-film": Template(
+        "study-optimise-film.toml", "study.toml", ("optimise {} --write best.toml",)
+    ),
+    "sensitivity": Template(
+        "study-sensitivity.toml", "study.toml", ("sensitivity {} --out sensitivity",)
+    ),
+    "points": Template(
+        "points.csv",
+        "points.csv",
+        ("calibrate {} --out fit", "lab levitation {} --out levitation"),
+    ),
+}
+_FIRST = "earth"
+
+
+def templates() -> dict[str, Template]:
+    """Commented files that come with the package.
+
+    Returns
+    -------
+    dict of str to Template
+        By kind: flyer files, such as ``"earth"`` for ``data/flyer-earth.toml``, and others.
+    """
+    names = (entry.name for entry in (resources.files("lightflyer") / "data").iterdir())
+    flyers = {
+        name.removeprefix(_PREFIX).removesuffix(_SUFFIX): Template(
+            name,
+            "flyer.toml",
+            ("film {} --out film", _PREDICT) if "layers" in name else (_PREDICT,),
+        )
+        for name in sorted(names)
+        if name.startswith(_PREFIX) and name.endswith(_SUFFIX)
+    }
+    return {_FIRST: flyers.pop(_FIRST), **flyers, **_OTHERS}
+
+
+def init(
+    path: Path | None = None,
+    /,
+    *,
+    kind: str = _FIRST,
+    model: str | None = None,
+    force: bool = False,
+) -> None:
+    """Write a commented file to start from.
+
+    Parameters
+    ----------
+    path
+        Where to write it; by default flyer.toml, study.toml or points.csv.
+    kind
+        What it is. Flyer files: earth (a disk over Earth), chamber (the disk in a vacuum chamber),
+        mars (the disk over Mars), layers (a film given by its layers), sandwich (two perforated
+        membranes over Earth), plate (nanocardboard in the chamber), balloon (a solar balloon over
+        Earth), hollow (a sphere that pumps gas, over Earth). A mission: mission. Studies: sweep,
+        optimise, sensitivity. Measurements: points (of levitation, to calibrate with);
+        "lightflyer lab example" writes those of the lab bench.
+    model
+        Force model of a flyer file, in place of its own: lu2023 (the paper's fit), kinetic,
+        free-molecular or another that is for the flyer.
+    force
+        Overwrite an existing file.
+    """
+    known = templates()
+    if kind not in known:
+        raise ParameterError(f'--kind "{kind}" is unknown; choose from {", ".join(known)}')
+    template = known[kind]
+    path = Path(template.name) if path is None else path
+    text = template.read() if model is None else _with_model(kind, template, model)
+    try:
+        with path.open("w" if force else "x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise OutputError(f"{path}: already exists; --force overwrites it") from None
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
+    console = printer()
+    console.print(f"wrote {path}", soft_wrap=True)
+    flyer = path.parent / "flyer.toml"
+    if template.source.startswith("study-") and not flyer.exists():
+        console.print(f"it needs a flyer file: lightflyer init {flyer}", soft_wrap=True)
+    for command in template.following:
+        console.print(f"next: lightflyer {command.format(path)}", soft_wrap=True)
+
+
+def _with_model(kind: str, template: Template, model: str) -> str:
+    """A template's text with another force model, which must be for its flyer and gas."""
+    if not template.is_flyer:
+        raise ParameterError(f'--model "{model}": --kind "{kind}" is not a flyer file')
+    from lightflyer.config.flyer_file import flyer_file_type, models_for
+
+    text = template.read()
+    suitable = models_for(type(flyer_file_type()(**tomllib.loads(text)).flyer))
+    if model not in suitable:
+        known = ", ".join(suitable)
+        raise ParameterError(f'--model "{model}" is not for --kind "{kind}"; choose from {known}')
+    own = _MODEL.search(text)
+    assert own is not None  # every template names its model
+    # the line goes on with what else there is
+    exchanged = {f'"{own[1]}"': f'"{model}"', f'"{model}"': f'"{own[1]}"'}
+    line = re.sub("|".join(exchanged), lambda name: exchanged[name[0]], own[0])
+    text = text.replace(own[0], line)
+    try:
+        setup = flyer_file_type()(**tomllib.loads(text)).build()
+        gas = getattr(setup.environment, "gas", None)  # every template's environment has one
+        if gas is not None:
+            setup.model.require_gas(gas)
+    except (ConfigurationError, ParameterError) as error:
+        raise ParameterError(f'--model "{model}" with --kind "{kind}": {error}') from None
+    return text

@@ -1,0 +1,308 @@
+"""``lightflyer kinetic``: force and heat of a thin disk from the kinetic equation."""
+
+import gc
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from inspect import signature
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+from rich.table import Table
+
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
+from lightflyer.cli.options import Json
+from lightflyer.cli.output import print_json, printer, write_json
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.progress import report
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from lightflyer.kinetic import Chamber, ChamberSolution, Solution
+
+SurfaceName = Literal["floor", "lid", "side"]
+
+
+def kinetic_command(
+    *,
+    kn: float,
+    tac_top: float,
+    tac_bottom: float,
+    top_temperature: float | None = None,
+    bottom_temperature: float | None = None,
+    temperature_ratio: float | None = None,
+    top_temperature_ratio: float | None = None,
+    open_fraction: float = 0.0,
+    gas: Literal["monatomic", "diatomic"] = "monatomic",
+    wall: Literal["maxwell", "accommodated"] = "maxwell",
+    boundary: float | None = None,
+    floor: float | None = None,
+    lid: float | None = None,
+    side: float | None = None,
+    reservoir: Annotated[list[SurfaceName] | None, Parameter(negative=())] = None,
+    floor_temperature: float = 0.0,
+    lid_temperature: float = 0.0,
+    side_temperature: float = 0.0,
+    chamber_tac: float = 1.0,
+    local_balance: Annotated[bool, Parameter(negative=())] = False,
+    radiation: float = 0.0,
+    collisions: Literal["shakhov", "vhs"] = "shakhov",
+    viscosity_exponent: float | None = None,
+    collision_number: float | None = None,
+    out: Path | None = None,
+    json_output: Json = False,
+    figures: ResultOptions = AS_USUAL,
+) -> None:
+    """Solve the kinetic equation around a hot thin disk, or one with holes.
+
+    Without --temperature-ratio, solve the linear problem of small temperature differences.
+
+    Parameters
+    ----------
+    kn
+        Knudsen number, the mean free path of the gas far away over the disk's diameter: 0.03 to
+        100.
+    tac_top
+        Accommodation coefficient of the upper face, above 0 and up to 1.
+    tac_bottom
+        Accommodation coefficient of the lower face, above 0 and up to 1.
+    top_temperature
+        Temperature perturbation of the upper face in the linear problem; 1 if not given.
+    bottom_temperature
+        Temperature perturbation of the lower face in the linear problem; 1 if not given.
+    temperature_ratio
+        Temperature of both faces over that of the gas far away, 0.5 to 3.5, for the non-linear
+        problem.
+    top_temperature_ratio
+        The same for the upper face, if it differs.
+    open_fraction
+        Share of the molecules arriving at a face that pass to its other side, 0 to 0.999.
+    gas
+        Molecules without or with rotation; nitrogen and air are diatomic.
+    wall
+        Maxwell walls re-emit the share TAC of the molecules at their temperature and reflect the
+        rest; at accommodated ones all leave diffusely at one temperature between those of wall and
+        arriving gas.
+    boundary
+        Half-width and half-height of a cold cylindrical reservoir around the disk, in radii:
+        1.5 to 338 Kn.
+    floor
+        Distance of a solid floor below the disk, in radii, 0.1 to 338 Kn; with --lid and --side.
+    lid
+        Distance of a solid lid above the disk.
+    side
+        Radius of a solid side wall around the disk, 1.2 to 338 Kn.
+    reservoir
+        Floor, lid or side that is the end of a reservoir instead of solid; may be repeated.
+    floor_temperature
+        Temperature of the floor over that of the gas, less 1; in the linear problem in the unit of
+        the disk's perturbation.
+    lid_temperature
+        The same for the lid.
+    side_temperature
+        The same for the side wall.
+    chamber_tac
+        Accommodation coefficient of floor, lid and side wall, 0 to 1.
+    local_balance
+        Whether each spot of the film loses the heat that it absorbs, the same everywhere. The
+        disk's temperature is then the mean over its area.
+    radiation
+        Heat that such a film also radiates, per unit area and perturbation, over p√(2RT_c).
+    collisions
+        The model equation of Shakhov and Rykov, or the collision operator of VHS molecules, in the
+        linear problem.
+    viscosity_exponent
+        Of VHS molecules: 0.5 for hard spheres to 1; 0.66, or 0.74 with rotation, if not given.
+    collision_number
+        Inverse probability that a diatomic VHS molecule exchanges rotational energy in a
+        collision, at least 1; 5 if not given.
+    out
+        Folder for a figure of temperature and streamlines and the result (JSON).
+    json_output
+        Print one JSON object instead of a table.
+    figures
+        How figures are written.
+    """
+    out = figures.folder(out)
+    gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
+    if temperature_ratio is not None and (top_temperature, bottom_temperature) != (None, None):
+        raise ParameterError(
+            "--top-temperature and --bottom-temperature belong to the linear problem and cannot be "
+            "combined with --temperature-ratio"
+        )
+    if temperature_ratio is None and top_temperature_ratio is not None:
+        raise ParameterError("--top-temperature-ratio needs --temperature-ratio, of the lower face")
+    from lightflyer.core.atomic_files import output_directory
+
+    # a folder that cannot be written is found before, not after, a long solution
+    written: list[str] = []
+    opened = nullcontext() if out is None else output_directory(out)
+    with opened as stage, _named_as_options():
+        heated: dict[str, Any] = {
+            "top_temperature": 1.0 if top_temperature is None else top_temperature,
+            "bottom_temperature": 1.0 if bottom_temperature is None else bottom_temperature,
+            "temperature_ratio": _of_both_faces(temperature_ratio, top_temperature_ratio),
+            "gas": gas,
+            "wall": wall,
+        }
+        chamber = _chamber(
+            {"floor": floor, "lid": lid, "side": side},
+            {"floor": floor_temperature, "lid": lid_temperature, "side": side_temperature},
+            tuple(reservoir or ()),
+            chamber_tac,
+        )
+        others = {
+            "open_fraction": open_fraction,
+            "boundary": boundary,
+            "collisions": collisions,
+            "viscosity_exponent": viscosity_exponent,
+            "collision_number": collision_number,
+        }
+        film = {"film": "local" if local_balance else "isothermal", "radiation": radiation}
+        faces = kn, tac_top, tac_bottom
+        solution = _solved(faces, heated, others, film, chamber)
+        if stage is not None:
+            report("drawing the flow")
+            written = _write(stage, solution, figures)
+    if json_output:
+        print_json(solution.to_json())
+    else:
+        console = printer()
+        _show(console, solution)
+        hint = "add --out FOLDER to write a figure of the flow"
+        figures.tell(console, [] if out is None else [out / name for name in written], hint)
+
+
+def _solved(
+    faces: tuple[float, float, float],
+    heated: dict[str, Any],
+    others: dict[str, Any],
+    film: dict[str, Any],
+    chamber: "Chamber | None",
+) -> "Solution | ChamberSolution":
+    from lightflyer.kinetic import solve, solve_in_chamber
+
+    kn, tac_top, tac_bottom = faces
+    if chamber is None and film == {"film": "isothermal", "radiation": 0.0}:
+        return solve(kn, tac_top, tac_bottom, **heated, **others)
+    usual = {"open_fraction": 0.0, "collisions": "shakhov"}
+    for name, value in others.items():
+        if value != usual.get(name):
+            option = f"--{name.replace('_', '-')}"
+            raise ParameterError(
+                f"{option} cannot be combined with --floor, --lid, --side or --local-balance"
+            )
+    return solve_in_chamber(kn, tac_top, tac_bottom, **heated, **film, chamber=chamber)
+
+
+def _chamber(
+    distances: dict[str, float | None],
+    temperatures: dict[str, float],
+    reservoirs: tuple[SurfaceName, ...],
+    tac: float,
+) -> "Chamber | None":
+    """Chamber of given options, or none."""
+    missing = [f"--{name}" for name, distance in distances.items() if distance is None]
+    if len(missing) == len(distances):
+        given = [f"--{name}-temperature" for name, value in temperatures.items() if value]
+        given += ["--reservoir"] * bool(reservoirs) + ["--chamber-tac"] * (tac != 1.0)
+        if given:
+            raise ParameterError(f"{given[0]} needs --floor, --lid and --side")
+        return None
+    if missing:
+        raise ParameterError(
+            f"--floor, --lid and --side belong together: {' and '.join(missing)} not given"
+        )
+    from lightflyer.kinetic import Chamber, Surface
+
+    return Chamber(
+        **{
+            name: Surface(distance, name not in reservoirs, temperatures[name], tac)
+            for name, distance in distances.items()
+            if distance is not None
+        }
+    )
+
+
+def _of_both_faces(ratio: float | None, top: float | None) -> float | tuple[float, float] | None:
+    return ratio if ratio is None or top is None else (top, ratio)
+
+
+def _show(console: "Console", solution: "Solution | ChamberSolution") -> None:
+    described = solution.to_json()
+    console.print(solution.title, soft_wrap=True)
+    console.print(_table(described))
+    if "forces" in described:
+        console.print(_surfaces(described))
+        profile = described["film_temperature"]
+        if described["imbalance"] is not None:
+            console.print(
+                f"film: T/T_c - 1 is {profile[0]:.4f} in the centre and {profile[-1]:.4f} at the "
+                f"edge; absorbed and lost heat differ by at most {described['imbalance']:.0e}",
+                soft_wrap=True,
+            )
+        for words in described["warnings"]:
+            console.print(f"warning: {words}", soft_wrap=True)
+    count = described["iterations"]
+    excluded = " and excludes that of the model" if solution.is_model else ""
+    console.print(
+        f"{count} iteration{'' if count == 1 else 's'}, {described['seconds']:.1f} s; the error is "
+        f"numerical{excluded}",
+        soft_wrap=True,
+    )
+
+
+@contextmanager
+def _named_as_options() -> Iterator[None]:
+    """Name parameters in errors as the command line does."""
+    try:
+        yield
+    except ParameterError as error:
+        name, space, rest = str(error).partition(" ")
+        option = "--kn" if name == "knudsen" else f"--{name.replace('_', '-')}"
+        known = name in signature(kinetic_command).parameters or name == "knudsen"
+        raise ParameterError(f"{option}{space}{rest}" if known else str(error)) from None
+
+
+def _surfaces(described: dict[str, Any]) -> Table:
+    errors = described["error_estimate"]
+    table = Table(box=None, padding=(0, 1))
+    for heading in ("", "force up\n[pA]", "heat out\n[p√(2RT_c)A]"):
+        table.add_column(heading, justify="right" if heading else "left")
+    for name, force in described["forces"].items():
+        table.add_row(name, f"{force:.6f}", f"{described['heats'][name]:.6f}")
+    table.add_row("error, disk", f"± {errors['force']:.1g}", f"± {errors['heat']:.1g}")
+    if described["closure"]:
+        closure = described["closure"]
+        table.add_row("sum over sum of sizes", f"{closure['force']:.0e}", f"{closure['heat']:.0e}")
+    return table
+
+
+def _write(
+    stage: Callable[[str], Path], solution: "Solution | ChamberSolution", figures: FigureOptions
+) -> list[str]:
+    from lightflyer.kinetic.figures import flow_figure
+
+    write_json(stage("kinetic.json"), solution.to_json() | {"inputs": solution.inputs})
+    return ["kinetic.json", *figures.write(stage, lambda: {"flow": flow_figure(solution)})]
+
+
+def _table(described: dict[str, Any]) -> Table:
+    errors = described["error_estimate"]
+    table = Table(box=None, padding=(0, 1))
+    for heading in ("", "over free-\nmolecular [1]", "error"):
+        table.add_column(heading, justify="right" if heading else "left")
+    for label, name in (
+        ("force", "force_ratio"),
+        ("heat", "heat_ratio"),
+        ("heat, top", "heat_ratio_top"),
+        ("heat, bottom", "heat_ratio_bottom"),
+    ):
+        value, error = described[name], errors.get(name)
+        table.add_row(
+            label,
+            "–" if value is None else f"{value:.5f}",
+            "" if error is None else f"± {error:.1g}",
+        )
+    return table

@@ -1,0 +1,155 @@
+"""``lightflyer materials``: the library of materials for layers, and the pages to search."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+from rich.table import Table
+
+from lightflyer.cli.options import Json
+from lightflyer.cli.output import print_json, printer
+
+if TYPE_CHECKING:
+    from lightflyer.film.media.database import DatabasePage
+    from lightflyer.film.media.materials import Material
+
+_SHOWN = 40  # pages that a search prints
+
+
+def materials_command(
+    *,
+    search: Annotated[str | None, Parameter(consume_multiple=False)] = None,
+    json_output: Json = False,
+) -> None:
+    """List the materials for layers, with wavelength range, density and source.
+
+    Any page of refractiveindex.info is a material too, by its name shelf/book/page.
+
+    Parameters
+    ----------
+    search
+        List materials and pages that have all these words, such as "Cr", "germanium film" or
+        "SiO2 Malitson": of formula, name, author or year.
+    json_output
+        Print one JSON object instead of a table.
+    """
+    from lightflyer.film.media.catalogue import material, material_names
+    from lightflyer.film.media.database import search_pages
+
+    known = [material(name) for name in material_names()]
+    described = [_described(one) for one in known]
+    pages: list[DatabasePage] = []
+    if search is not None:
+        pages = search_pages(search)
+        words = set(search.lower().split())
+        described = [entry for entry in described if words <= _words(entry)]
+    if json_output:
+        listed = {} if search is None else {"pages": [_page(page) for page in pages]}
+        print_json({"materials": described} | listed)
+        return
+    console = printer()
+    for entry in described:
+        console.print(_table(entry))
+    if search is not None:
+        _show_pages(pages, search)
+        return
+    console.print('a page of refractiveindex.info works too: find it by --search "words"')
+    console.print('a CSV file works too: material = "mine.csv", columns wavelength [um],n,k')
+
+
+def _described(one: "Material") -> dict[str, Any]:
+    from lightflyer.film.media.library import ALIASES
+    from lightflyer.film.media.materials import MICROMETRE
+
+    return {
+        "name": one.name,
+        "other_names": [alias for alias, target in ALIASES.items() if target == one.name],
+        "description": one.description,
+        "wavelength_range_um": [end / MICROMETRE for end in one.wavelength_range],
+        "density_kg_m3": one.density,
+        "density_source": one.density_source,
+        "tac": None if one.tac is None else one.tac.value,
+        "tac_uncertainty": None if one.tac is None else one.tac.uncertainty,
+        "tac_source": one.tac_source,
+        "source": one.source,
+    }
+
+
+def _words(entry: dict[str, Any]) -> set[str]:
+    text = " ".join([entry["name"], *entry["other_names"], entry["description"], entry["source"]])
+    return set(text.lower().replace(",", " ").replace("/", " ").split())
+
+
+def _page(page: "DatabasePage") -> dict[str, Any]:
+    """What is known of a page, as JSON."""
+    from lightflyer.film.media.database import page_details
+    from lightflyer.film.media.materials import MICROMETRE
+
+    details = page_details(page)
+    return {
+        "name": page.name,
+        "formula": page.formula,
+        "title": page.title,
+        "group": page.group,
+        "wavelength_range_um": [details.shortest / MICROMETRE, details.longest / MICROMETRE],
+        "quantities": [name for name, has in (("n", details.has_n), ("k", details.has_k)) if has],
+        "temperature_K": details.temperature,
+        "density_kg_m3": details.density,
+        "direction": details.direction,
+        "comments": details.comments,
+        "reference": details.reference,
+    }
+
+
+def _table(entry: dict[str, Any]) -> Table:
+    first, last = entry["wavelength_range_um"]
+    density, tac = entry["density_kg_m3"], entry["tac"]
+    also = f" (also {', '.join(entry['other_names'])})" if entry["other_names"] else ""
+    rows = _rows()
+    rows.add_row(entry["name"], "what", f"{entry['description']}{also}")
+    rows.add_row("", "range", f"{first:.5g} µm to {last:.5g} µm, {entry['source']}")
+    known = "unknown" if density is None else f"{density / 1e3:g} g/cm³"
+    rows.add_row("", "density", f"{known}; {entry['density_source']}")
+    if tac is not None:
+        rows.add_row("", "TAC", f"{tac:g} ± {entry['tac_uncertainty']:g}; {entry['tac_source']}")
+    return rows
+
+
+def _rows(width: int = 10) -> Table:
+    rows = Table(box=None, padding=(0, 1), show_header=False)
+    rows.add_column(width=width, style="bold")
+    rows.add_column(width=8)
+    rows.add_column(overflow="fold")
+    return rows
+
+
+def _show_pages(pages: "list[DatabasePage]", search: str) -> None:
+    console = printer()
+    shown = [_page(page) for page in pages[:_SHOWN]]
+    width = max((len(entry["name"]) for entry in shown), default=0)
+    for entry in shown:
+        console.print(_page_table(entry, width))
+    if not pages:
+        console.print(f'no page of refractiveindex.info has "{search}"')
+    elif len(pages) > len(shown):
+        console.print(
+            f"{len(pages) - len(shown)} more pages of refractiveindex.info have it: give more "
+            "words, or --json for all"
+        )
+    else:
+        console.print(f"{len(pages)} page{'s' * (len(pages) > 1)} of refractiveindex.info")
+
+
+def _page_table(entry: dict[str, Any], width: int) -> Table:
+    first, last = entry["wavelength_range_um"]
+    rows = _rows(width)
+    group = f" ({entry['group']})" if entry["group"] else ""
+    rows.add_row(entry["name"], "what", f"{entry['formula']}{group}: {entry['title']}")
+    parts = [f"{' and '.join(entry['quantities'])}, {first:.5g} µm to {last:.5g} µm"]
+    if entry["temperature_K"] is not None:
+        parts.append(f"{entry['temperature_K']:g} K")
+    if entry["density_kg_m3"] is not None:
+        parts.append(f"{entry['density_kg_m3'] / 1e3:g} g/cm³")
+    parts += filter(None, (entry["direction"], entry["comments"]))
+    rows.add_row("", "range", ", ".join(parts))
+    rows.add_row("", "source", entry["reference"])
+    return rows

@@ -1,0 +1,275 @@
+"""``lightflyer predict``: what the flyer of a file will do."""
+
+import gc
+import json
+import re
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.table import Table
+
+from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
+from lightflyer.cli.options import Json, Samples, Seed
+from lightflyer.cli.output import print_json, printer, write_json
+from lightflyer.cli.prediction_tables import NARROW, measure, show_flyer, show_results
+from lightflyer.core.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from lightflyer.config.flyer_file import FlyerFile
+    from lightflyer.environment.base import Coordinate
+    from lightflyer.prediction.prediction import Prediction
+    from lightflyer.uncertainty.propagation import PredictionUncertainty
+
+_OF_MODEL = re.compile(r"force\.\w+_error")  # inputs that are errors of the force model itself
+
+
+def predict_command(
+    flyer_file: Path,
+    /,
+    *,
+    out: Path | None = None,
+    at: str | None = None,
+    json_output: Json = False,
+    csv: Annotated[bool, Parameter(negative=())] = False,
+    samples: Samples = 500,
+    seed: Seed = 0,
+    figures: ResultOptions = AS_USUAL,
+) -> None:
+    """Predict where a flyer levitates, what it carries and how hot it gets.
+
+    Parameters
+    ----------
+    flyer_file
+        TOML file that describes flyer, film, environment and force model; "lightflyer init"
+        writes one.
+    out
+        Folder to write figures, the dataset (NetCDF) and the summary (JSON) into.
+    at
+        Altitudes such as "68 km,72 km", or in a chamber pressures such as "3 Pa,30 mTorr", to
+        report one by one.
+    json_output
+        Print one JSON object instead of tables.
+    csv
+        With --out, write the table as CSV too.
+    samples
+        Monte Carlo samples for the bands of a file with ±; 0 for first order alone.
+    seed
+        Of the samples.
+    figures
+        How figures are written.
+    """
+    gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
+    if csv and out is None:
+        raise ConfigurationError("--csv: the table needs a folder; add --out FOLDER")
+    out = figures.folder(out)
+    from lightflyer.config.reader import read_design
+    from lightflyer.prediction.prediction import predict_design
+
+    design = read_design(flyer_file)
+    file = design.file
+    uncertain = bool(file.uncertainties() or design.open_parts())
+    if uncertain:  # else nothing is imported or compiled for it
+        from lightflyer.uncertainty.propagation import propagate, require_samples
+
+        require_samples(samples, seed, "--")
+    loading = _load_in_background() if out is not None else None
+    where = design.setup.environment.coordinate
+    prediction = predict_design(design, _asked(at, where))
+    uncertainty = None
+    if uncertain:
+        uncertainty = propagate(design, prediction=prediction, samples=samples, seed=seed)
+    summary = prediction.summary() | _film_origins(file)
+    if uncertainty is not None:
+        summary["uncertainty"] = uncertainty.summary()
+    written = []
+    if out is not None and loading is not None:
+        loading.join()
+        results = prediction, summary, uncertainty
+        written = _write(out, file, flyer_file, results, figures, csv=csv)
+    if json_output:
+        print_json(summary)
+        return
+    console = printer()
+    _show(console, file, prediction, summary)
+    figures.tell(console, written, "add --out FOLDER to write figures and data")
+
+
+def _load_in_background() -> threading.Thread:
+    """Import what writing needs while XLA, which lets other threads run, compiles the model."""
+
+    def load() -> None:
+        import h5netcdf  # noqa: F401
+        import xarray  # noqa: F401
+
+    thread = threading.Thread(target=load, daemon=True)
+    thread.start()
+    return thread
+
+
+def _asked(at: str | None, where: "Coordinate") -> list[float] | None:
+    """The coordinates of ``--at`` in SI units."""
+    from lightflyer.core.units import parse
+
+    if at is None:
+        return None
+    try:
+        points = [parse(part.strip(), where.unit).value for part in at.split(",") if part.strip()]
+    except ConfigurationError as error:
+        raise ConfigurationError(f"--at: {error}") from None
+    if not points:
+        raise ConfigurationError(f'--at "{at}" names no {where.name}')
+    return points
+
+
+def _film_origins(file: "FlyerFile") -> dict[str, Any]:
+    """Origin of the properties of each film of layers, by the film's name in the file."""
+    incidence = float(file.environment.light_incidence)
+    return {
+        name: film.report(incidence, passing=file.flyer.needs_transmittance)
+        for name, film in file.films().items()
+        if film.layered
+    }
+
+
+def _write(
+    out: Path,
+    file: "FlyerFile",
+    flyer_file: Path,
+    results: "tuple[Prediction, Any, PredictionUncertainty | None]",
+    options: FigureOptions,
+    *,
+    csv: bool,
+) -> list[Path]:
+    from lightflyer.core.atomic_files import output_directory
+    from lightflyer.prediction.figures import prediction_figures
+    from lightflyer.prediction.tables import to_dataset, write_csv
+
+    prediction, summary, uncertainty = results
+    dataset = to_dataset(prediction, flyer_file.read_text(encoding="utf-8-sig"))
+    dataset.attrs["uncertainties"] = json.dumps(file.uncertainties())
+    dataset.attrs["summary"] = json.dumps(summary)
+    if uncertainty is not None:
+        from lightflyer.uncertainty.figures import add_to_dataset, add_to_figures
+
+        add_to_dataset(dataset, uncertainty)
+
+    def draw() -> "dict[str, Figure]":
+        figures = prediction_figures(prediction)
+        if uncertainty is not None:
+            add_to_figures(figures, uncertainty)
+        return figures
+
+    names = ["prediction.nc", "prediction.json"]
+    with output_directory(out) as stage:
+        dataset.to_netcdf(stage("prediction.nc"), engine="h5netcdf")
+        write_json(stage("prediction.json"), summary)
+        if csv:
+            names.append("prediction.csv")
+            write_csv(prediction, stage("prediction.csv"))
+        names += options.write(stage, draw)
+    return [out / name for name in names]
+
+
+def _show(
+    console: Console, file: "FlyerFile", prediction: "Prediction", summary: dict[str, Any]
+) -> None:
+    show_flyer(console, prediction)
+    for name in filter(summary.__contains__, file.films()):
+        console.print(_origins_line(name, summary[name]), soft_wrap=True)
+    show_results(console, prediction)
+    if "uncertainty" in summary:
+        _show_bands(console, summary["uncertainty"])
+    elif file.uncertainties():
+        uncertain = ", ".join(file.uncertainties())
+        console.print(f"uncertainties of {uncertain} are kept with the data, not propagated")
+
+
+def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
+    """The 95 % bands of all results but those asked for one by one."""
+    results, width = uncertainty["results"], min(console.width, NARROW)
+    share = uncertainty["share_that_levitates"]
+    if share is not None:
+        samples = uncertainty["samples"]
+        console.print(f"levitates in {100.0 * share:.0f} % of {samples} samples of the ± below")
+    both = ["first order", "Monte Carlo"]
+    kept = [*both, "samples"], both, ["Monte Carlo" if uncertainty["samples"] else "first order"]
+    tables = [_bands_table(results, columns) for columns in kept]
+    fitting = (table for table in tables if measure(table).maximum <= width)
+    console.print(next(fitting, tables[-1]))
+    correlation = uncertainty["tac_correlation"]
+    note = "" if correlation is None else f", TAC errors correlated by {correlation:g}"
+    sources = []
+    own = [name for name in uncertainty["inputs"] if _OF_MODEL.fullmatch(name)]
+    stated = [name for name in uncertainty["inputs"] if name not in own]
+    if stated:
+        sources.append(f"the ± of {', '.join(stated)}{note}")
+    if own:
+        sources.append(f"the force model's own errors ({', '.join(own)})")
+    if uncertainty["between_bounds"]:
+        names = ", ".join(uncertainty["between_bounds"])
+        sources.append(f"the bounds of {names}")
+    console.print(f"from {', and '.join(sources)}", soft_wrap=True)
+    for warning in uncertainty["warnings"]:
+        console.print(f"warning: {warning}", soft_wrap=True)
+
+
+def _bands_table(results: dict[str, Any], columns: list[str]) -> Table:
+    """Table of bands by some methods, and of the samples that have such a result."""
+    table = Table(box=None, padding=(0, 1, 0, 0))  # so that it fits into 80 columns
+    table.add_column("95 % band of", no_wrap=True)
+    for heading in ("value", *columns):
+        table.add_column(heading, justify="right", no_wrap=True)
+    shown = ""
+    for name, result in results.items():
+        group, _, entry = name.rpartition(".")
+        if name.startswith("at["):
+            continue
+        if group != shown:
+            table.add_row(group)
+            shown = group
+        sampled = result.get("monte_carlo")
+        share = f"{100.0 * sampled['share_of_samples']:.0f} %" if sampled else "–"
+        spans = {
+            "first order": _span(result["first_order"]),
+            "Monte Carlo": _span(sampled),
+            "samples": share,
+        }
+        cells = [f"{result['value']:.4g}", *(spans[column] for column in columns)]
+        table.add_row(f"  {entry}" if group else entry, *cells)
+    return table
+
+
+def _span(band: dict[str, Any] | None) -> str:
+    if band is None:
+        return "–"
+    if band["low"] is None:
+        spread = band.get("standard_uncertainty")
+        return "–" if spread is None else f"± {spread:.3g}"
+    high = "∞" if band["high"] is None else f"{band['high']:.4g}"
+    return f"{band['low']:.4g} to {high}"
+
+
+def _origins_line(section: str, film: dict[str, Any]) -> str:
+    """Which properties of the film are measured and which computed, in words."""
+    parts = [
+        f"{name} {_film_value(entry['value'])}{_plus_minus(entry)} ({entry['origin']})"
+        for name, entry in film.items()
+        if name != "extrapolated"
+    ]
+    return f"{section}: " + ", ".join(parts)
+
+
+def _plus_minus(entry: dict[str, Any]) -> str:
+    return f" ± {entry['uncertainty']:g}" if entry.get("uncertainty") else ""
+
+
+def _film_value(value: float | dict[str, float]) -> str:
+    if not isinstance(value, dict):
+        return f"{value:.4g}"
+    ends = list(value.items())
+    return " to ".join(f"{number:.3g} at {kelvin} K" for kelvin, number in (ends[0], ends[-1]))

@@ -1,0 +1,192 @@
+"""``lightflyer sweep``: compute the outputs of many designs into a folder."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.table import Table
+
+from lightflyer.cli.amounts import duration, in_words, with_prefix
+from lightflyer.cli.options import Json
+from lightflyer.cli.output import print_json, printer
+from lightflyer.core.errors import ConfigurationError, ParameterError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from lightflyer.study.study import Study
+    from lightflyer.sweeps.explore import BestDesign
+    from lightflyer.sweeps.outcome import SweepReport
+
+
+def sweep_command(
+    study_file: Path,
+    /,
+    *,
+    out: Path,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    chunk: int | None = None,
+    device: Literal["cpu", "gpu"] | None = None,
+    reduce: Annotated[bool, Parameter(negative=())] = False,
+    yes: Annotated[bool, Parameter(negative=())] = False,
+    json_output: Json = False,
+) -> None:
+    """Compute every design of a study; the same command continues an interrupted one.
+
+    Parameters
+    ----------
+    study_file
+        TOML file with flyer = "flyer.toml" and the sections [sweep] and [outputs].
+    out
+        Folder for the results, a Zarr group such as results.zarr. With --reduce a file, such as
+        best.nc.
+    scheduler
+        Address of a running Dask scheduler, such as tcp://127.0.0.1:8786; by default this
+        machine computes.
+    workers
+        Threads on this machine; by default one for each processor and two more.
+    chunk
+        Most designs that are computed and stored together; by default 262144.
+    device
+        Compute on the processors or on all GPUs; by default where JAX does.
+    reduce
+        Keep the best designs, Pareto fronts and distributions instead of every design. The study
+        file's [reduce] says which.
+    yes
+        Start a very large study.
+    json_output
+        Print one JSON object instead of tables.
+    """
+    from lightflyer.compute.chunks import CHUNK
+    from lightflyer.study.study import read_study
+    from lightflyer.sweeps.run import open_sweep, sweep_into
+
+    for name, value in (("--workers", workers), ("--chunk", chunk)):
+        if value is not None and value < 1:
+            raise ParameterError(f"{name} must be at least 1")
+    study = read_study(study_file)
+    if not yes:
+        _require_reasonable(study, out, reduce=reduce)
+    if reduce:
+        from lightflyer.cli.reduced_tables import show_reduced
+        from lightflyer.sweeps.reduced import reduce_into
+
+        report = reduce_into(
+            study,
+            out,
+            scheduler=scheduler,
+            workers=workers,
+            chunk=chunk or CHUNK,
+            device=device,
+        )
+        show_reduced(study, out, report, report_line(report), json_output=json_output)
+        return
+    report = sweep_into(
+        study,
+        out,
+        scheduler=scheduler,
+        workers=workers,
+        chunk=CHUNK if chunk is None else chunk,
+        device=device,
+    )
+    dataset = open_sweep(out)
+    if json_output:
+        print_json(_summary(out, study, report, dataset))
+        return
+    _show(printer(), study, report, dataset)
+    printer().print(f"wrote {out}", soft_wrap=True)
+
+
+def _require_reasonable(study: "Study", out: Path, *, reduce: bool) -> None:
+    from lightflyer.sweeps.run import LARGEST, estimate
+
+    if study.size <= LARGEST:
+        return
+    found = estimate(study, out)
+    size, free = (with_prefix(count, "B") for count in (found.size, found.free))
+    space = (
+        "" if reduce else f" and {size} on the disk, which has {free} free; --reduce keeps the best"
+    )
+    raise ConfigurationError(
+        f"the study has {in_words(found.designs)} designs: about {duration(found.seconds)} on this "
+        f"machine{space}; start it with --yes"
+    )
+
+
+def _summary(
+    out: Path, study: "Study", report: "SweepReport", dataset: "xr.Dataset"
+) -> dict[str, Any]:
+    name, best = _best(dataset)
+    return {
+        "out": str(out),
+        "designs": report.designs,
+        "found": report.found,
+        "computed": report.computed,
+        "damaged_chunks": report.damaged,
+        "not_converged": report.not_converged,
+        "seconds": report.seconds,
+        "best": None if best is None else {"output": name, "value": best.value, "unit": best.units},
+        "warnings": list(_warnings(study, best)),
+    }
+
+
+def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.Dataset") -> None:
+    from lightflyer.files.display_units import suitable
+
+    table = Table(box=None, padding=(0, 1))
+    for heading in ("field", "values", "from", "to", "unit"):
+        table.add_column(heading, justify="left" if heading in ("field", "unit") else "right")
+    fields = study.fields
+    for dimension in study.dimensions:
+        for name, values in dimension.values.items():
+            factor, unit = suitable(fields[name].quantity.unit, values)
+            ends = (f"{end * factor:.6g}" for end in (values.min(), values.max()))
+            table.add_row(name, str(len(values)), *ends, unit)
+    for name, value in study.fixed.items():
+        factor, unit = suitable(fields[name].quantity.unit, value)
+        table.add_row(name, "1", f"{value * factor:.6g}", "", unit)
+    console.print(table)
+    console.print(report_line(report), soft_wrap=True)
+    if report.not_converged:
+        console.print(f"{report.not_converged} designs have not converged and are NaN")
+    name, best = _best(dataset)
+    if name:
+        shown = f"no design has a {name}" if best is None else f"largest {name}: {best}"
+        console.print(shown, soft_wrap=True)
+    for text in _warnings(study, best):
+        console.print(f"warning: {text}", soft_wrap=True)
+
+
+def _warnings(study: "Study", best: "BestDesign | None") -> tuple[str, ...]:
+    """What a reader of the best design must know; of the design itself where there is none."""
+    from lightflyer.design.cautions import cautions_of_design
+
+    if best is None:
+        return study.design.warnings
+    there = {field: number for field, (number, _) in best.where.items()}
+    return tuple(f"best design: {text}" for text in cautions_of_design(study.design, there))
+
+
+def report_line(report: "SweepReport") -> str:
+    """What a sweep did, in a line."""
+    if not report.computed:
+        return f"{report.designs:,} designs: all were already computed, and are intact"
+    parts = [f"{report.designs:,} designs"]
+    if report.found:
+        parts.append(f"{report.found:,} were already computed")
+    if report.damaged:
+        chunks = "chunk" if report.damaged == 1 else "chunks"
+        parts.append(f"{report.damaged} damaged {chunks} computed again")
+    rate = in_words(report.computed / max(report.seconds, 1e-9))
+    parts.append(f"{report.computed:,} computed in {report.seconds:.1f} s ({rate} a second)")
+    return ", ".join(parts)
+
+
+def _best(dataset: "xr.Dataset") -> "tuple[str, BestDesign | None]":
+    """The output by which designs are judged, and the best one."""
+    from lightflyer.sweeps.explore import JUDGED, best_design
+
+    names = [name for name in JUDGED if name in dataset]
+    return (names[0], best_design(dataset, names[0])) if names else ("", None)

@@ -1,0 +1,303 @@
+"""Options, tables and records that the commands of the lab bench share."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.table import Table
+
+from lightflyer.cli.figure_files import FigureOptions, ResultOptions
+from lightflyer.cli.output import write_json
+from lightflyer.core.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from lightflyer.core.units import Measured
+    from lightflyer.files.table import Rejected
+    from lightflyer.files.table import Table as LabTable
+    from lightflyer.lab.estimate import Estimate
+
+Files = Annotated[list[Path], Parameter(consume_multiple=True, negative=())]
+"""Input files of a command."""
+
+_SHOWN_REJECTED = 10
+
+
+def quantity(option: str, text: str, unit: str) -> "Measured":
+    """Value of an option such as ``--diameter "24 mm"``.
+
+    Parameters
+    ----------
+    option : str
+        Name of the option, for messages.
+    text : str
+    unit : str
+        SI unit of the value.
+
+    Returns
+    -------
+    Measured
+
+    Raises
+    ------
+    ConfigurationError
+        Naming the option.
+    """
+    from lightflyer.core.units import parse
+
+    try:
+        return parse(text if unit else _number_or_text(text), unit)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{option}: {error}") from None
+
+
+def difference(option: str, text: str, unit: str) -> float:
+    """Value of an option that is a difference, for which 1 °C is 1 K.
+
+    Parameters
+    ----------
+    option : str
+        Name of the option, for messages.
+    text : str
+    unit : str
+        SI unit of the value.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ConfigurationError
+        Naming the option.
+    """
+    from lightflyer.core.units import parse, scale_and_offset
+
+    quantity(option, text, unit)
+    written = text.lstrip("+-.0123456789eE ")
+    try:
+        offset = scale_and_offset(written, unit)[1]
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{option}: {error}") from None
+    return parse(text, unit).value - offset
+
+
+def share(option: str, text: str) -> float:
+    """Value of an option that is a share of something, such as ``--gauge-accuracy "5 %"``.
+
+    Parameters
+    ----------
+    option : str
+        Name of the option, for messages.
+    text : str
+
+    Returns
+    -------
+    float
+        [1].
+
+    Raises
+    ------
+    ConfigurationError
+        Naming the option.
+    ParameterError
+        If it is not between 0 and 1.
+    """
+    from lightflyer.core.checks import require_range
+
+    value = quantity(option, text, "").value
+    require_range(option, value, 0.0, 1.0)
+    return value
+
+
+def optional_share(option: str, text: str | None) -> float | None:
+    """The same of an option without a default, None where it is not given.
+
+    Parameters
+    ----------
+    option : str
+    text : str or None
+
+    Returns
+    -------
+    float or None
+        [1].
+    """
+    return None if text is None else share(option, text)
+
+
+def _number_or_text(text: str) -> str | float:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def read_summary(tables: Sequence["LabTable"]) -> list[dict[str, Any]]:
+    """JSON list of the files read, their rows, and the rejected rows with reasons."""
+    return [
+        {
+            "file": table.source,
+            "rows": len(table),
+            "rejected": [{"line": row.line, "reason": row.reason} for row in table.rejected],
+            "columns_not_used": table.unused,
+            "notes": table.notes,
+        }
+        for table in tables
+    ]
+
+
+def show_read(console: Console, tables: Sequence["LabTable"]) -> None:
+    """Print the files read, and their rejected rows."""
+    for table in tables:
+        unused = f"; not used: {', '.join(table.unused)}" if table.unused else ""
+        rows = f"{len(table)} row{'s' * (len(table) != 1)}"
+        console.print(f"read {rows} of {table.source}{unused}", markup=False)
+        show_rejected(console, table.rejected)
+        for note in table.notes:
+            console.print(f"  note: {note}", markup=False, soft_wrap=True)
+
+
+def show_rejected(console: Console, rejected: Sequence["Rejected"]) -> None:
+    """Print rejected rows, only the first of very many."""
+    for row in rejected[:_SHOWN_REJECTED]:
+        console.print(f"  rejected {row}", markup=False, soft_wrap=True)
+    if len(rejected) > _SHOWN_REJECTED:
+        console.print(
+            f"  and {len(rejected) - _SHOWN_REJECTED} more rows, listed in the JSON record"
+        )
+
+
+def show_warnings(console: Console, warnings: Sequence[str]) -> None:
+    """Print what a reader of a result must know, one line each."""
+    for text in warnings:
+        console.print(f"warning: {text}", markup=False, soft_wrap=True)
+
+
+def estimate_table(rows: Sequence[tuple[str, "Estimate"]], first: str = "") -> Table:
+    """Table of named estimates with their intervals and units."""
+    table = Table(box=None, padding=(0, 1))
+    for heading in (first, "value", "95 % interval", "unit"):
+        table.add_column(heading, justify="right" if heading in ("value",) else "left")
+    for name, estimate in rows:
+        table.add_row(name, f"{estimate.value:.4g}", interval_text(estimate), estimate.unit or "1")
+    return table
+
+
+def interval_text(estimate: "Estimate") -> str:
+    """95 % interval of an estimate, as tables show it.
+
+    Parameters
+    ----------
+    estimate : Estimate
+
+    Returns
+    -------
+    str
+    """
+    low, high = estimate.interval
+    return f"{low:.4g} to {high:.4g}"
+
+
+def write_record(
+    out: Path | None,
+    name: str,
+    document: dict[str, Any],
+    dataset: "xr.Dataset",
+    draw: Callable[[], dict[str, "Figure"]],
+    update: Callable[[], list[str]],
+    figures: FigureOptions,
+    tables: Mapping[str, str] | None = None,
+) -> tuple[list[Path], list[str]]:
+    """Write the record (JSON, NetCDF) and figures of a measurement, or nothing.
+
+    Parameters
+    ----------
+    out : Path or None
+        Folder; None writes no record.
+    name : str
+        Name of the files without suffix.
+    document : dict
+        JSON record.
+    dataset : xarray.Dataset
+    draw : callable
+        Returns the figures by file name without ending.
+    update : callable
+        Updates the flyer file after all files are prepared; if it fails, nothing is written.
+    figures : FigureOptions
+    tables : mapping of str to str, optional
+        Text of further files, by name.
+
+    Returns
+    -------
+    written : list of Path
+    updated : list of str
+        Entries written into the flyer file.
+    """
+    if out is None:
+        return [], update()
+    from lightflyer.core.atomic_files import output_directory
+
+    names = [f"{name}.json", f"{name}.nc"]
+    with output_directory(out) as stage:
+        write_json(stage(names[0]), document)
+        dataset.to_netcdf(stage(names[1]), engine="h5netcdf")
+        for file, text in (tables or {}).items():
+            stage(file).write_text(text, encoding="utf-8")
+            names.append(file)
+        names += figures.write(stage, draw)
+        updated = update()
+    return [out / name for name in names], updated
+
+
+def updating(
+    flyer: Path | None,
+    values: "Mapping[tuple[str, str], Estimate]",
+    name: str,
+    files: Sequence[Path],
+) -> Callable[[], list[str]]:
+    """Function that writes values into a flyer file, for :func:`write_record`.
+
+    It does nothing if no flyer file is named.
+
+    Parameters
+    ----------
+    flyer : Path or None
+    values : mapping of (str, str) to Estimate
+        By section and key.
+    name : str
+        Name of the measurement, with the reading where it matters.
+    files : sequence of Path
+        Measured files.
+
+    Returns
+    -------
+    callable
+    """
+
+    def update() -> list[str]:
+        if flyer is None:
+            return []
+        from lightflyer.config.update import update_flyer_file
+
+        origin = ", ".join([f"lab {name}", *(file.name for file in files)])
+        return update_flyer_file(flyer, values, origin)
+
+    return update
+
+
+def finish(
+    console: Console,
+    figures: ResultOptions,
+    written: Sequence[Path],
+    updated: Sequence[str],
+    flyer: Path | None,
+) -> None:
+    """Print what was written, or how to write it."""
+    figures.tell(console, written, "add --out FOLDER to write a record and a figure")
+    for text in updated:
+        console.print(f"{flyer}: {text}", soft_wrap=True, markup=False)

@@ -1,0 +1,85 @@
+"""Where a sweep is computed: on this machine's processors, or on its GPUs."""
+
+from collections.abc import Callable
+from typing import Any, Literal, get_args
+
+import jax
+import numpy as np
+from jax.sharding import Mesh, NamedSharding, PartitionSpec
+
+from lightflyer.core.errors import ConfigurationError
+
+Device = Literal["cpu", "gpu"]
+"""Kinds of devices, by JAX's names."""
+
+_AXIS = "designs"
+_EACH = PartitionSpec(_AXIS)
+
+
+def find_devices(kind: str) -> list[Any]:
+    """All devices of a kind that this process has.
+
+    Parameters
+    ----------
+    kind : {"cpu", "gpu"}
+
+    Returns
+    -------
+    list of jax.Device
+
+    Raises
+    ------
+    ConfigurationError
+        If there is none, with what to install, or no such kind.
+
+    Examples
+    --------
+    >>> [device.platform for device in find_devices("cpu")]
+    ['cpu']
+    """
+    if kind not in get_args(Device):
+        raise ConfigurationError(f"device {kind}: is not one of {', '.join(get_args(Device))}")
+    try:
+        return jax.local_devices(backend=kind)
+    except RuntimeError:
+        raise ConfigurationError(
+            f'device {kind}: JAX finds none here; for one of NVIDIA install "jax[cuda13]", else '
+            "leave the device out"
+        ) from None
+
+
+class OnDevices:
+    """Divides arrays over devices and computes each part where it lies.
+
+    The parts do not wait for each other: a search ends on each device when its own designs have
+    converged. Float64 throughout.
+
+    Parameters
+    ----------
+    kind : {"cpu", "gpu"}
+    """
+
+    def __init__(self, kind: str):
+        devices = find_devices(kind)
+        self.count = len(devices)
+        self._mesh = Mesh(np.array(devices), (_AXIS,))
+
+    def divided(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """A function of arrays of designs that is computed part by part.
+
+        Parameters
+        ----------
+        function : callable
+            Its arrays and results have the designs as first axis, each for itself.
+
+        Returns
+        -------
+        callable
+        """
+        return jax.shard_map(
+            function, mesh=self._mesh, in_specs=_EACH, out_specs=_EACH, check_vma=False
+        )
+
+    def placed(self, arrays: Any) -> Any:
+        """Arrays on the devices, a part on each; their length is a multiple of the devices'."""
+        return jax.device_put(arrays, NamedSharding(self._mesh, _EACH))

@@ -1,0 +1,256 @@
+"""Many designs at once: a compiled function of the varied numbers, applied in batches."""
+
+import itertools
+import math
+import threading
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import jax
+import numpy as np
+
+from lightflyer.compute.compilation import jit_with_options
+from lightflyer.compute.devices import OnDevices
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.precision import float64
+from lightflyer.core.progress import Counted
+from lightflyer.design.design import AbstractDesign
+from lightflyer.design.outputs import evaluate
+from lightflyer.numerics.batches import in_batches
+from lightflyer.study.study import Study
+
+BATCH = 16_384
+"""Designs evaluated at once: they fit the processor's cache, and one thread."""
+
+BATCH_OVER_BAND = 128
+"""Designs evaluated at once where each is searched over some hundred altitudes."""
+
+BATCH_ON_GPU, BATCH_OVER_BAND_ON_GPU = 2**18, 2**12
+"""The same of all GPUs together: a chunk, so that none is filled up. Not measured on any yet."""
+
+MOST_PREPARED = 5_000
+"""Most variants of a film of layers in one study: each takes a fraction of a second."""
+
+_COMPILATION: dict[str, Any] = {
+    "xla_backend_optimization_level": 3,
+    "xla_cpu_use_fusion_emitters": True,
+    "xla_cpu_opt_preset": "CPU_OPT_PRESET_DEFAULT",
+}
+"""XLA's own defaults, whatever its flags say: the last bits of a result must not depend on the
+process that computes it. Less optimised, XLA joins products and sums into one rounding or not
+according to which operations it compiles together, and that depends on the number of its threads.
+"""
+
+Table = dict[str, np.ndarray]
+
+
+class Evaluator:
+    """Computes the outputs of any of a study's designs.
+
+    Designs are numbered in row-major order of the study's dimensions. The result of a design
+    does not depend on which others are computed with it. Can be pickled; it is compiled where it
+    runs, once for all studies of equal designs with the same outputs.
+
+    Parameters
+    ----------
+    study : Study
+    device : {"cpu", "gpu"}, optional
+        Where to compute: on all of the kind. By default where JAX does.
+    """
+
+    counted: Counted | None = None
+    """Counts the designs as they are computed, in this process."""
+
+    def __init__(self, study: Study, device: str | None = None):
+        self.study, self.device = study, device
+        searched = any(output.over_band for output in study.known_outputs.values())
+        self.batch = BATCH_OVER_BAND if searched else BATCH
+        if device == "gpu":
+            self.batch = BATCH_OVER_BAND_ON_GPU if searched else BATCH_ON_GPU
+        self._prepared, self._strides = _prepare(study)
+
+    def __call__(self, start: int, stop: int) -> tuple[Table, int]:
+        """Outputs of the designs from ``start`` up to ``stop``.
+
+        Parameters
+        ----------
+        start, stop : int
+
+        Returns
+        -------
+        outputs : dict of str to array, shape (stop - start,)
+            NaN where there is no such number, or where it has not converged.
+        failures : int
+            Number of designs that have not converged.
+        """
+        return self.at(np.arange(start, stop))
+
+    def at(self, designs: np.ndarray) -> tuple[Table, int]:
+        """Outputs of designs of any numbers.
+
+        Parameters
+        ----------
+        designs : int array, shape (n,)
+
+        Returns
+        -------
+        outputs : dict of str to array, shape (n,)
+        failures : int
+            As of a call.
+        """
+        study = self.study
+        kernel = _kernel(study.design, study.outputs, tuple(study.fixed.items()), self.device)
+
+        def compute(designs: np.ndarray) -> tuple[Table, np.ndarray]:
+            found = kernel(*self.inputs(designs))
+            if self.counted is not None:
+                self.counted.add(len(designs))
+            return found
+
+        size = math.ceil(self.batch / kernel.parts) * kernel.parts
+        outputs, converged = in_batches(compute, (designs,), size)
+        failed = ~converged
+        for values in outputs.values():
+            values[failed | ~np.isfinite(values)] = np.nan
+        return outputs, int(np.count_nonzero(failed))
+
+    def __getstate__(self) -> dict[str, Any]:
+        # another process counts for itself
+        return {name: value for name, value in vars(self).items() if name != "counted"}
+
+    def inputs(self, designs: Any) -> tuple[dict[str, Any], Any]:
+        """Varied numbers of some designs, and what is prepared for them.
+
+        Parameters
+        ----------
+        designs : int array, shape (n,)
+            Of NumPy or JAX.
+
+        Returns
+        -------
+        values : dict of str to array, shape (n,)
+            By dotted name.
+        prepared : pytree of array, shape (n, ...), or None
+            See :meth:`~lightflyer.design.design.AbstractDesign.prepare`.
+        """
+        arrays = designs.__array_namespace__()  # NumPy's or JAX's
+        places = self.study.places(designs)
+        values = self.study.values_at(designs)
+        if not values:
+            # a study of one design still needs something to map over
+            name, value = next(iter(self.study.fixed.items()))
+            values = {name: arrays.full(designs.shape, value)}
+        if self._prepared is None:
+            return values, None
+        number = arrays.zeros(designs.shape, int)
+        for place, stride in zip(places, self._strides, strict=True):
+            number = number + stride * place
+        return values, jax.tree.map(lambda leaf: arrays.asarray(leaf)[number], self._prepared)
+
+    @property
+    def of_one(self) -> Callable[[Any, Any], Any]:
+        """Outputs of one design, and whether they have converged, from its part of inputs."""
+        return _outputs_of_one(self.study.design, self.study.outputs, self.study.fixed)
+
+
+def _outputs_of_one(
+    design: AbstractDesign, names: tuple[str, ...], fixed: dict[str, float]
+) -> Callable[[Any, Any], Any]:
+    coordinate = design.coordinate_name
+
+    def one(values: Any, prepared: Any) -> Any:
+        given = fixed | values
+        return evaluate(design.build(given, prepared), names, given.get(coordinate))
+
+    return one
+
+
+class _Kernel:
+    """Outputs of many designs, compiled once for all threads of a process.
+
+    Attributes
+    ----------
+    parts : int
+        Number of devices that share the designs.
+    """
+
+    def __init__(
+        self,
+        design: AbstractDesign,
+        names: tuple[str, ...],
+        fixed: dict[str, float],
+        device: str | None,
+    ):
+        self._devices = OnDevices(device) if device else None
+        self.parts = self._devices.count if self._devices else 1
+        every = jax.vmap(_outputs_of_one(design, names, fixed))
+        if self._devices:
+            every = self._devices.divided(every)
+        self._compiled = jit_with_options(every, {} if device == "gpu" else _COMPILATION)
+        self._ready: set[Any] = set()
+        self._lock = threading.Lock()
+
+    def __call__(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
+        shapes = {name: column.shape for name, column in values.items()}
+        kind = tuple(shapes.items()), prepared is None
+        if kind not in self._ready:
+            with self._lock:  # or every thread would compile
+                if kind not in self._ready:
+                    found = self._run(values, prepared)
+                    self._ready.add(kind)
+                    return found
+        return self._run(values, prepared)
+
+    def _run(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
+        with float64():
+            if self._devices:
+                values, prepared = self._devices.placed((values, prepared))
+            outputs, converged = self._compiled(values, prepared)
+            return {name: np.asarray(column) for name, column in outputs.items()}, np.asarray(
+                converged
+            )
+
+
+@lru_cache(maxsize=16)
+def _kernel(
+    design: AbstractDesign,
+    names: tuple[str, ...],
+    fixed: tuple[tuple[str, float], ...],
+    device: str | None,
+) -> _Kernel:
+    return _Kernel(design, names, dict(fixed), device)
+
+
+def _prepare(study: Study) -> tuple[Any, list[int]]:
+    """All different films of layers of a study, stacked, and the strides of their numbers."""
+    design = study.design
+    changing = [design.costly(list(dimension.values)) for dimension in study.dimensions]
+    fixed = {name: study.fixed[name] for name in design.costly(list(study.fixed))}
+    if not any(changing) and not fixed:
+        return None, []
+    lengths = [
+        dimension.size if names else 1
+        for dimension, names in zip(study.dimensions, changing, strict=True)
+    ]
+    total = int(np.prod(lengths))
+    if total > MOST_PREPARED:
+        raise ConfigurationError(
+            f"the study has {total} different films of layers, each of which takes a fraction of "
+            f"a second to compute; at most {MOST_PREPARED}"
+        )
+    found, counted = [], Counted("computing films of layers", total)
+    for places in itertools.product(*map(range, lengths)):
+        values = fixed | {
+            name: float(dimension.values[name][place])
+            for dimension, names, place in zip(study.dimensions, changing, places, strict=True)
+            for name in names
+        }
+        found.append(design.prepare(values))
+        counted.add()
+    stacked = jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *found)
+    strides = [
+        int(np.prod(lengths[number + 1 :])) if length > 1 else 0
+        for number, length in enumerate(lengths)
+    ]
+    return stacked, strides

@@ -1,0 +1,462 @@
+"""A sweep's results on disk: a Zarr group that survives being killed at any moment.
+
+A chunk's outputs are one file each, written under a temporary name, flushed to the disk and
+renamed. Once all of them exist, a line with their checksums goes into a journal beside them, and
+only then does the chunk count as done. A process that continues trusts nothing: it reads every file
+that the journal names, compares it with its checksum, and computes damaged chunks again. The files
+are what the Zarr format prescribes for an array without compression but with a CRC-32C, so any
+reader of Zarr opens the group, and detects a damaged chunk too.
+"""
+
+import importlib.metadata
+import json
+import os
+import shutil
+import tempfile
+import uuid
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import lightflyer
+from lightflyer.compute.chunks import Chunks
+from lightflyer.core.errors import OutputError
+from lightflyer.core.extras import extra
+from lightflyer.study.study import Study
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_RECORDS = ".lightflyer"
+_STUDY, _JOURNAL, _LOCK = "study.json", "journal", "lock"
+_METADATA = "zarr.json"  # of a group or an array
+_PARTIAL = ".partial"
+_CHECKSUM_BYTES = 4
+_MOST_DIFFERENCES = 12
+
+Record = dict[str, int]
+"""Checksum of each output's file of a chunk."""
+
+
+def require_extra() -> None:
+    """Raise :class:`MissingExtraError` unless Zarr and its companions are installed."""
+    for module in ("filelock", "google_crc32c", "zarr"):
+        extra(module, "a sweep into a folder", "sweep")
+
+
+def versions() -> dict[str, str]:
+    """Versions of the packages that a result's last bits depend on."""
+    return {"lightflyer": lightflyer.__version__, "jaxlib": importlib.metadata.version("jaxlib")}
+
+
+def write_chunk(folder: Path, chunks: Chunks, chunk: int, outputs: Mapping[str, Any]) -> Record:
+    """Write one chunk of every output; it does not count before it is committed.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the store.
+    chunks : Chunks
+    chunk : int
+    outputs : dict of str to array
+        Values of the chunk's designs.
+
+    Returns
+    -------
+    dict of str to int
+        Checksum of each output's file.
+    """
+    import google_crc32c
+
+    record = {}
+    extent = chunks.extent(chunk)
+    inside = tuple(slice(length) for length in extent)
+    for name, values in outputs.items():
+        block = np.reshape(values, extent)
+        if extent != chunks.block:
+            # Zarr stores complete chunks, also at the edge of the grid
+            padded = np.full(chunks.block, np.nan)
+            padded[inside] = block
+            block = padded
+        content = np.ascontiguousarray(block, "<f8").tobytes()
+        record[name] = google_crc32c.value(content)
+        checksum = record[name].to_bytes(_CHECKSUM_BYTES, "little")
+        write_atomically(_chunk_file(folder, name, chunks, chunk), content, checksum)
+    return record
+
+
+def _chunk_file(folder: Path, name: str, chunks: Chunks, chunk: int) -> Path:
+    return Path(folder, name, "c", *map(str, chunks.place(chunk)))
+
+
+def write_atomically(path: Path, *parts: bytes) -> None:
+    """Write a file under a temporary name, flush it to the disk and rename it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f"{path.name}.{uuid.uuid4().hex}{_PARTIAL}")
+    try:
+        with temporary.open("wb") as file:
+            file.writelines(parts)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+class Store:
+    """A folder with the results of a study, locked for one writer.
+
+    Made by :func:`open_store`.
+
+    Attributes
+    ----------
+    folder : Path
+    chunks : Chunks
+    token : str
+        Identifies this store.
+    done : dict of int to dict
+        Journal entries of the intact chunks, by their numbers.
+    damaged : list of int
+        Chunks that were committed but are no longer intact.
+    """
+
+    def __init__(self, folder: Path, study: Study, chunks: Chunks):
+        self.folder, self.chunks = folder, chunks
+        self._names = study.outputs
+        self.token = str(stored_study(folder)["token"])
+        self._journal_path = folder / _RECORDS / _JOURNAL
+        self.done, self.damaged = self._check()
+        self._journal = self._journal_path.open("ab")
+
+    @property
+    def missing(self) -> list[int]:
+        """Numbers of the chunks that are yet to be computed."""
+        return [chunk for chunk in range(len(self.chunks)) if chunk not in self.done]
+
+    @property
+    def failures(self) -> int:
+        """Number of designs that have not converged."""
+        return sum(entry["failures"] for entry in self.done.values())
+
+    def commit(self, chunk: int, record: Record, failures: int) -> None:
+        """Count a chunk as done, now that all its files are written.
+
+        Parameters
+        ----------
+        chunk : int
+        record : dict of str to int
+            From :func:`write_chunk`.
+        failures : int
+            Number of designs that have not converged.
+        """
+        entry = {"chunk": chunk, "crc32c": record, "failures": failures}
+        self._journal.write(_journal_line(entry))
+        self._journal.flush()
+        os.fsync(self._journal.fileno())
+        self.done[chunk] = entry
+
+    def finish(self) -> None:
+        """Record in the group's attributes that it is complete."""
+        attributes = {"complete": not self.missing, "not_converged": self.failures}
+        path, metadata = self.folder / _METADATA, _metadata(self.folder)
+        if metadata["attributes"] | attributes != metadata["attributes"]:
+            metadata["attributes"] |= attributes
+            write_atomically(path, json.dumps(metadata).encode())
+
+    def close(self) -> None:
+        """Close the journal."""
+        self._journal.close()
+
+    def _check(self) -> tuple[dict[int, Any], list[int]]:
+        """Entries of intact chunks, and numbers of the others; repairs the journal."""
+        content = self._journal_path.read_bytes() if self._journal_path.exists() else b""
+        entries = {entry["chunk"]: entry for entry in _entries(content)}
+        for name in self._names:
+            for leftover in (self.folder / name).rglob(f"*{_PARTIAL}"):
+                leftover.unlink(missing_ok=True)
+        intact = {chunk: entry for chunk, entry in entries.items() if self._is_intact(entry)}
+        repaired = b"".join(map(_journal_line, intact.values()))
+        if repaired != content:
+            write_atomically(self._journal_path, repaired)
+        return intact, sorted(set(entries) - set(intact))
+
+    def _is_intact(self, entry: dict[str, Any]) -> bool:
+        import google_crc32c
+
+        for name in self._names:
+            try:
+                path = _chunk_file(self.folder, name, self.chunks, entry["chunk"])
+                content = memoryview(path.read_bytes())
+            except OSError:
+                return False
+            stored = int.from_bytes(content[-_CHECKSUM_BYTES:], "little")
+            found = google_crc32c.value(content[:-_CHECKSUM_BYTES].tobytes())
+            if not found == stored == entry["crc32c"].get(name):
+                return False
+        return True
+
+
+def _journal_line(entry: dict[str, Any]) -> bytes:
+    import google_crc32c
+
+    text = json.dumps(entry, sort_keys=True).encode()
+    return b"%08x %s\n" % (google_crc32c.value(text), text)
+
+
+def _entries(content: bytes) -> Iterator[dict[str, Any]]:
+    """Entries of a journal; lines that were cut or damaged are left out."""
+    for line in content.splitlines(keepends=True):
+        try:
+            entry = json.loads(line[9:])
+        except ValueError:
+            continue
+        if isinstance(entry, dict) and _journal_line(entry) == line:
+            yield entry
+
+
+def stored_study(folder: Path) -> dict[str, Any]:
+    """Token, shape of the chunks and description of the study of a store.
+
+    Parameters
+    ----------
+    folder : Path
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    OSError
+        If the folder is no store.
+    ValueError
+        If its description is damaged.
+    """
+    content = json.loads((folder / _RECORDS / _STUDY).read_text(encoding="utf-8"))
+    kinds = {"token": str, "block": list, "description": dict}
+    if not isinstance(content, dict) or not all(
+        isinstance(content.get(name), kind) for name, kind in kinds.items()
+    ):
+        raise ValueError(f"{_STUDY} is not the description of a store")
+    return content
+
+
+@contextmanager
+def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store]:
+    """Make a store, or open one to continue it.
+
+    Parameters
+    ----------
+    folder : Path
+    study : Study
+    most_in_chunk : int
+        Designs in a chunk of a new store.
+
+    Yields
+    ------
+    Store
+
+    Raises
+    ------
+    OutputError
+        If the folder holds something else or another study, or cannot be written.
+    MissingExtraError
+        If Zarr is not installed.
+    """
+    require_extra()
+    import filelock
+
+    folder = Path(folder)
+    description = study.description() | versions()
+    try:
+        _require_free(folder)
+        records = folder / _RECORDS
+        records.mkdir(parents=True, exist_ok=True)
+        with filelock.FileLock(records / _LOCK).acquire(timeout=0):
+            if not (records / _STUDY).is_file():
+                _create(folder, study, description, Chunks.of(study.shape, most_in_chunk))
+            try:
+                stored = stored_study(folder)
+            except ValueError:
+                raise _lost(folder, records / _STUDY) from None
+            require_same(folder, stored["description"], description)
+            chunks = Chunks(study.shape, tuple(stored["block"]))
+            if not _group_is_intact(folder, study, chunks):
+                _repair_group(folder, study, chunks)
+            store = Store(folder, study, chunks)
+            try:
+                yield store
+            finally:
+                store.close()
+    except filelock.Timeout:
+        raise OutputError(
+            f"{folder}: another process is writing to it; wait for it or choose another folder"
+        ) from None
+    except OSError as error:
+        if isinstance(error, OutputError):
+            raise
+        raise OutputError(
+            f"{folder}: cannot be written: {error.strerror or error}; complete chunks are kept and "
+            "the same command continues"
+        ) from None
+
+
+def _require_free(folder: Path) -> None:
+    """Raise unless the folder is a store, perhaps an interrupted one, or empty."""
+    if not folder.exists() or (folder / _RECORDS).is_dir():
+        return
+    if not folder.is_dir() or any(folder.iterdir()):
+        raise OutputError(f"{folder}: already exists and is not a sweep; choose another folder")
+
+
+def require_same(folder: Path, stored: dict[str, str], asked: dict[str, str]) -> None:
+    """Raise with the differences unless two descriptions are the same."""
+    lines = [
+        f"  {name}: {stored.get(name, 'not given')} there, {asked.get(name, 'not given')} now"
+        for name in dict.fromkeys([*stored, *asked])
+        if stored.get(name) != asked.get(name)
+    ]
+    if list(stored) != list(asked) and not lines:
+        lines = ["  the order of the fields"]
+    if lines:
+        more = len(lines) - _MOST_DIFFERENCES
+        shown = lines[:_MOST_DIFFERENCES] + ([f"  and {more} more"] if more > 0 else [])
+        first = f"{folder}: holds another study; choose another folder or remove it"
+        raise OutputError("\n".join([first, *shown]))
+
+
+def _lost(folder: Path, path: Path) -> OutputError:
+    """Error about a store's own record that cannot be read."""
+    return OutputError(
+        f"{folder}: {path.relative_to(folder)} is damaged or missing; restore it, choose another "
+        "folder, or remove this one"
+    )
+
+
+def _names_in_group(study: Study) -> set[str]:
+    """Names of the arrays that a new store holds."""
+    coordinates = (name for dimension in study.dimensions for name in dimension.values)
+    return {*study.outputs, *study.fixed, *coordinates}
+
+
+def _create(folder: Path, study: Study, description: dict[str, str], chunks: Chunks) -> None:
+    """Fill a store's folder; writing the study, which comes last, makes it a store."""
+    journal, mine = folder / _RECORDS / _JOURNAL, _names_in_group(study)
+    if journal.is_file() and journal.stat().st_size:
+        raise _lost(folder, folder / _RECORDS / _STUDY)
+    leftovers = [path for path in folder.iterdir() if path.name != _RECORDS]
+    if not all(path.name in mine or path.name.startswith("zarr.") for path in leftovers):
+        raise OutputError(
+            f"{folder}: is an unfinished sweep among other files; choose another folder"
+        )
+    for leftover in leftovers:
+        shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink()
+    content = {"token": uuid.uuid4().hex, "block": chunks.block, "description": description}
+    try:
+        _write_group(folder, study, chunks)
+        write_atomically(folder / _RECORDS / _JOURNAL)
+        text = json.dumps(content, indent=1)
+        write_atomically(folder / _RECORDS / _STUDY, text.encode())
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def _write_group(folder: Path, study: Study, chunks: Chunks) -> None:
+    """Coordinates, empty outputs and attributes."""
+    import zarr
+    from zarr.codecs import Crc32cCodec
+
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=f"Object at {_RECORDS}")
+        # in the format's newest version it is an addition; readers that do not know it skip it
+        warnings.filterwarnings("ignore", message="Consolidated metadata")
+        empty_dataset(study).to_zarr(folder, mode="a", consolidated=False, zarr_format=3)
+        group, known = zarr.open_group(folder, mode="r+"), study.known_outputs
+        for name in study.outputs:
+            group.create_array(
+                name,
+                shape=chunks.shape,
+                chunks=chunks.block,
+                dtype="float64",
+                fill_value=np.nan,
+                compressors=[Crc32cCodec()],
+                dimension_names=[dimension.name for dimension in study.dimensions],
+                attributes={**known[name].attributes},
+            )
+        zarr.consolidate_metadata(folder)
+
+
+def _group_is_intact(folder: Path, study: Study, chunks: Chunks) -> bool:
+    """Whether a reader finds the coordinates and the metadata of the outputs."""
+    import zarr
+
+    try:
+        group: Any = zarr.open_group(folder, mode="r", use_consolidated=False)
+        coordinates = empty_dataset(study).coords
+        told = _metadata(folder)["consolidated_metadata"]["metadata"]
+        return (
+            all(np.array_equal(group[name][...], values) for name, values in coordinates.items())
+            and all(
+                (group[name].shape, group[name].chunks) == (chunks.shape, chunks.block)
+                for name in study.outputs
+            )
+            # readers take this copy of all descriptions in place of each array's own
+            and all(told[name] == _metadata(folder / name) for name in _names_in_group(study))
+        )
+    except (OSError, ValueError, LookupError, TypeError, RuntimeError):  # as decoders raise them
+        return False
+
+
+def _metadata(folder: Path) -> Any:
+    return json.loads((folder / _METADATA).read_text(encoding="utf-8"))
+
+
+def _repair_group(folder: Path, study: Study, chunks: Chunks) -> None:
+    """Rewrite coordinates, attributes and metadata of the outputs; chunks stay as they are."""
+    with tempfile.TemporaryDirectory(dir=folder / _RECORDS) as name:
+        fresh = Path(name)
+        _write_group(fresh, study, chunks)
+        for path in fresh.rglob("*"):
+            if path.is_file():
+                write_atomically(folder / path.relative_to(fresh), path.read_bytes())
+
+
+def empty_dataset(study: Study) -> "xr.Dataset":
+    """A dataset with the coordinates and attributes of a study, without outputs.
+
+    Parameters
+    ----------
+    study : Study
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    import xarray as xr
+
+    fields = study.fields
+    coordinates: dict[str, Any] = {
+        name: (dimension.name, values, fields[name].attributes)
+        for dimension in study.dimensions
+        for name, values in dimension.values.items()
+    }
+    for name, value in study.fixed.items():
+        coordinates[name] = ((), value, fields[name].attributes)
+    attributes = {
+        "title": "lightflyer sweep",
+        "study": study.text,
+        "configuration": study.design.text,
+        "versions": json.dumps(versions()),
+        "lightflyer_version": lightflyer.__version__,
+        "assumptions": "; ".join(study.design.setup.environment.assumptions()),
+        "warnings": "; ".join(study.design.warnings),
+        "complete": False,
+        "not_converged": 0,
+    }
+    return xr.Dataset(coords=coordinates, attrs=attributes)

@@ -1,0 +1,130 @@
+"""Films of a flyer file whose thicknesses a search changes."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.types import Numeric
+from lightflyer.film.optics.stack import Film
+from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate
+from lightflyer.film.properties import FilmProperties
+
+if TYPE_CHECKING:
+    from lightflyer.config.flyer_file import FlyerFile
+
+_SAME_INDEX = ("thickness", "density", "tac")  # numbers of a layer that leave its index alone
+_MEASURED = 1.0  # in place of a number that the section always replaces
+
+
+class SurrogateFilms:
+    """Properties of a flyer file's films of layers, for other thicknesses or another incidence.
+
+    Implements :class:`~lightflyer.design.design.QuickParts`.
+
+    Parameters
+    ----------
+    file : FlyerFile
+    replaced : callable
+        Sections by name, from values by dotted name.
+    names : sequence of str
+        Numbers that will have other values.
+
+    Raises
+    ------
+    ConfigurationError
+        If one of them changes the index of a layer.
+    """
+
+    def __init__(
+        self,
+        file: "FlyerFile",
+        replaced: Callable[[Mapping[str, Numeric]], Mapping[str, Any]],
+        names: Sequence[str] = (),
+    ):
+        self._directions = [f"environment.{key}" for key in file.environment.incidence_keys]
+        self._passing = file.flyer.needs_transmittance
+        self._replaced = replaced
+        for name in names:
+            if not self.knows(name):
+                raise ConfigurationError(
+                    f"{name} changes the index of a layer; a search frees thicknesses only: fix "
+                    "it or sweep it"
+                )
+        layered: dict[str, Any] = {
+            name: film for name, film in file.films().items() if film.layered
+        }
+        for name, section in layered.items():
+            require_simple(name, section.film())
+        self.tables = {
+            name: ThicknessSurrogate.of(section.film(), section.light())
+            for name, section in layered.items()
+        }
+
+    def knows(self, name: str) -> bool:
+        """Whether a number leaves the indices of all layers alone."""
+        return name in self._directions or name.rpartition(".")[2] in _SAME_INDEX
+
+    def __call__(
+        self, values: Mapping[str, Numeric], tables: Mapping[str, ThicknessSurrogate]
+    ) -> dict[str, FilmProperties]:
+        """Properties of the films by name, to be traced."""
+        parts = self._replaced(values)
+        incidence = parts["environment"].light_incidence
+        return {
+            name: _properties(part_at(parts, name), family, incidence, self._passing)
+            for name, family in tables.items()
+        }
+
+
+def _properties(
+    section: Any, family: ThicknessSurrogate, incidence: Numeric, passing: bool
+) -> FilmProperties:
+    film = section.film()
+    optics = family.properties(film.homogeneous().thickness, incidence, passing=passing)
+    density = _MEASURED if section.areal_density is not None else film.areal_density
+    built: FilmProperties = section.with_optics(
+        FilmProperties(areal_density=density, tac_top=_MEASURED, tac_bottom=_MEASURED, **optics)
+    ).build()
+    return built
+
+
+def require_simple(name: str, film: Film) -> None:
+    """Raise unless a film is one that a search can compute quickly.
+
+    Parameters
+    ----------
+    name : str
+        Of its section.
+    film : Film
+
+    Raises
+    ------
+    ConfigurationError
+    """
+    smooth = film.roughness_below is None and all(one.roughness is None for one in film.layers)
+    whole = film.free_standing and film.open_fraction is None
+    if not (smooth and whole and all(one.coherent for one in film.layers)):
+        raise ConfigurationError(
+            f"[{name}]: a search over thicknesses knows only smooth, coherent layers without "
+            "holes; sweep this film"
+        )
+
+
+def part_at(parts: Mapping[str, Any], name: str) -> Any:
+    """Section at a dotted name, such as ``"flyer.top"``.
+
+    Parameters
+    ----------
+    parts : dict of str to Section
+    name : str
+
+    Returns
+    -------
+    Section or None
+        None for a name of no section, such as that of the coordinate.
+    """
+    first, *inner = name.split(".")
+    part: Any = parts.get(first)
+    for key in inner:
+        part = part[int(key)] if key.isdigit() else getattr(part, key)
+    return part

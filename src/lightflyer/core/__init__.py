@@ -1,0 +1,1 @@
+"""What everybody stands on: errors, types, constants, quantities with units, checks, progress."""

@@ -1,0 +1,96 @@
+"""Files that are whole or not there."""
+
+import os
+import shutil
+import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+
+from lightflyer.core.errors import OutputError
+
+TEMPORARY = ".lightflyer-"
+"""What the names of temporary files and folders begin with."""
+
+_UNFINISHED: set[Path] = set()
+_RENAMING = threading.Lock()
+
+
+@contextmanager
+def unfinished(path: Path) -> Iterator[None]:
+    """Have a file or folder removed if the process is interrupted within the block.
+
+    Parameters
+    ----------
+    path : Path
+        Temporary.
+    """
+    _UNFINISHED.add(path)
+    try:
+        yield
+    finally:
+        _UNFINISHED.discard(path)
+
+
+def remove_unfinished() -> None:
+    """Remove what is being written, before the process ends; nothing can be renamed afterwards."""
+    _RENAMING.acquire()
+    for path in sorted(_UNFINISHED, reverse=True):  # a folder after what lies in it
+        if path.name.startswith(TEMPORARY):
+            shutil.rmtree(path, ignore_errors=True)
+            path.unlink(missing_ok=True)
+        elif path.exists() and not any(path.iterdir()):
+            path.rmdir()
+
+
+@contextmanager
+def output_directory(directory: Path) -> Iterator[Callable[[str], Path]]:
+    """Write several files into a directory, all of them or none.
+
+    Parameters
+    ----------
+    directory : Path
+        Made if it does not exist.
+
+    Yields
+    ------
+    callable
+        Takes a final file name, which may lie in a subfolder, returns the temporary path to
+        write. When the block ends without an error each file is renamed to its final name;
+        otherwise all are removed.
+
+    Raises
+    ------
+    OutputError
+        If the directory cannot be made or written.
+    """
+    made = not directory.exists()
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        staging = tempfile.TemporaryDirectory(prefix=TEMPORARY, dir=directory)
+    except OSError as error:
+        raise OutputError(f"{directory}: cannot be written: {error.strerror}") from None
+    names: list[str] = []
+    temporary = Path(staging.name)
+
+    def stage(name: str) -> Path:
+        names.append(name)
+        path = temporary / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path
+
+    finished = False
+    try:
+        with staging, unfinished(temporary), unfinished(directory) if made else nullcontext():
+            yield stage
+            with _RENAMING:
+                for name in names:
+                    (directory / name).parent.mkdir(exist_ok=True)
+                    os.replace(temporary / name, directory / name)
+        finished = True
+    except OSError as error:
+        raise OutputError(f"{directory}: cannot be written: {error.strerror or error}") from None
+    finally:
+        if made and not finished and directory.exists() and not any(directory.iterdir()):
+            directory.rmdir()

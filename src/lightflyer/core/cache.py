@@ -1,0 +1,38 @@
+"""The folder in which programs are kept for later processes."""
+
+import os
+from pathlib import Path
+
+SETTING = "LIGHTFLYER_CACHE"
+"""Environment variable: ``off``, or the folder to keep programs in."""
+
+PRIVATE = 0o700
+"""Mode of the folder: nobody else reads or writes there."""
+
+
+def cache_folder() -> Path | None:
+    """Folder of what is kept, which need not exist yet; None where the user wants none."""
+    setting = os.environ.get(SETTING, "")
+    if setting.lower() == "off":
+        return None
+    if setting:
+        return Path(setting)
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("lightflyer"))
+
+
+def is_private(path: Path) -> bool:
+    """Whether nobody but this user can have written here.
+
+    Parameters
+    ----------
+    path : Path
+        Of a file or folder that exists.
+
+    Returns
+    -------
+    bool
+    """
+    facts = path.stat()
+    return not hasattr(os, "getuid") or (facts.st_uid == os.getuid() and not facts.st_mode & 0o022)

@@ -1,0 +1,102 @@
+"""Checks of concrete values. Traced values have none yet and pass."""
+
+from typing import Any
+
+import jax
+import numpy as np
+
+from lightflyer.core.errors import ParameterError
+
+
+def is_traced(*trees: Any) -> bool:
+    """Whether any leaf is a JAX tracer, that is, has no concrete value yet.
+
+    Parameters
+    ----------
+    *trees : pytrees of arrays or numbers
+
+    Returns
+    -------
+    bool
+    """
+    return any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(trees))
+
+
+def is_concrete(*values: Any) -> bool:
+    """Whether all values are numbers that can be looked at.
+
+    Parameters
+    ----------
+    *values : array
+
+    Returns
+    -------
+    bool
+        False for traced values, and for the placeholders around which JAX rebuilds modules.
+    """
+    return not is_traced(values) and all(
+        bool(np.issubdtype(np.asarray(value).dtype, np.number)) for value in values
+    )
+
+
+def require_range(
+    name: str,
+    value: Any,
+    lowest: float = -np.inf,
+    highest: float = np.inf,
+    *,
+    open_below: bool = False,
+) -> None:
+    """Raise unless every element of a concrete ``value`` is a number in the range.
+
+    Parameters
+    ----------
+    name : str
+        What the message calls the value.
+    value : array or None
+        None and traced values pass.
+    lowest, highest : float
+        Allowed range, both ends included.
+    open_below : bool
+        Exclude ``lowest`` itself.
+
+    Raises
+    ------
+    ParameterError
+        Naming the parameter, the first bad value and what is allowed.
+    """
+    if value is None or not is_concrete(value):
+        return
+    array = np.asarray(value)
+    above = array > lowest if open_below else array >= lowest
+    inside = above & (array <= highest) & np.isfinite(array)
+    if not np.all(inside):
+        bad = array[~inside].flat[0] if array.ndim else array
+        raise ParameterError(f"{name} = {bad:g} is not {allowed(lowest, highest, open_below)}")
+
+
+def allowed(lowest: float, highest: float, open_below: bool) -> str:
+    """Words for an allowed range, such as ``"positive"``.
+
+    Parameters
+    ----------
+    lowest, highest : float
+    open_below : bool
+
+    Returns
+    -------
+    str
+    """
+    if highest == np.inf:
+        if lowest == -np.inf:
+            return "a finite number"
+        if lowest == 0.0:
+            return "positive" if open_below else "zero or positive"
+        return f"{'above' if open_below else 'at least'} {lowest:g}"
+    return f"between {lowest:g}{' (excluded)' if open_below else ''} and {highest:g}"
+
+
+def require_positive(**values: Any) -> None:
+    """Raise :class:`ParameterError` unless every concrete value is positive and finite."""
+    for name, value in values.items():
+        require_range(name, value, 0.0, open_below=True)

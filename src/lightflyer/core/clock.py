@@ -1,0 +1,100 @@
+"""Dates and the seconds that places count: since 2000-01-01 12:00 UTC."""
+
+import datetime
+from typing import Any
+
+import numpy as np
+
+from lightflyer.core.errors import ParameterError
+
+EPOCH = datetime.datetime(2000, 1, 1, 12, tzinfo=datetime.UTC)
+"""Instant from which the time of a place is counted."""
+
+_EPOCH = np.datetime64("2000-01-01T12:00:00", "ns")
+_NANOSECONDS = 1e9
+
+
+def seconds_of(instant: Any) -> Any:
+    """Seconds since the epoch.
+
+    Parameters
+    ----------
+    instant : datetime.datetime, numpy.datetime64, str, or number
+        A date without a time zone is taken as UTC; a number, or an array of them, as seconds
+        already.
+
+    Returns
+    -------
+    float or array
+        [s]; leap seconds are not counted.
+
+    Raises
+    ------
+    ParameterError
+        If a text is not a date as ISO 8601 writes it.
+
+    Examples
+    --------
+    >>> seconds_of("2000-01-02T12:00:00Z")
+    86400.0
+    >>> seconds_of("2000-01-01T13:00:00+01:00")
+    0.0
+    """
+    if isinstance(instant, str):
+        try:
+            instant = datetime.datetime.fromisoformat(instant)
+        except ValueError:
+            raise ParameterError(
+                f'time = "{instant}" is not a date; write it such as 2026-06-21T12:00:00Z'
+            ) from None
+    if isinstance(instant, datetime.datetime):
+        if instant.tzinfo is None:
+            instant = instant.replace(tzinfo=datetime.UTC)
+        return (instant - EPOCH).total_seconds()
+    if isinstance(instant, datetime.date):
+        raise ParameterError(f"time = {instant} names a day; add the hour, as in {instant}T12:00Z")
+    if isinstance(instant, np.datetime64):
+        return float((instant.astype("datetime64[ns]") - _EPOCH).astype(float) / _NANOSECONDS)
+    return instant
+
+
+def dates_of(seconds: Any) -> np.ndarray:
+    """Dates of seconds since the epoch.
+
+    Parameters
+    ----------
+    seconds : array, shape (...)
+        [s].
+
+    Returns
+    -------
+    array of datetime64[ns], shape (...)
+        UTC; not a time where the number is not finite.
+    """
+    seconds = np.asarray(seconds, float)
+    known = np.isfinite(seconds)
+    offsets = np.round(np.where(known, seconds, 0.0) * _NANOSECONDS).astype("timedelta64[ns]")
+    dates = _EPOCH + offsets
+    return np.where(known, dates, np.datetime64("NaT", "ns"))
+
+
+def written(seconds: float) -> str:
+    """Date in words for tables.
+
+    Parameters
+    ----------
+    seconds : float
+        Since the epoch [s].
+
+    Returns
+    -------
+    str
+        To the minute, such as ``"2026-06-21 12:00 UTC"``.
+
+    Examples
+    --------
+    >>> written(0.0)
+    '2000-01-01 12:00 UTC'
+    """
+    instant = EPOCH + datetime.timedelta(seconds=float(seconds))
+    return f"{instant:%Y-%m-%d %H:%M} UTC"

@@ -1,0 +1,101 @@
+"""Text in and out: a user's file with one line for each way it can fail, numbers in words."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lightflyer.core.errors import ConfigurationError
+
+_noted: ContextVar[list[Path] | None] = ContextVar("files read", default=None)
+
+
+@contextmanager
+def files_read() -> Iterator[list[Path]]:
+    """Note the files that :func:`read_text` reads within the block.
+
+    Yields
+    ------
+    list of Path
+        Grows as files are read.
+    """
+    files: list[Path] = []
+    token = _noted.set(files)
+    try:
+        yield files
+    finally:
+        _noted.reset(token)
+
+
+def read_text(path: Path) -> str:
+    """Text of a UTF-8 file, with or without a byte-order mark.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ConfigurationError
+        If the file cannot be read or is not text.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        line = 1 + error.object[: error.start].count(b"\n")
+        raise ConfigurationError(f"{path}:{line}: is not a text file (UTF-8)") from None
+    noted = _noted.get()
+    if noted is not None:
+        noted.append(path)
+    return text
+
+
+def in_toml(value: Any) -> str:
+    """A value as a TOML file writes it.
+
+    Parameters
+    ----------
+    value : object
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> in_toml({"at_most": ["400 K", True]})
+    '{ at_most = ["400 K", true] }'
+    """
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{key} = {in_toml(entry)}' for key, entry in value.items())} }}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(in_toml, value))}]"
+    return str(value)
+
+
+def span(values: Any) -> str:
+    """A number, or the range of an array, to four digits.
+
+    Parameters
+    ----------
+    values : array
+
+    Returns
+    -------
+    str
+    """
+    low, high = np.min(values), np.max(values)
+    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"

@@ -1,0 +1,60 @@
+"""Ranges in which a model is known to hold, and what to say outside of them."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from lightflyer.core.types import Numeric
+
+_MOST_DIGITS = 16
+
+
+class Validity(NamedTuple):
+    """Range of a number within which a model is known to hold.
+
+    Attributes
+    ----------
+    name : str
+        The number in words, such as ``"the Knudsen number"``.
+    lowest, highest : float
+        Ends of the range.
+    beyond : str
+        What the model does outside, for the reader of a result.
+    """
+
+    name: str
+    lowest: float
+    highest: float
+    beyond: str
+
+    def caveats(self, values: Numeric, pressure: Numeric) -> Iterator[str]:
+        """One line for each end of the range that is passed, at the worst of some places.
+
+        Parameters
+        ----------
+        values, pressure : array, shape (...)
+            The number, and the gas pressure there [Pa]; concrete. NaN is within every range.
+
+        Yields
+        ------
+        str
+        """
+        found, where = np.broadcast_arrays(np.asarray(values, float), np.asarray(pressure, float))
+        for word, limit, excess in (
+            ("below", self.lowest, self.lowest - found),
+            ("above", self.highest, found - self.highest),
+        ):
+            worst = int(np.argmax(np.where(np.isnan(excess), -np.inf, excess)))
+            if excess.ravel()[worst] > 0.0:
+                value = _apart(found.ravel()[worst], limit)
+                yield (
+                    f"{self.name} is {value} at {where.ravel()[worst]:.3g} Pa, "
+                    f"{word} {limit:.3g}: {self.beyond}"
+                )
+
+
+def _apart(value: float, limit: float) -> str:
+    """The value with as many digits as show that it is not the limit, three at least."""
+    shown = (f"{value:.{digits}g}" for digits in range(3, _MOST_DIGITS))
+    return next((text for text in shown if text != f"{limit:.3g}"), f"{value!r}")

@@ -1,0 +1,197 @@
+"""What a reader of a result must know: where the force model, or the film, is beyond its range."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from lightflyer.budget.payload import light_on_cells
+from lightflyer.core.types import Numeric
+from lightflyer.design.design import AbstractDesign
+from lightflyer.design.setup import Setup
+from lightflyer.environment.base import AbstractEnvironment, EnvironmentState
+from lightflyer.flight.balance import equilibrium
+from lightflyer.flight.bands import levitation_band
+from lightflyer.program.entry_point import entry_point
+
+UNSTATED_LIMIT = 500.0
+"""Temperature above which a film without a stated highest temperature is worth a caution [K]:
+polymer films shrink and melt near it."""
+
+_LOOKS = 31  # places within a band that are looked at
+_AT_ONCE = 320  # places: a prediction's table and what is reported beside it
+_ROUNDING = 1e-5  # relative, within which a search meets a limit
+
+
+def cautions(setup: Setup, coordinate: Numeric, temperature: Numeric) -> tuple[str, ...]:
+    """Cautions about a flyer at some places.
+
+    Parameters
+    ----------
+    setup : Setup
+        One flyer: every number a scalar.
+    coordinate : array, shape (n,)
+        Altitudes [m] or pressures [Pa], concrete.
+    temperature : array, shape (n,)
+        Of the flyer's hottest node there [K].
+
+    Returns
+    -------
+    tuple of str
+        One line each; empty where all is within range.
+    """
+    coordinate = np.asarray(coordinate, float)
+    repeats = (0, -coordinate.size % _AT_ONCE)  # of the last place, so that one program serves all
+    places, hottest = (np.pad(row, repeats, mode="edge") for row in (coordinate, temperature))
+    return cautions_in(setup, _state(setup.environment, places), hottest)
+
+
+@entry_point
+def _state(environment: AbstractEnvironment, coordinate: Numeric) -> EnvironmentState:
+    return environment.state(coordinate)
+
+
+def cautions_in(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+    """Cautions about a flyer in some surroundings.
+
+    Parameters
+    ----------
+    setup : Setup
+        One flyer: every number a scalar.
+    state : EnvironmentState
+        Concrete, at one place or many.
+    temperature : array, shape (n,)
+        Of the flyer's hottest node there [K].
+
+    Returns
+    -------
+    tuple of str
+        See :func:`cautions`.
+    """
+    return (
+        *_of_walls(setup, state),
+        *setup.model.caveats(setup.flyer, state, temperature),
+        *setup.flyer.caveats(state, temperature),
+        *_of_gas(state, temperature),
+        *_of_cells(setup, state),
+        *_of_heat(setup.flyer.highest_temperature, temperature),
+    )
+
+
+def cautions_at(setup: Setup, coordinate: Numeric) -> tuple[str, ...]:
+    """Cautions about a flyer at one place, or at some, in the available light.
+
+    Parameters
+    ----------
+    setup : Setup
+    coordinate : array, shape (...)
+        Altitude [m] or pressure [Pa], concrete.
+
+    Returns
+    -------
+    tuple of str
+        See :func:`cautions`.
+    """
+    state = setup.environment.state(coordinate)
+    found = equilibrium(setup.flyer, state, setup.model, throw=False)
+    return cautions(setup, np.atleast_1d(coordinate), np.atleast_1d(found.temperature))
+
+
+def cautions_of_design(design: AbstractDesign, values: Mapping[str, float]) -> tuple[str, ...]:
+    """Cautions about a design with some numbers replaced.
+
+    Parameters
+    ----------
+    design : AbstractDesign
+    values : dict of str to float
+        By the name of the field. Where the coordinate is not among them, the widest band in which
+        the design flies is looked at.
+
+    Returns
+    -------
+    tuple of str
+        Those of the design itself first.
+    """
+    setup = design.build(values)
+    coordinate = values.get(design.coordinate_name)
+    places: Numeric = np.empty(0) if coordinate is None else coordinate
+    if coordinate is None:
+        band = levitation_band(
+            setup.flyer, setup.environment, setup.model, setup.searched, throw=False
+        )
+        if band.exists:
+            places = np.linspace(band.lower, band.upper, _LOOKS)
+    found = cautions_at(setup, places) if np.size(places) else ()
+    return (*design.warnings_for(values), *found)
+
+
+def _of_walls(setup: Setup, state: EnvironmentState) -> tuple[str, ...]:
+    """That walls, floor or lid are given and the force model knows none."""
+    name = type(setup.model).__name__
+    found: tuple[str, ...] = ()
+    if state.wall_distance is not None and not setup.model.feels_walls:
+        found += (f"the walls around the flyer have no effect: {name} is for open space",)
+    ends = (state.floor_distance, state.lid_distance)
+    if any(end is not None for end in ends) and not setup.model.feels_floor:
+        but = "" if state.floor_excess is None else " but on the gas temperature"
+        found += (f"floor and lid have no effect{but}: {name} knows none",)
+    return found
+
+
+def _of_cells(setup: Setup, state: EnvironmentState) -> Iterator[str]:
+    """Cautions about solar cells that a flyer has no room for, or that have no light."""
+    if setup.budget is None or setup.budget.cells is None:
+        return
+    needs = setup.budget.needs(light_on_cells(state.radiation, setup.flyer.attitude))
+    largest = float(np.max(needs.cell_area, initial=0.0))
+    if largest == np.inf:
+        yield "the payload's solar cells have no light somewhere, and nothing is stored"
+    elif largest > float(setup.flyer.area):
+        yield (
+            f"the payload's solar cells need {largest / float(setup.flyer.area):.3g} times the "
+            "area of the flyer"
+        )
+
+
+def _of_gas(state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+    """Cautions about the gas, from its own temperature to that of the flyer."""
+    ends = np.stack(np.broadcast_arrays(state.temperature, temperature))
+    return state.gas.caveats(ends, state.pressure)
+
+
+def _of_heat(highest: Numeric | None, temperature: Numeric) -> Iterator[str]:
+    hottest = float(np.max(temperature, initial=0.0))
+    if highest is None:
+        if hottest > UNSTATED_LIMIT:
+            yield (
+                f"the flyer reaches {hottest:.0f} K: does its film bear that? state its "
+                "highest_temperature"
+            )
+    elif hottest > float(highest) * (1.0 + _ROUNDING):
+        yield f"the flyer reaches {hottest:.0f} K, and its film bears {float(highest):.0f} K"
+
+
+def cautions_of_force(table: dict[str, Any]) -> Iterator[str]:
+    """Cautions about a flyer that the gas does not push up where it pushes hardest.
+
+    Parameters
+    ----------
+    table : dict of str to array
+        Outputs of a prediction by name.
+
+    Yields
+    ------
+    str
+    """
+    lift = np.nan_to_num(table["lift"])
+    strongest = float(lift[np.argmax(np.abs(lift))])
+    if strongest < 0.0:
+        yield (
+            "the gas pushes the flyer down: for a thin film in the light tac_bottom must exceed "
+            "tac_top"
+        )
+    elif strongest == 0.0:
+        yield (
+            "the gas does not push the flyer: for a thin film tac_bottom must exceed tac_top, and "
+            "here they are equal"
+        )

@@ -1,0 +1,129 @@
+"""One flyer in one place, and everything that follows, computed when it is first asked for."""
+
+from collections.abc import Iterable
+from functools import cached_property
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from lightflyer.budget.payload import Needs, light_on_cells
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
+from lightflyer.design.setup import Setup
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flight.balance import Equilibrium, equilibrium
+from lightflyer.flight.bands import Band, levitation_band
+from lightflyer.flight.levitation import Levitation, levitate
+from lightflyer.flight.loads import buoyancy, largest_payload, upward_force, weight
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(sorted(names)) or "none"
+
+
+class OperatingPoint:
+    """A setup at a coordinate, to be used inside traced functions in double precision.
+
+    Parameters
+    ----------
+    setup : Setup
+    coordinate : array, shape (...), optional
+        Altitude [m] or pressure [Pa]; not needed by what is searched over it.
+    irradiance : array, shape (...), optional
+        In place of the environment's [W/m²].
+    """
+
+    def __init__(
+        self, setup: Setup, coordinate: Numeric | None = None, irradiance: Numeric | None = None
+    ):
+        self.setup, self.coordinate, self._irradiance = setup, coordinate, irradiance
+        self.converged: Any = jnp.array(True)
+        self.residual: Any = jnp.zeros(())
+
+    @property
+    def flyer(self) -> Any:
+        """The flyer."""
+        return self.setup.flyer
+
+    @cached_property
+    def state(self) -> EnvironmentState:
+        """Surroundings."""
+        state = self.setup.environment.state(self.coordinate)
+        if self._irradiance is None:
+            return state
+        return eqx.tree_at(lambda state: state.radiation.irradiance, state, self._irradiance)
+
+    @cached_property
+    def balance(self) -> Equilibrium:
+        """Heat balance in the available light."""
+        found = equilibrium(self.flyer, self.state, self.setup.model, throw=False)
+        self._note(found)
+        return found
+
+    @cached_property
+    def flows(self) -> dict[str, Any]:
+        """Flows of the flyer in the available light, by name."""
+        values = self.balance.unknowns[len(self.flyer.nodes) :]
+        return dict(zip(self.flyer.flows, values, strict=True))
+
+    @cached_property
+    def own_results(self) -> dict[str, Any]:
+        """Results of the force model's own in the available light, and flows, by name."""
+        model = self.setup.model
+        own = model.own_results(self.flyer, self.state, self.balance.unknowns)
+        declared = set(model.results) - set(self.flows)
+        if set(own) != declared:
+            raise ParameterError(
+                f"force model {type(model).__name__} declares the results "
+                f"{_listed(declared)} and computes {_listed(own)}"
+            )
+        return self.flows | own
+
+    @cached_property
+    def buoyancy(self) -> Any:
+        """Buoyancy in the available light [N]."""
+        return buoyancy(self.flyer, self.state, self.setup.model, self.balance.unknowns)
+
+    @cached_property
+    def levitation(self) -> Levitation:
+        """Light, temperature and load at which the flyer just levitates."""
+        found = levitate(self.flyer, self.state, self.setup.model, throw=False)
+        self._note(found)
+        return found
+
+    @cached_property
+    def lift(self) -> Any:
+        """Vertical force in the available light, with buoyancy [N]."""
+        return upward_force(self.flyer, self.state, self.setup.model, self.balance.unknowns)
+
+    @cached_property
+    def weight(self) -> Any:
+        """Weight with payload [N]."""
+        return weight(self.flyer, self.state)
+
+    @cached_property
+    def payload(self) -> Any:
+        """Largest payload in the available light [kg]."""
+        return largest_payload(self.flyer, self.state, self.lift)
+
+    @cached_property
+    def needs(self) -> Needs:
+        """What the payload of the budget needs in the available light."""
+        if self.setup.budget is None:
+            raise ParameterError("the setup has no budget of a payload")
+        return self.setup.budget.needs(light_on_cells(self.state.radiation, self.flyer.attitude))
+
+    @cached_property
+    def band(self) -> Band:
+        """Widest band of the coordinate in which it levitates."""
+        setup = self.setup
+        found = levitation_band(
+            setup.flyer, setup.environment, setup.model, setup.searched, throw=False
+        )
+        self.converged &= found.converged
+        return found
+
+    def _note(self, found: Equilibrium | Levitation) -> None:
+        self.converged &= found.converged
+        self.residual += jnp.abs(found.residual)

@@ -1,0 +1,541 @@
+"""Outputs of a design: the name, unit and definition of every result, once.
+
+Predictions, sweeps, optimisations, sensitivities, figures, JSON and the paper's report all take
+theirs from this list.
+"""
+
+import difflib
+import re
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.types import Numeric
+from lightflyer.core.units import dataset_unit, scale_and_offset
+from lightflyer.design.operating_point import OperatingPoint
+from lightflyer.design.setup import Setup
+from lightflyer.environment.base import Coordinate
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.force.base import AbstractForceModel, ModelResult
+from lightflyer.program.entry_point import elementwise_entry_point
+
+_LARGER = {"mg": ("mg", "g", "kg"), "µN": ("µN", "mN", "N")}
+"""Units for larger values, by the one that is shown otherwise."""
+
+_MANY = 1e4  # digits before the point, as a number, from which a larger unit is shown
+
+
+def _always(_: AbstractFlyer) -> bool:
+    return True
+
+
+def _is_buoyant(flyer: AbstractFlyer) -> bool:
+    kind = type(flyer)
+    own = AbstractFlyer.displaced_volume, AbstractFlyer.buoyancy
+    return (kind.displaced_volume, kind.buoyancy) != own
+
+
+def _has_film(flyer: AbstractFlyer) -> bool:
+    return hasattr(flyer, "film")
+
+
+@dataclass(frozen=True)
+class Output:
+    """A result that can be asked for.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+        SI unit as Pint reads it, empty for a pure number.
+    long_name : str
+        As in datasets and on axes.
+    value : callable
+        From a :class:`~lightflyer.design.operating_point.OperatingPoint` to an array in the unit.
+    shown_unit : str
+        Unit in tables and figures.
+    json_unit : str
+        Unit in JSON, where it ends the name.
+    less_is_better : bool
+        Whether the best design has the least of it.
+    over_band : bool
+        Whether it is found by a search over the coordinate, so that no coordinate is given.
+    needs_coordinate : bool
+        Whether it depends on where the flyer is.
+    exists : callable
+        Whether a flyer has it.
+    """
+
+    name: str
+    unit: str
+    long_name: str
+    value: Callable[[OperatingPoint], Any]
+    shown_unit: str = ""
+    json_unit: str = ""
+    less_is_better: bool = False
+    over_band: bool = False
+    needs_coordinate: bool = True
+    exists: Callable[[AbstractFlyer], bool] = _always
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Attributes of a dataset's variable that holds its values."""
+        described = {"units": dataset_unit(self.unit), "long_name": self.long_name}
+        return described | ({"shown_units": self.shown_unit} if self.shown_unit else {})
+
+    @cached_property
+    def shown(self) -> tuple[float, str]:
+        """Factor from the SI unit to the one shown, and that unit."""
+        return _factor(self.unit, self.shown_unit), self.shown_unit or self.unit
+
+    def shown_for(self, values: Any) -> tuple[float, str]:
+        """Factor and unit that suit some values.
+
+        Parameters
+        ----------
+        values : array, shape (...)
+            In SI units; what is not finite does not count.
+
+        Returns
+        -------
+        factor : float
+            From the SI unit.
+        unit : str
+            That of :attr:`shown`, or a larger one where these values have many digits in it.
+        """
+        size = np.abs(np.asarray(values, float))
+        largest = float(np.max(size, where=np.isfinite(size), initial=0.0))
+        units = _LARGER.get(self.shown_unit, (self.shown_unit,))
+        factors = [_factor(self.unit, unit) for unit in units]
+        suitable = (index for index, factor in enumerate(factors) if largest * factor < _MANY)
+        index = next(suitable, len(units) - 1)
+        return factors[index], units[index] or self.unit
+
+    @cached_property
+    def json(self) -> tuple[str, float]:
+        """Name in JSON, and factor from the SI unit."""
+        unit = self.json_unit or self.unit
+        return json_name(self.name, unit), _factor(self.unit, self.json_unit)
+
+
+def json_name(name: str, unit: str) -> str:
+    """Name of a number in JSON, with its unit at the end.
+
+    Parameters
+    ----------
+    name : str
+    unit : str
+        As Pint reads it.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> json_name("levitation_irradiance", "W/m^2")
+    'levitation_irradiance_w_m2'
+    """
+    ending = re.sub(r"[^a-z0-9]+", "_", unit.lower().replace("^", "")).strip("_")
+    return f"{name}_{ending}" if ending else name
+
+
+def _factor(unit: str, shown: str) -> float:
+    return scale_and_offset(unit, shown)[0] if shown and shown != unit else 1.0
+
+
+_POINT = (
+    Output("pressure", "Pa", "gas pressure", lambda case: case.state.pressure),
+    Output("gas_temperature", "K", "gas temperature", lambda case: case.state.temperature),
+    Output(
+        "levitation_irradiance",
+        "W/m^2",
+        "smallest irradiance that levitates the flyer",
+        lambda case: case.levitation.irradiance,
+        less_is_better=True,
+    ),
+    Output(
+        "levitation_temperature",
+        "K",
+        "flyer temperature at the levitation irradiance",
+        lambda case: case.levitation.temperature,
+    ),
+    Output(
+        "temperature",
+        "K",
+        "flyer temperature in the available light",
+        lambda case: case.balance.temperature,
+        less_is_better=True,
+    ),
+    Output(
+        "lift",
+        "N",
+        "upward force in the available light",
+        lambda case: case.lift,
+        shown_unit="µN",
+    ),
+    Output(
+        "lift_over_weight",
+        "",
+        "lift over weight with payload",
+        lambda case: case.lift / case.weight,
+    ),
+    Output(
+        "payload",
+        "kg",
+        "largest payload in the available light",
+        lambda case: case.payload,
+        shown_unit="mg",
+        json_unit="mg",
+    ),
+    Output(
+        "relative_payload",
+        "",
+        "largest payload over the flyer's own mass",
+        lambda case: case.payload / case.flyer.own_mass,
+    ),
+    Output(
+        "payload_per_area",
+        "kg/m^2",
+        "largest payload over the area seen from above",
+        lambda case: case.payload / case.flyer.area,
+        shown_unit="g/m^2",
+        json_unit="g/m^2",
+    ),
+    Output(
+        "buoyancy",
+        "N",
+        "buoyancy in the available light, a part of the lift",
+        lambda case: case.buoyancy,
+        shown_unit="µN",
+        exists=_is_buoyant,
+    ),
+)
+
+_BAND = (
+    Output(
+        "lowest_altitude",
+        "m",
+        "lower edge of the widest altitude band",
+        lambda case: case.band.lower,
+        shown_unit="km",
+        less_is_better=True,
+        over_band=True,
+    ),
+    Output(
+        "highest_altitude",
+        "m",
+        "upper edge of the widest altitude band",
+        lambda case: case.band.upper,
+        shown_unit="km",
+        over_band=True,
+    ),
+    Output(
+        "band_width",
+        "m",
+        "width of the widest altitude band",
+        lambda case: jnp.where(case.band.exists, case.band.upper - case.band.lower, 0.0),
+        shown_unit="km",
+        over_band=True,
+    ),
+)
+
+_DESIGN = (
+    Output(
+        "areal_density",
+        "kg/m^2",
+        "areal density of the flyer",
+        lambda case: case.flyer.own_mass / case.flyer.area,
+        shown_unit="g/m^2",
+        less_is_better=True,
+        needs_coordinate=False,
+    ),
+    Output(
+        "own_mass",
+        "kg",
+        "mass of the flyer",
+        lambda case: case.flyer.own_mass,
+        shown_unit="mg",
+        needs_coordinate=False,
+    ),
+    Output(
+        "absorptance",
+        "",
+        "absorptance of the top face for the light",
+        lambda case: case.flyer.film.absorptance,
+        needs_coordinate=False,
+        exists=_has_film,
+    ),
+)
+
+_BUDGET = (
+    Output(
+        "payload_needed",
+        "kg",
+        "mass that the payload needs",
+        lambda case: case.needs.mass,
+        shown_unit="mg",
+        json_unit="mg",
+        less_is_better=True,
+    ),
+    Output(
+        "payload_margin",
+        "kg",
+        "largest payload less the mass that the payload needs",
+        lambda case: case.payload - case.needs.mass,
+        shown_unit="mg",
+        json_unit="mg",
+    ),
+    Output(
+        "power_needed",
+        "W",
+        "mean power that the payload needs",
+        lambda case: case.needs.power,
+        shown_unit="µW",
+        json_unit="uW",
+        less_is_better=True,
+    ),
+    Output(
+        "cell_area",
+        "m^2",
+        "area of the solar cells that the payload needs",
+        lambda case: case.needs.cell_area,
+        shown_unit="mm^2",
+        json_unit="mm^2",
+        less_is_better=True,
+    ),
+    Output(
+        "transmit_power",
+        "W",
+        "power that the payload's radio sends",
+        lambda case: case.needs.transmit_power,
+        shown_unit="µW",
+        json_unit="uW",
+        less_is_better=True,
+    ),
+)
+
+BUDGET_OUTPUTS: dict[str, Output] = {output.name: output for output in _BUDGET}
+"""Outputs of the budget of a payload, by name."""
+
+OUTPUTS: dict[str, Output] = {output.name: output for output in (*_POINT, *_BAND, *_DESIGN)}
+"""Outputs that every flyer has, by name, and those of its film where there is one."""
+
+
+def node_outputs(flyer: AbstractFlyer) -> dict[str, Output]:
+    """Outputs of the nodes of a flyer that has several.
+
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+
+    Returns
+    -------
+    dict of str to Output
+        The temperature of each node, such as ``"temperature_top"``; empty for one node.
+    """
+    if len(flyer.nodes) < 2:
+        return {}
+    found = (
+        Output(
+            f"temperature_{node}",
+            "K",
+            f"temperature of the {node} in the available light",
+            lambda case, node=node: case.balance.temperature_of(node),  # type: ignore[misc]
+        )
+        for node in flyer.nodes
+    )
+    return {output.name: output for output in found}
+
+
+def budget_outputs(setup: Setup) -> dict[str, Output]:
+    """Outputs of the budget of a payload.
+
+    Parameters
+    ----------
+    setup : Setup
+
+    Returns
+    -------
+    dict of str to Output
+        Empty where the setup has no budget.
+    """
+    if setup.budget is None:
+        return {}
+    absent = {
+        "cell_area": setup.budget.cells is None,
+        "transmit_power": setup.budget.link is None,
+    }
+    return {name: output for name, output in BUDGET_OUTPUTS.items() if not absent.get(name, False)}
+
+
+def model_outputs(setup: Setup) -> dict[str, Output]:
+    """Outputs of the force model's own, and the flows of the flyer.
+
+    Parameters
+    ----------
+    setup : Setup
+
+    Returns
+    -------
+    dict of str to Output
+        Empty for most models.
+
+    Raises
+    ------
+    ParameterError
+        If a result has the name of another output, or a unit that cannot be read.
+    """
+    flows = {name: ModelResult("", name.replace("_", " ")) for name in setup.flyer.flows}
+    taken = OUTPUTS.keys() | node_outputs(setup.flyer).keys() | budget_outputs(setup).keys()
+    return {
+        name: _own_output(name, result, setup.model, taken)
+        for name, result in (flows | dict(setup.model.results)).items()
+    }
+
+
+def _own_output(
+    name: str, result: ModelResult, model: AbstractForceModel, taken: Collection[str]
+) -> Output:
+    about = f'force model {type(model).__name__}: result "{name}"'
+    if name in taken:
+        raise ParameterError(f"{about} has the name of an output that every flyer has")
+    for unit in filter(None, (result.unit, result.shown_unit)):
+        try:
+            _factor(result.unit, unit)
+        except ConfigurationError as error:
+            raise ParameterError(f"{about}: {error}") from None
+    return Output(
+        name,
+        result.unit,
+        result.long_name,
+        lambda case: case.own_results[name],
+        shown_unit=result.shown_unit,
+        json_unit=result.shown_unit,
+    )
+
+
+def outputs_of(setup: Setup) -> dict[str, Output]:
+    """All outputs of a flyer under its force model, by name.
+
+    Parameters
+    ----------
+    setup : Setup
+
+    Returns
+    -------
+    dict of str to Output
+
+    Raises
+    ------
+    ParameterError
+        If a result of the model's own has the name of another, or a unit that cannot be read.
+    """
+    flyer = setup.flyer
+    shared = {name: output for name, output in OUTPUTS.items() if output.exists(flyer)}
+    return shared | node_outputs(flyer) | model_outputs(setup) | budget_outputs(setup)
+
+
+def check_outputs(names: Sequence[str], setup: Setup, given: Sequence[str]) -> None:
+    """Raise unless all outputs exist and can be computed from what is given.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of outputs.
+    setup : Setup
+    given : sequence of str
+        Names of the fields that have values, among them perhaps the coordinate.
+
+    Raises
+    ------
+    ConfigurationError
+        Saying which output is unknown, with the nearest name; or what else it needs.
+    """
+    known, coordinate = outputs_of(setup), setup.environment.coordinate
+    if not names:
+        raise ConfigurationError(f"names no output; choose from {', '.join(known)}")
+    for name in names:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
+            hint = f'did you mean "{near[0]}"?' if near else f"choose from {', '.join(known)}"
+            raise ConfigurationError(f'"{name}" is not an output; {hint}')
+        _check_coordinate(known[name], coordinate, given)
+
+
+def _check_coordinate(output: Output, coordinate: Coordinate, given: Sequence[str]) -> None:
+    name = coordinate.name
+    if output.over_band and name != "altitude":
+        raise ConfigurationError(f'"{output.name}" needs an atmosphere, not a chamber')
+    if output.over_band and name in given:
+        raise ConfigurationError(
+            f'"{output.name}" is searched over all altitudes; leave altitude out, and give outputs '
+            "at one altitude a study of their own"
+        )
+    if output.needs_coordinate and not output.over_band and name not in given:
+        raise ConfigurationError(
+            f'"{output.name}" needs {name}, one such as "70 {coordinate.shown_unit}" or a range '
+            "of them"
+        )
+
+
+def evaluate(
+    setup: Setup, names: Sequence[str], coordinate: Numeric | None = None
+) -> tuple[dict[str, Any], Any]:
+    """Outputs of one design; to be mapped, compiled and differentiated in double precision.
+
+    Parameters
+    ----------
+    setup : Setup
+    names : sequence of str
+        Names of the outputs.
+    coordinate : array, shape (), optional
+        Altitude [m] or pressure [Pa], for outputs that need it.
+
+    Returns
+    -------
+    outputs : dict of str to array, shape ()
+        An irradiance that no light gives is infinite, an edge that does not exist is NaN.
+    converged : bool array, shape ()
+    """
+    case, known = OperatingPoint(setup, coordinate), outputs_of(setup)
+    outputs = {name: jnp.asarray(known[name].value(case), float) for name in names}
+    return outputs, case.converged
+
+
+def tabulate(setup: Setup, coordinate: Numeric, irradiance: Numeric) -> dict[str, Any]:
+    """Everything a prediction tabulates, at each coordinate under its irradiance.
+
+    Parameters
+    ----------
+    setup : Setup
+    coordinate : array, shape (...)
+        Altitude [m] or pressure [Pa].
+    irradiance : array, shape (...)
+        Irradiance of the beam [W/m²].
+
+    Returns
+    -------
+    dict of str to array, broadcast shape
+        SI units; with ``"converged"`` and ``"residual"``. To be called under double precision, by
+        way of an entry point.
+    """
+    case, known = OperatingPoint(setup, coordinate, irradiance), outputs_of(setup)
+    values = {name: known[name].value(case) for name in predicted_names(setup)}
+    values |= {"converged": case.converged, "residual": case.residual}
+    return {name: value + jnp.zeros_like(coordinate) for name, value in values.items()}
+
+
+tabulate_places = elementwise_entry_point(tabulate)
+"""The same as an entry point."""
+
+
+def predicted_names(setup: Setup) -> tuple[str, ...]:
+    """Names of the outputs that a prediction tabulates: all that depend on the place alone."""
+    known = outputs_of(setup).items()
+    return tuple(name for name, output in known if output.needs_coordinate and not output.over_band)

@@ -1,0 +1,173 @@
+"""What the ground and the air above it send up: reflected light and heat radiation."""
+
+import abc
+from typing import Final
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core import constants
+from lightflyer.core.checks import is_traced
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Checked, Fraction, Irradiance
+from lightflyer.core.text import span
+from lightflyer.core.types import Numeric
+from lightflyer.environment.base import Place
+from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED
+from lightflyer.program.entry_point import entry_point
+
+
+def require_data(margins: dict[str, Numeric]) -> None:
+    """Raise :class:`ParameterError` if any concrete margin is negative.
+
+    Parameters
+    ----------
+    margins : dict of str to array
+        See :meth:`AbstractGround.margins`.
+    """
+    for beyond, margin in margins.items():
+        if not is_traced(margin) and np.any(np.less(margin, 0.0)):
+            raise ParameterError(beyond)
+
+
+class AbstractGround(Checked):
+    """Albedo and heat radiation of a planet, clouds included, by place and time.
+
+    Subclasses are final. Methods work under JAX's transformations.
+    """
+
+    @abc.abstractmethod
+    def albedo_at(self, place: Place) -> Array:
+        """Share of sunlight that leaves again, evenly in all directions [1].
+
+        Parameters
+        ----------
+        place : Place
+
+        Returns
+        -------
+        array, shape (...)
+        """
+
+    @abc.abstractmethod
+    def infrared_at(self, place: Place) -> Array:
+        """Heat radiation that leaves the planet [W/m²].
+
+        Parameters
+        ----------
+        place : Place
+
+        Returns
+        -------
+        array, shape (...)
+        """
+
+    def margins(self, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+        """How far the data still reach, for what integrates along a path.
+
+        Parameters
+        ----------
+        place : Place
+
+        Returns
+        -------
+        dict of str to array
+            By what is beyond the end, in words, the distance to the end: positive where there are
+            data, negative where there are none. Empty for a ground without ends, the default.
+        """
+        return {}
+
+    @abc.abstractmethod
+    def describe(self) -> tuple[str, ...]:
+        """Where albedo and heat radiation come from, in short texts with units."""
+
+
+class UniformGround(AbstractGround):
+    """The same everywhere and always.
+
+    Attributes
+    ----------
+    albedo : array
+        Share of sunlight that leaves again [1]; default :data:`EARTH_ALBEDO`.
+    infrared : array
+        Heat radiation [W/m²]; default :data:`EARTH_INFRARED`.
+    """
+
+    albedo: Fraction = EARTH_ALBEDO
+    infrared: Irradiance = EARTH_INFRARED
+
+    def albedo_at(self, place: Place) -> Array:
+        """See :meth:`AbstractGround.albedo_at`."""
+        return _everywhere(self.albedo, place)
+
+    def infrared_at(self, place: Place) -> Array:
+        """See :meth:`AbstractGround.infrared_at`."""
+        return _everywhere(self.infrared, place)
+
+    def describe(self) -> tuple[str, ...]:
+        """See :meth:`AbstractGround.describe`."""
+        return (
+            f"albedo: {span(self.albedo)} everywhere",
+            f"infrared from below: {span(self.infrared)} W/m² everywhere",
+        )
+
+
+@entry_point
+def _everywhere(value: Numeric, place: Place) -> Array:
+    return value + 0.0 * (place.latitude + place.longitude + place.time)
+
+
+SECONDS_PER_YEAR: Final = 365.25 * 86_400.0
+"""Period of the seasons in [Knocke1988]_ [s]."""
+
+_MIDWINTER = -6584.5 * 86_400.0  # 22 December 1981, 0 h [s since 2000-01-01 12:00 UTC]
+# Mean, amplitude of the season's first and mean second Legendre polynomial of the sine of latitude
+_ALBEDO = (0.34, 0.10, 0.29)
+_EMISSIVITY = (0.68, -0.07, -0.18)
+_OF_SUN = 0.25  # of sunlight is what a sphere receives on average over its surface
+
+
+class Knocke1988Ground(AbstractGround):
+    r"""Zonal means with seasons, fitted to satellites' measurements.
+
+    .. math:: x_0 + x_1\cos\left(2\pi\frac{t-t_0}{\text{year}}\right)P_1(\sin\varphi)
+        + x_2 P_2(\sin\varphi)
+
+    for the albedo and for the heat radiation over a quarter of the sunlight at one astronomical
+    unit, with Legendre polynomials P and midwinter :math:`t_0`.
+
+    Notes
+    -----
+    Albedo 0.20 at the equator and 0.53 to 0.73 at the poles. The mean of the sunlight reflected
+    is 0.30 of what falls on Earth; heat radiation is 231 W/m² on average, where newer
+    measurements have 240 W/m² [Loeb2018]_. Of a single place and day, clouds make the albedo
+    differ by 0.1 or more.
+
+    References
+    ----------
+    [Knocke1988]_.
+    """
+
+    def albedo_at(self, place: Place) -> Array:
+        """See :meth:`AbstractGround.albedo_at`."""
+        return _zonal(_ALBEDO, place)
+
+    def infrared_at(self, place: Place) -> Array:
+        """See :meth:`AbstractGround.infrared_at`."""
+        return _OF_SUN * constants.TOTAL_SOLAR_IRRADIANCE * _zonal(_EMISSIVITY, place)
+
+    def describe(self) -> tuple[str, ...]:
+        """See :meth:`AbstractGround.describe`."""
+        return (
+            "albedo: zonal means with seasons of Knocke and others (1988)",
+            "infrared from below: zonal means with seasons of Knocke and others (1988)",
+        )
+
+
+@entry_point
+def _zonal(coefficients: tuple[float, float, float], place: Place) -> Array:
+    mean, seasonal, curved = coefficients
+    sine = jnp.sin(place.latitude) + 0.0 * place.longitude
+    season = jnp.cos(2.0 * jnp.pi * (place.time - _MIDWINTER) / SECONDS_PER_YEAR)
+    return mean + seasonal * season * sine + curved * 0.5 * (3.0 * sine**2 - 1.0)

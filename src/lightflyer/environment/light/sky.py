@@ -1,0 +1,311 @@
+"""The sky of a place: sun, reflected light and heat radiation by altitude, place and time."""
+
+import abc
+from dataclasses import replace
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core import constants
+from lightflyer.core.quantity import Checked, Irradiance
+from lightflyer.core.text import span
+from lightflyer.core.types import Numeric
+from lightflyer.environment.base import Place
+from lightflyer.environment.horizon import (
+    EARTH_LIMB,
+    Limb,
+    horizon_depression,
+    lit_ground,
+    visible_share,
+)
+from lightflyer.environment.light.ground import AbstractGround, UniformGround, require_data
+from lightflyer.environment.light.sun import AbstractSun, EarthSun, SunInSky, sun_in_sky
+from lightflyer.environment.light.sun_table import TabulatedSun
+from lightflyer.environment.planet import EARTH_PLANET, Planet
+from lightflyer.environment.radiation import SKY_INFRARED, Radiation
+from lightflyer.program.entry_point import entry_point
+
+VIEW_OF_PLANET = "(R/(R+h))² at altitude h"
+"""View factor of the ground, in words."""
+
+_KILOMETRE = 1e3
+_TURN = 2.0 * jnp.pi
+_PASSES = 6  # towards a sunrise; each takes off all but a few percent of what is left
+
+
+class AbstractSky(eqx.Module):
+    """Light and heat radiation by altitude, place and time. Subclasses are final."""
+
+    @abc.abstractmethod
+    def radiation(self, altitude: Numeric, place: Place) -> Radiation:
+        """Light and heat radiation.
+
+        Parameters
+        ----------
+        altitude : array, shape (...)
+            Geometric altitude [m].
+        place : Place
+            Broadcasts with the altitude.
+
+        Returns
+        -------
+        Radiation
+            With the view factor to the ground; NaN where data end and the place is traced.
+
+        Raises
+        ------
+        ParameterError
+            If the place is concrete and beyond the data.
+        """
+
+    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+        """How far the data still reach; see :meth:`AbstractGround.margins`.
+
+        Parameters
+        ----------
+        altitude : array, shape (...)
+            [m].
+        place : Place
+
+        Returns
+        -------
+        dict of str to array
+            Empty for a sky without ends, the default.
+        """
+        return {}
+
+    @abc.abstractmethod
+    def assumptions(self) -> tuple[str, ...]:
+        """What is assumed about light and heat radiation, in short texts with units."""
+
+
+class LightHours(NamedTuple):
+    """When the sun is above a flyer's horizon, on the day around a time.
+
+    Attributes
+    ----------
+    first, noon, last : array, shape (...)
+        The sun's centre rises past the horizon, stands highest, and sets [s since 2000-01-01
+        12:00 UTC]. The first and the last are NaN where the sun does not rise or set.
+    share : array, shape (...)
+        Of a day with the sun as at noon, with light [1]; one without night, zero without day.
+    """
+
+    first: Array
+    noon: Array
+    last: Array
+    share: Array
+
+
+class Daylight(AbstractSky, Checked):
+    """Sunlight by the ephemeris, and what a planet reflects and radiates.
+
+    The sun is an evenly bright disk that the limb hides smoothly. After sunset on the ground it
+    lights a flyer from below. The ground is lit by the sun's height over each part of it in sight
+    and reflects diffusely; a tilted face sees it evenly bright. Between limb and space, air
+    neither dims nor scatters light, and the direction of light is that without refraction.
+
+    Attributes
+    ----------
+    sun : AbstractSun
+    planet : Planet
+        Its size and shape decide the horizon.
+    limb : Limb
+        The edge that hides the sun.
+    ground : AbstractGround
+        Albedo and heat radiation from below.
+    irradiance : array
+        Sunlight at one astronomical unit [W/m²].
+    infrared_above : array or None
+        Heat radiation from above [W/m²]; None for black surroundings at the gas temperature.
+
+    Examples
+    --------
+    At the equator, 75 km up, at an equinox:
+
+    >>> from lightflyer.environment import Place
+    >>> hours = Daylight().light_hours(75e3, Place.at("2026-03-20T12:00Z", 0.0, 0.0))
+    >>> print(f"{(hours.last - hours.first) / 3600.0:.2f} h of light")
+    13.01 h of light
+    """
+
+    sun: AbstractSun = EarthSun()
+    planet: Planet = EARTH_PLANET
+    limb: Limb = EARTH_LIMB
+    ground: AbstractGround = UniformGround()
+    irradiance: Irradiance = constants.TOTAL_SOLAR_IRRADIANCE
+    infrared_above: Irradiance | None = SKY_INFRARED
+
+    def radiation(self, altitude: Numeric, place: Place) -> Radiation:
+        """See :meth:`AbstractSky.radiation`."""
+        require_data(self.ground.margins(place))
+        return _daylight(self, altitude, place)
+
+    def over(self, start: float, stop: float) -> "Daylight":
+        """The same sky with the sun from a table, for many evaluations between two times.
+
+        Parameters
+        ----------
+        start, stop : float
+            [s since 2000-01-01 12:00 UTC].
+
+        Returns
+        -------
+        Daylight
+            NaN at other times.
+        """
+        return replace(self, sun=TabulatedSun(self.sun, self.planet.rotation_rate, start, stop))
+
+    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+        """See :meth:`AbstractSky.margins`: those of the ground."""
+        return self.ground.margins(place)
+
+    def depression(self, altitude: Numeric, place: Place, sun: SunInSky) -> Array:
+        """Angle below the horizontal at which the limb hides the sun's centre.
+
+        Parameters
+        ----------
+        altitude : array, shape (...)
+            [m].
+        place : Place
+        sun : SunInSky
+            Seen from the place.
+
+        Returns
+        -------
+        array, broadcast shape
+            [rad].
+        """
+        radius = self.planet.curvature_radius(place.latitude, sun.azimuth)
+        return horizon_depression(self.limb, altitude, radius)
+
+    @entry_point
+    def light_hours(self, altitude: Numeric, place: Place) -> LightHours:
+        """First and last light of the day around a time.
+
+        Parameters
+        ----------
+        altitude : array, shape (...)
+            Geometric altitude [m].
+        place : Place
+            Noon is the nearest to its time.
+
+        Returns
+        -------
+        LightHours
+
+        Notes
+        -----
+        The sun's centre is on the horizon at first and last light; the edges of its disk are
+        about a minute before and after it at the equator. Differentiable where the sun rises.
+        """
+        moving = self.planet.rotation_rate
+
+        def turn(time: Array) -> tuple[Array, Array]:
+            """Angle that the planet has turned since noon, and cosine of that at sunset."""
+            return self._turn_since_noon(altitude, place._replace(time=time))
+
+        def search(side: float, start: Array) -> Array:
+            """Noon at side 0, first light at -1, last at 1."""
+
+            def nearer(_: int, time: Array) -> Array:
+                angle, sunset = turn(time)
+                return time + (side * jnp.arccos(jnp.clip(sunset, -1.0, 1.0)) - angle) / moving
+
+            return jax.lax.fori_loop(0, _PASSES, nearer, start)
+
+        shape = jnp.broadcast_shapes(*(jnp.shape(part) for part in (altitude, *place)))
+        noon = search(0.0, place.time + jnp.zeros(shape))
+        _, sunset = turn(noon)
+        half_day = jnp.arccos(jnp.clip(sunset, -1.0, 1.0))
+        first, last = (
+            jnp.where(jnp.abs(sunset) < 1.0, search(side, noon + side * half_day / moving), jnp.nan)
+            for side in (-1.0, 1.0)
+        )
+        return LightHours(first, noon, last, half_day / jnp.pi)
+
+    def _turn_since_noon(self, altitude: Numeric, place: Place) -> tuple[Array, Array]:
+        """Angle by which the planet has turned since noon, and the cosine of that at sunset.
+
+        A cosine beyond ±1 is that of a sun which stays above or below the horizon.
+        """
+        sun = self.sun.position(place.time)
+        x, y, z = (sun.direction[..., axis] for axis in range(3))
+        angle = jnp.mod(place.longitude - jnp.arctan2(y, x) + jnp.pi, _TURN) - jnp.pi
+        seen = sun_in_sky(sun, place.latitude, place.longitude)
+        above = jnp.sin(self.depression(altitude, place, seen)) + jnp.sin(place.latitude) * z
+        return angle, -above / (jnp.cos(place.latitude) * jnp.hypot(x, y))
+
+    def assumptions(self) -> tuple[str, ...]:
+        """See :meth:`AbstractSky.assumptions`."""
+        heat = (
+            "black surroundings at the gas temperature"
+            if self.infrared_above is None
+            else f"{span(self.infrared_above)} W/m²"
+        )
+        height = np.asarray(self.limb.height) / _KILOMETRE
+        return (
+            f"sun: by date and place, {span(self.irradiance)} W/m² at 1 au",
+            f"horizon: limb of {self.planet.name} at {span(height)} km, with refraction; "
+            "air above it dims nothing",
+            *self.ground.describe(),
+            f"infrared from above: {heat}",
+            f"view factor of the ground: {VIEW_OF_PLANET}",
+        )
+
+
+@entry_point
+def _daylight(sky: Daylight, altitude: Numeric, place: Place) -> Radiation:
+    sun = sky.sun.seen_from(place)
+    angular_radius = jnp.arcsin(constants.SOLAR_RADIUS / sun.distance)
+    ground_view = (sky.planet.radius / (sky.planet.radius + altitude)) ** 2
+    elevation = 0.5 * jnp.pi - sun.zenith_angle + sky.depression(altitude, place, sun)
+    astronomical_units = sun.distance / constants.ASTRONOMICAL_UNIT
+    return Radiation(
+        irradiance=sky.irradiance / astronomical_units**2,
+        zenith_angle=sun.zenith_angle,
+        azimuth=sun.azimuth,
+        albedo=sky.ground.albedo_at(place),
+        infrared_above=sky.infrared_above,
+        infrared_below=sky.ground.infrared_at(place),
+        ground_view=ground_view,
+        visible=visible_share(elevation, angular_radius),
+        angular_radius=angular_radius,
+        lit_ground=lit_ground(sun.zenith_angle, ground_view),
+    )
+
+
+def describe_shadow(altitudes: np.ndarray, visible: np.ndarray | None) -> tuple[str, ...]:
+    """Which altitudes the planet's shadow covers, in words.
+
+    Parameters
+    ----------
+    altitudes : array, shape (n,)
+        Increasing [m].
+    visible : array, shape (n,), or None
+        Share of the sun that is visible there [1]; None where it cannot hide.
+
+    Returns
+    -------
+    tuple of str
+        Empty where all of it is visible everywhere.
+
+    Examples
+    --------
+    >>> describe_shadow(np.array([60e3, 70e3, 80e3]), np.array([0.0, 0.4, 1.0]))
+    ('shadow: no sun up to 60.0 km, all of it from 80.0 km',)
+    """
+    if visible is None or np.all(visible >= 1.0):
+        return ()
+    dark, full = altitudes[visible <= 0.0], altitudes[visible >= 1.0]
+    if dark.size == altitudes.size:
+        return ("shadow: no sun at any altitude",)
+    parts = [f"no sun up to {dark[-1] / _KILOMETRE:.1f} km"] if dark.size else []
+    parts += (
+        [f"all of it from {full[0] / _KILOMETRE:.1f} km"] if full.size else ["nowhere all of it"]
+    )
+    return ("shadow: " + ", ".join(parts),)

@@ -1,0 +1,146 @@
+"""Units in which figures and tables show numbers: those that suit their size."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.core.units import dataset_unit, file_unit, scale_and_offset
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_SCALES = {
+    "m": (
+        (0.0, 1e9, "nm"),
+        (1e-5, 1e6, "µm"),
+        (1e-3, 1e2, "cm"),
+        (1.0, 1.0, "m"),
+        (1e3, 1e-3, "km"),
+    ),
+    "kg": ((0.0, 1e6, "mg"), (1e-2, 1e3, "g"), (1.0, 1.0, "kg")),
+    "N": ((0.0, 1e6, "µN"), (1e-2, 1e3, "mN"), (1.0, 1.0, "N")),
+    "kg m-2": ((0.0, 1e3, "g/m²"), (1.0, 1.0, "kg/m²")),
+    "W m-2": ((0.0, 1.0, "W/m²"),),
+    "degree": ((0.0, 1.0, "°"),),
+}
+"""By the unit of a dataset: from which largest value on, which factor leads to which unit."""
+
+_FACES = ("top", "bottom")
+_SHORT = {"tac": "TAC"}
+
+
+def in_words(name: str) -> str:
+    """Name of a number of a design, as figures say it.
+
+    Parameters
+    ----------
+    name : str
+        Dotted.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> in_words("flyer.film.tac_top")
+    'film TAC, top'
+    >>> in_words("flyer.diameter")
+    'flyer diameter'
+    """
+    *where, last = name.split(".")
+    if len(where) > 1 and where[0] == "flyer":
+        where = where[1:]  # its film needs no owner
+    words = last.replace("_", " ").split()
+    face = f", {words.pop()}" if len(words) > 1 and words[-1] in _FACES else ""
+    words = [_SHORT.get(word, word) for word in words]
+    return " ".join([*(part.replace("_", " ") for part in where), *words]) + face
+
+
+def unit_of(array: "xr.DataArray") -> str:
+    """Units of an array, empty for a pure number."""
+    unit = str(array.attrs.get("units", ""))
+    return "" if unit == "1" else unit
+
+
+def scale_and_label(array: "xr.DataArray") -> tuple[float, str]:
+    """Factor and axis label with unit for a coordinate or an output.
+
+    Parameters
+    ----------
+    array : xarray.DataArray
+        With ``units`` and ``long_name``.
+
+    Returns
+    -------
+    factor : float
+    label : str
+    """
+    name, unit, shown = str(array.name), unit_of(array), str(array.attrs.get("shown_units", ""))
+    if shown:
+        factor, unit = scale_and_offset(file_unit(unit), shown)[0], shown.replace("^2", "²")
+    elif unit in _SCALES:
+        factor, unit = _shown(unit, np.asarray(array.values, float))
+    else:
+        factor = 1.0
+    words = in_words(name) if "." in name else str(array.attrs.get("long_name", name))
+    return factor, f"{words} [{unit}]" if unit else words
+
+
+def suitable(unit: str, values: Any) -> tuple[float, str]:
+    """Factor and unit that suit some values.
+
+    Parameters
+    ----------
+    unit : str
+        SI unit, in the spelling of flyer files or of datasets.
+    values : array, shape (...)
+        In this unit; what is not finite does not count.
+
+    Returns
+    -------
+    factor : float
+        From the SI unit.
+    unit : str
+
+    Examples
+    --------
+    >>> suitable("kg", 1.5e-7)
+    (1000000.0, 'mg')
+    """
+    spelled = dataset_unit(unit)
+    if spelled in _SCALES:
+        return _shown(spelled, np.asarray(values, float))
+    return 1.0, file_unit(unit).replace("^2", "²").replace("^3", "³")
+
+
+def amount(value: float, unit: str, digits: int = 6) -> str:
+    """A number with the unit that suits it.
+
+    Parameters
+    ----------
+    value : float
+    unit : str
+        SI unit.
+    digits : int
+        Significant digits.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> amount(72116.2, "m", digits=5)
+    '72.116 km'
+    """
+    factor, shown = suitable(unit, value)
+    return f"{value * factor:.{digits}g} {shown}".rstrip()
+
+
+def _shown(unit: str, values: np.ndarray) -> tuple[float, str]:
+    """Factor and unit that suit the largest of some values."""
+    finite = np.abs(values[np.isfinite(values)])
+    largest = float(finite.max(initial=0.0))
+    suitable = [(factor, shown) for least, factor, shown in _SCALES[unit] if largest >= least]
+    return suitable[-1]

@@ -1,0 +1,342 @@
+"""Style and saving of all figures. Only this module and those named ``figures`` import matplotlib.
+
+Colours are those of Okabe and Ito [OkabeIto2008]_, which people with any colour vision can tell
+apart; markers and lines differ in style too, for print without colours.
+"""
+
+import io
+import textwrap
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import matplotlib.style
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.patheffects import AbstractPathEffect, withStroke
+from matplotlib.ticker import Formatter, LogLocator
+from matplotlib.transforms import ScaledTranslation
+
+from lightflyer.core.errors import ParameterError
+
+BLUE, ORANGE, GREEN, VERMILION, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#777777"
+SKY, PURPLE, YELLOW = "#56B4E9", "#CC79A7", "#F0E442"
+WINE = "#882255"  # in place of yellow, which is too light for lines on white
+PALETTE = (BLUE, VERMILION, GREEN, ORANGE, "black", SKY, PURPLE, GREY, WINE)
+MARKERS = "osD^vP*X<"
+LINES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
+BAND, INTERVAL = "95 % band", "95 % interval"
+"""What shaded bands and error bars are, in legends."""
+
+FORMATS = ("png", "svg", "pdf")
+"""Endings of the files that :func:`save` writes."""
+
+OWN_STYLES = ("column",)
+"""Style sheets of the package: a journal's column of 8.6 cm."""
+
+DOTS_PER_INCH = 150
+"""Of a PNG where nothing else is asked."""
+
+_POINTS_PER_INCH = 72.0
+_WIDTH, _HEIGHT = 6.0, 4.2  # of axes [inch], unless a style sheet gives a size of figures
+_LINE = 1.35  # height of a line of text, in font sizes
+_TIGHT, _ROOMY = 1.0, 2.7  # decades up to which a logarithmic axis has labels between decades
+_MANTISSAS = {_TIGHT: (1, 2, 3, 5, 7), _ROOMY: (1, 2, 5), np.inf: (1,)}
+_FEW_TICKS = 0.45  # decades below which ticks are no longer at whole multiples of a decade
+_PLAIN = (1e-4, 1e5)  # numbers that are not written as powers of ten
+
+
+def require_style(style: str, prefix: str = "") -> None:
+    """Raise unless Matplotlib knows a style sheet.
+
+    Parameters
+    ----------
+    style : str
+        Name or path.
+    prefix : str
+        Of the message.
+
+    Raises
+    ------
+    ParameterError
+    """
+    try:
+        with styled(style):
+            pass
+    except (OSError, ValueError):
+        raise ParameterError(
+            f'{prefix}"{style}": is neither "column", nor a style of Matplotlib, such as '
+            '"grayscale", nor a style sheet, such as "journal.mplstyle"'
+        ) from None
+
+
+@contextmanager
+def styled(style: str | None) -> Iterator[None]:
+    """Draw in a style within the block.
+
+    Parameters
+    ----------
+    style : str or None
+        Style sheet of Matplotlib, by name or path, or one of :data:`OWN_STYLES`; None for the one
+        in use. Colours that tell curves apart stay those of this package.
+    """
+    if style is None:
+        yield
+        return
+    own = f"lightflyer.data.{style}" if style in OWN_STYLES else style
+    with matplotlib.style.context(own):
+        yield
+
+
+class _Figure(Figure):
+    """A figure that a notebook shows by itself."""
+
+    def _repr_png_(self) -> bytes:
+        written = io.BytesIO()
+        self.savefig(written, format="png", dpi=DOTS_PER_INCH)
+        return written.getvalue()
+
+
+def new_figure(
+    columns: int = 1, width: float = _WIDTH, height: float = _HEIGHT, rows: int = 1
+) -> Figure:
+    """An empty figure with axes in a row, or in several.
+
+    Where the style in use gives a size of figures (``figure.figsize``), that is the size of one
+    axes, and everything else is scaled with it.
+
+    Parameters
+    ----------
+    columns : int
+    width : float
+        Of each axes [inch].
+    height : float
+        Of the figure [inch].
+    rows : int
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        With ``columns`` times ``rows`` axes.
+    """
+    across, up = 1.0, 1.0
+    given, usual = (
+        list(chosen["figure.figsize"]) for chosen in (mpl.rcParams, mpl.rcParamsDefault)
+    )
+    if given != usual:
+        across, up = given[0] / _WIDTH, given[1] / _HEIGHT
+    figure = _Figure(figsize=(columns * width * across, height * up), layout="constrained")
+    figure.subplots(rows, columns)
+    return figure
+
+
+def figure_for(ax: Axes | None, **options: Any) -> tuple[Figure, Axes]:
+    """Axes to draw on: those given, or those of a new figure.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes or None
+    **options
+        Of :func:`new_figure`.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    ax : matplotlib.axes.Axes
+    """
+    if ax is None:
+        figure = new_figure(**options)
+        return figure, figure.axes[0]
+    owner = ax.get_figure(root=True)
+    assert owner is not None  # axes that can be drawn on have one
+    return owner, ax
+
+
+def save(figure: Figure, paths: list[Path], dpi: int = DOTS_PER_INCH) -> None:
+    """Write a figure, the same bytes every time.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    paths : list of Path
+        The suffix chooses the format, one of :data:`FORMATS`.
+    dpi : int
+        Dots per inch of a PNG.
+    """
+    figure.set_dpi(dpi)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # laid out: not again for every format
+    # the canvases are called directly because savefig draws everything twice
+    with mpl.rc_context({"svg.hashsalt": "lightflyer", "svg.fonttype": "none"}):
+        for path in paths:
+            if path.suffix == ".svg":
+                blank = {"Date": None, "Creator": None}
+                canvas: Any = FigureCanvasSVG(figure)
+                canvas.print_svg(path, metadata=blank)
+            elif path.suffix == ".pdf":
+                canvas = FigureCanvasPdf(figure)
+                canvas.print_pdf(path, metadata={"CreationDate": None, "Creator": None})
+            else:
+                canvas = FigureCanvasAgg(figure)
+                canvas.print_png(path, metadata={"Software": None})
+
+
+class _PlainNumbers(Formatter):
+    """Numbers of a logarithmic axis: decades, and some between where few decades are shown."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:  # noqa: ARG002
+        low, high = sorted(self.axis.get_view_interval()) if self.axis else (x, x)
+        decades = np.log10(high / low) if low > 0.0 else np.inf
+        exponent = int(np.floor(np.log10(x) + 1e-9))
+        mantissa = x / 10.0**exponent
+        if decades >= _FEW_TICKS:
+            shown = next(some for most, some in _MANTISSAS.items() if decades <= most)
+            if not any(np.isclose(mantissa, one) for one in shown):
+                return ""
+        if _PLAIN[0] <= x < _PLAIN[1]:
+            return f"{x:.6g}"
+        factor = "" if np.isclose(mantissa, 1.0) else f"{mantissa:.3g}\\cdot"
+        return f"${factor}10^{{{exponent}}}$"
+
+
+def plain_decades(axis: Axis) -> None:
+    """Label a logarithmic axis in plain numbers, between decades too where it shows few of them.
+
+    Parameters
+    ----------
+    axis : matplotlib.axis.Axis
+        A logarithmic one.
+    """
+    axis.set_major_formatter(_PlainNumbers())
+    axis.set_minor_locator(LogLocator(subs=range(2, 10)))
+    axis.set_minor_formatter(_PlainNumbers())
+
+
+def outlined(width: float = 3.0, colour: str = "black") -> list[AbstractPathEffect]:
+    """Path effects that make a line or a text stand out from any colour below it.
+
+    Parameters
+    ----------
+    width : float
+        Of line and outline together [points].
+    colour : str
+
+    Returns
+    -------
+    list of matplotlib.patheffects.AbstractPathEffect
+    """
+    return [withStroke(linewidth=width, foreground=colour)]
+
+
+def wrapped(label: str, width: int = 28) -> str:
+    """A long label of an axis in several lines.
+
+    Parameters
+    ----------
+    label : str
+    width : int
+        Of a line [characters].
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print(wrapped("smallest irradiance that levitates the flyer [W/m²]"))
+    smallest irradiance that
+    levitates the flyer [W/m²]
+    """
+    return "\n".join(textwrap.wrap(label, width))
+
+
+def legend_below(
+    ax: Axes, handles: Sequence[Any] | None = None, *, most: int = 3, title: str | None = None
+) -> None:
+    """Put the legend under the axes, where it hides no data.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        With its label.
+    handles : sequence of artist, optional
+        By default all artists with a label; without any, there is no legend.
+    most : int
+        Columns at most; as many as fit under the axes.
+    title : str, optional
+    """
+    handles = ax.get_legend_handles_labels()[0] if handles is None else handles
+    if not handles:
+        return
+    rows = -(-len(handles) // most)
+    figure = ax.get_figure(root=True)
+    assert figure is not None  # axes that can be drawn on have one
+    below = ScaledTranslation(0.0, -_depth(ax) / _POINTS_PER_INCH, figure.dpi_scale_trans)
+    room = ax.get_subplotspec()
+    columns = 1 if room is None else room.get_gridspec().ncols
+    width = figure.get_figwidth() * figure.dpi / columns
+    renderer: Any = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+    for number in range(-(-len(handles) // rows), 0, -1):
+        legend = ax.legend(
+            handles=handles,
+            loc="upper center",
+            bbox_to_anchor=(0.5, 0.0),
+            bbox_transform=ax.transAxes + below,
+            borderaxespad=0.0,
+            frameon=False,
+            ncols=number,
+            fontsize="small",
+            title=title,
+            title_fontsize="small",
+        )
+        if legend.get_window_extent(renderer).width < width:
+            break
+
+
+def _depth(ax: Axes) -> float:
+    """Height of ticks, their labels and the label under axes [points]."""
+    chosen = mpl.rcParams
+    ticks = chosen["xtick.major.size"] + chosen["xtick.major.pad"]
+    ticks += _LINE * FontProperties(size=chosen["xtick.labelsize"]).get_size_in_points()
+    lines = 1 + ax.get_xlabel().count("\n")
+    label = chosen["axes.labelpad"] + lines * _LINE * float(ax.xaxis.label.get_fontsize())
+    return float(ticks + (label if ax.get_xlabel() else 0.0))
+
+
+def shared_legend(
+    figure: Figure, handles: Sequence[Any], *, most: int = 4, title: str | None = None
+) -> None:
+    """Put one legend for all axes of a figure under them.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        With a layout engine.
+    handles : sequence of artist
+    most : int
+        Columns at most; as many as fit into the figure.
+    title : str, optional
+    """
+    rows = -(-len(handles) // most)
+    renderer: Any = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+    for number in range(-(-len(handles) // rows), 0, -1):
+        legend = figure.legend(
+            handles=handles,
+            loc="outside lower center",
+            frameon=False,
+            ncols=number,
+            fontsize="small",
+            title=title,
+            title_fontsize="small",
+        )
+        if number == 1 or legend.get_window_extent(renderer).width < figure.bbox.width:
+            break
+        legend.remove()

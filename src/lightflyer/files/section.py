@@ -1,0 +1,319 @@
+"""Sections of input files: what they share, and how a file chooses between alternatives.
+
+A section is a Pydantic model that is declared beside the class it describes. Its keys follow from
+the annotated fields of that class: names, units, ranges, choices and defaults stand there alone. An
+alternative of a section of the flyer file (a shape, an environment, a force model) is one subclass
+of that section's base; it enters the file's grammar by being defined::
+
+    class DiskSection(FlyerSection, of=Disk):
+        shape: Literal["disk"] = "disk"
+"""
+
+import dataclasses
+import inspect
+from collections.abc import Iterator, Mapping
+from types import NoneType
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin
+
+import pydantic
+from pydantic import ConfigDict
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Quantity, contradiction_in, quantity_of
+from lightflyer.core.types import Numeric
+from lightflyer.core.units import Measured
+
+_PLAIN = (bool, int, str)
+
+
+class Spelling(NamedTuple):
+    """How a file gives a field.
+
+    Attributes
+    ----------
+    key : str
+    factor : float
+        The field's value over the key's.
+    """
+
+    key: str
+    factor: float = 1.0
+
+
+DIAMETER = Spelling("diameter", 0.5)
+"""How a file gives a radius."""
+
+
+class Section(pydantic.BaseModel):
+    """A section of an input file; it takes no key that it does not know.
+
+    A subclass ``of`` a class has a key for each field of it that is a number, a choice or a text,
+    unless the subclass declares that key itself or leaves it out.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    describes: ClassVar[type | None] = None
+    """Class of what the section describes."""
+
+    spelled: ClassVar[Mapping[str, Spelling]] = {}
+    """Fields of that class that the file gives otherwise."""
+
+    left_out: ClassVar[tuple[str, ...]] = ()
+    """Fields of that class that have no key."""
+
+    first_keys: ClassVar[tuple[str, ...]] = ()
+    """Keys that come first, where the order is not that of the fields."""
+
+    not_varied: ClassVar[Mapping[str, str]] = {}
+    """Numbers that no study varies and no uncertainty moves, with the reason."""
+
+    def __init_subclass__(cls, of: type | None = None, **options: Any) -> None:
+        """Add the keys that follow from a class, before Pydantic looks for keys."""
+        super().__init_subclass__(**options)
+        if of is None:
+            return
+        cls.describes = of
+        declared = vars(cls).get("__annotations__", {})
+        known = {**cls.model_fields, **declared}  # those of the bases too
+        added = {key: kind for key, kind in cls.keys_of(of).items() if key not in known}
+        for key, (_, default) in added.items():
+            if default is not ...:
+                setattr(cls, key, default)
+        every = {**declared, **{key: annotation for key, (annotation, _) in added.items()}}
+        cls.__annotations__ = {key: every[key] for key in dict.fromkeys((*cls.first_keys, *every))}
+
+    @classmethod
+    def keys_of(cls, described: type) -> dict[str, tuple[Any, Any]]:
+        """Annotation and default of each key that follows from a class; ``...`` where required."""
+        found = {}
+        for field in dataclasses.fields(described):
+            kind = None if field.name in cls.left_out else _key(field)
+            if kind is not None:
+                key, factor = cls._spelling(field.name)
+                annotation, default = kind
+                if isinstance(default, Measured):
+                    default = Measured(default.value / factor, default.uncertainty)
+                found[key] = annotation, default
+        return found
+
+    def make(self, **given: Any) -> Any:
+        """The object that the section describes.
+
+        Parameters
+        ----------
+        **given
+            Fields that no key gives, or that follow from several.
+
+        Returns
+        -------
+        object
+            Of the class :attr:`describes`.
+        """
+        if self.describes is None:
+            raise TypeError(f"{type(self).__name__} needs a build() of its own, or of=...")
+        for field in dataclasses.fields(self.describes):
+            has_key = self._spelling(field.name).key in type(self).model_fields
+            if has_key and field.name not in given:
+                given[field.name] = self._value_of(field.name)
+        return self.describes(**given)
+
+    @classmethod
+    def _spelling(cls, field: str) -> Spelling:
+        return cls.spelled.get(field, Spelling(field))
+
+    def _value_of(self, field: str) -> Any:
+        """What a field of the class described becomes."""
+        key, factor = self._spelling(field)
+        value = getattr(self, key)
+        if isinstance(value, Measured):
+            return value.value if factor == 1.0 else factor * value.value
+        if isinstance(value, tuple):
+            return tuple(entry.make() for entry in value)
+        return value.make() if isinstance(value, Section) else value
+
+    @pydantic.model_validator(mode="after")
+    def _possible_together(self) -> "Section":
+        """Raise where numbers contradict each other by the rule of the class described."""
+        problem = contradiction_in(self.describes, self._value_of)
+        if problem:
+            raise ConfigurationError(problem)
+        return self
+
+    @classmethod
+    def quantity(cls, name: str) -> Quantity | None:
+        """Unit and range of a field, or None for one that is no number."""
+        field = cls.model_fields[name]
+        found = (quantity_of(part) for part in (*field.metadata, field.annotation))
+        return next((quantity for quantity in found if quantity is not None), None)
+
+    def numbers(self) -> Iterator[tuple[str, Quantity, Measured | None]]:
+        """Dotted name, quantity and value of each number, those of inner sections included.
+
+        Yields
+        ------
+        name : str
+        quantity : Quantity
+        value : Measured or None
+            None for an optional number that is not given.
+        """
+        for name in type(self).model_fields:
+            value = getattr(self, name)
+            quantity = self.quantity(name)
+            if quantity is not None:
+                yield name, quantity, value
+            for key, inner in _inner(name, value):
+                for inner_name, inner_quantity, number in inner.numbers():
+                    yield f"{key}.{inner_name}", inner_quantity, number
+
+    def replaced(self, values: Mapping[str, Any]) -> "Section":
+        """A copy with other numbers, which are not checked and may be traced by JAX.
+
+        Parameters
+        ----------
+        values : dict of str to array
+            By dotted name, in the units of the quantities.
+
+        Returns
+        -------
+        Section
+        """
+        own = {name: Measured(value) for name, value in values.items() if "." not in name}
+        nested: dict[str, dict[str, Any]] = {}
+        for name, value in values.items():
+            first, dot, rest = name.partition(".")
+            if dot:
+                nested.setdefault(first, {})[rest] = value
+        for name, inner in nested.items():
+            own[name] = _replaced_inside(getattr(self, name), inner)
+        return self.model_copy(update=own) if own else self
+
+    def reason_not_varied(self, name: str) -> str | None:
+        """Why a number cannot be varied, or None where it can.
+
+        Parameters
+        ----------
+        name : str
+            Dotted where it is within an inner section.
+
+        Returns
+        -------
+        str or None
+        """
+        first, _, rest = name.partition(".")
+        inner = getattr(self, first, None)
+        if rest and isinstance(inner, Section):
+            return inner.reason_not_varied(rest)
+        return self.not_varied.get(name.rpartition(".")[2])
+
+
+def _key(field: dataclasses.Field) -> tuple[Any, Any] | None:
+    """Annotation and default of a field's key, ``...`` where required; None without a key."""
+    annotation: Any = field.type
+    default = ... if field.default is dataclasses.MISSING else field.default
+    if annotation is float:
+        annotation = Annotated[Numeric, Quantity()]
+    quantity = quantity_of(annotation)
+    if quantity is None:
+        kinds = {*get_args(annotation), annotation} - {NoneType}
+        is_plain = get_origin(annotation) is Literal or kinds <= set(_PLAIN)
+        return (annotation, default) if is_plain else None
+    if default is None and quantity.in_files is not None:
+        return next(
+            kind for kind in get_args(annotation) if kind is not NoneType
+        ), quantity.in_files
+    return annotation, default if default in (None, ...) else Measured(default)
+
+
+def _inner(name: str, value: Any) -> Iterator[tuple[str, Section]]:
+    if isinstance(value, Section):
+        yield name, value
+    elif isinstance(value, tuple) and not isinstance(value, Measured):
+        for index, entry in enumerate(value):
+            if isinstance(entry, Section):
+                yield f"{name}.{index}", entry
+
+
+def _replaced_inside(value: Any, changes: Mapping[str, Any]) -> Any:
+    if isinstance(value, Section):
+        return value.replaced(changes)
+    entries = list(value)
+    for index, entry in enumerate(entries):
+        mine = {
+            key.partition(".")[2]: change
+            for key, change in changes.items()
+            if key.partition(".")[0] == str(index)
+        }
+        entries[index] = entry.replaced(mine) if mine else entry
+    return tuple(entries)
+
+
+class Alternative(Section):
+    """Base of a section that has alternatives; a key or two of the file choose between them.
+
+    A direct subclass is the base of one section and states which keys choose. Every concrete
+    subclass of that is an alternative, under the values of its literal keys, unless it says
+    that it is of other files.
+    """
+
+    choosing_keys: ClassVar[tuple[tuple[str, str], ...]] = ()
+    """Keys that choose, with the values they have where the file leaves them out."""
+
+    of_other_files: ClassVar[bool] = False
+    """Whether files with alternatives do not know it."""
+
+    alternatives: ClassVar[dict[str, type["Alternative"]]] = {}
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        super().__pydantic_init_subclass__(**kwargs)
+        if Alternative in cls.__bases__:
+            cls.alternatives = {}
+        elif not (cls.of_other_files or inspect.isabstract(cls)):
+            cls.alternatives[cls.tag()] = cls
+
+    @classmethod
+    def tag(cls) -> str:
+        """Values of the choosing keys of this alternative, separated by blanks."""
+        values = []
+        for key, _ in cls.choosing_keys:
+            annotation = cls.model_fields[key].annotation if key in cls.model_fields else None
+            if get_origin(annotation) is Literal:
+                values.append(str(get_args(annotation)[0]))
+        return " ".join(values)
+
+    @classmethod
+    def tag_of(cls, content: Any) -> str:
+        """Tag of the alternative that a file's content, or a section, chooses."""
+        if isinstance(content, Section):
+            return content.tag() if isinstance(content, Alternative) else ""
+        given = content if isinstance(content, Mapping) else {}
+        values: list[str] = []
+        for key, default in cls.choosing_keys:
+            values.append(str(given.get(key, default)))
+            if " ".join(values) in cls.alternatives:
+                break  # an alternative without a second choice
+        return " ".join(values)
+
+    @classmethod
+    def choices(cls, key: str, tag: str) -> list[str]:
+        """Values that a choosing key may have, given those before it in a tag."""
+        position = [name for name, _ in cls.choosing_keys].index(key)
+        before = tag.split(" ")[:position]
+        found = (known.split(" ") for known in cls.alternatives)
+        values = (
+            parts[position]
+            for parts in found
+            if len(parts) > position and parts[:position] == before
+        )
+        return list(dict.fromkeys(values))
+
+
+def alternative_tags() -> set[str]:
+    """Names by which Pydantic tells a section's alternatives apart.
+
+    Returns
+    -------
+    set of str
+    """
+    return {tag for base in Alternative.__subclasses__() for tag in base.alternatives}

@@ -1,0 +1,339 @@
+"""Tables in text files and workbooks: units in the header, faulty rows named with their line.
+
+Two kinds of fault are told apart. A row that cannot be read (an empty cell, "OVLD", too few
+values) is rejected and named; a strict reader refuses the file instead. A value that is impossible
+(a negative irradiance, a unit inside a cell) refuses the file, because all of it is then in doubt.
+"""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.units import stated_convention
+from lightflyer.files.table_file import Lines, read_lines
+from lightflyer.files.table_layout import (
+    PREAMBLE,
+    Column,
+    Layout,
+    Placed,
+    find_layout,
+    is_comment,
+    split_cells,
+)
+from lightflyer.files.table_rows import Rejected, Row, is_possible, marks_of, read_rows
+
+__all__ = ["Rejected", "Table", "read_table", "shipped_table", "table_of"]
+
+# of spreadsheets; such a row is no comment
+_ERROR_CELL = re.compile(r"^\s*#(?:[A-Z\u00c0-\u00dc]+[!?]|DIV/0!|N/A|NV\b)")
+
+
+@dataclass(frozen=True)
+class Table:
+    """The columns that were read from a file.
+
+    Attributes
+    ----------
+    source : str
+        Name of the file.
+    lines : array of int, shape (n,)
+        Line of each row in the file, counted from 1.
+    numbers : dict of str to array, shape (n,)
+        Columns of numbers in SI units, by name.
+    texts : dict of str to list of str
+        Columns of text, by name.
+    rejected : list of Rejected
+        Rejected rows in the order of the file.
+    unused : list of str
+        Unknown columns of the file.
+    notes : list of str
+        What a reader of the values must know of how they were read, one line each.
+    """
+
+    source: str
+    lines: np.ndarray
+    numbers: dict[str, np.ndarray]
+    texts: dict[str, list[str]] = field(default_factory=dict)
+    rejected: list[Rejected] = field(default_factory=list)
+    unused: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        """Number of rows."""
+        return len(self.lines)
+
+    def without(self, reasons: dict[int, str]) -> "Table":
+        """Reject further rows.
+
+        Parameters
+        ----------
+        reasons : dict of int to str
+            Reason by the index of the row.
+
+        Returns
+        -------
+        Table
+            Without these rows, which are added to the rejected ones.
+        """
+        keep = np.ones(len(self), bool)
+        keep[list(reasons)] = False
+        out = [Rejected(self.source, int(self.lines[row]), why) for row, why in reasons.items()]
+        return replace(
+            self,
+            lines=self.lines[keep],
+            numbers={name: values[keep] for name, values in self.numbers.items()},
+            texts={
+                name: [value for value, kept in zip(values, keep, strict=True) if kept]
+                for name, values in self.texts.items()
+            },
+            rejected=sorted([*self.rejected, *out], key=lambda row: row.line),
+        )
+
+
+def read_table(
+    path: str | Path,
+    columns: Sequence[Column],
+    *,
+    layout: str | None = None,
+    unique: bool = False,
+    strict: bool = False,
+    closed: bool = False,
+    preamble: bool | None = None,
+) -> Table:
+    """Read the known columns of a table.
+
+    Parameters
+    ----------
+    path : str or path
+        Text (UTF-8, UTF-16 or Windows-1252) delimited by commas, semicolons, tabs or white space,
+        or a workbook (``.xlsx``), of which ``book.xlsx#sheet`` names a sheet. Lines that start
+        with ``#``, ``//`` or ``!`` are comments.
+    columns : sequence of Column
+        Known columns.
+    layout : str, optional
+        The columns in the order of the file, such as ``"pressure [mTorr], -, heater_power [W]"``,
+        in place of its header; ``-`` skips a column.
+    unique : bool
+        Reject a line that repeats an earlier one. Always so where there is a column ``time``.
+    strict : bool
+        Refuse the file at the first row that cannot be read, or where its numbers could be read
+        with a note only.
+    closed : bool
+        Refuse unknown columns, if there is no preamble.
+    preamble : bool, optional
+        Whether the header may be a comment and stand below an instrument's preamble. Otherwise it
+        is the first line that is not a comment. By default not if strict.
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the file and the line or option: not text, an unknown, missing or
+        repeated column, a missing or wrong unit, numbers that can be read in two ways, an
+        impossible value, or no row that can be read.
+    MissingExtraError
+        If the file is a workbook, and openpyxl is not installed.
+    """
+    first = strict if preamble is None else not preamble
+
+    def layout_of(one: Lines) -> Layout:
+        return find_layout(
+            one.name, one.lines, columns, option=layout, strict=first, closed=closed,
+            delimiter=one.delimiter,
+        )  # fmt: skip
+
+    file, found, notes = _chosen(Path(path), read_lines(Path(path)), layout_of)
+    table = _read(file, found, unique=unique, strict=strict)
+    return replace(table, notes=[*notes, *table.notes])
+
+
+def table_of(file: Lines, columns: Sequence[Column]) -> Table:
+    """Read the known columns of a part of a file, strictly.
+
+    Parameters
+    ----------
+    file : Lines
+    columns : sequence of Column
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    ConfigurationError
+        As for :func:`read_table`.
+    """
+    found = find_layout(file.name, file.lines, columns, strict=True, delimiter=file.delimiter)
+    return _read(file, found, strict=True)
+
+
+def _read(file: Lines, found: Layout, *, strict: bool, unique: bool = False) -> Table:
+    empty = f"{found.delimiter} \t" if found.delimiter else None  # rows of spreadsheets
+    rows = [
+        (number, line)
+        for number, line in enumerate(file.lines[found.first :], start=found.first + 1)
+        if line.strip(empty) and not _is_left_out(line)
+    ]
+    if not rows:
+        raise ConfigurationError(f"{file.name}: has a header but no rows")
+    timed = any(one.column.name == "time" for one in found.columns.values())
+    repeated = _repeated(file.name, rows) if unique or timed else {}
+    notes = _require_whole(file, rows, found)
+    table = _with_si(file, [row for row in rows if row[0] not in repeated], found, say=not strict)
+    rejected = sorted([*table.rejected, *repeated.values()], key=lambda row: row.line)
+    if strict and rejected:
+        raise ConfigurationError(str(rejected[0]))
+    table = _possible(replace(table, rejected=rejected, notes=[*notes, *table.notes]), found)
+    if not len(table):
+        raise ConfigurationError(f"{table.rejected[0]}; none of its {len(rows)} rows can be read")
+    return table
+
+
+def shipped_table(name: str) -> Table:
+    """Read a CSV file of the package's own data.
+
+    Parameters
+    ----------
+    name : str
+        File in ``lightflyer/data``, with comments, a header without units, and whole rows.
+
+    Returns
+    -------
+    Table
+        A column is one of numbers, as written, where all of its cells are; otherwise of text.
+
+    Examples
+    --------
+    >>> shipped_table("us1976_upper.csv").numbers["altitude_km"][:2]
+    array([86., 87.])
+    """
+    text = (resources.files("lightflyer") / "data" / name).read_text(encoding="utf-8")
+    rows = [
+        (number, split_cells(line, ","))
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and not is_comment(line)
+    ]
+    (_, header), *body = rows
+    numbers, texts = {}, {}
+    for title, cells in zip(header, zip(*(cells for _, cells in body), strict=True), strict=True):
+        try:
+            numbers[title] = np.array(cells, float)
+        except ValueError:
+            texts[title] = list(cells)
+    return Table(name, np.array([number for number, _ in body]), numbers, texts)
+
+
+def _chosen(
+    path: Path, tables: list[Lines], layout_of: Callable[[Lines], Layout]
+) -> tuple[Lines, Layout, list[str]]:
+    """The one table of a file with known columns, its layout, and what to say of the choice."""
+    if len(tables) == 1:
+        return tables[0], layout_of(tables[0]), []
+    fits, problems = [], []
+    for one in tables:
+        try:
+            fits.append((one, layout_of(one)))
+        except ConfigurationError as error:
+            problems.append(error)
+    if not fits:
+        raise problems[0]
+    names = ", ".join(f'"{one.name}"' for one, _ in fits)
+    if len(fits) > 1:
+        raise ConfigurationError(f"{path}: has several tables; name one of {names}")
+    left = [one.name for one in tables if one is not fits[0][0]]
+    return *fits[0], [f"{fits[0][0].name} is read; {', '.join(left)}: no known columns"]
+
+
+def _is_left_out(line: str) -> bool:
+    return is_comment(line) and not _ERROR_CELL.match(line)
+
+
+def _repeated(name: str, rows: list[Row]) -> dict[int, Rejected]:
+    if len({line for _, line in rows}) == len(rows):
+        return {}
+    first: dict[str, int] = {}
+    found = {}
+    for number, line in rows:
+        before = first.setdefault(line, number)
+        if before != number:
+            found[number] = Rejected(name, number, f"repeats line {before}")
+    return found
+
+
+def _require_whole(file: Lines, rows: list[Row], layout: Layout) -> list[str]:
+    """Refuse a file that ends within a row: more than that row may be missing.
+
+    A file that ends within its last number cannot be told; a note asks for a look at it.
+    """
+    number, line = rows[-1]
+    cells, width = split_cells(line, layout.delimiter), len(layout.names)
+    # without a line end, an empty last cell has been cut off
+    cut = not file.ended and len(cells) == width and not cells[-1] and width - 1 in layout.columns
+    if (len(cells) < width or cut) and len(rows) > 1:
+        before = len(split_cells(rows[-2][1], layout.delimiter))
+        if before >= len(layout.names):
+            raise ConfigurationError(
+                f"{file.name}:{number}: the file ends within a row and is incomplete"
+            )
+    last = layout.number_columns.get(len(cells) - 1)
+    if file.ended or last is None or number != len(file.lines):
+        return []
+    return [
+        f"{file.name}:{number}: the file has no line end after its last value, "
+        f"{last.column.name} = {cells[-1]}; check that it is whole"
+    ]
+
+
+def _with_si(file: Lines, rows: list[Row], layout: Layout, *, say: bool) -> Table:
+    """Rows that can be read, in SI units."""
+    said_in = [line for line in file.lines[: layout.first + PREAMBLE] if is_comment(line)]
+    marks = marks_of(file.name, rows, layout, said_in, in_sheet=file.is_sheet, say=say)
+    values = read_rows(file.name, rows, layout, marks)
+    known = layout.number_columns.values()
+    said = [(one, stated_convention(one.unit)) for one in known]
+    return Table(
+        source=file.name,
+        lines=values.lines,
+        numbers={
+            one.column.name: values.numbers[:, index] * one.scale + one.offset
+            for index, one in enumerate(known)
+        },
+        texts=values.texts,
+        rejected=values.rejected,
+        unused=[
+            name.strip()
+            for position, name in enumerate(layout.names)
+            if position not in layout.columns and name not in ("", "-")
+        ],
+        notes=[*marks.notes, *(f"{one.column.name}: {text}" for one, text in said if text)],
+    )
+
+
+def _possible(table: Table, layout: Layout) -> Table:
+    """The table without gauges' readings below zero; other impossible values refuse it."""
+    out: dict[int, str] = {}
+    for one in layout.number_columns.values():
+        column, quantity = one.column, one.column.quantity
+        values = table.numbers[column.name]
+        for row in np.flatnonzero(~is_possible(values, quantity)):
+            why = quantity.implausible(values[row])
+            said = why.partition(" ")[2] if why else f"is not {quantity.allowed}"
+            reason = f"{column.name} = {_written(float(values[row]), one)} {said}"
+            if column.outside == "stop":
+                raise ConfigurationError(f"{table.source}:{table.lines[row]}: {reason}")
+            out.setdefault(int(row), reason)
+    return table.without(out) if out else table
+
+
+def _written(value: float, one: Placed) -> str:
+    """A value in the unit of the file."""
+    return f"{(value - one.offset) / one.scale:g} {one.unit}".rstrip()

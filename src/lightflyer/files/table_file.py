@@ -1,0 +1,77 @@
+"""Files that hold tables, text or workbook, as lines of text."""
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.encoding import plain_text, read_bytes, split_lines
+from lightflyer.files.workbook import DELIMITER, SHEET, is_workbook, read_sheets, split_sheet
+
+_SEPARATOR = re.compile(r'^"?sep=(.)"?$', re.I)  # first line, for a spreadsheet
+
+
+class Lines(NamedTuple):
+    """Lines of a table.
+
+    Attributes
+    ----------
+    name : str
+        Name of the file, with that of the sheet where there are several.
+    lines : list of str
+    ended : bool
+        Whether the last line has an end.
+    delimiter : str or None
+        Delimiter that the file states.
+    is_sheet : bool
+        Whether they are of a workbook, whose numbers have decimal points.
+    """
+
+    name: str
+    lines: list[str]
+    ended: bool = True
+    delimiter: str | None = None
+    is_sheet: bool = False
+
+
+def read_lines(path: Path) -> list[Lines]:
+    """Tables that a file may hold.
+
+    Parameters
+    ----------
+    path : Path
+        Text or workbook; ``book.xlsx#sheet`` names a sheet.
+
+    Returns
+    -------
+    list of Lines
+        One, or one for each sheet of a workbook that holds anything.
+
+    Raises
+    ------
+    ConfigurationError
+        If the file cannot be read, is neither text nor a workbook, or has no such sheet.
+    """
+    book, sheet = split_sheet(path)
+    content = read_bytes(book)
+    if is_workbook(content, str(book)):
+        return _of_workbook(content, str(book), sheet)
+    text = plain_text(content, str(path))
+    lines, delimiter = split_lines(text), None
+    stated = _SEPARATOR.match(lines[0]) if lines else None
+    if stated:
+        lines[0], delimiter = "", stated[1]
+    return [Lines(str(path), lines, text.endswith(("\n", "\r")), delimiter)]
+
+
+def _of_workbook(content: bytes, name: str, sheet: str | None) -> list[Lines]:
+    sheets = read_sheets(content, name)
+    if sheet is not None and sheet not in sheets:
+        known = ", ".join(f'"{one}"' for one in sheets)
+        raise ConfigurationError(f'{name}: has no table in a sheet "{sheet}"; it has {known}')
+    several = len(sheets) > 1
+    return [
+        Lines(f"{name}{SHEET}{title}" if several else name, lines, True, DELIMITER, True)
+        for title, lines in sheets.items()
+        if sheet in (None, title)
+    ]

@@ -1,0 +1,457 @@
+"""Layout of a table in a text file: its delimiter, and the names and units of its columns."""
+
+import csv
+import re
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Quantity, quantity_of
+from lightflyer.core.units import scale_and_offset, spelled
+
+PREAMBLE = 200
+"""Lines in which the header is looked for."""
+
+COMMENTS = ("#", "//", "!")
+"""Beginnings of comment lines."""
+
+_COMMA_IN_NUMBER = re.compile(r"^\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*$")
+_NAME_AND_UNIT = re.compile(r"^(.*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])])?$")
+_NAME_AND_SUFFIX = re.compile(r"^(.*[^\s_])[\s_]+(\S+)$")
+_SPACED_CELL = re.compile(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?")
+_NO_UNIT = ("1", "-", "fraction", "a.u.", "arb. units")
+_ERRORS = ("err", "error", "std", "stdev", "sd", "sigma", "se", "unc", "uncertainty", "u", "min",
+           "max", "low", "high", "lower", "upper", "plus", "minus")  # fmt: skip
+_STANDARD = ("unc", "std", "sigma", "sd")  # words for a standard uncertainty, not for any error
+_DELIMITERS = ("\t", ";", ",")
+
+# as spectrometers write their headers
+_WHOLE_NAMES = {"cm-1": ("wavenumber", "cm^-1"), "cm^-1": ("wavenumber", "cm^-1"),
+                "%t": ("transmittance", "%"),
+                "%r": ("reflectance", "%"), "t%": ("transmittance", "%"),
+                "nm": ("wavelength", "nm"), "um": ("wavelength", "um"),
+                "\N{GREEK SMALL LETTER MU}m": ("wavelength", "um"),
+                "ev": ("photon_energy", "eV")}  # fmt: skip
+
+
+@lru_cache(maxsize=4096)
+def _normal(name: str) -> str:
+    plain = unicodedata.normalize("NFKC", name)  # subscripts as digits
+    return re.sub(r"[\s\-.]+", "_", plain.strip().strip('"').casefold())
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column that a reader of tables knows.
+
+    Attributes
+    ----------
+    name : str
+        Such as ``"heater_power"``.
+    kind : Quantity or annotation
+        SI unit and possible range of the values: a
+        :class:`~lightflyer.core.quantity.Quantity`, or an alias of one such as ``Pressure``.
+        By default any pure number.
+    aliases : tuple of str
+        Other names that headers may use.
+    required : bool
+        Whether a file without the column is refused.
+    outside : {"stop", "reject"}
+        What an impossible value does: refuse the file, or reject the row (a pressure gauge that
+        reads below zero does not cast doubt on the whole file).
+    text : bool
+        Whether the column holds text.
+    blank : bool
+        Whether a text may be empty.
+    difference : bool
+        Whether the values are differences, for which 1 °C is 1 K.
+    any_unit : bool
+        Take values as written, whatever the header adds to the name.
+    assumed_unit : str
+        Unit of the values where the header names none.
+    suggested_unit : str
+        Unit that messages propose, in place of the SI unit.
+    """
+
+    name: str
+    kind: Any = None
+    aliases: tuple[str, ...] = ()
+    required: bool = False
+    outside: Literal["stop", "reject"] = "stop"
+    text: bool = False
+    blank: bool = True
+    difference: bool = False
+    any_unit: bool = False
+    assumed_unit: str = ""
+    suggested_unit: str = ""
+
+    @property
+    def quantity(self) -> Quantity:
+        """SI unit and possible range."""
+        return quantity_of(self.kind) or Quantity()
+
+    @cached_property
+    def headers(self) -> tuple[str, ...]:
+        """Names that headers may use, in lower case and with underscores."""
+        return tuple(_normal(name) for name in (self.name, *self.aliases))
+
+    @property
+    def with_unit(self) -> str:
+        """The name as a header would write it, such as ``"pressure [Pa]"``."""
+        unit = self.suggested_unit or self.quantity.unit
+        return f"{self.name} [{unit}]" if unit else self.name
+
+    def uncertainty(self) -> "Column":
+        """Column of the standard uncertainties of this one."""
+        kind = Quantity(self.quantity.unit, 0.0)
+        names = [f"{name}_{word}" for name in (self.name, *self.aliases) for word in _STANDARD]
+        return Column(f"{self.name}_uncertainty", kind, tuple(names), difference=True)
+
+
+class Placed(NamedTuple):
+    """A known column of a file: the unit it is written in, and scale and offset to SI."""
+
+    column: Column
+    unit: str
+    scale: float
+    offset: float
+
+
+class Layout(NamedTuple):
+    """Layout of a file.
+
+    Attributes
+    ----------
+    delimiter : str or None
+        None for white space.
+    names : list of str
+        Names of all columns, as the file or the option writes them.
+    first : int
+        Index of the first row among the lines of the file.
+    columns : dict of int to Placed
+        Known columns by position.
+    """
+
+    delimiter: str | None
+    names: list[str]
+    first: int
+    columns: dict[int, Placed]
+
+    @property
+    def number_columns(self) -> dict[int, Placed]:
+        """Known columns that hold numbers, by position."""
+        return {position: one for position, one in self.columns.items() if not one.column.text}
+
+    @property
+    def text_columns(self) -> dict[int, Placed]:
+        """Known columns that hold text, by position."""
+        return {position: one for position, one in self.columns.items() if one.column.text}
+
+
+def split_cells(line: str, delimiter: str | None) -> list[str]:
+    """Stripped cells of a line.
+
+    Parameters
+    ----------
+    line : str
+    delimiter : str or None
+        None for white space.
+
+    Returns
+    -------
+    list of str
+    """
+    if delimiter is None:
+        return line.split()
+    if '"' in line:
+        cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+        return [cell.strip() for cell in cells]
+    return [cell.strip() for cell in line.split(delimiter)]
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line is a comment."""
+    return line.lstrip().startswith(COMMENTS)
+
+
+def find_layout(
+    path: str | Path,
+    lines: list[str],
+    columns: Sequence[Column],
+    *,
+    option: str | None = None,
+    strict: bool = False,
+    closed: bool = False,
+    delimiter: str | None = None,
+) -> Layout:
+    """Layout of a file, from an option, its first line, or the line that is most like a header.
+
+    Parameters
+    ----------
+    path : str or path
+        Name of the file, for messages.
+    lines : list of str
+    columns : sequence of Column
+    option : str, optional
+        Names and units in the order of the file, in place of a header.
+    strict : bool
+        Take the first line that is not a comment as the header.
+    closed : bool
+        Refuse unknown columns.
+    delimiter : str, optional
+        That the file states.
+
+    Returns
+    -------
+    Layout
+
+    Raises
+    ------
+    ConfigurationError
+        If there is no header, a column is unknown, missing or repeated, or a unit is wrong.
+    """
+    if not any(line.strip() for line in lines):
+        known = ", ".join(column.with_unit for column in columns)
+        raise ConfigurationError(f"{path}: is empty; known columns: {known}")
+    if option:
+        return _from_option(path, lines, columns, option, delimiter)
+    if strict:
+        return _from_first_line(path, lines, columns, delimiter, closed=closed)
+    return _from_header(path, lines, columns, delimiter)
+
+
+def names_columns(layout: Layout, cells: Sequence[str]) -> bool:
+    """Whether a row of a file repeats its header."""
+    known = layout.number_columns
+    numbers = [cells[position] for position in known if position < len(cells)]
+    return bool(_matches([one.column for one in known.values()], numbers))
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return bool(_COMMA_IN_NUMBER.match(cell))
+    return True
+
+
+def _from_option(
+    path: str | Path,
+    lines: list[str],
+    columns: Sequence[Column],
+    option: str,
+    delimiter: str | None,
+) -> Layout:
+    """Layout by the names that ``--columns`` gives, from the first row of numbers on."""
+    names = [name.strip() for name in option.split(",")]
+    first = next(
+        (
+            index
+            for index, line in enumerate(lines)
+            if line.strip()
+            and not is_comment(line)
+            and _is_number(split_cells(line, _delimiter_of_row(line, len(names), delimiter))[0])
+        ),
+        None,
+    )
+    if first is None:
+        raise ConfigurationError(f"{path}: has no row that starts with a number")
+    known = _placed(columns, names, f"--columns of {path}", closed=True)
+    return Layout(_delimiter_of_row(lines[first], len(names), delimiter), names, first, known)
+
+
+def _delimiter_of_row(line: str, width: int, stated: str | None) -> str | None:
+    marked = stated or next((mark for mark in ("\t", ";") if mark in line), None)
+    return marked if marked or len(line.split()) == width or "," not in line else ","
+
+
+def _from_first_line(
+    path: str | Path,
+    lines: list[str],
+    columns: Sequence[Column],
+    stated: str | None,
+    *,
+    closed: bool,
+) -> Layout:
+    """Layout by the first line that is not a comment."""
+    first = next(
+        (number for number, line in enumerate(lines) if line.strip() and not is_comment(line)), None
+    )
+    if first is None:
+        known = ", ".join(column.with_unit for column in columns)
+        raise ConfigurationError(f"{path}: has comments only; known columns: {known}")
+    delimiter, names, _ = _header_cells(lines[first], columns, stated)
+    names, below = _with_units_below(columns, delimiter, names, lines, first)
+    known_columns = _placed(columns, names, f"{path}:{first + 1}", closed=closed)
+    return Layout(delimiter, names, below, known_columns)
+
+
+def _header_cells(
+    line: str, columns: Sequence[Column], stated: str | None
+) -> tuple[str | None, list[str], int]:
+    """Delimiter and names by which a line has the most known columns, and how many."""
+    text = line if stated else line.strip()
+    text = text.lstrip("#/! ") if is_comment(text) else text
+    best: tuple[str | None, list[str], int] | None = None
+    for delimiter in (stated,) if stated else (*_DELIMITERS, None):
+        if delimiter and delimiter not in text:
+            continue
+        cells = split_cells(text, delimiter) if delimiter else _SPACED_CELL.findall(text)
+        cells = cells[:-1] if len(cells) > 1 and not cells[-1] and not stated else cells
+        score = len(_matches(columns, cells))
+        # names with spaces in them are no columns of their own
+        if best is None or (score > best[2] and delimiter):
+            best = delimiter, cells, score
+    return best or (stated, [text.strip()], 0)
+
+
+def _from_header(
+    path: str | Path, lines: list[str], columns: Sequence[Column], stated: str | None
+) -> Layout:
+    """Layout by the line with the most known columns, above the first row of numbers."""
+    best: tuple[int, int] | None = None
+    for index, line in enumerate(lines[:PREAMBLE]):
+        _, cells, score = _header_cells(line, columns, stated)
+        if any(cells) and all(_is_number(cell) or not cell for cell in cells):
+            break
+        if score and (best is None or score > best[0]):
+            best = (score, index)
+    if best is None:
+        known = ", ".join(column.with_unit for column in columns)
+        first = next(number for number, line in enumerate(lines, 1) if line.strip())
+        raise ConfigurationError(
+            f"{path}:{first}: has no known column; name its columns in a header or by --columns: "
+            f"{known}"
+        )
+    delimiter, names, _ = _header_cells(lines[best[1]], columns, stated)
+    names, below = _with_units_below(columns, delimiter, names, lines, best[1])
+    return Layout(delimiter, names, below, _placed(columns, names, f"{path}:{best[1] + 1}"))
+
+
+def _with_units_below(
+    columns: Sequence[Column],
+    delimiter: str | None,
+    names: list[str],
+    lines: list[str],
+    header: int,
+) -> tuple[list[str], int]:
+    """Names, with the units of the line below where columns lack them, and the line after."""
+    below = lines[header + 1] if header + 1 < len(lines) else ""
+    text = below.lstrip("#/! ") if is_comment(lines[header]) else below
+    units = [cell.strip("[]() ") for cell in split_cells(text, delimiter)]
+    lacking = {
+        position: column
+        for position, (column, unit) in _matches(columns, names).items()
+        if not (unit or column.text or column.any_unit)
+    }
+    needed = any(one.quantity.unit and not one.assumed_unit for one in lacking.values())
+    if not needed or len(units) != len(names) or any(map(_is_number, units)):
+        return names, header + 1
+    named = zip(names, units, strict=True)
+    return [
+        f"{name} [{unit}]" if unit and place in lacking else name
+        for place, (name, unit) in enumerate(named)
+    ], header + 2
+
+
+def _matches(columns: Sequence[Column], cells: Sequence[str]) -> dict[int, tuple[Column, str]]:
+    """Known columns of a header with the units it names, by position."""
+    by_name = {name: one for one in columns for name in one.headers}
+    found = {}
+    for position, cell in enumerate(cells):
+        base, unit = _split_name(cell)
+        column = by_name.get(_normal(base))
+        if column and not (column.any_unit and _normal(unit) in _ERRORS):
+            found[position] = (column, unit)
+    missing = [one for one in columns if not any(one is column for column, _ in found.values())]
+    named = [(place, cell) for place, cell in enumerate(cells) if cell[:1].isalpha()]
+    for column in missing if named else ():
+        for position, cell in named:
+            suffix = None if position in found else _suffix(column, cell)
+            if suffix is not None:
+                found[position] = (column, suffix)
+                break
+    return found
+
+
+def _split_name(cell: str) -> tuple[str, str]:
+    """Name and unit of ``pressure [Pa]``, ``Pressure (Pa)`` or ``pressure / Pa``."""
+    text = cell.strip().strip('"')
+    whole = spelled(text, "").casefold()
+    if whole in _WHOLE_NAMES:
+        return _WHOLE_NAMES[whole]
+    match = _NAME_AND_UNIT.match(text)
+    base, unit = (match[1], match[2] or "") if match else (text, "")
+    for mark in (",", "/", " in "):
+        if not unit and mark in base:
+            base, _, unit = base.partition(mark)
+    return base, "" if unit.strip() in _NO_UNIT else unit.strip()
+
+
+def _suffix(column: Column, cell: str) -> str | None:
+    """Unit in a header such as ``pressure_mTorr``; None where it is of another column."""
+    text = cell.strip().strip('"')
+    names = column.headers
+    if not _normal(text).startswith(names):
+        return None
+    if column.any_unit:
+        rest = [_normal(text).removeprefix(f"{name}_").strip("()[]") for name in names]
+        return "" if any(one not in (_normal(text), *_ERRORS) for one in rest) else None
+    match = _NAME_AND_SUFFIX.match(text)
+    if match is None or _normal(match[1]) not in names or not column.quantity.unit:
+        return None
+    unit = match[2]
+    try:
+        scale_and_offset(unit, column.quantity.unit)
+    except ConfigurationError:
+        return None
+    return unit
+
+
+def _placed(
+    columns: Sequence[Column], names: Sequence[str], place: str, *, closed: bool = False
+) -> dict[int, Placed]:
+    """Known columns by position."""
+    matches = _matches(columns, names)
+    for position, name in enumerate(names):
+        if closed and position not in matches and name not in ("", "-"):
+            known = ", ".join(column.with_unit for column in columns)
+            raise ConfigurationError(f'{place}: column "{name}" is unknown; known columns: {known}')
+    placed: dict[int, Placed] = {}
+    for position in sorted(matches):
+        column, unit = matches[position]
+        if any(column is one.column for one in placed.values()):
+            raise ConfigurationError(f"{place}: column {column.name} appears twice")
+        placed[position] = _to_si(column, unit, place)
+    required = [column for column in columns if column.required]
+    for column in required:
+        if not any(column is one.column for one in placed.values()):
+            needed = ", ".join(one.with_unit for one in required)
+            raise ConfigurationError(
+                f"{place}: the column {column.name} is missing; needed: {needed}; found: "
+                f"{', '.join(filter(None, names))}"
+            )
+    if not placed:
+        known = ", ".join(column.with_unit for column in columns)
+        raise ConfigurationError(f"{place}: has no known column; known columns: {known}")
+    return placed
+
+
+def _to_si(column: Column, unit: str, place: str) -> Placed:
+    if column.text or column.any_unit:
+        return Placed(column, "", 1.0, 0.0)
+    unit = unit or column.assumed_unit
+    if column.quantity.unit and not unit:
+        raise ConfigurationError(
+            f'{place}: column {column.name} has no unit; write "{column.with_unit}"'
+        )
+    try:
+        scale, offset = scale_and_offset(unit, column.quantity.unit)
+    except ConfigurationError as error:
+        said = str(error).removeprefix(f'"{unit}": ')
+        raise ConfigurationError(f"{place}: column {column.name}: {said}") from None
+    return Placed(column, unit, scale, 0.0 if column.difference else offset)

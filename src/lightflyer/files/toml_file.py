@@ -1,0 +1,315 @@
+"""Reading a TOML file into sections, with one clear line for every mistake in it."""
+
+import re
+import tomllib
+from collections import Counter
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+import pydantic
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.text import read_text
+from lightflyer.files.section import Alternative, Section, alternative_tags
+from lightflyer.files.validation_messages import choosing_key, format_error, nearest
+
+FOLDER = "folder"
+"""Key of the validation context: the folder that file names in the file are relative to."""
+
+_File = TypeVar("_File", bound=Section)
+
+
+class FileKind(NamedTuple):
+    """Names that messages about a kind of file use.
+
+    Attributes
+    ----------
+    name : str
+        Such as ``"a flyer file"``.
+    keys_of : callable
+        Names that a section takes, from the section's dotted name and the file's content.
+    hint : str
+        What to do about an empty file.
+    mistaken_for : callable
+        What a file is instead and what to do with it, from its content; empty where it may be one
+        of this kind.
+    """
+
+    name: str
+    keys_of: Callable[[str, Any], list[str]]
+    hint: str
+    mistaken_for: Callable[[dict[str, Any]], str] = lambda _: ""
+
+
+def read_file(model: type[_File], path: Path, kind: FileKind) -> tuple[_File, str]:
+    """Read and check a TOML file of another kind, with the same lines for its mistakes.
+
+    Parameters
+    ----------
+    model : type
+        Class of the whole file.
+    path : Path
+    kind : FileKind
+
+    Returns
+    -------
+    file : instance of ``model``
+    text : str
+        Of the file, in which :func:`place_of` finds keys.
+
+    Raises
+    ------
+    ConfigurationError
+        One line for each mistake: file, line, key, value and what is allowed.
+    """
+    document, text = load(path, kind)
+    return validate(model, document, text, path, kind), text
+
+
+def validate(
+    model: type[_File], document: dict[str, Any], text: str, path: Path, kind: FileKind
+) -> _File:
+    """Check the content of a TOML file.
+
+    Parameters
+    ----------
+    model : type
+        Class of the whole file.
+    document : dict
+        What the file says.
+    text : str
+        The file's text, in which lines are found.
+    path : Path
+    kind : FileKind
+
+    Returns
+    -------
+    instance of ``model``
+
+    Raises
+    ------
+    ConfigurationError
+        One line for each mistake: file, line, key, value and what is allowed.
+    """
+    other = kind.mistaken_for(document)
+    if other:
+        raise ConfigurationError(f"{path}: is {other}")
+    try:
+        return model.model_validate(document, context={FOLDER: path.parent})
+    except pydantic.ValidationError as error:
+        mistakes = error.errors()
+        told = _told(mistakes, document, kind)
+        lines = [_explain(mistake, document, text, path, kind) for mistake in told]
+        raise ConfigurationError("\n".join(lines)) from None
+
+
+def load(path: Path, kind: FileKind) -> tuple[dict[str, Any], str]:
+    """Content and text of a TOML file.
+
+    Parameters
+    ----------
+    path : Path
+    kind : FileKind
+
+    Returns
+    -------
+    document : dict
+    text : str
+
+    Raises
+    ------
+    ConfigurationError
+        If the file cannot be read, is empty or is not TOML.
+    """
+    text = read_text(path)
+    return parsed(text, path, kind), text
+
+
+def parsed(text: str, path: Path, kind: FileKind) -> dict[str, Any]:
+    """Content of a TOML text.
+
+    Parameters
+    ----------
+    text : str
+    path : Path
+        That messages name.
+    kind : FileKind
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    ConfigurationError
+        If the text is empty or is not TOML.
+    """
+    if not text.strip():
+        raise ConfigurationError(f"{path}: is empty; {kind.hint}")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigurationError(_not_toml(str(error), text, path)) from None
+
+
+def named_keys(message: str) -> list[str]:
+    """Key with its sections that a message begins with, such as ``force.model = ...``.
+
+    Parameters
+    ----------
+    message : str
+
+    Returns
+    -------
+    list of str
+        Empty where there is none.
+    """
+    named = _NAMED.match(message)
+    return (named[1] or named[2]).split(".") if named else []
+
+
+def _not_toml(said: str, text: str, path: Path) -> str:
+    """One line for a mistake in the grammar: place, what is wrong, and what to write instead."""
+    lines = text.splitlines()
+    found = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", said)
+    number = int(found[1]) if found and found[1] else len(lines)
+    what = said[: found.start()] if found else said
+    what = re.sub(r"\('(.*?)',?\)", lambda match: f"[{match[1].replace(chr(39), '')}]", what)
+    what = _GRAMMAR.get(what, what)
+    line = lines[number - 1] if number <= len(lines) else ""
+    unquoted = re.match(r"\s*([\w.]+)\s*=\s*([^\s\"'#\[{][^\"#]*?)\s*(?:#.*)?$", line)
+    hint = f'; texts need quotes: {unquoted[1]} = "{unquoted[2]}"' if unquoted else ""
+    return f"{path}:{number}: is not valid TOML: {what[0].lower()}{what[1:]}{hint}"
+
+
+_NAMED = re.compile(r"(?:Value error, )?(?:(\w+(?:\.\w+)*) = |\[(\w+(?:\.\w+)*)\])")
+_GRAMMAR = {
+    "Cannot overwrite a value": "a key is given twice",
+    "Illegal character '\\n'": "a text is not closed by quotes",
+}
+
+
+def _told(mistakes: Sequence[Any], document: dict[str, Any], kind: FileKind) -> list[Any]:
+    """Mistakes worth a line: not that a misspelt key is missing; missing keys of a section once."""
+    meant = set(filter(None, (_meant(mistake, document, kind) for mistake in mistakes)))
+    missing: dict[tuple[Any, ...], Any] = {}
+    told = []
+    for mistake in mistakes:
+        if mistake["type"] == "too_short" and _has_wrong_entries(mistake, mistakes):
+            continue
+        if mistake["type"] != "missing":
+            told.append(mistake)
+        elif _dotted(mistake) not in meant:
+            *section, key = mistake["loc"]
+            if section and tuple(section) in missing:
+                missing[tuple(section)]["keys"].append(key)
+            else:
+                told.append({**mistake, "keys": [key]})
+                missing[tuple(section)] = told[-1]
+    return told
+
+
+def _has_wrong_entries(short: Any, mistakes: Sequence[Any]) -> bool:
+    """Whether a list is short because its wrong entries, which have lines, do not count."""
+    place = short["loc"]
+    return any(other["loc"][: len(place)] == place and other is not short for other in mistakes)
+
+
+def _dotted(mistake: Any) -> str:
+    """Dotted name of the key that a mistake is about."""
+    return ".".join(str(part) for part in mistake["loc"] if part not in alternative_tags())
+
+
+def _meant(mistake: Any, document: dict[str, Any], kind: FileKind) -> str:
+    """Dotted name of the key that a misspelt one stands for, else empty."""
+    if mistake["type"] != "extra_forbidden":
+        return ""
+    section, _, key = _dotted(mistake).rpartition(".")
+    near = nearest(key, kind.keys_of(section, document))
+    return ".".join(filter(None, (section, near)))
+
+
+def _explain(mistake: Any, document: dict[str, Any], text: str, path: Path, kind: FileKind) -> str:
+    """One line for one of Pydantic's errors."""
+    keys = [part for part in mistake["loc"] if part not in alternative_tags()]
+    keys += choosing_key(mistake)
+    keys = keys or named_keys(mistake["msg"])
+    dotted = ".".join(map(str, keys))
+    place = place_of(keys, text, path)
+    if mistake["type"] == "extra_forbidden":
+        return f"{place}: {_unknown_key(dotted, document, kind)}"
+    return f"{place}: {format_error(mistake, dotted)}"
+
+
+def _unknown_key(dotted: str, document: dict[str, Any], kind: FileKind) -> str:
+    section, _, key = dotted.rpartition(".")
+    known = [name for name in kind.keys_of(section, document) if name != key]
+    near = nearest(key, known)
+    where = f"[{section}]" if section else kind.name
+    owner = _owner_of(key, known)
+    if owner:
+        return f"{dotted} belongs to {owner}; remove it, or choose that"
+    hint = f'did you mean "{near}"?' if near else f"{where} takes {', '.join(known)}"
+    return f"{dotted} is not a key of {where}; {hint}"
+
+
+def _owner_of(key: str, known: list[str]) -> str:
+    """The choice in a file of which a key is, where another one was made; else empty."""
+    for base in Alternative.__subclasses__():
+        kinds = [set(kind.model_fields) for kind in base.alternatives.values()]
+        owners = [tag for tag, kind in base.alternatives.items() if key in kind.model_fields]
+        if owners and any(set(known) <= fields for fields in kinds):
+            names = [name for name, _ in base.choosing_keys]
+            first = {tag.split(" ")[0] for tag in owners}
+            chosen = owners[0].split(" ") if len(owners) == 1 else sorted(first)[:1]
+            pairs = zip(names, chosen, strict=False)
+            return ", ".join(f'{name} = "{value}"' for name, value in pairs)
+    return ""
+
+
+def place_of(keys: list[Any], text: str, path: Path) -> str:
+    """File and, where it is found, line of a key.
+
+    Parameters
+    ----------
+    keys : list of str
+        The key's sections, outermost first, and the key; a dotted key in its parts.
+    text : str
+        Of the TOML file.
+    path : Path
+        Of the TOML file.
+
+    Returns
+    -------
+    str
+        Such as ``"flyer.toml:7"``.
+    """
+    line = _line_of(keys, text)
+    return f"{path}:{line}" if line else f"{path}"
+
+
+def _line_of(keys: list[Any], text: str) -> int | None:
+    """Number of the line where a key, or else its section, stands in a TOML text."""
+    if not keys:
+        return None
+    keys = [str(key) for key in keys]
+    section, section_line = [], None
+    entries: Counter[str] = Counter()  # of arrays of tables, so far
+    for number, line in enumerate(text.splitlines(), start=1):
+        header = re.match(r"\s*(\[\[?)\s*([^\[\]]+?)\s*\]", line)
+        if header:
+            section = [part.strip().strip("\"'") for part in header[2].split(".")]
+            if header[1] == "[[":
+                section.append(str(entries[header[2]]))
+                entries[header[2]] += 1
+            if section == keys[: len(section)]:
+                section_line = section_line or number
+                if section == keys:
+                    return number
+            continue
+        name = line.partition("=")[0]
+        path = section + [part.strip().strip("\"'") for part in name.split(".")]
+        if "=" in line and path == keys[: len(path)]:
+            return number
+    return section_line

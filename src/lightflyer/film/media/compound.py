@@ -1,0 +1,109 @@
+"""What media of several others share."""
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from lightflyer.core.checks import is_traced
+from lightflyer.core.types import Numeric
+from lightflyer.film.media.medium import Extrapolation, Medium
+from lightflyer.program.entry_point import entry_point
+
+
+class Compound(Medium):
+    """A medium of several others, whose ranges, policies and sources it has.
+
+    A subclass has the fields ``parts`` and ``measured_density``.
+
+    Attributes
+    ----------
+    parts : tuple of Medium
+    """
+
+    if TYPE_CHECKING:
+
+        @property
+        def parts(self) -> tuple[Medium, ...]:
+            """The media."""
+            ...
+
+    else:
+        parts: eqx.AbstractVar[tuple[Medium, ...]]
+
+    @property
+    def wavelength_range(self) -> tuple[float, float]:
+        """Wavelengths at which all parts have data [m]."""
+        return _common(part.wavelength_range for part in self.parts)
+
+    @property
+    def usable_range(self) -> tuple[float, float]:
+        """See :attr:`Medium.usable_range`."""
+        return _common(part.usable_range for part in self.parts)
+
+    @property
+    def source(self) -> str:
+        """Where n and k come from."""
+        return "; ".join(dict.fromkeys(part.source for part in self.parts))
+
+    def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
+        """See :meth:`Medium.extrapolated`."""
+        found = (text for part in self.parts for text in part.extrapolated(shortest, longest))
+        return tuple(dict.fromkeys(found))
+
+    def _changed(self, name: str, value: Any) -> Any:
+        return eqx.tree_at(lambda one: getattr(one, name), self, value, is_leaf=_is_none)
+
+    def with_extrapolation(self, policy: Extrapolation | str) -> Any:
+        """See :meth:`Medium.with_extrapolation`; it is that of all parts."""
+        return self._changed("parts", tuple(part.with_extrapolation(policy) for part in self.parts))
+
+    def with_density(self, density: Numeric) -> Any:
+        """The same medium with a measured density, not that of its parts [kg/m³]."""
+        return self._changed("measured_density", density)
+
+
+def _is_none(value: Any) -> bool:
+    return value is None
+
+
+def _common(ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:
+    ends = list(ranges)
+    shortest = max(end[0] for end in ends)
+    return shortest, max(shortest, min(end[1] for end in ends))
+
+
+def indices(parts: Sequence[Medium], wavelength: np.ndarray) -> tuple[Numeric, Numeric]:
+    """Values of n and k of media.
+
+    Parameters
+    ----------
+    parts : sequence of Medium
+    wavelength : array, shape (...)
+        Concrete [m].
+
+    Returns
+    -------
+    n, k : array, shape (parts, ...)
+        NumPy arrays where all media's parameters are concrete.
+    """
+    pairs = [part.index(wavelength) for part in parts]
+    stack = stacked if is_traced(pairs) else np.stack
+    return stack(tuple(pair[0] for pair in pairs)), stack(tuple(pair[1] for pair in pairs))
+
+
+@entry_point
+def stacked(values: tuple[Numeric, ...]) -> Numeric:
+    """One array of several, in double precision."""
+    return jnp.stack(values)
+
+
+def vector(value: Any) -> Numeric:
+    """Fractions as a vector, from a number or a sequence of numbers that may be traced."""
+    if isinstance(value, list | tuple) and is_traced(value):
+        return stacked(tuple(value))
+    if is_traced(value):
+        return value if np.ndim(value) else value[None]
+    return np.atleast_1d(np.asarray(value, float))

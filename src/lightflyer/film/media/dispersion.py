@@ -1,0 +1,433 @@
+r"""Formulas of n and k with few parameters, to be fitted to measured spectra.
+
+Cauchy's series gives the index of a clear medium. Otherwise the permittivity is a constant plus
+terms, each of which obeys causality: its real part is the Kramers-Kronig transform of its
+imaginary part,
+
+.. math::
+    \varepsilon_1(E) = \varepsilon_\infty
+    + \frac2\pi\,\mathrm{P}\!\!\int_0^\infty\frac{\xi\,\varepsilon_2(\xi)}{\xi^2-E^2}\,d\xi .
+"""
+
+import abc
+import dataclasses
+from typing import Annotated, Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lightflyer.core.checks import is_concrete, is_traced, require_range
+from lightflyer.core.constants import PLANCK, SPEED_OF_LIGHT
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import (
+    Checked,
+    EnergyGap,
+    OscillatorStrength,
+    Permittivity,
+    PhotonEnergy,
+    Quantity,
+)
+from lightflyer.core.types import Numeric
+from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium, require_covered
+from lightflyer.film.media.pairs import Pair, root
+from lightflyer.program.entry_point import entry_point
+
+_NEAR_GAP = 1e-150  # relative: at the gap itself x² ln|x| is zero
+
+
+@entry_point
+def lorentz(
+    energy: Numeric, strength: Numeric, centre: Numeric, broadening: Numeric
+) -> tuple[Numeric, Numeric]:
+    r"""Permittivity of a damped oscillator.
+
+    .. math:: \varepsilon = \frac{f E_0^2}{E_0^2-E^2-i\Gamma E}
+
+    Parameters
+    ----------
+    energy : array, shape (...)
+        Photon energy [J].
+    strength : float
+        f, its share of the permittivity far below the resonance [1].
+    centre, broadening : float
+        E₀ and Γ, the width at half maximum of a narrow line [J].
+
+    Returns
+    -------
+    real, imaginary : array, shape (...)
+
+    References
+    ----------
+    [Fujiwara2007]_ ch. 5.2.
+
+    Examples
+    --------
+    >>> real, imaginary = lorentz(1e-24, 2.0, 3e-19, 1e-20)
+    >>> print(f"{real:.4f} {imaginary:.4f}")
+    2.0000 0.0000
+    """
+    below = centre**2 - energy**2
+    width = broadening * energy
+    scale = strength * centre**2 / (below**2 + width**2)
+    return scale * below, scale * width
+
+
+@entry_point
+def drude(energy: Numeric, plasma: Numeric, broadening: Numeric) -> tuple[Numeric, Numeric]:
+    r"""Permittivity of free carriers.
+
+    .. math:: \varepsilon = -\frac{E_p^2}{E^2+i\Gamma E}
+
+    Parameters
+    ----------
+    energy : array, shape (...)
+        Photon energy [J].
+    plasma, broadening : float
+        Eₚ, that of the plasma frequency, and Γ, that of the collision rate [J].
+
+    Returns
+    -------
+    real, imaginary : array, shape (...)
+
+    References
+    ----------
+    [Fujiwara2007]_ ch. 5.2.
+
+    Examples
+    --------
+    >>> real, imaginary = drude(1.6e-19, 1.6e-19, 1e-22)
+    >>> print(f"{real:.4f}")
+    -1.0000
+    """
+    scale = plasma**2 / (energy**2 + broadening**2)
+    return -scale, scale * broadening / energy
+
+
+@entry_point
+def tauc_lorentz(
+    energy: Numeric, amplitude: Numeric, centre: Numeric, broadening: Numeric, gap: Numeric
+) -> tuple[Numeric, Numeric]:
+    r"""Permittivity of an amorphous semiconductor or insulator between its bands.
+
+    .. math::
+        \varepsilon_2 = \frac{A E_0 C (E-E_g)^2}{(E^2-E_0^2)^2+C^2E^2}\,\frac1E
+        \quad(E>E_g),\qquad 0\quad(E\le E_g),
+
+    and the closed Kramers-Kronig transform of it.
+
+    Parameters
+    ----------
+    energy : array, shape (...)
+        Photon energy [J].
+    amplitude : float
+        A [J].
+    centre, broadening : float
+        E₀ and C of the Lorentz oscillator [J]; C below 2 E₀.
+    gap : float
+        E_g, the optical gap [J].
+
+    Returns
+    -------
+    real, imaginary : array, shape (...)
+        Without the constant ε₁(∞), which is that of the whole medium.
+
+    References
+    ----------
+    [JellisonModine1996]_, with the erratum.
+
+    Examples
+    --------
+    >>> eV = 1.602176634e-19
+    >>> real, imaginary = tauc_lorentz(2.0 * eV, 122 * eV, 3.45 * eV, 2.54 * eV, 1.2 * eV)
+    >>> print(f"{imaginary:.3f}")
+    3.876
+    """
+    # in units of the centre, where sums of logarithms lose no digits
+    e, a, c, g = (one / centre for one in (energy, amplitude, broadening, gap))
+    return a * _tauc_lorentz_real(e, c, g), a * _tauc_lorentz_imaginary(e, c, g)
+
+
+def _tauc_lorentz_imaginary(e: Numeric, c: Numeric, g: Numeric) -> Numeric:
+    above = jnp.maximum(e - g, 0.0)
+    return c * above**2 / (((e**2 - 1.0) ** 2 + (c * e) ** 2) * e)
+
+
+def _tauc_lorentz_real(e: Numeric, c: Numeric, g: Numeric) -> Numeric:
+    alpha, gamma_squared = jnp.sqrt(4.0 - c**2), 1.0 - 0.5 * c**2
+    excess = e**2 - gamma_squared
+    zeta = excess**2 + 0.25 * (alpha * c) ** 2
+    log_part = (g**2 - 1.0) * e**2 + (g * c) ** 2 - (1.0 + 3.0 * g**2)
+    angle_part = (e**2 - 1.0) * (1.0 + g**2) + (g * c) ** 2
+    ratio = (1.0 + g**2 + alpha * g) / (1.0 + g**2 - alpha * g)
+    angles = jnp.pi - jnp.arctan((2.0 * g + alpha) / c) + jnp.arctan((alpha - 2.0 * g) / c)
+    turn = jnp.pi + 2.0 * jnp.arctan(2.0 * (gamma_squared - g**2) / (alpha * c))
+    # both logarithms of |E - gap| together: (E - gap)² ln|E - gap| has no pole at the gap
+    apart = e - g
+    safe = jnp.where(jnp.abs(apart) < _NEAR_GAP, 1.0, jnp.abs(apart))
+    sum_squared = (e + g) ** 2
+    logs = (
+        -(apart**2) / e * jnp.log(safe)
+        + sum_squared / e * jnp.log(e + g)
+        - g * jnp.log((1.0 - g**2) ** 2 + (g * c) ** 2)
+    )
+    terms = (
+        0.5 * c * log_part / alpha * jnp.log(ratio)
+        - angle_part * angles
+        + 2.0 * g * excess / alpha * turn
+        + c * logs
+    )
+    return terms / (jnp.pi * zeta)
+
+
+class Term(Checked):
+    """A term of a permittivity, which obeys causality by itself."""
+
+    @abc.abstractmethod
+    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
+        """Real and imaginary part.
+
+        Parameters
+        ----------
+        energy : array, shape (...)
+            Photon energy [J].
+
+        Returns
+        -------
+        real, imaginary : array, shape (...)
+        """
+
+
+class Lorentz(Term):
+    """A damped oscillator; see :func:`lorentz`.
+
+    Attributes
+    ----------
+    strength : array
+        [1].
+    energy, broadening : array
+        [J], or a text such as ``"0.09 eV"``.
+    """
+
+    strength: OscillatorStrength
+    energy: PhotonEnergy
+    broadening: PhotonEnergy
+
+    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
+        """See :meth:`Term.permittivity`."""
+        return lorentz(energy, self.strength, self.energy, self.broadening)
+
+
+class Drude(Term):
+    """Free carriers; see :func:`drude`.
+
+    Attributes
+    ----------
+    plasma, broadening : array
+        [J], or a text such as ``"8.9 eV"``.
+    """
+
+    plasma: PhotonEnergy
+    broadening: PhotonEnergy
+
+    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
+        """See :meth:`Term.permittivity`."""
+        return drude(energy, self.plasma, self.broadening)
+
+
+class TaucLorentz(Term):
+    """Interband absorption of an amorphous medium; see :func:`tauc_lorentz`.
+
+    Attributes
+    ----------
+    amplitude, energy, broadening, gap : array
+        [J], or a text such as ``"1.2 eV"``.
+
+    Raises
+    ------
+    ParameterError
+        If a concrete broadening is not below twice the energy: the closed form needs it.
+    """
+
+    amplitude: PhotonEnergy
+    energy: PhotonEnergy
+    broadening: PhotonEnergy
+    gap: EnergyGap
+
+    def __check_init__(self) -> None:
+        if is_concrete((self.energy, self.broadening)) and np.any(
+            self.broadening >= 2.0 * self.energy
+        ):
+            raise ParameterError("broadening of a Tauc-Lorentz term must be below twice its energy")
+
+    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
+        """See :meth:`Term.permittivity`."""
+        return tauc_lorentz(energy, self.amplitude, self.energy, self.broadening, self.gap)
+
+
+class Cauchy(Checked):
+    r"""Index of a clear medium, :math:`n = a + b/\lambda^2 + c/\lambda^4`, with k = 0.
+
+    Attributes
+    ----------
+    a : array
+        [1].
+    b : array
+        [m²].
+    c : array
+        [m⁴].
+    """
+
+    a: Annotated[Numeric, Quantity("", 0.0, open_below=True)]
+    b: Annotated[Numeric, Quantity("m^2")] = 0.0
+    c: Annotated[Numeric, Quantity("m^4")] = 0.0
+
+
+class Formula(Medium):
+    """A medium whose n and k follow from a formula with parameters.
+
+    Attributes
+    ----------
+    name : str
+    terms : tuple of Term
+        Added to ``permittivity``; empty where there is a ``cauchy``.
+    permittivity : array
+        At energies far above all terms [1].
+    cauchy : Cauchy or None
+    density : array or None
+        Mass density [kg/m³].
+    density_source : str
+    shortest, longest : float
+        Wavelengths at which the formula was fitted [m]; by default it is taken to hold at all.
+    extrapolation : Extrapolation
+        Policy outside of them. ``hold`` goes on with the formula.
+    origin : str
+        Where the parameters come from.
+
+    Raises
+    ------
+    ParameterError
+        If there are both terms and ``cauchy``, or neither, or the range is not possible.
+
+    Notes
+    -----
+    Differentiable in all parameters; in those of a Tauc-Lorentz term twice at most.
+
+    Examples
+    --------
+    >>> glass = Formula("glass", cauchy=Cauchy(1.45, "0.0035 um^2"))
+    >>> n, k = glass.index(0.5e-6)
+    >>> print(f"{n:.3f} {k:.0f}")
+    1.464 0
+    """
+
+    name: str = eqx.field(static=True)
+    terms: tuple[Term, ...] = ()
+    permittivity: Permittivity = 1.0
+    cauchy: Cauchy | None = None
+    density: Numeric | None = None
+    density_source: str = eqx.field(static=True, default="")
+    shortest: float = eqx.field(static=True, default=0.0)
+    longest: float = eqx.field(static=True, default=np.inf)
+    extrapolation: Extrapolation = eqx.field(static=True, default=Extrapolation.ERROR)
+    origin: str = eqx.field(static=True, default="a formula with given parameters")
+
+    def __check_init__(self) -> None:
+        if bool(self.terms) is (self.cauchy is not None):
+            raise ParameterError(f"{self.name}: give either terms or cauchy")
+        require_range(f"shortest of {self.name}", self.shortest, 0.0)
+        if not self.longest > self.shortest:
+            raise ParameterError(
+                f"{self.name}: its formula is for no wavelength: {self.describe_range()}"
+            )
+        require_range(f"permittivity of {self.name}", self.permittivity, 0.0)
+        require_range(f"density of {self.name}", self.density, 0.0)
+
+    @property
+    def wavelength_range(self) -> tuple[float, float]:
+        """Wavelengths at which the formula was fitted [m]."""
+        return self.shortest, self.longest
+
+    @property
+    def usable_range(self) -> tuple[float, float]:
+        """See :attr:`Medium.usable_range`."""
+        extrapolates = self.extrapolation is not Extrapolation.ERROR
+        return (0.0, np.inf) if extrapolates else self.wavelength_range
+
+    @property
+    def source(self) -> str:
+        """Where n and k come from."""
+        return self.origin
+
+    @property
+    def caveats(self) -> tuple[str, ...]:
+        """See :attr:`Medium.caveats`: a formula without a range, or one that absorbs nothing."""
+        found = []
+        if self.wavelength_range == (0.0, np.inf):
+            found.append(
+                f"{self.name}: its formula states no range of wavelengths and is used at all"
+            )
+        if self.cauchy is not None:
+            found.append(f"{self.name}: Cauchy's formula has no absorption, k = 0")
+        return tuple(found)
+
+    def with_extrapolation(self, policy: Extrapolation | str) -> "Formula":
+        """See :meth:`Medium.with_extrapolation`."""
+        return self._with(extrapolation=Extrapolation.of(policy))
+
+    def with_density(self, density: Numeric) -> "Formula":
+        """See :meth:`Medium.with_density`."""
+        return self._with(density=density, density_source="given by the user")
+
+    def _with(self, **changes: Any) -> "Formula":
+        return dataclasses.replace(self, **changes)
+
+    def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
+        """See :meth:`Medium.extrapolated`."""
+        if self.extrapolation is Extrapolation.ERROR or np.all(self.covers([shortest, longest])):
+            return ()
+        return (f"{self.name}: {self.extrapolation} beyond {self.describe_range(named=False)}",)
+
+    def describe_range(self, *, named: bool = True) -> str:
+        """See :meth:`Medium.describe_range`."""
+        text = super().describe_range(named=named)
+        return text if self.longest < np.inf else text.partition(" to ")[0] + " and longer"
+
+    def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:
+        """See :meth:`Medium.index`."""
+        wavelength = np.asarray(wavelength, float)
+        if self.extrapolation is Extrapolation.ERROR:
+            require_covered(self, wavelength)
+        energy = PLANCK * SPEED_OF_LIGHT / wavelength
+        n, k = _index_of(self.terms, self.permittivity, self.cauchy, energy)
+        if self.extrapolation is Extrapolation.LOSSLESS:
+            k = k * self.covers(wavelength)
+        self._require_possible(n, k, wavelength)
+        return n, k
+
+    def _require_possible(self, n: Numeric, k: Numeric, wavelength: np.ndarray) -> None:
+        if is_traced((n, k)):
+            return
+        bad = ~((n > 0.0) & (k >= 0.0) & np.isfinite(n) & np.isfinite(k))
+        if np.any(bad):
+            where = wavelength[bad].flat[0] / MICROMETRE
+            raise ParameterError(
+                f"{self.name}: its formula gives n = {n[bad].flat[0]:.4g}, k = "
+                f"{k[bad].flat[0]:.4g} at {where:.4g} µm, which no medium has"
+            )
+
+
+@entry_point
+def _index_of(
+    terms: tuple[Term, ...], constant: Numeric, cauchy: Cauchy | None, energy: Numeric
+) -> tuple[Numeric, Numeric]:
+    if cauchy is not None:
+        inverse = (energy / (PLANCK * SPEED_OF_LIGHT)) ** 2
+        n = cauchy.a + cauchy.b * inverse + cauchy.c * inverse**2
+        return n, jnp.zeros_like(n)
+    real, imaginary = constant + jnp.zeros_like(energy), jnp.zeros_like(energy)
+    for term in terms:
+        parts: Pair = term.permittivity(energy)
+        real, imaginary = real + parts[0], imaginary + parts[1]
+    return root((real, imaginary))

@@ -1,0 +1,71 @@
+"""``dispersion`` of a layer: its n and k by a formula with parameters."""
+
+from typing import Annotated, ClassVar
+
+import numpy as np
+import pydantic
+from pydantic import Field
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import (
+    Length,
+    Permittivity,
+)
+from lightflyer.core.units import Measured
+from lightflyer.files.section import Section
+from lightflyer.film.media.dispersion import Cauchy, Drude, Formula, Lorentz, TaucLorentz
+from lightflyer.film.media.medium import Extrapolation
+
+
+class CauchySection(Section, of=Cauchy):
+    """``cauchy``: n = a + b/λ² + c/λ⁴."""
+
+
+class TaucLorentzSection(Section, of=TaucLorentz):
+    """An entry of ``tauc_lorentz``."""
+
+
+class LorentzSection(Section, of=Lorentz):
+    """An entry of ``lorentz``."""
+
+
+class DrudeSection(Section, of=Drude):
+    """An entry of ``drude``."""
+
+
+class DispersionSection(Section):
+    """``dispersion``: Cauchy's formula, or a permittivity of a constant and terms."""
+
+    not_varied: ClassVar[dict[str, str]] = {
+        "shortest": "is where the formula begins to hold",
+        "longest": "is where the formula ends to hold",
+    }
+
+    cauchy: CauchySection | None = None
+    permittivity: Permittivity = Measured(1.0)
+    tauc_lorentz: Annotated[tuple[TaucLorentzSection, ...], Field(max_length=10)] = ()
+    lorentz: Annotated[tuple[LorentzSection, ...], Field(max_length=50)] = ()
+    drude: Annotated[tuple[DrudeSection, ...], Field(max_length=5)] = ()
+    shortest: Length | None = None
+    longest: Length | None = None
+
+    @pydantic.model_validator(mode="after")
+    def _one_kind(self) -> "DispersionSection":
+        terms = bool(self.tauc_lorentz or self.lorentz or self.drude)
+        if terms is (self.cauchy is not None):
+            raise ConfigurationError(
+                "dispersion needs either cauchy, or terms: tauc_lorentz, lorentz, drude"
+            )
+        self.medium("the layer", Extrapolation.ERROR)  # raises where the line is known
+        return self
+
+    def medium(self, name: str, policy: Extrapolation) -> Formula:
+        """The medium."""
+        terms = (*self.tauc_lorentz, *self.lorentz, *self.drude)
+        return Formula(
+            name, tuple(term.make() for term in terms), self.permittivity.value,
+            None if self.cauchy is None else self.cauchy.make(), extrapolation=policy,
+            shortest=0.0 if self.shortest is None else float(self.shortest.value),
+            longest=np.inf if self.longest is None else float(self.longest.value),
+            origin="a formula with the file's parameters",
+        )  # fmt: skip

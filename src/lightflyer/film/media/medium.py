@@ -1,0 +1,229 @@
+"""What a layer can be made of: anything that has a complex refractive index over wavelength.
+
+A medium of fixed tables is a :class:`~lightflyer.film.media.materials.Material`. A medium with
+parameters, such as a mixture or an oscillator model, is a subclass of :class:`Medium` whose
+parameters are its leaves: films are then differentiable in them and fits can free them.
+"""
+
+import abc
+import enum
+from typing import TYPE_CHECKING
+
+import equinox as eqx
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
+
+MICROMETRE = 1e-6
+
+_RANGE_TOLERANCE = 1e-9  # relative: rounding of a unit conversion is not an extrapolation
+
+
+class Extrapolation(enum.StrEnum):
+    """Policy of a medium outside the wavelengths of its data.
+
+    Comparing results of HOLD and LOSSLESS shows how much they depend on the extrapolation.
+    """
+
+    ERROR = "error"
+    """Raise. Averages are taken over the covered part, with bounds for the rest."""
+    HOLD = "hold"
+    """Keep n and k of the nearest wavelength with data."""
+    LOSSLESS = "lossless"
+    """Keep n of the nearest wavelength with data and set k to zero."""
+
+    @classmethod
+    def of(cls, policy: "Extrapolation | str") -> "Extrapolation":
+        """The policy of a name.
+
+        Raises
+        ------
+        ParameterError
+            If there is none.
+        """
+        try:
+            return cls(policy)
+        except ValueError:
+            names = ", ".join(cls)
+            raise ParameterError(
+                f'extrapolation "{policy}" is unknown; choose from {names}'
+            ) from None
+
+
+class Medium(eqx.Module):
+    """What a layer is made of.
+
+    A subclass gives the attributes and the abstract methods below. Parameters that may be varied,
+    fitted or differentiated are its leaves; all else is static.
+
+    Attributes
+    ----------
+    name : str
+    density : array or None
+        Mass density [kg/m³], may be traced; None where it is unknown.
+    density_source : str
+        Where the density comes from, or why it is unknown.
+    """
+
+    if TYPE_CHECKING:  # a subclass may have them as fields or as properties, which mypy must know
+
+        @property
+        def name(self) -> str:
+            """Name."""
+            ...
+
+        @property
+        def density(self) -> Numeric | None:
+            """Mass density [kg/m³]."""
+            ...
+
+        @property
+        def density_source(self) -> str:
+            """Where the density comes from."""
+            ...
+
+    else:
+        name: eqx.AbstractVar[str]
+        density: eqx.AbstractVar[Numeric | None]
+        density_source: eqx.AbstractVar[str]
+
+    @abc.abstractmethod
+    def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:
+        """Refractive index and extinction coefficient.
+
+        Parameters
+        ----------
+        wavelength : array, shape (...)
+            Vacuum wavelength [m], concrete.
+
+        Returns
+        -------
+        n, k : array, shape (...)
+            Real and imaginary part of the complex index [1]; k is positive where the medium
+            absorbs. NumPy arrays where the medium's parameters are concrete, else traced.
+
+        Raises
+        ------
+        ParameterError
+            If a wavelength is outside the range and the policy is ERROR. The message names
+            medium, wavelength, range and policies.
+        """
+
+    @property
+    @abc.abstractmethod
+    def wavelength_range(self) -> tuple[float, float]:
+        """Shortest and longest wavelength with data [m]."""
+
+    @property
+    @abc.abstractmethod
+    def usable_range(self) -> tuple[float, float]:
+        """Wavelengths at which :meth:`index` answers, extrapolations included [m]."""
+
+    @property
+    @abc.abstractmethod
+    def source(self) -> str:
+        """Where n and k come from."""
+
+    @abc.abstractmethod
+    def with_extrapolation(self, policy: Extrapolation | str) -> "Medium":
+        """The same medium with another policy outside its data.
+
+        Parameters
+        ----------
+        policy : Extrapolation or str
+
+        Returns
+        -------
+        Medium
+
+        Raises
+        ------
+        ParameterError
+            If the policy is unknown.
+        """
+
+    @abc.abstractmethod
+    def with_density(self, density: Numeric) -> "Medium":
+        """The same medium with another density [kg/m³]."""
+
+    @abc.abstractmethod
+    def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
+        """What is extrapolated within a range of wavelengths, with the policy.
+
+        Parameters
+        ----------
+        shortest, longest : float
+            [m].
+
+        Returns
+        -------
+        tuple of str
+            Such as ``"PET: hold beyond 0.4 µm to 19.942 µm"``.
+        """
+
+    @property
+    def caveats(self) -> tuple[str, ...]:
+        """What a reader of results must know of n and k, one line each."""
+        return ()
+
+    @property
+    def sheets(self) -> tuple["Medium", ...]:
+        """Homogeneous media of equally thick sheets that stand for a layer, top to bottom.
+
+        One, the medium itself, unless the medium changes with depth.
+        """
+        return (self,)
+
+    def flipped(self) -> "Medium":
+        """The medium upside down."""
+        return self
+
+    def covers(self, wavelength: ArrayLike) -> np.ndarray:
+        """Whether there is data at each wavelength.
+
+        Parameters
+        ----------
+        wavelength : array, shape (...)
+            [m].
+
+        Returns
+        -------
+        bool array, shape (...)
+        """
+        shortest, longest = self.wavelength_range
+        wavelength = np.asarray(wavelength)
+        above = wavelength >= shortest * (1.0 - _RANGE_TOLERANCE)
+        return np.asarray(above & (wavelength <= longest * (1.0 + _RANGE_TOLERANCE)))
+
+    def describe_range(self, *, named: bool = True) -> str:
+        """The range of the data in words, such as ``"PET 0.4 µm to 19.942 µm"``."""
+        shortest, longest = (f"{end / MICROMETRE:.5g} µm" for end in self.wavelength_range)
+        return f"{self.name + ' ' if named else ''}{shortest} to {longest}"
+
+
+def require_covered(medium: Medium, wavelength: np.ndarray) -> None:
+    """Raise unless a medium that does not extrapolate has data at all wavelengths.
+
+    Parameters
+    ----------
+    medium : Medium
+    wavelength : array, shape (...)
+        [m].
+
+    Raises
+    ------
+    ParameterError
+        With medium, wavelength, range and policies.
+    """
+    inside = medium.covers(wavelength)
+    if np.all(inside):
+        return
+    missing = np.asarray(wavelength)[~inside].flat[0] / MICROMETRE
+    shortest, longest = (end / MICROMETRE for end in medium.wavelength_range)
+    raise ParameterError(
+        f"{medium.name} has no data at {missing:.5g} µm, only from {shortest:.5g} µm to "
+        f'{longest:.5g} µm; to go beyond, set extrapolation to "{Extrapolation.HOLD}" or '
+        f'"{Extrapolation.LOSSLESS}"'
+    )

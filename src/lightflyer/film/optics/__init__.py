@@ -1,0 +1,1 @@
+"""What light and heat radiation do in a stack of layers."""

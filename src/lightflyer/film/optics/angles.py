@@ -1,0 +1,204 @@
+"""Shares of light and heat radiation on a film by the angle and polarisation of the rays."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from lightflyer.core.checks import is_traced, require_positive, require_range
+from lightflyer.core.types import Numeric
+from lightflyer.film.optics.integration import (
+    DIRECTIONS,
+    POINTS_PER_E_FOLD,
+    Grid,
+    light_grid,
+    spectral_pieces,
+    thermal_grid,
+)
+from lightflyer.film.optics.spectra import Spectrum, am0
+from lightflyer.film.optics.stack import GRAZING, Film, Side
+from lightflyer.film.optics.transfer_matrix import Structure, transfer
+from lightflyer.program.entry_point import entry_point
+
+POLARISATIONS = ("s", "p", "mean")
+"""Names along the axis of polarisation of tables."""
+
+
+class DirectionalShares(NamedTuple):
+    """Shares of a spectrum's power by direction.
+
+    Attributes
+    ----------
+    reflectance, transmittance, absorptance, scattered : array, shape (2, angles, m) or (2, angles)
+        Of s and of p polarisation [1]; their sum is one. The absorptance for heat radiation is
+        the directional emittance. The last axis is that of the temperatures.
+    """
+
+    reflectance: Numeric
+    transmittance: Numeric
+    absorptance: Numeric
+    scattered: Numeric
+
+    def unpolarised(self) -> "DirectionalShares":
+        """The mean of both polarisations, without their axis."""
+        return DirectionalShares(*(0.5 * (share[0] + share[1]) for share in self))
+
+
+def light_by_angle(
+    film: Film, incidence: Numeric, spectrum: Spectrum | None = None, *, side: Side = "top"
+) -> DirectionalShares:
+    """Shares of polarised light by the angle of a beam.
+
+    Parameters
+    ----------
+    film : Film
+    incidence : array, shape (angles,)
+        Angle between the light and the film's normal [rad].
+    spectrum : Spectrum, optional
+        Spectrum of the light; by default sunlight above the atmosphere.
+    side : {"top", "bottom"}
+        Where the light comes from.
+
+    Returns
+    -------
+    DirectionalShares
+        Of shape (2, angles); means over the part of the spectrum in which the media have data or
+        extrapolate, as in :func:`~lightflyer.film.optics.averages.light_shares`.
+
+    Raises
+    ------
+    ParameterError
+        If an angle is not in [0, 90°), or the spectrum has no power where the media have data.
+
+    Notes
+    -----
+    Differentiable in the thicknesses, the media's parameters and the angles.
+
+    Examples
+    --------
+    >>> from lightflyer.film import Film, Layer, material
+    >>> film = Film((Layer(material("Al2O3"), 100e-9),))
+    >>> found = light_by_angle(film, np.radians([0.0, 60.0])).transmittance
+    >>> print(np.round(np.asarray(found), 2))
+    [[0.85 0.53]
+     [0.85 1.  ]]
+    """
+    require_range("incidence", incidence, 0.0, GRAZING)
+    grid = light_grid(film, am0() if spectrum is None else spectrum, 0.0, diffuse=False)
+    shares = _by_angle(film, side, grid, incidence)
+    return DirectionalShares(*(share[..., 0] for share in shares))
+
+
+def heat_by_angle(
+    film: Film,
+    incidence: Numeric,
+    temperature: Numeric,
+    *,
+    side: Side = "top",
+    points_per_e_fold: int = POINTS_PER_E_FOLD,
+) -> DirectionalShares:
+    r"""Shares of a black body's polarised radiation by its angle.
+
+    By Kirchhoff's law the absorptance is the directional emittance :math:`\varepsilon(\theta)` of
+    the face. The hemispherical one is :math:`\int_0^{\pi/2}\varepsilon\sin2\theta\,d\theta`.
+
+    Parameters
+    ----------
+    film : Film
+    incidence : array, shape (angles,)
+        Angle to the film's normal [rad].
+    temperature : array, shape (m,) or ()
+        Of the black body, or of the film that emits, concrete [K].
+    side : {"top", "bottom"}
+        The face.
+    points_per_e_fold : int
+        Wavelengths per factor e in the integration.
+
+    Returns
+    -------
+    DirectionalShares
+        Of shape (2, angles, m), or (2, angles) for one temperature.
+
+    Raises
+    ------
+    ParameterError
+        If an angle is not in [0, 90°), or a temperature is not positive.
+
+    References
+    ----------
+    [HowellMenguc2020]_ ch. 3.
+    """
+    require_range("incidence", incidence, 0.0, GRAZING)
+    require_positive(temperature=temperature)
+    temperatures = np.atleast_1d(np.asarray(temperature, float))
+    grid = thermal_grid(film, temperatures, normal=True, points_per_e_fold=points_per_e_fold)
+    shares = _by_angle(film, side, grid, incidence)
+    if np.ndim(temperature) == 0:
+        return DirectionalShares(*(share[..., 0] for share in shares))
+    return shares
+
+
+def _by_angle(film: Film, side: Side, grid: Grid, incidence: Numeric) -> DirectionalShares:
+    """Means over a grid's wavelengths, shape (2, angles, spectra)."""
+    angles = incidence if is_traced(incidence) else np.asarray(incidence, float)
+    angles = angles.reshape(-1)
+    count = angles.shape[0]
+    if is_traced(angles):
+        blocks = [angles]
+    else:  # of one length, so that one compilation serves all
+        whole = np.pad(angles, (0, -count % DIRECTIONS), mode="edge")
+        blocks = list(whole.reshape(-1, DIRECTIONS))
+    pieces = spectral_pieces(film, side, grid.wavelength, grid.mean_weight)
+    rows = [
+        jax.tree.map(lambda *parts: sum(parts), *(_directional(*one) for one in arguments))
+        for arguments in ([(*piece, block) for piece in pieces] for block in blocks)
+    ]
+    join = jnp.concatenate if is_traced(rows) else np.concatenate
+    shares = DirectionalShares(*(join(part, axis=1)[:, :count] for part in zip(*rows, strict=True)))
+    if film.open_fraction is None:
+        return shares
+    solid = DirectionalShares(*((1.0 - film.open_fraction) * share for share in shares))
+    return solid._replace(transmittance=solid.transmittance + film.open_fraction)
+
+
+@entry_point
+def _directional(
+    n: Numeric,
+    k: Numeric,
+    thickness: Numeric,
+    wavelength: Numeric,
+    weight: Numeric,
+    structure: Structure,
+    incidence: Numeric,
+) -> DirectionalShares:
+    """Part of the means that some wavelengths give."""
+    layers = thickness.reshape(-1, 1, 1)
+    optics = transfer(
+        n[:, None], k[:, None], layers, wavelength, incidence[:, None], structure, inside=False
+    )
+    scattered = optics.scattered + jnp.zeros_like(optics.reflectance)
+    absorbed = 1.0 - optics.reflectance - optics.transmittance - scattered
+    parts = (optics.reflectance, optics.transmittance, absorbed, scattered)
+    return DirectionalShares(*(part @ weight.T for part in parts))
+
+
+def with_mean(share: Numeric) -> np.ndarray:
+    """A share of s and p polarisation with their mean behind.
+
+    Parameters
+    ----------
+    share : array, shape (2, ...)
+
+    Returns
+    -------
+    array, shape (3, ...)
+        In the order of :data:`POLARISATIONS`.
+    """
+    values = np.asarray(share)
+    return np.concatenate([values, values.mean(axis=0, keepdims=True)])
+
+
+def table_of(shares: DirectionalShares) -> dict[str, Any]:
+    """Shares by name with the mean of the polarisations."""
+    return {name: with_mean(value) for name, value in shares._asdict().items()}

@@ -1,0 +1,284 @@
+"""Wavelengths, directions and weights of a film's averages, and what becomes of light there."""
+
+import dataclasses
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array, lax
+
+from lightflyer.core.checks import is_traced
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
+from lightflyer.film.media.medium import MICROMETRE
+from lightflyer.film.optics.spectra import Spectrum, planck
+from lightflyer.film.optics.stack import Film, Side
+from lightflyer.film.optics.transfer_matrix import Structure, transfer
+from lightflyer.program.entry_point import entry_point
+
+DIRECTIONS = 16
+"""Directions in a hemispherical average, Gauss-Legendre in the cosine."""
+
+POINTS_PER_E_FOLD = 4000
+"""Wavelengths per factor e in a thermal average: converged to 1e-5 with the sharp bands of PET."""
+
+_CHUNK = 2048  # wavelengths computed at a time where nothing is traced
+_WIDEST = (0.1e-6, 3e-3)  # [m]; outside lies less than 1e-5 of what any body from 100 K radiates
+
+
+class Grid(NamedTuple):
+    """Where an average is taken.
+
+    Attributes
+    ----------
+    wavelength : array, shape (w,)
+        [m].
+    weight : array, shape (m, w)
+        Share of each spectrum's power at each wavelength [1].
+    cosine, share : array
+        Cosines of the directions to the film's normal, and their weights, whose sum is one.
+    """
+
+    wavelength: np.ndarray
+    weight: np.ndarray
+    cosine: Numeric
+    share: Numeric
+
+    @property
+    def mean_weight(self) -> np.ndarray:
+        """Weights of a mean over the grid, shape (m, w); each row's sum is one [1]."""
+        return np.asarray(self.weight / self.weight.sum(axis=1, keepdims=True))
+
+
+class SpectralShares(NamedTuple):
+    """What becomes of light at each wavelength.
+
+    Attributes
+    ----------
+    absorptance, transmittance, reflectance, scattered : array, shape (w,)
+        [1]; their sum is one.
+    """
+
+    absorptance: Numeric
+    transmittance: Numeric
+    reflectance: Numeric
+    scattered: Numeric
+
+
+def data_range(film: Film) -> tuple[float, float]:
+    """Wavelengths at which all materials of a film have data, whatever their policy [m].
+
+    Parameters
+    ----------
+    film : Film
+
+    Returns
+    -------
+    shortest, longest : float
+        Equal if the materials have no wavelength in common.
+    """
+    ranges = [medium.wavelength_range for medium in film.media]
+    shortest = max((ends[0] for ends in ranges), default=0.0)
+    longest = min((ends[1] for ends in ranges), default=np.inf)
+    return shortest, max(shortest, longest)
+
+
+def thermal_range(film: Film) -> tuple[float, float]:
+    """Wavelengths over which an emittance is averaged [m].
+
+    Parameters
+    ----------
+    film : Film
+
+    Returns
+    -------
+    shortest, longest : float
+    """
+    shortest, longest = film.covered_range
+    return max(shortest, _WIDEST[0]), min(longest, _WIDEST[1])
+
+
+def light_grid(film: Film, spectrum: Spectrum, incidence: Numeric, diffuse: bool) -> Grid:
+    """Grid of an absorptance: the wavelengths of the light's table.
+
+    Parameters
+    ----------
+    film : Film
+    spectrum : Spectrum
+    incidence : float
+        [rad].
+    diffuse : bool
+        Whether the light comes from the whole half-space.
+
+    Returns
+    -------
+    Grid
+        With one spectrum.
+    """
+    wavelength, weight = spectrum.between(*film.covered_range)
+    beam = jnp.cos(incidence) if is_traced(incidence) else np.cos(incidence)
+    cosine, share = _hemisphere() if diffuse else (beam, 1.0)
+    return Grid(wavelength, weight[None], cosine, share)
+
+
+def thermal_grid(
+    film: Film, temperatures: np.ndarray, *, normal: bool, points_per_e_fold: int
+) -> Grid:
+    """Grid of an emittance: wavelengths even in their logarithm, and Planck's spectrum.
+
+    Parameters
+    ----------
+    film : Film
+    temperatures : array, shape (m,)
+        [K].
+    normal : bool
+        Whether only the direction of the normal counts.
+    points_per_e_fold : int
+
+    Returns
+    -------
+    Grid
+        With one spectrum a temperature.
+
+    Raises
+    ------
+    ParameterError
+        If a black body radiates nothing at these wavelengths.
+    """
+    shortest, longest = thermal_range(film)
+    span = np.log(longest / shortest)
+    count = int(np.ceil(points_per_e_fold * span)) + 1
+    wavelength = np.geomspace(shortest, longest, count)
+    step = np.full(count, span / (count - 1))
+    step[[0, -1]] *= 0.5
+    weight = np.stack([planck(wavelength, t) * wavelength * step for t in temperatures])
+    dark = ~(weight.sum(axis=1) > 0.0)
+    if dark.any():
+        raise ParameterError(
+            f"a black body at {temperatures[dark][0]:g} K radiates nothing between "
+            f"{shortest / MICROMETRE:.4g} µm and {longest / MICROMETRE:.4g} µm, where the film's "
+            "materials have data"
+        )
+    cosine, share = (1.0, 1.0) if normal else _hemisphere()
+    return Grid(wavelength, weight, cosine, share)
+
+
+def _hemisphere() -> tuple[np.ndarray, np.ndarray]:
+    """Cosines and weights of the mean over a half-space, ``2 μ dμ``."""
+    nodes, weights = np.polynomial.legendre.leggauss(DIRECTIONS)
+    cosine = 0.5 * (nodes + 1.0)
+    return cosine, weights * cosine
+
+
+def spectral_shares(film: Film, side: Side, grid: Grid) -> SpectralShares:
+    """What becomes of unpolarised light at each wavelength, averaged over directions.
+
+    Parameters
+    ----------
+    film : Film
+    side : {"top", "bottom"}
+        Where the light comes from.
+    grid : Grid
+
+    Returns
+    -------
+    SpectralShares
+        Differentiable in the thicknesses, the media's parameters and the directions.
+    """
+    pieces = spectral_pieces(film, side, grid.wavelength)
+    cosines, shares = grid.cosine, grid.share
+    if not is_traced(pieces, cosines):  # always of one length: one compilation serves all
+        cosines, shares = np.ones(DIRECTIONS), np.zeros(DIRECTIONS)
+        cosines[: np.size(grid.cosine)], shares[: np.size(grid.share)] = grid.cosine, grid.share
+    parts = [_spectral(*arguments) for arguments in ((*one, cosines, shares) for one in pieces)]
+    if len(parts) == 1:
+        found = parts[0]
+    else:
+        found = SpectralShares(*map(np.concatenate, zip(*parts, strict=True)))
+    found = SpectralShares(*(share[: grid.wavelength.size] for share in found))
+    return found if film.open_fraction is None else _with_holes(found, film.open_fraction)
+
+
+def _with_holes(shares: SpectralShares, open_fraction: Numeric) -> SpectralShares:
+    """Shares of a film with holes, through which all light passes."""
+    solid = 1.0 - open_fraction
+    found = SpectralShares(*(solid * share for share in shares))
+    return found._replace(transmittance=found.transmittance + open_fraction)
+
+
+def spectral_pieces(
+    film: Film, side: Side, wavelength: np.ndarray, *weights: np.ndarray
+) -> list[tuple[Any, ...]]:
+    """A lit film as numbers at wavelengths, in pieces to be computed one after another.
+
+    Parameters
+    ----------
+    film : Film
+    side : {"top", "bottom"}
+        Where the light comes from.
+    wavelength : array, shape (w,)
+        [m].
+    *weights : array, shape (m, w)
+
+    Returns
+    -------
+    list of tuple
+        n and k, shape (layers, v); thickness, shape (layers,); wavelength, shape (v,); weights,
+        shape (m, v); :class:`Structure`. Pieces of a film that is not traced all have one length:
+        the last one repeats its last wavelength, with weight zero.
+    """
+    lit = (film if side == "top" else film.flipped()).homogeneous()
+    n, k = lit.index(wavelength)
+    structure = lit.structure(wavelength, axes=2)
+    thickness = lit.thickness
+    if is_traced(n, k, thickness, structure):
+        return [(n, k, thickness, wavelength, *weights, structure)]
+    size, missing = wavelength.size, -wavelength.size % _CHUNK
+
+    def longer(table: Any, mode: Any) -> np.ndarray:
+        """A table over the wavelengths, to a whole number of pieces."""
+        wide = np.broadcast_to(table, (*np.shape(table)[:-1], size))
+        return np.pad(wide, [(0, 0)] * (wide.ndim - 1) + [(0, missing)], mode=mode)
+
+    tables = (n, k, wavelength, structure.above, *structure.below)
+    padded = [longer(table, "edge") for table in tables]
+    heavy = [longer(table, "constant") for table in weights]
+    found = []
+    for start in range(0, size, _CHUNK):
+        at = slice(start, start + _CHUNK)
+        n, k, here, above, *below = (table[..., at] for table in padded)
+        around = dataclasses.replace(structure, above=above, below=(below[0], below[1]))
+        if film.free_standing:
+            around = structure
+        found.append((n, k, thickness, here, *(one[..., at] for one in heavy), around))
+    return found
+
+
+@entry_point
+def _spectral(
+    n: Numeric,
+    k: Numeric,
+    thickness: Numeric,
+    wavelength: Numeric,
+    structure: Structure,
+    cosine: Numeric,
+    share: Numeric,
+) -> SpectralShares:
+    """Shares of unpolarised light at each wavelength, weighted over directions."""
+    incidence = jnp.arccos(jnp.atleast_1d(cosine))[:, None]
+    layers = thickness.reshape(-1, 1, 1)
+    optics = transfer(
+        n[:, None], k[:, None], layers, wavelength, incidence, structure, inside=False
+    ).unpolarised()
+    scattered = optics.scattered + jnp.zeros_like(optics.reflectance)
+    absorbed = 1.0 - optics.reflectance - optics.transmittance - scattered
+    # rounding below zero, of clear films; the derivative stays
+    absorbed = absorbed + lax.stop_gradient(jnp.maximum(-absorbed, 0.0))
+    found = SpectralShares(absorbed, optics.transmittance, optics.reflectance, scattered)
+    return SpectralShares(*(jnp.atleast_1d(share) @ part for part in found))
+
+
+@entry_point
+def weighted(spectral: Numeric, weights: Numeric) -> Array:
+    """Means of a spectrum; ``weights`` has one row a mean."""
+    return weights @ spectral

@@ -1,0 +1,256 @@
+"""Films of the same media in other thicknesses: their properties quickly, on a coarse grid.
+
+A search computes thousands of films. The grids of :mod:`lightflyer.film.optics.averages` resolve
+sharp bands to 1e-5, which takes a search too long. The grid here has a hundredth of their points,
+placed where the media's indices and the spectra change, and comes within 3e-3 of them. A search
+takes the rest out by computing its best film on the full grids.
+"""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.film.optics.curve import EmittanceCurve, node_temperatures
+from lightflyer.film.optics.integration import POINTS_PER_E_FOLD, Grid, light_grid, thermal_grid
+from lightflyer.film.optics.spectra import Spectrum, am0
+from lightflyer.film.optics.stack import GRAZING, Film
+from lightflyer.film.optics.transfer_matrix import transfer
+
+DIRECTIONS = 4
+"""Directions of a hemispherical average, Gauss-Legendre in the cosine."""
+
+THERMAL_POINTS, LIGHT_POINTS = 512, 256
+"""Wavelengths of an average over thermal radiation and over the light."""
+
+_BY_INDEX, _BY_POWER, _EVENLY = 0.5, 0.4, 0.1  # shares of a grid's points
+_LEAST_EMITTANCE = 1e-9
+_ABSENT = 1e-16  # [m], thickness of a layer that is not there; its phase is lost in rounding
+
+
+class Sampled(eqx.Module):
+    """Index of each layer at some wavelengths, and the weights of means over them.
+
+    Attributes
+    ----------
+    n, k : array, shape (layers, w)
+        [1].
+    wavelength : array, shape (w,)
+        [m].
+    weight : array, shape (m, w)
+        One row a mean; each row's sum is one [1].
+    """
+
+    n: Numeric
+    k: Numeric
+    wavelength: Numeric
+    weight: Numeric
+
+    @property
+    def optics(self) -> tuple[Numeric, Numeric, Numeric]:
+        """n, k and wavelength."""
+        return self.n, self.k, self.wavelength
+
+    @classmethod
+    def of(cls, film: Film, grid: Grid, points: int) -> "Sampled":
+        """The points of a fine grid that matter most, with the weights of those between them.
+
+        Parameters
+        ----------
+        film : Film
+            Of homogeneous layers.
+        grid : Grid
+        points : int
+
+        Returns
+        -------
+        Sampled
+            Means are exact for what is linear in the wavelength between the points.
+        """
+        n, k = film.index(grid.wavelength)
+        chosen = _chosen(n, k, grid, points)
+        left = np.searchsorted(chosen, np.arange(grid.wavelength.size), side="right") - 1
+        left = np.minimum(left, chosen.size - 2)
+        ends = grid.wavelength[chosen]
+        way = (grid.wavelength - ends[left]) / (ends[left + 1] - ends[left])
+        weight = np.stack([
+            np.bincount(left, row * (1.0 - way), chosen.size)
+            + np.bincount(left + 1, row * way, chosen.size)
+            for row in grid.mean_weight
+        ])  # fmt: skip
+        missing = (0, points - chosen.size)  # so that arrays of all films have the same shape
+        n, k = (np.pad(part[:, chosen], [(0, 0), missing], mode="edge") for part in (n, k))
+        return cls(n, k, np.pad(ends, missing, mode="edge"), np.pad(weight, [(0, 0), missing]))
+
+
+class ThicknessSurrogate(eqx.Module):
+    """Films of the same media in the same order, whose thicknesses may be anything.
+
+    Attributes
+    ----------
+    light, heat : Sampled
+        Over the light, and over the radiation of black bodies at the nodes of an
+        :class:`~lightflyer.film.optics.curve.EmittanceCurve`.
+    """
+
+    light: Sampled
+    heat: Sampled
+
+    @classmethod
+    def of(
+        cls, film: Film, spectrum: Spectrum | None = None, *, layers: int = 0
+    ) -> "ThicknessSurrogate":
+        """The family of a film.
+
+        Parameters
+        ----------
+        film : Film
+        spectrum : Spectrum, optional
+            Spectrum of the light; by default sunlight above the atmosphere.
+        layers : int
+            Number of layers up to which layers that are not there are added below.
+
+        Returns
+        -------
+        ThicknessSurrogate
+            Of arrays that have the same shapes for all films of as many layers.
+
+        Raises
+        ------
+        ParameterError
+            If the film's media have no data in common with the light or with heat radiation.
+        """
+        film = film.homogeneous()
+        light = light_grid(film, am0() if spectrum is None else spectrum, 0.0, diffuse=False)
+        heat = thermal_grid(
+            film, node_temperatures(), normal=False, points_per_e_fold=POINTS_PER_E_FOLD
+        )
+        missing = max(0, layers - len(film.layers))
+        return cls(
+            _padded(Sampled.of(film, light, LIGHT_POINTS), missing),
+            _padded(Sampled.of(film, heat, THERMAL_POINTS), missing),
+        )
+
+    def properties(
+        self, thickness: Numeric, incidence: Numeric = 0.0, *, passing: bool = True
+    ) -> dict[str, Numeric | EmittanceCurve]:
+        """Optical properties of a film by name, to be traced.
+
+        Parameters
+        ----------
+        thickness : array, shape (layers,)
+            Of homogeneous layers, top to bottom; those that are not there have any, as small as
+            :func:`padded_thickness` makes it [m].
+        incidence : array, shape ()
+            Angle between the light and the film's normal [rad].
+        passing : bool
+            Whether transmittances matter; else they are zero.
+
+        Returns
+        -------
+        dict of str to object
+            See :class:`~lightflyer.film.properties.FilmProperties`.
+        """
+        light, heat = self.light, self.heat
+        beam = jnp.cos(jnp.minimum(incidence, GRAZING))
+        n, k, wavelength = (
+            jnp.concatenate([one, other], axis=-1)
+            for one, other in zip(light.optics, heat.optics, strict=True)
+        )
+        cosine, share = _hemisphere()
+        # both faces at once: the second half of each array is the film upside down
+        n, k, depth = (jnp.stack([part, part[::-1]], axis=1) for part in (n, k, thickness[:, None]))
+        absorbed, through = _shares(n, k, depth, wavelength, cosine, share)
+        of_light, of_heat = slice(None, light.wavelength.size), slice(light.wavelength.size, None)
+        lit, lit_through = _shares(
+            light.n[:, None], light.k[:, None], thickness[:, None, None], light.wavelength,
+            jnp.atleast_1d(beam), np.ones(1),
+        )  # fmt: skip
+        top, bottom = (heat.weight @ face[of_heat] for face in absorbed)
+        found = {
+            "absorptance": (light.weight @ lit[0])[0],
+            "absorptance_bottom": (light.weight @ absorbed[1, of_light])[0],
+            "emittance_top": _curve(top),
+            "emittance_bottom": _curve(bottom),
+        }
+        if passing:
+            found |= {
+                "transmittance": (light.weight @ lit_through[0])[0],
+                "transmittance_bottom": (light.weight @ through[1, of_light])[0],
+                "infrared_transmittance": _curve(heat.weight @ through[0, of_heat]),
+            }
+        return found
+
+
+def _shares(
+    n: Numeric, k: Numeric, thickness: Numeric, wavelength: Numeric, cosine: Numeric, share: Numeric
+) -> tuple[Array, Array]:
+    """Absorptance and transmittance of unpolarised light, as means over directions.
+
+    Arrays have the axes (layers, faces, wavelengths); the shares are of shape (faces, w).
+    """
+    n, k, thickness = (jnp.asarray(part)[:, :, None] for part in (n, k, thickness))
+    incidence = jnp.arccos(cosine)[:, None]
+    optics = transfer(n, k, thickness, jnp.asarray(wavelength), incidence, inside=False)
+    reflected, passed = (
+        jnp.einsum("pfaw,a->fw", part, 0.5 * share)
+        for part in (optics.reflectance, optics.transmittance)
+    )
+    return 1.0 - reflected - passed, passed
+
+
+def padded_thickness(thickness: np.ndarray, layers: int) -> np.ndarray:
+    """Thicknesses with those of layers that are not there below.
+
+    Parameters
+    ----------
+    thickness : array, shape (n,)
+        [m].
+    layers : int
+        At least n.
+
+    Returns
+    -------
+    array, shape (layers,)
+        [m].
+    """
+    return np.pad(thickness, (0, layers - len(thickness)), constant_values=_ABSENT)
+
+
+def _padded(sampled: Sampled, missing: int) -> Sampled:
+    rows = [(0, missing), (0, 0)]
+    n = np.pad(sampled.n, rows, constant_values=1.0)
+    return Sampled(n, np.pad(sampled.k, rows), sampled.wavelength, sampled.weight)
+
+
+def _curve(values: Array) -> EmittanceCurve:
+    return EmittanceCurve.through(jnp.maximum(values, _LEAST_EMITTANCE))
+
+
+def _hemisphere() -> tuple[np.ndarray, np.ndarray]:
+    """Cosines and weights of the mean over a half-space, ``2 μ dμ``."""
+    nodes, weights = np.polynomial.legendre.leggauss(DIRECTIONS)
+    cosine = 0.5 * (nodes + 1.0)
+    return cosine, weights * cosine
+
+
+def _chosen(n: np.ndarray, k: np.ndarray, grid: Grid, points: int) -> np.ndarray:
+    """Places in a fine grid, dense where the means have their weight and where indices change."""
+    if grid.wavelength.size <= points:
+        return np.arange(grid.wavelength.size)
+    power = grid.mean_weight.mean(axis=0)
+    power = 0.5 * (power[1:] + power[:-1])
+    permittivity = (n + 1j * k) ** 2
+    change = np.abs(np.diff(permittivity, axis=1)) / (1.0 + np.abs(permittivity[:, 1:]))
+    by_index, by_power = np.sqrt(power * change).sum(axis=0), np.sqrt(power)
+    density = _BY_POWER * _share(by_power) + _EVENLY * _share(np.ones(power.size))
+    density += _BY_INDEX * _share(by_index)
+    along = np.concatenate([[0.0], np.cumsum(density)])
+    places = np.interp(np.linspace(0.0, along[-1], points), along, np.arange(along.size))
+    return np.unique(np.round(places).astype(int))
+
+
+def _share(values: np.ndarray) -> np.ndarray:
+    total = values.sum()
+    return values / total if total > 0.0 else np.zeros_like(values)

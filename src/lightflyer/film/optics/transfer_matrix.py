@@ -1,0 +1,352 @@
+r"""Reflection, transmission and absorption of a stack of layers.
+
+Fields of neighbouring coherent layers are added (:mod:`lightflyer.film.optics.coherent`). In an
+incoherent layer, one so thick or uneven that interference averages out, powers are added instead:
+it has a downward and an upward power, and the groups of coherent layers above and below it reflect
+and pass shares of them.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.film.optics.coherent import (
+    Beam,
+    Complex,
+    Fields,
+    Half,
+    Sheets,
+    magnitude,
+    net_power,
+    respond,
+    sheets,
+)
+from lightflyer.program.entry_point import entry_point
+
+
+class StackOptics(eqx.Module):
+    """Shares of the light on a stack that are reflected, transmitted, absorbed and scattered.
+
+    The first axis of each field is the polarisation: s, then p.
+
+    Attributes
+    ----------
+    reflectance, transmittance : array, shape (2, ...)
+        Specular [1]. What enters an endless substrate is transmitted.
+    layer_absorptance : array, shape (layers, 2, ...)
+        Absorptance of each layer, the lit side first [1].
+    scattered : array, shape (2, ...), or float
+        Share that rough interfaces scatter out of the specular beams [1]. It is not followed:
+        layers may absorb some of it.
+    """
+
+    reflectance: Numeric
+    transmittance: Numeric
+    layer_absorptance: Numeric
+    scattered: Numeric = 0.0
+
+    @property
+    def absorptance(self) -> Numeric:
+        """Absorptance of the stack, shape (2, ...) [1]."""
+        return self.layer_absorptance.sum(axis=0)
+
+    def merged(self, sizes: Sequence[int]) -> "StackOptics":
+        """The absorptances of neighbouring layers added up.
+
+        Parameters
+        ----------
+        sizes : sequence of int
+            How many layers each group has, the lit side first.
+        """
+        groups = np.repeat(np.eye(len(sizes)), sizes, axis=1)
+        absorptance = _summed(groups, self.layer_absorptance)
+        return StackOptics(self.reflectance, self.transmittance, absorptance, self.scattered)
+
+    def with_holes(self, share: Numeric) -> "StackOptics":
+        """Optics of the stack with holes, through which all light passes.
+
+        Parameters
+        ----------
+        share : array, shape (...)
+            Of the area that is holes [1].
+        """
+        solid = 1.0 - share
+        return StackOptics(
+            reflectance=solid * self.reflectance,
+            transmittance=solid * self.transmittance + share,
+            layer_absorptance=solid * self.layer_absorptance,
+            scattered=solid * self.scattered,
+        )
+
+    def unpolarised(self) -> "StackOptics":
+        """The mean of both polarisations, without their axis."""
+        scattered = self.scattered
+        return StackOptics(
+            reflectance=self.reflectance.mean(axis=0),
+            transmittance=self.transmittance.mean(axis=0),
+            layer_absorptance=self.layer_absorptance.mean(axis=1),
+            scattered=scattered.mean(axis=0) if np.ndim(scattered) else scattered,
+        )
+
+
+@entry_point
+def _summed(groups: Numeric, parts: Numeric) -> Numeric:
+    return jnp.tensordot(groups, parts, axes=1)
+
+
+class Structure(eqx.Module):
+    """What a stack is besides its layers: by default free-standing, smooth and coherent.
+
+    Attributes
+    ----------
+    above : array, shape (...)
+        Refractive index of the medium that the light comes from, which absorbs nothing [1].
+    below : pair of array, shape (...)
+        n and k of the endless medium below [1].
+    roughness : array, shape (layers + 1, ...), or None
+        Standard deviation of the height of each interface, top to bottom [m].
+    coherent : tuple of bool
+        Whether light interferes in each layer; empty where it does in all.
+    """
+
+    above: Numeric = 1.0
+    below: tuple[Numeric, Numeric] = (1.0, 0.0)
+    roughness: Numeric | None = None
+    coherent: tuple[bool, ...] = eqx.field(static=True, default=())
+
+
+def stack_optics(
+    n: Numeric,
+    k: Numeric,
+    thickness: Numeric,
+    wavelength: Numeric,
+    incidence: Numeric = 0.0,
+    *,
+    above: Numeric = 1.0,
+    below: tuple[Numeric, Numeric] = (1.0, 0.0),
+    roughness: Numeric | None = None,
+    coherent: Sequence[bool] = (),
+) -> StackOptics:
+    r"""Reflectance, transmittance and absorptance of each layer, for light from above.
+
+    Parameters
+    ----------
+    n, k : array, shape (layers, ...)
+        Real and imaginary part of each layer's refractive index, top layer first [1].
+    thickness : array, shape (layers, ...)
+        [m].
+    wavelength : array, shape (...)
+        In vacuum [m].
+    incidence : array, shape (...)
+        Angle between the light and the stack's normal in the medium above [rad], below pi/2.
+    above : array, shape (...)
+        Refractive index of the medium that the light comes from, which absorbs nothing [1]; by
+        default vacuum.
+    below : pair of array, shape (...)
+        n and k of the endless medium below [1]; by default vacuum.
+    roughness : array, shape (layers + 1, ...), optional
+        Standard deviation of the height of each interface, top to bottom [m]; by default zero.
+    coherent : sequence of bool, optional
+        Whether light interferes in each layer; by default in all.
+
+    Returns
+    -------
+    StackOptics
+        The axes behind ``layers`` are broadcast together.
+
+    Notes
+    -----
+    Differentiable in every numeric argument, except where a medium's index equals the sine of the
+    incidence times the index above (grazing inside). Values are not checked here;
+    :class:`Film` checks them.
+
+    Rough interfaces reflect and pass the mean field of a surface whose heights are normal and vary
+    over lengths long against the wavelength (scalar theory). That holds for
+    :math:`4\pi\sigma n\cos\theta/\lambda\lesssim1`; finer relief is better an effective medium.
+    All that is missing from the specular beams is scattered; each passage scatters independently.
+    Where media on both sides of a rough interface absorb strongly, energy is kept to some 1 % only:
+    a negative ``scattered`` shows it.
+
+    References
+    ----------
+    [Byrnes2016]_ for the definitions of absorption and for incoherent layers; the recursion is
+    Rouard's, [Heavens1955]_. [BennettPorteus1961]_ and [Ohlidal1999]_ for rough interfaces.
+
+    Examples
+    --------
+    >>> optics = stack_optics([1.5], [0.0], [1e-7], 5e-7)
+    >>> print(f"{optics.reflectance[0]:.6f} {optics.transmittance[0]:.6f}")
+    0.135720 0.864280
+
+    A millimetre of glass, in which light does not interfere:
+
+    >>> glass = stack_optics([1.5], [0.0], [1e-3], 5e-7, coherent=[False])
+    >>> print(f"{glass.transmittance[0]:.6f}")
+    0.923077
+    """
+    everywhere = () if all(coherent) else tuple(bool(one) for one in coherent)
+    structure = Structure(above, (below[0], below[1]), roughness, everywhere)
+    return structured_optics(n, k, thickness, wavelength, incidence, structure)
+
+
+@entry_point
+def structured_optics(
+    n: Numeric,
+    k: Numeric,
+    thickness: Numeric,
+    wavelength: Numeric,
+    incidence: Numeric,
+    structure: Structure,
+) -> StackOptics:
+    """:func:`stack_optics` of a :class:`Structure`."""
+    return transfer(n, k, thickness, wavelength, incidence, structure)
+
+
+def transfer(
+    n: Numeric,
+    k: Numeric,
+    thickness: Numeric,
+    wavelength: Numeric,
+    incidence: Numeric,
+    structure: Structure | None = None,
+    *,
+    inside: bool = True,
+) -> StackOptics:
+    """:func:`stack_optics` for use inside other compiled functions.
+
+    With ``inside`` false the absorptances of layers are left out, as an array without rows, unless
+    interfaces are rough: what is scattered is what is missing beside them.
+    """
+    structure = Structure() if structure is None else structure
+    n, k, thickness, wavelength = (jnp.asarray(one) for one in (n, k, thickness, wavelength))
+    above, (below_n, below_k) = jnp.asarray(structure.above), structure.below
+    beam = Beam(above, jnp.cos(incidence))
+    outside, substrate = beam.half, beam.into(jnp.asarray(below_n), jnp.asarray(below_k))
+    layers = sheets(beam, n, k, (4.0 * jnp.pi) * thickness / wavelength)
+    roughness = structure.roughness
+    inside = inside or roughness is not None
+    kappa = None if roughness is None else (2.0 * jnp.pi) * jnp.asarray(roughness) / wavelength
+    shape = jnp.broadcast_shapes(
+        layers.exponent[0].shape[1:], outside.magnetic[0].shape, substrate.normal[0].shape,
+        wavelength.shape, () if kappa is None else kappa.shape[1:],
+    )  # fmt: skip
+    group = _Grouped(outside, layers, substrate, kappa, structure.coherent, shape, inside)
+    shares = [jnp.stack(pair) for pair in zip(*group.shares(), strict=True)]
+    reflected, passed, absorbed = shares[0], shares[1], jnp.swapaxes(shares[2], 0, 1)
+    scattered: Numeric = 0.0
+    if kappa is not None:
+        scattered = 1.0 - reflected - passed - absorbed.sum(axis=0)
+    return StackOptics(reflected, passed, absorbed, scattered)
+
+
+class _Grouped(NamedTuple):
+    """Layers, cut where light does not interfere."""
+
+    outside: Half
+    layers: Sheets
+    substrate: Half
+    kappa: Array | None
+    coherent: tuple[bool, ...]
+    shape: tuple[int, ...]
+    inside: bool
+
+    @property
+    def thick(self) -> tuple[int, ...]:
+        """Numbers of the incoherent layers."""
+        return tuple(number for number, one in enumerate(self.coherent) if not one)
+
+    def shares(self) -> list[tuple[Array, Array, Array]]:
+        """Reflectance, transmittance and layers' absorptances of s and of p polarisation."""
+        count = self.layers.exponent[0].shape[0]
+        starts = [0, *(number + 1 for number in self.thick)]
+        ends = [*self.thick, count]
+        halves = [self.outside, *(self._medium(number) for number in self.thick), self.substrate]
+        down, up = [], []
+        for place, (start, end) in enumerate(zip(starts, ends, strict=True)):
+            part, above, below = self.layers.cut(start, end), halves[place], halves[place + 1]
+            kappa = None if self.kappa is None else self.kappa[start : end + 1]
+            down.append(respond(above, part, below, kappa, self.shape, inside=self.inside))
+            if place < len(self.thick):
+                turned = None if kappa is None else kappa[::-1]
+                flipped = part.flipped()
+                up.append(respond(below, flipped, above, turned, self.shape, inside=self.inside))
+        decays = [self.layers.cut(number, number + 1).decay[0] for number in self.thick]
+        return [
+            _shares_of_powers(
+                [pair[number] for pair in down],
+                [pair[number] for pair in up],
+                [half.admittances[number] for half in halves],
+                decays,
+                self.inside,
+            )
+            for number in (0, 1)
+        ]
+
+    def _medium(self, number: int) -> Half:
+        one: Half = jax.tree.map(lambda part: part[number], self.layers.half)
+        return one
+
+
+def _shares_of_powers(
+    down: list[Fields],
+    up: list[Fields],
+    admittances: list[Complex],
+    decays: list[Array],
+    inside: bool,
+) -> tuple[Array, Array, Array]:
+    """Shares of one polarisation, by adding powers in the incoherent layers.
+
+    ``down`` and ``up`` are what groups of coherent layers do to waves from above and from below,
+    ``admittances`` those of the media between them, ``decays`` the falls of power in these.
+    """
+    reflected = magnitude(down[-1].ratio)
+    returns: list[Array] = []  # upward over downward power at the top of each incoherent layer
+    gains: list[Array] = []
+    for first, back, decay in zip(down[-2::-1], up[::-1], decays[::-1], strict=True):
+        returned = decay * decay * reflected
+        gain = 1.0 / (1.0 - magnitude(back.ratio) * returned)
+        reflected = magnitude(first.ratio) + first.passed * back.passed * returned * gain
+        returns.insert(0, returned)
+        gains.insert(0, gain)
+    beams = [jnp.ones_like(reflected)]  # squared downward field above each group
+    rising = []  # squared upward field below each group but the last
+    for one, gain, returned, decay in zip(down[:-1], gains, returns, decays, strict=True):
+        entered = beams[-1] * one.passed * gain
+        rising.append(entered * returned)
+        beams.append(entered * decay)
+    outside = admittances[0][0]
+    passed = beams[-1] * down[-1].passed * admittances[-1][0] / outside
+    absorbed = _absorbed(down, up, admittances, beams, rising) if inside else []
+    rows = [jnp.zeros((0, *reflected.shape)), *(part / outside for part in absorbed)]
+    return reflected, passed, jnp.concatenate(rows)
+
+
+def _absorbed(
+    down: list[Fields],
+    up: list[Fields],
+    admittances: list[Complex],
+    beams: list[Array],
+    rising: list[Array],
+) -> list[Array]:
+    """Power that layers absorb, top to bottom: groups of coherent ones and incoherent ones."""
+    found = []
+    for place, one in enumerate(down):
+        group = beams[place] * one.absorbed
+        if place < len(up):
+            group = group + rising[place] * up[place].absorbed[::-1]
+        found.append(group)
+        if place < len(up):
+            own, following = admittances[place + 1], down[place + 1]
+            top = own[0] * one.passed * beams[place]
+            top = top - net_power(own, up[place].ratio) * rising[place]
+            bottom = net_power(own, following.ratio) * beams[place + 1]
+            if place + 1 < len(up):
+                bottom = bottom - own[0] * up[place + 1].passed * rising[place + 1]
+            found.append((top - bottom)[None])
+    return found

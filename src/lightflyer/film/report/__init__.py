@@ -1,0 +1,1 @@
+"""Optics and mass of a film as summaries, tables and figures."""

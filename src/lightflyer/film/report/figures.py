@@ -1,0 +1,169 @@
+"""Figures of a film: its spectra, and what each layer absorbs."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
+
+from lightflyer.files.drawing import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    YELLOW,
+    figure_for,
+    legend_below,
+    new_figure,
+)
+from lightflyer.film.media.materials import MICROMETRE
+from lightflyer.film.optics.integration import data_range
+from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum, am0, planck
+
+if TYPE_CHECKING:
+    from lightflyer.film.report.summary import FilmSummary
+
+_HEIGHT = 4.6  # [inch]
+_TICKS_UM = (0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
+_SHOWN_TEMPERATURE = 300.0
+_SHADED_HEIGHT = 0.45  # of a spectrum drawn behind the curves, over the height of the axes
+_LAYER_COLOURS = (BLUE, ORANGE, GREEN, VERMILION, SKY, PURPLE, YELLOW, GREY)
+
+
+def wavelength_axis(ax: Axes) -> None:
+    """Make a horizontal axis that of the wavelengths, and the vertical one that of shares."""
+    ax.set_xscale("log")
+    ax.set_xlim(SPECTRUM_RANGE[0] / MICROMETRE, SPECTRUM_RANGE[1] / MICROMETRE)
+    ax.xaxis.set_major_locator(FixedLocator(_TICKS_UM))
+    ax.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.set_xlabel("wavelength [µm]")
+    ax.set_ylim(0.0, 1.0)
+    ax.grid(alpha=0.25)
+
+
+def _shade(ax: Axes, wavelength: np.ndarray, shape: np.ndarray, label: str, colour: str) -> None:
+    """Shade a spectrum per logarithm of wavelength, so that equal areas are equal powers."""
+    per_log = wavelength * shape
+    ax.fill_between(
+        wavelength / MICROMETRE,
+        _SHADED_HEIGHT * per_log / per_log.max(),
+        color=colour,
+        alpha=0.18,
+        lw=0,
+    )
+    ax.plot([], [], color=colour, alpha=0.35, lw=6, label=label)
+
+
+def _shade_light(ax: Axes, light: Spectrum, colour: str) -> None:
+    inside = (light.wavelength > SPECTRUM_RANGE[0]) & (light.wavelength < SPECTRUM_RANGE[1])
+    _shade(ax, light.wavelength[inside], light.irradiance[inside], light.name, colour)
+
+
+def _mark_extrapolated(ax: Axes, summary: "FilmSummary") -> None:
+    """Hatch the wavelengths drawn at which a material has no data."""
+    drawn = summary.wavelength[[0, -1]]
+    data = data_range(summary.film)
+    label: str | None = "optical data extrapolated"
+    for left, right in ((drawn[0], min(data[0], drawn[1])), (max(data[1], drawn[0]), drawn[1])):
+        if right > left:
+            ends = left / MICROMETRE, right / MICROMETRE
+            ax.axvspan(*ends, facecolor="none", edgecolor=GREY, hatch="//", lw=0, alpha=0.4,
+                       label=label)  # fmt: skip
+            label = None
+
+
+def draw_spectra(summary: "FilmSummary", ax: Axes) -> Axes:
+    """Draw reflectance, transmittance and absorptance with the light and heat radiation.
+
+    Parameters
+    ----------
+    summary : FilmSummary
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    for light, colour in dict(zip((summary.light, am0()), (SKY, ORANGE), strict=True)).items():
+        _shade_light(ax, light, colour)
+    wide = np.geomspace(*SPECTRUM_RANGE, 400)
+    hottest = float(summary.temperatures.max())
+    for temperature, colour in ((_SHOWN_TEMPERATURE, GREY), (hottest, VERMILION)):
+        label = f"black body, {temperature:g} K"
+        _shade(ax, wide, planck(wide, temperature), label, colour)
+    micrometres, optics = summary.wavelength / MICROMETRE, summary.optics
+    _mark_extrapolated(ax, summary)
+    ax.plot(micrometres, optics.reflectance, color=BLUE, ls="--", label="reflectance")
+    ax.plot(micrometres, optics.transmittance, color=GREEN, ls="-.", label="transmittance")
+    ax.plot(micrometres, optics.absorptance, color=VERMILION, label="absorptance")
+    wavelength_axis(ax)
+    ax.set_ylabel("share of light, normal incidence on top [1]\n(shaded: arbitrary height)")
+    legend_below(ax)
+    return ax
+
+
+def draw_layers(summary: "FilmSummary", ax: Axes) -> Axes:
+    """Draw the absorptance of each layer, stacked.
+
+    Parameters
+    ----------
+    summary : FilmSummary
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    labels = [f"{layer.material.name}, {layer.thickness_text}" for layer in summary.film.layers]
+    colours = [_LAYER_COLOURS[index % len(_LAYER_COLOURS)] for index in range(len(labels))]
+    parts = summary.optics.layer_absorptance
+    ax.stackplot(summary.wavelength / MICROMETRE, parts, labels=labels, colors=colours, lw=0)
+    _mark_extrapolated(ax, summary)
+    wavelength_axis(ax)
+    ax.set_ylabel("absorptance, normal incidence on top [1]")
+    legend_below(ax, title="layers, top to bottom")
+    return ax
+
+
+def film_figures(summary: "FilmSummary") -> dict[str, Figure]:
+    """The figures of a film, by file name without suffix.
+
+    Parameters
+    ----------
+    summary : FilmSummary
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+    """
+    first, second = new_figure(height=_HEIGHT), new_figure(height=_HEIGHT)
+    draw_spectra(summary, first.axes[0])
+    draw_layers(summary, second.axes[0])
+    return {"film-spectra": first, "film-layers": second}
+
+
+def plot_film(summary: "FilmSummary", ax: Axes | None = None) -> Figure:
+    """Draw a film.
+
+    Parameters
+    ----------
+    summary : FilmSummary
+    ax : matplotlib.axes.Axes, optional
+        Gets the spectra; by default a new figure has the layers too.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    if ax is None:
+        figure = new_figure(columns=2, height=_HEIGHT)
+        draw_layers(summary, figure.axes[1])
+        ax = figure.axes[0]
+    figure, ax = figure_for(ax)
+    draw_spectra(summary, ax)
+    return figure

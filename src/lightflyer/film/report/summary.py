@@ -1,0 +1,365 @@
+"""Optics and mass of a film in one object, as the command ``film`` reports them."""
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
+from lightflyer.film.media.materials import MICROMETRE
+from lightflyer.film.optics.averages import (
+    POINTS_PER_E_FOLD,
+    Average,
+    Shares,
+    heat_shares,
+    light_shares,
+)
+from lightflyer.film.optics.findings import film_warnings
+from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum, am0
+from lightflyer.film.optics.stack import Film
+from lightflyer.film.optics.thickness import COARSE_POINTS_PER_E_FOLD, thickness_uncertainty
+from lightflyer.film.optics.transfer_matrix import StackOptics
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SPECTRUM_POINTS = 1000
+
+_GRAMS = 1e3
+_LEAST_EMITTANCE = 1e-9  # of which a ratio is more than rounding
+_MASS = "areal_density_g_m2"
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class FilmSummary:
+    """Areal density, absorptances, transmittances, emittances and spectrum of a film.
+
+    Attributes
+    ----------
+    film : Film
+    light : Spectrum
+        Light on the film: sunlight or a lamp.
+    solar : dict of str to Average
+        Absorptance of sunlight at normal incidence, of each face, ``"top"`` and ``"bottom"``; the
+        top alone where the film lies on an endless substrate.
+    lamp : dict of str to Average
+        The same for ``light``.
+    thermal : dict of str to Average
+        Hemispherical emittance of each face, arrays over ``temperatures``.
+    thermal_normal : dict of str to Average
+        The same along the normal.
+    passing : dict of str to Average
+        Transmittance, the same from both sides: ``"solar"`` and ``"lamp"`` at normal incidence,
+        ``"thermal"`` hemispherical, an array over ``temperatures``.
+    temperatures : array, shape (m,)
+        [K].
+    wavelength : array, shape (w,)
+        [m]; from 0.25 µm to 25 µm, as far as the materials have data or extrapolate.
+    optics : StackOptics
+        Unpolarised, normal incidence from the top, arrays over ``wavelength``.
+    uncertainty : dict of str to float or array, or None
+        Standard uncertainty from those of the layers' thicknesses and densities, by the names of
+        :meth:`values`; None where no layer has one.
+    warnings : tuple of str
+        What a reader must know of these numbers.
+    """
+
+    film: Film
+    light: Spectrum
+    solar: dict[str, Average]
+    lamp: dict[str, Average]
+    thermal: dict[str, Average]
+    thermal_normal: dict[str, Average]
+    passing: dict[str, Average]
+    temperatures: np.ndarray
+    wavelength: np.ndarray
+    optics: StackOptics
+    uncertainty: dict[str, Any] | None = None
+    warnings: tuple[str, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        film: Film,
+        light: Spectrum,
+        temperatures: np.ndarray,
+        *,
+        thickness_uncertainty: Sequence[float | None] = (),
+        density_uncertainty: Sequence[float | None] = (),
+        others: Sequence[tuple[Film, Film]] = (),
+    ) -> "FilmSummary":
+        """Summary of a film.
+
+        Parameters
+        ----------
+        film : Film
+        light : Spectrum
+            Light on the film: sunlight or a lamp.
+        temperatures : array, shape (m,)
+            [K].
+        thickness_uncertainty : sequence of float or None, optional
+            Standard uncertainty of each layer's thickness, None where none is stated [m].
+        density_uncertainty : sequence of float or None, optional
+            That of each layer's density [kg/m³].
+        others : sequence of (Film, Film), optional
+            See :func:`~lightflyer.film.optics.thickness.thickness_uncertainty`.
+
+        Returns
+        -------
+        FilmSummary
+
+        Raises
+        ------
+        ParameterError
+            If the materials' data do not overlap, or lie outside the reported spectrum, or an
+            uncertainty is not below its thickness.
+        """
+        spreads = tuple(thickness_uncertainty) or (None,) * len(film.layers)
+        densities = tuple(density_uncertainty) or (None,) * len(film.layers)
+        shortest, longest = film.covered_range
+        shortest, longest = max(shortest, SPECTRUM_RANGE[0]), min(longest, SPECTRUM_RANGE[1])
+        if shortest >= longest:
+            ends = " and ".join(f"{end / MICROMETRE:g} µm" for end in SPECTRUM_RANGE)
+            raise ParameterError(f"the materials have no data between {ends}")
+        wavelength = np.geomspace(shortest, longest, SPECTRUM_POINTS)
+        averages = _averages(film, light, temperatures, POINTS_PER_E_FOLD)
+        return cls(
+            film=film,
+            light=light,
+            **averages,
+            temperatures=temperatures,
+            wavelength=wavelength,
+            optics=film.optics(wavelength).unpolarised(),
+            uncertainty=_uncertainty(
+                film, light, temperatures, spreads, densities, others
+            ),
+            warnings=film_warnings(
+                film, light, temperatures, averages["solar"], averages["lamp"],
+                averages["thermal"], spreads,
+            ),
+        )  # fmt: skip
+
+    @property
+    def extrapolated(self) -> list[str]:
+        """Materials that were extrapolated anywhere in the summary."""
+        averages = [*self.solar.values(), *self.lamp.values(), *self.thermal.values()]
+        found = [text for average in averages for text in average.extrapolated]
+        found += self.film.extrapolated(self.wavelength[0], self.wavelength[-1])
+        return list(dict.fromkeys(found))
+
+    def selectivity(self) -> np.ndarray:
+        """Absorptance of the top for the light, over the mean emittance of the faces [1]."""
+        return _selectivity(self.lamp, self.thermal)
+
+    def values(self) -> dict[str, Any]:
+        """Numbers and arrays over the temperatures, by name with the unit at its end."""
+        averages = {"solar": self.solar, "lamp": self.lamp, "thermal": self.thermal,
+                    "thermal_normal": self.thermal_normal, "passing": self.passing}  # fmt: skip
+        return _values(self.film, self.light, averages)
+
+    def interval(self, name: str) -> np.ndarray | None:
+        """95 % interval of a number of :meth:`values`, cut at what is possible.
+
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        array, shape (2,) or (2, m), or None
+            Lower and upper ends; None if no uncertainty is stated.
+        """
+        if self.uncertainty is None:
+            return None
+        highest = 1.0 if "tance" in name else np.inf  # absorptance and emittance
+        return possible_interval(self.values()[name], self.uncertainty[name], highest)
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw the spectra, and what each layer absorbs.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Gets the spectra alone; by default a new figure has the layers too.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.film.report.figures import plot_film
+
+        return plot_film(self, ax)
+
+    def to_json(self) -> dict[str, Any]:
+        """The summary as a JSON object, with a unit at the end of each name."""
+        entries: dict[str, Any] = {_MASS: None}  # where a density is unknown
+        entries |= {name: self._described(value) for name, value in self.values().items()}
+        if self.light is not am0():
+            entries["lamp"] = self.light.name
+        return entries | {
+            "uncertainty": {
+                name: self._described(value) for name, value in (self.uncertainty or {}).items()
+            },
+            "interval_95": {name: self._ends(name) for name in self.uncertainty or {}},
+            "bounds": self._bounds(),
+            "spectrum": {
+                "wavelength_um": (self.wavelength / MICROMETRE).tolist(),
+                "reflectance": self.optics.reflectance.tolist(),
+                "transmittance": self.optics.transmittance.tolist(),
+                "absorptance": self.optics.absorptance.tolist(),
+                "layer_absorptance": self.optics.layer_absorptance.tolist(),
+            }
+            | self._scattered(),
+            "extrapolated": self.extrapolated,
+            "warnings": list(self.warnings),
+        }
+
+    def _scattered(self) -> dict[str, Any]:
+        """What rough interfaces scatter, over the wavelengths."""
+        return {"scattered": self.optics.scattered.tolist()} if self.film.is_rough else {}
+
+    def _described(self, value: Any) -> Any:
+        """A number, or numbers by temperature; None where it is none."""
+        if np.ndim(value) == 0:
+            return float(value)
+        names = [f"{temperature:g}" for temperature in self.temperatures]
+        return dict(zip(names, map(_number, value), strict=True))
+
+    def _ends(self, name: str) -> Any:
+        low, high = self.interval(name)  # type: ignore[misc]
+        if np.ndim(low) == 0:
+            return [_number(low), _number(high)]
+        ends = zip(self.temperatures, low, high, strict=True)
+        return {f"{at:g}": [_number(one), _number(other)] for at, one, other in ends}
+
+    def _bounds(self) -> dict[str, Any]:
+        """Share of each average's spectrum that has data, and bounds for the rest."""
+        found = {f"solar_absorptance_{side}": mean for side, mean in self.solar.items()}
+        if self.light is not am0():
+            found |= {f"lamp_absorptance_{side}": mean for side, mean in self.lamp.items()}
+        found |= {f"emittance_{side}": mean for side, mean in self.thermal.items()}
+        found |= {f"emittance_normal_{side}": mean for side, mean in self.thermal_normal.items()}
+        found |= _named(self.passing, self.light)
+        return {name: _covered(average, self._described) for name, average in found.items()}
+
+
+def _number(value: Any) -> float | None:
+    """A number for JSON, which knows no NaN."""
+    return None if np.isnan(value) else float(value)
+
+
+def possible_interval(value: Numeric, uncertainty: Numeric, highest: float) -> np.ndarray:
+    """95 % interval of a normal variable, cut at zero and at the highest possible value.
+
+    Parameters
+    ----------
+    value, uncertainty : array, shape (...)
+        The variable and its standard uncertainty.
+    highest : float
+
+    Returns
+    -------
+    array, shape (2, ...)
+    """
+    half = NORMAL_HALF_WIDTH_95 * np.asarray(uncertainty)
+    return np.clip(np.stack([value - half, value + half]), 0.0, highest)
+
+
+def _averages(
+    film: Film, light: Spectrum, temperatures: np.ndarray, points_per_e_fold: int
+) -> dict[str, dict[str, Average]]:
+    """Averages by the names of the summary's fields."""
+
+    def heat(normal: bool) -> dict[str, Shares]:
+        return {
+            side: heat_shares(
+                film, temperatures, side=side, normal=normal, points_per_e_fold=points_per_e_fold
+            )
+            for side in film.lit_sides
+        }
+
+    def absorbed(shares: Mapping[str, Shares]) -> dict[str, Average]:
+        return {side: share.absorptance for side, share in shares.items()}
+
+    solar: dict[str, Shares] = {side: light_shares(film, side=side) for side in film.lit_sides}
+    lamp, hemispherical = solar, heat(False)
+    if light is not am0():
+        lamp = {side: light_shares(film, light, side=side) for side in film.lit_sides}
+    through = {"solar": solar, "lamp": lamp, "thermal": hemispherical}
+    absorbed_solar = absorbed(solar)
+    return {
+        "solar": absorbed_solar,
+        "lamp": absorbed_solar if lamp is solar else absorbed(lamp),
+        "thermal": absorbed(hemispherical),
+        "thermal_normal": absorbed(heat(True)),
+        "passing": {name: shares["top"].transmittance for name, shares in through.items()},
+    }
+
+
+def _named(passing: Mapping[str, Average], light: Spectrum) -> dict[str, Average]:
+    """Transmittances by their names among the values."""
+    found = {"solar_transmittance": passing["solar"]}
+    if light is not am0():
+        found["lamp_transmittance"] = passing["lamp"]
+    return found | {"infrared_transmittance": passing["thermal"]}
+
+
+def _values(film: Film, light: Spectrum, averages: dict[str, dict[str, Average]]) -> dict[str, Any]:
+    entries: dict[str, Any] = {}
+    if film.unknown_density is None:
+        entries[_MASS] = film.areal_density * _GRAMS
+    for side, solar in averages["solar"].items():
+        entries[f"solar_absorptance_{side}"] = solar.value
+    if light is not am0():
+        for side, lamp in averages["lamp"].items():
+            entries[f"lamp_absorptance_{side}"] = lamp.value
+    for side, thermal in averages["thermal"].items():
+        entries[f"emittance_{side}"] = thermal.value
+        entries[f"emittance_normal_{side}"] = averages["thermal_normal"][side].value
+    entries |= {name: mean.value for name, mean in _named(averages["passing"], light).items()}
+    return entries | {"selectivity": _selectivity(averages["lamp"], averages["thermal"])}
+
+
+def _selectivity(lamp: dict[str, Average], thermal: dict[str, Average]) -> np.ndarray:
+    emitted = np.asarray(sum(mean.value for mean in thermal.values()) / len(thermal))
+    ratio = lamp["top"].value / np.where(emitted > _LEAST_EMITTANCE, emitted, 1.0)
+    return np.where(emitted > _LEAST_EMITTANCE, ratio, np.nan)
+
+
+def _uncertainty(
+    film: Film,
+    light: Spectrum,
+    temperatures: np.ndarray,
+    spreads: Sequence[float | None],
+    densities: Sequence[float | None],
+    others: Sequence[tuple[Film, Film]],
+) -> dict[str, Any] | None:
+    """Standard uncertainties of the values; those of the densities concern the mass only."""
+    if not any(spreads) and not any(densities) and not others:
+        return None
+
+    def values(one: Film) -> dict[str, Any]:
+        averages = _averages(one, light, temperatures, COARSE_POINTS_PER_E_FOLD)
+        return _values(one, light, averages)
+
+    found = thickness_uncertainty(values, film, [spread or 0.0 for spread in spreads], others)
+    parts = [
+        layer.thickness * (spread or 0.0) * _GRAMS
+        for layer, spread in zip(film.layers, densities, strict=True)
+    ]
+    if _MASS not in found:
+        return found
+    return found | {_MASS: float(np.hypot(found[_MASS], np.linalg.norm(parts)))}
+
+
+def _covered(average: Average, described: Callable[[Any], Any]) -> dict[str, Any]:
+    return {
+        "covered": described(average.covered),
+        "extrapolated_share": described(average.extrapolated_share),
+        "lower": described(average.lower),
+        "upper": described(average.upper),
+    }

@@ -1,0 +1,187 @@
+"""Search for the dimmest light that carries a load, where the force need not grow with the light.
+
+The force is looked at in more and more light until it carries the load, and at its peak if it never
+does. From there on a bracketed search goes back to where force and load are equal. All of it is one
+loop, in which every element goes its own way: the force contains a heat balance, and compiling that
+costs more than running it.
+"""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.numerics.rootfind import (
+    MAXIMUM_STEPS,
+    BracketSearch,
+    Ending,
+    geometric_middle,
+    power_step,
+)
+
+_DIMMEST = 1e-5  # light looked at after darkness, over the brightest
+_STEPS = 15  # in equal ratios from there to the brightest
+_RATIO = _DIMMEST ** (-1.0 / _STEPS)
+_SMALLEST_SHARE = 1e-26  # lower end of the bracket, over its upper end
+
+# what an element looks at: darkness is 0, then come the lights
+_AT_BRIGHTEST = _STEPS + 1
+_AT_PEAK = _AT_BRIGHTEST + 1
+_IN_BRACKET = _AT_PEAK + 1
+_AT_ROOT = _IN_BRACKET + 1
+_DONE = _AT_ROOT + 1
+
+T = TypeVar("T")
+Look = Callable[[Array], tuple[Array, Array, tuple[Array, ...]]]
+
+
+class Dimmest(eqx.Module):
+    """A search for the dimmest light, or its result.
+
+    Attributes
+    ----------
+    stage : int array, shape (...)
+        What is looked at next.
+    light : array, shape (...)
+        To be looked at next. In the end the dimmest that carries the load; where none does, that of
+        the strongest force [W/m²].
+    force : array, shape (...)
+        Where the force carried the load first, or was strongest [N].
+    carries : bool array, shape (...)
+        Whether some light carries the load.
+    unknowns : tuple of array, shape (...)
+        Of the heat balance in the light looked at last.
+    before : tuple of array, shape (...)
+        Forces in the last two lights [N].
+    peak, vertex : array, shape (...)
+        Largest force between two smaller ones [N], and the light where a parabola through them has
+        its vertex [W/m²].
+    bracket : BracketSearch
+    """
+
+    stage: Array
+    light: Array
+    force: Array
+    carries: Array
+    unknowns: tuple[Array, ...]
+    before: tuple[Array, Array]
+    peak: Array
+    vertex: Array
+    bracket: BracketSearch
+
+    @property
+    def in_the_dark(self) -> Array:
+        """Whether the load is carried without light."""
+        return self.carries & (self.light == 0.0)
+
+    @property
+    def ending(self) -> Array:
+        """Why the search ended; that no light suffices is an answer."""
+        searched = self.carries & (self.light > 0.0)
+        return jnp.where(searched, self.bracket.ending, jnp.int8(Ending.CONVERGED))
+
+
+def dimmest_light(look: Look, brightest: Array, load: Array) -> Dimmest:
+    """Find the dimmest light in which a force carries a load.
+
+    Parameters
+    ----------
+    look : callable
+        From a light, shape (...), to the force in it [N], its slope in the light, and the unknowns
+        of the heat balance.
+    brightest : array
+        Looked at [W/m²].
+    load : array
+        Positive [N].
+
+    Returns
+    -------
+    Dimmest
+        Of broadcast shape (...); not differentiable.
+    """
+    brightest, load = jnp.broadcast_arrays(brightest, load)
+
+    def advance(at: tuple[Dimmest, Array]) -> tuple[Dimmest, Array]:
+        search, steps = at
+        return _advanced(search, look, brightest, load), steps + 1
+
+    def unfinished(at: tuple[Dimmest, Array]) -> Array:
+        search, steps = at
+        return jnp.any(search.stage != _DONE) & (steps < MAXIMUM_STEPS + _DONE)
+
+    start = _start(look, brightest)
+    end, _ = jax.lax.while_loop(unfinished, advance, (start, jnp.zeros((), int)))
+    return end
+
+
+def _start(look: Look, brightest: Array) -> Dimmest:
+    nothing = jnp.zeros_like(brightest)
+    _, _, unknowns = jax.eval_shape(look, nothing)
+    return Dimmest(
+        stage=jnp.zeros(brightest.shape, np.int32),
+        light=nothing,
+        force=nothing,
+        carries=jnp.zeros(brightest.shape, bool),
+        unknowns=(nothing,) * len(unknowns),
+        before=(nothing, nothing),
+        peak=jnp.full_like(brightest, -jnp.inf),
+        vertex=brightest,
+        bracket=BracketSearch.within(nothing, brightest, brightest),
+    )
+
+
+def _advanced(at: Dimmest, look: Look, brightest: Array, load: Array) -> Dimmest:
+    """The search after a look at its light."""
+    force, slope, unknowns = look(at.light)
+    looking, searching = at.stage <= _AT_PEAK, at.stage == _IN_BRACKET
+    carries = looking & (force >= load)
+    begins = carries & (at.light > 0.0)
+    residual, newton = power_step(force, slope, at.light, load)
+    bracket = _where(
+        begins,
+        BracketSearch.within(_SMALLEST_SHARE * at.light, at.light, at.light * load / force),
+        _where(searching, at.bracket.advanced(residual, newton, geometric_middle), at.bracket),
+    )
+    peak, vertex = _peak(at, force)
+    goes_on = looking & ~carries & (at.stage < _AT_PEAK)
+    brighter = jnp.where(at.stage == 0, _DIMMEST * brightest, _RATIO * at.light)
+    strongest = jnp.where(peak > force, vertex, at.light)
+    brighter = jnp.where(at.stage == _AT_BRIGHTEST, strongest, brighter)
+    return Dimmest(
+        stage=_next_stage(at, carries, begins, bracket.active),
+        light=jnp.where(begins | searching, bracket.point, jnp.where(goes_on, brighter, at.light)),
+        force=jnp.where(looking, force, at.force),
+        carries=at.carries | carries,
+        unknowns=_where(at.stage == _DONE, at.unknowns, unknowns),
+        before=(at.before[1], force),
+        peak=peak,
+        vertex=vertex,
+        bracket=bracket,
+    )
+
+
+def _next_stage(at: Dimmest, carries: Array, begins: Array, active: Array) -> Array:
+    after = jnp.minimum(at.stage + 1, _DONE)
+    after = jnp.where((at.stage == _IN_BRACKET) & active, _IN_BRACKET, after)
+    after = jnp.where((at.stage == _AT_PEAK) | carries, _DONE, after)
+    return jnp.where(begins, _IN_BRACKET, after).astype(np.int32)
+
+
+def _peak(at: Dimmest, force: Array) -> tuple[Array, Array]:
+    """The largest force between two smaller ones so far, and the light of a parabola's vertex."""
+    two_before, before = at.before
+    bend = two_before - 2.0 * before + force
+    offset = 0.5 * (two_before - force) / jnp.where(bend == 0.0, 1.0, bend)
+    vertex = at.light * _RATIO ** (jnp.clip(offset, -1.0, 1.0) - 1.0)
+    three_lights = (at.stage > 2) & (at.stage <= _AT_BRIGHTEST)  # none of them darkness
+    higher = three_lights & (bend < 0.0) & (before > at.peak)
+    return jnp.where(higher, before, at.peak), jnp.where(higher, vertex, at.vertex)
+
+
+def _where(condition: Array, first: T, second: T) -> T:
+    chosen: T = jax.tree.map(lambda a, b: jnp.where(condition, a, b), first, second)
+    return chosen

@@ -1,0 +1,1 @@
+"""The force model from kinetic theory."""

@@ -1,0 +1,321 @@
+r"""What floor, lid and side wall of a chamber do to the kinetic force and heat loss of a disk.
+
+Solid surfaces at distances of their own change force and heat loss by factors, as they change how
+much the gas resists. Where floor and lid are not alike they also push a disk whose faces are the
+same: the gas between disk and floor is warmer than that above. For small temperature differences
+
+.. math::
+    \frac{F}{pA} = f\,\frac{F_o}{pA} + g\,\theta, \qquad Q = h\,Q_o
+
+with :math:`F_o, Q_o` in open space and :math:`\theta = T_h/T_c - 1`. The solver's table of the
+factors is made by ``studies/kinetic_chamber``; here it is fitted by polynomials in the inverse
+distances. For a hot disk :class:`SolidWalls` keeps what the factors say of the gas's resistance.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.files.table import shipped_table
+from lightflyer.flyer.disk import Disk
+from lightflyer.force.kinetic.ratios import denseness, thinness
+from lightflyer.numerics.polynomials import polynomial, scaled
+
+# powers of floor, lid and side wall: floor and lid may be exchanged, with the same or the
+# opposite result
+_EVEN = (
+    (1, 0, 0), (2, 0, 0), (3, 0, 0), (1, 1, 0), (2, 1, 0), (0, 0, 1), (0, 0, 2), (0, 0, 3),
+    (1, 0, 1), (2, 0, 1), (1, 0, 2), (1, 1, 1),
+)  # fmt: skip
+_ODD = ((1, 0, 0), (2, 0, 0), (3, 0, 0), (2, 1, 0), (1, 0, 1), (2, 0, 1), (1, 0, 2), (1, 0, 3))
+_FEW, _MANY = 4, 5  # powers of the Knudsen number
+
+_HELD = "the table of chambers ends there, and their effect is held"
+_DENSE = (
+    "the table of chambers ends there, and their factors are held; the push on like faces falls as "
+    "the square of the Knudsen number"
+)
+_OF_DIATOMIC = "what floor and lid do is taken from a diatomic gas"
+REFERENCE_TAC = 0.85
+"""Mean TAC in the table of chambers."""
+
+
+class Chamber(NamedTuple):
+    """Distances of solid surfaces in radii of the disk [1]; infinite where there is none."""
+
+    floor: Numeric
+    lid: Numeric
+    wall: Numeric
+
+
+def chamber_of(state: EnvironmentState, radius: Numeric) -> Chamber | None:
+    """The chamber around a disk, or None without floor and lid.
+
+    Parameters
+    ----------
+    state : EnvironmentState
+    radius : array, shape (...)
+        Of the disk [m].
+    """
+    ends = state.floor_distance, state.lid_distance
+    if ends == (None, None):
+        return None
+    distances = (*ends, state.wall_distance)
+    return Chamber(*(np.inf if given is None else given / radius for given in distances))
+
+
+FORCE_ERROR, PUSH_ERROR = 0.03, 0.15
+"""Relative standard errors among solid walls: of the force by the difference of the TACs, and of
+the push on a disk of like faces. They are what six solutions of the non-linear equation at 1.6 to
+2.34 times the gas's temperature show."""
+
+_LEAST_RESISTANCE = 1e-12  # of free molecules; a share of nothing is any number
+
+
+class Reservoir(NamedTuple):
+    """What open surroundings do to a disk, by default nothing: they multiply.
+
+    Attributes
+    ----------
+    force, heat : array, shape (...)
+        Factors on force and heat loss [1].
+    """
+
+    force: Numeric = 1.0
+    heat: Numeric = 1.0
+
+    def force_ratio(self, opened: Numeric) -> Numeric:
+        """Force over that of free molecules, from that in open space [1]."""
+        return self.force * opened
+
+    def heat_ratio(self, opened: Numeric) -> Numeric:
+        """Heat loss over that of free molecules, from that in open space [1]."""
+        return self.heat * opened
+
+    def push(self, disk: Disk, state: EnvironmentState, excess: Numeric) -> Numeric:
+        """Push on a disk of like faces [N]: none."""
+        del disk, state, excess
+        return 0.0
+
+    @property
+    def force_error(self) -> float:
+        """Relative standard error of the force, besides that in open space [1]."""
+        return 0.0
+
+
+class SolidWalls(NamedTuple):
+    r"""What solid surfaces do to a disk.
+
+    The gas takes :math:`1/\hat F - 1` of the force that is left: what resists. Solid walls leave a
+    share of that, which a hot disk has in common with one that is hardly warmer than the gas; the
+    factors on force and heat themselves it has not.
+
+    Attributes
+    ----------
+    force_kept, heat_kept : array, shape (...)
+        Share of the gas's resistance to force, by the difference of the TACs, and heat that the
+        surroundings leave [1].
+    lift : array, shape (...)
+        Push on a disk of like faces [p A per unit of the disk's T/T_c − 1].
+    """
+
+    force_kept: Numeric
+    heat_kept: Numeric
+    lift: Numeric
+
+    def force_ratio(self, opened: Numeric) -> Numeric:
+        """As of :class:`Reservoir`."""
+        return resisted(opened, self.force_kept)
+
+    def heat_ratio(self, opened: Numeric) -> Numeric:
+        """As of :class:`Reservoir`."""
+        return resisted(opened, self.heat_kept)
+
+    def push(self, disk: Disk, state: EnvironmentState, excess: Numeric) -> Numeric:
+        """Push on a disk of like faces [N].
+
+        From small to large temperature differences it grows as the recoil of molecules does,
+        with the root of the temperature; solved at 1.8 and 2.34 times the gas's, within 7 %.
+
+        Parameters
+        ----------
+        disk : Disk
+        state : EnvironmentState
+        excess : array, shape (...)
+            T_h/T_c − 1 [1].
+        """
+        growth = 2.0 * (jnp.sqrt(1.0 + excess) - 1.0)
+        return state.pressure * disk.area * self.lift * growth
+
+    @property
+    def force_error(self) -> float:
+        """As of :class:`Reservoir`."""
+        return FORCE_ERROR
+
+
+def resisted(opened: Numeric, kept: Numeric) -> Array:
+    """Force or heat over that of free molecules where a share of the resistance is left.
+
+    Parameters
+    ----------
+    opened : array, shape (...)
+        The same in open space [1].
+    kept : array, shape (...)
+        Share [1].
+
+    Returns
+    -------
+    array, broadcast shape
+        [1].
+    """
+    return jnp.asarray(opened / (opened + kept * (1.0 - opened)))
+
+
+def _kept(factor: Numeric, opened: Numeric) -> Array:
+    """Share of the resistance that is left where a factor is on force or heat [1]."""
+    return (1.0 / factor - opened) / jnp.maximum(1.0 - opened, _LEAST_RESISTANCE)
+
+
+@dataclass(frozen=True)
+class ChamberFit:
+    """Effects of a chamber as smooth functions.
+
+    Attributes
+    ----------
+    knudsen_range : tuple of float
+        Of the table; beyond it the factors stay what they are there, and in denser gas the push
+        falls as the square of the Knudsen number.
+    nearest : Chamber
+        Least distances in the table.
+    force, kept, lift : tuple of tuple of float
+        Coefficients of each term of inverse distances: powers of the Knudsen number.
+    """
+
+    knudsen_range: tuple[float, float]
+    nearest: Chamber
+    force: Any
+    kept: Any
+    lift: Any
+
+    def walls(
+        self, knudsen: Numeric, chamber: Chamber, opened: tuple[Numeric, Numeric], tac: Numeric
+    ) -> SolidWalls:
+        """Effect on a disk.
+
+        Parameters
+        ----------
+        knudsen : array, shape (...)
+        chamber : Chamber
+        opened : tuple of array, shape (...)
+            Force and heat loss in open space over those of free molecules, for small differences
+            [1].
+        tac : array, shape (...)
+            Mean of the faces [1]. The push on a disk of like faces is as good as proportional to
+            it.
+
+        Returns
+        -------
+        SolidWalls
+        """
+        place, dense = thinness(knudsen, self.knudsen_range), denseness(knudsen)
+        # thermal stress, which pushes like faces in dense gas, is of second order
+        beyond = jnp.minimum(knudsen / self.knudsen_range[0], 1.0) ** 2
+        near = nearness(chamber, self.nearest)
+
+        def value(coefficients: Any, terms: Any) -> Array:
+            parts = zip(coefficients, terms, strict=True)
+            return sum((polynomial(own, place) * term for own, term in parts), jnp.zeros(()))
+
+        heat_kept = jnp.exp(value(self.kept, _terms(near, _EVEN, 1.0)))
+        beside = jnp.exp(value(self.force, _terms(near, _EVEN, 1.0)) * dense)
+        force, heat = opened
+        factor = beside * resisted(heat, heat_kept) / heat
+        lift = value(self.lift, _terms(near, _ODD, -1.0))
+        lift *= beyond * dense * tac / REFERENCE_TAC
+        return SolidWalls(_kept(factor, force), heat_kept, lift)
+
+    def caveats(
+        self, chamber: Chamber, knudsen: Numeric, pressure: Numeric, molecules: str
+    ) -> Iterator[str]:
+        """Where surfaces are nearer, or the gas denser or another, than the table's."""
+        if molecules == "monatomic":
+            yield _OF_DIATOMIC
+        dense = Validity("the Knudsen number", self.knudsen_range[0], np.inf, _DENSE)
+        yield from dense.caveats(knudsen, pressure)
+        names = ("the floor's", "the lid's", "the side wall's")
+        for name, least, distance in zip(names, self.nearest, chamber, strict=True):
+            if np.all(np.isinf(distance)):
+                continue
+            range_ = Validity(f"{name} distance over the radius", float(least), np.inf, _HELD)
+            yield from range_.caveats(distance, pressure)
+
+
+def nearness(chamber: Chamber, nearest: Chamber | None = None) -> tuple[Any, ...]:
+    """1/(1 + distance) of floor, lid and side wall [1], no nearer than the nearest."""
+    if nearest is None:
+        return tuple(1.0 / (1.0 + np.asarray(distance)) for distance in chamber)
+    held = zip(chamber, nearest, strict=True)
+    return tuple(1.0 / (1.0 + jnp.maximum(distance, least)) for distance, least in held)
+
+
+def _terms(near: tuple[Any, ...], powers: Any, exchanged: float) -> list[Any]:
+    """Products of powers, with those where floor and lid are exchanged."""
+    floor, lid, wall = near
+    found = []
+    for a, b, c in powers:
+        term = floor**a * lid**b
+        if a != b:
+            term = term + exchanged * floor**b * lid**a
+        found.append(term * wall**c)
+    return found
+
+
+@lru_cache
+def chamber_fit() -> ChamberFit:
+    """Effects of a chamber on a disk, fitted to the table, which is for a diatomic gas.
+
+    Returns
+    -------
+    ChamberFit
+    """
+    return fitted(dict(shipped_table("kinetic_chamber.csv").numbers))
+
+
+def fitted(table: dict[str, np.ndarray]) -> ChamberFit:
+    """Smooth functions through a table's columns.
+
+    Parameters
+    ----------
+    table : dict of str to array, shape (n,)
+    """
+    knudsen, opened = table["knudsen"], table["open_heat_ratio"]
+    ends = float(knudsen.min()), float(knudsen.max())
+    place, dense = scaled(np.log(knudsen), *np.log(ends)), denseness(knudsen)
+    near = nearness(Chamber(table["floor"], table["lid"], table["wall"]))
+    heat = table["heat_factor"]
+    kept = (1.0 / heat - opened) / (1.0 - opened)
+
+    def fit(values: Any, terms: Any, weights: Any, number: int) -> Any:
+        powers = place[:, None] ** np.arange(number)
+        basis = np.concatenate([np.asarray(term)[:, None] * powers for term in terms], axis=1)
+        found = np.linalg.lstsq(basis * weights[:, None], values * weights, rcond=None)[0]
+        return tuple(map(tuple, found.reshape(len(terms), number).tolist()))
+
+    even, odd = _terms(near, _EVEN, 1.0), _terms(near, _ODD, -1.0)
+    force = np.log(table["force_factor"] / heat) / dense
+    nearest = float(min(table["floor"].min(), table["lid"].min()))
+    return ChamberFit(
+        ends,
+        Chamber(nearest, nearest, float(table["wall"].min())),
+        fit(force, even, dense, _MANY),
+        fit(np.log(kept), even, 1.0 - opened, _MANY),
+        fit(table["lift"] / dense, odd, dense / table["force"], _FEW),
+    )

@@ -1,0 +1,284 @@
+r"""What collisions of real molecules do beside those of the kinetic model equation.
+
+The tables of the kinetic model solve a model equation. The same problem with the collision operator
+of VHS molecules, for small temperature differences, says by which factor collisions take more or
+less from force and heat,
+
+.. math::
+    \frac1{\hat F} - 1 = r_F\left(\frac1{\hat F_m} - 1\right), \qquad
+    \frac1{\hat Q} - 1 = r_Q\left(\frac1{\hat Q_m} - 1\right)
+
+The factors depend on the Knudsen number, on the viscosity exponent and little on the TAC. That they
+hold at finite temperature differences is shown by direct simulation: see
+``studies/kinetic_collisions``.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Literal, NamedTuple, get_args
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
+from lightflyer.files.table import shipped_table
+from lightflyer.force.kinetic.ratios import heating_of
+from lightflyer.gas.base import AbstractGas
+from lightflyer.numerics.polynomials import held_within, least_squares, polynomial, scaled
+
+_REFERENCE_TAC = 0.9
+_TACS = (0.3, 1.0)  # little beyond those of the table, 0.4 and 0.9
+_REFERENCE_EXPONENT = 0.74
+
+_SIMULATED_CONDUCTION = (4.717, -0.646)
+"""Conductivity over viscosity and gas constant of the table's diatomic molecules [1]: at an
+exponent of 0.74, and its slope in the exponent. Larsen and Borgnakke's rotation conducts less than
+a real gas."""
+
+MODEL_CONDUCTION = 4.865
+"""The same of the model equation's diatomic gas."""
+
+Collisions = Literal["vhs", "shakhov"]
+"""Those of molecules, by the factors here, or those of the model equation alone."""
+
+MODEL_FORCE_ERROR = 0.165
+"""Relative standard error of what the model equation's collisions take from the force: half of the
+largest deviation from direct simulations of a disk."""
+
+MODEL_HEAT_ERROR = 0.0035
+"""Relative standard error of the heat ratio by the model equation, likewise."""
+
+
+HEATED_RANGE = (0.5, 3.5)
+""":math:`T_h/T_c` between which factors change with it [1]: that of the model equation's table."""
+
+
+def require_collisions(collisions: str) -> None:
+    """Raise :class:`ParameterError` unless a choice is one."""
+    if collisions not in get_args(Collisions):
+        raise ParameterError(f"collisions must be one of {', '.join(get_args(Collisions))}")
+
+
+class Heated(NamedTuple):
+    """How a factor changes with temperature: to the power slope · (neutral − ω) of T_h/T_c."""
+
+    slope: float
+    neutral: dict[str, float]
+
+    def __call__(self, kind: str, ratio: Numeric, exponent: Numeric) -> Array:
+        """Change for a kind of gas, a temperature ratio and a viscosity exponent [1]."""
+        held = held_within(heating_of(ratio), *np.log(HEATED_RANGE))
+        return jnp.exp(self.slope * (self.neutral[kind] - exponent) * held)
+
+
+# fitted to direct simulations of other gases than nitrogen in studies/kinetic_collisions
+FORCE_HEATED = Heated(0.389, {"monatomic": 0.879, "diatomic": 0.838})
+HEAT_HEATED = Heated(0.248, {"monatomic": 0.799, "diatomic": 0.721})
+
+FORCE_ERROR, HEAT_ERROR = 0.028, 0.0064
+"""Standard errors of the factors of force and heat [1]: what is left, beside noise, of nitrogen's
+by direct simulation, to which nothing was fitted."""
+
+# powers of viscosity exponent, TAC and Knudsen number
+_POWERS = {
+    "monatomic": [
+        *((0, 0, knudsen) for knudsen in range(6)),
+        *((1, 0, knudsen) for knudsen in range(5)),
+        *((2, 0, knudsen) for knudsen in range(3)),
+        *((exponent, 1, knudsen) for exponent in range(2) for knudsen in range(3)),
+    ],
+    "diatomic": [
+        *((0, 0, knudsen) for knudsen in range(6)),
+        *((1, 0, knudsen) for knudsen in range(5)),
+        *((exponent, 1, knudsen) for exponent in range(2) for knudsen in range(3)),
+    ],
+}
+
+
+@dataclass(frozen=True)
+class CollisionFit:
+    """Factors of a kind of gas as smooth functions.
+
+    Attributes
+    ----------
+    knudsen_range, exponent_range : tuple of float
+        Of the table; beyond it the factors stay what they are there.
+    tac_range : tuple of float
+        TACs between which the factors change with it.
+    force, heat : nested tuple of float
+        Coefficients of the factors' logarithms: viscosity exponent less 0.74, TAC less 0.9,
+        Knudsen number.
+    """
+
+    knudsen_range: tuple[float, float]
+    exponent_range: tuple[float, float]
+    tac_range: tuple[float, float]
+    force: Any
+    heat: Any
+
+    def factors(self, knudsen: Numeric, exponent: Numeric, tac: Numeric) -> tuple[Array, Array]:
+        """:math:`r_F` and :math:`r_Q` of small temperature differences [1].
+
+        Parameters
+        ----------
+        knudsen, exponent, tac : array, shape (...)
+            Knudsen number at the gas temperature, exponent of viscosity in temperature, and mean
+            TAC [1].
+
+        Returns
+        -------
+        force, heat : array, broadcast shape
+        """
+        low, high = np.log(self.knudsen_range)
+        place = scaled(jnp.clip(jnp.log(knudsen), low, high), low, high)
+        stiff = held_within(exponent, *self.exponent_range) - _REFERENCE_EXPONENT
+        rough = jnp.clip(tac, *self.tac_range) - _REFERENCE_TAC
+        return (
+            jnp.exp(polynomial(self.force, stiff, rough, place)),
+            jnp.exp(polynomial(self.heat, stiff, rough, place)),
+        )
+
+
+@dataclass(frozen=True)
+class HeatedGas:
+    """A gas around a flyer of another temperature.
+
+    Attributes
+    ----------
+    gas : AbstractGas
+    kind : {"diatomic", "monatomic"}
+        That of the tables that stands for it.
+    temperature, ratio : array, shape (...)
+        Of the gas [K], and of the flyer over it [1].
+    exponent : array, shape (...)
+        Exponent of the gas's viscosity between the two [1].
+    """
+
+    gas: AbstractGas
+    kind: str
+    temperature: Numeric
+    ratio: Numeric
+    exponent: Numeric
+
+    @property
+    def _simulated_conduction(self) -> Numeric:
+        """Conductivity of the simulated molecules over viscosity and gas constant [1]."""
+        low, high = collision_fit(self.kind).exponent_range
+        value, slope = _SIMULATED_CONDUCTION
+        return value + slope * (held_within(self.exponent, low, high) - _REFERENCE_EXPONENT)
+
+    @property
+    def _conduction(self) -> Numeric:
+        """The same of the gas, at its temperature: a heat balance then looks it up once.
+
+        A polyatomic gas is scaled by its conductivity elsewhere.
+        """
+        if self.gas.molecules != self.kind:
+            return MODEL_CONDUCTION
+        return self.gas.reduced_conductivity(self.temperature)
+
+    def factors(self, knudsen: Numeric, tac: Numeric) -> tuple[Array, Array]:
+        """Factors of force and heat, :math:`r_F` and :math:`r_Q` [1].
+
+        Parameters
+        ----------
+        knudsen, tac : array, shape (...)
+            Knudsen number at the gas temperature and mean TAC [1].
+
+        Returns
+        -------
+        force, heat : array, broadcast shape
+        """
+        force, heat = collision_fit(self.kind).factors(knudsen, self.exponent, tac)
+        if self.kind == "diatomic":
+            heat *= self._simulated_conduction / self._conduction
+        return (
+            force * FORCE_HEATED(self.kind, self.ratio, self.exponent),
+            heat * HEAT_HEATED(self.kind, self.ratio, self.exponent),
+        )
+
+
+def force_error(of_table: Array, ratio: Array, collisions: Collisions) -> Array:
+    """Relative standard error of a force, with the table's [1].
+
+    Parameters
+    ----------
+    of_table, ratio : array, shape (...)
+        Relative standard error of table and fit, and force over that of free molecules [1].
+    collisions : {"vhs", "shakhov"}
+
+    Returns
+    -------
+    array, broadcast shape
+    """
+    taken = FORCE_ERROR if collisions == "vhs" else MODEL_FORCE_ERROR
+    return jnp.hypot(of_table, taken * (1.0 - ratio))
+
+
+def heat_error(of_table: Array, ratio: Array, collisions: Collisions) -> Array:
+    """Relative standard error of a heat loss; as :func:`force_error`."""
+    own = HEAT_ERROR * (1.0 - ratio) if collisions == "vhs" else MODEL_HEAT_ERROR
+    return jnp.hypot(of_table, own)
+
+
+def with_collisions(ratio: Numeric, factor: Numeric) -> Array:
+    """A ratio to free molecules where collisions take a factor more [1].
+
+    Parameters
+    ----------
+    ratio, factor : array, shape (...)
+        By the model equation, and :math:`r` [1].
+
+    Returns
+    -------
+    array, broadcast shape
+    """
+    return jnp.asarray(ratio / (ratio + factor * (1.0 - ratio)))
+
+
+@lru_cache
+def collision_fit(gas: str = "diatomic") -> CollisionFit:
+    """Factors of a kind of gas, fitted to the table.
+
+    Parameters
+    ----------
+    gas : {"diatomic", "monatomic"}
+
+    Returns
+    -------
+    CollisionFit
+    """
+    table = shipped_table("kinetic_collisions.csv")
+    kept = np.array(table.texts["gas"]) == gas
+    return fitted({name: column[kept] for name, column in table.numbers.items()}, _POWERS[gas])
+
+
+def fitted(table: dict[str, np.ndarray], powers: list[tuple[int, int, int]]) -> CollisionFit:
+    """Smooth functions through a table's columns.
+
+    Parameters
+    ----------
+    table : dict of str to array, shape (n,)
+    powers : list of tuple of int
+        Of the viscosity exponent, the TAC and the Knudsen number.
+
+    Returns
+    -------
+    CollisionFit
+    """
+    knudsen, exponent = table["knudsen"], table["viscosity_exponent"]
+    low, high = float(knudsen.min()), float(knudsen.max())
+    variables = (
+        exponent - _REFERENCE_EXPONENT,
+        table["tac"] - _REFERENCE_TAC,
+        np.asarray(scaled(np.log(knudsen), np.log(low), np.log(high))),
+    )
+    force, heat = (
+        least_squares(np.log(table[f"{name}_factor"]), variables, powers)
+        for name in ("force", "heat")
+    )
+    return CollisionFit(
+        (low, high), (float(exponent.min()), float(exponent.max())), _TACS, force, heat
+    )

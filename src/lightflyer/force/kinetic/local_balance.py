@@ -1,0 +1,143 @@
+r"""The film whose spots balance their own heat: colder where the gas takes more, at the edge.
+
+Heat hardly flows along a film thinner than a micrometre. Its temperature then follows from what
+each spot absorbs and loses. With the mean of the temperature in place of that of an isothermal
+film, force and heat loss are smaller by the shares
+
+.. math::
+    D\,\left(\frac{T_h}{T_c}\right)^{-n}\,\frac{s}{s+k(1-s)}, \qquad
+    k = \frac{\mathrm{Kn}}{\mathrm{Kn}+\mathrm{Kn}_0}
+
+where the gas takes the share :math:`s` of a small change of the heat: radiation is as strong
+everywhere and evens the temperature out. :math:`D(\mathrm{Kn})` are from the solver's linear
+problem (``studies/kinetic_chamber``), :math:`n` and :math:`\mathrm{Kn}_0` are fitted to points with
+large differences and with radiation.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Literal, NamedTuple, get_args
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.files.table import shipped_table
+from lightflyer.flyer.disk import Disk
+from lightflyer.force.free_molecular import disk_conductance
+from lightflyer.force.kinetic.ratios import heating_of, thinness
+from lightflyer.numerics.polynomials import least_squares, polynomial, scaled
+
+FilmBalance = Literal["isothermal", "local"]
+"""One temperature of the whole film, or one that follows from each spot's balance of heat."""
+
+_HEATING_EXPONENT = 1.57
+_KNUDSEN_0 = 0.062
+_POWERS = [(0,), (1,), (2,), (3,)]
+_HELD = "the table of films that balance their heat locally ends there, and what it says is held"
+_LEAST = 1e-5  # shares that meshes resolve [1]
+
+
+def require_film_balance(balance: str) -> None:
+    """Raise :class:`ParameterError` unless a choice is one."""
+    known = get_args(FilmBalance)
+    if balance not in known:
+        raise ParameterError(f'film_balance = "{balance}" is not one of {", ".join(known)}')
+
+
+class Kept(NamedTuple):
+    """Factors of force and heat loss at the same mean temperature [1]."""
+
+    force: Numeric = 1.0
+    heat: Numeric = 1.0
+
+
+@dataclass(frozen=True)
+class LocalBalanceFit:
+    """Shares that a film loses as smooth functions.
+
+    Attributes
+    ----------
+    knudsen_range : tuple of float
+        Of the table; beyond it the shares stay what they are there.
+    force, heat : tuple of float
+        Coefficients of the logarithms of :math:`D` for force and heat loss.
+    """
+
+    knudsen_range: tuple[float, float]
+    force: Any
+    heat: Any
+
+    def caveats(self, knudsen: Numeric, pressure: Numeric, molecules: str) -> Iterator[str]:
+        """Where the gas is denser or another than the table's."""
+        if molecules == "monatomic":
+            yield "what a film's local balance of heat does is taken from a diatomic gas"
+        yield from Validity("the Knudsen number", self.knudsen_range[0], np.inf, _HELD).caveats(
+            knudsen, pressure
+        )
+
+    def kept(
+        self,
+        disk: Disk,
+        state: EnvironmentState,
+        excess: Numeric,
+        knudsen: Numeric,
+        heat_ratio: Numeric,
+    ) -> Kept:
+        """What is kept of the isothermal film's force and heat loss.
+
+        Parameters
+        ----------
+        disk : Disk
+        state : EnvironmentState
+        excess : array, shape (...)
+            T_h/T_c − 1 of the mean temperature [1].
+        knudsen, heat_ratio : array, shape (...)
+            Knudsen number, and heat loss over that of free molecules [1].
+
+        Returns
+        -------
+        Kept
+        """
+        share = gas_share(disk, state, excess, heat_ratio)
+        evened = share / (share + (1.0 - share) * knudsen / (knudsen + _KNUDSEN_0))
+        scale = evened * jnp.exp(-_HEATING_EXPONENT * jnp.maximum(heating_of(1.0 + excess), 0.0))
+        place = thinness(knudsen, self.knudsen_range)
+        force, heat = (jnp.exp(polynomial(own, place)) for own in (self.force, self.heat))
+        return Kept(1.0 - scale * force, 1.0 - scale * heat)
+
+
+def gas_share(disk: Disk, state: EnvironmentState, excess: Numeric, heat_ratio: Numeric) -> Array:
+    """Share of the gas in a small change of the film's heat loss [1]; else it is radiated."""
+    film = disk.film
+    gas = heat_ratio * disk_conductance(disk, state, excess)
+    emittance = film.emittance_top + film.emittance_bottom
+    hot = state.temperature * jnp.maximum(1.0 + excess, 0.0)
+    sent = 4.0 * emittance * state.radiation.stefan_boltzmann * disk.area
+    return jnp.asarray(gas / (gas + sent * hot**3 * state.temperature))
+
+
+@lru_cache
+def local_balance_fit() -> LocalBalanceFit:
+    """Shares that a film loses, fitted to the table, which is for a diatomic gas.
+
+    Returns
+    -------
+    LocalBalanceFit
+    """
+    columns = shipped_table("kinetic_local_balance.csv").numbers
+    kept = 1.0 - columns["heat_factor"] > _LEAST
+    knudsen = columns["knudsen"][kept]
+    ends = float(knudsen.min()), float(knudsen.max())
+    place = scaled(np.log(knudsen), *np.log(ends))
+    lost = [1.0 - columns[f"{name}_factor"][kept] for name in ("force", "heat")]
+    force, heat = (
+        least_squares(np.log(share), (place,), _POWERS, share**-0.5)  # small shares hardly matter
+        for share in lost
+    )
+    return LocalBalanceFit(ends, force, heat)

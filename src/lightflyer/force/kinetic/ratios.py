@@ -1,0 +1,360 @@
+r"""Kinetic force and heat of a disk as smooth functions of place.
+
+They give, over Knudsen number, temperature ratio and TACs, what fraction of their free-molecular
+values the force and the heat loss of a thin disk are. Both fractions fall from one
+as the gas gets denser. What is given by polynomials is how much resistance the gas adds, times
+the Knudsen number,
+
+.. math::
+    \ln\left[\left(\frac{1}{\hat F}-1\right)\mathrm{Kn}\right], \qquad
+    \ln\left[\left(\frac{1}{\hat Q}-1\right)\frac{\mathrm{Kn}}{\bar\alpha}\right]
+
+because these vary slowly and tend to constants in thin gas. In dense gas the heat's tends to that
+of conduction. The force's tends to a power law, since only the edge of a disk contributes. So they
+can be continued beyond the table that :mod:`~lightflyer.force.kinetic.table_fit` fits them to.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.numerics.polynomials import held_within, polynomial, scaled
+
+BOUNDARY_TAC = 0.85
+"""Mean TAC in the table of walls."""
+
+TAC_OFFSET = 0.1
+"""The variable of the fits is the logarithm of the mean TAC plus this: the force's resistance grows
+as the TAC does where it is large, and is constant where walls are smooth."""
+
+
+COLDEST = 0.1
+"""Least :math:`T_h/T_c` of which a logarithm is taken [1]: far below every table, and above zero,
+beyond which a heat balance may step."""
+
+
+class Place(NamedTuple):
+    r"""A place in the table.
+
+    Attributes
+    ----------
+    thinness, hot_thinness : array, shape (...)
+        Where the Knudsen number is among those of the linear and of the non-linear problem, from
+        −1 to 1.
+    dense : array, shape (...)
+        Knudsen number over that of the table's end where it lies below it, else 1.
+    heating : array, shape (...)
+        :math:`\ln(T_h/T_c)`.
+    tac, tac_variable : array, shape (...)
+        Mean TAC, and the logarithm of it plus :data:`TAC_OFFSET`.
+    """
+
+    thinness: Array
+    hot_thinness: Array
+    dense: Array
+    heating: Array
+    tac: Array
+    tac_variable: Array
+
+
+@dataclass(frozen=True)
+class Resistance:
+    """Logarithm of the resistance that the gas adds, times the Knudsen number.
+
+    Attributes
+    ----------
+    limit : nested tuple of float
+        Coefficients of the linear problem: TAC, Knudsen number.
+    heating : nested tuple of float
+        Coefficients of what heating adds: heating, TAC, Knudsen number.
+    exponent : nested tuple of float
+        Coefficients of what the viscosity exponent adds, per unit of it: heating, Knudsen number.
+    """
+
+    limit: Any
+    heating: Any
+    exponent: Any
+
+    def __call__(self, place: Place, exponent_difference: Numeric | None) -> Array:
+        """Value at a place, for a viscosity exponent that differs from the table's."""
+        heated = polynomial(self.heating, place.heating, place.tac_variable, place.hot_thinness)
+        if exponent_difference is not None:
+            heated += exponent_difference * polynomial(
+                self.exponent, place.heating, place.hot_thinness
+            )
+        return place.heating * heated + polynomial(self.limit, place.tac_variable, place.thinness)
+
+
+@dataclass(frozen=True)
+class Unlikeness:
+    r"""What a difference of the faces' TACs adds.
+
+    With the share :math:`w=(\Delta\alpha/2\bar\alpha)^2`, the two faces' resistances to the
+    difference of their heat, :math:`R_o`, leave
+
+    .. math::
+        \frac1{\hat Q(\Delta\alpha)} = \frac1{\hat Q} + \frac{gw}{1-gw}, \qquad
+        \frac1{\hat F(\Delta\alpha)} - 1 = (1-kgw)\left(\frac1{\hat F} - 1\right), \qquad
+        g = \frac{\bar\alpha R_o}{1+\bar\alpha R_o}
+
+    Attributes
+    ----------
+    resistance : nested tuple of float
+        Coefficients of the logarithm of :math:`R_o\,\mathrm{Kn}` for small temperature differences:
+        Knudsen number, TAC.
+    force : nested tuple of float
+        Coefficients of the logarithm of :math:`k`, likewise.
+    hot_resistance, hot_force : nested tuple of float
+        Coefficients of what heating adds to these logarithms, per unit of its own.
+    hot_knudsen_range : tuple of float
+        Of hot faces that are unlike; beyond it what heating adds stays what it is there.
+    """
+
+    resistance: Any
+    force: Any
+    hot_resistance: Any
+    hot_force: Any
+    hot_knudsen_range: tuple[float, float]
+
+    def at(self, place: Place, knudsen: Numeric, tac_difference: Numeric) -> tuple[Array, Array]:
+        """:math:`gw` and :math:`k` at a place."""
+        where, tac = place.thinness, place.tac_variable
+        hot = thinness(knudsen, self.hot_knudsen_range)
+        logarithm = polynomial(self.resistance, where, tac)
+        logarithm += place.heating * polynomial(self.hot_resistance, hot, tac)
+        of_force = polynomial(self.force, where, tac)
+        of_force += place.heating * polynomial(self.hot_force, hot, tac)
+        resistance = place.tac * jnp.exp(logarithm) / knudsen
+        apart = jnp.minimum(width(tac_difference, place.tac), 1.0)
+        return apart * resistance / (1.0 + resistance), jnp.exp(of_force)
+
+
+@dataclass(frozen=True)
+class KineticFit:
+    """Force and heat ratios as smooth functions, fitted to a table.
+
+    Attributes
+    ----------
+    knudsen_range : tuple of float
+        Of the linear problem's table; beyond it the limits' power laws continue.
+    hot_knudsen_range, ratio_range, tac_range : tuple of float
+        Knudsen numbers of the non-linear problem, T_h/T_c and mean TACs of the table; what heat
+        does, and the ratios, stay beyond them what they are at their ends.
+    viscosity_exponent : float
+        Of the table's gas [1].
+    conduction : float
+        What the heat's resistance tends to for small differences in dense gas.
+    force, heat : Resistance
+    unlikeness : Unlikeness
+    force_error, heat_error : tuple of float
+        Coefficients, in the Knudsen number, of the logarithm of the relative standard error of
+        table and fit.
+    force_wall, heat_wall : nested tuple of float
+        Coefficients of the effect of walls: inverse distance, Knudsen number.
+    wall_knudsen_range : tuple of float
+        Knudsen numbers in the table of walls.
+    nearest_wall : float
+        Least distance in the table of walls, in radii [1].
+    """
+
+    knudsen_range: tuple[float, float]
+    hot_knudsen_range: tuple[float, float]
+    ratio_range: tuple[float, float]
+    tac_range: tuple[float, float]
+    viscosity_exponent: float
+    conduction: float
+    force: Resistance
+    heat: Resistance
+    unlikeness: Unlikeness
+    force_error: tuple[float, ...]
+    heat_error: tuple[float, ...]
+    force_wall: Any
+    heat_wall: Any
+    wall_knudsen_range: tuple[float, float]
+    nearest_wall: float
+
+    def force_ratio(
+        self,
+        knudsen: Numeric,
+        ratio: Numeric,
+        tac: Numeric,
+        tac_difference: Numeric | None = None,
+        viscosity_exponent: Numeric | None = None,
+    ) -> Array:
+        r"""Force over the free-molecular one, :math:`\hat F` [1].
+
+        Parameters
+        ----------
+        knudsen, ratio, tac : array, shape (...)
+            Knudsen number at the gas temperature, :math:`T_h/T_c` and mean TAC [1].
+        tac_difference : array, shape (...), optional
+            Of the faces [1]; by default small.
+        viscosity_exponent : array, shape (...), optional
+            Of the gas between the two temperatures [1]; by default the table's.
+
+        Returns
+        -------
+        array, broadcast shape
+        """
+        place = self._place(knudsen, ratio, tac)
+        fitted = self.force(place, self._exponent_difference(viscosity_exponent))
+        # below the table the force is that of the edge, ∝ Kn²
+        resistance = jnp.exp(fitted) / (place.dense * knudsen)
+        if tac_difference is not None:
+            gw, k = self.unlikeness.at(place, knudsen, tac_difference)
+            resistance *= 1.0 - k * gw
+        return 1.0 / (1.0 + resistance)
+
+    def heat_ratio(
+        self,
+        knudsen: Numeric,
+        ratio: Numeric,
+        tac: Numeric,
+        tac_difference: Numeric | None = None,
+        viscosity_exponent: Numeric | None = None,
+    ) -> Array:
+        r"""Heat loss over the free-molecular one, :math:`\hat Q` [1]; as :meth:`force_ratio`."""
+        place = self._place(knudsen, ratio, tac)
+        difference = self._exponent_difference(viscosity_exponent)
+        fitted = self.heat(place, difference)
+        exponent = self.viscosity_exponent + (0.0 if difference is None else difference)
+        conducted = self.conduction - conduction_growth(place.heating, exponent)
+        fitted = conducted + (fitted - conducted) * place.dense
+        inverse = 1.0 + jnp.exp(fitted) * tac / knudsen
+        if tac_difference is not None:
+            gw, _ = self.unlikeness.at(place, knudsen, tac_difference)
+            inverse += gw / (1.0 - gw)
+        return 1.0 / inverse
+
+    def table_errors(self, knudsen: Numeric) -> tuple[Array, Array]:
+        """Relative standard errors of force and heat by the solver and the fit [1].
+
+        Parameters
+        ----------
+        knudsen : array, shape (...)
+
+        Returns
+        -------
+        force, heat : array, shape (...)
+        """
+        place = thinness(knudsen, self.knudsen_range)
+        return (
+            jnp.exp(polynomial(self.force_error, place)),
+            jnp.exp(polynomial(self.heat_error, place)),
+        )
+
+    def wall_factors(
+        self,
+        knudsen: Numeric,
+        distance: Numeric,
+        tac: Numeric = BOUNDARY_TAC,
+        tac_difference: Numeric | None = None,
+    ) -> tuple[Array, Array]:
+        """Force and heat between walls over those in open space [1].
+
+        Parameters
+        ----------
+        knudsen : array, shape (...)
+        distance : array, shape (...)
+            Of the walls, in radii of the disk [1].
+        tac : array, shape (...)
+            Mean of the faces [1].
+        tac_difference : array, shape (...), optional
+            Of the faces [1]; by default small.
+
+        Returns
+        -------
+        force, heat : array, broadcast shape
+
+        Notes
+        -----
+        Walls take a share of the gas's resistance to heat that does not depend on the TAC to 1 %,
+        and raise the force over the heat by a factor that does not.
+        """
+        place = thinness(knudsen, self.wall_knudsen_range)
+        nearness = 1.0 / jnp.maximum(distance, self.nearest_wall)
+        opened = self.heat_ratio(knudsen, 1.0, tac)
+        kept = jnp.exp(nearness * polynomial(self.heat_wall, nearness, place))
+        walled = 1.0 / (1.0 + kept * (1.0 / opened - 1.0))
+        like = heat = walled / opened
+        if tac_difference is not None:
+            # what the difference adds to the resistance is beside the faces, and stays
+            unlike = self.heat_ratio(knudsen, 1.0, tac, tac_difference)
+            heat = 1.0 / (unlike * (1.0 / walled + 1.0 / unlike - 1.0 / opened))
+        beside = polynomial(self.force_wall, nearness, place)
+        return like * jnp.exp(nearness * beside * denseness(knudsen)), heat
+
+    def _place(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Place:
+        inside = jnp.clip(tac, *self.tac_range)
+        return Place(
+            thinness(knudsen, self.knudsen_range),
+            thinness(knudsen, self.hot_knudsen_range),
+            jnp.minimum(knudsen / self.knudsen_range[0], 1.0),
+            held_within(heating_of(ratio), *np.log(self.ratio_range)),
+            inside,
+            jnp.log(inside + TAC_OFFSET),
+        )
+
+    def _exponent_difference(self, viscosity_exponent: Numeric | None) -> Numeric | None:
+        return None if viscosity_exponent is None else viscosity_exponent - self.viscosity_exponent
+
+
+def conduction_growth(heating: Any, exponent: Any) -> Any:
+    r"""Logarithm of what a conductivity that grows with temperature adds to conduction.
+
+    .. math::
+        \ln\frac{\int_{T_c}^{T_h} T^\omega\,\mathrm dT}{T_c^\omega\,(T_h-T_c)}
+        = \frac{\omega t}2 + \ln\frac{\sinh\frac{(\omega+1)\,t}2}{(\omega+1)\sinh\frac t2},
+        \qquad t = \ln\frac{T_h}{T_c}
+
+    Parameters
+    ----------
+    heating, exponent : array, shape (...)
+        :math:`t` and :math:`\omega` [1].
+
+    Returns
+    -------
+    array, broadcast shape
+
+    Notes
+    -----
+    By its series to :math:`t^4`, which is right to 0.1 % for :math:`|t|` up to 1.25.
+    """
+    square = heating**2
+    second, fourth = (((exponent + 1.0) ** power - 1.0) for power in (2, 4))
+    return 0.5 * exponent * heating + square * (second / 24.0 - square * fourth / 2880.0)
+
+
+def heating_of(ratio: Numeric) -> Array:
+    r""":math:`\ln(T_h/T_c)`, also of iterates of a heat balance that are no temperatures.
+
+    Parameters
+    ----------
+    ratio : array, shape (...)
+        :math:`T_h/T_c` [1]; below :data:`COLDEST` it counts as that.
+
+    Returns
+    -------
+    array, shape (...)
+    """
+    return jnp.log(jnp.maximum(ratio, COLDEST))
+
+
+def thinness(knudsen: Numeric, ends: tuple[float, float]) -> Array:
+    """Where among the Knudsen numbers of a table one is, from −1 to 1."""
+    low, high = np.log(ends)
+    return scaled(jnp.clip(jnp.log(knudsen), low, high), low, high)
+
+
+def width(tac_difference: Any, tac: Any) -> Any:
+    """:math:`w` of :class:`Unlikeness` [1]."""
+    return (0.5 * tac_difference / tac) ** 2
+
+
+def denseness(knudsen: Any) -> Any:
+    """Falls as the effect of collisions does in thin gas."""
+    return 1.0 / (1.0 + knudsen)

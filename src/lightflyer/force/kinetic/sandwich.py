@@ -1,0 +1,230 @@
+"""The kinetic model of a sandwich: what it makes of its table of a disk with holes."""
+
+import math
+from typing import Any, ClassVar
+
+import equinox as eqx
+import jax.numpy as jnp
+from jax import Array
+
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import StandardErrors
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.sandwich import Sandwich
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.force.kinetic.collisions import (
+    Collisions,
+    HeatedGas,
+    require_collisions,
+    with_collisions,
+)
+from lightflyer.force.kinetic.disk import HELD, WALL, viscosity_exponent
+from lightflyer.force.kinetic.sandwich_table import (
+    HIGHEST_OPEN_FRACTION,
+    Ratios,
+    SandwichFit,
+    sandwich_fit,
+)
+from lightflyer.force.kinetic.table import GASES
+from lightflyer.force.laws.faces import free_molecular_conductance
+from lightflyer.force.laws.membrane_transmission import (
+    MembraneTransmission,
+    Transmission,
+    passage,
+    require_transmission,
+)
+from lightflyer.force.membranes.sandwich import (
+    between_membranes,
+    caveats_of_sandwich,
+    rarefaction_of,
+)
+from lightflyer.gas.base import AbstractGas, knudsen_number
+from lightflyer.program.entry_point import entry_point
+
+WALLS = (
+    "Maxwell's for a sandwich; what others change at large temperature differences is not part of "
+    "the error"
+)
+_DENSE = "the table of kinetic ends there, and the force is extrapolated by a power law"
+_APART = 0.3  # TACs further apart change the heat by 1 % at Kn 0.1, which the table leaves out
+_DIFFERENCE = "the kinetic table is for small differences"
+_OPEN = "the table of kinetic ends there, and its fit goes on"
+_HELD = "it is held at what it does to the gas's resistance at the table's end"
+_LITTLE = 0.02  # of the order of the model's own error
+
+
+class KineticSandwich(AbstractForceModel):
+    """The kinetic model of a sandwich; its options are those of :class:`lightflyer.Kinetic`."""
+
+    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Sandwich,)
+    molecules: ClassVar[tuple[str, ...]] = GASES
+
+    force_error: StandardErrors | None
+    heat_error: StandardErrors | None
+    transmission: Transmission = eqx.field(static=True)
+    collisions: Collisions = eqx.field(static=True)
+
+    def __check_init__(self) -> None:
+        super().__check_init__()
+        require_transmission(self.transmission)
+        require_collisions(self.collisions)
+
+    def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
+        """See :meth:`AbstractForceModel.assumptions`."""
+        del flyer
+        return (f"walls: {WALLS}",)
+
+    def require_gas(self, gas: AbstractGas) -> None:
+        """See :meth:`AbstractForceModel.require_gas`."""
+        if gas.molecules not in self.molecules:
+            raise ParameterError(
+                f"force model Kinetic is not for a sandwich in {gas.name}, whose molecules are "
+                f"{gas.molecules}: polyatomic gas is scaled for disks only"
+            )
+
+    def heat_loss(
+        self, flyer: Sandwich, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> tuple[Array, ...]:
+        """See :meth:`AbstractForceModel.heat_loss`."""
+        self.require_gas(state.gas)
+        top, bottom = unknowns
+        passed = passage_of(flyer, self.transmission)
+        fit, ratios = _ratios(flyer, state, unknowns, passed, self.collisions)
+        free = free_molecular_conductance(
+            flyer.area,
+            1.0,
+            state.pressure,
+            state.gas.mean_speed(state.temperature),
+            state.gas.heat_capacity_ratio,
+        )
+        if self.heat_error is not None:
+            free *= 1.0 + self.heat_error * fit.relative_heat_error(rarefaction_of(flyer, state))
+        even = (1.0 - ratios.heat) / passed.even
+        odd = (1.0 - ratios.heat_difference) / passed.thin_share
+        from_top, from_bottom = passed.heat((top, bottom), even, odd)
+        upward = between_membranes(flyer, state, passed) * (bottom - top)
+        return free * from_top - upward, free * from_bottom + upward
+
+    def force(self, flyer: Sandwich, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
+        """See :meth:`AbstractForceModel.force`."""
+        passed = passage_of(flyer, self.transmission)
+        fit, ratios = _ratios(flyer, state, unknowns, passed, self.collisions)
+        by_temperature, by_tac = ratios.force, ratios.tac_force
+        if self.force_error is not None:
+            delta = rarefaction_of(flyer, state)
+            by_temperature *= 1.0 + self.force_error * fit.relative_force_error(
+                delta, by_temperature
+            )
+            by_tac *= 1.0 + self.force_error * fit.relative_force_error(delta, by_tac)
+        apart, unlike = passed.recoil(*unknowns)
+        driven = by_temperature * apart + by_tac * unlike
+        return 0.5 * state.pressure * flyer.area * driven
+
+    def caveats(
+        self, flyer: Sandwich, state: EnvironmentState, temperature: Numeric
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractForceModel.caveats`."""
+        fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
+        passed, pressure = passage_of(flyer, self.transmission), state.pressure
+        hottest = 1.0 / (1.0 - fit.heating_limit)
+        looks = [
+            (Validity("the rarefaction parameter", 0.0, fit.rarefaction_range[1], _DENSE), delta),
+            (Validity("T_h/T_c", 1.0, hottest, HELD), temperature / state.temperature),
+            (Validity("the mean TAC", *fit.tac_range, HELD), passed.tac),
+            (Validity("the difference of the outer TACs", -_APART, _APART, _DIFFERENCE),
+             flyer.bottom.tac_bottom - flyer.top.tac_top),
+            (Validity("open_fraction", 0.0, HIGHEST_OPEN_FRACTION, _OPEN), flyer.open_fraction),
+            (_held_heating(fit),
+             _effect_of_heating(flyer, state, jnp.asarray(temperature), passed)),
+        ]  # fmt: skip
+        if state.wall_distance is not None:
+            near = Validity("the walls' distance over the radius", fit.nearest_wall, math.inf, WALL)
+            looks.append((near, state.wall_distance / flyer.radius))
+            looks.append((Validity("the rarefaction parameter", *fit.wall_range, WALL), delta))
+        solid = state.floor_distance is not None or state.lid_distance is not None
+        return (
+            *(text for range_, value in looks for text in range_.caveats(value, pressure)),
+            *caveats_of_sandwich(flyer, state, self.transmission),
+            *(("floor and lid have no effect: their table is for a disk",) if solid else ()),
+        )
+
+
+def _held_heating(fit: SandwichFit) -> Validity:
+    low, high = fit.hot_range
+    name = (
+        f"what heat does to force or heat loss outside its table, rarefactions {low:g} to {high:g},"
+    )
+    return Validity(name, 0.0, _LITTLE, _HELD)
+
+
+@entry_point
+def _effect_of_heating(
+    flyer: Sandwich, state: EnvironmentState, temperature: Numeric, passed: MembraneTransmission
+) -> Array:
+    """Relative change of force or heat by heating at most, where its table does not reach [1]."""
+    fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
+    hot, cold = (
+        fit.ratios(delta, passed.open_fraction, passed.tac, passed.even, ratio)
+        for ratio in (temperature / state.temperature, 1.0)
+    )
+    changes = [
+        jnp.abs(one / other - 1.0)
+        for one, other in ((hot.force, cold.force), (hot.heat, cold.heat))
+    ]
+    low, high = fit.hot_range
+    return jnp.where((delta < low) | (delta > high), jnp.maximum(*changes), 0.0)
+
+
+def passage_of(flyer: Sandwich, transmission: Transmission) -> MembraneTransmission:
+    """Passage of molecules through a sandwich with the TACs of its four faces."""
+    return passage(
+        transmission,
+        flyer.open_fraction,
+        (flyer.top.tac_top, flyer.bottom.tac_bottom),
+        (flyer.top.tac_bottom, flyer.bottom.tac_top),
+    )
+
+
+def _ratios(
+    flyer: Sandwich,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    passed: MembraneTransmission,
+    collisions: Collisions,
+) -> tuple[SandwichFit, Ratios]:
+    """Force and heat over free molecules, in open space or a chamber."""
+    fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
+    mean = 1.0 + 0.5 * (unknowns[0] + unknowns[1])
+    exponent = viscosity_exponent(state.gas, state.temperature, mean)
+    ratios = fit.ratios(delta, passed.open_fraction, passed.tac, passed.even, mean, exponent)
+    if collisions == "vhs":
+        ratios = _of_molecules(ratios, flyer, state, (mean, exponent), passed)
+    if state.wall_distance is None:
+        return fit, ratios
+    walls: Any = fit.wall_factors(delta, passed.open_fraction, state.wall_distance / flyer.radius)
+    return fit, Ratios(*(ratio * wall for ratio, wall in zip(ratios, walls, strict=True)))
+
+
+def _of_molecules(
+    ratios: Ratios,
+    flyer: Sandwich,
+    state: EnvironmentState,
+    heated: tuple[Numeric, Numeric],
+    passed: MembraneTransmission,
+) -> Ratios:
+    """Ratios with the collisions of molecules around a disk without holes.
+
+    That holes change nothing in these is part of the sandwich's wider error.
+    """
+    gas, cold = state.gas, state.temperature
+    knudsen = knudsen_number(state.pressure, cold, flyer.radius, gas)
+    of_force, of_heat = HeatedGas(gas, gas.molecules, cold, *heated).factors(knudsen, passed.tac)
+    return Ratios(
+        with_collisions(ratios.force, of_force),
+        with_collisions(ratios.tac_force, of_force),
+        with_collisions(ratios.heat, of_heat),
+        with_collisions(ratios.heat_difference, of_heat),
+    )

@@ -1,0 +1,511 @@
+r"""The solver's table of kinetic force and heat of a disk with holes, as smooth functions.
+
+The table gives, over rarefaction, open fraction and mean TAC, what fraction of their free-molecular
+values are
+
+- :math:`\hat F`: the force by a temperature difference of the faces,
+- :math:`\hat F_\alpha`: the force by a difference of their TACs, where both are warm,
+- :math:`\hat Q`: the heat of both faces, equally warm,
+- :math:`\hat Q_\Delta`: the difference of the faces' heat, one as warm as the other is cold.
+
+All fall from one as the gas gets denser. With :math:`s = 1-\beta`, what is fitted by polynomials
+is the resistance that the gas adds, and for the last what it brings back,
+
+.. math::
+    \ln\frac{1/\hat F - 1}{s\,\delta}, \quad
+    \ln\frac{1/\hat F_\alpha - 1}{s\,\delta}, \quad
+    \ln\frac{1/\hat Q - 1}{s\,\bar\alpha\,\delta}, \quad
+    \frac{1 - \hat Q_\Delta}{s\,\bar\alpha}\,\frac{1+\delta}\delta
+
+:math:`\hat Q` depends on :math:`\beta` and :math:`\bar\alpha` by their product
+:math:`s\bar\alpha` alone: where both sides are alike, a molecule that passes is one reflected.
+
+What heat does to the resistances :math:`1/\hat F - 1` comes from a second, coarser table. For
+:math:`\hat F_\alpha` and :math:`\hat Q` without holes it is that of
+:mod:`~lightflyer.force.kinetic.table`, which both meet at :math:`\beta = 0`.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
+from lightflyer.files.table import shipped_table
+from lightflyer.force.kinetic.collisions import MODEL_FORCE_ERROR, MODEL_HEAT_ERROR
+from lightflyer.force.kinetic.ratios import KineticFit
+from lightflyer.force.kinetic.table import GASES
+from lightflyer.force.kinetic.table_fit import kinetic_fit
+from lightflyer.numerics.polynomials import (
+    as_tuples,
+    error_fit,
+    least_squares,
+    polynomial,
+    scaled,
+)
+
+HIGHEST_OPEN_FRACTION = 0.99
+"""Where the table ends [1]."""
+
+RAREFACTION_OF_KNUDSEN = np.sqrt(np.pi) / 4.0
+"""δ Kn, with the Knudsen number of the diameter."""
+
+_MOST = 8  # power of the rarefaction
+_POWERS = [
+    (hole, tac, place)
+    for hole in range(5)
+    for tac in range(3)
+    for place in range(_MOST + 1)
+    if hole == 0 or hole + tac + place <= _MOST + 1
+]
+_HEAT_POWERS = [(share, place) for share in range(4) for place in range(_MOST + 1)]
+_WALL_POWERS = [(near, hole, place) for near in range(4) for hole in range(5) for place in range(5)]
+_HOT_POWERS = [  # through every point of the table
+    (heat, hole, place) for heat in range(2) for hole in range(3) for place in range(3)
+]
+_FIT_ERROR = (0.003, 0.002)
+"""Relative standard error of force and heat by the fit: half the largest misfit up to δ = 60."""
+
+_RELATIVE = (False, True, True, False)  # whose value without holes is the disk's
+_LEAST_WEIGHT = 1e-4  # of a row in thin gas, where the resistance hardly matters
+_COLDEST = -0.3  # (T_h − T_c)/T_h down to which the fit's curve in temperature is continued
+_SLOPES = (-1.0, 1.0)  # of the logarithm of a resistance that are believed beyond the table
+
+
+@dataclass(frozen=True)
+class SandwichTable:
+    r"""The solver's results for one gas, a row each.
+
+    Attributes
+    ----------
+    rarefaction, open_fraction, tac : array, shape (n,)
+        :math:`\delta`, :math:`\beta` and mean TAC [1].
+    force_ratio, tac_force_ratio, heat_ratio, heat_difference_ratio, heat_cross_ratio : array
+        Over the free-molecular values, shape (n,) [1].
+    force_ratio_error, tac_force_ratio_error, heat_ratio_error : array, shape (n,)
+        Absolute 95 % bounds of the solver's error [1].
+    """
+
+    rarefaction: np.ndarray
+    open_fraction: np.ndarray
+    tac: np.ndarray
+    force_ratio: np.ndarray
+    tac_force_ratio: np.ndarray
+    heat_ratio: np.ndarray
+    heat_difference_ratio: np.ndarray
+    heat_cross_ratio: np.ndarray
+    force_ratio_error: np.ndarray
+    tac_force_ratio_error: np.ndarray
+    heat_ratio_error: np.ndarray
+
+
+@dataclass(frozen=True)
+class SandwichWallTable:
+    """Effect of a chamber's walls, a row each: factors over open space.
+
+    Attributes
+    ----------
+    rarefaction, boundary, open_fraction : array, shape (n,)
+        Distance of the wall in radii of the disk [1].
+    force_factor, tac_force_factor, heat_factor, heat_difference_factor : array, shape (n,)
+    """
+
+    rarefaction: np.ndarray
+    boundary: np.ndarray
+    open_fraction: np.ndarray
+    force_factor: np.ndarray
+    tac_force_factor: np.ndarray
+    heat_factor: np.ndarray
+    heat_difference_factor: np.ndarray
+
+
+@dataclass(frozen=True)
+class SandwichHotTable:
+    """What heat does to the resistances, a row each: factors over the linear problem.
+
+    Attributes
+    ----------
+    rarefaction, open_fraction, temperature_ratio : array, shape (n,)
+        Mean T/T_c of the faces [1].
+    force_growth, tac_force_growth, heat_growth, heat_difference_growth : array, shape (n,)
+    """
+
+    rarefaction: np.ndarray
+    open_fraction: np.ndarray
+    temperature_ratio: np.ndarray
+    force_growth: np.ndarray
+    tac_force_growth: np.ndarray
+    heat_growth: np.ndarray
+    heat_difference_growth: np.ndarray
+
+
+@lru_cache
+def sandwich_table(gas: str = "diatomic") -> SandwichTable:
+    """The solver's table for a gas.
+
+    Parameters
+    ----------
+    gas : {"diatomic", "monatomic"}
+
+    Returns
+    -------
+    SandwichTable
+
+    Raises
+    ------
+    ParameterError
+        For another gas.
+    """
+    if gas not in GASES:
+        raise ParameterError(f"gas = {gas!r} is not one of {', '.join(GASES)}")
+    table = shipped_table("kinetic_sandwich.csv")
+    kept = np.array(table.texts["gas"]) == gas
+    return SandwichTable(**{name: values[kept] for name, values in table.numbers.items()})
+
+
+@lru_cache
+def sandwich_wall_table() -> SandwichWallTable:
+    """The solver's table of the effect of walls."""
+    return SandwichWallTable(**shipped_table("kinetic_sandwich_boundary.csv").numbers)
+
+
+@lru_cache
+def sandwich_hot_table() -> SandwichHotTable:
+    """The solver's table of what heat does to the resistances."""
+    return SandwichHotTable(**shipped_table("kinetic_sandwich_hot.csv").numbers)
+
+
+class Ratios(NamedTuple):
+    """Over the free-molecular values [1].
+
+    Attributes
+    ----------
+    force, tac_force : array, shape (...)
+        Force by a temperature difference, and by a difference of TACs.
+    heat, heat_difference : array, shape (...)
+        Heat of both faces together, and its difference.
+    """
+
+    force: Array
+    tac_force: Array
+    heat: Array
+    heat_difference: Array
+
+
+@dataclass(frozen=True)
+class Resistance:
+    """Logarithm of the resistance that the gas adds, over its factor in thin gas.
+
+    Attributes
+    ----------
+    inside : nested tuple of float
+        Coefficients: what it depends on, then the place in the table.
+    slope : nested tuple of float
+        Coefficients of its slope in the logarithm of the rarefaction at the dense end.
+    """
+
+    inside: Any
+    slope: Any
+
+    def __call__(self, place: Numeric, beyond: Numeric, *variables: Numeric) -> Array:
+        """Value at a place in the table, and so far beyond it in the logarithm."""
+        slope = jnp.clip(polynomial(self.slope, *variables), *_SLOPES)
+        return polynomial(self.inside, *variables, place) + slope * beyond
+
+
+@dataclass(frozen=True)
+class SandwichFit:
+    r"""Force and heat ratios of a disk with holes as smooth functions, fitted to a table.
+
+    Attributes
+    ----------
+    rarefaction_range, tac_range : tuple of float
+        Of the table.
+    force, tac_force, heat : Resistance
+        Over open fraction (the force's over :math:`\beta/(1+\beta)`) and mean TAC; the heat's over
+        :math:`s\bar\alpha`.
+    heat_difference : nested tuple of float
+        Coefficients: open fraction, mean TAC, place.
+    disk : KineticFit
+        Of the disk without holes.
+    hot : tuple of nested tuples of float
+        Coefficients of what heat does, in the order of :class:`Ratios`: heating, open fraction,
+        place.
+    heating_limit : float
+        Largest :math:`1 - T_c/T_h` of the table of hot disks; beyond it the ratios stay constant.
+    hot_range : tuple of float
+        Rarefactions in the table of hot disks; beyond it what heat does is held.
+    walls : tuple of nested tuples of float
+        Coefficients of the effect of walls, in the order of :class:`Ratios`: inverse distance,
+        open fraction, place.
+    wall_range : tuple of float
+        Rarefactions in the table of walls.
+    nearest_wall : float
+        Least distance in it, in radii [1].
+    force_error, heat_error : tuple of float
+        Coefficients, in the place, of the logarithm of the relative standard error of table and
+        fit together.
+    """
+
+    rarefaction_range: tuple[float, float]
+    tac_range: tuple[float, float]
+    force: Resistance
+    tac_force: Resistance
+    heat: Resistance
+    heat_difference: Any
+    disk: KineticFit
+    hot: tuple[Any, ...]
+    heating_limit: float
+    hot_range: tuple[float, float]
+    walls: tuple[Any, ...]
+    wall_range: tuple[float, float]
+    nearest_wall: float
+    force_error: tuple[float, ...]
+    heat_error: tuple[float, ...]
+
+    def ratios(
+        self,
+        rarefaction: Numeric,
+        open_fraction: Numeric,
+        tac: Numeric,
+        share: Numeric,
+        temperature_ratio: Numeric,
+        viscosity_exponent: Numeric | None = None,
+    ) -> Ratios:
+        r"""Force and heat over their free-molecular values.
+
+        Parameters
+        ----------
+        rarefaction : array, shape (...)
+            :math:`\delta` at the gas temperature [1].
+        open_fraction, tac : array, shape (...)
+            :math:`\beta`, mean TAC [1].
+        share : array, shape (...)
+            Share of the molecules of an even field that are accommodated: :math:`s\bar\alpha`
+            where holes are aligned [1].
+        temperature_ratio : array, shape (...)
+            Mean temperature of the faces over that of the gas [1].
+        viscosity_exponent : array, shape (...), optional
+            Of the gas between the two temperatures [1]; by default the table's.
+
+        Returns
+        -------
+        Ratios
+        """
+        place, beyond = self._place(rarefaction)
+        mean = jnp.clip(tac, *self.tac_range)
+        heating = jnp.clip(1.0 - 1.0 / temperature_ratio, _COLDEST, self.heating_limit)
+        hot = 1.0 / (1.0 - heating)
+        disk = self._of_disk(rarefaction, mean, hot, viscosity_exponent)
+        by_force, by_tac, by_heat, by_difference = self._growths(
+            rarefaction, open_fraction, heating
+        )
+        solid = (1.0 - open_fraction) * rarefaction
+
+        def ratio(resistance: Resistance, scale: Numeric, *variables: Numeric) -> Array:
+            return 1.0 / (1.0 + scale * jnp.exp(resistance(place, beyond, *variables)))
+
+        back = polynomial(self.heat_difference, open_fraction, mean, place)
+        cold = 1.0 - back * solid * tac / (1.0 + rarefaction)
+        return Ratios(
+            ratio(self.force, by_force * solid, _flow(open_fraction), mean),
+            ratio(self.tac_force, disk[0] * by_tac * solid, open_fraction, mean),
+            ratio(self.heat, disk[1] * by_heat * share * rarefaction, share),
+            cold / (cold + by_difference * (1.0 - cold)),
+        )
+
+    def _growths(
+        self, rarefaction: Numeric, open_fraction: Numeric, heating: Numeric
+    ) -> list[Array]:
+        """What heat does to the four resistances, to two of them over that without holes."""
+        place = _place_of(rarefaction, self.hot_range)[0]
+        return [
+            jnp.exp(
+                heating
+                * (
+                    polynomial(one, heating, open_fraction, place)
+                    - (polynomial(one, heating, 0.0, place) if relative else 0.0)
+                )
+            )
+            for one, relative in zip(self.hot, _RELATIVE, strict=True)
+        ]
+
+    def _of_disk(
+        self,
+        rarefaction: Numeric,
+        tac: Numeric,
+        temperature_ratio: Numeric,
+        viscosity_exponent: Numeric | None,
+    ) -> tuple[Array, Array]:
+        """Resistance to force and to heat of a hot disk without holes over that in this table."""
+        least = self.disk.knudsen_range[0]
+        knudsen = jnp.maximum(RAREFACTION_OF_KNUDSEN / rarefaction, least)
+        there = RAREFACTION_OF_KNUDSEN / knudsen
+        place, _ = self._place(there)
+        where = (knudsen, temperature_ratio, tac, None, viscosity_exponent)
+        force = 1.0 / self.disk.force_ratio(*where) - 1.0
+        heat = 1.0 / self.disk.heat_ratio(*where) - 1.0
+        return (
+            force / (there * jnp.exp(self.tac_force(place, 0.0, 0.0, tac))),
+            heat / (tac * there * jnp.exp(self.heat(place, 0.0, tac))),
+        )
+
+    def relative_force_error(self, rarefaction: Numeric, force_ratio: Numeric) -> Array:
+        """Relative standard error of the force: the table's and the equation's [1].
+
+        That of the equation stays for molecules, too: around holes they have not been compared.
+
+        Parameters
+        ----------
+        rarefaction, force_ratio : array, shape (...)
+
+        Returns
+        -------
+        array, broadcast shape
+        """
+        of_table = jnp.exp(polynomial(self.force_error, self._place(rarefaction)[0]))
+        of_numbers = jnp.hypot(of_table, _FIT_ERROR[0])
+        return jnp.hypot(of_numbers, MODEL_FORCE_ERROR * (1.0 - force_ratio))
+
+    def relative_heat_error(self, rarefaction: Numeric) -> Array:
+        """Relative standard error of the heat loss; as :meth:`relative_force_error`."""
+        of_table = jnp.exp(polynomial(self.heat_error, self._place(rarefaction)[0]))
+        return jnp.hypot(jnp.hypot(of_table, _FIT_ERROR[1]), MODEL_HEAT_ERROR)
+
+    def wall_factors(
+        self, rarefaction: Numeric, open_fraction: Numeric, distance: Numeric
+    ) -> Ratios:
+        """Between walls over open space [1].
+
+        Parameters
+        ----------
+        rarefaction, open_fraction : array, shape (...)
+        distance : array, shape (...)
+            Of the walls, in radii of the disk [1].
+
+        Returns
+        -------
+        Ratios
+        """
+        place = _place_of(rarefaction, self.wall_range)[0]
+        near = 1.0 / jnp.maximum(distance, self.nearest_wall)
+        return Ratios(
+            *(jnp.exp(near * polynomial(one, near, open_fraction, place)) for one in self.walls)
+        )
+
+    def _place(self, rarefaction: Numeric) -> tuple[Array, Array]:
+        return _place_of(rarefaction, self.rarefaction_range)
+
+
+def _place_of(rarefaction: Numeric, ends: tuple[float, float]) -> tuple[Array, Array]:
+    """Where in a table a rarefaction is, from −1 to 1, and how far beyond its dense end."""
+    low, high = np.log(ends)
+    logarithm = jnp.log(rarefaction)
+    return scaled(jnp.clip(logarithm, low, high), low, high), jnp.maximum(logarithm - high, 0.0)
+
+
+def _flow(open_fraction: Any) -> Any:
+    """What the flow through the holes of a dense gas goes with."""
+    return open_fraction / (1.0 + open_fraction)
+
+
+def _ends_and_places(rarefaction: np.ndarray) -> tuple[tuple[float, float], np.ndarray]:
+    ends = float(rarefaction.min()), float(rarefaction.max())
+    return ends, np.asarray(scaled(np.log(rarefaction), *np.log(ends)))
+
+
+@lru_cache
+def sandwich_fit(gas: str = "diatomic") -> SandwichFit:
+    """Smooth functions through the table for a gas.
+
+    Parameters
+    ----------
+    gas : {"diatomic", "monatomic"}
+
+    Returns
+    -------
+    SandwichFit
+    """
+    return fit(sandwich_table(gas), sandwich_hot_table(), sandwich_wall_table(), kinetic_fit(gas))
+
+
+def fit(
+    table: SandwichTable, hot: SandwichHotTable, walls: SandwichWallTable, disk: KineticFit
+) -> SandwichFit:
+    """Smooth functions through tables.
+
+    Parameters
+    ----------
+    table : SandwichTable
+    hot : SandwichHotTable
+    walls : SandwichWallTable
+    disk : KineticFit
+
+    Returns
+    -------
+    SandwichFit
+    """
+    ends, place = _ends_and_places(table.rarefaction)
+    low, high = np.log(ends)
+    delta, solid = table.rarefaction, 1.0 - table.open_fraction
+    both, share = (table.open_fraction, table.tac), solid * table.tac
+
+    def resistance(ratio: np.ndarray, scale: np.ndarray, variables: Any, powers: Any) -> Resistance:
+        values = np.log((1.0 / ratio - 1.0) / (scale * delta))
+        errors = 1.0 / (1.0 - ratio + _LEAST_WEIGHT)
+        inside = least_squares(values, (*variables, place), powers, errors)
+        slope = np.asarray(inside) @ np.arange(_MOST + 1) * 2.0 / (high - low)  # at +1
+        return Resistance(inside, as_tuples(slope))
+
+    def returned(ratio: np.ndarray) -> Any:
+        scale = share * delta / (1.0 + delta)
+        errors = ratio / (scale + _LEAST_WEIGHT)
+        return least_squares((1.0 - ratio) / scale, (*both, place), _POWERS, errors)
+
+    wall_ends, wall_place = _ends_and_places(walls.rarefaction)
+    by_distance = (1.0 / walls.boundary, walls.open_fraction, wall_place)
+    factors = (
+        walls.force_factor,
+        walls.tac_force_factor,
+        walls.heat_factor,
+        walls.heat_difference_factor,
+    )
+    hot_ends, hot_place = _ends_and_places(hot.rarefaction)
+    heating = 1.0 - 1.0 / hot.temperature_ratio
+    growths = (
+        hot.force_growth,
+        hot.tac_force_growth,
+        hot.heat_growth,
+        hot.heat_difference_growth,
+    )
+    return SandwichFit(
+        rarefaction_range=ends,
+        tac_range=(float(table.tac.min()), float(table.tac.max())),
+        force=resistance(
+            table.force_ratio, solid, (_flow(table.open_fraction), table.tac), _POWERS
+        ),
+        tac_force=resistance(table.tac_force_ratio, solid, both, _POWERS),
+        heat=resistance(table.heat_ratio, share, (share,), _HEAT_POWERS),
+        heat_difference=returned(table.heat_difference_ratio),
+        disk=disk,
+        hot=tuple(
+            least_squares(
+                np.log(growth) / heating, (heating, hot.open_fraction, hot_place), _HOT_POWERS
+            )
+            for growth in growths
+        ),
+        heating_limit=float(heating.max()),
+        hot_range=hot_ends,
+        walls=tuple(
+            least_squares(np.log(factor) * walls.boundary, by_distance, _WALL_POWERS)
+            for factor in factors
+        ),
+        wall_range=wall_ends,
+        nearest_wall=float(walls.boundary.min()),
+        force_error=error_fit(table.force_ratio_error / table.force_ratio, place),
+        heat_error=error_fit(table.heat_ratio_error / table.heat_ratio, place),
+    )

@@ -1,0 +1,94 @@
+"""The solver's tables of kinetic force and heat; studies/kinetic_table makes them."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from lightflyer.core.errors import ParameterError
+from lightflyer.files.table import shipped_table
+
+GASES = ("monatomic", "diatomic")
+
+
+@dataclass(frozen=True)
+class Table:
+    r"""The solver's results for one gas, a row each.
+
+    Attributes
+    ----------
+    knudsen : array, shape (n,)
+        :math:`\lambda(T_c)/(2r)` [1].
+    temperature_ratio : array, shape (n,)
+        :math:`T_h/T_c` [1]; 1 stands for the limit of small differences.
+    tac, tac_difference : array, shape (n,)
+        Mean TAC of the faces and their difference [1].
+    viscosity_exponent : array, shape (n,)
+        :math:`\omega` of :math:`\mu\propto T^\omega` [1].
+    force_ratio, heat_ratio : array, shape (n,)
+        Over the free-molecular values at Maxwell walls, the heat of both faces together [1].
+    force_ratio_error, heat_ratio_error : array, shape (n,)
+        Absolute 95 % bounds of the error of solver and fit together [1].
+    """
+
+    knudsen: np.ndarray
+    temperature_ratio: np.ndarray
+    tac: np.ndarray
+    tac_difference: np.ndarray
+    viscosity_exponent: np.ndarray
+    force_ratio: np.ndarray
+    heat_ratio: np.ndarray
+    force_ratio_error: np.ndarray
+    heat_ratio_error: np.ndarray
+
+
+@dataclass(frozen=True)
+class WallTable:
+    """Effect of a chamber's walls on the linear problem, for one gas, a row each.
+
+    Attributes
+    ----------
+    knudsen, boundary : array, shape (n,)
+        Knudsen number and distance of the wall in radii of the disk [1].
+    force_factor, heat_factor : array, shape (n,)
+        Over the values in open space, at a mean TAC of 0.85 [1].
+    """
+
+    knudsen: np.ndarray
+    boundary: np.ndarray
+    force_factor: np.ndarray
+    heat_factor: np.ndarray
+
+
+@lru_cache
+def kinetic_table(gas: str = "diatomic") -> Table:
+    """The solver's table for a gas.
+
+    Parameters
+    ----------
+    gas : {"diatomic", "monatomic"}
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    ParameterError
+        For another gas.
+    """
+    return Table(**_columns("kinetic.csv", gas))
+
+
+@lru_cache
+def wall_table(gas: str = "diatomic") -> WallTable:
+    """The solver's table of the effect of walls for a gas; see :func:`kinetic_table`."""
+    return WallTable(**_columns("kinetic_boundary.csv", gas))
+
+
+def _columns(name: str, gas: str) -> dict[str, np.ndarray]:
+    if gas not in GASES:
+        raise ParameterError(f"gas = {gas!r} is not one of {', '.join(GASES)}")
+    table = shipped_table(name)
+    kept = np.array(table.texts["gas"]) == gas
+    return {column: values[kept] for column, values in table.numbers.items()}

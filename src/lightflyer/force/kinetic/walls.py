@@ -1,0 +1,328 @@
+r"""Walls of the kinetic disk: what it makes of another one than Maxwell's.
+
+The table of the kinetic model is for Maxwell walls. Where all molecules leave a face at one
+accommodated temperature, force and heat loss have other free-molecular values, which are exact, and
+collisions take away another share of them,
+
+.. math::
+    \ln\frac{\hat F_a}{\hat F} = \frac{g_F}{1+\mathrm{Kn}/\mathrm{Kn}_0}, \qquad
+    \ln\frac{\hat Q_a}{\hat Q} = \frac{(1-\bar\alpha)\,g_Q}{1+\mathrm{Kn}/\mathrm{Kn}_0},
+
+with polynomials :math:`g` through a table of the solver's in :math:`\ln(T_h/T_c)`, the mean TAC
+and the Knudsen number. Collisions change nothing as the gas gets thin, and no heat loss where both
+walls are the same.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Literal, NamedTuple, get_args
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.files.table import shipped_table
+from lightflyer.flyer.disk import Disk
+from lightflyer.force.kinetic.ratios import heating_of
+from lightflyer.force.laws.faces import accommodated_force, maxwell_force, normal_accommodation
+from lightflyer.numerics.polynomials import held_within, least_squares, polynomial, scaled
+
+Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
+"""What becomes of molecules at a face; unknown is the middle of the next two."""
+
+_IN_WORDS = {
+    "unknown": "walls: unknown, the middle of Maxwell's and of accommodated ones; half of their "
+    "difference, with or without that of collisions, is the 95 % error",
+    "maxwell": "walls: Maxwell's, a share TAC of the molecules leaves at the temperature of the "
+    "face, the rest is reflected",
+    "accommodated": "walls: accommodated, all molecules leave a face at one temperature",
+    "cercignani-lampis": "walls: Cercignani-Lampis, with the collisions of accommodated ones",
+}
+
+# powers of heating, TAC and Knudsen number
+_HEATED_POWERS = [(1, tac, knudsen) for tac in range(3) for knudsen in range(4)]
+_FORCE_POWERS = [
+    *((0, tac, knudsen) for tac in range(4) for knudsen in range(6)),
+    *_HEATED_POWERS,
+    *((2, 0, knudsen) for knudsen in range(3)),
+    (3, 0, 0),
+]
+_HEAT_POWERS = [
+    *((0, tac, knudsen) for tac in range(3) for knudsen in range(6)),
+    *_HEATED_POWERS,
+    *((2, 0, knudsen) for knudsen in range(2)),
+]
+_KNUDSEN_0 = 0.25  # where thin gas gives way to dense, for what is fitted only
+_HELD = "the table of walls other than Maxwell's ends there, and what they change is held"
+_NO_WALL = "no wall has TAC and tangential_accommodation as given; it is held within 0 and 1"
+
+
+class Walls(NamedTuple):
+    """A choice of walls.
+
+    Attributes
+    ----------
+    wall : {"unknown", "maxwell", "accommodated", "cercignani-lampis"}
+    error : array or None
+        Deviation from what is assumed, in standard errors [1]; None stands for zero.
+    tangential : array or None
+        Accommodation of tangential momentum of both faces, for Cercignani–Lampis walls; without
+        it tangential energy is accommodated as well as the rest.
+    """
+
+    wall: Wall = "maxwell"
+    error: Numeric | None = None
+    tangential: Numeric | None = None
+
+
+def require_walls(walls: Walls) -> None:
+    """Raise unless a choice of walls is one.
+
+    Raises
+    ------
+    ParameterError
+        For an unknown wall, or a tangential accommodation of another wall than
+        Cercignani–Lampis'.
+    """
+    known = get_args(Wall)
+    if walls.wall not in known:
+        raise ParameterError(f'wall = "{walls.wall}" is not one of {", ".join(known)}')
+    if walls.tangential is not None and walls.wall != "cercignani-lampis":
+        raise ParameterError(
+            f'tangential_accommodation has no meaning with wall = "{walls.wall}"; it is for '
+            "cercignani-lampis"
+        )
+
+
+def described(walls: Walls) -> str:
+    """The walls in words."""
+    return _IN_WORDS[walls.wall]
+
+
+@dataclass(frozen=True)
+class WallFit:
+    r"""Ratios to free molecules at accommodated walls over those at Maxwell's, for one gas.
+
+    Attributes
+    ----------
+    knudsen_range, heated_range, tac_range, heating_range : tuple of float
+        Of the table; beyond it the polynomials stay what they are there. Heating is
+        :math:`\ln(T_h/T_c)`; the second range is that of Knudsen numbers of its terms.
+    force, heat : nested tuple of float
+        Coefficients: heating, TAC, Knudsen number.
+    """
+
+    knudsen_range: tuple[float, float]
+    heated_range: tuple[float, float]
+    tac_range: tuple[float, float]
+    heating_range: tuple[float, float]
+    force: Any
+    heat: Any
+
+    def _logarithm(self, coefficients: Any, knudsen: Numeric, ratio: Numeric, tac: Array) -> Array:
+        low, high = np.log(self.knudsen_range)
+        position, heated = (
+            scaled(jnp.clip(jnp.log(knudsen), *np.log(range_)), low, high)
+            for range_ in (self.knudsen_range, self.heated_range)
+        )
+        heating = held_within(heating_of(ratio), *self.heating_range)
+        cold, hot = coefficients[0], coefficients[1:]
+        found = polynomial(cold, tac, position) + heating * polynomial(hot, heating, tac, heated)
+        return jnp.asarray(found * _denseness(knudsen))
+
+    def force_factor(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Array:
+        r""":math:`\hat F_a/\hat F` [1].
+
+        Parameters
+        ----------
+        knudsen, ratio, tac : array, shape (...)
+            Knudsen number at the gas temperature, :math:`T_h/T_c` and mean TAC [1].
+
+        Returns
+        -------
+        array, broadcast shape
+        """
+        held = jnp.clip(tac, *self.tac_range)
+        return jnp.exp(self._logarithm(self.force, knudsen, ratio, held))
+
+    def heat_factor(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Array:
+        r""":math:`\hat Q_a/\hat Q` [1]; as :meth:`force_factor`."""
+        held = jnp.clip(tac, *self.tac_range)
+        return jnp.exp((1.0 - held) * self._logarithm(self.heat, knudsen, ratio, held))
+
+
+def _denseness(knudsen: Any) -> Any:
+    return 1.0 / (1.0 + knudsen / _KNUDSEN_0)
+
+
+@lru_cache
+def wall_fit(gas: str = "diatomic") -> WallFit:
+    """Smooth functions through the table for a gas.
+
+    Parameters
+    ----------
+    gas : {"diatomic", "monatomic"}
+
+    Returns
+    -------
+    WallFit
+    """
+    table = shipped_table("kinetic_walls.csv")
+    kept = np.array(table.texts["gas"]) == gas
+    return fitted({name: column[kept] for name, column in table.numbers.items()})
+
+
+def fitted(table: dict[str, np.ndarray]) -> WallFit:
+    """Smooth functions through a table's columns.
+
+    Parameters
+    ----------
+    table : dict of str to array, shape (n,)
+
+    Returns
+    -------
+    WallFit
+    """
+    knudsen, tac = table["knudsen"], table["tac"]
+    heating = np.log(table["temperature_ratio"])
+    low, high = float(knudsen.min()), float(knudsen.max())
+    position = np.asarray(scaled(np.log(knudsen), np.log(low), np.log(high)))
+
+    def factor(name: str, share: np.ndarray, powers: list[tuple[int, int, int]]) -> Any:
+        kept = share > 0.0
+        other, maxwell = (
+            table[f"{name}_ratio_{wall}"][kept] for wall in ("accommodated", "maxwell")
+        )
+        variables = tuple(column[kept] for column in (heating, tac, position))
+        # weighted so that what is fitted is the logarithm of the factor itself
+        return least_squares(
+            np.log(other / maxwell) / share[kept], variables, powers, 1.0 / share[kept]
+        )
+
+    dense, heated = _denseness(knudsen), knudsen[heating != 0.0]
+    return WallFit(
+        knudsen_range=(low, high),
+        heated_range=(float(heated.min()), float(heated.max())),
+        tac_range=(float(tac.min()), float(tac.max())),
+        heating_range=(float(heating.min()), float(heating.max())),
+        force=factor("force", dense, _FORCE_POWERS),
+        heat=factor("heat", dense * (1.0 - tac), _HEAT_POWERS),
+    )
+
+
+def force(
+    disk: Disk,
+    state: EnvironmentState,
+    excess: Array,
+    resisting: tuple[str, Array, Array],
+    walls: Walls,
+) -> Array:
+    """Force of gas in open space on a disk [N].
+
+    Parameters
+    ----------
+    disk : Disk
+    state : EnvironmentState
+    excess : array, shape (...)
+        Relative temperature excess [1].
+    resisting : tuple of str, array and array
+        Gas of the table, Knudsen number, and the force over that of free molecules at Maxwell walls
+        [1].
+    walls : Walls
+
+    Returns
+    -------
+    array, broadcast shape
+    """
+    kind, knudsen, ratio = resisting
+    film, pressure = disk.film, state.pressure
+    maxwell = ratio * maxwell_force(disk.area, film.tac_difference, pressure, excess)
+    if walls.wall == "maxwell":
+        return maxwell
+    top, bottom = normal_accommodations(disk, walls)
+    free = accommodated_force(disk.area, top, bottom, pressure, excess)
+    other = ratio * wall_fit(kind).force_factor(knudsen, 1.0 + excess, film.tac_mean)
+    # Maxwell's collisions at this wall: direct simulation lies between the two
+    same = ratio * free
+    if walls.wall == "unknown":
+        return _uncertain(
+            0.5 * (maxwell + other * free),
+            0.5 * _larger(maxwell - same, maxwell - other * free),
+            walls.error,
+        )
+    return _uncertain(other * free, same - other * free, walls.error)
+
+
+def heat_ratio(
+    disk: Disk, excess: Array, resisting: tuple[str, Array, Array], walls: Walls
+) -> Array:
+    """Heat loss over that of free molecules, which is that of any wall [1]; as :func:`force`."""
+    kind, knudsen, ratio = resisting
+    if walls.wall == "maxwell":
+        return ratio
+    fit, film = wall_fit(kind), disk.film
+    # each face by its own TAC, as much as it loses: unlike faces need that
+    top, bottom = (
+        tac * fit.heat_factor(knudsen, 1.0 + excess, tac) for tac in (film.tac_top, film.tac_bottom)
+    )
+    other = ratio * (top + bottom) / (film.tac_top + film.tac_bottom)
+    if walls.wall == "unknown":
+        return _uncertain(0.5 * (ratio + other), 0.5 * (ratio - other), walls.error)
+    return _uncertain(other, ratio - other, walls.error)
+
+
+def _larger(one: Array, other: Array) -> Array:
+    return jnp.where(jnp.abs(one) > jnp.abs(other), one, other)
+
+
+def _uncertain(value: Array, bound: Array, error: Numeric | None) -> Array:
+    return value if error is None else value + error / NORMAL_HALF_WIDTH_95 * bound
+
+
+def normal_accommodations(disk: Disk, walls: Walls) -> tuple[Numeric, Numeric]:
+    """Accommodation of the energy of normal motion at top and bottom, held within 0 and 1 [1]."""
+    top, bottom = disk.film.tac_top, disk.film.tac_bottom
+    if walls.tangential is None:
+        return top, bottom
+    held = [
+        jnp.clip(normal_accommodation(tac, walls.tangential), 0.0, 1.0) for tac in (top, bottom)
+    ]
+    return held[0], held[1]
+
+
+def caveats(
+    disk: Disk, walls: Walls, knudsen: Numeric, pressure: Numeric, covered: float
+) -> tuple[str, ...]:
+    """Warnings where the table of walls ends, or where no wall accommodates as it is told to.
+
+    Parameters
+    ----------
+    disk : Disk
+    walls : Walls
+    knudsen, pressure : array, shape (...)
+        Knudsen number [1] and pressure [Pa], concrete.
+    covered : float
+        Least Knudsen number of the model's own table, which says by itself where that ends.
+
+    Returns
+    -------
+    tuple of str
+    """
+    if walls.wall == "maxwell":
+        return ()
+    looks: list[tuple[Validity, Any]] = []
+    densest = wall_fit().knudsen_range[0]
+    if densest > covered:
+        looks.append((Validity("the Knudsen number", densest, np.inf, _HELD), knudsen))
+    if walls.tangential is not None:
+        looks += [
+            (Validity(f"the accommodation of normal energy {face}", 0.0, 1.0, _NO_WALL),
+             normal_accommodation(tac, walls.tangential))
+            for face, tac in (("on top", disk.film.tac_top), ("below", disk.film.tac_bottom))
+        ]  # fmt: skip
+    return tuple(text for range_, value in looks for text in range_.caveats(value, pressure))

@@ -1,0 +1,1 @@
+"""Laws of thin gas, as plain functions of plain numbers."""

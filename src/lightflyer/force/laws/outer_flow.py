@@ -1,0 +1,154 @@
+r"""Force of dense gas on a thin disk that gas streams through.
+
+A sandwich or a plate pumps gas from its top to its bottom at a velocity :math:`u`, the same
+everywhere on the disk. Gas comes to the top from all sides, leaves the bottom as a jet, and pushes
+the disk up with
+
+.. math::
+    F = C\,\mu\,a\,u, \qquad
+    C = \sqrt{C_0^2 + (g\,\mathrm{Re})^2}, \qquad
+    g = g_\infty + \frac{g_1}{\sqrt{g_2 + \mathrm{Re}}}, \qquad
+    \mathrm{Re} = \frac{\rho\,a\,u}{\mu}
+
+:math:`C_0 = 16` is exact: in creeping flow the gas moves as if the disk, without holes, moved
+through it face on. The rest is fitted to solutions of the Navier–Stokes equations
+(``studies/outer_flow``).
+"""
+
+import jax.numpy as jnp
+from jax import Array, lax
+
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
+
+CREEPING = 16.0
+"""Force on a disk in creeping flow, face on, over μ, radius and velocity; [HappelBrenner1983]."""
+
+_JET, _LAYER, _ONSET = 2.21, 6.57, 5.12  # g∞, g1, g2, fitted in studies/outer_flow
+_LINEAR = 2.6  # growth of the coefficient with the Reynolds number, to start from
+_STEPS = 5
+
+FLOW_RANGE = Validity(
+    "the Reynolds number of the flow through the disk",
+    0.0,
+    1000.0,
+    "the force of the flow is extrapolated",
+)
+"""Where the force is fitted."""
+
+
+def through_flow_coefficient(reynolds: Numeric, creeping: Numeric = CREEPING) -> Array:
+    r"""Force on a thin disk that gas streams through, over :math:`\mu a u`.
+
+    Parameters
+    ----------
+    reynolds : array, shape (...)
+        :math:`\rho\,a\,u/\mu`, of either sign [1].
+    creeping : array, shape (...), optional
+        Coefficient at zero Reynolds number; less than the default in rarefied gas [1].
+
+    Returns
+    -------
+    array, broadcast shape
+        [1].
+
+    Examples
+    --------
+    >>> for reynolds in (0.0, 10.0, 1000.0):
+    ...     print(f"{through_flow_coefficient(reynolds):.3g}")
+    16
+    42.2
+    2.42e+03
+    """
+    return jnp.sqrt(creeping**2 + (_growth(reynolds) * reynolds) ** 2)
+
+
+def _growth(reynolds: Numeric) -> Array:
+    return _JET + _LAYER / jnp.sqrt(_ONSET + jnp.abs(reynolds))
+
+
+def through_flow_force(
+    radius: Numeric,
+    velocity: Numeric,
+    density: Numeric,
+    viscosity: Numeric,
+    creeping: Numeric = CREEPING,
+) -> Array:
+    """Force of dense gas on a thin disk that it streams through.
+
+    Parameters
+    ----------
+    radius : array, shape (...)
+        Of the disk [m].
+    velocity : array, shape (...)
+        Of the gas far from the holes, volume flow over area; downward positive [m/s].
+    density, viscosity : array, shape (...)
+        Of the gas [kg/m³], [Pa s].
+    creeping : array, shape (...), optional
+        See :func:`through_flow_coefficient` [1].
+
+    Returns
+    -------
+    array, broadcast shape
+        Upward positive [N].
+    """
+    reynolds = density * radius * velocity / viscosity
+    return through_flow_coefficient(reynolds, creeping) * viscosity * radius * velocity
+
+
+def pumped_velocity(
+    conductance: Numeric,
+    stopping_pressure: Numeric,
+    *,
+    radius: Numeric,
+    density: Numeric,
+    viscosity: Numeric,
+    creeping: Numeric = CREEPING,
+) -> Array:
+    r"""Velocity at which a disk pumps gas that flows back around it to the other side.
+
+    .. math:: u = G\left(\Delta p_0 - \frac{F(u)}{\pi a^2}\right)
+
+    Parameters
+    ----------
+    conductance : array, shape (...)
+        Of the wall with its channels: :math:`G`, velocity per pressure difference [m/(s Pa)].
+    stopping_pressure : array, shape (...)
+        Pressure difference at which the wall pumps no more, :math:`\Delta p_0` [Pa].
+    radius, density, viscosity, creeping : array, shape (...)
+        As for :func:`through_flow_force`.
+
+    Returns
+    -------
+    array, broadcast shape
+        Downward positive [m/s].
+
+    Notes
+    -----
+    Exact to rounding for any resistance of wall and gas. First derivatives are exact.
+    """
+    scale = density * radius / viscosity
+    free = scale * conductance * stopping_pressure  # Reynolds number without resistance outside
+    outside = conductance * viscosity / (jnp.pi * radius)
+
+    # between creeping flow and a jet, the root of a quadratic equation
+    slope = 1.0 + outside * creeping
+    root = jnp.sqrt(slope**2 + 4.0 * outside * _LINEAR * jnp.abs(free))
+    reynolds = 2.0 * free / (slope + root)
+    for _ in range(_STEPS):
+        # Newton; the last step alone carries the derivatives
+        reynolds = lax.stop_gradient(reynolds)
+        coefficient = through_flow_coefficient(reynolds, creeping)
+        excess = reynolds * (1.0 + outside * coefficient) - free
+        steepness = 1.0 + outside * _growth_of_force(reynolds, creeping)
+        reynolds = reynolds - excess / lax.stop_gradient(steepness)
+    return reynolds / scale
+
+
+def _growth_of_force(reynolds: Array, creeping: Numeric) -> Array:
+    """Derivative of Re C by Re."""
+    distance = jnp.abs(reynolds)
+    factor = _growth(reynolds)
+    growing = factor - 0.5 * _LAYER * distance / (_ONSET + distance) ** 1.5
+    coefficient = through_flow_coefficient(reynolds, creeping)
+    return coefficient + distance**2 * factor * growing / coefficient

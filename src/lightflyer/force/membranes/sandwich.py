@@ -1,0 +1,102 @@
+"""What force models of a sandwich share: rarefaction, heat through the gap, and where they hold."""
+
+from collections.abc import Iterator
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.sandwich import Sandwich
+from lightflyer.force.laws.gap import gap_conductance
+from lightflyer.force.laws.membrane_transmission import MembraneTransmission, Transmission
+from lightflyer.gas.base import AbstractGas, mean_free_path
+
+WIDE_GAP = 2.0
+"""Gap over hole radius up to which holes count as being above each other: one hole diameter."""
+
+_HOLES = Validity(
+    "hole_radius over the mean free path", 0.0, 1.0, "the model takes free molecules in the holes"
+)
+_GAP = Validity(
+    "gap over the mean free path", 0.0, 1.0, "the model takes free molecules in the gap"
+)
+
+
+def rarefaction(
+    radius: Numeric, pressure: Numeric, temperature: Numeric, gas: AbstractGas
+) -> Array:
+    r"""Rarefaction parameter of a disk.
+
+    .. math:: \delta = \frac{p\,a}{\mu\sqrt{2RT}} = \frac{\sqrt\pi}{2}\,\frac{a}{\lambda}
+
+    Parameters
+    ----------
+    radius, pressure, temperature : array, shape (...)
+        Of the disk [m]; of the gas [Pa], [K].
+    gas : AbstractGas
+
+    Returns
+    -------
+    array, broadcast shape
+        [1].
+    """
+    speed = jnp.sqrt(2.0 * gas.specific_gas_constant * temperature)
+    return pressure * radius / (gas.viscosity(temperature) * speed)
+
+
+def rarefaction_of(flyer: Sandwich, state: EnvironmentState) -> Array:
+    """Rarefaction parameter of a sandwich [1]."""
+    return rarefaction(flyer.radius, state.pressure, state.temperature, state.gas)
+
+
+def between_membranes(
+    flyer: Sandwich, state: EnvironmentState, passed: MembraneTransmission
+) -> Array:
+    """Heat through the gas in the gap per difference of relative excesses [W]."""
+    return gap_conductance(
+        flyer.area * passed.facing,
+        flyer.gap,
+        passed.facing_tac,
+        pressure=state.pressure,
+        temperature=state.temperature,
+        mean_speed=state.gas.mean_speed(state.temperature),
+        heat_capacity_ratio=state.gas.heat_capacity_ratio_at(state.temperature),
+        conductivity=state.gas.conductivity(state.temperature),
+    )
+
+
+def caveats_of_sandwich(
+    flyer: Sandwich, state: EnvironmentState, transmission: Transmission
+) -> Iterator[str]:
+    """Where holes and gap are not as models of a sandwich take them.
+
+    Parameters
+    ----------
+    flyer : Sandwich
+        Concrete numbers.
+    state : EnvironmentState
+        Concrete numbers, at one place or many.
+    transmission : {"aligned", "wide"}
+
+    Yields
+    ------
+    str
+    """
+    path = mean_free_path(state.pressure, state.temperature, state.gas)
+    yield from _HOLES.caveats(np.asarray(flyer.hole_radius) / path, state.pressure)
+    yield from _GAP.caveats(np.asarray(flyer.gap) / path, state.pressure)
+    ratio = np.asarray(flyer.gap) / flyer.hole_radius
+    if transmission == "aligned" and np.max(ratio) > WIDE_GAP:
+        yield (
+            f"gap is {np.max(ratio):.3g} times hole_radius: fewer molecules pass both membranes "
+            "than transmission = aligned takes, in a wide gap open_fraction/(2 − open_fraction) of "
+            "them; transmission = wide is for that"
+        )
+    if transmission == "wide" and np.min(ratio) < WIDE_GAP:
+        yield (
+            f"gap is {np.min(ratio):.3g} times hole_radius: transmission = wide is for a gap much "
+            "wider than the holes"
+        )

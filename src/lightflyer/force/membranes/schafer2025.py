@@ -1,0 +1,210 @@
+r"""The sandwich's model of Schafer et al.: simulations of a perforated disk, two temperatures."""
+
+from typing import ClassVar, Literal
+
+import equinox as eqx
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.sandwich import Sandwich
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.force.laws.faces import free_molecular_conductance
+from lightflyer.force.laws.membrane_transmission import (
+    MembraneTransmission,
+    Transmission,
+    passage,
+    require_transmission,
+)
+from lightflyer.force.membranes.sandwich import (
+    between_membranes,
+    caveats_of_sandwich,
+    rarefaction_of,
+)
+from lightflyer.force.membranes.sandwich import rarefaction as rarefaction
+from lightflyer.force.membranes.schafer2025_table import (
+    HIGHEST_OPEN_FRACTION,
+    HIGHEST_RAREFACTION,
+    HeatRatios,
+    internal_factors,
+    perforated_disk_fit,
+)
+from lightflyer.force.section import ForceSection
+from lightflyer.gas.base import AbstractGas
+from lightflyer.program.entry_point import entry_point
+
+_DENSE = Validity(
+    "the rarefaction parameter",
+    0.0,
+    HIGHEST_RAREFACTION,
+    "the simulations of schafer2025 end there, and force and heat loss are extrapolated",
+)
+_OPEN = Validity(
+    "open_fraction", 0.0, HIGHEST_OPEN_FRACTION, "the simulations of schafer2025 end there"
+)
+
+
+def perforated_disk_conductances(
+    area: Numeric,
+    open_fraction: Numeric,
+    rarefaction: Numeric,
+    *,
+    pressure: Numeric,
+    temperature: Numeric,
+    gas: AbstractGas,
+    mean_temperature: Numeric | None = None,
+) -> HeatRatios:
+    r"""Heat that the gas takes from the faces of a thin disk with holes.
+
+    .. math:: Q_i = G_\mathrm{own}\,\theta_i + G_\mathrm{cross}\,\theta_j
+
+    Parameters
+    ----------
+    area : array, shape (...)
+        Of the outline, holes included [m²].
+    open_fraction, rarefaction : array, shape (...)
+        [1].
+    pressure, temperature : array, shape (...)
+        Of the gas [Pa], [K].
+    mean_temperature : array, shape (...), optional
+        Of gas and faces, which decides the heat capacity of free molecules [K]; by default the
+        gas's.
+    gas : AbstractGas
+        Of any kind: the table is for gas without internal motion, to which
+        :func:`~lightflyer.force.membranes.schafer2025_table.internal_factors` adds it.
+
+    Returns
+    -------
+    HeatRatios
+        Own and cross conductance per relative temperature excess [W].
+
+    References
+    ----------
+    [Schafer2025]_
+    """
+    factors = internal_factors(
+        gas.heat_capacity_ratio_at(temperature if mean_temperature is None else mean_temperature),
+        gas.specific_gas_constant,
+        gas.viscosity(temperature),
+        gas.conductivity(temperature),
+    )
+    ratios = perforated_disk_fit().heat_ratios(open_fraction, rarefaction, *factors)
+    # p √(2RT) A/√π, of which free molecules without internal motion take θ
+    scale = 0.5 * pressure * gas.mean_speed(temperature) * area
+    return HeatRatios(scale * ratios.own, scale * ratios.cross)
+
+
+class Schafer2025(AbstractForceModel):
+    r"""Force and heat loss of a sandwich by simulations of a perforated disk.
+
+    Outside, the sandwich is taken for one thin disk with holes whose top face has the upper
+    membrane's temperature and whose bottom face the lower one's. Between the membranes heat flows
+    through gas.
+
+    Notes
+    -----
+    The simulations are for complete accommodation: the TACs of the two outer faces have no effect.
+    Those of the two inner faces enter the conduction in the gap.
+
+    They are for a disk of no thickness whose holes let a molecule through or not, at random: holes
+    and gap much narrower than the mean free path, the holes of both membranes above each other.
+    :meth:`caveats` says where that does not hold. For a gap much wider than the holes,
+    ``transmission="wide"`` takes the disk through which as many molecules pass as through both
+    membranes, with the temperatures at which they leave:
+    :func:`~lightflyer.force.laws.membrane_transmission.passage`.
+
+    Attributes
+    ----------
+    transmission : {"aligned", "wide"}
+        How holes and gap let molecules pass.
+
+    The table ends at rarefactions 0.1 and 200, and at an open fraction of 0.95. In thinner gas the
+    fit goes over into the exact limit of free molecules, in denser gas force and heat loss go on
+    as the inverse of the rarefaction.
+
+    It was computed in helium. The force is taken for that in any gas of the same rarefaction; the
+    heat loss is corrected for what the molecules' internal motion carries.
+
+    References
+    ----------
+    [Schafer2025]_
+    """
+
+    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Sandwich,)
+    feels_walls: ClassVar[bool] = False
+
+    transmission: Transmission = eqx.field(static=True, default="aligned")
+
+    def __check_init__(self) -> None:
+        super().__check_init__()
+        require_transmission(self.transmission)
+
+    @entry_point
+    def heat_loss(
+        self, flyer: Sandwich, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> tuple[Array, ...]:
+        """See :meth:`AbstractForceModel.heat_loss`."""
+        top, bottom = unknowns
+        passed = self._passage(flyer)
+        mean = state.temperature * (1.0 + 0.25 * (top + bottom))
+        free = free_molecular_conductance(
+            flyer.area,
+            1.0,
+            state.pressure,
+            state.gas.mean_speed(state.temperature),
+            state.gas.heat_capacity_ratio_at(mean),
+        )
+
+        def returned(open_fraction: Numeric, sign: float) -> Array:
+            """What the gas brings back of the heat that the faces emit, even or odd."""
+            found = perforated_disk_conductances(
+                flyer.area,
+                open_fraction,
+                rarefaction_of(flyer, state),
+                pressure=state.pressure,
+                temperature=state.temperature,
+                gas=state.gas,
+                mean_temperature=mean,
+            )
+            solid = 1.0 - open_fraction
+            return (1.0 - (found.own + sign * found.cross) / (free * solid)) / solid
+
+        from_top, from_bottom = passed.heat(
+            (top, bottom), returned(1.0 - passed.even, 1.0), returned(passed.open_fraction, -1.0)
+        )
+        upward = between_membranes(flyer, state, passed) * (bottom - top)
+        return free * from_top - upward, free * from_bottom + upward
+
+    @entry_point
+    def force(self, flyer: Sandwich, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
+        """See :meth:`AbstractForceModel.force`."""
+        passed = self._passage(flyer)
+        ratio = perforated_disk_fit().force_ratio(
+            passed.open_fraction, rarefaction_of(flyer, state)
+        )
+        return 0.5 * state.pressure * flyer.area * ratio * sum(passed.recoil(*unknowns))
+
+    def caveats(
+        self,
+        flyer: Sandwich,
+        state: EnvironmentState,
+        temperature: Numeric,  # noqa: ARG002
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractForceModel.caveats`."""
+        return (
+            *_DENSE.caveats(rarefaction_of(flyer, state), state.pressure),
+            *_OPEN.caveats(flyer.open_fraction, state.pressure),
+            *caveats_of_sandwich(flyer, state, self.transmission),
+        )
+
+    def _passage(self, flyer: Sandwich) -> MembraneTransmission:
+        inner = (flyer.top.tac_bottom, flyer.bottom.tac_top)
+        return passage(self.transmission, flyer.open_fraction, (1.0, 1.0), inner)
+
+
+class Schafer2025Section(ForceSection, of=Schafer2025):
+    """``[force]``: simulations of a perforated disk, for a sandwich."""
+
+    model: Literal["schafer2025"]

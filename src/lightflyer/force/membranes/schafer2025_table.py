@@ -1,0 +1,313 @@
+r"""Simulated force and heat loss of a perforated disk, as smooth functions.
+
+The table has, over open fraction :math:`\beta` and rarefaction
+:math:`\delta = pa/(\mu\sqrt{2RT})`, the force on a disk with one hot face and the heat that both
+faces lose. With :math:`s = 1-\beta`, :math:`v = \sqrt{2RT}` and the hot face's relative
+temperature excess :math:`\theta`
+
+.. math::
+    F = \frac{pA}{2}\,s\,\hat F\left[\sqrt{1+\theta}-1\right], \qquad
+    Q_\mathrm{own} = p v A\,\frac{s}{\sqrt\pi}\,\frac{f_c+f_d}{2}\,\theta, \qquad
+    Q_\mathrm{cross} = p v A\,\frac{s}{\sqrt\pi}\,\frac{f_c-f_d}{2}\,\theta
+
+All three ratios are one for free molecules. What is fitted is how the gas resists:
+
+.. math::
+    \frac1{\hat F} = 1 + \frac{s\,\delta}{a + b\,\beta/(1+\beta)}, \qquad
+    f_i = 1 - s\,h_i, \qquad
+    \frac1{h_c} = s + \frac{g_c}{\delta}, \qquad
+    \frac1{h_d} = \frac{1 + g_d/\delta}{1 + r_1\beta + r_2\beta^2}
+
+:math:`a` stands for the disk's edge, :math:`b` for the flow through its holes, :math:`h` for how
+much of a face's heat the gas brings back to it: :math:`f_c` if both faces are equally hot,
+:math:`f_d` if one is as cold as the other is hot. :math:`g_c` is a quadratic in
+:math:`\beta`; all coefficients are splines in :math:`\ln\delta`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.files.table import shipped_table
+from lightflyer.numerics.curves import Curves
+
+TEMPERATURE_EXCESS = 1.0 / 3.0
+"""Relative temperature excess of the hot face in the simulations: 400 K in gas at 300 K."""
+
+FREE_FORCE = 0.5 * ((1.0 + TEMPERATURE_EXCESS) ** 0.5 - 1.0) / TEMPERATURE_EXCESS
+"""Force of free molecules on a face without holes, over :math:`p A \\theta`, at that excess [1]."""
+
+HIGHEST_RAREFACTION = 200.0
+"""Where the table ends [1]."""
+
+HIGHEST_OPEN_FRACTION = 0.95
+"""Where the table ends [1]."""
+
+_MONATOMIC_EUCKEN = 15.0 / 4.0  # κ/(μR) of a gas without internal motion, [VincentiKruger1965]
+_BEYOND = 2.0  # factor of δ within which the coefficients level off below and above the table
+_NOISE = 0.005  # relative scatter of the table, which weighs it against ridges of one
+_STEPS = 30  # of Gauss and Newton; five suffice
+
+
+@dataclass(frozen=True)
+class PerforatedDiskTable:
+    """The simulations, a row for each open fraction and a column for each rarefaction.
+
+    Attributes
+    ----------
+    open_fraction : array, shape (m,)
+    rarefaction : array, shape (n,)
+    force_ratio : array, shape (m, n)
+        Over the force of free molecules [1].
+    common_ratio, difference_ratio : array, shape (m, n)
+        Heat loss over that to free molecules, of two equally hot faces and of two faces that
+        are as hot as they are cold [1].
+    """
+
+    open_fraction: np.ndarray
+    rarefaction: np.ndarray
+    force_ratio: np.ndarray
+    common_ratio: np.ndarray
+    difference_ratio: np.ndarray
+
+
+@lru_cache
+def perforated_disk_table() -> PerforatedDiskTable:
+    """The table that comes with the package.
+
+    Returns
+    -------
+    PerforatedDiskTable
+    """
+    numbers = shipped_table("schafer2025.csv").numbers
+    open_fraction, rarefaction = np.unique(numbers["beta"]), np.unique(numbers["delta"])
+    shape = (open_fraction.size, rarefaction.size)
+    force, cross, own = (
+        numbers[name].reshape(shape) for name in ("force", "heat_top", "heat_bottom")
+    )
+    solid = 1.0 - open_fraction[:, None]
+    free_heat = solid / np.sqrt(np.pi)
+    return PerforatedDiskTable(
+        open_fraction,
+        rarefaction,
+        force / (solid * FREE_FORCE),
+        (own + cross) / free_heat,
+        (own - cross) / free_heat,
+    )
+
+
+class HeatRatios(NamedTuple):
+    """Heat loss over that of a face without holes to free molecules without internal motion.
+
+    Attributes
+    ----------
+    own, cross : array, shape (...)
+        Of a face by its own excess, and by that of the other face [1].
+    """
+
+    own: Array
+    cross: Array
+
+
+@dataclass(frozen=True)
+class PerforatedDiskFit:
+    r"""Force and heat ratios as smooth functions, fitted to a table.
+
+    Attributes
+    ----------
+    force : Spline pieces
+        Of :math:`\ln a` and :math:`b`.
+    heat : Spline pieces
+        Of the three coefficients of :math:`g_c`, then :math:`g_d`, :math:`r_1` and :math:`r_2`.
+    """
+
+    force: Curves
+    heat: Curves
+
+    def force_ratio(self, open_fraction: Numeric, rarefaction: Numeric) -> Array:
+        r"""Force over that of free molecules, :math:`\hat F` [1].
+
+        Parameters
+        ----------
+        open_fraction, rarefaction : array, shape (...)
+            [1].
+
+        Returns
+        -------
+        array, broadcast shape
+        """
+        log_edge, flow = self.force(jnp.log(rarefaction))
+        yielding = jnp.exp(log_edge) + flow * open_fraction / (1.0 + open_fraction)
+        return yielding / (yielding + (1.0 - open_fraction) * rarefaction)
+
+    def heat_ratios(
+        self,
+        open_fraction: Numeric,
+        rarefaction: Numeric,
+        free_factor: Numeric = 1.0,
+        dense_factor: Numeric = 1.0,
+    ) -> HeatRatios:
+        r"""Heat loss of a face over :math:`p v A\theta/\sqrt\pi`.
+
+        Parameters
+        ----------
+        open_fraction, rarefaction : array, shape (...)
+            [1].
+        free_factor, dense_factor : array, shape (...)
+            What internal motion of the molecules does to the heat that free molecules and the
+            continuum take, see :func:`internal_factors` [1].
+
+        Returns
+        -------
+        HeatRatios
+        """
+        zero, one, two, difference, r1, r2 = self.heat(jnp.log(rarefaction))
+        solid = 1.0 - open_fraction
+        # resistances in series: that of the face changes by one factor, that of the gas by the
+        # other; through the holes molecules fly freely
+        relative = dense_factor / free_factor
+        common = (zero + open_fraction * (one + open_fraction * two)) / rarefaction
+        common_return = 1.0 / (solid + relative * common)
+        shape = 1.0 + open_fraction * (r1 + open_fraction * r2)
+        conduction = difference / rarefaction
+        difference_return = shape / (1.0 + conduction + (relative - 1.0) * conduction * shape)
+        scale = free_factor * solid
+        mean = 0.5 * (common_return + difference_return)
+        return HeatRatios(
+            own=scale * (1.0 - solid * mean),
+            cross=-0.5 * scale * solid * (common_return - difference_return),
+        )
+
+
+def internal_factors(
+    heat_capacity_ratio: Numeric,
+    specific_gas_constant: Numeric,
+    viscosity: Numeric,
+    conductivity: Numeric,
+) -> tuple[Array, Array]:
+    r"""What internal motion of the molecules does to the heat that a gas takes.
+
+    .. math::
+        \Gamma_\mathrm{free} = \frac14\,\frac{\gamma+1}{\gamma-1}, \qquad
+        \Gamma_\mathrm{dense} = \frac4{15}\,\frac\kappa{\mu R}
+
+    Parameters
+    ----------
+    heat_capacity_ratio : array, shape (...)
+        [1].
+    specific_gas_constant : array, shape (...)
+        [J/(kg K)].
+    viscosity, conductivity : array, shape (...)
+        [Pa s], [W/(m K)].
+
+    Returns
+    -------
+    free, dense : array, broadcast shape
+        Heat to free molecules, and by conduction, over that of a gas of the same pressure,
+        temperature, molar mass and viscosity without internal motion [1]; 1 for monatomic gas.
+    """
+    free = 0.25 * (heat_capacity_ratio + 1.0) / (heat_capacity_ratio - 1.0)
+    return free, conductivity / (_MONATOMIC_EUCKEN * viscosity * specific_gas_constant)
+
+
+@lru_cache
+def perforated_disk_fit() -> PerforatedDiskFit:
+    """Smooth functions through the table that comes with the package.
+
+    Returns
+    -------
+    PerforatedDiskFit
+    """
+    return fit(perforated_disk_table())
+
+
+def fit(table: PerforatedDiskTable, kept: np.ndarray | None = None) -> PerforatedDiskFit:
+    """Smooth functions through a table.
+
+    Parameters
+    ----------
+    table : PerforatedDiskTable
+    kept : bool array, shape (m, n), optional
+        Which entries count; by default all.
+
+    Returns
+    -------
+    PerforatedDiskFit
+    """
+    kept = np.ones(table.force_ratio.shape, bool) if kept is None else kept
+    columns = [_fit_column(table, index, kept[:, index]) for index in range(kept.shape[1])]
+    values, position = np.array(columns), np.log(table.rarefaction)
+    # beyond the table: half of the last slope, then level
+    step = np.log(_BEYOND)
+    secants = np.diff(values, axis=0) / np.diff(position)[:, None]
+    before, after = values[0] - 0.5 * step * secants[0], values[-1] + 0.5 * step * secants[-1]
+    knots = np.concatenate([[position[0] - step], position, [position[-1] + step]])
+    values = np.vstack([before, values, after])
+    return PerforatedDiskFit(
+        Curves.through(knots, values[:, :2]), Curves.through(knots, values[:, 2:])
+    )
+
+
+def _fit_column(table: PerforatedDiskTable, index: int, kept: np.ndarray) -> np.ndarray:
+    """Coefficients at one rarefaction."""
+    beta, delta = table.open_fraction[kept], table.rarefaction[index]
+    force, common, difference = (
+        ratio[kept, index]
+        for ratio in (table.force_ratio, table.common_ratio, table.difference_ratio)
+    )
+    solid, powers = 1.0 - beta, np.stack([np.ones_like(beta), beta, beta**2], axis=1)
+
+    def force_of(yielding: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        ratio = yielding / (yielding + solid * delta)
+        return ratio, (1.0 - ratio) / yielding
+
+    def common_of(conduction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        back = 1.0 / (solid + conduction / delta)
+        ratio = 1.0 - solid * back
+        return ratio, solid * back**2 / (delta * ratio)
+
+    def difference_of(back: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        ratio = 1.0 - solid * back
+        return ratio, -solid / ratio
+
+    through = np.stack([np.ones_like(beta), beta / (1.0 + beta)], axis=1)
+    edge, flow = _least_squares(force_of, through, force, _start(force, delta))
+    conduction = _least_squares(common_of, powers, common, _start(common, delta))
+    back = _least_squares(
+        difference_of, powers, difference, 1.0 / (1.0 + _start(difference, delta) / delta)
+    )
+    return np.array(
+        [np.log(edge), flow, *conduction, delta * (1.0 / back[0] - 1.0), *(back[1:] / back[0])]
+    )
+
+
+def _start(ratio: np.ndarray, delta: float) -> float:
+    return float(delta * ratio[0] / (1.0 - ratio[0]))
+
+
+def _least_squares(
+    model: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+    basis: np.ndarray,
+    ratio: np.ndarray,
+    start: float,
+) -> Any:
+    """Coefficients of a linear predictor by Gauss and Newton.
+
+    Relative deviations count, and with little weight the size of all coefficients but the first:
+    where the table is noise they are zero.
+    """
+    size = basis.shape[1]
+    coefficients = np.concatenate([[start], np.zeros(size - 1)])
+    ridge = np.eye(size)[1:]
+    for _ in range(_STEPS):
+        value, slope = model(basis @ coefficients)
+        rows = np.vstack([slope[:, None] * basis / _NOISE, ridge])
+        missing = np.concatenate([np.log(ratio / value) / _NOISE, -coefficients[1:]])
+        coefficients = coefficients + np.linalg.lstsq(rows, missing, rcond=None)[0]
+    return coefficients

@@ -1,0 +1,481 @@
+r"""Flow through a hollow body and its force, as published or with each of its corrections.
+
+The wall pumps gas in, and a jet leaves at the outlet. One quadratic equation has the velocity
+:math:`v` of the jet:
+
+.. math::
+    \tfrac12\rho_j a\,v|v| + \left(R + \frac{\rho_j A_o v_m}{\varphi g A_t}\right)v
+        = \Delta p_0 - \Delta p_r - \Delta p_b, \qquad a = 1 - (A_o/A_t)^2
+
+with the pressure :math:`\Delta p_0` at which the wall pumps no more, and the conductance :math:`g`
+of its channels (:mod:`lightflyer.force.laws.channels`). As published the others are zero: the
+resistance :math:`R` of body and outlet to slow or thin gas, the pressure :math:`\Delta p_r` that
+the outlet holds by itself, and the pressure :math:`\Delta p_b` by which warm gas pushes upward.
+"""
+
+import math
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Validity
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.hollow import HollowBody
+from lightflyer.force.base import ModelResult
+from lightflyer.force.laws.channels import (
+    ROUND,
+    SLOT,
+    Coefficients,
+    channel_coefficients,
+    channel_conductance,
+    direct_share,
+    entrance_resistance,
+    thermomolecular_exponent,
+    thermomolecular_pressure,
+)
+from lightflyer.force.laws.faces import free_molecular_conductance
+from lightflyer.force.pumps import celenza2023_laws as published
+from lightflyer.gas.base import mean_free_path
+
+_RAREFIED_DRAG = 1.264  # Stokes' drag of a broad disk over that of free molecules, 16/(4/√π + √π)
+_NO_LENGTH = 1e-9  # of a hole in a thin wall, over its width or radius
+
+
+class Corrections(NamedTuple):
+    """Corrections to the published model, each on or off.
+
+    Attributes
+    ----------
+    short_channels : bool
+        (1) The entrances of the channels resist. Published: channels much longer than wide.
+    projected_light : bool
+        (2) Light falls on the area seen from its source, and is absorbed as the films do.
+        Published: everything on the whole wall at normal incidence.
+    energy_balance : bool
+        (3) Both films radiate, the outer one is cooled by the gas, and gas that flows takes heat.
+        Published: the outer film is as warm as the gas, half of the absorbed light passes the wall.
+    viscous_outlet : bool
+        (4) Slow and thin gas is held back at the outlet. Published: Bernoulli.
+    rarefied_force : bool
+        (5) The drag of thin gas, and the recoil of free molecules. Published: Stokes.
+    channel_coefficients : bool
+        (6) The flow in channels by the kinetic equation. Published: two fits.
+    gas_properties : bool
+        (7) Conductivity and viscosity at the temperature of the gas, temperature jumps by the TACs.
+        Published: one conductivity, Sutherland's law, rounded constants.
+    jet_density : bool
+        (8) The jet is as warm as the inner film. Published: as the gas outside.
+    buoyant_flow : bool
+        (9) Warm gas leaves by the upper part of the wall, and other gas comes in below. Published:
+        gas of the same pressure everywhere within.
+    """
+
+    short_channels: bool = True
+    projected_light: bool = True
+    energy_balance: bool = True
+    viscous_outlet: bool = True
+    rarefied_force: bool = True
+    channel_coefficients: bool = True
+    gas_properties: bool = True
+    jet_density: bool = True
+    buoyant_flow: bool = True
+
+
+class Errors(NamedTuple):
+    """Factors by which the truth may be off: see :class:`~lightflyer.HollowPump`.
+
+    Attributes
+    ----------
+    wall, outlet, force, heat : array, shape (...)
+        Of the pressure that the wall pumps up beyond what the outlet holds, of the resistance of
+        body and outlet, of drag and jet, and of the heat that the gas takes [1].
+    """
+
+    wall: Numeric = 1.0
+    outlet: Numeric = 1.0
+    force: Numeric = 1.0
+    heat: Numeric = 1.0
+
+
+EXACT = Errors()
+"""Without an error."""
+
+AS_PUBLISHED = Corrections(*(False,) * len(Corrections._fields))
+"""No correction."""
+
+
+class PumpFlow(NamedTuple):
+    """Flow through a hollow body.
+
+    Attributes
+    ----------
+    jet_velocity : array, shape (...)
+        Mean velocity at the outlet, outward positive [m/s].
+    wall_velocity : array, shape (...)
+        Velocity of the gas that comes to the wall, inward positive [m/s].
+    pressure_difference : array, shape (...)
+        Pressure within over that outside, the mean over the wall [Pa].
+    jet_density : array, shape (...)
+        [kg/m³].
+    exchange : array, shape (...)
+        What leaves by the upper part of the wall as other gas comes in below, beside the flow
+        through the outlet [kg/s].
+    """
+
+    jet_velocity: Array
+    wall_velocity: Array
+    pressure_difference: Array
+    jet_density: Array
+    exchange: Array
+
+
+class _Areas(NamedTuple):
+    wall: Numeric
+    outlet: Numeric
+
+
+def _areas(flyer: HollowBody, corrections: Corrections) -> _Areas:
+    rounded = 1.0 if corrections.gas_properties else published.PI / jnp.pi
+    return _Areas(rounded * flyer.surface, rounded * flyer.outlet_area)
+
+
+class _Channels(NamedTuple):
+    """Flow per area of the wall, conductance × (stopping pressure − pressure difference)."""
+
+    conductance: Array  # [kg/(m² s Pa)]
+    stopping: Array  # [Pa]
+
+
+def _channels(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    corrections: Corrections,
+) -> _Channels:
+    inner, outer = unknowns
+    mean = mean_temperature(state, unknowns)
+    constant, viscosity, at = _transport(state, mean, corrections)
+    speed = jnp.sqrt(2.0 * constant * mean)
+    rarefaction = state.pressure * flyer.channel_width / (viscosity * jnp.sqrt(2.0 * constant * at))
+    length = flyer.wall_thickness / flyer.channel_width
+    ended = length if corrections.short_channels else None
+    if corrections.channel_coefficients:
+        coefficients = channel_coefficients(SLOT, rarefaction, ended)
+    else:
+        coefficients = Coefficients(
+            published.poiseuille_coefficient(rarefaction),
+            published.creep_coefficient(rarefaction),
+        )
+    exponent = coefficients.creep / coefficients.poiseuille
+    if corrections.short_channels:
+        conductance = channel_conductance(
+            SLOT, rarefaction, length, flyer.open_fraction, coefficients
+        )
+        outside = _gas_outside(flyer, state, unknowns)
+        stopping = thermomolecular_pressure(exponent, state.pressure, inner, outside)
+    else:
+        conductance = coefficients.poiseuille / length
+        relative = (inner - outer) / (1.0 + 0.5 * (inner + outer))
+        stopping = exponent * state.pressure * relative
+    return _Channels(flyer.open_fraction * conductance / speed, stopping)
+
+
+def mean_temperature(state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
+    """Of both films [K]."""
+    inner, outer = unknowns
+    return state.temperature * (1.0 + 0.5 * (inner + outer))
+
+
+def _transport(
+    state: EnvironmentState, temperature: Array, corrections: Corrections
+) -> tuple[Numeric, Array, Numeric]:
+    """Gas constant, viscosity, and the temperature that the rarefaction is taken at."""
+    if corrections.gas_properties:
+        gas = state.gas
+        return gas.specific_gas_constant, gas.viscosity(temperature), temperature
+    cold = state.temperature
+    return published.SPEED_CONSTANT, published.viscosity(cold), cold
+
+
+def _gas_outside(flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
+    """Relative excess of the gas that comes to the wall from outside."""
+    inner, outer = unknowns
+    straight = direct_share(SLOT, flyer.wall_thickness / flyer.channel_width)
+    # those that meet no other molecule on the way
+    path = mean_free_path(state.pressure, state.temperature, state.gas)
+    passing = flyer.open_fraction * straight / (1.0 + flyer.wall_thickness / path)
+    return share_at_wall(flyer, state) * ((1.0 - passing) * outer + passing * inner)
+
+
+def share_at_wall(flyer: HollowBody, state: EnvironmentState) -> Array:
+    """Share of the outer film's excess that the gas at it has: 0 to free molecules, 1 if dense."""
+    dense = 4.0 * jnp.pi * radius(flyer) * state.gas.conductivity(state.temperature)
+    free = free_molecular(state, flyer.surface)
+    return free / (free + dense * state.temperature)
+
+
+def radius(flyer: HollowBody) -> Array:
+    """Of the sphere that has the wall's area [m]."""
+    return jnp.sqrt(flyer.surface / (4.0 * jnp.pi))
+
+
+def free_molecular(state: EnvironmentState, area: Numeric) -> Array:
+    """Heat that free molecules take from a face with a TAC of one, per relative excess [W]."""
+    speed = state.gas.mean_speed(state.temperature)
+    ratio = state.gas.heat_capacity_ratio_at(state.temperature)
+    return free_molecular_conductance(area, 1.0, state.pressure, speed, ratio)
+
+
+def pump_flow(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    corrections: Corrections,
+    errors: Errors = EXACT,
+) -> PumpFlow:
+    """Flow through a hollow body whose films have given temperatures.
+
+    Parameters
+    ----------
+    flyer : HollowBody
+    state : EnvironmentState
+    unknowns : tuple of array, shape (...)
+        Relative temperature excess of the inner and the outer film [1].
+    corrections : Corrections
+    errors : Errors
+
+    Returns
+    -------
+    PumpFlow
+        Of broadcast shape.
+    """
+    inner, _ = unknowns
+    areas = _areas(flyer, corrections)
+    channels = _channels(flyer, state, unknowns, corrections)
+    density = _density(state, corrections)
+    jet_density = density / (1.0 + inner) if corrections.jet_density else density
+    resistance, held = _outlet(flyer, state, inner, jet_density, corrections)
+    resistance = errors.outlet * resistance
+    lifted = _lifted_by_warmth(flyer, state, density, inner, corrections)
+    ratio = areas.outlet / areas.wall
+    slope = resistance + jet_density * ratio / channels.conductance
+    kinetic = 0.5 * jet_density * (1.0 - ratio**2)
+    # the outlet is half of the height below the middle of the wall
+    drive = errors.wall * (channels.stopping - held) - lifted
+    velocity = _quadratic_root(kinetic, slope, drive)
+    pressure = kinetic * velocity * jnp.abs(velocity) + resistance * velocity + held + lifted
+    wall_velocity = jet_density / density * ratio * velocity
+    exchange = areas.wall * _exchange(density * wall_velocity, channels.conductance * lifted)
+    return PumpFlow(velocity, wall_velocity, pressure, jet_density, exchange)
+
+
+def _lifted_by_warmth(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    density: Array,
+    inner: Array,
+    corrections: Corrections,
+) -> Numeric:
+    """How much the pressure within, over that outside, grows over half of the height [Pa].
+
+    It does not where molecules fly from wall to wall.
+    """
+    if not corrections.buoyant_flow:
+        return 0.0
+    height = flyer.geometry.height(flyer.size, flyer.outlet_radius)
+    path = mean_free_path(state.pressure, state.temperature, state.gas)
+    height = height / (1.0 + path / height)
+    if flyer.attitude is not None:
+        height = height * jnp.cos(flyer.attitude.tilt)
+    return 0.5 * density * state.gravity * height * inner / (1.0 + inner)
+
+
+def _exchange(inward: Array, lifted: Array) -> Array:
+    """Mean of what leaves, where the flow through a wall falls evenly by ``lifted`` either way.
+
+    That is (J − |j|)²/4J where some of the wall sends gas out and some lets it in. What leaves on
+    the whole is not part of it.
+    """
+    most, mean = jnp.abs(lifted), jnp.abs(inward)
+    both = most > mean
+    return jnp.where(both, (most - mean) ** 2 / (4.0 * jnp.where(both, most, 1.0)), 0.0)
+
+
+def _density(state: EnvironmentState, corrections: Corrections) -> Array:
+    if corrections.gas_properties:
+        return state.gas.density(state.pressure, state.temperature)
+    return state.pressure / (published.DENSITY_CONSTANT * state.temperature)
+
+
+def _outlet(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    inner: Array,
+    density: Array,
+    corrections: Corrections,
+) -> tuple[Numeric, Numeric]:
+    """Resistance of body and outlet to slow gas [Pa s/m], and pressure without flow [Pa]."""
+    if not corrections.viscous_outlet:
+        return 0.0, 0.0
+    hot = state.temperature * (1.0 + inner)
+    constant, viscosity, at = _transport(state, hot, corrections)
+    speed = jnp.sqrt(2.0 * constant * at)
+    rarefaction = state.pressure * flyer.outlet_radius / (viscosity * speed)
+    held = thermomolecular_pressure(
+        _outlet_exponent(flyer, state, corrections), state.pressure, inner, 0.0
+    )
+    way = flyer.geometry.passage(flyer.size, flyer.outlet_radius)
+    tube = channel_coefficients(ROUND, rarefaction, way).poiseuille
+    return density * speed * (entrance_resistance(ROUND, rarefaction) + way / tube), held
+
+
+def _outlet_exponent(flyer: HollowBody, state: EnvironmentState, corrections: Corrections) -> Array:
+    """How far molecules pass the outlet without colliding: ½ to 0 [1]."""
+    constant, viscosity, at = _transport(state, state.temperature, corrections)
+    speed = jnp.sqrt(2.0 * constant * at)
+    rarefaction = state.pressure * flyer.outlet_radius / (viscosity * speed)
+    return thermomolecular_exponent(ROUND, rarefaction, _NO_LENGTH)
+
+
+def _quadratic_root(square: Array, slope: Array, drive: Array) -> Array:
+    """Root of ``square · v|v| + slope · v = drive`` without cancellation."""
+    root = jnp.sqrt(slope**2 + 4.0 * square * jnp.abs(drive))
+    return 2.0 * drive / (slope + root)
+
+
+def pump_force(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    corrections: Corrections,
+    errors: Errors = EXACT,
+) -> Array:
+    r"""Force on a hollow body.
+
+    .. math::
+        F = \frac{C_1\,8D\mu\,v_w}{1 + 1.264/\delta_D} + C_2\,\rho_j A_o v^2
+            + \chi\,\frac{pA_o}2\,(1-\varphi)\left[\sqrt{T_i/T_c} - \sqrt{T_o/T_c}\right]
+
+    with the velocity :math:`v_w` of the gas that comes to the wall, the rarefaction
+    :math:`\delta_D` of half the size, and the share :math:`\chi` of free molecules at the outlet.
+
+    Parameters
+    ----------
+    flyer, state, unknowns, corrections, errors
+        As for :func:`pump_flow`.
+
+    Returns
+    -------
+    array, broadcast shape
+        Towards the upper end positive [N].
+
+    Notes
+    -----
+    A body that pumps outward sucks gas in at its outlet from all sides, which leaves no jet.
+
+    Free molecules enter wall and outlet alike, so that theirs is the momentum of what leaves: from
+    the outer film, through the channels and through the outlet. The three have one vector area,
+    that of the outlet.
+    """
+    inner, outer = unknowns
+    flow = pump_flow(flyer, state, unknowns, corrections, errors)
+    areas = _areas(flyer, corrections)
+    coefficients = published.FORM_COEFFICIENTS[flyer.form]
+    cold = state.temperature
+    constant, viscosity, _ = _transport(state, cold, corrections)
+    drag = coefficients.drag * 8.0 * flyer.size * viscosity * flow.wall_velocity
+    jet = coefficients.jet * flow.jet_density * areas.outlet
+    jet = jet * flow.jet_velocity * jnp.maximum(flow.jet_velocity, 0.0)
+    if not corrections.rarefied_force:
+        return errors.force * (drag + jet)
+    per_length = state.pressure / (viscosity * jnp.sqrt(2.0 * constant * cold))
+    drag = drag / (1.0 + _RAREFIED_DRAG / (0.5 * flyer.size * per_length))
+    exponent = _outlet_exponent(flyer, state, corrections)
+    roots = jnp.sqrt(1.0 + inner) + jnp.sqrt(1.0 + outer)
+    recoil = state.pressure * areas.outlet * flyer.solid_fraction * (inner - outer) / roots
+    # half of it times the exponent over its value to free molecules, which is one half
+    return errors.force * (drag + jet) + exponent * recoil
+
+
+FLOW_RESULTS: dict[str, ModelResult] = {
+    "jet_velocity": ModelResult("m/s", "velocity of the gas at the outlet"),
+    "wall_velocity": ModelResult("m/s", "velocity of the gas that comes to the wall", "mm/s"),
+    "pressure_difference": ModelResult("Pa", "pressure within over that outside", "mPa"),
+    "outlet_reynolds_number": ModelResult("", "Reynolds number of the outlet's diameter"),
+}
+"""Results of the models of hollow bodies."""
+
+
+def pump_results(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    corrections: Corrections,
+    errors: Errors = EXACT,
+) -> dict[str, Array]:
+    """Values of :data:`FLOW_RESULTS`.
+
+    Parameters
+    ----------
+    flyer, state, unknowns, corrections, errors
+        As for :func:`pump_flow`.
+
+    Returns
+    -------
+    dict of str to array, broadcast shape
+    """
+    flow = pump_flow(flyer, state, unknowns, corrections, errors)
+    hot = state.temperature * (1.0 + unknowns[0])
+    _, viscosity, _ = _transport(state, hot, corrections)
+    reynolds = 2.0 * flow.jet_density * flow.jet_velocity * flyer.outlet_radius / viscosity
+    values = (flow.jet_velocity, flow.wall_velocity, flow.pressure_difference, reynolds)
+    return dict(zip(FLOW_RESULTS, values, strict=True))
+
+
+_THIN_OUTLET = Validity(
+    "the mean free path over outlet_radius",
+    0.0,
+    0.1,
+    "drag and jet coefficients were fitted to simulations of dense gas",
+)
+_LONG = Validity(
+    "wall_thickness over channel_width",
+    1.0,
+    math.inf,
+    "celenza2023 takes channels that are longer than wide",
+)
+_DEEP = Validity(
+    "wall_thickness over channel_width",
+    0.0,
+    1.0,
+    "light and heat radiation are taken to pass the channels without meeting their walls",
+)
+
+
+def caveats_of_pump(
+    flyer: HollowBody, state: EnvironmentState, corrections: Corrections
+) -> tuple[str, ...]:
+    """Warnings where a body or its surroundings are outside the range of a model.
+
+    Parameters
+    ----------
+    flyer : HollowBody
+    state : EnvironmentState
+        Both of concrete numbers.
+    corrections : Corrections
+
+    Returns
+    -------
+    tuple of str
+    """
+    path = mean_free_path(state.pressure, state.temperature, state.gas)
+    length = np.asarray(flyer.wall_thickness) / flyer.channel_width
+    looks = [(_THIN_OUTLET, path / flyer.outlet_radius)]
+    if not corrections.short_channels:
+        looks.append((_LONG, length))
+    if corrections.energy_balance or corrections.projected_light:
+        looks.append((_DEEP, length))
+    return tuple(text for range_, value in looks for text in range_.caveats(value, state.pressure))

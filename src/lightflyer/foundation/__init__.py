@@ -1,1 +1,0 @@
-"""Shared tools: precision, root-finding, units, ranges, files, figures, errors."""

@@ -1,0 +1,70 @@
+"""Published correlations, followed by polynomials that a heat balance evaluates quickly."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.types import Numeric
+
+
+class ChebyshevFit(NamedTuple):
+    """Polynomial in T/(T + middle) that follows a formula.
+
+    The formulas have up to seven exponentials and powers; a heat balance, which evaluates them in
+    every step, would take a quarter longer.
+
+    Attributes
+    ----------
+    coefficients : array, shape (n,)
+        Highest power first.
+    coldest, hottest : float
+        Range of the formula [K].
+    middle : float
+        [K].
+    """
+
+    coefficients: np.ndarray
+    coldest: float
+    hottest: float
+    middle: float
+
+    @classmethod
+    def of(
+        cls,
+        formula: Callable[[np.ndarray], np.ndarray],
+        ends: tuple[float, float],
+        middle: float,
+        degree: int,
+    ) -> "ChebyshevFit":
+        """The polynomial through a formula at Chebyshev's points.
+
+        Parameters
+        ----------
+        formula : callable
+            Of temperatures [K].
+        ends : tuple of float
+            Range of the formula [K].
+        middle : float
+            [K].
+        degree : int
+
+        Returns
+        -------
+        ChebyshevFit
+        """
+        domain = np.array(ends)
+        fit = np.polynomial.Chebyshev.interpolate(
+            lambda share: formula(middle * share / (1.0 - share)),
+            degree,
+            domain=domain / (domain + middle),
+        )
+        coefficients = fit.convert(kind=np.polynomial.Polynomial).coef[::-1]
+        return cls(coefficients, *ends, middle)
+
+    def __call__(self, temperature: Numeric) -> Array:
+        """Value at temperatures [K]; beyond the range of the formula its value at the end."""
+        within = jnp.clip(temperature, self.coldest, self.hottest)
+        return jnp.polyval(jnp.asarray(self.coefficients), within / (within + self.middle))

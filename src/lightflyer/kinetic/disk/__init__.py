@@ -1,0 +1,1 @@
+"""The disk problem on one mesh: linear and non-linear."""

@@ -1,0 +1,1 @@
+"""Mesh around the disk, rays through it, and the kernels over both."""

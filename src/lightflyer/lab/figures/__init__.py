@@ -1,1 +1,0 @@
-"""Figures of measurements, one module each."""

@@ -1,0 +1,1 @@
+"""Emissivity from infrared spectra."""

@@ -1,0 +1,249 @@
+"""What infrared spectra and the numbers from them can and cannot be: warnings and errors."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from lightflyer.calibration.inputs import assumed_accuracies
+from lightflyer.core.errors import ParameterError
+from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
+from lightflyer.lab.spectrum_noise import LEAST_POINTS, point_noise
+
+_TOLERANCE = 3.0  # standard deviations of accuracy and noise by which points may be beyond 0 and 1
+_WORTH_SAYING = 0.01  # share of points beyond, of a band or of a black body's power without data
+_WIDE_STEP = 10.0  # over the usual distance of points
+_MOST_GAPS = 3  # that are named one by one
+_PERCENT = 100.0
+_ADVICE = {
+    "transmittance": "check the background measurement, and whether the ordinate is in %",
+    "reflectance": "check the reference mirror's measurement, and whether the ordinate is in %",
+    "emissivity": "transmittance and reflectance do not fit together; check their backgrounds and "
+    "that both are of this film",
+}
+
+
+class Bounds:
+    """Cuts estimates of shares at 0 and 1 and remembers what it did.
+
+    Attributes
+    ----------
+    warnings : list of str
+        What was cut, one line each.
+    """
+
+    def __init__(self) -> None:
+        self.warnings: list[str] = []
+
+    def cut(self, quantity: str, where: str, estimate: Estimate) -> Estimate:
+        """The estimate with what is possible of it.
+
+        Parameters
+        ----------
+        quantity : {"transmittance", "reflectance", "emissivity"}
+        where : str
+            Spectrum of the mean, such as "over the band".
+        estimate : Estimate
+            Of a share, with its uncut interval.
+
+        Returns
+        -------
+        Estimate
+            Its uncertainty is unchanged.
+
+        Raises
+        ------
+        ParameterError
+            If the whole interval is below 0 or above 1.
+        """
+        low, high = estimate.interval
+        if high < 0.0 or low > 1.0:
+            beyond = "below 0" if high < 0.0 else "above 1"
+            raise ParameterError(
+                f"{quantity} {where} is {estimate.value:.4g} ({low:.4g} to {high:.4g}), {beyond} "
+                f"by more than its uncertainty: {_ADVICE[quantity]}"
+            )
+        value = min(max(estimate.value, 0.0), 1.0)
+        if value != estimate.value:
+            self.warnings.append(
+                f"{quantity} {where} came out as {estimate.value:.4g}, which is impossible but "
+                f"within its uncertainty of {value:g}; {value:g} is given"
+            )
+        elif low < 0.0 or high > 1.0:
+            end = 0 if low < 0.0 else 1
+            self.warnings.append(f"the interval of the {quantity} {where} is cut at {end}")
+        ends = (max(low, 0.0), min(high, 1.0))
+        return Estimate(value, ends, estimate.unit, estimate.uncertainty)
+
+
+def spectrum_warnings(
+    spectra: Sequence[MeasuredSpectrum],
+    reflectances: Sequence[MeasuredSpectrum],
+    band: tuple[float, float],
+    accuracy: float,
+) -> list[str]:
+    """What is suspicious about the spectra themselves.
+
+    Parameters
+    ----------
+    spectra, reflectances : sequence of MeasuredSpectrum
+    band : tuple of float
+        [1/m].
+    accuracy : float
+        Standard uncertainty of the ordinate [1].
+
+    Returns
+    -------
+    list of str
+    """
+    found: list[str] = []
+    for one in (*spectra, *reflectances):
+        found += _impossible_points(one, accuracy)
+        found += [f"{one.source}: {note}" for note in one.notes]
+        found += _gaps(one, band)
+        if len(one.wavenumber) < LEAST_POINTS:
+            found.append(
+                f"{one.source}: has {len(one.wavenumber)} points, too few to tell how the noise of "
+                "neighbours is correlated; it is taken as independent"
+            )
+    if reflectances:
+        found += _partial(reflectances)
+        found += _too_much_light(spectra, reflectances, accuracy)
+    return found
+
+
+def _impossible_points(spectrum: MeasuredSpectrum, accuracy: float) -> Iterator[str]:
+    tolerance = _TOLERANCE * float(np.hypot(accuracy, point_noise(spectrum.value)))
+    beyond = (spectrum.value < -tolerance) | (spectrum.value > 1.0 + tolerance)
+    if beyond.mean() > _WORTH_SAYING:
+        yield (
+            f"{spectrum.source}: {_PERCENT * beyond.mean():.1f} % of its points lie below 0 or "
+            f"above 1 by more than accuracy and noise explain (lowest "
+            f"{spectrum.value.min():.3g}, highest {spectrum.value.max():.3g}); "
+            f"{_ADVICE[spectrum.quantity]}"
+        )
+
+
+def _partial(reflectances: Sequence[MeasuredSpectrum]) -> Iterator[str]:
+    """Reflectance that may leave out part of the light."""
+    too_high = "what the film scatters is then taken as emitted, and the emissivity is too high"
+    for one in reflectances:
+        if one.collection is None:
+            yield (
+                f"{one.source}: does not say which light was collected (--collection); if it was "
+                f"the specular beam alone, {too_high}"
+            )
+        elif one.collection == "specular":
+            yield f"{one.source}: holds specular reflectance; {too_high} unless the film is smooth"
+
+
+def _gaps(spectrum: MeasuredSpectrum, band: tuple[float, float]) -> Iterator[str]:
+    steps = np.diff(spectrum.wavenumber)
+    wide = (steps > _WIDE_STEP * np.median(steps)) & (
+        steps > _WORTH_SAYING * min(band[1] - band[0], np.ptp(spectrum.wavenumber))
+    )
+    places = np.flatnonzero(wide)
+    if len(places) > _MOST_GAPS:
+        ends = spectrum.wavenumber[[places[0], places[-1] + 1]] / PER_CENTIMETRE
+        yield (
+            f"{spectrum.source}: has {len(places)} gaps between {ends[0]:.5g} and {ends[1]:.5g} "
+            f"cm^-1, up to {steps[places].max() / PER_CENTIMETRE:.3g} cm^-1 wide; "
+            f"{spectrum.quantity} is taken as linear there"
+        )
+        return
+    for at in places:
+        ends = spectrum.wavenumber[at : at + 2] / PER_CENTIMETRE
+        yield (
+            f"{spectrum.source}: has no points between {ends[0]:.5g} and {ends[1]:.5g} cm^-1; "
+            f"{spectrum.quantity} is taken as linear there"
+        )
+
+
+def _too_much_light(
+    spectra: Sequence[MeasuredSpectrum], reflectances: Sequence[MeasuredSpectrum], accuracy: float
+) -> Iterator[str]:
+    wavenumber = spectra[0].wavenumber
+    inside = (wavenumber >= reflectances[0].wavenumber[0]) & (
+        wavenumber <= reflectances[0].wavenumber[-1]
+    )
+    sums = sum(
+        np.mean([np.interp(wavenumber, one.wavenumber, one.value) for one in group], axis=0)
+        for group in (spectra, reflectances)
+    )
+    noise = np.hypot(point_noise(spectra[0].value), point_noise(reflectances[0].value))
+    tolerance = _TOLERANCE * np.hypot(np.sqrt(2.0) * accuracy, noise)
+    share = float(np.mean(sums[inside] > 1.0 + tolerance)) if inside.any() else 0.0
+    if share > _WORTH_SAYING:
+        yield (
+            f"transmittance and reflectance add up to more than 1 at "
+            f"{_PERCENT * share:.1f} % of the wavenumbers "
+            f"(to {sums[inside].max():.3g}); {_ADVICE['emissivity']}"
+        )
+
+
+def accuracy_warnings(stated: float | None, used: float) -> list[str]:
+    """What a reader must know of the instrument's accuracy.
+
+    Parameters
+    ----------
+    stated : float or None
+        As the user states it.
+    used : float
+        [1].
+
+    Returns
+    -------
+    list of str
+    """
+    if stated is None:
+        return list(assumed_accuracies({"spectrometer": f"± {_PERCENT * used:g} % of full scale"}))
+    if stated == 0.0:
+        return ["intervals leave out the spectrometer's accuracy, which is stated as 0"]
+    return []
+
+
+def coverage_warnings(
+    source: str,
+    band: tuple[float, float],
+    measured: tuple[float, float],
+    uncovered_band: float,
+    uncovered: dict[float, float],
+) -> list[str]:
+    """What lies outside the measured wavenumbers.
+
+    Parameters
+    ----------
+    source : str
+    band, measured : tuple of float
+        Lowest and highest wavenumber [1/m].
+    uncovered_band : float
+        Share of the band's width without data [1].
+    uncovered : dict of float to float
+        Share of a black body's power without data [1], by temperature [K].
+
+    Returns
+    -------
+    list of str
+    """
+    low, high = (end / PER_CENTIMETRE for end in measured)
+    found = []
+    if uncovered_band > 0.0:
+        ends = f"{band[0] / PER_CENTIMETRE:g} to {band[1] / PER_CENTIMETRE:g}"
+        found.append(
+            f"{source}: data from {low:.5g} to {high:.5g} cm^-1 do not cover "
+            f"{_PERCENT * uncovered_band:.1f} % of the band from {ends} cm^-1; the "
+            "mean is over the rest"
+        )
+    shares = [share for share in uncovered.values() if share > _WORTH_SAYING]
+    if shares:
+        ends = " to ".join(
+            dict.fromkeys(f"{_PERCENT * one:.1f} %" for one in (min(shares), max(shares)))
+        )
+        hot = " to ".join(dict.fromkeys(f"{one:g}" for one in (min(uncovered), max(uncovered))))
+        found.append(
+            f"{ends} of a black body's power at {hot} K lies outside the measured wavenumbers; "
+            "weighted means are over the rest, their bounds take nothing or everything emitted "
+            "there"
+        )
+    return found

@@ -1,0 +1,136 @@
+"""Figure of infrared spectra, with the spectrum of a black body."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from lightflyer.files.drawing import (
+    GREY,
+    ORANGE,
+    PALETTE,
+    figure_for,
+    legend_below,
+    new_figure,
+)
+from lightflyer.film.optics.spectra import planck
+from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
+
+if TYPE_CHECKING:
+    from lightflyer.lab.ftir.reduction import Ftir
+
+_HEIGHT = 4.6
+_RADIATION_HEIGHT = 0.35  # of the black body's curve, in heights of the axes
+_MARGIN = 1.02  # height of the axes over the highest value
+_MOST_POINTS = 20_000  # drawn of one spectrum
+_TICKS_UM = np.array([0.2, 0.3, 0.4, 0.5, 0.7, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0,
+                      25.0])  # fmt: skip
+_BETWEEN_TICKS = 0.045  # of the width of the axes, at least
+_MICROMETRES_TIMES_PER_CENTIMETRE = 1e4
+
+
+def spectra(
+    result: "Ftir", ax: Axes, computed: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
+) -> Axes:
+    """Draw spectra over wavenumber, the band, and the spectrum of a black body.
+
+    Parameters
+    ----------
+    result : Ftir
+    ax : matplotlib.axes.Axes
+    computed : mapping, optional
+        Wavenumber [1/m] and value [1] of a computed spectrum, by its quantity.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    low, high = (end / PER_CENTIMETRE for end in result.band)
+    ax.axvspan(
+        low, high, color=ORANGE, alpha=0.15, lw=0, label=f"averaged over {low:g}–{high:g} cm⁻¹"
+    )
+    _black_body(result, ax)
+    drawn = [(one, "-") for one in result.spectra] + [(one, "-.") for one in result.reflectances]
+    for number, (one, style) in enumerate(drawn):
+        step = max(1, len(one.wavenumber) // _MOST_POINTS)
+        ax.plot(one.wavenumber[::step] / PER_CENTIMETRE, one.value[::step], ls=style, lw=1,
+                color=PALETTE[number % len(PALETTE)],
+                label=f"{one.quantity}, {one.source}")  # fmt: skip
+    for name, (wavenumber, value) in (computed or {}).items():
+        style = "--" if name == "transmittance" else ":"
+        ax.plot(wavenumber / PER_CENTIMETRE, value, color="black", ls=style, lw=1,
+                label=f"{name}, computed")  # fmt: skip
+    ends = [one.wavenumber[[0, -1]] / PER_CENTIMETRE for one in result.spectra]
+    ax.set_xlim(max(end[1] for end in ends), min(end[0] for end in ends))
+    values = np.concatenate([one.value for one in (*result.spectra, *result.reflectances)])
+    ax.set_ylim(min(0.0, values.min()), _MARGIN * max(1.0, values.max()))
+    ax.set_xlabel("wavenumber [cm⁻¹]")
+    ax.set_ylabel("fraction of the light [1]")
+    _wavelength_axis(ax)
+    legend_below(ax, most=2)
+    return ax
+
+
+def _black_body(result: "Ftir", ax: Axes) -> None:
+    temperature = max(result.uncovered)
+    ends = [one.wavenumber[[0, -1]] for one in result.spectra]
+    wavenumber = np.linspace(min(end[0] for end in ends), max(end[1] for end in ends), 500)
+    wavenumber = np.maximum(wavenumber, 1.0)
+    per_wavenumber = planck(1.0 / wavenumber, temperature) / wavenumber**2
+    height = _RADIATION_HEIGHT * per_wavenumber / per_wavenumber.max()
+    ax.fill_between(wavenumber / PER_CENTIMETRE, height, color=GREY, alpha=0.3, lw=0,
+                    label=f"black body, {temperature:g} K, arbitrary height")  # fmt: skip
+
+
+def _wavelength_axis(ax: Axes) -> None:
+    left, right = ax.get_xlim()
+    at = _MICROMETRES_TIMES_PER_CENTIMETRE / _TICKS_UM
+    shown = (at > min(left, right)) & (at < max(left, right))
+    room = _BETWEEN_TICKS * abs(right - left)
+    last = np.inf
+    for number in np.flatnonzero(shown):  # the wavenumber falls
+        shown[number] = last - at[number] >= room
+        last = at[number] if shown[number] else last
+    top = ax.secondary_xaxis("top")
+    top.set_xticks(at[shown], [f"{tick:g}" for tick in _TICKS_UM[shown]])
+    top.set_xlabel("wavelength [µm]")
+
+
+def ftir_figures(
+    result: "Ftir", computed: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
+) -> dict[str, Figure]:
+    """Figure of spectra, by file name without suffix.
+
+    Parameters
+    ----------
+    result : Ftir
+    computed : mapping, optional
+        See :func:`spectra`.
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+    """
+    figure = new_figure(height=_HEIGHT)
+    spectra(result, figure.axes[0], computed)
+    return {"ftir": figure}
+
+
+def plot_spectra(result: "Ftir", ax: Axes | None = None) -> Figure:
+    """Draw spectra.
+
+    Parameters
+    ----------
+    result : Ftir
+    ax : matplotlib.axes.Axes, optional
+        By default that of a new figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure, ax = figure_for(ax, height=_HEIGHT)
+    spectra(result, ax)
+    return figure

@@ -1,0 +1,48 @@
+"""Computed spectra of a layered film beside its measured ones."""
+
+import numpy as np
+
+from lightflyer.core.errors import ParameterError
+from lightflyer.film.optics.stack import Film
+from lightflyer.lab.ftir.reduction import Ftir
+
+_WAVENUMBERS = 1000
+
+
+def computed_spectra(
+    film: Film, measured: Ftir
+) -> tuple[dict[str, tuple[np.ndarray, np.ndarray]], list[str]]:
+    """Spectra of a film over the measured wavenumbers that its materials' data cover.
+
+    Parameters
+    ----------
+    film : Film
+    measured : Ftir
+
+    Returns
+    -------
+    spectra : dict of str to (array, array)
+        Wavenumber [1/m], and transmittance [1] or, where it was measured, reflectance [1].
+    extrapolated : list of str
+        What is extrapolated.
+
+    Raises
+    ------
+    ParameterError
+        If the data cover none of them.
+    """
+    shortest, longest = film.covered_range
+    ends = [one.wavenumber[[0, -1]] for one in measured.spectra]
+    low = max(min(end[0] for end in ends), 1.0 / longest)
+    high = max(end[1] for end in ends)
+    if shortest > 0.0:  # zero if all materials are extrapolated
+        high = min(high, 1.0 / shortest)
+    if low >= high:
+        raise ParameterError("its materials have no data in the range of the spectra")
+    # by rounding, the ends themselves may lie outside the materials' range
+    wavenumber = np.linspace(low, high, _WAVENUMBERS + 2)[1:-1]
+    optics = film.optics(1.0 / wavenumber).unpolarised()
+    found = {"transmittance": (wavenumber, np.asarray(optics.transmittance))}
+    if measured.reflectances:
+        found["reflectance"] = (wavenumber, np.asarray(optics.reflectance))
+    return found, list(film.extrapolated(1.0 / wavenumber[-1], 1.0 / wavenumber[0]))

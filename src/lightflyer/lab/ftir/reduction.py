@@ -1,0 +1,397 @@
+r"""Emissivity, or its upper bound, from infrared transmittance and reflectance.
+
+A film absorbs, and so emits, what it neither transmits nor reflects. Spectra are averaged over a
+band, and over Planck's spectrum at a temperature,
+
+.. math:: \bar\tau(T) = \frac{\int B_\nu(T)\,\tau(\nu)\,d\nu}{\int B_\nu(T)\,d\nu},
+
+with both integrals over the measured wavenumbers. Without reflectance, :math:`1-\bar\tau` is an
+upper bound of the emissivity, not its value.
+"""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.special import ndtri
+
+from lightflyer.core.checks import require_positive, require_range
+from lightflyer.core.errors import ParameterError
+from lightflyer.lab.estimate import CONFIDENCE, Estimate
+from lightflyer.lab.ftir.checks import (
+    Bounds,
+    accuracy_warnings,
+    coverage_warnings,
+    spectrum_warnings,
+)
+from lightflyer.lab.ftir.means import (
+    Share,
+    band_mean,
+    combined,
+    planck_mean,
+    remainder,
+    uncovered_power,
+)
+from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
+from lightflyer.lab.record import dataset
+from lightflyer.lab.spectrum_noise import noise_density
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+BAND = (500.0 * PER_CENTIMETRE, 1300.0 * PER_CENTIMETRE)
+"""Band of the paper, 900 ± 400 cm⁻¹ [1/m]."""
+
+TEMPERATURES = (300.0, 400.0, 441.0, 500.0)
+"""Default temperatures of Planck-weighted means [K]."""
+
+DEFAULT_ACCURACY = 0.01
+"""Standard uncertainty of the ordinate where none is stated [1]: an assumption. Three
+commercial instruments were within 0.001 with a PET film [ApplSpectrosc2000]_; drift between
+background and sample, a film's wrinkles, and light reflected between film and interferometer
+[BirchClarke1995]_ come on top."""
+
+ONE_SIDED_FACTOR = float(ndtri(CONFIDENCE))
+"""One-sided 95 % limit of a normal variable, in standard deviations."""
+
+_BAND_MEAN = "over the band"
+_ROUNDING = 1e-9  # fraction of the band below which a gap is rounding
+
+
+@dataclass(frozen=True)
+class Averages:
+    """Averages of one quantity over the band and over Planck's spectrum.
+
+    Attributes
+    ----------
+    band : Estimate
+    planck : dict of float to Estimate
+        By temperature [K].
+    """
+
+    band: Estimate
+    planck: dict[float, Estimate]
+
+
+@dataclass(frozen=True)
+class Ftir:
+    """Transmittance, reflectance and emissivity of a film from its infrared spectra.
+
+    Attributes
+    ----------
+    spectra : list of MeasuredSpectrum
+        Spectra of transmittance.
+    reflectances : list of MeasuredSpectrum
+        Spectra of reflectance; empty if none was measured.
+    band : tuple of float
+        [1/m].
+    transmittance : Averages
+    reflectance : Averages or None
+    emissivity : Estimate or None
+        Emissivity over the band; None if reflectance was not measured.
+    upper_bound : Estimate
+        One minus the transmittance over the band: the emissivity of a film that reflects nothing,
+        which no film exceeds. A bound, not the emissivity.
+    planck_emissivity : dict of float to Estimate
+        Emissivity by temperature [K], or its upper bound if reflectance was not measured, over the
+        measured wavenumbers.
+    uncovered_band : float
+        Fraction of the band's width without data [1].
+    uncovered : dict of float to float
+        Fraction of a black body's power without data [1], by temperature [K].
+    accuracy : float
+        Standard uncertainty of the instrument's ordinate, included in the intervals [1].
+    warnings : tuple of str
+        What a reader must know of these numbers.
+    """
+
+    spectra: list[MeasuredSpectrum]
+    reflectances: list[MeasuredSpectrum]
+    band: tuple[float, float]
+    transmittance: Averages
+    reflectance: Averages | None
+    emissivity: Estimate | None
+    upper_bound: Estimate
+    planck_emissivity: dict[float, Estimate]
+    uncovered_band: float
+    uncovered: dict[float, float]
+    accuracy: float
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def at_most(self) -> float:
+        """Emissivity over the band that is not exceeded at 95 % confidence, one-sided [1]."""
+        return _limit(self.emissivity or self.upper_bound)
+
+    def total_bounds(self) -> dict[float, tuple[float, float]]:
+        """Bounds of the total emissivity, with nothing or everything emitted outside the data.
+
+        Returns
+        -------
+        dict of float to (float, float)
+            By temperature [K]. With reflectance, both ends include the 95 % interval. Without, the
+            lower end is 0 and the upper one is not exceeded at 95 % confidence, one-sided [1].
+        """
+        found = {}
+        for temperature, estimate in self.planck_emissivity.items():
+            inside = 1.0 - self.uncovered[temperature]
+            low, high = estimate.interval
+            if self.reflectance is None:
+                low, high = 0.0, _limit(estimate)
+            found[temperature] = (inside * low, 1.0 - inside * (1.0 - high))
+        return found
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw the spectra with the band and the spectrum of a black body.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            By default that of a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.lab.ftir.figures import plot_spectra
+
+        return plot_spectra(self, ax)
+
+    def summary(self) -> dict[str, Any]:
+        """The result as a JSON object."""
+        document: dict[str, Any] = {
+            "band_transmittance": self.transmittance.band.to_json(),
+            "emissivity_upper_bound": self.upper_bound.to_json()
+            | {"at_most_95": _limit(self.upper_bound)},
+            "planck_weighted": _by_temperature(self.transmittance.planck),
+            "uncovered_fraction": {
+                "band": _exact(self.uncovered_band).to_json(),
+                **_by_temperature({t: _exact(share) for t, share in self.uncovered.items()}),
+            },
+            "total_emissivity_bounds_95": {
+                f"{t:g}": list(ends) for t, ends in self.total_bounds().items()
+            },
+            "band_per_cm": [end / PER_CENTIMETRE for end in self.band],
+            "accuracy": self.accuracy,
+            "warnings": list(self.warnings),
+        }
+        weighted = _by_temperature(self.planck_emissivity)
+        if self.reflectance is None or self.emissivity is None:
+            return document | {"planck_weighted_emissivity_upper_bound": weighted}
+        return document | {
+            "band_reflectance": self.reflectance.band.to_json(),
+            "emissivity": self.emissivity.to_json(),
+            "planck_weighted_reflectance": _by_temperature(self.reflectance.planck),
+            "planck_weighted_emissivity": weighted,
+        }
+
+
+def _limit(estimate: Estimate) -> float:
+    """One-sided upper limit of a share."""
+    return min(1.0, estimate.value + ONE_SIDED_FACTOR * (estimate.uncertainty or 0.0))
+
+
+def _exact(value: float) -> Estimate:
+    return Estimate(value, (value, value), "", 0.0)
+
+
+def _by_temperature(estimates: dict[float, Estimate]) -> dict[str, Any]:
+    return {f"{temperature:g}": one.to_json() for temperature, one in estimates.items()}
+
+
+def reduce_ftir(
+    spectra: Sequence[MeasuredSpectrum],
+    reflectances: Sequence[MeasuredSpectrum] = (),
+    *,
+    band: tuple[float, float] = BAND,
+    temperatures: Sequence[float] = TEMPERATURES,
+    accuracy: float | None = None,
+) -> Ftir:
+    """Average a film's spectra for its emissivity, or its upper bound.
+
+    Parameters
+    ----------
+    spectra : sequence of MeasuredSpectrum
+        Spectra of transmittance; several are repeated measurements of one film.
+    reflectances : sequence of MeasuredSpectrum
+        Spectra of reflectance, likewise.
+    band : tuple of float
+        Lowest and highest wavenumber of the band [1/m].
+    temperatures : sequence of float
+        Temperatures of the Planck weighting [K].
+    accuracy : float, optional
+        Standard uncertainty of the instrument's ordinate, common to a whole spectrum and to all
+        repeats [1]; by default :data:`DEFAULT_ACCURACY`, with a warning.
+
+    Returns
+    -------
+    Ftir
+        Shares are cut at 0 and 1, with a warning where their intervals reach beyond.
+
+    Raises
+    ------
+    ParameterError
+        If there is no spectrum, one shows another quantity, diffuse reflectance alone, or has no
+        data in the band, an argument is impossible, or a share is below 0 or above 1 by more than
+        its uncertainty.
+
+    Notes
+    -----
+    The interval of one spectrum includes its noise, whose correlation along the spectrum is
+    estimated (:mod:`lightflyer.lab.spectrum_noise`), and the accuracy; that of several includes the
+    scatter of their means with Student's factor, and the accuracy. Transmittance and reflectance
+    have independent errors. With two or three repeats whose scatter is comparable with the accuracy
+    the interval is wider than it need be.
+    """
+    used = DEFAULT_ACCURACY if accuracy is None else accuracy
+    _check(spectra, reflectances, band, temperatures, used)
+    low, high = _common_range([*spectra, *reflectances])
+    inside = (max(band[0], low), min(band[1], high))
+    uncovered_band = _uncovered_band(band, low, high, spectra[0].source)
+    heat = [float(t) for t in temperatures]
+    uncovered = {t: uncovered_power((low, high), t) for t in heat}
+    raw = [
+        _averages(group, inside, (low, high), heat, used)
+        for group in (spectra, reflectances)
+        if group
+    ]
+    rest = {where: remainder([one[where] for one in raw]) for where in raw[0]}
+    bounds, unsaid = Bounds(), Bounds()
+    transmittance = _cut(bounds, "transmittance", raw[0])
+    reflectance = _cut(bounds, "reflectance", raw[1]) if reflectances else None
+    # without reflectance the rest is cut where the transmittance was, which has been said
+    emissivity = _cut(bounds if reflectances else unsaid, "emissivity", rest)
+    return Ftir(
+        spectra=list(spectra),
+        reflectances=list(reflectances),
+        band=band,
+        transmittance=transmittance,
+        reflectance=reflectance,
+        emissivity=emissivity.band if reflectances else None,
+        upper_bound=unsaid.cut(
+            "emissivity", _BAND_MEAN, remainder([raw[0][_BAND_MEAN]]).estimate()
+        ),
+        planck_emissivity=emissivity.planck,
+        uncovered_band=uncovered_band,
+        uncovered=uncovered,
+        accuracy=used,
+        warnings=(
+            *coverage_warnings(spectra[0].source, band, (low, high), uncovered_band, uncovered),
+            *spectrum_warnings(spectra, reflectances, band, used),
+            *bounds.warnings,
+            *accuracy_warnings(accuracy, used),
+        ),
+    )
+
+
+def _check(
+    spectra: Sequence[MeasuredSpectrum],
+    reflectances: Sequence[MeasuredSpectrum],
+    band: tuple[float, float],
+    temperatures: Sequence[float],
+    accuracy: float,
+) -> None:
+    require_positive(temperatures=np.asarray(temperatures, float))
+    require_range("accuracy", accuracy, 0.0, 1.0)
+    require_range("lower end of the band", band[0], 0.0)
+    require_range("upper end of the band", band[1], band[0], open_below=True)
+    if not spectra:
+        raise ParameterError("a spectrum of transmittance is needed")
+    for group, quantity in ((spectra, "transmittance"), (reflectances, "reflectance")):
+        for one in group:
+            if one.quantity != quantity:
+                raise ParameterError(f"{one.source}: shows {one.quantity}, not {quantity}")
+            if quantity == "reflectance" and one.collection == "diffuse":
+                raise ParameterError(
+                    f"{one.source}: holds diffuse reflectance, which leaves out the specular beam; "
+                    "no emissivity follows without it"
+                )
+
+
+def _common_range(spectra: Sequence[MeasuredSpectrum]) -> tuple[float, float]:
+    """Lowest and highest wavenumber that all spectra have [1/m]."""
+    low = max(one.wavenumber[0] for one in spectra)
+    high = min(one.wavenumber[-1] for one in spectra)
+    if low >= high:
+        raise ParameterError("the spectra have no wavenumbers in common")
+    return low, high
+
+
+def _averages(
+    group: Sequence[MeasuredSpectrum],
+    band: tuple[float, float],
+    measured: tuple[float, float],
+    temperatures: Sequence[float],
+    accuracy: float,
+) -> dict[str | float, Share]:
+    """Means of repeated spectra over the band, and by temperature."""
+    densities = [noise_density(one.value) for one in group]
+    noisy = list(zip(group, densities, strict=True))
+    found: dict[str | float, Share] = {
+        _BAND_MEAN: combined([band_mean(one, noise, band) for one, noise in noisy], accuracy)
+    }
+    for temperature in temperatures:
+        means = [planck_mean(one, noise, measured, temperature) for one, noise in noisy]
+        found[temperature] = combined(means, accuracy)
+    return found
+
+
+def _cut(bounds: Bounds, quantity: str, shares: dict[str | float, Share]) -> Averages:
+    """Estimates of the shares, cut at what is possible."""
+    band = bounds.cut(quantity, _BAND_MEAN, shares[_BAND_MEAN].estimate())
+    planck = {
+        where: bounds.cut(quantity, f"at {where:g} K", share.estimate())
+        for where, share in shares.items()
+        if not isinstance(where, str)
+    }
+    return Averages(band, planck)
+
+
+def _uncovered_band(band: tuple[float, float], low: float, high: float, source: str) -> float:
+    """Share of the band's width without data."""
+    covered = (min(band[1], high) - max(band[0], low)) / (band[1] - band[0])
+    if covered <= 0.0:
+        in_cm = [end / PER_CENTIMETRE for end in (*band, low, high)]
+        raise ParameterError(
+            f"{source}: has no data in the band from {in_cm[0]:g} to {in_cm[1]:g} cm^-1; its data "
+            f"extend from {in_cm[2]:.5g} to {in_cm[3]:.5g} cm^-1"
+        )
+    return 0.0 if covered > 1.0 - _ROUNDING else 1.0 - covered
+
+
+def _said(spectrum: MeasuredSpectrum) -> dict[str, str]:
+    """What the file says of its spectrum, without what it leaves open."""
+    facts = {name: text for name, text in asdict(spectrum.facts).items() if text}
+    return facts | ({"collection": spectrum.collection} if spectrum.collection else {})
+
+
+def to_dataset(result: Ftir) -> "xr.Dataset":
+    """Dataset of the spectra, each over its own wavenumbers.
+
+    Parameters
+    ----------
+    result : Ftir
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    variables: dict[str, Any] = {}
+    for group in (result.spectra, result.reflectances):
+        for number, one in enumerate(group):
+            name = f"{one.quantity}_{number}"
+            dimension = f"wavenumber_{name}"
+            variables[dimension] = (
+                dimension, one.wavenumber / PER_CENTIMETRE,
+                {"units": "cm-1", "long_name": "wavenumber"},
+            )  # fmt: skip
+            variables[name] = (
+                dimension, one.value,
+                {"units": "1", "long_name": one.quantity, "file": one.source} | _said(one),
+            )  # fmt: skip
+    files = [one.source for one in (*result.spectra, *result.reflectances)]
+    return dataset("infrared spectra", variables, files, warnings=result.warnings)

@@ -1,0 +1,1 @@
+"""Optimal pressure and minimum irradiance from levitation points."""

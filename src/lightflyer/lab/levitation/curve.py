@@ -1,0 +1,398 @@
+r"""Optimal pressure and minimum irradiance from levitation points.
+
+LOESS of degree 2 on logarithms smooths the points at which a sample lifted off. The minimum of the
+curve is the least irradiance at which the sample levitates.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.calibration.findings import step_warning
+from lightflyer.calibration.inputs import instruments
+from lightflyer.calibration.steps import CENTRE, found_step, require_step
+from lightflyer.core.checks import require_range
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.extras import extra
+from lightflyer.lab.estimate import CONFIDENCE, Estimate
+from lightflyer.lab.levitation.data import LiftOffs
+from lightflyer.lab.levitation.minimum import DEGREE, Minimum, minimum
+from lightflyer.lab.record import dataset, joint_warnings
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SPAN = 0.75
+"""Fraction of a sample's points in each local fit; the default of LOESS."""
+
+BAND_CONFIDENCE = 0.99
+"""Confidence of the band about the curve."""
+
+DRAWS = 2000
+"""Number of simulated measurements."""
+
+LEAST_POINTS, LEAST_PRESSURES = 8, 6
+"""Fewest points and pressures of a curve."""
+
+_LEAST_SPREAD = 1e-6  # of log-pressure
+_GRID = 300  # pressures of a curve
+
+
+@dataclass(frozen=True)
+class LevitationCurve:
+    """Curve through a sample's points, with its minimum.
+
+    Attributes
+    ----------
+    points : LiftOffs
+    optimal_pressure : Estimate
+        Pressure of the minimum [Pa]; its interval contains the gauge's calibration.
+    minimum_irradiance : Estimate
+        Least irradiance at which the sample levitates [W/m²]; its interval contains the light
+        meter's calibration.
+    at_edge : bool
+        Whether the minimum is at the end of the measured pressures, so that the optimum may lie
+        beyond: then its interval is open there, and that of the irradiance below.
+    pressure : array, shape (m,)
+        Pressures of the curve [Pa].
+    irradiance, lower, upper : array, shape (m,)
+        LOESS curve and its 99 % band [W/m²].
+    draws : array, shape (b, 2)
+        Draws of the logarithms of pressure and irradiance at the true minimum, without the
+        instruments' calibration.
+    step : float
+        Step in which the light was raised [W/m²], 0 for none.
+    warnings : tuple of str
+        What a reader of the result must know, one line each.
+    """
+
+    points: LiftOffs
+    optimal_pressure: Estimate
+    minimum_irradiance: Estimate
+    at_edge: bool
+    pressure: np.ndarray
+    irradiance: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    draws: np.ndarray
+    step: float = 0.0
+    warnings: tuple[str, ...] = ()
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw points, curve with its 99 % band, and minimum.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            By default that of a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.lab.levitation.figures import plot_curve
+
+        return plot_curve(self, ax)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Reduction of the minimum irradiance from one sample to another.
+
+    Attributes
+    ----------
+    first, second : str
+        Sample with the lower minimum irradiance, and the other sample.
+    reduction : Estimate
+        One minus the ratio of their minimum irradiances [1]. The light meter's calibration is
+        common to both and not in the interval.
+    """
+
+    first: str
+    second: str
+    reduction: Estimate
+
+
+def levitation_curve(
+    points: LiftOffs,
+    *,
+    span: float = SPAN,
+    draws: int = DRAWS,
+    seed: int = 0,
+    step: float = 0.0,
+    pressure_accuracy: float | None = None,
+    irradiance_accuracy: float | None = None,
+) -> LevitationCurve:
+    r"""Fit a LOESS curve to a sample's points, and find its minimum.
+
+    Parameters
+    ----------
+    points : LiftOffs
+        Eight or more, at six or more pressures.
+    span : float
+        Fraction of the points in each local fit.
+    draws : int
+        Number of simulated measurements.
+    seed : int
+        Seed of the simulation.
+    step : float
+        Step in which the light was raised until the sample lifted off [W/m²], 0 where it was
+        raised steadily.
+    pressure_accuracy, irradiance_accuracy : float, optional
+        Relative standard uncertainty of the calibration of pressure gauge and light meter. Where
+        none is stated, a warning says what is assumed.
+
+    Returns
+    -------
+    LevitationCurve
+
+    Raises
+    ------
+    ConfigurationError
+        If there are too few points or pressures.
+    ParameterError
+        If an accuracy is not between 0 and 1, or the step is not smaller than every irradiance.
+    MissingExtraError
+        If scikit-misc is not installed.
+
+    Notes
+    -----
+    Curve and 99 % band are those of LOESS of degree 2 [Cleveland1988]_ on logarithms. The minimum
+    is that of the curve plus LOESS of its residuals ("twicing" [Tukey1977]_), which removes most
+    of the bias of smoothing a bend. Its 95 % interval is that of simulated measurements; see
+    :mod:`lightflyer.lab.levitation.minimum`.
+    """
+    require_range("span", span, 0.1, 1.0)
+    require_range("draws", draws, 100)
+    accuracies, assumed = instruments(pressure_accuracy, irradiance_accuracy)
+    _require_enough(points)
+    require_step(step, points.irradiance, points.place)
+    loess = extra("skmisc.loess", "smoothing levitation points", "lab").loess
+    x, y = np.log(points.pressure), np.log(points.irradiance - CENTRE * step)
+    grid = np.linspace(x.min(), x.max(), _GRID)
+    fitted = _loess(loess, x, y, span)
+    if fitted is None:
+        raise ConfigurationError(
+            f"{points.place}: LOESS cannot fit {points.name}; add points or widen the span"
+        )
+    predicted = fitted.predict(grid, stderror=True)
+    band = predicted.confidence(1.0 - BAND_CONFIDENCE)
+    least = minimum(x, points.irradiance, span=span, draws=draws, seed=seed, step=step)
+    pressure, irradiance = _estimates(least, tuple(accuracies.values()), seed)
+    return LevitationCurve(
+        points=points,
+        optimal_pressure=pressure,
+        minimum_irradiance=irradiance,
+        at_edge=least.edge != 0,
+        pressure=np.exp(grid),
+        irradiance=np.exp(predicted.values),
+        lower=np.exp(band.lower),
+        upper=np.exp(band.upper),
+        draws=np.stack([least.places, least.values], axis=1),
+        step=step,
+        warnings=(*_findings(points, least, pressure, step), *assumed),
+    )
+
+
+def _estimates(
+    least: Minimum, accuracies: tuple[float, ...], seed: int
+) -> tuple[Estimate, Estimate]:
+    """Optimal pressure and minimum irradiance, the instruments' calibration included."""
+    rng = np.random.default_rng([seed, len(least.places)])
+    gauge, meter = (one * rng.normal(size=len(least.places)) for one in accuracies)
+    pressure = _estimate(least.place, least.places + gauge, "Pa")
+    irradiance = _estimate(least.value, least.values + meter, "W/m^2")
+    low, high = pressure.interval
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    if np.mean(least.edges == -1) > tail:
+        low = 0.0
+    if np.mean(least.edges == 1) > tail:
+        high = np.inf
+    pressure = replace(pressure, interval=(low, high))
+    if least.edge:
+        irradiance = replace(irradiance, interval=(0.0, irradiance.interval[1]))
+    return pressure, irradiance
+
+
+def _findings(points: LiftOffs, least: Minimum, pressure: Estimate, step: float) -> tuple[str, ...]:
+    """What a reader of the result must know."""
+    said = []
+    if least.edge:
+        said.append(
+            f"{points.place}: {points.name} has its minimum at the end of its pressures; the "
+            "optimum may lie beyond: extend the measurement"
+        )
+    elif pressure.interval[0] == 0.0 or not np.isfinite(pressure.interval[1]):
+        said.append(
+            f"{points.place}: the optimum of {points.name} may lie beyond its pressures: extend "
+            "the measurement"
+        )
+    found = None if step else found_step(points.irradiance)
+    if found is not None:
+        said.append(step_warning(points.name, found))
+    if points.in_ground_effect:
+        gap, diameter = 1e3 * float(points.floor_gap or 0.0), 1e3 * points.properties["diameter"]
+        said.append(
+            f"{points.place}: {points.name} is in ground effect: the floor is {gap:.3g} mm below, "
+            f"less than the diameter of {diameter:.3g} mm"
+        )
+    return tuple(said)
+
+
+def _require_enough(points: LiftOffs) -> None:
+    count, pressures = len(points.pressure), np.unique(points.pressure).size
+    place, name = points.place, points.name
+    if count < LEAST_POINTS:
+        raise ConfigurationError(
+            f"{place}: {name} has {count} point{'s' * (count != 1)}; a curve needs "
+            f"{LEAST_POINTS} or more"
+        )
+    if pressures < LEAST_PRESSURES or np.ptp(np.log(points.pressure)) < _LEAST_SPREAD:
+        raise ConfigurationError(
+            f"{place}: {name} was measured at {pressures} pressure{'s' * (pressures != 1)}; a "
+            f"curve needs {LEAST_PRESSURES} or more"
+        )
+
+
+def _loess(loess: Any, x: np.ndarray, y: np.ndarray, span: float) -> Any:
+    """Fitted curve, or None where LOESS cannot fit the points."""
+    curve = loess(x, y, span=span, degree=DEGREE)
+    try:
+        curve.fit()
+    except ValueError:
+        return None
+    return curve
+
+
+def _estimate(log_value: float, log_draws: np.ndarray, unit: str) -> Estimate:
+    """Positive quantity with its percentile interval, from logarithms."""
+    found = Estimate.of_draws(log_value, log_draws)
+    low, high = np.exp(found.interval)
+    value = float(np.exp(log_value))
+    return Estimate(value, (float(low), float(high)), unit, value * (found.uncertainty or 0.0))
+
+
+def compare(curves: Sequence[LevitationCurve]) -> list[Comparison]:
+    """Compare the minimum irradiances of every two samples.
+
+    Parameters
+    ----------
+    curves : sequence of LevitationCurve
+
+    Returns
+    -------
+    list of Comparison
+        The sample with the lower minimum irradiance is first. Both are taken to be measured with
+        the same light meter, whose calibration then cancels.
+    """
+    found = []
+    # two samples simulated from one seed have the same errors
+    shuffle = np.random.default_rng(len(curves)).permutation
+    for pair in combinations(curves, 2):
+        less, more = sorted(pair, key=lambda curve: curve.minimum_irradiance.value)
+        count = min(len(less.draws), len(more.draws))
+        ratios = np.exp(less.draws[:count, 1] - shuffle(more.draws[:count, 1]))
+        value = 1.0 - less.minimum_irradiance.value / more.minimum_irradiance.value
+        reduction = Estimate.of_draws(value, 1.0 - ratios)
+        found.append(Comparison(less.points.name, more.points.name, reduction))
+    return found
+
+
+def summary(curves: Sequence[LevitationCurve]) -> dict[str, Any]:
+    """Samples and their comparisons as a JSON object.
+
+    Parameters
+    ----------
+    curves : sequence of LevitationCurve
+
+    Returns
+    -------
+    dict
+    """
+    return {
+        "samples": {
+            curve.points.name: {
+                "optimal_pressure": curve.optimal_pressure.to_json(),
+                "minimum_irradiance": curve.minimum_irradiance.to_json(),
+                "points": len(curve.points.pressure),
+                "at_edge": curve.at_edge,
+                "in_ground_effect": curve.points.in_ground_effect,
+                "step": curve.step,
+            }
+            for curve in curves
+        },
+        "warnings": warnings_of(curves),
+        "comparisons": [
+            {"a": one.first, "b": one.second, "reduction": one.reduction.to_json()}
+            for one in compare(curves)
+        ],
+    }
+
+
+def warnings_of(curves: Sequence[LevitationCurve]) -> list[str]:
+    """Warnings of all samples, each once.
+
+    Parameters
+    ----------
+    curves : sequence of LevitationCurve
+
+    Returns
+    -------
+    list of str
+    """
+    return joint_warnings([("", curve.warnings) for curve in curves])
+
+
+def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.Dataset":
+    """Points and curves of all samples.
+
+    Parameters
+    ----------
+    curves : sequence of LevitationCurve
+    files : sequence of str
+        Names of the files read.
+
+    Returns
+    -------
+    xarray.Dataset
+        Points over ``point``, curves over ``sample`` and ``node``.
+    """
+    light = ("W m-2", "irradiance at lift-off")
+    names = [curve.points.name for curve in curves]
+
+    def points(field: str) -> np.ndarray:
+        return np.concatenate([getattr(curve.points, field) for curve in curves])
+
+    def nodes(field: str, units: str, long_name: str) -> Any:
+        values = np.stack([getattr(curve, field) for curve in curves])
+        return ("sample", "node"), values, {"units": units, "long_name": long_name}
+
+    owner = np.repeat(np.arange(len(curves)), [len(curve.points.pressure) for curve in curves])
+    return dataset(
+        "levitation",
+        {
+            "point_sample": (
+                "point",
+                owner,
+                {"units": "1", "long_name": "position of the sample, from 0"},
+            ),
+            "point_pressure": ("point", points("pressure"), _named("Pa", "gas pressure")),
+            "point_irradiance": ("point", points("irradiance"), _named(*light)),
+            "pressure": nodes("pressure", "Pa", "gas pressure"),
+            "irradiance": nodes("irradiance", "W m-2", "LOESS curve of the irradiance"),
+            "lower": nodes("lower", "W m-2", "lower end of the 99 % band"),
+            "upper": nodes("upper", "W m-2", "upper end of the 99 % band"),
+        },
+        files,
+        warnings=warnings_of(curves),
+        samples=", ".join(names),
+    )
+
+
+def _named(units: str, long_name: str) -> dict[str, str]:
+    return {"units": units, "long_name": long_name}

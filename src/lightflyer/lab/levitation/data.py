@@ -1,0 +1,113 @@
+"""Points at which samples lifted off, and their files."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from lightflyer.calibration.points import (
+    LEVITATION_COLUMNS,
+    SAMPLE_PROPERTIES,
+    Points,
+    read_points,
+)
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.table import Table
+
+COLUMNS = LEVITATION_COLUMNS
+"""Columns of a file of levitation points, the same as for a calibration."""
+
+
+@dataclass(frozen=True)
+class LiftOffs:
+    """Points at which one sample lifted off from one launchpad.
+
+    Attributes
+    ----------
+    name : str
+    pressure : array, shape (n,)
+        [Pa].
+    irradiance : array, shape (n,)
+        [W/m²].
+    place : str
+        File and first line, for messages.
+    floor_gap : float or None
+        Distance between launchpad and floor [m].
+    properties : dict of str to float
+        Known properties of the sample in SI units, by names of
+        :data:`lightflyer.calibration.points.SAMPLE_PROPERTIES`.
+    uncertainties : dict of str to array, shape (n,)
+        Stated standard uncertainties, by the names of their columns.
+    """
+
+    name: str
+    pressure: np.ndarray
+    irradiance: np.ndarray
+    place: str = ""
+    floor_gap: float | None = None
+    properties: dict[str, float] = field(default_factory=dict)
+    uncertainties: dict[str, np.ndarray] = field(default_factory=dict)
+
+    @property
+    def in_ground_effect(self) -> bool:
+        """Whether the gap to the floor is smaller than the disk's diameter."""
+        gap, diameter = self.floor_gap, self.properties.get("diameter")
+        return gap is not None and diameter is not None and gap < diameter
+
+
+def read_lift_offs(path: str | Path, *, columns: str | None = None) -> tuple[list[LiftOffs], Table]:
+    """Read levitation points, by :func:`~lightflyer.calibration.points.read_points`.
+
+    Parameters
+    ----------
+    path : str or path
+        Table with ``pressure`` and ``irradiance``, units in the header; ``sample`` where there is
+        more than one; optionally ``launchpad``, ``floor_gap`` and properties of the sample:
+        :data:`lightflyer.calibration.points.SAMPLE_PROPERTIES`.
+    columns : str, optional
+        The columns in the order of the file, in place of a header; see
+        :func:`~lightflyer.files.table.read_table`.
+
+    Returns
+    -------
+    samples : list of LiftOffs
+        One for every sample on every launchpad.
+    table : Table
+        Table that was read, with its rejected rows.
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names file and line.
+    """
+    points = read_points(path, columns=columns)
+    return [_sample(points, name) for name in dict.fromkeys(points.samples)], points.table
+
+
+def _sample(points: Points, name: str) -> LiftOffs:
+    here = points.where(points.of(name))
+    place = f"{here.source}:{here.lines[0]}"
+
+    def only(column: str) -> float | None:
+        if column not in here.numbers:
+            return None
+        values = np.unique(here.numbers[column])
+        if values.size > 1:
+            raise ConfigurationError(f"{place}: {name} has more than one {column}")
+        return float(values[0])
+
+    return LiftOffs(
+        name=name,
+        pressure=here.pressure,
+        irradiance=here.irradiance,
+        place=place,
+        floor_gap=only("floor_gap"),
+        properties={
+            column: value for column in SAMPLE_PROPERTIES if (value := only(column)) is not None
+        },
+        uncertainties={
+            column: values
+            for column, values in here.numbers.items()
+            if column.endswith("_uncertainty")
+        },
+    )

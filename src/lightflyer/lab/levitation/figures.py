@@ -1,0 +1,146 @@
+"""Figure of levitation points: curves of several samples, and the model's."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from lightflyer.core.units import scale_and_offset
+from lightflyer.files.drawing import (
+    GREY,
+    INTERVAL,
+    MARKERS,
+    PALETTE,
+    figure_for,
+    legend_below,
+    new_figure,
+    plain_decades,
+)
+
+if TYPE_CHECKING:
+    from lightflyer.lab.levitation.curve import LevitationCurve
+
+_HEIGHT = 5.2
+_PER_KILOWATT = 1e-3
+_MODEL_STYLES = ("--", ":")
+_FAR = 1e3  # times a value, beyond the axes
+_OPACITY, _FEW = 0.2, 3  # of the band of each of so many curves, less of more
+_ABOVE = 1.6  # factor by which the axes extend beyond the points
+
+ModelCurves = Mapping[str, tuple[np.ndarray, np.ndarray]]
+"""Pressure [Pa] and irradiance [W/m²] by the name of a sample."""
+
+
+def levitation_curves(
+    curves: "Sequence[LevitationCurve]",
+    ax: Axes,
+    *,
+    pressure_unit: str = "Pa",
+    models: Mapping[str, ModelCurves] | None = None,
+) -> Axes:
+    """Draw points, LOESS curves with their 99 % bands, and each minimum.
+
+    Parameters
+    ----------
+    curves : sequence of LevitationCurve
+    ax : matplotlib.axes.Axes
+    pressure_unit : str
+        Unit of the axis.
+    models : mapping, optional
+        Further curves by label, such as ``"model"``.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    models = models or {}
+    per_pascal = 1.0 / scale_and_offset(pressure_unit, "Pa")[0]
+    opacity = _OPACITY / max(1.0, len(curves) / _FEW)
+    for number, curve in enumerate(curves):
+        colour, points = PALETTE[number % len(PALETTE)], curve.points
+        marker = MARKERS[number % len(MARKERS)]
+        pressure = curve.pressure * per_pascal
+        ax.fill_between(pressure, curve.lower * _PER_KILOWATT, curve.upper * _PER_KILOWATT,
+                        color=colour, alpha=opacity, lw=0)  # fmt: skip
+        ax.plot(pressure, curve.irradiance * _PER_KILOWATT, color=colour, lw=1.4)
+        ax.plot([], [], marker, ls="-", color=colour, mfc="none", ms=5, lw=1.4, label=points.name)
+        light = points.irradiance * _PER_KILOWATT
+        ax.plot(points.pressure * per_pascal, light, marker, ls="", color=colour, mfc="none", ms=5)
+        if curve.step:  # the light that suffices lies on these lines
+            ax.vlines(points.pressure * per_pascal, light - curve.step * _PER_KILOWATT, light,
+                      color=colour, lw=0.8)  # fmt: skip
+        _mark_least(curve, ax, colour, per_pascal)
+        for style, drawn in zip(_MODEL_STYLES, models.values(), strict=False):
+            at, needed = drawn[points.name]
+            ax.plot(at * per_pascal, needed * _PER_KILOWATT, color=colour, ls=style, lw=1)
+    for style, name in zip(_MODEL_STYLES, models, strict=False):
+        ax.plot([], [], color=GREY, ls=style, lw=1, label=name)
+    light = np.concatenate([curve.points.irradiance for curve in curves]) * _PER_KILOWATT
+    ax.set(xscale="log", yscale="log")
+    ax.set_ylim(light.min() / _ABOVE, light.max() * _ABOVE)
+    plain_decades(ax.xaxis)
+    plain_decades(ax.yaxis)
+    ax.set_xlabel(f"pressure [{pressure_unit}]")
+    ax.set_ylabel("irradiance to levitate [kW/m²]")
+    ax.grid(alpha=0.25, which="both")
+    ax.plot([], [], "*", color=GREY, ms=9, mec="white", mew=0.5, label=f"minimum, {INTERVAL}")
+    ax.fill_between([], [], [], color=GREY, alpha=0.3, lw=0, label="99 % band of a line")
+    legend_below(ax, title="points: measured; solid lines: LOESS")
+    return ax
+
+
+def _mark_least(curve: "LevitationCurve", ax: Axes, colour: str, per_pascal: float) -> None:
+    """Draw the minimum with the intervals of both coordinates."""
+    at, light = curve.optimal_pressure, curve.minimum_irradiance
+    x = np.array([at.value, *at.interval]) * per_pascal
+    y = np.array([light.value, *light.interval]) * _PER_KILOWATT
+    # an open end is drawn as far as the axes go
+    x, y = (np.where(np.isfinite(z), z, _FAR * z[0]) for z in (x, y))
+    # an interval from resamples may not contain the estimate
+    right, up = (np.maximum([[z[0] - z[1]], [z[2] - z[0]]], 0.0) for z in (x, y))
+    ax.errorbar(
+        x[0], y[0], xerr=right, yerr=up,
+        color=colour, fmt="*", ms=9, mec="white", mew=0.5, capsize=2, lw=1.2, zorder=4,
+    )  # fmt: skip
+
+
+def levitation_figures(
+    curves: "Sequence[LevitationCurve]",
+    *,
+    pressure_unit: str = "Pa",
+    models: Mapping[str, ModelCurves] | None = None,
+) -> dict[str, Figure]:
+    """Figure of several samples, by file name without suffix.
+
+    Parameters
+    ----------
+    curves, pressure_unit, models
+        See :func:`levitation_curves`.
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+    """
+    figure = new_figure(height=_HEIGHT)
+    levitation_curves(curves, figure.axes[0], pressure_unit=pressure_unit, models=models)
+    return {"levitation": figure}
+
+
+def plot_curve(curve: "LevitationCurve", ax: Axes | None = None) -> Figure:
+    """Draw one sample's points and curve.
+
+    Parameters
+    ----------
+    curve : LevitationCurve
+    ax : matplotlib.axes.Axes, optional
+        By default that of a new figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure, ax = figure_for(ax, height=_HEIGHT)
+    levitation_curves([curve], ax)
+    return figure

@@ -1,0 +1,146 @@
+"""Model curves for measured levitation points, and a calibration to them."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from lightflyer.calibration.calibration import Calibration, calibrate
+from lightflyer.calibration.inputs import INSTRUMENTS
+from lightflyer.calibration.points import Points
+from lightflyer.calibration.targets import target_of
+from lightflyer.config.designs import as_design
+from lightflyer.design.setup import Setup
+from lightflyer.flight.levitation import levitate
+from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.levitation.curve import LevitationCurve
+from lightflyer.lab.levitation.data import LiftOffs
+
+_BEYOND = 1.5  # factor by which a model's curve extends beyond the measured pressures
+_PRESSURES = 200
+
+
+def model_curve(points: LiftOffs, setup: Setup) -> tuple[np.ndarray, np.ndarray]:
+    """Irradiance at which the model levitates, over the pressures of a sample and a little beyond.
+
+    Parameters
+    ----------
+    points : LiftOffs
+        Known properties of the sample replace those of the flyer.
+    setup : Setup
+        Flyer, chamber and model.
+
+    Returns
+    -------
+    pressure, irradiance : array, shape (m,)
+        [Pa], [W/m²]; NaN where the model levitates at no irradiance.
+
+    Raises
+    ------
+    ParameterError
+        If the flyer has no number for a property of the sample.
+    """
+    low, high = points.pressure.min() / _BEYOND, points.pressure.max() * _BEYOND
+    pressure = np.geomspace(low, high, _PRESSURES)
+    sample = _of_sample(setup, points)
+    found = levitate(sample.flyer, sample.environment.state(pressure), sample.model, throw=False)
+    return pressure, np.where(found.levitates, found.irradiance, np.nan)
+
+
+def _of_sample(setup: Setup, points: LiftOffs) -> Setup:
+    """The setup with the known properties of a sample."""
+    design = as_design(setup)
+    values: dict[str, float] = {}
+    for name, value in points.properties.items():
+        target = target_of(design, name, describes_flyer=True)
+        values |= dict.fromkeys(target.fields, target.factor * value)
+    return design.build(values)
+
+
+def calibrate_curves(
+    curves: Sequence[LevitationCurve],
+    what: Any,
+    *,
+    keep_ground_effect: bool = False,
+    pressure_accuracy: float | None = None,
+    irradiance_accuracy: float | None = None,
+) -> Calibration:
+    """Fit the force coefficients to the points of all samples.
+
+    Parameters
+    ----------
+    curves : sequence of LevitationCurve
+    what : Setup, flyer file or other design
+        Flyer, chamber and model to start from; a file's ± go into the total intervals.
+    keep_ground_effect : bool
+        Fit the points in ground effect too; otherwise a warning names what was left out.
+    pressure_accuracy, irradiance_accuracy : float, optional
+        Relative standard uncertainty of the calibration of pressure gauge and light meter.
+
+    Returns
+    -------
+    Calibration
+        Its ``setup`` has the fitted coefficients.
+
+    Raises
+    ------
+    ParameterError
+        If all points are in ground effect, or the model has no coefficients to fit; see
+        :func:`~lightflyer.calibration.calibration.calibrate`.
+    """
+    lots = [_points(curve, keep_ground_effect=keep_ground_effect) for curve in curves]
+    shared = set.intersection(*(set(one.numbers) for one in lots))
+    whole = Points(
+        source=lots[0].source,
+        samples=[name for one in lots for name in one.samples],
+        numbers={
+            name: np.concatenate([one.numbers[name] for one in lots])
+            for name in lots[0].numbers
+            if name in shared
+        },
+        step=max(curve.step for curve in curves),
+    )
+    return calibrate(
+        whole.without_ground_effect(),
+        what,
+        pressure_accuracy=pressure_accuracy,
+        irradiance_accuracy=irradiance_accuracy,
+    )
+
+
+def measured_coefficients(fit: Calibration) -> dict[str, Estimate]:
+    """Fitted parameters with what is to be written into the flyer file that the fit started from.
+
+    Parameters
+    ----------
+    fit : Calibration
+
+    Returns
+    -------
+    dict of str to Estimate
+        By parameter. Standard uncertainties are by the points' scatter and the instruments alone:
+        the file states the ± of its other numbers itself, and a prediction from it would count them
+        twice. Intervals are the total ones.
+    """
+    found = {}
+    meters = [fit.contributions[one] for one in INSTRUMENTS if one in fit.contributions]
+    for row, name in enumerate(fit.names):
+        value = float(fit.values[row])
+        calibration = [value * float(shares[row]) for shares in meters]
+        spread = math.hypot(fit.standard_uncertainties[row], *calibration)
+        low, high = map(float, fit.total_intervals[row])
+        found[name] = Estimate(value, (low, high), "", spread)
+    return found
+
+
+def _points(curve: LevitationCurve, *, keep_ground_effect: bool) -> Points:
+    """Points of one sample as a calibration takes them."""
+    lot = curve.points
+    numbers = {"pressure": lot.pressure, "irradiance": lot.irradiance, **lot.uncertainties}
+    for name, value in lot.properties.items():
+        numbers[name] = np.full(len(lot.pressure), value)
+    gap = None if keep_ground_effect else lot.floor_gap
+    numbers["floor_gap"] = np.full(len(lot.pressure), np.inf if gap is None else gap)
+    points = Points(lot.place, [lot.name] * len(lot.pressure), numbers)
+    return points.stepped(curve.step)

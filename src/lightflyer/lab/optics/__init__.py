@@ -1,0 +1,1 @@
+"""Thicknesses, mixtures and optical constants of a film from its spectra."""

@@ -1,0 +1,368 @@
+"""A sample, its spectra and the numbers to be fitted, from a sample file."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import pydantic
+from pydantic import Field, ValidationInfo
+
+from lightflyer.core.checks import require_range
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.quantity import (
+    RADIANS_PER_DEGREE,
+    Fraction,
+    Incidence,
+    Length,
+    Quantity,
+)
+from lightflyer.core.units import Measured
+from lightflyer.files.section import Section
+from lightflyer.files.toml_file import FileKind, place_of, read_file
+from lightflyer.film.layer_section import LayerSection, file_beside
+from lightflyer.film.optics.stack import GRAZING, Film, Side
+from lightflyer.film.sample_section import SampleSection
+from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+from lightflyer.lab.readers.spectra.raw import Ordinate
+from lightflyer.lab.readers.spectrum_data import read_spectrum
+
+Polarisation = Literal["s", "p", "none"]
+
+DEFAULT_SCALE_ACCURACY = 0.01
+"""Relative standard uncertainty of an ordinate's scale where none is stated [1]: an assumption, as
+in :data:`lightflyer.lab.ftir.reduction.DEFAULT_ACCURACY`."""
+
+DEFAULT_ZERO_ACCURACY = 0.002
+"""Standard uncertainty of an ordinate's zero where none is stated [1]: an assumption."""
+
+_WIDEST = 4.0  # bounds of a positive number without any, as a factor either side of its start
+_PORES = 0.9
+"""Largest porosity tried where no bound is given: a film with more is foam."""
+
+_SHARES = ("porosity", "porosity_bottom", "fraction", "fraction_bottom", "open_fraction")
+_FIXED = ("density", "tac", "grain", "at", "hole_diameter", "tac_top", "tac_bottom")
+
+
+@dataclass(frozen=True)
+class FreeNumber:
+    """A number of a film that spectra are to tell.
+
+    Attributes
+    ----------
+    name : str
+    start, lowest, highest : float
+        First value and bounds.
+    unit : str
+        SI unit.
+    prior : float or None
+        Standard uncertainty of ``start``, known before the spectra; None where nothing is known.
+    """
+
+    name: str
+    start: float
+    lowest: float
+    highest: float
+    unit: str = ""
+    prior: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.lowest < self.highest:
+            raise ParameterError(f"{self.name}: lowest must be below highest")
+        if not self.lowest <= self.start <= self.highest:
+            raise ParameterError(
+                f"{self.name} = {self.start:g} must be from {self.lowest:g} to {self.highest:g}"
+            )
+        if self.prior is not None and not self.prior > 0.0:
+            raise ParameterError(f"{self.name}: its uncertainty must be above zero")
+
+
+@dataclass(frozen=True)
+class FilmSpectrum:
+    """A measured spectrum of a film, and how it was measured.
+
+    Attributes
+    ----------
+    spectrum : MeasuredSpectrum
+    incidence : float
+        Angle between the light and the film's normal [rad].
+    polarisation : {"s", "p", "none"}
+    side : {"top", "bottom"}
+        Where the light comes from.
+    scale_accuracy : float or None
+        Relative standard uncertainty of the ordinate's scale [1]; None where none is stated.
+    zero_accuracy : float or None
+        Standard uncertainty of the ordinate's zero [1]; None where none is stated.
+    """
+
+    spectrum: MeasuredSpectrum
+    incidence: float = 0.0
+    polarisation: Polarisation = "none"
+    side: Side = "top"
+    scale_accuracy: float | None = None
+    zero_accuracy: float | None = None
+
+    def __post_init__(self) -> None:
+        require_range("incidence", self.incidence, 0.0, GRAZING)
+        for name in ("scale_accuracy", "zero_accuracy"):
+            require_range(name, getattr(self, name), 0.0, 1.0)
+
+    @property
+    def errors(self) -> tuple[float, float]:
+        """Standard uncertainties of scale and zero, the assumed ones where none are stated."""
+        return (
+            DEFAULT_SCALE_ACCURACY if self.scale_accuracy is None else self.scale_accuracy,
+            DEFAULT_ZERO_ACCURACY if self.zero_accuracy is None else self.zero_accuracy,
+        )
+
+    @property
+    def label(self) -> str:
+        """Quantity and file in words."""
+        return f"{self.spectrum.quantity}, {Path(self.spectrum.source).name}"
+
+
+@dataclass(frozen=True)
+class OpticsSample:
+    """A film with numbers to be fitted, and its spectra.
+
+    Attributes
+    ----------
+    build : callable
+        Makes the film from the free numbers by name, which may be traced by JAX.
+    free : tuple of FreeNumber
+    spectra : tuple of FilmSpectrum
+    section : SampleSection or None
+        The film as a file gives it.
+    source : str
+        Name of the file.
+    same : mapping of str to tuple of str
+        Names of all numbers that a free one stands for, its own first.
+    """
+
+    build: Callable[[Mapping[str, Any]], Film]
+    free: tuple[FreeNumber, ...]
+    spectra: tuple[FilmSpectrum, ...]
+    section: SampleSection | None = None
+    source: str = ""
+    same: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+class FreeSection(Section):
+    """An entry of ``free``: a number of ``[film]``, with bounds, and others that equal it."""
+
+    number: str
+    lowest: str | float | None = None
+    highest: str | float | None = None
+    same: tuple[str, ...] = ()
+
+
+class SpectrumSection(Section):
+    """An entry of ``spectra``."""
+
+    file: str
+    ordinate: Ordinate | None = None
+    columns: str | None = None
+    scale: Literal["%", "1"] | None = None
+    spectrum: str | None = None
+    collection: Literal["specular", "diffuse", "total"] | None = None
+    incidence: Incidence = Measured(0.0)
+    polarisation: Polarisation = "none"
+    side: Side = "top"
+    shortest: Length | None = None
+    longest: Length | None = None
+    scale_accuracy: Fraction | None = None
+    zero_accuracy: Fraction | None = None
+
+    @pydantic.field_validator("file")
+    @classmethod
+    def _beside(cls, name: str, info: ValidationInfo) -> str:
+        return file_beside(name, info)
+
+    def read(self) -> FilmSpectrum:
+        """The spectrum, within its limits."""
+        found = read_spectrum(
+            self.file, columns=self.columns, quantity=self.ordinate, scale=self.scale,
+            spectrum=self.spectrum, collection=self.collection,
+        )  # fmt: skip
+        accuracies = (None if one is None else float(one.value)
+                      for one in (self.scale_accuracy, self.zero_accuracy))  # fmt: skip
+        incidence = float(self.incidence.value) * RADIANS_PER_DEGREE
+        return FilmSpectrum(
+            self._within(found), incidence, self.polarisation, self.side, *accuracies
+        )
+
+    def _within(self, found: MeasuredSpectrum) -> MeasuredSpectrum:
+        shortest = 0.0 if self.shortest is None else self.shortest.value
+        longest = np.inf if self.longest is None else self.longest.value
+        inside = (found.wavelength >= shortest) & (found.wavelength <= longest)
+        if np.count_nonzero(inside) < 2:
+            ends = 1e9 * found.wavelength[[-1, 0]]
+            raise ConfigurationError(
+                f"{self.file}: has no points between shortest and longest; its data extend from "
+                f"{ends[0]:.5g} to {ends[1]:.5g} nm"
+            )
+        return replace(found, wavenumber=found.wavenumber[inside], value=found.value[inside])
+
+
+class SampleFile(Section):
+    """A sample file: ``[film]``, ``free`` and ``spectra``."""
+
+    free: Annotated[tuple[FreeSection, ...], Field(min_length=1)]
+    spectra: Annotated[tuple[SpectrumSection, ...], Field(min_length=1)]
+    film: SampleSection
+
+
+def _keys_of(section: str, document: Any) -> list[str]:  # noqa: ARG001
+    parts = [part for part in section.split(".") if not part.isdigit()]
+    kinds: dict[tuple[str, ...], type[Section]] = {
+        (): SampleFile, ("free",): FreeSection, ("spectra",): SpectrumSection,
+        ("film",): SampleSection, ("film", "layers"): LayerSection,
+    }  # fmt: skip
+    kind = kinds.get(tuple(part for part in parts if part))
+    return [] if kind is None else list(kind.model_fields)
+
+
+SAMPLE_FILE = FileKind(
+    "a sample file", _keys_of, "'lightflyer lab example optics' writes one",
+    lambda document: "" if not {"flyer", "environment"} & document.keys() else
+    "a flyer file; a sample file has [film], free and spectra, as docs/lab-optics.md shows",
+)  # fmt: skip
+
+
+def read_sample(path: str | Path) -> OpticsSample:
+    """Read a sample file and the spectra that it names.
+
+    Parameters
+    ----------
+    path : str or path
+        TOML with ``[film]``, the numbers in it that are ``free``, and ``spectra``.
+
+    Returns
+    -------
+    OpticsSample
+
+    Raises
+    ------
+    ConfigurationError
+        One line for each mistake: file, line, key, value and what is allowed.
+    """
+    path = Path(path)
+    file, text = read_file(SampleFile, path, SAMPLE_FILE)
+    try:
+        free, same = _free_numbers(file)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{place_of(['free'], text, path)}: free: {error}") from None
+    section = file.film
+
+    def build(values: Mapping[str, Any]) -> Film:
+        full = {alias: value for name, value in values.items() for alias in same[name]}
+        changed = section.replaced(full)
+        assert isinstance(changed, SampleSection)
+        return changed.film()
+
+    spectra = tuple(one.read() for one in file.spectra)
+    sample = OpticsSample(build, free, spectra, section, str(path), same)
+    try:
+        build({one.name: one.start for one in free})
+    except ParameterError as error:
+        raise ConfigurationError(f"{path}: {error}") from None
+    return sample
+
+
+def _free_numbers(file: SampleFile) -> tuple[tuple[FreeNumber, ...], dict[str, tuple[str, ...]]]:
+    """Free numbers, and the names of all numbers that each stands for.
+
+    Numbers of optics with ± that are not asked for are free too, within what is known of them.
+    """
+    known = {name: (kind, value) for name, kind, value in file.film.numbers()}
+    free, same = [], {}
+    taken: set[str] = set()
+    for entry in file.free:
+        for name in (entry.number, *entry.same):
+            _require_fit(name, known, file.film)
+            if name in taken:
+                raise ConfigurationError(f"{name} is named twice")
+            taken.add(name)
+        kind, value = known[entry.number]
+        free.append(_free_number(entry, kind, value))
+        same[entry.number] = (entry.number, *entry.same)
+    for name, (kind, value) in known.items():
+        uncertain = value is not None and bool(value.uncertainty)
+        if uncertain and name not in taken and _why_not(name, file.film) is None:
+            free.append(_free_number(FreeSection(number=name), kind, value))
+            same[name] = (name,)
+    return tuple(free), same
+
+
+def _why_not(name: str, film: SampleSection) -> str | None:
+    """Why a number cannot be fitted to spectra."""
+    if name.rpartition(".")[2] in _FIXED or not name.startswith(("layers.", "substrate.",
+                                                                 "ambient.", "roughness_bottom",
+                                                                 "open_fraction")):  # fmt: skip
+        return "does not change reflectance and transmittance"
+    return film.reason_not_varied(name)
+
+
+def _require_fit(
+    name: str, known: Mapping[str, tuple[Quantity, Measured | None]], film: SampleSection
+) -> None:
+    given = [key for key, (_, value) in known.items() if value is not None]
+    if name not in given:
+        fit = [key for key in given if _why_not(key, film) is None]
+        raise ConfigurationError(
+            f"{name} is no number that [film] gives; it gives {', '.join(fit) or 'none'}"
+        )
+    reason = _why_not(name, film)
+    if reason is not None:
+        raise ConfigurationError(f"{name} {reason}")
+
+
+def _free_number(entry: FreeSection, kind: Quantity, value: Measured | None) -> FreeNumber:
+    assert value is not None  # as checked
+    ends = _default_bounds(entry.number, kind, value)
+    given = [
+        end if text is None else _bound(kind, entry.number, text)
+        for end, text in zip(ends, (entry.lowest, entry.highest), strict=True)
+    ]
+    if not given[0] < given[1]:
+        raise ConfigurationError(f"{entry.number}: lowest must be below highest")
+    if not given[0] <= value.value <= given[1]:
+        raise ConfigurationError(
+            f"{entry.number} = {value.value:g} {kind.unit} in [film] must be from lowest to highest"
+        )
+    return FreeNumber(
+        entry.number, float(value.value), float(given[0]), float(given[1]), kind.unit,
+        value.uncertainty or None,
+    )  # fmt: skip
+
+
+def _bound(kind: Quantity, name: str, text: str | float) -> float:
+    try:
+        return float(kind.read(text).value)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"bound of {name}: {text}: {error}") from None
+
+
+def _default_bounds(name: str, kind: Quantity, value: Measured) -> tuple[float, float]:
+    """Bounds of a number that states none: all that is possible of a share, else a factor."""
+    if name.rpartition(".")[2] in _SHARES:
+        return kind.lowest, max(_PORES, value.value)
+    if name.rpartition(".")[2] in ("roughness", "roughness_bottom", "gap"):
+        return kind.lowest, max(_WIDEST * value.value, kind.lowest)
+    if value.value > 0.0:
+        return value.value / _WIDEST, min(_WIDEST * value.value, kind.highest)
+    if value.value < 0.0:
+        return _WIDEST * value.value, value.value / _WIDEST
+    raise ConfigurationError(f"{name} = 0 needs bounds: lowest and highest")
+
+
+def names_of_layers(section: SampleSection) -> dict[str, str]:
+    """What each layer of a section is made of, by the first part of its numbers' names."""
+    layers: Sequence[LayerSection] = section.layers
+    found = {f"layers.{number}": layer.label for number, layer in enumerate(layers)}
+    if section.substrate is not None:
+        found["substrate"] = section.substrate.label
+    if section.ambient is not None:
+        found["ambient"] = section.ambient.label
+    return found

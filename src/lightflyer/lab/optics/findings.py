@@ -1,0 +1,220 @@
+"""What a reader must know of numbers that were fitted to spectra."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from lightflyer.core.units import scale_and_offset
+from lightflyer.film.optics.stack import Film
+from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.optics.data import (
+    DEFAULT_SCALE_ACCURACY,
+    DEFAULT_ZERO_ACCURACY,
+    OpticsSample,
+)
+from lightflyer.lab.optics.search import Fit
+from lightflyer.lab.spectrum_noise import point_noise
+
+TIED = 0.95
+"""Correlation above which two numbers are said not to be told apart."""
+
+_FLAT = 0.8  # of the way between the bounds that an interval covers
+_FAR = 3.0  # standard uncertainties, of an instrument's error or a number known beforehand
+_MISFIT = 2.0  # residuals over their differences from point to point
+_VISIBLE_MISFIT = 0.005  # [1]; smaller ones are those of any photometer
+_SHOWN = 3  # other minima
+
+
+def findings(
+    sample: OpticsSample,
+    numbers: Mapping[str, Estimate],
+    open_ends: Mapping[str, tuple[bool, bool]],
+    correlation: np.ndarray,
+    fit: Fit,
+    film: Film,
+) -> tuple[str, ...]:
+    """Warnings of a fit, one line each.
+
+    Parameters
+    ----------
+    sample : OpticsSample
+    numbers : mapping of str to Estimate
+    open_ends : mapping of str to (bool, bool)
+        Whether an interval ends at a bound.
+    correlation : array, shape (free, free)
+    fit : Fit
+    film : Film
+        With the fitted numbers.
+
+    Returns
+    -------
+    tuple of str
+    """
+    return (
+        *_undetermined(sample, numbers, open_ends),
+        *_tied(list(numbers), correlation),
+        *_rivals(fit),
+        *_beforehand(sample, numbers),
+        *_misfits(sample, fit),
+        *_instruments(sample, fit),
+        *_rough(sample, film),
+        *dict.fromkeys(text for medium in film.media for text in medium.caveats),
+        *(
+            f"{one.spectrum.source}: {note}"
+            for one in sample.spectra
+            for note in one.spectrum.notes
+        ),
+    )
+
+
+def _undetermined(
+    sample: OpticsSample,
+    numbers: Mapping[str, Estimate],
+    open_ends: Mapping[str, tuple[bool, bool]],
+) -> list[str]:
+    found = []
+    for one in sample.free:
+        low, high = numbers[one.name].interval
+        if high - low > _FLAT * (one.highest - one.lowest):
+            found.append(
+                f"the spectra do not tell {one.name}: its interval is nearly all between its bounds"
+            )
+        elif any(open_ends[one.name]):
+            ends = " and ".join(
+                f"{name} bound {shown(end, one.unit)}"
+                for name, end, is_open in zip(
+                    ("lower", "upper"), (one.lowest, one.highest), open_ends[one.name], strict=True
+                )
+                if is_open
+            )
+            found.append(f"the interval of {one.name} ends at its {ends}, not by the spectra")
+    return found
+
+
+def _tied(names: list[str], correlation: np.ndarray) -> list[str]:
+    return [
+        f"{names[i]} and {names[j]} are hardly told apart: their errors have a correlation of "
+        f"{correlation[i, j]:+.3f}"
+        for i in range(len(names))
+        for j in range(i)
+        if abs(correlation[i, j]) > TIED
+    ]
+
+
+def _rivals(fit: Fit) -> list[str]:
+    """Other minima that fit as well; those that are excluded need no warning."""
+    found = []
+    for solution, excess in fit.rivals[:_SHOWN]:
+        if excess > fit.factor**2:
+            continue
+        values = fit.problem.model.values(solution.position)
+        told = ", ".join(
+            f"{one.name} = {shown(value, one.unit)}"
+            for one, value in zip(fit.problem.free, values, strict=True)
+        )
+        found.append(
+            f"another minimum fits as well (cost +{excess:.2g}, excluded from "
+            f"{fit.factor**2:.2g}) and is not in the intervals: {told}"
+        )
+    return found
+
+
+def _beforehand(sample: OpticsSample, numbers: Mapping[str, Estimate]) -> list[str]:
+    found = []
+    for one in sample.free:
+        if one.prior is None:
+            continue
+        value = numbers[one.name]
+        known = f"{shown(one.start, one.unit)} ± {shown(one.prior, one.unit)}"
+        if abs(value.value - one.start) > _FAR * one.prior:
+            found.append(
+                f"{one.name} = {shown(value.value, one.unit)} contradicts what was stated, {known}"
+            )
+        elif (value.uncertainty or 0.0) > TIED * one.prior:
+            found.append(f"{one.name} is as stated, {known}: the spectra tell nothing of it")
+        else:
+            found.append(f"{one.name} was stated as {known}, which the fit takes into account")
+    return found
+
+
+def _misfits(sample: OpticsSample, fit: Fit) -> list[str]:
+    found = []
+    readings = fit.problem.readings(fit.best)
+    for one, reading in zip(sample.spectra, readings, strict=True):
+        residual = one.spectrum.value - reading
+        deviation, noise = float(np.sqrt(np.mean(residual**2))), point_noise(residual)
+        if deviation > max(_MISFIT * noise, _VISIBLE_MISFIT):
+            found.append(
+                f"{one.spectrum.source}: residuals of {deviation:.2g} exceed the noise of "
+                f"{noise:.1g}: the film or its optical constants differ from the model; intervals "
+                "are wider for it, and may still miss what the model leaves out"
+            )
+    return found
+
+
+def _instruments(sample: OpticsSample, fit: Fit) -> list[str]:
+    found = []
+    unstated = [one for one in sample.spectra if None in (one.scale_accuracy, one.zero_accuracy)]
+    if unstated:
+        found.append(
+            f"no accuracy is stated of {', '.join(one.spectrum.source for one in unstated)}: "
+            f"{100 * DEFAULT_SCALE_ACCURACY:g} % of the scale and "
+            f"{100 * DEFAULT_ZERO_ACCURACY:g} % of zero are assumed (scale_accuracy, "
+            "zero_accuracy)"
+        )
+    for one, errors in zip(sample.spectra, fit.best.errors, strict=True):
+        for name, error in zip(("scale", "zero"), errors, strict=True):
+            if abs(error) > _FAR:
+                found.append(
+                    f"{one.spectrum.source}: the fit wants an error of its {name} of "
+                    f"{error:+.1f} stated standard uncertainties"
+                )
+    return found
+
+
+def _rough(sample: OpticsSample, film: Film) -> list[str]:
+    total = [one for one in sample.spectra if one.spectrum.collection == "total"]
+    if not film.is_rough or not total:
+        return []
+    return [
+        "the film is rough, and the model has its specular beams only; total light was collected "
+        f"in {', '.join(one.spectrum.source for one in total)}"
+    ]
+
+
+def shown(value: float, unit: str) -> str:
+    """A number with its unit, lengths in nanometres and energies in electronvolts.
+
+    Parameters
+    ----------
+    value : float
+        In the SI unit.
+    unit : str
+
+    Returns
+    -------
+    str
+    """
+    scale, name = written(unit)
+    return f"{value / scale:.4g} {name}".rstrip()
+
+
+def written(unit: str) -> tuple[float, str]:
+    """Unit that people write an SI unit's numbers of films in, with its size.
+
+    Parameters
+    ----------
+    unit : str
+
+    Returns
+    -------
+    scale : float
+    name : str
+    """
+    return _WRITTEN.get(unit, (1.0, unit))
+
+
+_WRITTEN = {
+    unit: (scale_and_offset(name, unit)[0], name)
+    for unit, name in (("m", "nm"), ("J", "eV"), ("m^2", "um^2"), ("m^4", "um^4"))
+}

@@ -1,0 +1,463 @@
+r"""Thicknesses, mixtures and optical constants of a film from its measured spectra.
+
+Any numbers of a film (thickness, porosity, roughness, parameters of a formula of n and k, …) are
+fitted to spectra of transmittance and reflectance, all together, with the errors of the
+instruments' scales and zeros (:mod:`lightflyer.lab.optics.model`). Minima are looked for from many
+starts (:mod:`lightflyer.lab.optics.search`).
+
+**Errors of the points** are those that the residuals show. What a model leaves out makes residuals
+alike over many points, and so does smoothing in the instrument; a fit that took points as
+independent would be too sure of itself. The variance of a point is that of the residuals, times the
+number of points over which they are alike. Intervals are those of the profile of the least cost,
+with Student's factor for as many degrees of freedom as there are independent points.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.core.errors import ParameterError
+from lightflyer.film.optics.averages import absorptance, emittance
+from lightflyer.film.optics.stack import Film
+from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.optics.data import FilmSpectrum, OpticsSample
+from lightflyer.lab.optics.findings import findings
+from lightflyer.lab.optics.model import OpticalModel, Problem, covered
+from lightflyer.lab.optics.search import STARTS, Fit, Scatter, intervals, search
+from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
+from lightflyer.lab.record import dataset
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+DRAWS = 200
+"""Number of films drawn for the bands of n and k."""
+
+TEMPERATURE = 441.0
+"""Temperature of the emittance that is told [K]: that of the flyers of [Lu2023]_."""
+
+_STEP = 0.5  # standard errors, of the differences that carry uncertainties on
+_WAVELENGTHS = 200
+
+
+@dataclass(frozen=True)
+class FittedSpectrum:
+    """A spectrum with its fit.
+
+    Attributes
+    ----------
+    measured : FilmSpectrum
+    reading : array, shape (n,)
+        What the instrument reads of the fitted film, by its fitted errors [1].
+    share : array, shape (n,)
+        What a perfect instrument would read [1].
+    scale_error, zero_error : float
+        Fitted errors of the ordinate: relative, and [1].
+    scatter : Scatter
+        Of the points about the fit.
+    """
+
+    measured: FilmSpectrum
+    reading: np.ndarray
+    share: np.ndarray
+    scale_error: float
+    zero_error: float
+    scatter: Scatter
+
+    @property
+    def residual(self) -> np.ndarray:
+        """Measured less fitted, shape (n,) [1]."""
+        return np.asarray(self.measured.spectrum.value - self.reading)
+
+
+@dataclass(frozen=True)
+class LayerIndex:
+    """Optical constants of a layer with fitted numbers.
+
+    Attributes
+    ----------
+    name : str
+    wavelength : array, shape (m,)
+        [m].
+    n, k : array, shape (m,)
+    n_band, k_band : array, shape (2, m)
+        Ends of the 95 % bands at each wavelength.
+    """
+
+    name: str
+    wavelength: np.ndarray
+    n: np.ndarray
+    k: np.ndarray
+    n_band: np.ndarray
+    k_band: np.ndarray
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Another minimum.
+
+    Attributes
+    ----------
+    values : dict of str to float
+        Free numbers [SI].
+    excess : float
+        Cost above that of the best minimum, in squared standard errors.
+    excluded : bool
+        Whether the spectra exclude it at 95 % confidence.
+    """
+
+    values: dict[str, float]
+    excess: float
+    excluded: bool
+
+
+@dataclass(frozen=True)
+class OpticsFit:
+    """Numbers of a film from its spectra.
+
+    Attributes
+    ----------
+    sample : OpticsSample
+    numbers : dict of str to Estimate
+        Free numbers [SI] with 95 % intervals.
+    open_ends : dict of str to (bool, bool)
+        Whether an interval ends at its lower and upper bound, and not by the spectra.
+    correlation : array, shape (free, free)
+        Of the errors of the free numbers.
+    covariance : array, shape (free, free)
+        Likewise [SI].
+    spectra : tuple of FittedSpectrum
+    rivals : tuple of Rival
+        Other minima, the best first.
+    film : Film
+        With the fitted numbers.
+    indices : tuple of LayerIndex
+    predictions : dict of str to Estimate
+        Of the film: absorptance of sunlight and emittance, as far as the materials' data go.
+    freedom : float
+        Degrees of freedom, from independent points.
+    warnings : tuple of str
+        What a reader of the result must know, one line each.
+    """
+
+    sample: OpticsSample
+    numbers: dict[str, Estimate]
+    open_ends: dict[str, tuple[bool, bool]]
+    correlation: np.ndarray
+    covariance: np.ndarray
+    spectra: tuple[FittedSpectrum, ...]
+    rivals: tuple[Rival, ...]
+    film: Film
+    indices: tuple[LayerIndex, ...]
+    predictions: dict[str, Estimate]
+    freedom: float
+    warnings: tuple[str, ...] = ()
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw the spectra with their fits.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            By default that of a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.lab.optics.figures import plot_spectra
+
+        return plot_spectra(self, ax)
+
+    def summary(self) -> dict[str, Any]:
+        """The result as a JSON object."""
+        return {
+            "numbers": {
+                name: one.to_json()
+                | {"standard_uncertainty": one.uncertainty}
+                | {"at_bound": list(self.open_ends[name])}
+                for name, one in self.numbers.items()
+            },
+            "correlation": {
+                "names": list(self.numbers), "matrix": np.round(self.correlation, 4).tolist(),
+            },
+            "spectra": [_fitted_json(one) for one in self.spectra],
+            "other_minima": [
+                {"numbers": one.values, "excess": one.excess, "excluded": one.excluded}
+                for one in self.rivals
+            ],
+            "predictions": {name: one.to_json() for name, one in self.predictions.items()},
+            "degrees_of_freedom": self.freedom,
+            "warnings": list(self.warnings),
+        }  # fmt: skip
+
+
+def _fitted_json(one: FittedSpectrum) -> dict[str, Any]:
+    return {
+        "file": one.measured.spectrum.source,
+        "quantity": one.measured.spectrum.quantity,
+        "points": len(one.reading),
+        "independent_points": one.scatter.independent,
+        "residual_standard_deviation": one.scatter.deviation,
+        "scale_error": one.scale_error,
+        "zero_error": one.zero_error,
+    }
+
+
+def fit_optics(
+    sample: OpticsSample,
+    *,
+    starts: int = STARTS,
+    seed: int = 0,
+    model: OpticalModel | None = None,
+) -> OpticsFit:
+    """Fit numbers of a film to its spectra.
+
+    Parameters
+    ----------
+    sample : OpticsSample
+        As :func:`read_sample` reads it, or made in Python of a function that builds the film.
+    starts : int
+        How many points between the bounds minima are looked for from.
+    seed : int
+        Of these points, and of the draws of n and k.
+    model : OpticalModel, optional
+        That of another sample with the same film, bounds and wavelengths, which saves compiling it.
+
+    Returns
+    -------
+    OpticsFit
+
+    Raises
+    ------
+    ParameterError
+        If nothing is free, there is no spectrum, or fewer points than free numbers.
+    ConvergenceError
+        If no film between the bounds has optical constants.
+    MissingExtraError
+        If lmfit is not installed.
+
+    Notes
+    -----
+    Transmittance and reflectance of a rough film are those of the specular beams.
+
+    References
+    ----------
+    [GUM2008]_ for uncertainties; [Geyer1992]_ for points that are alike.
+    """
+    if starts < 1:
+        raise ParameterError(f"starts = {starts} must be 1 or more")
+    if not sample.free or not sample.spectra:
+        raise ParameterError("a fit needs free numbers, and spectra")
+    sample, left_out = covered(sample)
+    points = sum(len(one.spectrum.value) for one in sample.spectra)
+    if points <= len(sample.free):
+        raise ParameterError(f"{points} points are too few for {len(sample.free)} free numbers")
+    fit, ends = intervals(search(Problem.of(sample, model), starts=starts, seed=seed))
+    numbers, covariance = _estimates(fit, ends)
+    spreads = np.sqrt(np.diag(covariance))
+    rivals = tuple(_rival(fit, solution, excess) for solution, excess in fit.rivals)
+    spectra = _fitted(sample, fit)
+    correlation = covariance / np.outer(spreads, spreads)
+    open_ends = {
+        one.name: (low <= 0.0, high >= 1.0)
+        for one, (low, high) in zip(sample.free, ends, strict=True)
+    }
+    film = fit.problem.model.film(fit.best.position)
+    predictions, cautions = _predictions(fit, covariance)
+    return OpticsFit(
+        sample=sample,
+        numbers=numbers,
+        open_ends=open_ends,
+        correlation=correlation,
+        covariance=covariance,
+        spectra=spectra,
+        rivals=rivals,
+        film=film,
+        indices=_indices(sample, fit, covariance, seed),
+        predictions=predictions,
+        freedom=fit.freedom,
+        warnings=(
+            *left_out,
+            *findings(sample, numbers, open_ends, correlation, fit, film),
+            *cautions,
+        ),
+    )
+
+
+def _estimates(
+    fit: Fit, ends: Sequence[tuple[float, float]]
+) -> tuple[dict[str, Estimate], np.ndarray]:
+    """The free numbers, and their covariance.
+
+    The uncertainty is that of the normal distribution with the same 95 % interval, so that what
+    is computed from it is as sure as the interval.
+    """
+    model = fit.problem.model
+    value = model.values(fit.best.position)
+    low, high = (model.values(np.array(one)) for one in zip(*ends, strict=True))
+    spread = np.array([
+        Estimate.covering(0.0, half).uncertainty for half in 0.5 * (high - low)
+    ], float)  # fmt: skip
+    inner = fit.problem.covariance(fit.best)
+    spreads = np.sqrt(np.diag(inner))
+    covariance = inner / np.outer(spreads, spreads) * np.outer(spread, spread)
+    numbers = {
+        one.name: Estimate(float(value[i]), (float(low[i]), float(high[i])), one.unit,
+                           float(spread[i]))
+        for i, one in enumerate(fit.problem.free)
+    }  # fmt: skip
+    return numbers, covariance
+
+
+def _rival(fit: Fit, solution: Any, excess: float) -> Rival:
+    values = fit.problem.model.values(solution.position)
+    names = [one.name for one in fit.problem.free]
+    return Rival(
+        {name: float(value) for name, value in zip(names, values, strict=True)},
+        float(excess),
+        bool(excess > fit.factor**2),
+    )
+
+
+def _fitted(sample: OpticsSample, fit: Fit) -> tuple[FittedSpectrum, ...]:
+    shares, _ = fit.problem.model.shares(fit.best.position)
+    readings = fit.problem.readings(fit.best)
+    accuracy = np.array([one.errors for one in sample.spectra])
+    errors = fit.best.errors * accuracy
+    return tuple(
+        FittedSpectrum(one, readings[i], shares[i], float(errors[i, 0]), float(errors[i, 1]),
+                       fit.scatter[i])
+        for i, one in enumerate(sample.spectra)
+    )  # fmt: skip
+
+
+def _predictions(fit: Fit, covariance: np.ndarray) -> tuple[dict[str, Estimate], list[str]]:
+    """Absorptance of sunlight and emittance of the film, where its materials have data."""
+    model = fit.problem.model
+    film = model.film(fit.best.position)
+    if film.below is not None or film.above is not None:
+        return {}, []
+    found, cautions = {}, []
+    for name, average in (
+        ("absorptance, AM0", absorptance),
+        (f"emittance at {TEMPERATURE:g} K, top", _emittance),
+    ):
+        try:
+            middle = average(film)
+        except ParameterError as error:
+            cautions.append(f"no {name}: {error}")
+            continue
+        slopes = _slopes(lambda at, of=average: float(of(model.film(at)).value), fit, covariance)
+        spread = float(np.sqrt(slopes @ covariance @ slopes))
+        value = float(middle.value)
+        low, high = Estimate.normal(value, spread).interval
+        found[name] = Estimate(value, (max(low, 0.0), min(high, 1.0)), "", spread)
+        if middle.covered < 1.0 - _NEARLY_ALL:
+            cautions.append(
+                f"{name} is that of the {100.0 * float(middle.covered):.0f} % of the radiation for "
+                f"which the materials have data; with the rest it is {float(middle.lower):.3f} to "
+                f"{float(middle.upper):.3f}"
+            )
+    return found, cautions
+
+
+_NEARLY_ALL = 0.005
+
+
+def _emittance(film: Film) -> Any:
+    return emittance(film, TEMPERATURE)
+
+
+def _slopes(average: Any, fit: Fit, covariance: np.ndarray) -> np.ndarray:
+    """Derivatives in the free numbers, by differences within the bounds."""
+    model, centre = fit.problem.model, fit.best.position
+    steps = _STEP * np.sqrt(np.diag(covariance)) / model.widths
+    found = []
+    for number, step in enumerate(steps):
+        ends = [centre.copy(), centre.copy()]
+        ends[0][number] = max(centre[number] - step, 0.0)
+        ends[1][number] = min(centre[number] + step, 1.0)
+        apart = (ends[1][number] - ends[0][number]) * model.widths[number]
+        found.append((average(ends[1]) - average(ends[0])) / apart if apart > 0.0 else 0.0)
+    return np.array(found)
+
+
+def _indices(
+    sample: OpticsSample, fit: Fit, covariance: np.ndarray, seed: int
+) -> tuple[LayerIndex, ...]:
+    """Optical constants of layers whose medium has free numbers, with bands from draws."""
+    model = fit.problem.model
+    film = model.film(fit.best.position)
+    ends = [one.spectrum.wavelength[[-1, 0]] for one in sample.spectra]
+    wavelength = np.geomspace(min(e[0] for e in ends), max(e[1] for e in ends), _WAVELENGTHS)
+    wavelength = np.clip(wavelength, *film.covered_range)
+    rng = np.random.default_rng(seed)
+    scaled = covariance / np.outer(model.widths, model.widths)
+    draws = rng.multivariate_normal(fit.best.position, scaled, DRAWS, method="eigh")
+    draws = np.clip(draws, 0.0, 1.0)
+    # one evaluation of the media per draw, all layers together
+    drawn = [found for draw in draws if (found := _drawn_index(model, draw, wavelength))]
+    if not drawn:
+        return ()
+    n, k = film.index(wavelength)
+    bands = [np.quantile([one[part] for one in drawn], [0.025, 0.975], axis=0) for part in (0, 1)]
+    varied = [
+        number for number in range(len(film.layers))
+        if np.any(bands[0][1, number] > bands[0][0, number])
+        or np.any(bands[1][1, number] > bands[1][0, number])
+    ]  # fmt: skip
+    return tuple(
+        LayerIndex(film.layers[i].material.name, wavelength, np.asarray(n[i]), np.asarray(k[i]),
+                   bands[0][:, i], bands[1][:, i])
+        for i in varied
+    )  # fmt: skip
+
+
+def _drawn_index(
+    model: OpticalModel, position: np.ndarray, wavelength: np.ndarray
+) -> tuple[Any, Any] | None:
+    """Values of n and k of all layers, None where the numbers make no medium."""
+    try:
+        return model.film(position).index(wavelength)
+    except ParameterError:
+        return None
+
+
+def to_dataset(result: OpticsFit) -> "xr.Dataset":
+    """Dataset of the spectra with their fits, each over its own wavenumbers.
+
+    Parameters
+    ----------
+    result : OpticsFit
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    variables: dict[str, Any] = {}
+    for number, one in enumerate(result.spectra):
+        spectrum = one.measured.spectrum
+        axis = f"wavenumber_{number}"
+        variables[axis] = (
+            axis, spectrum.wavenumber / PER_CENTIMETRE,
+            {"units": "cm^-1", "long_name": f"wavenumber of {spectrum.source}"},
+        )  # fmt: skip
+        for name, value in (("measured", spectrum.value), ("fitted", one.reading),
+                            ("film", one.share)):  # fmt: skip
+            variables[f"{name}_{number}"] = (
+                axis, value, {"units": "1", "long_name": f"{name} {spectrum.quantity}"},
+            )  # fmt: skip
+    names = ["number_1", "number_2"]
+    variables["covariance"] = (
+        names, result.covariance, {"units": "SI", "long_name": "covariance of the free numbers"},
+    )  # fmt: skip
+    return dataset(
+        "numbers of a film from its spectra", variables,
+        [one.measured.spectrum.source for one in result.spectra], warnings=result.warnings,
+        free_numbers=", ".join(result.numbers),
+    )  # fmt: skip

@@ -1,0 +1,383 @@
+r"""Least squares of measured spectra over the numbers of a film.
+
+An ordinate reads :math:`y = (1+s)m + o` plus noise, with the film's share :math:`m`, and errors of
+scale :math:`s` and zero :math:`o` that all points of a spectrum have in common. These have the
+standard uncertainties that are stated of the instrument, and are fitted with the film's numbers.
+
+Numbers are fitted as shares of the way between their bounds; derivatives are JAX's.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import jax
+import numpy as np
+
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.extras import extra
+from lightflyer.core.types import Numeric
+from lightflyer.film.optics.stack import Film, Side
+from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample
+from lightflyer.lab.spectrum_noise import point_noise
+from lightflyer.program.entry_point import entry_point
+
+LEAST_ERROR = 1e-4
+"""Least standard error of a point [1]: no photometer is better."""
+
+_TOLERANCE = 1e-8
+_FLAT = 1e-2  # least curvature that a direction is taken to have, that of a prior of ten widths
+_IMPOSSIBLE = 1e6  # residual of a film that has no optical constants, in standard errors
+_POLARISATIONS = {"s": [1.0, 0.0], "p": [0.0, 1.0], "none": [0.5, 0.5]}
+
+
+class OpticalModel:
+    """What the instruments would read of a film without their own errors.
+
+    Compiled once for a film and the wavelengths of its spectra.
+
+    Parameters
+    ----------
+    sample : OpticsSample
+    """
+
+    def __init__(self, sample: OpticsSample):
+        self.free = sample.free
+        self._build = sample.build
+        self._spectra = sample.spectra
+        self._low = np.array([one.lowest for one in sample.free])
+        self._width = np.array([one.highest for one in sample.free]) - self._low
+        self._compiled = entry_point(jax.jacfwd(self._twice, has_aux=True))
+        self._last: tuple[bytes, tuple[list[np.ndarray], list[np.ndarray]]] | None = None
+
+    def film(self, position: Numeric) -> Film:
+        """The film at a position between the bounds."""
+        values = self._low + self._width * position
+        return self._build({one.name: values[number] for number, one in enumerate(self.free)})
+
+    def values(self, position: np.ndarray) -> np.ndarray:
+        """Free numbers in SI units at positions, shape (..., free)."""
+        return np.asarray(self._low + self._width * position)
+
+    def positions(self, values: np.ndarray) -> np.ndarray:
+        """Positions between the bounds of free numbers in SI units."""
+        return np.asarray((values - self._low) / self._width)
+
+    @property
+    def widths(self) -> np.ndarray:
+        """Distance between the bounds of each free number."""
+        return self._width
+
+    def require_fit(self, sample: OpticsSample) -> None:
+        """Raise :class:`ParameterError` unless a sample has these bounds and wavelengths."""
+        bounds = [
+            [(one.name, one.lowest, one.highest) for one in free]
+            for free in (self.free, sample.free)
+        ]
+        points = [
+            [(*one.spectrum.wavenumber, one.incidence, one.side, one.spectrum.quantity)
+             for one in spectra]
+            for spectra in (self._spectra, sample.spectra)
+        ]  # fmt: skip
+        if bounds[0] != bounds[1] or points[0] != points[1]:
+            raise ParameterError("the model is that of other bounds, spectra or wavelengths")
+
+    def shares(self, position: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray]]:
+        """Share of the light at each point of each spectrum, and its derivatives.
+
+        Parameters
+        ----------
+        position : array, shape (free,)
+
+        Returns
+        -------
+        shares : list of array, shape (points,)
+        slopes : list of array, shape (points, free)
+        """
+        position = np.asarray(position, float)
+        key = position.tobytes()
+        if self._last is None or self._last[0] != key:
+            slopes, shares = self._compiled(position)
+            self._last = key, ([np.asarray(one) for one in shares],
+                               [np.asarray(one) for one in slopes])  # fmt: skip
+        return self._last[1]
+
+    def _twice(self, position: Numeric) -> tuple[list[Numeric], list[Numeric]]:
+        film, found = self.film(position), dict[int, Numeric]()
+        for side in dict.fromkeys(one.side for one in self._spectra):
+            found |= _shares(film, self._spectra, side)
+        ordered = [found[number] for number in range(len(self._spectra))]
+        return ordered, ordered
+
+
+def _shares(film: Film, spectra: Sequence[FilmSpectrum], side: Side) -> dict[int, Numeric]:
+    """Shares of the spectra with light from one side, by number.
+
+    All their points are computed together: one program compiles faster than several.
+    """
+    mine = {number: one for number, one in enumerate(spectra) if one.side == side}
+    wavelength = np.concatenate([one.spectrum.wavelength for one in mine.values()])
+    incidence = np.concatenate(
+        [np.full(len(one.spectrum.wavelength), one.incidence) for one in mine.values()]
+    )
+    optics, first, found = film.optics(wavelength, incidence, side), 0, {}
+    for number, one in mine.items():
+        points = slice(first, first + len(one.spectrum.wavelength))
+        first = points.stop
+        share = getattr(optics, one.spectrum.quantity)[:, points]
+        weight = _POLARISATIONS[one.polarisation]
+        found[number] = weight[0] * share[0] + weight[1] * share[1]
+    return found
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A minimum.
+
+    Attributes
+    ----------
+    position : array, shape (free,)
+        Of the free numbers between their bounds.
+    errors : array, shape (spectra, 2)
+        Errors of scale and zero, in their standard uncertainties.
+    cost : float
+        Sum of squared residuals, priors included.
+    """
+
+    position: np.ndarray
+    errors: np.ndarray
+    cost: float
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Residuals of all spectra in standard errors.
+
+    Attributes
+    ----------
+    model : OpticalModel
+    free : tuple of FreeNumber
+    spectra : tuple of FilmSpectrum
+    spread : tuple of float
+        Standard error of a point of each spectrum, as if points were independent [1].
+    informed : bool
+        Whether what is known of the free numbers beforehand counts.
+    """
+
+    model: OpticalModel
+    free: tuple[FreeNumber, ...]
+    spectra: tuple[FilmSpectrum, ...]
+    spread: tuple[float, ...]
+    informed: bool = True
+
+    @classmethod
+    def of(cls, sample: OpticsSample, model: OpticalModel | None = None) -> "Problem":
+        """The problem with the noise of neighbouring points as standard error.
+
+        Parameters
+        ----------
+        sample : OpticsSample
+        model : OpticalModel, optional
+            That of a sample with the same film, bounds and wavelengths.
+
+        Raises
+        ------
+        ParameterError
+            If the model is another one's.
+        """
+        model = OpticalModel(sample) if model is None else model
+        model.require_fit(sample)
+        spread = [max(point_noise(one.spectrum.value), LEAST_ERROR) for one in sample.spectra]
+        return cls(model, sample.free, sample.spectra, tuple(spread))
+
+    def with_spread(self, spread: Sequence[float]) -> "Problem":
+        """The same problem with other standard errors."""
+        return replace(self, spread=tuple(spread))
+
+    @cached_property
+    def _accuracy(self) -> np.ndarray:
+        return np.array([one.errors for one in self.spectra])
+
+    @cached_property
+    def _known(self) -> list[tuple[int, float, float]]:
+        """Number, position and its standard uncertainty of what is known beforehand."""
+        starts = self.model.positions(np.array([one.start for one in self.free]))
+        return [
+            (number, float(starts[number]), one.prior / self.model.widths[number])
+            for number, one in enumerate(self.free)
+            if one.prior is not None and self.informed
+        ]
+
+    @property
+    def size(self) -> int:
+        """How many numbers are fitted, instruments' errors included."""
+        return len(self.free) + 2 * len(self.spectra)
+
+    def readings(self, solution: Solution) -> list[np.ndarray]:
+        """What the instruments read by a solution, without noise."""
+        shares, _ = self.model.shares(solution.position)
+        scale, zero = (solution.errors * self._accuracy).T
+        return [share * (1.0 + s) + o for share, s, o in zip(shares, scale, zero, strict=True)]
+
+    def residuals(self, vector: np.ndarray) -> np.ndarray:
+        """Residuals in standard errors, those of priors last.
+
+        Parameters
+        ----------
+        vector : array, shape (size,)
+            Positions of the free numbers, then errors of scale and zero of each spectrum.
+        """
+        found = self._solution(vector)
+        parts = [
+            (reading - one.spectrum.value) / spread
+            for reading, one, spread in zip(
+                self.readings(found), self.spectra, self.spread, strict=True
+            )
+        ]
+        priors = [(vector[number] - at) / spread for number, at, spread in self._known]
+        whole = np.concatenate([*parts, found.errors.ravel(), priors])
+        # a formula of n and k may not hold everywhere between the bounds; no step goes there
+        return np.where(np.isfinite(whole), whole, _IMPOSSIBLE)
+
+    def jacobian(self, vector: np.ndarray) -> np.ndarray:
+        """Derivatives of the residuals, shape (residuals, size)."""
+        count = len(self.free)
+        shares, slopes = self.model.shares(vector[:count])
+        errors = self._solution(vector).errors * self._accuracy
+        rows = []
+        for number, (share, slope) in enumerate(zip(shares, slopes, strict=True)):
+            block = np.zeros((len(share), self.size))
+            block[:, :count] = (1.0 + errors[number, 0]) * slope
+            block[:, count + 2 * number] = self._accuracy[number, 0] * share
+            block[:, count + 2 * number + 1] = self._accuracy[number, 1]
+            rows.append(block / self.spread[number])
+        own = np.zeros((self.size - count, self.size))
+        own[:, count:] = np.eye(self.size - count)
+        priors = np.zeros((len(self._known), self.size))
+        for row, (number, _, spread) in enumerate(self._known):
+            priors[row, number] = 1.0 / spread
+        whole = np.concatenate([*rows, own, priors])
+        return np.where(np.isfinite(whole), whole, 0.0)
+
+    def is_possible(self, solution: Solution) -> bool:
+        """Whether the film of a solution has optical constants."""
+        shares, _ = self.model.shares(solution.position)
+        return all(bool(np.all(np.isfinite(one))) for one in shares)
+
+    def _solution(self, vector: np.ndarray, cost: float = np.nan) -> Solution:
+        count = len(self.free)
+        return Solution(vector[:count], vector[count:].reshape(-1, 2), cost)
+
+    def minimise(
+        self,
+        position: np.ndarray,
+        errors: np.ndarray | None = None,
+        held: Mapping[int, float] | None = None,
+    ) -> Solution:
+        """The minimum near a position.
+
+        Parameters
+        ----------
+        position : array, shape (free,)
+        errors : array, shape (spectra, 2), optional
+        held : mapping of int to float, optional
+            Positions of free numbers that are not fitted.
+
+        Returns
+        -------
+        Solution
+
+        Raises
+        ------
+        MissingExtraError
+            If lmfit is not installed.
+        """
+        lmfit = extra("lmfit", "fitting spectra", "lab")
+        held = held or {}
+        errors = np.zeros((len(self.spectra), 2)) if errors is None else errors
+        start = np.concatenate([position, errors.ravel()])
+        parameters = lmfit.Parameters()
+        for number, value in enumerate(start):
+            bounds = (0.0, 1.0) if number < len(self.free) else (-np.inf, np.inf)
+            parameters.add(
+                f"p{number}", value=held.get(number, value), vary=number not in held,
+                min=bounds[0], max=bounds[1],
+            )  # fmt: skip
+        varied = [number not in held for number in range(len(start))]
+
+        def vector(given: Any) -> np.ndarray:
+            return np.array([given[f"p{number}"].value for number in range(len(start))])
+
+        minimizer = lmfit.Minimizer(lambda given: self.residuals(vector(given)), parameters,
+                                    calc_covar=False)  # fmt: skip
+        result = minimizer.leastsq(
+            Dfun=lambda given: self.jacobian(vector(given)).T[varied], col_deriv=1,
+            ftol=_TOLERANCE, xtol=_TOLERANCE, gtol=0.0,
+        )  # fmt: skip
+        return self._solution(vector(result.params), float(result.chisqr))
+
+    def covariance(self, solution: Solution) -> np.ndarray:
+        """Covariance of the free numbers' positions, shape (free, free).
+
+        Numbers that the spectra do not tell have a variance that is large, not infinite: that of
+        ten times the distance between their bounds.
+        """
+        full, _ = self._inverse(solution)
+        return np.asarray(full[: len(self.free), : len(self.free)])
+
+    def numbers_told(self, solution: Solution) -> float:
+        """How many numbers the spectra tell, of which some are known beforehand in part."""
+        full, jacobian = self._inverse(solution)
+        points = jacobian[: sum(len(one.spectrum.value) for one in self.spectra)]
+        return float(np.sum((points @ full) * points))
+
+    def _inverse(self, solution: Solution) -> tuple[np.ndarray, np.ndarray]:
+        """Covariance of everything that is fitted, and the residuals' derivatives."""
+        jacobian = self.jacobian(np.concatenate([solution.position, solution.errors.ravel()]))
+        values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
+        return (vectors / np.maximum(values, _FLAT)) @ vectors.T, jacobian
+
+
+def covered(sample: OpticsSample) -> tuple[OpticsSample, tuple[str, ...]]:
+    """The sample with the points of its spectra that the materials' data cover.
+
+    Parameters
+    ----------
+    sample : OpticsSample
+
+    Returns
+    -------
+    sample : OpticsSample
+    warnings : tuple of str
+
+    Raises
+    ------
+    ParameterError
+        If a spectrum has fewer than two such points.
+    """
+    film = sample.build({one.name: one.start for one in sample.free})
+    shortest, longest = film.covered_range
+    kept, warnings = [], []
+    for one in sample.spectra:
+        wavelength = one.spectrum.wavelength
+        inside = (wavelength >= shortest) & (wavelength <= longest)
+        if np.count_nonzero(inside) < 2:
+            raise ParameterError(
+                f"{one.spectrum.source}: the materials' optical data extend from "
+                f"{1e6 * shortest:.4g} to {1e6 * longest:.4g} µm, the spectrum from "
+                f"{1e6 * wavelength[-1]:.4g} to {1e6 * wavelength[0]:.4g} µm"
+            )
+        if not inside.all():
+            warnings.append(
+                f"{one.spectrum.source}: {np.count_nonzero(~inside)} of {inside.size} points are "
+                f"outside the materials' optical data, {1e6 * shortest:.4g} to "
+                f"{1e6 * longest:.4g} µm, and are not used"
+            )
+        part = replace(
+            one.spectrum,
+            wavenumber=one.spectrum.wavenumber[inside],
+            value=one.spectrum.value[inside],
+        )
+        kept.append(replace(one, spectrum=part))
+    return replace(sample, spectra=tuple(kept)), tuple(warnings)

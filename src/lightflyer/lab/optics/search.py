@@ -1,0 +1,313 @@
+"""The minima of a problem, the errors of its points, and the intervals of its numbers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import qmc
+
+from lightflyer.core.errors import ConvergenceError
+from lightflyer.lab.estimate import student_factor
+from lightflyer.lab.optics.model import LEAST_ERROR, Problem, Solution
+
+STARTS = 16
+"""Points between the bounds from which minima are looked for."""
+
+_ROUNDS = 4  # of the points' errors, each from the residuals before
+_SETTLED = 0.05  # relative change of the errors
+_SAME = 0.01  # distance of two minima, in shares of the way between the bounds
+_FEWEST = 2.0  # independent points of a spectrum, at least
+_MOST_LOST = 0.9  # share of the independent points that a fit takes up, at most
+_STEPS = 12  # outward, of the end of an interval
+_GROWTH = 1.6
+_REFINEMENTS = 8
+_FINE = 0.02  # of a standard error, to which an end is found
+_LEAST_REACH = 1e-6  # between the bounds
+_BETTER = 0.5  # fall of the cost that makes another point the minimum
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """How the points of a spectrum scatter about its fit.
+
+    Attributes
+    ----------
+    deviation : float
+        Standard deviation of the residuals [1].
+    length : float
+        Points in which they are alike: one if they are independent.
+    independent : float
+        Points that are independent of each other, in effect.
+    freedom : float
+        Degrees of freedom of the error of a point, whose length is itself estimated.
+    """
+
+    deviation: float
+    length: float
+    independent: float
+    freedom: float
+
+    @property
+    def error(self) -> float:
+        """Standard error of a point, as if points were independent [1]."""
+        return float(max(self.deviation, LEAST_ERROR) * np.sqrt(self.length))
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The best minimum with what else there is.
+
+    Attributes
+    ----------
+    problem : Problem
+        With the points' errors that the residuals show.
+    best : Solution
+    rivals : tuple of (Solution, float)
+        Other minima, and by how much their cost exceeds the best.
+    scatter : tuple of Scatter
+        One per spectrum.
+    freedom : float
+        Degrees of freedom.
+    """
+
+    problem: Problem
+    best: Solution
+    rivals: tuple[tuple[Solution, float], ...]
+    scatter: tuple[Scatter, ...]
+    freedom: float
+
+    @property
+    def factor(self) -> float:
+        """Half width of a 95 % interval in standard errors."""
+        return student_factor(self.freedom)
+
+
+def correlation_length(residual: np.ndarray) -> tuple[float, float]:
+    r"""Number of points in which residuals are alike.
+
+    .. math:: \left(1+\frac{2W+1}{n}\right)\left(1 + 2\sum_{k=1}^W\rho_k\right)
+
+    with the autocorrelations up to where they are no longer positive. The first factor removes the
+    bias of a sum of few autocorrelations of few points.
+
+    Parameters
+    ----------
+    residual : array, shape (n,)
+        In order of wavenumber.
+
+    Returns
+    -------
+    length : float
+        One or more.
+    freedom : float
+        Degrees of freedom of the variance of a mean that has this length, n/(2W + 1).
+
+    References
+    ----------
+    [Geyer1992]_ for the end of the sum, [Wolff2004]_ for its bias and its variance.
+    """
+    size = len(residual)
+    power = np.abs(np.fft.rfft(residual, 2 * size)) ** 2
+    auto = np.fft.irfft(power)[:size]
+    if not auto[0] > 0.0:
+        return 1.0, float(size)
+    auto = auto / auto[0]
+    # an even and the next odd lag together: noise makes single ones negative too early
+    pairs = auto[: 2 * (size // 2)].reshape(-1, 2).sum(axis=1)
+    negative = np.flatnonzero(pairs <= 0.0)
+    last = negative[0] if negative.size else len(pairs)
+    window = 4 * last - 1  # 2W + 1, as the last lag of the sum is 2 last - 1
+    bias = 1.0 + window / size
+    return float(max(1.0, bias * (2.0 * pairs[:last].sum() - 1.0))), float(size / window)
+
+
+def scatter_of(problem: Problem, solution: Solution) -> tuple[Scatter, ...]:
+    """Scatter of each spectrum about a solution.
+
+    Parameters
+    ----------
+    problem : Problem
+    solution : Solution
+
+    Returns
+    -------
+    tuple of Scatter
+    """
+    readings = problem.readings(solution)
+    residuals = [
+        one.spectrum.value - reading for reading, one in zip(readings, problem.spectra, strict=True)
+    ]
+    alike = [correlation_length(one) for one in residuals]
+    lengths = [
+        min(length, one.size / _FEWEST) for one, (length, _) in zip(residuals, alike, strict=True)
+    ]
+    independent = [one.size / length for one, length in zip(residuals, lengths, strict=True)]
+    lost = min(problem.numbers_told(solution) / sum(independent), _MOST_LOST)
+    return tuple(
+        Scatter(float(np.sqrt(np.mean(one**2) / (1.0 - lost))), length, count, freedom)
+        for one, length, count, (_, freedom) in zip(
+            residuals, lengths, independent, alike, strict=True
+        )
+    )
+
+
+def search(problem: Problem, *, starts: int = STARTS, seed: int = 0) -> Fit:
+    """Find the minima from several starts, and the points' errors from the residuals.
+
+    Parameters
+    ----------
+    problem : Problem
+    starts : int
+        How many; the first is the numbers' own.
+    seed : int
+        Of the others.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    ConvergenceError
+        If no film between the bounds has optical constants.
+    """
+    own = problem.model.positions(np.array([one.start for one in problem.free]))
+    others = qmc.LatinHypercube(len(own), rng=np.random.default_rng(seed)).random(starts - 1)
+    # what is known beforehand may be wrong: it has no say in how well the spectra can be fitted
+    alone = replace(problem, informed=False)
+    found = [alone.minimise(start) for start in (_inside(own), *others)]
+    found = [one for one in found if alone.is_possible(one)]
+    if not found:
+        raise ConvergenceError(
+            "no film between the bounds has optical constants at all wavelengths of the spectra"
+        )
+    alone, minima = _settled(alone, _distinct(found))
+    scatter, told = scatter_of(alone, minima[0]), alone.numbers_told(minima[0])
+    problem = replace(alone, informed=True)
+    if any(one.prior is not None for one in problem.free):
+        minima = _refitted(problem, [*minima, replace(minima[0], position=own)])
+    return _fit(problem, minima, scatter, told)
+
+
+def _fit(
+    problem: Problem, minima: Sequence[Solution], scatter: tuple[Scatter, ...], told: float
+) -> Fit:
+    best, *others = minima
+    known = sum(min(one.freedom, one.independent) for one in scatter)
+    return Fit(
+        problem=problem,
+        best=best,
+        rivals=tuple((one, one.cost - best.cost) for one in others),
+        scatter=scatter,
+        freedom=max(1.0, known - told),
+    )
+
+
+def _settled(problem: Problem, minima: Sequence[Solution]) -> tuple[Problem, list[Solution]]:
+    """The minima with errors of the points that fit the residuals of the best."""
+    for _ in range(_ROUNDS):
+        before = np.array(problem.spread)
+        scatter = scatter_of(problem, minima[0])
+        problem = problem.with_spread([one.error for one in scatter])
+        minima = _refitted(problem, minima)
+        if np.allclose(before, problem.spread, rtol=_SETTLED):
+            break
+    return problem, list(minima)
+
+
+def _refitted(problem: Problem, minima: Sequence[Solution]) -> list[Solution]:
+    return _distinct([problem.minimise(_inside(one.position), one.errors) for one in minima])
+
+
+def _inside(position: np.ndarray) -> np.ndarray:
+    """A start off the bounds, where lmfit's bounded numbers have no derivative."""
+    return np.clip(position, _SAME, 1.0 - _SAME)
+
+
+def _distinct(minima: Sequence[Solution]) -> list[Solution]:
+    """Minima without those that are the same, the best first."""
+    kept: list[Solution] = []
+    for one in sorted(minima, key=lambda one: one.cost):
+        if all(np.max(np.abs(one.position - other.position)) > _SAME for other in kept):
+            kept.append(one)
+    return kept
+
+
+def intervals(fit: Fit) -> tuple[Fit, list[tuple[float, float]]]:
+    """Ends of the 95 % intervals of the free numbers, where the profile of the cost tells.
+
+    Parameters
+    ----------
+    fit : Fit
+
+    Returns
+    -------
+    fit : Fit
+        Another one, if a profile finds a better minimum.
+    ends : list of (float, float)
+        Positions; 0 and 1 are the bounds.
+    """
+    for _ in range(_ROUNDS):
+        spreads = np.sqrt(np.diag(fit.problem.covariance(fit.best)))
+        profile = _Profile(fit)
+        ends = [
+            (profile.end(number, -1, spread), profile.end(number, 1, spread))
+            for number, spread in enumerate(spreads)
+        ]
+        if profile.better is None:
+            break
+        minima = [profile.better, fit.best, *(one for one, _ in fit.rivals)]
+        told = fit.problem.numbers_told(profile.better)
+        fit = _fit(fit.problem, _refitted(fit.problem, minima), fit.scatter, told)
+    return fit, ends
+
+
+class _Profile:
+    """The least cost with one number held."""
+
+    def __init__(self, fit: Fit):
+        self._fit = fit
+        self.better: Solution | None = None
+
+    def _excess(self, number: int, at: float, near: Solution) -> tuple[float, Solution]:
+        start = near.position.copy()
+        start[number] = at
+        found = self._fit.problem.minimise(
+            _inside_but(start, number), near.errors, held={number: at}
+        )
+        excess = found.cost - self._fit.best.cost
+        if excess < -_BETTER and (self.better is None or found.cost < self.better.cost):
+            self.better = found
+        return float(np.sqrt(max(excess, 0.0))) - self._fit.factor, found
+
+    def end(self, number: int, sign: int, spread: float) -> float:
+        """Position of an end of the interval of a number."""
+        best, limit = self._fit.best.position[number], 1.0 if sign > 0 else 0.0
+        inner, within, near = best, -self._fit.factor, self._fit.best
+        reach = max(self._fit.factor * spread, _LEAST_REACH)
+        for _ in range(_STEPS):
+            outer = float(np.clip(best + sign * reach, 0.0, 1.0))
+            beyond, found = self._excess(number, outer, near)
+            if beyond >= 0.0:
+                break
+            if outer == limit:
+                return limit
+            inner, within, near, reach = outer, beyond, found, _GROWTH * reach
+        for _ in range(_REFINEMENTS):
+            # the root of the cost is nearly linear in the number
+            middle = inner - within * (outer - inner) / (beyond - within)
+            excess, found = self._excess(number, middle, near)
+            if abs(excess) < _FINE:
+                return float(middle)
+            if excess >= 0.0:
+                outer, beyond = middle, excess
+            else:
+                inner, within, near = middle, excess, found
+        return float(0.5 * (inner + outer))
+
+
+def _inside_but(position: np.ndarray, number: int) -> np.ndarray:
+    """A start off the bounds, but for one number that is held."""
+    inside = _inside(position)
+    inside[number] = position[number]
+    return inside

@@ -1,0 +1,1 @@
+"""Files as instruments write them."""

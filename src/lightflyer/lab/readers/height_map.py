@@ -1,0 +1,191 @@
+"""Height maps and their files, by format in :mod:`lightflyer.lab.readers.height_maps`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.lab.readers.height_maps import gwyddion, igor, instruments, text
+from lightflyer.lab.readers.height_maps.channel import Channel, chosen
+
+NANOMETRE = 1e-9
+"""[m]."""
+
+MOST_MISSING = 0.25
+"""Share of pixels without a height above which a map is refused; our choice."""
+
+_LEAST_SIDE = 16  # pixels
+_FARTHEST = 0.1  # [m]; far more than any microscope's range
+_WIDEST = 1.0  # [m]
+
+
+@dataclass(frozen=True)
+class HeightMap:
+    """Heights on a regular grid.
+
+    Attributes
+    ----------
+    source : str
+        Name of the file.
+    height : array, shape (rows, columns)
+        [m]; NaN where the instrument has none.
+    width, length : float
+        Size of the map along its rows and along its columns [m].
+    channel : str
+        Name in the file.
+    notes : tuple of str
+        What a reader of the map must know of its file.
+    """
+
+    source: str
+    height: np.ndarray
+    width: float
+    length: float
+    channel: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def missing(self) -> np.ndarray:
+        """True where the instrument has no height, shape (rows, columns)."""
+        return np.isnan(self.height)
+
+    @property
+    def pixel_aspect(self) -> float:
+        """Width of a pixel over its length [1]."""
+        rows, columns = self.height.shape
+        return (self.width / columns) / (self.length / rows)
+
+
+def read_height_map(
+    path: str | Path,
+    *,
+    size: float | None = None,
+    unit: str | None = None,
+    channel: str | None = None,
+) -> HeightMap:
+    """Read a height map.
+
+    Parameters
+    ----------
+    path : str or path
+        Igor binary wave (``.ibw``), Gwyddion (``.gwy``), Nanoscope (``.spm``, ``.001``),
+        Nanosurf (``.nid``), JPK (``.jpk``), Digital Surf (``.sur``), WSxM (``.stp``, ``.top``),
+        Agilent (``.mi``), or a text file with a matrix of numbers.
+    size : float, optional
+        Width of a matrix [m], where the file does not state it; pixels are square.
+    unit : str, optional
+        Unit of a matrix's heights, where the file does not state it.
+    channel : str, optional
+        Channel to read; by default the first whose name contains "height" and whose unit is a
+        length. A channel whose name says phase, amplitude, deflection or the like is refused,
+        and so is one in volts or degrees.
+
+    Returns
+    -------
+    HeightMap
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the file and, for a matrix, the line.
+    MissingExtraError
+        If the package that reads the format is not installed.
+    """
+    path = Path(path)
+    channels, notes = _channels(path, size, unit, channel)
+    found, note = chosen(path, channels, channel)
+    if note:
+        notes = (*notes, note)
+    one = HeightMap(str(path), found.read(), found.width, found.length, found.name, notes)
+    _require_usable(one)
+    return one
+
+
+def list_channels(path: str | Path) -> list[Channel]:
+    """Channels of a height map's file.
+
+    Parameters
+    ----------
+    path : str or path
+        Any format of :func:`read_height_map` but a text file.
+
+    Returns
+    -------
+    list of Channel
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the file.
+    MissingExtraError
+        If the package that reads the format is not installed.
+    """
+    path = Path(path)
+    content = _content(path)
+    if path.suffix.lower() == ".ibw":
+        return igor.read_channels(path, content)
+    if path.suffix.lower() == ".gwy":
+        return gwyddion.read_channels(path, content)
+    kind = instruments.format_of(path, content)
+    if kind is None:
+        raise ConfigurationError(f"{path}: a matrix in a text file has no channels")
+    return instruments.read_channels(path, content, kind)
+
+
+def _channels(
+    path: Path, size: float | None, unit: str | None, channel: str | None
+) -> tuple[Sequence[Channel], tuple[str, ...]]:
+    """Channels of a file and what is said of them."""
+    content = _content(path)
+    is_text = path.suffix.lower() not in (".ibw", ".gwy") and not instruments.format_of(
+        path, content
+    )
+    if not is_text:
+        for option, value in (("--size", size), ("--unit", unit)):
+            if value is not None:
+                raise ConfigurationError(
+                    f"{path}: states its sizes and units itself; {option} is for a matrix in a "
+                    "text file; leave it out"
+                )
+        return list_channels(path), ()
+    if channel is not None:
+        raise ConfigurationError(
+            f'{path}: channel "{channel}" has no effect: a matrix is one map; leave it out'
+        )
+    one, notes = text.read_matrix(path, size, unit)
+    return [one], notes
+
+
+def _require_usable(one: HeightMap) -> None:
+    if one.height.ndim != 2 or min(one.height.shape) < _LEAST_SIDE:
+        shape = " x ".join(map(str, one.height.shape))
+        raise ConfigurationError(
+            f"{one.source}: has {shape} pixels; {_LEAST_SIDE} x {_LEAST_SIDE} or more are needed"
+        )
+    share = float(one.missing.mean())
+    if share > MOST_MISSING:
+        raise ConfigurationError(
+            f"{one.source}: {int(one.missing.sum())} of its heights are missing; a share of "
+            f"{MOST_MISSING:g} is the most"
+        )
+    farthest = float(np.nanmax(np.abs(one.height)))
+    if not farthest <= _FARTHEST:
+        raise ConfigurationError(
+            f"{one.source}: has a height of {farthest:.3g} m; {_FARTHEST:g} m is the most: a "
+            "number is damaged, or the unit is wrong"
+        )
+    sides = np.array([one.width, one.length])
+    if not (np.isfinite(sides).all() and (sides > 0.0).all() and sides.max() <= _WIDEST):
+        raise ConfigurationError(
+            f"{one.source}: its size, {one.width:.3g} m x {one.length:.3g} m, is not between 0 and "
+            f"{_WIDEST:g} m"
+        )
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None

@@ -1,0 +1,220 @@
+"""Microscopes' own formats, read by SurfaceTopography.
+
+SurfaceTopography is heavy and belongs to the extra ``afm``.
+"""
+
+import io
+import logging
+import re
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.extras import extra
+from lightflyer.lab.readers.height_maps.channel import Channel, metres
+from lightflyer.lab.readers.tiff_structure import require_sound_tiff
+
+_SURF_FIELDS = (164, 212)  # places of the name of the heights and of the unit of their step
+
+
+def _of_wsxm(content: bytes) -> tuple[str, str]:
+    """Name and unit of the one channel of a WSxM file."""
+    found = [
+        re.search(pattern, content)
+        for pattern in (rb"Acquisition channel: *([^\r\n]*)", rb"Z Amplitude: *\S+ +(\S+)")
+    ]
+    name, unit = (match[1].decode("latin-1").strip() if match else "" for match in found)
+    return name, unit
+
+
+def _of_surf(content: bytes) -> tuple[str, str]:
+    """Name and unit of the one channel of a Digital Surf file, from fields of fixed width."""
+    name, unit = (
+        content[start : start + 16].split(b"\0")[0].decode("latin-1").strip()
+        for start in _SURF_FIELDS
+    )
+    return name, unit
+
+
+class Format(NamedTuple):
+    """A format of height maps.
+
+    Attributes
+    ----------
+    name : str
+    suffixes : tuple of str
+    magic : bytes
+        Beginning of its files.
+    reader : str
+        Module and class in SurfaceTopography.IO.
+    single : callable or None
+        Name and unit of the channel of a file that has one, where the reader asks for neither.
+    """
+
+    name: str
+    suffixes: tuple[str, ...]
+    magic: bytes
+    reader: tuple[str, str]
+    single: Callable[[bytes], tuple[str, str]] | None = None
+
+
+FORMATS = (
+    Format("Nanoscope", (".spm", ".di"), b"\\*", ("DI", "DIReader")),
+    Format("Nanosurf", (".nid", ".ezd"), b"[DataSet]", ("EZD", "EZDReader")),
+    Format("JPK", (".jpk",), b"", ("JPK", "JPKReader")),
+    Format("Digital Surf", (".sur",), b"DIGITAL SURF", ("SUR", "SURReader"), _of_surf),
+    Format(
+        "WSxM", (".stp", ".top", ".tom"), b"WSxM file copyright", ("WSXM", "WSXMReader"), _of_wsxm
+    ),
+    Format("Agilent", (".mi",), b"fileType", ("MI", "MIReader")),
+)
+"""Formats that SurfaceTopography reads."""
+
+_NUMBERED = re.compile(r"\.\d{3}")  # Nanoscope's older files: map.000, map.001
+_CURVES = {
+    ".jpk-force": "force curves",
+    ".jpk-force-map": "a map of force curves",
+    ".jpk-qi-data": "a map of force curves",
+    ".jpk-qi-image": "images of a map of force curves",
+    ".jpk-qi-series": "force curves",
+}
+_COMPRESSED = b"DSCOMPRESSED"
+_TEXT = b"?*"
+_SHOWN = 200  # characters of a parser's message
+
+
+def format_of(path: Path, content: bytes) -> Format | None:
+    """Format of a file by its beginning, or else by its suffix.
+
+    Parameters
+    ----------
+    path : Path
+    content : bytes
+
+    Returns
+    -------
+    Format or None
+        None for a format that is not among :data:`FORMATS`.
+
+    Raises
+    ------
+    ConfigurationError
+        If the file is of a kind that contains no map of heights, or is compressed.
+    """
+    suffix = path.suffix.lower()
+    if suffix in _CURVES:
+        raise ConfigurationError(
+            f"{path}: contains {_CURVES[suffix]}, not a map of heights; export the height as .jpk "
+            "or .gwy"
+        )
+    if content.startswith(_COMPRESSED):
+        raise ConfigurationError(
+            f"{path}: is compressed; save it in MountainsMap without compression"
+        )
+    if content.startswith(_TEXT):
+        raise ConfigurationError(
+            f"{path}: is a Nanoscope file with heights as text; save it in binary form"
+        )
+    found = next((one for one in FORMATS if one.magic and content.startswith(one.magic)), None)
+    if found is not None:
+        return found
+    if _NUMBERED.fullmatch(suffix):
+        return FORMATS[0]
+    return next((one for one in FORMATS if suffix in one.suffixes), None)
+
+
+def read_channels(path: Path, content: bytes, kind: Format) -> list[Channel]:
+    """Channels of a microscope's file.
+
+    Parameters
+    ----------
+    path : Path
+        For messages.
+    content : bytes
+    kind : Format
+
+    Returns
+    -------
+    list of Channel
+        Channels that are no heights may be missing: some readers know heights only.
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the file.
+    MissingExtraError
+        If SurfaceTopography is not installed.
+    """
+    module, name = kind.reader
+    label, unit = ("", "") if kind.single is None else kind.single(content)
+    if unit and metres(unit) is None:
+        raise ConfigurationError(f'{path}: its channel "{label} [{unit}]" is not a height')
+    with _quiet():
+        readers = extra(
+            f"SurfaceTopography.IO.{module}", f"reading {kind.name}'s {kind.suffixes[0]}", "afm"
+        )
+        try:
+            if kind.name == "JPK":
+                require_sound_tiff(content)
+            reader = getattr(readers, name)(io.BytesIO(content))
+            found = list(reader.channels)
+            channels = [_channel(path, kind, reader, one, len(content)) for one in found]
+        except ConfigurationError:
+            raise
+        except Exception as error:  # a damaged file makes any
+            raise _refusal(path, kind, error) from None
+    if not channels:
+        raise ConfigurationError(f"{path}: contains no map of heights")
+    return [replace(one, name=label) for one in channels] if label else channels
+
+
+def _channel(path: Path, kind: Format, reader: Any, info: Any, size: int) -> Channel:
+    columns, rows = (int(count) for count in info.nb_grid_pts)
+    if min(rows, columns) <= 0 or rows * columns > size:
+        raise ConfigurationError(
+            f"{path}: its header states {columns} x {rows} pixels, more than the file holds"
+        )
+    # the unit of a height serves for its sides too; else the two are a pair
+    lateral, unit = info.unit if isinstance(info.unit, tuple) else (info.unit, info.data_unit)
+    side = metres(lateral or "")
+    if side is None:
+        raise ConfigurationError(f"{path}: the unit of its sides, {lateral}, is no length")
+    width, length = (float(one) * side for one in info.physical_sizes)
+
+    def read() -> np.ndarray:
+        with _quiet():
+            try:
+                heights = reader.topography(channel_index=info.index).heights()
+                values: np.ndarray = np.ma.filled(np.ma.asarray(heights, float), np.nan)
+            except Exception as error:  # a damaged file makes any
+                raise _refusal(path, kind, error) from None
+        return np.asarray(values.T * (metres(unit) or np.nan))
+
+    return Channel(str(info.name), unit or "?", (rows, columns), width, length, read)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """No warnings of the packages it imports, no log of tifffile beside our own line."""
+    log = logging.getLogger("tifffile")
+    before, log.disabled = log.disabled, True
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        log.disabled = before
+
+
+def _refusal(path: Path, kind: Format, error: Exception) -> ConfigurationError:
+    text = "".join(one if one.isprintable() else " " for one in str(error))
+    said = " ".join(text.split())[:_SHOWN]
+    if not type(error).__module__.startswith("SurfaceTopography"):
+        said = f"it is damaged or of an unknown version ({type(error).__name__}: {said})"
+    return ConfigurationError(f"{path}: cannot be read as a {kind.name} file: {said}")

@@ -1,0 +1,169 @@
+"""All formats of spectra: how each is recognised, and what reads it."""
+
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from lightflyer.core.errors import ConfigurationError, MissingExtraError
+from lightflyer.lab.readers.spectra import (
+    jasco_jws,
+    jasco_text,
+    jcamp_dx,
+    omnic,
+    opus,
+    perkin_elmer,
+    spc,
+)
+from lightflyer.lab.readers.spectra.interpretation import Wanted, readable, shows
+from lightflyer.lab.readers.spectra.raw import RawSpectrum, Source, one_line
+
+
+class Format(NamedTuple):
+    """A format of spectra.
+
+    Attributes
+    ----------
+    name : str
+    recognises : callable
+        Whether a Source is of this format.
+    read : callable
+        All spectra of a Source.
+    """
+
+    name: str
+    recognises: Callable[[Source], bool]
+    read: Callable[[Source], list[RawSpectrum]]
+
+
+FORMATS = (
+    Format(opus.FORMAT, opus.is_opus, opus.read_opus),
+    Format(omnic.FORMAT, omnic.is_omnic, omnic.read_omnic),
+    Format(perkin_elmer.SP, perkin_elmer.is_sp, perkin_elmer.read_sp),
+    Format(jasco_jws.FORMAT, jasco_jws.is_jws, jasco_jws.read_jws),
+    Format(spc.FORMAT, spc.is_spc, spc.read_spc),
+    Format(jcamp_dx.FORMAT, jcamp_dx.is_jcamp, jcamp_dx.read_jcamp),
+    Format(perkin_elmer.ASC, perkin_elmer.is_asc, perkin_elmer.read_asc),
+    Format(jasco_text.FORMAT, jasco_text.is_jasco_text, jasco_text.read_jasco_text),
+)
+"""All formats; binary ones, whose first bytes tell, before text."""
+
+_BINARY = {".spa": omnic.FORMAT, ".spg": omnic.FORMAT, ".spc": spc.FORMAT, ".sp": perkin_elmer.SP,
+           ".jws": jasco_jws.FORMAT, ".jrs": jasco_jws.FORMAT}  # fmt: skip
+_NOT_READ = {".srs": "a series of OMNIC", ".map": "a map of OMNIC", ".jwb": "a block of JASCO",
+             ".fsm": "an image of PerkinElmer", ".wdf": "Raman data of Renishaw",
+             ".ispd": "a file of Shimadzu", ".seq": "a sequence of Agilent"}  # fmt: skip
+_LISTED, _TITLE = 8, 40  # spectra that a message names, and characters of a title
+
+
+def opened(path: Path) -> Source:
+    """A file with its content; ConfigurationError if it cannot be read."""
+    try:
+        return Source(path, path.read_bytes())
+    except OSError as error:
+        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+def format_of(source: Source) -> Format | None:
+    """Format of a file.
+
+    Parameters
+    ----------
+    source : Source
+
+    Returns
+    -------
+    Format or None
+        None if it is none of these: a table of delimited text, if anything.
+
+    Raises
+    ------
+    ConfigurationError
+        If its name is of a binary format and its content is not, or its format is not read.
+    """
+    found = next((one for one in FORMATS if one.recognises(source)), None)
+    named = _BINARY.get(source.path.suffix.lower())
+    if found is None and named is not None:
+        source.refuse(f"is damaged or not {named}, which its name says")
+    other = _NOT_READ.get(source.path.suffix.lower())
+    if found is None and other is not None:
+        source.refuse(f"is {other}, which is not read; export the spectrum as text or JCAMP-DX")
+    return found
+
+
+def read_raw(source: Source, kind: Format, wanted: Wanted) -> RawSpectrum:
+    """The spectrum of a file, or the one of several that is wanted.
+
+    Parameters
+    ----------
+    source : Source
+    kind : Format
+    wanted : Wanted
+
+    Returns
+    -------
+    RawSpectrum
+
+    Raises
+    ------
+    ConfigurationError
+        If the file is damaged, or it is not known which of its spectra is wanted.
+    """
+    try:
+        with np.errstate(all="ignore"):  # what is not finite is refused or left out later
+            spectra = kind.read(source)
+    except (ConfigurationError, MissingExtraError):
+        raise
+    # readers of binary formats go beyond the end of a damaged file in many ways
+    except (ArithmeticError, LookupError, OSError, TypeError, ValueError, struct.error) as error:
+        said = one_line(str(error))[:100]
+        raise ConfigurationError(
+            f"{source.path}: is damaged and cannot be read as {kind.name}: {said}"
+        ) from None
+    return _chosen(source, spectra, wanted)
+
+
+def _chosen(source: Source, spectra: list[RawSpectrum], wanted: Wanted) -> RawSpectrum:
+    fit = [one for one in spectra if readable(one)]
+    if wanted.quantity is not None:
+        fit = [one for one in fit if shows(one, wanted.quantity)] or fit
+    if wanted.spectrum is not None:
+        return _named(source, spectra, wanted.spectrum)
+    if len(spectra) == 1:
+        return spectra[0]
+    if not fit:
+        names = sorted({f"{one.ordinate_name} over {one.abscissa_name}" for one in spectra})
+        source.refuse(
+            f"holds {len(spectra)} spectra, none of transmittance or reflectance: "
+            f"{', '.join(names)[:100]}"
+        )
+    if len(fit) > 1:
+        source.refuse(
+            f'holds {len(fit)} spectra; choose one with --spectrum (spectrum="1"): '
+            f"{_listed(spectra, fit)}"
+        )
+    return fit[0]
+
+
+def _listed(spectra: list[RawSpectrum], fit: list[RawSpectrum]) -> str:
+    names = [
+        f"{number} {one.ordinate_name} of {one.facts.sample[:_TITLE] or 'no title'}"
+        for number, one in enumerate(spectra, start=1)
+        if any(one is other for other in fit)
+    ]
+    more = f", and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
+    return ", ".join(names[:_LISTED]) + more
+
+
+def _named(source: Source, spectra: list[RawSpectrum], spectrum: str) -> RawSpectrum:
+    """The spectrum of this number or title."""
+    if spectrum.isascii() and spectrum.isdigit() and 1 <= int(spectrum[:9]) <= len(spectra):
+        return spectra[int(spectrum[:9]) - 1]
+    titled = [one for one in spectra if one.facts.sample == spectrum.strip()]
+    if len(titled) != 1:
+        source.refuse(
+            f'has {len(titled)} spectra "{spectrum[:40]}"; it holds {_listed(spectra, spectra)}'
+        )
+    return titled[0]

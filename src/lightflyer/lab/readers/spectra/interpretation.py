@@ -1,0 +1,310 @@
+"""From a spectrum as it stands in its file to transmittance or reflectance over wavenumber."""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple, get_args
+
+import numpy as np
+
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Quantity
+from lightflyer.files.table import Rejected
+from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE, Shown, axis_of, shown_by
+from lightflyer.lab.readers.spectra.raw import (
+    Collection,
+    Ordinate,
+    RawSpectrum,
+    Source,
+    SpectrumFacts,
+)
+
+# wider than zero to one for noise, and for detectors that are not quite linear
+SHARE = Quantity("", -0.2, 1.5)
+"""Transmittance and reflectance that a file may hold."""
+
+_PERCENT = 100.0
+_EMPTY = 1e-30  # of an ordinate: JASCO marks points without a value by ∓1.2e-38
+_DARK = 1.5  # per cent, nowhere exceeded if a fraction is taken for a percentage
+_KEPT = 2 / 3  # share of the points that is left without its ends, at least
+_LEAST_KEPT = 20
+_MOSTLY = 0.5  # share of the points above any fraction, from which an ordinate is in per cent
+_NO_FACTS = SpectrumFacts("")
+_SPHERE = ("sphere", "ulbricht", "isn-", "isv-", "ilv-", "iln-", "isr-")
+_SPECULAR = ("specular", "vw", "variable angle", "absolute reflect", "arn-", "arv-", "armn-",
+             "universal reflectance", "ura")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class MeasuredSpectrum:
+    """Transmittance or reflectance over wavenumber.
+
+    Attributes
+    ----------
+    source : str
+        Name of the file.
+    quantity : {"transmittance", "reflectance"}
+    wavenumber : array, shape (n,)
+        Increasing [1/m].
+    value : array, shape (n,)
+        [1].
+    rejected : tuple of Rejected
+        Rejected rows of its file.
+    facts : SpectrumFacts
+        What the file says of instrument, resolution and sample.
+    collection : {"specular", "diffuse", "total"} or None
+        Light that was collected, by the file or the user; None if neither says.
+    notes : tuple of str
+        What the reader decided, such as that values are per cent.
+    """
+
+    source: str
+    quantity: Ordinate
+    wavenumber: np.ndarray
+    value: np.ndarray
+    rejected: tuple[Rejected, ...] = ()
+    facts: SpectrumFacts = _NO_FACTS
+    collection: Collection | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def wavelength(self) -> np.ndarray:
+        """Wavelength in vacuum, decreasing, shape (n,) [m]."""
+        return 1.0 / self.wavenumber
+
+
+class Wanted(NamedTuple):
+    """What the user says of a file.
+
+    Attributes
+    ----------
+    quantity : {"transmittance", "reflectance"} or None
+        What the ordinate shows where its name does not say, and the one to choose of several.
+    scale : {"%", "1"} or None
+        Whether the values are per cent or fractions, against name and values.
+    spectrum : str or None
+        Number, counted from 1, or title of one of several spectra.
+    collection : {"specular", "diffuse", "total"} or None
+    """
+
+    quantity: Ordinate | None = None
+    scale: str | None = None
+    spectrum: str | None = None
+    collection: Collection | None = None
+
+    def check(self) -> None:
+        """Raise ParameterError if an entry is unknown."""
+        for name, value, allowed in (
+            ("quantity", self.quantity, get_args(Ordinate)),
+            ("scale", self.scale, ("%", "1")),
+            ("collection", self.collection, get_args(Collection)),
+        ):
+            if value is not None and value not in allowed:
+                raise ParameterError(f'{name} "{value}" is not one of {", ".join(allowed)}')
+
+
+def measured(source: Source, raw: RawSpectrum, wanted: Wanted) -> MeasuredSpectrum:
+    """The spectrum in SI units, with what was decided on the way.
+
+    Parameters
+    ----------
+    source : Source
+    raw : RawSpectrum
+    wanted : Wanted
+
+    Returns
+    -------
+    MeasuredSpectrum
+
+    Raises
+    ------
+    ConfigurationError
+        If the axes are not known or values are impossible.
+    """
+    notes = list(raw.notes)
+    shown = _shown(source, raw, wanted)
+    wavenumber, ordinate = _points(source, raw, notes)
+    quantity = _quantity(shown, wanted, notes)
+    with np.errstate(over="ignore"):
+        if shown.quantity in ("absorbance", "log(1/R)"):
+            value = 10.0**-ordinate
+            if wanted.scale is not None:
+                notes.append(f"the scale {wanted.scale} is not used: the file shows absorbance")
+        else:
+            value = _fraction(source, ordinate, raw, shown, wanted, notes)
+    wavenumber, value = _possible(source, quantity, wavenumber, value, notes)
+    facts = replace(raw.facts, ordinate=raw.ordinate_name)
+    collection = wanted.collection or _collected(facts)
+    notes += _accessory_notes(facts, shown, quantity, wanted)
+    distinct, place, count = np.unique(wavenumber, return_inverse=True, return_counts=True)
+    if distinct.size < 2:
+        source.refuse(f"has {distinct.size} wavenumber; a spectrum needs two or more")
+    mean = np.bincount(place, value) / count
+    return MeasuredSpectrum(
+        str(source.path), quantity, distinct, mean, raw.rejected, facts, collection, tuple(notes)
+    )
+
+
+def readable(raw: RawSpectrum) -> bool:
+    """Whether transmittance or reflectance may follow from a spectrum."""
+    return isinstance(shown_by(raw.ordinate_name), Shown) and axis_of(raw.abscissa_name) is not None
+
+
+def shows(raw: RawSpectrum, quantity: Ordinate) -> bool:
+    """Whether a spectrum may show this quantity."""
+    shown = shown_by(raw.ordinate_name)
+    if isinstance(shown, str):
+        return False
+    return shown.quantity in (quantity, "", "absorbance") or (
+        quantity == "reflectance" and shown.quantity == "log(1/R)"
+    )
+
+
+def _shown(source: Source, raw: RawSpectrum, wanted: Wanted) -> Shown:
+    shown = shown_by(raw.ordinate_name)
+    if isinstance(shown, str):
+        source.refuse(shown)
+    known = shown.percent or wanted.scale is not None  # that it is a share of light
+    if not shown.quantity and (wanted.quantity is None or not known):
+        said = f' but "{raw.ordinate_name}"' if raw.ordinate_name else ""
+        source.refuse(
+            f"does not name its ordinate{said}; if it is transmittance or reflectance, say which "
+            '(quantity="reflectance"), and --scale % or --scale 1 (scale="%" or "1")'
+        )
+    if shown.quantity == "absorbance" and wanted.quantity is None and _collected(raw.facts):
+        source.refuse(
+            f'shows absorbance, measured with "{raw.facts.accessory[:60]}": say whether it is that '
+            'of transmittance or reflectance (quantity="reflectance")'
+        )
+    if wanted.quantity is not None and not shows(raw, wanted.quantity):
+        source.refuse(f"shows {shown.quantity}, not {wanted.quantity}")
+    return shown
+
+
+def _quantity(shown: Shown, wanted: Wanted, notes: list[str]) -> Ordinate:
+    if shown.quantity == "transmittance":
+        return "transmittance"
+    if shown.quantity in ("reflectance", "log(1/R)"):
+        return "reflectance"
+    quantity: Ordinate = wanted.quantity or "transmittance"
+    if shown.quantity == "absorbance" and wanted.quantity is None:
+        notes.append("absorbance is taken as log10(1/T), of transmittance")
+    elif shown.quantity == "absorbance" and quantity == "reflectance":
+        notes.append("absorbance is taken as log10(1/R): it is said to be of reflectance")
+    return quantity
+
+
+def _points(source: Source, raw: RawSpectrum, notes: list[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Wavenumber [1/m] and ordinate of the points that have a value."""
+    axis = axis_of(raw.abscissa_name)
+    if axis is None:
+        source.refuse(
+            f'its abscissa "{raw.abscissa_name[:40]}" is not known as wavenumber [1/cm] or '
+            "wavelength [nm, um]"
+        )
+    x, y = np.asarray(raw.abscissa, float), np.asarray(raw.ordinate, float)
+    if x.shape != y.shape or not np.isfinite(x).all() or (x <= 0.0).any():
+        source.refuse("is damaged: its abscissa is not a positive number for every point")
+    empty = ~np.isfinite(y) | ((y != 0.0) & (np.abs(y) < _EMPTY))
+    if empty.any():
+        if empty.mean() > _MOSTLY:
+            source.refuse(f"{np.count_nonzero(empty)} of its {y.size} points have no value")
+        ends = np.sort(x[empty])[[0, -1]]
+        notes.append(
+            f"{np.count_nonzero(empty)} points without a value, between {ends[0]:g} and "
+            f"{ends[1]:g} {raw.abscissa_name}, are left out"
+        )
+        x, y = x[~empty], y[~empty]
+    with np.errstate(over="ignore", divide="ignore"):
+        wavenumber = 1.0 / (x * axis.scale) if axis.is_wavelength else x * axis.scale
+    if not np.isfinite(wavenumber).all():
+        source.refuse("is damaged: an abscissa is zero or too large")
+    return wavenumber, y
+
+
+def _fraction(
+    source: Source, ordinate: np.ndarray, raw: RawSpectrum, shown: Shown, wanted: Wanted,
+    notes: list[str],
+) -> np.ndarray:  # fmt: skip
+    """Values as fractions, by the user's word, the format, the name, or the values themselves."""
+    if wanted.scale is not None:
+        return ordinate / _PERCENT if wanted.scale == "%" else ordinate
+    percent = shown.percent if raw.percent is None else raw.percent
+    highest = float(ordinate.max(initial=-np.inf))
+    if percent:
+        if highest < _DARK:
+            notes.append(
+                f"its values are nowhere above {highest:.2f} %; if the file holds fractions, not "
+                'per cent, say --scale 1 (scale="1")'
+            )
+        return ordinate / _PERCENT
+    if highest <= SHARE.highest or raw.percent is False:
+        return ordinate
+    beyond = float(np.mean(ordinate > SHARE.highest))
+    if beyond < _MOSTLY:
+        source.refuse(
+            f"{np.count_nonzero(ordinate > SHARE.highest)} of its {ordinate.size} values of "
+            f"{raw.ordinate_name or 'an unnamed ordinate'} exceed {SHARE.highest:g} (highest "
+            f"{highest:.4g}), and it is not clear that they are per cent: as %, the mean would be "
+            f"{ordinate.mean():.3g} %, as fractions {ordinate.mean():.3g}; say --scale % or "
+            '--scale 1 (scale="%" or "1")'
+        )
+    notes.append(
+        f"values up to {highest:.4g} are taken as per cent, although they are not marked as %"
+    )
+    return ordinate / _PERCENT
+
+
+def _possible(
+    source: Source, quantity: Ordinate, wavenumber: np.ndarray, value: np.ndarray, notes: list[str]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The spectrum without ends that hold impossible values; others refuse the file.
+
+    Beyond the range of detector and beam splitter there is no light, and a ratio is noise. What is
+    left holds no impossible value, so that no part of it is chosen by its noise.
+    """
+    outside = ~((value >= SHARE.lowest) & (value <= SHARE.highest))
+    if not outside.any():
+        return wavenumber, value
+    order = np.argsort(wavenumber)
+    edges = np.concatenate([[-1], np.flatnonzero(outside[order]), [len(value)]])
+    longest = int(np.argmax(np.diff(edges)))
+    first, last = edges[longest] + 1, edges[longest + 1]
+    if last - first < _KEPT * len(value) or last - first < _LEAST_KEPT:
+        at = int(np.argmax(outside))
+        source.refuse(
+            f"{quantity} = {value[at]:g} at {wavenumber[at] / PER_CENTIMETRE:g} cm^-1 is not "
+            f"{SHARE.allowed}; check its background"
+        )
+    kept = order[first:last]
+    ends = wavenumber[kept[[0, -1]]] / PER_CENTIMETRE
+    notes.append(
+        f"points outside {ends[0]:.5g} to {ends[1]:.5g} cm^-1 are left out: there, {quantity} "
+        f"is as far out as {value[outside][np.argmax(np.abs(value[outside]))]:.3g}"
+    )
+    return wavenumber[kept], value[kept]
+
+
+def _accessory_notes(
+    facts: SpectrumFacts, shown: Shown, quantity: Ordinate, wanted: Wanted
+) -> list[str]:
+    collection = _collected(facts)
+    if shown.quantity == "absorbance" and quantity == "transmittance" and collection:
+        return [
+            "absorbance is taken as that of transmittance, but its accessory "
+            f'"{facts.accessory[:60]}" is one for reflectance'
+        ]
+    if quantity == "reflectance" and collection == "total" and wanted.collection is None:
+        return [
+            f'its accessory "{facts.accessory[:60]}" is taken to collect all light; with an open '
+            "specular port it collects the diffuse part only"
+        ]
+    return []
+
+
+def _collected(facts: SpectrumFacts) -> Collection | None:
+    """Collected light that the name of an accessory tells."""
+    said = facts.accessory.casefold()
+    if any(word in said for word in _SPHERE):
+        return "total"
+    if "diffuse" in said or "drift" in said:
+        return "diffuse"
+    return "specular" if any(word in said for word in _SPECULAR) else None

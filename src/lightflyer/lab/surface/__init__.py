@@ -1,0 +1,1 @@
+"""Roughness of a surface from a map of its height."""

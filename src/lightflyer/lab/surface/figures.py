@@ -1,0 +1,173 @@
+"""Figure of height maps: levelled, and with particles and holes masked."""
+
+from collections.abc import Sequence
+from string import ascii_lowercase
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from matplotlib.patches import Patch
+from scipy import ndimage
+
+from lightflyer.files.drawing import (
+    SKY,
+    VERMILION,
+    figure_for,
+    new_figure,
+    outlined,
+    shared_legend,
+)
+from lightflyer.lab.readers.height_map import NANOMETRE
+
+if TYPE_CHECKING:
+    from lightflyer.lab.surface.reduction import Roughness
+
+_WIDTH, _HEIGHT = 4.0, 7.6  # of the column of one map [inch]
+_MOST_PIXELS = 1024  # drawn along a side
+_SHOWN = 3.5  # range of the colours, in rms heights
+_MICROMETRE = 1e-6
+_PERCENT = 100.0
+
+
+def colour_range(results: "Sequence[Roughness]", *, masked: bool) -> tuple[float, float]:
+    """Heights between which colours change, the same for maps that are compared.
+
+    Parameters
+    ----------
+    results : sequence of Roughness
+    masked : bool
+        For the surface alone, without particles and holes.
+
+    Returns
+    -------
+    low, high : float
+        [nm].
+    """
+    if masked:
+        rough = max(one.parameters["rms_height"].value for one in results)
+        return -_SHOWN * rough, _SHOWN * rough
+    low = min(float(one.height.min()) for one in results) / NANOMETRE
+    high = max(float(one.height.max()) for one in results) / NANOMETRE
+    return low, max(high, low + 1e-12)
+
+
+def draw_height_map(
+    result: "Roughness", ax: Axes, *, masked: bool, colours: tuple[float, float] | None = None
+) -> AxesImage:
+    """Draw a levelled map, as it is or with its mask.
+
+    Parameters
+    ----------
+    result : Roughness
+    ax : matplotlib.axes.Axes
+    masked : bool
+        Show the mask of particles and holes, and scale the greys to the surface.
+    colours : tuple of float, optional
+        Heights between which the greys change [nm]; see :func:`colour_range`.
+
+    Returns
+    -------
+    matplotlib.image.AxesImage
+        For a colour bar.
+    """
+    step = max(1, max(result.height.shape) // _MOST_PIXELS)
+    # levelling puts numbers where the file has no height; they are shown in the colour of holes
+    ax.set_facecolor(SKY)
+    known = np.where(result.source.missing, np.nan, result.height)
+    height = known[::step, ::step] / NANOMETRE
+    extent = (0.0, result.source.width / _MICROMETRE, 0.0, result.source.length / _MICROMETRE)
+    low, high = colour_range([result], masked=masked) if colours is None else colours
+    # greys, among which the colours of the mask stand out
+    image = ax.imshow(height, extent=extent, cmap="gray", vmin=low, vmax=high,
+                      interpolation="nearest")  # fmt: skip
+    if masked:
+        rms = result.parameters["rms_height"].value
+        _draw_masks(result, ax, step, extent)
+        shares = ", ".join(
+            f"{name} {_PERCENT * mask.mean():.2g} %"
+            for name, mask, _ in _masks(result)
+            if mask.any()
+        )
+        said = f"Sq = {rms:.3g} nm\nmasked: {shares or 'nothing'}"
+    else:
+        everything = result.parameters_all["rms_height"].value
+        said = f"{result.source.source}\nSq = {everything:.3g} nm, all of it"
+    ax.set_title(said, fontsize="small")
+    return image
+
+
+def _draw_masks(
+    result: "Roughness", ax: Axes, step: int, extent: tuple[float, float, float, float]
+) -> None:
+    """Particles and holes in plain colours."""
+    for _, mask, colour in _masks(result):
+        image = np.ma.masked_equal(_thinned(mask, step), 0)
+        ax.imshow(image, extent=extent, cmap=ListedColormap([colour]), interpolation="nearest")
+
+
+def _masks(result: "Roughness") -> tuple[tuple[str, np.ndarray, str], ...]:
+    """Name, mask and colour of what is masked."""
+    return ("particles", result.particles, VERMILION), ("holes", result.holes, SKY)
+
+
+def _thinned(mask: np.ndarray, step: int) -> np.ndarray:
+    """Mask of every so many pixels, in which none that is masked gets lost."""
+    return ndimage.maximum_filter(mask, step, origin=-((step - 1) // 2))[::step, ::step]
+
+
+def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
+    """Figure of several maps, by file name without suffix.
+
+    Parameters
+    ----------
+    results : sequence of Roughness
+        One column each: all of the map above, masked below; each row has one scale.
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+    """
+    count = len(results)
+    figure = new_figure(columns=count, width=_WIDTH, height=_HEIGHT, rows=2)
+    figure.set_layout_engine("compressed", h_pad=0.08)  # of axes with a fixed aspect
+    axes = figure.axes
+    for masked, row in enumerate((axes[:count], axes[count:])):
+        colours = colour_range(results, masked=bool(masked))
+        for number, (result, ax) in enumerate(zip(results, row, strict=True), masked * count):
+            image = draw_height_map(result, ax, masked=bool(masked), colours=colours)
+            ax.set_xlabel("x [µm]" if masked else "")
+            ax.set_ylabel("y [µm]" if ax is row[0] else "")
+            letter = ascii_lowercase[number % len(ascii_lowercase)]
+            ax.text(0.02, 0.98, f"({letter})", transform=ax.transAxes, va="top", color="white",
+                    weight="bold", path_effects=outlined())  # fmt: skip
+        label = "height of the surface [nm]" if masked else "height [nm]"
+        extend = "both" if masked else "neither"
+        figure.colorbar(image, ax=row, label=label, shrink=0.8, pad=0.02, extend=extend)
+    handles = [Patch(color=colour, label=name) for name, _, colour in _masks(results[0])]
+    shared_legend(figure, handles)
+    return {"roughness": figure}
+
+
+def plot_roughness(result: "Roughness", ax: Axes | None = None) -> Figure:
+    """Draw one map.
+
+    Parameters
+    ----------
+    result : Roughness
+    ax : matplotlib.axes.Axes, optional
+        Gets the map with its mask; by default a new figure has all of it too.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    if ax is None:
+        return roughness_figures([result])["roughness"]
+    figure, ax = figure_for(ax)
+    image = draw_height_map(result, ax, masked=True)
+    ax.set(xlabel="x [µm]", ylabel="y [µm]")
+    figure.colorbar(image, ax=ax, label="height of the surface [nm]", extend="both")
+    return figure

@@ -1,0 +1,107 @@
+"""What a reader of a roughness must know about its map."""
+
+import numpy as np
+
+from lightflyer.lab.readers.height_map import HeightMap
+
+LARGEST_MASKED = 0.05
+"""Masked fraction of a map above which a warning is issued."""
+
+_MOST_LOST = 0.1  # power lost in levelling, over that left
+_SKEWED = 1.0
+_MOST_CLIPPED = 0.01  # of the pixels at the very highest or lowest value
+_SHIFTED = 3.0  # scatter of the steps between rows, over that between columns
+_OBLONG = 1.5  # longer side of a pixel over the shorter one
+_PERCENT = 100.0
+
+
+def warnings_of(
+    source: HeightMap,
+    raw: np.ndarray,
+    masked: np.ndarray,
+    skewness: float,
+    lost: float,
+    patches: float,
+    *,
+    flattened: bool,
+) -> tuple[str, ...]:
+    """Warnings of one map.
+
+    Parameters
+    ----------
+    source : HeightMap
+    raw : array, shape (rows, columns)
+        Height after the rows are flattened, before levelling [m].
+    masked : bool array, shape (rows, columns)
+    skewness : float
+        Of the surface outside the mask.
+    lost : float
+        Power that levelling took, over the power left.
+    patches : float
+        Effective number of independent heights.
+    flattened : bool
+        Whether the rows were flattened.
+
+    Returns
+    -------
+    tuple of str
+    """
+    said = [*source.notes, *_of_pixels(source)]
+    share = float(masked.mean())
+    if np.ptp(raw) == 0.0:
+        said.append("all heights are equal: this is no map of a surface")
+    elif (clipped := _clipped(source.height)) > _MOST_CLIPPED:
+        said.append(
+            f"{_PERCENT * clipped:.1f} % of the heights are exactly the highest or the lowest: "
+            "the range of the scanner or of the file may cut the surface off; measure with a "
+            "larger range"
+        )
+    if share > LARGEST_MASKED:
+        said.append(
+            f"{_PERCENT * share:.1f} % of the map is masked; look at the figure, raise the "
+            "threshold, use --mask none, or measure a cleaner place"
+        )
+    if abs(skewness) > _SKEWED:
+        said.append(
+            f"the surface is skewed (Ssk = {skewness:.2g}): particles no higher than its own peaks "
+            "count as surface; look at the figure"
+        )
+    if lost > _MOST_LOST:
+        said.append(
+            f"levelling took about {_PERCENT * lost / (1.0 + lost):.0f} % of the surface's power, "
+            f"and the map has only about {patches:.0f} independent patches: Sq is that of the "
+            "levelled map, the interval that of the surface; a wider map narrows it"
+        )
+    if not flattened and np.ptp(raw) > 0.0 and _rows_are_shifted(raw):
+        said.append("scan lines are shifted against each other; compare with --flatten rows")
+    return tuple(said)
+
+
+def _of_pixels(source: HeightMap) -> list[str]:
+    said = []
+    if missing := int(source.missing.sum()):
+        said.append(
+            f"{missing} pixels ({_PERCENT * missing / source.height.size:.2g} %) have no height; "
+            "they are left out like holes"
+        )
+    if max(source.pixel_aspect, 1.0 / source.pixel_aspect) > _OBLONG:
+        said.append(
+            f"pixels are {source.pixel_aspect:.3g} times as wide as long: particles are searched "
+            "for in circles of pixels, which are ellipses on the surface"
+        )
+    return said
+
+
+def _clipped(height: np.ndarray) -> float:
+    height = height[np.isfinite(height)]
+    ends = (height == height.max()).mean(), (height == height.min()).mean()
+    return float(max(ends))
+
+
+def _rows_are_shifted(raw: np.ndarray) -> bool:
+    """Whether neighbouring rows differ by a common step far more than neighbouring columns."""
+    rows, columns = (
+        np.median(np.diff(raw, axis=axis), axis=1 - axis) for axis in (0, 1)
+    )  # of each pair of neighbours
+    across, along = (float(np.std(np.diff(one))) for one in (rows, columns))
+    return across > _SHIFTED * along > 0.0

@@ -1,0 +1,240 @@
+"""Particles on a height map and holes in it, told from a surface that may itself be skewed.
+
+A skewed surface has high peaks of its own. Two things tell a particle from them: it stands out of
+its surroundings by more than the surface does anywhere at that distance, and it does so by more
+than the surface's own distribution of heights reaches.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from scipy import ndimage, stats
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.lab.surface.levelling import level
+
+THRESHOLD = 5.0
+"""Least relief of a particle or hole, in robust standard deviations at its own scale."""
+
+_RELIEF = 1.5  # least relief in standard deviations of the whole surface
+_FLANK = 2.0  # relief of a flank, in standard deviations at its scale
+_MARGIN = 2  # pixels by which the mask is widened
+_PASSES = 3
+_MOST_MASKED = 0.9  # fraction of a map
+_ROUNDING = 1e-9  # fraction of the raw heights' range below which nothing is a particle
+_RINGS = {0: (3, 5, 8, 12), 2: (5, 8, 12, 18, 27, 40), 5: (12, 18, 27, 40)}
+"""Radii of the rings that stand for the surroundings, by width of the smoothing [pixels]."""
+
+_DIRECTIONS = 8
+_PATCHES = 400.0  # independent patches from which a distribution of heights is known
+_MAD_TO_DEVIATION = 1.482602218505602  # for normally distributed heights
+_TAILS = np.array([0.10, 0.15, 0.25])  # of the distribution, free of a few per cent of particles
+_WINSOR = 3.0
+_NEAR_TAIL = 0.01
+_EIGHT = np.ones((3, 3))
+
+
+class Objects(NamedTuple):
+    """A levelled map and what lies on it.
+
+    Attributes
+    ----------
+    height : array, shape (rows, columns)
+        Levelled height [m]; its mean outside the masks is zero.
+    particles, holes : bool array, shape (rows, columns)
+        True where the map stands out above or below, with a margin of two pixels.
+    """
+
+    height: np.ndarray
+    particles: np.ndarray
+    holes: np.ndarray
+
+
+def find_particles(height: np.ndarray, *, threshold: float = THRESHOLD, order: int = 2) -> Objects:
+    """Level a map and mask the particles on it and the holes in it.
+
+    Parameters
+    ----------
+    height : array, shape (rows, columns)
+        [m].
+    threshold : float
+        Least relief, in robust standard deviations at the scale of the particle.
+    order : int
+        Order of the levelling polynomial.
+
+    Returns
+    -------
+    Objects
+
+    Raises
+    ------
+    ConfigurationError
+        If more than 90 % of the map is masked.
+
+    Notes
+    -----
+    The relief of a pixel is its height less the median on a ring around it, for rings of 3 to 40
+    pixels and three widths of smoothing, and less the median of the map. It is taken after the
+    longer tail of the heights is compressed by the logarithm that makes quantiles at 10 to 25 %
+    and 75 to 90 % symmetric. The standard deviation at each scale is 1.4826 times the median
+    absolute deviation over the whole map, or that of the opposite tail where this is larger; it
+    does not shrink as pixels are masked, so that the mask cannot eat its way into the surface.
+    A map with fewer than 400 independent patches does not show the tail of its distribution:
+    there only rings up to half the correlation length count, within which a surface is smooth.
+    Particles that look like the peaks of a skewed surface are left.
+    """
+    above = below = np.zeros(height.shape, bool)
+    smallest = _ROUNDING * float(np.ptp(height))
+    for _ in range(_PASSES):
+        levelled = level(height, above | below, order)
+        found = _stand_out(levelled, above, below, threshold, smallest)
+        same = np.array_equal(found[0], above) and np.array_equal(found[1], below)
+        above, below = found
+        if same:
+            break
+        if (above | below).mean() > _MOST_MASKED:
+            raise ConfigurationError("nearly all of the map would be masked as particles")
+    levelled = level(height, above | below, order)
+    return Objects(levelled - levelled[~(above | below)].mean(), above, below & ~above)
+
+
+def independent_patches(height: np.ndarray) -> tuple[float, float]:
+    """Correlation length of a map and its number of independent patches.
+
+    Parameters
+    ----------
+    height : array, shape (rows, columns)
+
+    Returns
+    -------
+    length : float
+        Distance at which the autocorrelation falls to 1/e [pixels], mean of both directions.
+    patches : float
+        Area of the map over that of a patch, for a Gaussian autocorrelation.
+    """
+    centred = height - height.mean()
+    if not centred.any():
+        return 1.0, float(height.size)
+    padded = tuple(2 * count for count in height.shape)
+    power = np.abs(np.fft.rfft2(centred, s=padded)) ** 2
+    correlation = np.fft.irfft2(power, s=padded)
+    lengths = []
+    for line in (correlation[: height.shape[0] // 2, 0], correlation[0, : height.shape[1] // 2]):
+        below = np.flatnonzero(line < line[0] / np.e)
+        lengths.append(float(below[0]) if below.size else float(len(line)))
+    length = float(np.sqrt(lengths[0] * lengths[1]))
+    # integral of the squared autocorrelation exp(-2 d²/length²)
+    return length, height.size / (0.5 * np.pi * length**2)
+
+
+def _stand_out(
+    levelled: np.ndarray,
+    particles: np.ndarray,
+    holes: np.ndarray,
+    threshold: float,
+    smallest: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pixels of particles and of holes, where some are known."""
+    even = _symmetric(levelled)
+    if even is None:  # half of the map is exactly flat
+        rest = levelled - np.median(levelled)
+        return _widened(rest > smallest), _widened(rest < -smallest)
+    far = np.abs(levelled - np.median(levelled)) > smallest
+    rows, columns = levelled.shape
+    above, below = np.zeros((rows, columns), bool), np.zeros((rows, columns), bool)
+    # between particles the surface is no hole, and beside a hole it is no particle
+    searches = [([(above, 1.0)], holes), ([(below, -1.0)], particles)]
+    if not (holes.any() or particles.any()):
+        searches = [([(above, 1.0), (below, -1.0)], holes)]
+    for signs, others in searches:
+        for step, relief in _reliefs(_without(even, others)):
+            for mask, sign in signs:
+                found = _objects(sign * relief, far[::step, ::step], threshold)
+                if found.any():
+                    whole = np.repeat(np.repeat(found, step, axis=0), step, axis=1)
+                    mask |= whole[:rows, :columns]
+    return _widened(above), _widened(below)
+
+
+def _without(even: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Heights with those of other objects replaced by the nearest that is free."""
+    if not others.any():
+        return even
+    nearest: np.ndarray = np.asarray(
+        ndimage.distance_transform_edt(others, return_distances=False, return_indices=True)
+    )
+    return np.asarray(even[nearest[0], nearest[1]])
+
+
+def _objects(relief: np.ndarray, far: np.ndarray, threshold: float) -> np.ndarray:
+    """Connected regions that rise over their surroundings more than the surface does."""
+    opposite = -float(np.quantile(relief, _NEAR_TAIL)) / float(stats.norm.isf(_NEAR_TAIL))
+    unit = max(_deviation(relief), opposite)
+    peaks = (relief > max(threshold * unit, _RELIEF)) & far
+    if not peaks.any():
+        return peaks
+    flanks = relief > max(_FLANK * unit, 0.5 * _RELIEF)
+    return ndimage.binary_propagation(peaks, mask=flanks, structure=_EIGHT)
+
+
+def _widened(mask: np.ndarray) -> np.ndarray:
+    if not mask.any():
+        return mask
+    return ndimage.binary_dilation(ndimage.binary_fill_holes(mask), iterations=_MARGIN)
+
+
+def _symmetric(height: np.ndarray) -> np.ndarray | None:
+    """Heights in standard deviations, their longer tail compressed; None if half are equal."""
+    middle = float(np.median(height))
+    low = middle - np.quantile(height, _TAILS)
+    high = np.quantile(height, 1.0 - _TAILS) - middle
+    if min(low.min(), high.min()) <= 0.0:
+        deviation = _deviation(height)
+        return (height - middle) / deviation if deviation > 0.0 else None
+    normal = stats.norm.isf(_TAILS)
+    skew = float(np.median(np.log(high / low) / normal))
+    sign = 1.0 if skew >= 0.0 else -1.0
+    shorter, longer = (low, high) if skew >= 0.0 else (high, low)
+    distance = sign * (height - middle)
+    even = distance / np.median(shorter / normal)
+    outer = distance > 0.0
+    skew = max(abs(skew), _ROUNDING)
+    scale = np.median(longer * skew / np.expm1(skew * normal))
+    even[outer] = np.log1p(skew * distance[outer] / scale) / skew
+    return sign * even
+
+
+def _reliefs(even: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+    """Height over the surroundings for each smoothing and ring, at every so many pixels."""
+    for width, radii in _RINGS.items():
+        step = max(1, width - 1)  # a smooth field needs fewer pixels
+        whole = np.asarray(ndimage.gaussian_filter(even, width) if width else even)
+        smooth = whole[::step, ::step]
+        length, patches = independent_patches(np.clip(smooth, -_WINSOR, _WINSOR))
+        known = patches >= _PATCHES
+        largest = min(smooth.shape) // 4 if known else max(_RINGS[0][0] / step, length / 2)
+        for radius in radii:
+            if 1 <= radius // step <= largest:
+                yield step, smooth - _ring_median(smooth, radius // step)
+        if known:
+            yield step, smooth - np.median(smooth)
+
+
+def _ring_median(height: np.ndarray, radius: int) -> np.ndarray:
+    """Median on a ring around each pixel; beyond the edges the map goes on point-symmetrically."""
+    rows, columns = height.shape
+    padded = np.pad(height, radius, mode="reflect", reflect_type="odd").astype(np.float32)
+    angles = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    ring = {
+        (radius + round(radius * np.sin(one)), radius + round(radius * np.cos(one)))
+        for one in angles
+    }
+    around = [padded[i : i + rows, j : j + columns] for i, j in sorted(ring)]
+    middle = len(around) // 2
+    ranked = np.partition(np.stack(around, axis=-1), (middle - 1, middle), axis=-1)
+    return 0.5 * (ranked[..., middle - 1] + ranked[..., middle])
+
+
+def _deviation(values: np.ndarray) -> float:
+    return _MAD_TO_DEVIATION * float(np.median(np.abs(values - np.median(values))))

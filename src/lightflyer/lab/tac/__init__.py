@@ -1,0 +1,1 @@
+"""Thermal accommodation coefficients from the power of a heater."""

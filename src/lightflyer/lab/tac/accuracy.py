@@ -1,0 +1,165 @@
+r"""Accuracies of a heater's instruments: errors that all rows of a run have in common."""
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, fields
+
+import numpy as np
+
+from lightflyer.calibration.inputs import assumed_accuracies
+from lightflyer.core.checks import require_range
+
+PIRANI_ACCURACY = 0.05
+"""Standard uncertainty of a Pirani gauge, of the reading [1]: its maker's limits, 10 % at
+0.05 to 0.1 Pa and 5 % up to 10 kPa, divided by √3 are 5.8 and 2.9 % [LeyboldTTR91]_."""
+
+_IN_WORDS = {  # name, factor to the unit, unit
+    "gauge": ("pressure gauge", 100.0, "%"),
+    "gauge_zero": ("gauge's zero", 1.0, "Pa"),
+    "power": ("power", 100.0, "%"),
+    "temperature": ("temperature difference", 1.0, "K"),
+    "diameter": ("diameter", 1000.0, "mm"),
+    "plateau": ("plateau", 100.0, "%"),
+}
+
+
+@dataclass(frozen=True)
+class TacAccuracy:
+    r"""Standard uncertainties of what is common to all rows.
+
+    Attributes
+    ----------
+    gauge : float
+        Of the pressure, relative [1]. Default: :data:`PIRANI_ACCURACY`. A capacitance manometer
+        has 0.0025 to 0.005 [Bioprocess]_.
+    gauge_zero : float
+        Of the gauge's zero [Pa]. Default: an assumption.
+    power : float
+        Of the power, relative [1]. Default: an assumption, twice the usual accuracy of a
+        hand-held multimeter's voltage because the current has an error as well.
+    temperature : float
+        Of the difference between the temperatures of heater and gas [K]. Default: an assumption.
+    diameter : float
+        Of the heater's diameter [m]. Default: an assumption.
+    plateau : float
+        Of the law's continuum conductance for this set-up, relative [1]: walls, the heater's
+        thickness, natural convection, the gas's conductivity. Default: an assumption, what walls
+        at ten radii do.
+
+    Raises
+    ------
+    ParameterError
+        If one is negative or not finite, or a relative one above 1.
+    """
+
+    gauge: float = PIRANI_ACCURACY
+    gauge_zero: float = 0.01
+    power: float = 0.01
+    temperature: float = 1.0
+    diameter: float = 1e-4
+    plateau: float = 0.05
+
+    def __post_init__(self) -> None:
+        for name in ("gauge", "power", "plateau"):
+            require_range(name, getattr(self, name), 0.0, 1.0)
+        for name in ("gauge_zero", "temperature", "diameter"):
+            require_range(name, getattr(self, name), 0.0, np.finfo(float).max)
+
+    def to_json(self) -> dict[str, float]:
+        """The accuracies with their units in the names."""
+        units = {"gauge_zero": "_pa", "temperature": "_k", "diameter": "_m"}
+        return {f"{name}{units.get(name, '')}": value for name, value in asdict(self).items()}
+
+    def errors(self, difference: np.ndarray, diameter: float) -> "CommonErrors":
+        r"""What one standard error of each does to the rows.
+
+        Parameters
+        ----------
+        difference : array, shape (m,)
+            Temperature of the heater above the gas [K].
+        diameter : float
+            Of the heater [m].
+
+        Returns
+        -------
+        CommonErrors
+            Those that are not zero.
+        """
+        wider = self.diameter / diameter
+        same = np.ones_like(difference)
+        effects = {
+            "gauge": (self.gauge, 0.0, 0.0, 0.0 * same),
+            "gauge_zero": (0.0, self.gauge_zero, 0.0, 0.0 * same),
+            "power": (0.0, 0.0, 0.0, self.power * same),
+            "temperature": (0.0, 0.0, 0.0, self.temperature / difference),
+            # an area grows with the square; the plateau per area falls with the diameter
+            "diameter": (0.0, 0.0, -wider, 2.0 * wider * same),
+            "plateau": (0.0, 0.0, self.plateau, 0.0 * same),
+        }
+        kept = {
+            field.name: effects[field.name] for field in fields(self) if getattr(self, field.name)
+        }
+        if not kept:
+            return CommonErrors.none(difference.size)
+        columns = zip(*kept.values(), strict=True)
+        pressure, zero, continuum, amplitude = (np.array(column, float) for column in columns)
+        return CommonErrors(tuple(kept), pressure, zero, continuum, amplitude)
+
+
+def unstated_accuracies(stated: Iterable[str]) -> list[str]:
+    """A line that says which accuracies are assumed; none where all are stated.
+
+    Parameters
+    ----------
+    stated : iterable of str
+        Names of the attributes of :class:`TacAccuracy` that the user stated.
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> unstated_accuracies(["gauge", "gauge_zero", "power", "diameter", "plateau"])
+    ['no accuracy of the temperature difference is stated; ± 1 K is assumed']
+    """
+    known, usual = set(stated), TacAccuracy()
+    missing = {
+        said: f"± {scale * getattr(usual, name):g} {unit}"
+        for name, (said, scale, unit) in _IN_WORDS.items()
+        if name not in known
+    }
+    return list(assumed_accuracies(missing))
+
+
+EXACT = TacAccuracy(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""Instruments without error: intervals of the scatter alone."""
+
+
+@dataclass(frozen=True)
+class CommonErrors:
+    """Effects of errors that all rows have in common, a row per error of one standard error.
+
+    Attributes
+    ----------
+    names : tuple of str, length k
+    log_pressure : array, shape (k,)
+        Change of the logarithm of the pressure [1].
+    zero : array, shape (k,)
+        Change of the pressure [Pa].
+    log_continuum : array, shape (k,)
+        Change of the logarithm of the continuum conductance [1].
+    log_conductance : array, shape (k, m)
+        Change of the logarithm of the measured conductance [1].
+    """
+
+    names: tuple[str, ...]
+    log_pressure: np.ndarray
+    zero: np.ndarray
+    log_continuum: np.ndarray
+    log_conductance: np.ndarray
+
+    @classmethod
+    def none(cls, rows: int) -> "CommonErrors":
+        """No error in common, of a number of rows."""
+        nothing = np.zeros(0)
+        return cls((), nothing, nothing, nothing, np.zeros((0, rows)))

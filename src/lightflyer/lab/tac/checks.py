@@ -1,0 +1,352 @@
+"""What may be wrong with a heater's run, and with what is found from it."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import stats
+from scipy.optimize import least_squares
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.tac.data import TacRun
+from lightflyer.lab.tac.problem import PARAMETERS, Problem, first_guess
+
+POSSIBLE_TAC = 1.0
+"""Largest accommodation coefficient of any surface."""
+
+MOST_TAC = 2.0
+"""Largest coefficient that a measurement may give by its systematic errors; [Lu2023]_ has 1.14."""
+
+LEAST_LIKELY_TAC = 0.2
+"""Below it a coefficient in air is most likely a wrong unit (an assumption; [Lu2023]_ has 0.69 to
+1.14)."""
+
+MOST_RELATIVE_UNCERTAINTY = 0.25
+"""Standard uncertainty over value, above which a run does not determine a coefficient."""
+
+AREA_RATIOS = (0.1, 10.0)
+"""Possible ratios of effective to nominal area: films cover a heater and not much else."""
+
+LIKELY_AREA_RATIOS = (0.5, 2.0)
+"""Ratios that need no explanation; [Lu2023]_ has 1.22."""
+
+BOUNDS = {"tac": (0.0, MOST_TAC), "area_ratio": AREA_RATIOS, "offset": (0.0, math.inf)}
+"""What is possible for each parameter; intervals end there."""
+
+HEATER_TEMPERATURES = (80.0, 1500.0)
+"""Possible temperatures of a heater [K], from where air is liquid to where heaters melt."""
+
+GAS_TEMPERATURES = (80.0, 450.0)
+"""Possible temperatures of the gas in a vacuum chamber [K]."""
+
+_SPANS = (0.1, 10.0)  # over the pressure at which both limits are equal: these determine α
+_LEAST_DEVIATION = 0.03  # relative; nearer to the curve no row is called off it
+_SUSPECT = 5.0  # robust standard deviations
+_SIGNIFICANCE = 1e-3  # of one row off the curve among all
+_MOST_OFF = 0.2  # share of the rows
+_ROBUST_ROWS = 4_000  # that the robust fit takes of a very long run
+_NORMAL_MAD = float(stats.norm.ppf(0.75))  # median absolute deviation of a unit normal
+_PERCENT = 100.0
+_WINDOW = 5  # rows of the running median
+
+
+def require_possible_temperatures(run: TacRun) -> None:
+    """Raise unless heater and gas are at temperatures that a bench can have.
+
+    Parameters
+    ----------
+    run : TacRun
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the file, the row and the temperature.
+    """
+    for name, values, (low, high) in (
+        ("heater_temperature", run.heater_temperature, HEATER_TEMPERATURES),
+        ("ambient_temperature", run.ambient_temperature, GAS_TEMPERATURES),
+    ):
+        wrong = np.flatnonzero(~((values >= low) & (values <= high)))
+        if wrong.size:
+            row = int(wrong[0])
+            raise ConfigurationError(
+                f"{run.source}:{run.table.lines[row]}: {name} = {values[row]:.4g} K is not between "
+                f"{low:g} and {high:g} K; is the column's unit right (K or °C)?"
+            )
+
+
+def rows_off_the_curve(problem: Problem, lines: np.ndarray) -> np.ndarray:
+    """Rows that belong to no curve through the others, such as one with a repeated fragment.
+
+    Parameters
+    ----------
+    problem : Problem
+    lines : array of int, shape (m,)
+        Lines of the file, for messages.
+
+    Returns
+    -------
+    bool array, shape (m,)
+
+    Raises
+    ------
+    ConfigurationError
+        If they are too many.
+
+    Notes
+    -----
+    A robust fit (soft L1 of the logarithms, from a running median) finds suspects. A suspect is off
+    if its deviation from the least-squares fit of the others is significant at 0.001 for the whole
+    run (Student's, Bonferroni's correction), and more than 3 %.
+    """
+    problem = problem.held([0.0] * len(problem.errors.names))
+    robust = _robust_fit(problem)
+    deviations = _log_deviations(problem, robust)
+    freedom = max(len(deviations) - len(PARAMETERS), 1)
+    scale = np.median(np.abs(deviations)) / _NORMAL_MAD * math.sqrt(len(deviations) / freedom)
+    suspects = np.abs(deviations) > max(_SUSPECT * scale, _LEAST_DEVIATION)
+    if suspects.sum() > _MOST_OFF * len(suspects):
+        worst = int(np.argmax(np.abs(deviations)))
+        raise ConfigurationError(
+            f"{problem.source}:{lines[worst]}: {suspects.sum()} of {len(suspects)} rows, this one "
+            "the most, are off any curve of power against pressure; check the columns and units"
+        )
+    if not suspects.any():
+        return suspects
+    return suspects & _significant(problem, suspects, robust)
+
+
+def _robust_fit(problem: Problem) -> np.ndarray:
+    """Parameters that a few wild rows do not move, shape (3,)."""
+    order = np.argsort(problem.pressure, kind="stable")
+    some = problem.rows(order[:: max(1, len(order) // _ROBUST_ROWS)])
+    padded = np.pad(some.conductance, _WINDOW // 2, mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, _WINDOW)
+    smooth = np.median(windows, axis=1)
+    guess = first_guess(some.measured(smooth))
+    start = np.array([guess[0], guess[1], max(guess[2], 0.0)])
+    scale = max(float(np.median(np.abs(_log_deviations(some, start)))), _LEAST_DEVIATION / _SUSPECT)
+    found = least_squares(
+        lambda values: _log_deviations(some, values), start, loss="soft_l1", f_scale=scale,
+        x_scale=np.maximum(np.abs(start), 0.1), bounds=([1e-6, 1e-9, 0.0], [20.0, np.inf, np.inf]),
+    )  # fmt: skip
+    return np.asarray(found.x)
+
+
+def _log_deviations(problem: Problem, values: np.ndarray) -> np.ndarray:
+    model = np.maximum(problem.model(*values), np.finfo(float).tiny)
+    return np.log(problem.conductance) - np.log(model)
+
+
+def _significant(problem: Problem, suspects: np.ndarray, near: np.ndarray) -> np.ndarray:
+    """Rows whose deviation from the fit of the unsuspected ones is significant, shape (m,)."""
+    problem = problem.weighted(1.0 / problem.model(*near))
+    good = problem.rows(~suspects)
+    freedom = int((~suspects).sum()) - len(PARAMETERS)
+    if freedom < 1:
+        return np.zeros_like(suspects)
+    fit = least_squares(
+        lambda values: good.residuals(*values), near, x_scale=np.maximum(np.abs(near), 0.1),
+        bounds=([1e-6, 1e-9, -np.inf], [20.0, np.inf, np.inf]),
+    )  # fmt: skip
+    variance = 2.0 * fit.cost / freedom
+    design = good.jacobian(*fit.x).T
+    gradient = problem.jacobian(*fit.x).T
+    leverage = np.sum(gradient @ np.linalg.pinv(design.T @ design) * gradient, axis=1)
+    spread = np.sqrt(np.maximum(variance * (1.0 + leverage), np.finfo(float).tiny))
+    deviations = np.abs(problem.residuals(*fit.x))
+    limit = stats.t.isf(0.5 * _SIGNIFICANCE / len(suspects), freedom)
+    return np.asarray((deviations > limit * spread) & (deviations > _LEAST_DEVIATION))
+
+
+def determining_pressures(problem: Problem, tac: float) -> tuple[float, float]:
+    """Range of pressures that would determine all parameters.
+
+    Parameters
+    ----------
+    problem : Problem
+    tac : float
+        Accommodation coefficient, roughly.
+
+    Returns
+    -------
+    low, high : float
+        A tenth and ten times the pressure at which both limits are equal [Pa].
+    """
+    tac = min(max(tac, 0.1), POSSIBLE_TAC)
+    per_pressure = np.median(tac * problem.limits.free_molecular / problem.pressure)
+    equal = float(np.median(problem.limits.continuum(tac)) / per_pressure)
+    return _SPANS[0] * equal, _SPANS[1] * equal
+
+
+def why_undetermined(estimate: Estimate, problem: Problem, scatter: float) -> str | None:
+    """Why a run does not determine its coefficient, in one line; None if it does.
+
+    Parameters
+    ----------
+    estimate : Estimate
+        Coefficient with its total interval, not cut.
+    problem : Problem
+    scatter : float
+        Relative scatter of the rows [1].
+
+    Returns
+    -------
+    str or None
+    """
+    low, high = estimate.interval
+    spread = estimate.uncertainty or 0.0
+    loose = spread > MOST_RELATIVE_UNCERTAINTY * estimate.value
+    if not loose and low > 0.0 and high < max(MOST_TAC, 2.0 * estimate.value):
+        return None
+    first, last = determining_pressures(problem, estimate.value)
+    least, most = float(problem.pressure.min()), float(problem.pressure.max())
+    says = f"{problem.source}: these rows do not determine the accommodation coefficient; they "
+    if least <= first and most >= last:
+        return (
+            f"{says}scatter by {scatter:.2g} of their value, which leaves it uncertain by "
+            f"{_PERCENT * spread / estimate.value:.0f} %; more rows or better instruments would "
+            "determine it"
+        )
+    return (
+        f"{says}have {least:.2g} to {most:.2g} Pa, and rows from {first:.1g} to {last:.2g} Pa or "
+        "beyond would determine it"
+    )
+
+
+def require_possible(source: str, estimates: dict[str, Estimate], reading: str) -> None:
+    """Raise if a result is impossible beyond its uncertainty.
+
+    Parameters
+    ----------
+    source : str
+        Name of the file.
+    estimates : dict of str to Estimate
+        With total intervals, not cut.
+    reading : str
+        Name of the law of heat loss.
+
+    Raises
+    ------
+    ConfigurationError
+        One line that says what is impossible and what to check.
+    """
+    ratio, tac, offset = (estimates[name] for name in ("area_ratio", "tac", "offset"))
+    check = "check the units of pressure and power, the temperatures and the diameter"
+    low, high = AREA_RATIOS
+    if not low <= ratio.value <= high:
+        raise ConfigurationError(
+            f"{source}: area ratio {ratio.value:.4g} is impossible (between {low:g} and {high:g} "
+            f"is allowed); {check}"
+        )
+    if tac.interval[0] > MOST_TAC:
+        raise ConfigurationError(
+            f"{source}: accommodation coefficient {tac.value:.4g} by the reading {reading} is "
+            f"impossible (up to {MOST_TAC:g} is allowed for a measured one); {check}"
+        )
+    if offset.interval[1] < 0.0:
+        raise ConfigurationError(
+            f"{source}: offset {offset.value:.4g} W/(m² K) is impossible: a heater without gas "
+            f"would gain heat; check the zero of the power, and --emissivity"
+        )
+
+
+def cut(estimates: dict[str, Estimate]) -> tuple[dict[str, Estimate], list[str]]:
+    """Intervals cut at what is possible, and a line for each that was cut.
+
+    Parameters
+    ----------
+    estimates : dict of str to Estimate
+
+    Returns
+    -------
+    estimates : dict of str to Estimate
+    warnings : list of str
+    """
+    said = {"tac": "accommodation coefficient", "area_ratio": "area ratio", "offset": "offset"}
+    changed, texts = {}, []
+    for name, one in estimates.items():
+        low, high = BOUNDS[name]
+        ends = (
+            max(one.interval[0], min(low, one.value)),
+            min(one.interval[1], max(high, one.value)),
+        )
+        changed[name] = Estimate(one.value, ends, one.unit, one.uncertainty)
+        if ends != one.interval:
+            allowed = f"{low:g} to {high:g}" if math.isfinite(high) else f"{low:g} or more"
+            texts.append(
+                f"the interval of the {said[name]} is cut to what is possible, {allowed}; the "
+                "rows alone do not bound it"
+            )
+    return changed, texts
+
+
+def result_warnings(estimates: dict[str, Estimate], reading: str) -> list[str]:
+    """Lines about results that are unlikely, though possible within their uncertainty.
+
+    Parameters
+    ----------
+    estimates : dict of str to Estimate
+    reading : str
+        Name of the law of heat loss.
+
+    Returns
+    -------
+    list of str
+    """
+    texts: list[str] = []
+    tac, ratio = estimates["tac"], estimates["area_ratio"]
+    if tac.value > POSSIBLE_TAC:
+        beyond = tac.interval[0] > POSSIBLE_TAC
+        texts.append(
+            f"accommodation coefficient {tac.value:.3g} by the reading {reading} is above 1, "
+            + ("beyond its uncertainty: no surface has it; check pressure, plateau and reading"
+               if beyond else "which no surface has, but 1 is within its uncertainty")
+        )  # fmt: skip
+    if tac.value < LEAST_LIKELY_TAC:
+        texts.append(
+            f"accommodation coefficient {tac.value:.3g} is unlikely in air, where technical "
+            f"surfaces have more than {LEAST_LIKELY_TAC:g}: check the unit of the pressure"
+        )
+    low, high = LIKELY_AREA_RATIOS
+    if not low <= ratio.value <= high:
+        texts.append(
+            f"area ratio {ratio.value:.3g} is unlikely ({low:g} to {high:g} is usual); the "
+            "coefficient is in doubt as much: check power, temperatures and diameter"
+        )
+    if estimates["offset"].value < 0.0:
+        texts.append("the offset is negative, but zero is within its uncertainty")
+    return texts
+
+
+def model_warnings(tac: float, reading: str, kinetic: float | None) -> list[str]:
+    """A line about the error of the paper's formulas, where they were used.
+
+    Parameters
+    ----------
+    tac : float
+        Fitted coefficient.
+    reading : str
+        Name of the law of heat loss.
+    kinetic : float or None
+        Coefficient that the same rows give by the kinetic equation, if another law was used.
+
+    Returns
+    -------
+    list of str
+    """
+    if kinetic is None:
+        return []
+    return [
+        f"the reading {reading} gives a coefficient {_PERCENT * (tac / kinetic - 1.0):+.0f} % from "
+        f"that of the kinetic equation ({kinetic:.3g}); the interval leaves this error of "
+        "the formula out"
+    ]
+
+
+def listed(lines: Sequence[int], source: str, most: int = 8) -> str:
+    """Lines of a file in words, such as ``run.csv:4, 9``; only the first of very many."""
+    shown = ", ".join(map(str, lines[:most]))
+    more = f" and {len(lines) - most} more" if len(lines) > most else ""
+    return f"{source}:{shown}{more}"

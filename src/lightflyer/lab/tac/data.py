@@ -1,0 +1,213 @@
+"""Runs of a heater in thin gas, and their files."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Pressure, Quantity, Temperature
+from lightflyer.files.table import Table, read_table
+from lightflyer.files.table_layout import Column
+
+_LEAST_DIFFERENCE = 1e-3  # between heater and gas [K]
+
+COLUMNS = (
+    Column("pressure", Pressure, ("p", "chamber_pressure"), outside="reject"),
+    Column("heater_power", Quantity("W", 0.0, open_below=True), ("power",)),
+    Column("heater_voltage", Quantity("V", 0.0, open_below=True), ("voltage", "u", "v")),
+    Column("heater_current", Quantity("A", 0.0, open_below=True), ("current", "i")),
+    Column("heater_temperature", Temperature, ("t_heater", "temperature")),
+    Column(
+        "ambient_temperature", Temperature, ("t_ambient", "t_gas", "gas_temperature", "ambient")
+    ),
+    Column("time", Quantity("s"), ("t", "elapsed_time"), assumed_unit="s"),
+)
+"""Columns of a run; voltage and current may stand in place of power."""
+
+_CALIBRATION_COLUMNS = (
+    Column(
+        "resistance", Quantity("ohm", 0.0, open_below=True), ("r", "heater_resistance"),
+        required=True,
+    ),
+    Column("temperature", Temperature, ("t", "heater_temperature"), required=True),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class TacRun:
+    """Power of a heater at several pressures.
+
+    Attributes
+    ----------
+    table : Table
+        Table it was read from, with its rejected rows.
+    pressure : array, shape (n,)
+        [Pa].
+    power : array, shape (n,)
+        Heating power [W].
+    heater_temperature, ambient_temperature : array, shape (n,)
+        Temperatures of the heater, and of the gas and walls [K].
+    """
+
+    table: Table
+    pressure: np.ndarray
+    power: np.ndarray
+    heater_temperature: np.ndarray
+    ambient_temperature: np.ndarray
+
+    @property
+    def source(self) -> str:
+        """Name of the file."""
+        return self.table.source
+
+
+@dataclass(frozen=True)
+class ResistanceThermometer:
+    """Temperature of the heater, linear in its resistance.
+
+    Attributes
+    ----------
+    slope : float
+        [K/ohm].
+    intercept : float
+        [K].
+    resistance_range : tuple of float
+        Calibrated range [ohm].
+    """
+
+    slope: float
+    intercept: float
+    resistance_range: tuple[float, float]
+
+    def temperature(self, resistance: np.ndarray) -> np.ndarray:
+        """Temperature [K] at a resistance [ohm], shape (n,)."""
+        return self.intercept + self.slope * resistance
+
+
+def read_tac(
+    path: str | Path,
+    *,
+    columns: str | None = None,
+    thermometer: ResistanceThermometer | None = None,
+    ambient_temperature: float | None = None,
+) -> TacRun:
+    """Read a run of a heater.
+
+    Parameters
+    ----------
+    path : str or path
+        Table with ``pressure`` and either ``heater_power`` or ``heater_voltage`` and
+        ``heater_current``; ``heater_temperature``, unless a thermometer is given; and
+        ``ambient_temperature``, unless it is given. Units stand in the header.
+    columns : str, optional
+        The columns in the order of the file, in place of a header; see
+        :func:`~lightflyer.files.table.read_table`.
+    thermometer : ResistanceThermometer, optional
+        Temperature from voltage over current, where the file has no such column.
+    ambient_temperature : float, optional
+        Temperature of gas and walls, where the file has no such column [K].
+
+    Returns
+    -------
+    TacRun
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names file and line or column.
+    """
+    table = read_table(path, COLUMNS, layout=columns)
+    _require_columns(table, thermometer, ambient_temperature)
+    table = table.without(_not_heated(table, thermometer, ambient_temperature))
+    if not len(table):
+        raise ConfigurationError(f"{table.rejected[0]}; all rows are rejected")
+    power, heater = _power(table), _heater_temperature(table, thermometer)
+    return TacRun(
+        table=table,
+        pressure=table.numbers["pressure"],
+        power=power,
+        heater_temperature=heater,
+        ambient_temperature=_ambient(table, ambient_temperature),
+    )
+
+
+def _require_columns(
+    table: Table, thermometer: ResistanceThermometer | None, ambient: float | None
+) -> None:
+    has = set(table.numbers)
+    electrical = {"heater_voltage", "heater_current"} <= has
+    missing = None
+    if "pressure" not in has:
+        missing = "column pressure"
+    elif "heater_power" not in has and not electrical:
+        missing = "column heater_power, or heater_voltage and heater_current"
+    elif "heater_temperature" not in has and not (thermometer and electrical):
+        missing = "column heater_temperature, or a calibration of the heater's resistance"
+    elif "ambient_temperature" not in has and ambient is None:
+        missing = "column ambient_temperature, or --ambient"
+    if missing:
+        found = ", ".join([*table.numbers, *table.unused]) or "none"
+        raise ConfigurationError(f"{table.source}: needs the {missing}; its columns: {found}")
+
+
+def _power(table: Table) -> np.ndarray:
+    if "heater_power" in table.numbers:
+        return table.numbers["heater_power"]
+    return table.numbers["heater_voltage"] * table.numbers["heater_current"]
+
+
+def _heater_temperature(table: Table, thermometer: ResistanceThermometer | None) -> np.ndarray:
+    if "heater_temperature" in table.numbers:
+        return table.numbers["heater_temperature"]
+    assert thermometer is not None  # checked by _require_columns
+    return thermometer.temperature(
+        table.numbers["heater_voltage"] / table.numbers["heater_current"]
+    )
+
+
+def _ambient(table: Table, given: float | None) -> np.ndarray:
+    if "ambient_temperature" in table.numbers:
+        return table.numbers["ambient_temperature"]
+    assert given is not None  # checked by _require_columns
+    return np.full(len(table), given)
+
+
+def _not_heated(
+    table: Table, thermometer: ResistanceThermometer | None, ambient: float | None
+) -> dict[int, str]:
+    heater, gas = _heater_temperature(table, thermometer), _ambient(table, ambient)
+    rows = np.flatnonzero(heater - gas < _LEAST_DIFFERENCE)
+    return {
+        int(row): f"the heater at {heater[row]:.2f} K is not warmer than the gas at "
+        f"{gas[row]:.2f} K"
+        for row in rows
+    }
+
+
+def read_resistance_calibration(path: str | Path) -> ResistanceThermometer:
+    """Read a calibration of the heater's resistance, and fit a straight line to it.
+
+    Parameters
+    ----------
+    path : str or path
+        Table with the columns ``resistance`` and ``temperature``, two rows or more.
+
+    Returns
+    -------
+    ResistanceThermometer
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the file and the fault.
+    """
+    # strictly: nobody would see which rows of a calibration were left out
+    table = read_table(path, _CALIBRATION_COLUMNS, strict=True, preamble=True)
+    resistance, temperature = table.numbers["resistance"], table.numbers["temperature"]
+    if np.unique(resistance).size < 2:
+        raise ConfigurationError(f"{path}: has one resistance; two or more are needed")
+    slope, intercept = np.polyfit(resistance, temperature, 1)
+    return ResistanceThermometer(
+        float(slope), float(intercept), (float(resistance.min()), float(resistance.max()))
+    )

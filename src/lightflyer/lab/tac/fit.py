@@ -1,0 +1,501 @@
+r"""Thermal accommodation coefficient from the power of a heater in thin gas.
+
+A disk held at one temperature loses heat to the gas, to its leads and by radiation. Per area and
+temperature difference that is
+
+.. math::
+    \frac{P}{A\,\Delta T} = \delta\left[\left(\frac{1}{\alpha h_\mathrm{fm}(p)}
+        + \frac{1}{h_\mathrm{cont}(p)}\right)^{-1} + C\right]
+
+with the accommodation coefficient :math:`\alpha`, the ratio :math:`\delta` of effective to
+nominal area and an offset :math:`C`. The slope at low pressure is :math:`\delta\alpha`, the
+plateau at high pressure :math:`\delta` times a known conductance, and without gas
+:math:`\delta C` remains: pressures from one end to the other determine all three. Only because
+the plateau is taken to grow with :math:`\delta`, as the slope does, can the three be told apart.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.core import constants
+from lightflyer.core.checks import require_positive, require_range
+from lightflyer.core.errors import ConfigurationError, LightflyerError
+from lightflyer.gas.air import AIR
+from lightflyer.gas.base import AbstractGas
+from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.tac.accuracy import TacAccuracy
+from lightflyer.lab.tac.checks import (
+    cut,
+    listed,
+    model_warnings,
+    require_possible,
+    require_possible_temperatures,
+    result_warnings,
+    rows_off_the_curve,
+    why_undetermined,
+)
+from lightflyer.lab.tac.data import TacRun
+from lightflyer.lab.tac.heat_law import (
+    HEAT_LAWS,
+    KINETIC,
+    KINETIC_LAW,
+    AbstractHeatLaw,
+    Limits,
+    nominal_area,
+)
+from lightflyer.lab.tac.intervals import Solution, best_tac, positive_estimate, solve
+from lightflyer.lab.tac.problem import (
+    PARAMETERS,
+    Problem,
+    first_guess,
+    minimise,
+    require_distinct,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LU2023_HEATER_DIAMETER = 24e-3
+"""Diameter of the paper's heater [m]; [Lu2023]_ supplement."""
+
+HEATERS = {"lu2023": LU2023_HEATER_DIAMETER}
+"""Diameters of named heaters [m]."""
+
+CORRELATED = 0.5
+"""Correlation of neighbouring residuals above which intervals are too narrow."""
+
+NOISELESS = 1e-6
+"""Relative scatter of rows that a model computed; what is left of them is rounding."""
+
+_LEAST_ROWS = 6
+_WEIGHTINGS = 2
+
+
+@dataclass(frozen=True)
+class TacFit:
+    r"""Accommodation coefficient, area ratio and offset of one run.
+
+    Attributes
+    ----------
+    run : TacRun
+    kept : bool array, shape (n,)
+        Rows that are fitted.
+    off_curve : bool array, shape (n,)
+        Rows that belong to no curve through the others; they are left out.
+    diameter : float
+        Diameter of the heater [m].
+    reading : str
+        Name of the law of heat loss.
+    gas : str
+        Name of the gas.
+    accuracy : TacAccuracy
+    tac, area_ratio, offset : Estimate
+        With 95 % profile intervals of the total uncertainty; the offset in W/(m² K).
+    statistical : dict of str to Estimate
+        The same values with profile intervals of the scatter alone, by name of the parameter.
+    covariance_intervals : dict of str to tuple of float
+        95 % intervals of the total uncertainty from the covariance, by name of the parameter.
+    covariance : array, shape (3, 3)
+        Total, in the order of :data:`~lightflyer.lab.tac.problem.PARAMETERS`.
+    common_errors : dict of str to float
+        Best values of the errors that all rows have in common, in their standard errors.
+    scatter : float
+        Relative scatter of the measured conductance about the fit [1].
+    by_reading : dict of str to (float or None)
+        Coefficient that the same rows give by each of the other laws; None where a fit fails.
+    conductance : array, shape (m,)
+        Measured :math:`P/(A\,\Delta T)` of the fitted rows [W/(m² K)].
+    fitted : array, shape (m,)
+        Its fitted value [W/(m² K)].
+    weight : array, shape (m,)
+        Factor of the residuals in the fit [m² K/W].
+    limits : Limits
+        Conductances of the gas in its two limits.
+    radiation : array, shape (m,)
+        Conductance of radiation counted apart from the offset [W/(m² K)].
+    undetermined : str or None
+        Why the rows do not determine the coefficient, if they do not.
+    warnings : tuple of str
+        What a reader of the result must know.
+    """
+
+    run: TacRun
+    kept: np.ndarray
+    off_curve: np.ndarray
+    diameter: float
+    reading: str
+    gas: str
+    accuracy: TacAccuracy
+    tac: Estimate
+    area_ratio: Estimate
+    offset: Estimate
+    statistical: dict[str, Estimate]
+    covariance_intervals: dict[str, tuple[float, float]]
+    covariance: np.ndarray
+    common_errors: dict[str, float]
+    scatter: float
+    by_reading: dict[str, float | None]
+    conductance: np.ndarray
+    fitted: np.ndarray
+    weight: np.ndarray
+    limits: Limits
+    radiation: np.ndarray
+    undetermined: str | None
+    warnings: tuple[str, ...]
+
+    @property
+    def pressure(self) -> np.ndarray:
+        """Pressure of the fitted rows [Pa], shape (m,)."""
+        return self.run.pressure[self.kept]
+
+    @property
+    def free_molecular(self) -> np.ndarray:
+        """Free-molecular conductance at a coefficient of one [W/(m² K)], shape (m,)."""
+        return self.limits.free_molecular
+
+    @property
+    def continuum(self) -> np.ndarray:
+        """Continuum conductance at the fitted coefficient [W/(m² K)], shape (m,)."""
+        return self.limits.continuum(self.tac.value)
+
+    @cached_property
+    def order(self) -> np.ndarray:
+        """Indices that sort the fitted rows by pressure, shape (m,)."""
+        return np.argsort(self.pressure, kind="stable")
+
+    @property
+    def rows_used(self) -> int:
+        """Number of fitted rows."""
+        return int(self.kept.sum())
+
+    @property
+    def rows_dropped(self) -> int:
+        """Number of rows dropped because the heater was not at its constant temperature."""
+        return int((~self.kept & ~self.off_curve).sum())
+
+    @property
+    def lines_off_curve(self) -> list[int]:
+        """Lines of the rows that belong to no curve through the others."""
+        return [int(line) for line in self.run.table.lines[self.off_curve]]
+
+    @property
+    def mean_temperature(self) -> float:
+        """Mean heater temperature of the fitted rows [K]."""
+        return float(self.run.heater_temperature[self.kept].mean())
+
+    @property
+    def temperature_variation(self) -> float:
+        """Coefficient of variation of the heater temperature over the fitted rows [1]."""
+        return float(self.run.heater_temperature[self.kept].std(ddof=1) / self.mean_temperature)
+
+    @property
+    def residual_correlation(self) -> float:
+        """Correlation between residuals at neighbouring pressures [1]."""
+        return _neighbours((self.conductance - self.fitted) * self.weight, self.pressure)
+
+    @property
+    def correlation(self) -> np.ndarray:
+        """Correlations of the three parameters' total errors [1], shape (3, 3)."""
+        spread = np.sqrt(np.diag(self.covariance))
+        return np.asarray(self.covariance / np.outer(spread, spread))
+
+    @property
+    def slope(self) -> Estimate:
+        """Product of coefficient and area ratio [1], which does not need the plateau."""
+        tac, ratio = self.tac.value, self.area_ratio.value
+        gradient = np.array([ratio, tac])
+        variance = float(gradient @ self.covariance[:2, :2] @ gradient)
+        return positive_estimate(tac * ratio, float(np.sqrt(variance)))
+
+    def estimates(self) -> dict[str, Estimate]:
+        """The three estimates by name."""
+        return {name: getattr(self, name) for name in PARAMETERS}
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw the conductance against pressure with the fit, and that of the gas.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Gets the first of both; by default a new figure has both.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.lab.tac.figures import plot_tac
+
+        return plot_tac(self, ax)
+
+    def summary(self) -> dict[str, Any]:
+        """The fit as a JSON object."""
+        low, high = float(self.pressure.min()), float(self.pressure.max())
+        return {
+            **{name: estimate.to_json() for name, estimate in self.estimates().items()},
+            "statistical_interval_95": {
+                name: one.to_json()["interval_95"] for name, one in self.statistical.items()
+            },
+            "slope": self.slope.to_json(),
+            "reading": self.reading,
+            "gas": self.gas,
+            "tac_by_other_readings": self.by_reading,
+            "accuracy": self.accuracy.to_json(),
+            "common_errors": self.common_errors,
+            "determined": self.undetermined is None,
+            "rows_used": self.rows_used,
+            "rows_dropped": self.rows_dropped,
+            "lines_off_curve": self.lines_off_curve,
+            "covariance_interval_95": {
+                name: list(ends) for name, ends in self.covariance_intervals.items()
+            },
+            "covariance": self.covariance.tolist(),
+            "correlation": self.correlation.tolist(),
+            "scatter": self.scatter,
+            "residual_correlation": self.residual_correlation,
+            "heater_temperature": {"mean_k": self.mean_temperature,
+                                   "coefficient_of_variation": self.temperature_variation},
+            "pressure_range_pa": [low, high],
+            "warnings": list(self.warnings),
+        }  # fmt: skip
+
+
+def _neighbours(residuals: np.ndarray, pressure: np.ndarray) -> float:
+    ordered = residuals[np.argsort(pressure, kind="stable")]
+    power = float(ordered @ ordered)
+    return float(ordered[1:] @ ordered[:-1]) / power if power else 0.0
+
+
+def heater_power(
+    pressure: np.ndarray,
+    heater_temperature: np.ndarray,
+    ambient_temperature: np.ndarray,
+    tac: float,
+    area_ratio: float,
+    offset: float,
+    *,
+    diameter: float = LU2023_HEATER_DIAMETER,
+    law: AbstractHeatLaw = KINETIC_LAW,
+    gas: AbstractGas = AIR,
+) -> np.ndarray:
+    """Power that holds a heater at its temperature: the inverse of :func:`fit_tac`.
+
+    Parameters
+    ----------
+    pressure : array, shape (n,)
+        [Pa].
+    heater_temperature, ambient_temperature : array, shape (n,)
+        [K].
+    tac, area_ratio : float
+        Accommodation coefficient and ratio of effective to nominal area [1].
+    offset : float
+        Conductance without gas [W/(m² K)].
+    diameter, law, gas
+        See :func:`fit_tac`.
+
+    Returns
+    -------
+    array, shape (n,)
+        [W].
+    """
+    difference = heater_temperature - ambient_temperature
+    limits = law.limits(pressure, ambient_temperature, heater_temperature, diameter, gas)
+    conductance = area_ratio * (limits.conductance(tac) + offset)
+    return np.asarray(conductance * nominal_area(diameter) * difference)
+
+
+def fit_tac(
+    run: TacRun,
+    *,
+    diameter: float = LU2023_HEATER_DIAMETER,
+    tolerance: float = 1.0,
+    emissivity: float | None = None,
+    law: AbstractHeatLaw = KINETIC_LAW,
+    gas: AbstractGas = AIR,
+    accuracy: TacAccuracy | None = None,
+) -> TacFit:
+    r"""Fit accommodation coefficient, area ratio and offset to a run.
+
+    Parameters
+    ----------
+    run : TacRun
+    diameter : float
+        Diameter of the heater [m]; by default the paper's.
+    tolerance : float
+        Largest distance of the heater temperature from its median [K]; other rows are dropped.
+    emissivity : float, optional
+        Emissivity of both faces of the heater [1]. Where given, the radiation
+        :math:`2\sigma\varepsilon(T_h^4-T_c^4)/\Delta T` is counted apart from the offset;
+        otherwise the offset includes it.
+    law : AbstractHeatLaw
+        Law of heat loss, one of :data:`~lightflyer.lab.tac.heat_law.HEAT_LAWS` or a
+        :class:`~lightflyer.lab.tac.heat_law.KineticLaw` in a chamber. By the paper's equations as
+        ``printed`` the coefficient comes out 11 to 20 % larger than by the kinetic equation; as
+        ``reported``, which counts the plateau twice, more than twice as large.
+    gas : AbstractGas
+    accuracy : TacAccuracy, optional
+        Accuracies of the instruments; by default those of :class:`TacAccuracy`.
+
+    Returns
+    -------
+    TacFit
+
+    Raises
+    ------
+    ParameterError
+        If an argument is impossible.
+    ConfigurationError
+        If there are too few rows at constant temperature, a temperature or a result is
+        impossible, many rows are off any curve, or two parameters have the same effect.
+    ConvergenceError
+        If the fit fails.
+    MissingExtraError
+        If lmfit is not installed.
+
+    Notes
+    -----
+    Least squares on the conductance :math:`P/(A\Delta T)`. All rows have the same relative
+    scatter, estimated from the residuals; each residual is divided by the conductance of a first
+    fit. Errors that all rows have in common are further unknowns with a normal prior of their
+    accuracy. A profile interval ends where the sum of squares, minimised over all other unknowns,
+    exceeds its minimum by the square of Student's 95 % point.
+
+    References
+    ----------
+    [Lu2023]_ supplement, Eqs. (3)-(14).
+    """
+    require_positive(diameter=diameter, tolerance=tolerance)
+    require_range("emissivity", emissivity, 0.0, 1.0)
+    accuracy = accuracy or TacAccuracy()
+    require_possible_temperatures(run)
+    kept = _at_constant_temperature(run, tolerance)
+    problem = _problem(run, kept, diameter, emissivity, law, gas, accuracy)
+    off = rows_off_the_curve(problem, run.table.lines[kept])
+    off_curve = np.zeros_like(kept)
+    off_curve[kept] = off
+    if off.any():
+        problem, kept = problem.rows(~off), kept & ~off_curve
+        _require_rows(run, kept)
+    problem, guess = _weighted(problem)
+    others = {
+        name: _coefficient(_problem(run, kept, diameter, emissivity, other, gas, accuracy))
+        for name, other in HEAT_LAWS.items()
+        if name != law.name
+    }
+    return _result(
+        run, kept, off_curve, diameter, (law.name, gas.name), accuracy, problem,
+        solve(problem, guess), others,
+    )  # fmt: skip
+
+
+def _problem(
+    run: TacRun, kept: np.ndarray, diameter: float, emissivity: float | None,
+    law: AbstractHeatLaw, gas: AbstractGas, accuracy: TacAccuracy,
+) -> Problem:  # fmt: skip
+    heater, ambient = run.heater_temperature[kept], run.ambient_temperature[kept]
+    pressure = run.pressure[kept]
+    radiation = np.zeros_like(heater)
+    if emissivity is not None:
+        both_faces = 2.0 * constants.STEFAN_BOLTZMANN * emissivity
+        radiation = both_faces * (heater + ambient) * (heater**2 + ambient**2)
+    conductance = run.power[kept] / (nominal_area(diameter) * (heater - ambient))
+    return Problem(
+        run.source, conductance, pressure, law.limits(pressure, ambient, heater, diameter, gas),
+        radiation, 1.0 / conductance, accuracy.errors(heater - ambient, diameter),
+    )  # fmt: skip
+
+
+def _weighted(problem: Problem) -> tuple[Problem, tuple[float, float, float]]:
+    """The problem with its residuals over the conductance of a first fit, and that fit."""
+    guess = first_guess(problem.grouped())
+    for _ in range(_WEIGHTINGS):
+        problem = problem.weighted(1.0 / problem.model(*guess))
+        require_distinct(problem, guess)
+        plain = problem.held([0.0] * len(problem.errors.names)).grouped()
+        found = minimise(plain, guess)[1].params
+        guess = (float(found["tac"]), float(found["area_ratio"]), float(found["offset"]))
+    return problem, guess
+
+
+def _coefficient(problem: Problem) -> float | None:
+    """Coefficient by another law; None where the fit fails."""
+    try:
+        return best_tac(*_weighted(problem.grouped()))
+    except LightflyerError:
+        return None
+
+
+def _at_constant_temperature(run: TacRun, tolerance: float) -> np.ndarray:
+    """Rows near the median heater temperature; shape (n,)."""
+    off = np.abs(run.heater_temperature - np.median(run.heater_temperature))
+    kept = off <= tolerance
+    if kept.sum() < max(_LEAST_ROWS, 0.5 * len(kept)):
+        _require_rows(run, np.ones_like(kept))
+        worst = int(np.argmax(off))
+        raise ConfigurationError(
+            f"{run.source}:{run.table.lines[worst]}: the heater's temperature is not constant: "
+            f"only {kept.sum()} of {len(kept)} rows are within {tolerance:g} K of its median; "
+            "--tolerance sets the limit"
+        )
+    return kept
+
+
+def _require_rows(run: TacRun, kept: np.ndarray) -> None:
+    count = int(kept.sum())
+    if count < _LEAST_ROWS:
+        raise ConfigurationError(
+            f"{run.source}:{run.table.lines[0]}: has {count} usable row{'s' * (count > 1)}; "
+            f"a fit of three parameters needs {_LEAST_ROWS} or more"
+        )
+
+
+def _result(
+    run: TacRun, kept: np.ndarray, off_curve: np.ndarray, diameter: float, names: tuple[str, str],
+    accuracy: TacAccuracy, problem: Problem, solution: Solution, others: dict[str, float | None],
+) -> TacFit:  # fmt: skip
+    reading, gas = names
+    require_possible(run.source, solution.total, reading)
+    undetermined = why_undetermined(solution.total["tac"], problem, solution.scatter)
+    estimates, texts = cut(solution.total)
+    statistical, _ = cut(solution.statistical)
+    normal, _ = cut(solution.total_normal)
+    fitted = problem.model(*solution.values.values())
+    if off_curve.any():
+        lines = [int(line) for line in run.table.lines[off_curve]]
+        texts.insert(0, f"{listed(lines, run.source)}: left out, off the curve of all other rows")
+    texts += result_warnings(estimates, reading)
+    texts += model_warnings(estimates["tac"].value, reading, others.get(KINETIC))
+    related = _neighbours((problem.conductance - fitted) * problem.weight, problem.pressure)
+    if related > CORRELATED and solution.scatter > NOISELESS:
+        texts.append(
+            f"neighbouring rows deviate from the fit together (correlation {related:.2f}): the "
+            "intervals are too narrow"
+        )
+    if undetermined:
+        texts.append(undetermined)
+    return TacFit(
+        run=run,
+        kept=kept,
+        off_curve=off_curve,
+        diameter=diameter,
+        reading=reading,
+        gas=gas,
+        accuracy=accuracy,
+        **estimates,
+        statistical=statistical,
+        covariance_intervals={name: one.interval for name, one in normal.items()},
+        covariance=solution.covariance,
+        common_errors={name: solution.values[name] for name in problem.errors.names},
+        scatter=solution.scatter,
+        by_reading=others,
+        conductance=problem.conductance,
+        fitted=fitted,
+        weight=problem.weight,
+        limits=problem.limits,
+        radiation=problem.radiation,
+        undetermined=undetermined,
+        warnings=tuple(texts),
+    )

@@ -1,0 +1,294 @@
+"""Least squares for a heater's conductance: model, derivatives, first guess and minimisation."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from lightflyer.core.errors import ConfigurationError, ConvergenceError
+from lightflyer.core.extras import extra
+from lightflyer.lab.tac.accuracy import CommonErrors
+from lightflyer.lab.tac.heat_law import Limits, mean_of_groups
+
+PARAMETERS = ("tac", "area_ratio", "offset")
+"""Fitted parameters: α, δ and C."""
+
+TAC_BOUNDS = (1e-6, 20.0)
+"""Bounds of the fit; wider than possible, so that what is impossible shows."""
+
+_STARTS = np.geomspace(0.02, 3.0, 60)  # coefficients tried for a first guess
+_RANK_TOLERANCE = 1e-7  # of the scaled Jacobian's singular values
+_GROUPS = 5_000  # of rows of neighbouring pressure that replace a very long run in its profile
+
+
+def import_lmfit() -> Any:
+    """The module lmfit; raises :class:`MissingExtraError` where it is not installed."""
+    return extra("lmfit", "fitting an accommodation coefficient", "lab")
+
+
+@dataclass(frozen=True)
+class Problem:
+    r"""Conductances of a run, measured and modelled.
+
+    The unknowns are the three of :data:`PARAMETERS` and, where ``errors`` has any, as many errors
+    that all rows have in common, each in standard errors about zero.
+
+    Attributes
+    ----------
+    source : str
+        Name of the file, for messages.
+    conductance : array, shape (m,)
+        Measured power per nominal area and temperature difference [W/(m² K)].
+    pressure : array, shape (m,)
+        [Pa].
+    limits : Limits
+        Limits of the gas.
+    radiation : array, shape (m,)
+        Radiation counted apart from the offset [W/(m² K)].
+    weight : array, shape (m,)
+        Factor of the residuals [m² K/W].
+    errors : CommonErrors
+    """
+
+    source: str
+    conductance: np.ndarray
+    pressure: np.ndarray
+    limits: Limits
+    radiation: np.ndarray
+    weight: np.ndarray
+    errors: CommonErrors
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the unknowns."""
+        return (*PARAMETERS, *self.errors.names)
+
+    def weighted(self, weight: np.ndarray) -> "Problem":
+        """The same problem with other weights."""
+        return replace(self, weight=weight)
+
+    def measured(self, conductance: np.ndarray) -> "Problem":
+        """The same problem with another measured conductance."""
+        return replace(self, conductance=conductance, weight=1.0 / conductance)
+
+    def held(self, common: Sequence[float]) -> "Problem":
+        """The problem of the three parameters alone, at given errors of all rows."""
+        given = np.array(common, float)
+        shift = float(given @ self.errors.log_pressure)
+        rising = np.exp(shift) + float(given @ self.errors.zero) / self.pressure
+        logarithms = self.limits.log_continuum.copy()
+        logarithms[0] += self.limits.slope * shift + float(given @ self.errors.log_continuum)
+        amplitude = np.exp(given @ self.errors.log_conductance)
+        limits = replace(
+            self.limits,
+            free_molecular=self.limits.free_molecular * rising,
+            log_continuum=logarithms,
+        )
+        return replace(
+            self, conductance=self.conductance / amplitude, limits=limits,
+            weight=self.weight * amplitude, errors=CommonErrors.none(len(self.conductance)),
+        )  # fmt: skip
+
+    def _gas(self, tac: float, common: np.ndarray) -> "_Gas":
+        """Both limits at a coefficient, with errors of the pressure and the plateau."""
+        shift = float(common @ self.errors.log_pressure)
+        factor = np.exp(shift)
+        thin = self.limits.free_molecular
+        kinetic = tac * thin * (factor + float(common @ self.errors.zero) / self.pressure)
+        logarithm, per_tac = self.limits.log_continuum_at(tac)
+        shifted = self.limits.slope * shift + float(common @ self.errors.log_continuum)
+        return _Gas(kinetic, np.exp(logarithm + shifted), per_tac, tac * thin * factor)
+
+    def model(self, tac: float, area_ratio: float, offset: float, *common: float) -> np.ndarray:
+        """Conductance per nominal area [W/(m² K)], shape (m,)."""
+        given = np.array(common or np.zeros(len(self.errors.names)))
+        gas = self._gas(tac, given).conductance
+        amplitude = np.exp(given @ self.errors.log_conductance)
+        return np.asarray(area_ratio * amplitude * (gas + self.radiation + offset))
+
+    def residuals(self, *unknowns: float) -> np.ndarray:
+        """Weighted residuals of rows and common errors [1], shape (m + k,)."""
+        rows = (self.model(*unknowns) - self.conductance) * self.weight
+        return np.concatenate([rows, unknowns[len(PARAMETERS) :]])
+
+    def jacobian(self, tac: float, area_ratio: float, offset: float, *common: float) -> np.ndarray:
+        """Derivatives of the residuals by the unknowns, shape (3 + k, m + k)."""
+        given, errors = np.array(common), self.errors
+        gas = self._gas(tac, given)
+        amplitude = area_ratio * np.exp(given @ errors.log_conductance)
+        thin, dense = gas.derivatives()
+        inside = gas.conductance + self.radiation + offset
+        by_tac = thin * gas.kinetic / tac + dense * gas.per_tac
+        by_pressure = thin * gas.scaled + dense * self.limits.slope
+        by_zero = thin * tac * self.limits.free_molecular / self.pressure
+        columns = [amplitude * by_tac, amplitude / area_ratio * inside, amplitude]
+        for number in range(len(errors.names)):
+            of_gas = (
+                errors.log_pressure[number] * by_pressure
+                + errors.zero[number] * by_zero
+                + errors.log_continuum[number] * dense
+            )
+            columns.append(amplitude * (of_gas + errors.log_conductance[number] * inside))
+        own = np.zeros((len(columns), len(errors.names)))
+        own[len(PARAMETERS) :] = np.eye(len(errors.names))
+        return np.concatenate([np.stack(columns) * self.weight, own], axis=1)
+
+    @cached_property
+    def _groups(self) -> list[np.ndarray]:
+        return np.array_split(np.argsort(self.pressure, kind="stable"), _GROUPS)
+
+    def grouped(self) -> "Problem":
+        """Rows of neighbouring pressure averaged, each group weighted by its size.
+
+        A profile of very many rows would take long. Within a group the model hardly changes, and
+        the scatter within it does not depend on the parameters.
+        """
+        if len(self.conductance) <= 2 * _GROUPS:
+            return self
+        groups = self._groups
+
+        def mean(values: np.ndarray) -> np.ndarray:
+            return mean_of_groups(values, groups)
+
+        sizes = np.array([len(rows) for rows in groups])
+        amplitudes = [mean(row) for row in self.errors.log_conductance]
+        errors = replace(
+            self.errors,
+            log_conductance=np.reshape(amplitudes, (len(amplitudes), len(groups))),
+        )
+        return Problem(
+            self.source, mean(self.conductance), mean(self.pressure), self.limits.grouped(groups),
+            mean(self.radiation), mean(self.weight) * np.sqrt(sizes), errors,
+        )  # fmt: skip
+
+    def scaled(self, factor: float) -> "Problem":
+        """The same problem with all weights multiplied by a factor."""
+        return replace(self, weight=factor * self.weight)
+
+    def rows(self, kept: np.ndarray) -> "Problem":
+        """The same problem with some of its rows; ``kept`` is boolean, shape (m,)."""
+        limits = replace(
+            self.limits,
+            free_molecular=self.limits.free_molecular[kept],
+            log_continuum=self.limits.log_continuum[:, kept],
+            slope=self.limits.slope[kept],
+        )
+        errors = replace(self.errors, log_conductance=self.errors.log_conductance[:, kept])
+        return Problem(
+            self.source, self.conductance[kept], self.pressure[kept], limits,
+            self.radiation[kept], self.weight[kept], errors,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Gas:
+    """Free-molecular and continuum conductance in series, each of shape (m,)."""
+
+    kinetic: np.ndarray
+    continuum: np.ndarray
+    per_tac: np.ndarray
+    scaled: np.ndarray
+
+    @property
+    def conductance(self) -> np.ndarray:
+        return self.kinetic * self.continuum / (self.kinetic + self.continuum)
+
+    def derivatives(self) -> tuple[np.ndarray, np.ndarray]:
+        """By the free-molecular conductance, and by the logarithm of the other."""
+        share = self.continuum / (self.kinetic + self.continuum)
+        return share**2, (1.0 - share) ** 2 * self.continuum
+
+
+def first_guess(problem: Problem) -> tuple[float, float, float]:
+    """Best of many coefficients; area ratio and offset by linear least squares for each.
+
+    Parameters
+    ----------
+    problem : Problem
+
+    Returns
+    -------
+    tac, area_ratio, offset : float
+    """
+    weight = problem.weight
+    best, least = (1.0, 1.0, 0.0), np.inf
+    for tac in _STARTS:
+        gas = problem.limits.conductance(float(tac)) + problem.radiation
+        design = np.stack([gas * weight, weight], axis=1)
+        (ratio, product), *_ = np.linalg.lstsq(design, problem.conductance * weight)
+        cost = float(np.sum((design @ (ratio, product) - problem.conductance * weight) ** 2))
+        if cost < least and ratio > 0.0:
+            best, least = (float(tac), float(ratio), float(product / ratio)), cost
+    return best
+
+
+def require_distinct(problem: Problem, values: Sequence[float]) -> None:
+    """Raise unless the pressures determine all three parameters.
+
+    Parameters
+    ----------
+    problem : Problem
+    values : sequence of float
+        Parameters near the solution.
+
+    Raises
+    ------
+    ConfigurationError
+        If two of the parameters have nearly the same effect.
+    """
+    jacobian = problem.held([0.0] * len(problem.errors.names)).jacobian(*values)
+    scaled = jacobian / np.maximum(np.linalg.norm(jacobian, axis=1, keepdims=True), 1e-300)
+    singular = np.sqrt(np.maximum(np.linalg.eigvalsh(scaled @ scaled.T), 0.0))
+    if singular[0] < _RANK_TOLERANCE * singular[-1]:
+        raise ConfigurationError(
+            f"{problem.source}: its pressures do not determine accommodation coefficient, area "
+            "ratio and offset separately; they must reach from free-molecular gas to the plateau"
+        )
+
+
+def minimise(problem: Problem, start: Sequence[float], *, scale: bool = True) -> tuple[Any, Any]:
+    """Minimise the sum of squares.
+
+    Parameters
+    ----------
+    problem : Problem
+    start : sequence of float
+    scale : bool
+        Whether the covariance is scaled by the residuals; otherwise they are in standard errors.
+
+    Returns
+    -------
+    minimizer : lmfit.Minimizer
+    result : lmfit.minimizer.MinimizerResult
+
+    Raises
+    ------
+    ConvergenceError
+        If there is no minimum.
+    MissingExtraError
+        If lmfit is not installed.
+    """
+    lmfit = import_lmfit()
+    parameters = lmfit.Parameters()
+    bounds = (TAC_BOUNDS, (0.0, np.inf), (-np.inf, np.inf))
+    for name, value, (low, high) in zip(PARAMETERS, start[: len(PARAMETERS)], bounds, strict=True):
+        parameters.add(name, value=value, min=low, max=high)
+    for name, value in zip(problem.errors.names, start[len(PARAMETERS) :], strict=True):
+        parameters.add(name, value=value)
+
+    def residuals(given: Any) -> np.ndarray:
+        return problem.residuals(*(float(given[name]) for name in problem.names))
+
+    def jacobian(given: Any) -> np.ndarray:
+        rows = problem.jacobian(*(float(given[name]) for name in problem.names))
+        return rows[[given[name].vary for name in problem.names]]
+
+    minimizer = lmfit.Minimizer(residuals, parameters, scale_covar=scale)
+    options = {"Dfun": jacobian, "col_deriv": 1, "ftol": 1e-14, "xtol": 1e-12, "gtol": 1e-14}
+    minimizer.kws.update(options)
+    result = minimizer.leastsq()
+    if result.covar is None or not np.all(np.isfinite(result.covar)):
+        raise ConvergenceError(f"{problem.source}: the fit failed: {result.message}")
+    return minimizer, result

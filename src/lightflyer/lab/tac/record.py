@@ -1,0 +1,195 @@
+"""Records of fitted accommodation coefficients: the JSON object and the dataset."""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.lab.estimate import Estimate, weighted_mean
+from lightflyer.lab.record import dataset, joint_warnings
+from lightflyer.lab.tac.checks import BOUNDS, LEAST_LIKELY_TAC, POSSIBLE_TAC
+from lightflyer.lab.tac.fit import TacFit
+from lightflyer.lab.tac.problem import PARAMETERS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_ROUNDING = 1e-12  # relative
+
+
+def mean_tac(fits: Sequence[TacFit]) -> Estimate:
+    """Mean accommodation coefficient of several runs; see :func:`mean_of`.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+
+    Returns
+    -------
+    Estimate
+    """
+    return mean_of(fits, "tac")
+
+
+def correlation_between_samples(fits: Sequence[TacFit]) -> float:
+    """Correlation of the coefficients' errors between two samples measured on one bench.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+        Runs of one of the samples; those of the other are taken to be as good.
+
+    Returns
+    -------
+    float
+        Share of the mean's variance that comes from errors all runs have in common [1].
+    """
+    common = float(np.mean([_common_part(fit, "tac") for fit in fits]))
+    total = mean_tac(fits).uncertainty or 0.0
+    return min((common / total) ** 2, 1.0) if total else 0.0
+
+
+def mean_of(fits: Sequence[TacFit], name: str) -> Estimate:
+    """Mean of one parameter over runs on one bench.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+    name : str
+        One of :data:`~lightflyer.lab.tac.problem.PARAMETERS`.
+
+    Returns
+    -------
+    Estimate
+        The weighted mean by the statistical uncertainties, see
+        :func:`~lightflyer.lab.estimate.weighted_mean`. The instruments' errors are the same in all
+        runs, and no mean makes them smaller.
+    """
+    if len(fits) == 1:
+        return fits[0].estimates()[name]
+    common = float(np.mean([_common_part(fit, name) for fit in fits]))
+    mean = weighted_mean([_with_spread(fit.statistical[name]) for fit in fits], common=common)
+    low, high = BOUNDS[name]
+    interval = (max(mean.interval[0], low), min(mean.interval[1], high))
+    return Estimate(mean.value, interval, mean.unit, mean.uncertainty)
+
+
+def why_no_property(fits: Sequence[TacFit]) -> str | None:
+    """Why the coefficient cannot be that of a film, in one line; None if it can.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+
+    Returns
+    -------
+    str or None
+    """
+    for fit in fits:
+        if fit.undetermined:
+            return fit.undetermined
+    mean, first = mean_tac(fits), fits[0]
+    said = (
+        f"{first.run.source}: accommodation coefficient {mean.value:.3g} by the reading "
+        f"{first.reading}"
+    )
+    if mean.interval[0] > POSSIBLE_TAC:
+        return f"{said} is above 1 beyond its uncertainty"
+    if mean.interval[1] < LEAST_LIKELY_TAC:
+        return (
+            f"{said} is below {LEAST_LIKELY_TAC:g} beyond its uncertainty, as no technical surface "
+            "in air: check the unit of the pressure (Pa or Torr)"
+        )
+    return None
+
+
+def _common_part(fit: TacFit, name: str) -> float:
+    """Standard uncertainty from errors that all rows, and all runs, have in common."""
+    total, part = fit.estimates()[name].uncertainty, fit.statistical[name].uncertainty
+    return math.sqrt(max((total or 0.0) ** 2 - (part or 0.0) ** 2, 0.0))
+
+
+def _with_spread(estimate: Estimate) -> Estimate:
+    """The estimate; rows computed by a model have rounding for a spread, not zero."""
+    spread = max(estimate.uncertainty or 0.0, _ROUNDING * abs(estimate.value))
+    return Estimate(estimate.value, estimate.interval, estimate.unit, spread)
+
+
+def warnings_of(fits: Sequence[TacFit]) -> list[str]:
+    """Warnings of all runs; see :func:`~lightflyer.lab.record.joint_warnings`.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+
+    Returns
+    -------
+    list of str
+    """
+    return joint_warnings([(fit.run.source, fit.warnings) for fit in fits])
+
+
+def summary(fits: Sequence[TacFit]) -> dict[str, Any]:
+    """One run, or the mean of several with each of them, as a JSON object.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+
+    Returns
+    -------
+    dict
+    """
+    related = {"correlation_between_samples": correlation_between_samples(fits)}
+    if len(fits) == 1:
+        return fits[0].summary() | related
+    return related | {
+        **{name: mean_of(fits, name).to_json() for name in PARAMETERS},
+        "reading": fits[0].reading,
+        "gas": fits[0].gas,
+        "determined": all(fit.undetermined is None for fit in fits),
+        "rows_used": sum(fit.rows_used for fit in fits),
+        "rows_dropped": sum(fit.rows_dropped for fit in fits),
+        "runs": {fit.run.source: fit.summary() for fit in fits},
+        "warnings": warnings_of(fits),
+    }
+
+
+def to_dataset(fits: Sequence[TacFit], warnings: Sequence[str] | None = None) -> "xr.Dataset":
+    """Measured and fitted rows of all runs.
+
+    Parameters
+    ----------
+    fits : sequence of TacFit
+    warnings : sequence of str, optional
+        In place of those of the fits.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``row``; ``run`` is the position of the file in the attribute ``files``.
+    """
+    per_area = "W m-2 K-1"
+
+    def joined(values: Sequence[np.ndarray], units: str, long_name: str) -> Any:
+        return "row", np.concatenate(values), {"units": units, "long_name": long_name}
+
+    run = [np.full(fit.rows_used, number) for number, fit in enumerate(fits)]
+    return dataset(
+        "thermal accommodation coefficient",
+        {
+            "run": joined(run, "1", "position of the file, from 0"),
+            "line": joined([fit.run.table.lines[fit.kept] for fit in fits], "1", "line in it"),
+            "pressure": joined([fit.pressure for fit in fits], "Pa", "gas pressure"),
+            "conductance": joined(
+                [fit.conductance for fit in fits], per_area,
+                "power per nominal area and temperature difference",
+            ),
+            "fitted": joined([fit.fitted for fit in fits], per_area, "fitted conductance"),
+        },
+        [fit.run.source for fit in fits],
+        warnings=warnings_of(fits) if warnings is None else warnings,
+        reading=fits[0].reading,
+        gas=fits[0].gas,
+    )  # fmt: skip

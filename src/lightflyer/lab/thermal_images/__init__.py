@@ -1,1 +1,0 @@
-"""Formats of thermal images; :mod:`lightflyer.lab.thermal_image` reads them all."""

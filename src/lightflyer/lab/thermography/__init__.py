@@ -1,0 +1,1 @@
+"""Emissivity from temperatures, thermal images included."""

@@ -1,0 +1,391 @@
+"""Readings of a thermal camera or a light meter: their files, ranges and accuracy."""
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from lightflyer.core.checks import require_range
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Quantity
+from lightflyer.core.units import Measured
+from lightflyer.files.table import Table, read_table
+from lightflyer.files.table_layout import Column
+from lightflyer.lab.thermography.camera import UNCOOLED, CameraBand
+
+EVENLY = 3.0**-0.5
+"""Standard deviation of an error evenly distributed between ± one limit, over that limit [1]."""
+
+CAMERA_LIMITS = (2.0, 0.02)
+"""Limits of a thermal camera's error as usually specified: 2 K, or 2 % of the reading in °C,
+whichever is larger; [ThermalVision]_."""
+
+METER_LIMIT = 0.02
+"""Largest error of linearity of a light meter of class B, over the reading [1]; [DIN5032]_."""
+
+BLACK = Measured(1.0, 0.0)
+"""Emissivity of a black body [1]."""
+
+ZERO_CELSIUS = 273.15
+"""[K]."""
+
+_PERCENT = 100.0
+_CLEAR = 5.0  # standard uncertainties by which the source must exceed the background
+_BEYOND = 0.1  # of that excess, by which noise may take a reading beyond either
+_LARGEST = 0.1  # standard uncertainty over the temperature
+
+_SCENE = Quantity("K", 200.0, 2300.0)  # colder or hotter is a wrong unit
+_ROOM = Quantity("K", 200.0, 400.0)
+_LIGHT = Quantity("", 0.0)
+
+
+class Method(NamedTuple):
+    """Kind of reading.
+
+    Attributes
+    ----------
+    readings : tuple of str
+        Names of the readings of source, reflection, transmission and background.
+    quantities : tuple of Quantity
+        Unit and possible range of each.
+    remainder : str
+        Name of the part that is neither reflected nor transmitted.
+    """
+
+    readings: tuple[str, str, str, str]
+    quantities: tuple[Quantity, Quantity, Quantity, Quantity]
+    remainder: str
+
+    @property
+    def unit(self) -> str:
+        """Unit of the readings."""
+        return self.quantities[0].unit
+
+
+THERMAL = Method(
+    ("hotplate_temperature", "lower_temperature", "upper_temperature", "ambient_temperature"),
+    (_SCENE, _SCENE, _SCENE, _ROOM), "emissivity",
+)  # fmt: skip
+"""Apparent temperatures of a thermal camera."""
+
+LIGHT = Method(("incident", "reflected", "transmitted", "dark"), (_LIGHT,) * 4, "absorptivity")
+"""Readings of a light meter, all in the same unit."""
+
+_ALIASES = {
+    "hotplate_temperature": ("t_hotplate", "hotplate"),
+    "lower_temperature": ("t_lower", "lower"),
+    "upper_temperature": ("t_upper", "upper"),
+    "ambient_temperature": ("t_ambient", "t_inf", "ambient"),
+}
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What relates a thermal camera's readings to the film.
+
+    Attributes
+    ----------
+    camera : CameraBand or None
+        None takes radiation as T⁴, as the paper does.
+    hotplate_emissivity : Measured
+        Within the camera's band. One where the hotplate's temperature is apparent; else the
+        temperature is the hotplate's own, by a thermometer.
+    film_temperature : Measured or None
+        The film's own [K]; None for that of the surroundings.
+    """
+
+    camera: CameraBand | None = UNCOOLED
+    hotplate_emissivity: Measured = BLACK
+    film_temperature: Measured | None = None
+
+    def __post_init__(self) -> None:
+        require_range("hotplate_emissivity", self.hotplate_emissivity.value, 0.0, 1.0,
+                      open_below=True)  # fmt: skip
+        if self.film_temperature is not None:
+            _SCENE.check("film_temperature [K]", self.film_temperature.value)
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Repeated readings of source, reflection, transmission and background.
+
+    Attributes
+    ----------
+    method : Method
+    values : array, shape (4, n)
+        In the order of the method's readings [K], or in the light meter's unit.
+    uncertainties : array, shape (4,)
+        Standard uncertainties common to all n rows, such as a calibration's, in the same unit.
+        Errors of different readings are independent.
+    scene : Scene
+        For a thermal camera.
+    places : tuple of str
+        File and line of each row, if they come from a file.
+    warnings : tuple of str
+        What a reader of the result must know of the readings, one line each.
+    """
+
+    method: Method
+    values: np.ndarray
+    uncertainties: np.ndarray
+    scene: Scene = Scene()
+    places: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def columns_of(method: Method) -> tuple[Column, ...]:
+    """Columns of a table of readings, each with its standard uncertainty.
+
+    Parameters
+    ----------
+    method : Method
+
+    Returns
+    -------
+    tuple of Column
+    """
+    readings = [
+        Column(name, quantity, _ALIASES.get(name, ()))
+        for name, quantity in zip(method.readings, method.quantities, strict=True)
+    ]
+    return tuple(column for one in readings for column in (one, one.uncertainty()))
+
+
+def read_readings(
+    path: str | Path,
+    method: Method,
+    *,
+    columns: str | None = None,
+    given: Mapping[str, Measured] | None = None,
+    accuracy: float | None = None,
+    scene: Scene | None = None,
+) -> tuple[Readings, Table]:
+    """Read a table of readings, one measurement per row.
+
+    Parameters
+    ----------
+    path : str or path
+    method : Method
+    columns : str, optional
+        The columns in the order of the file, in place of a header; see
+        :func:`~lightflyer.files.table.read_table`.
+    given : mapping of str to Measured, optional
+        Readings for which the file has no column.
+    accuracy : float, optional
+        Standard uncertainty of readings that state none [K], or that of a light meter over its
+        reading [1]; see :func:`standard_uncertainties`.
+    scene : Scene, optional
+
+    Returns
+    -------
+    readings : Readings
+    table : Table
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names file and line or column.
+    """
+    table = read_table(path, columns_of(method), layout=columns)
+    given = _checked(given or {}, method)
+    if method == LIGHT and "dark" not in table.numbers:
+        given.setdefault("dark", Measured(0.0, 0.0))
+    values, stated = [], []
+    for name in method.readings:
+        if name not in table.numbers and name not in given:
+            raise ConfigurationError(f"{path}: the column {name} is missing")
+        one = given.get(name, Measured(0.0))
+        values.append(table.numbers.get(name, np.full(len(table), one.value)))
+        own = table.numbers.get(f"{name}_uncertainty")
+        stated.append(one.uncertainty if own is None else float(own.max()))
+    readings = _completed(method, np.stack(values), stated, accuracy, scene)
+    places = tuple(f"{path}:{line}" for line in table.lines)
+    _require_possible(readings, places)
+    return dataclasses.replace(readings, places=places), table
+
+
+def given_readings(
+    given: Mapping[str, Measured],
+    method: Method,
+    *,
+    accuracy: float | None = None,
+    scene: Scene | None = None,
+) -> Readings:
+    """Readings from single values.
+
+    Parameters
+    ----------
+    given : mapping of str to Measured
+        By the names of the method's readings.
+    method : Method
+    accuracy, scene
+        As for :func:`read_readings`.
+
+    Returns
+    -------
+    Readings
+
+    Raises
+    ------
+    ConfigurationError
+        If one is missing or impossible, or the source is not above the background.
+    """
+    missing = [name for name in method.readings if name not in given]
+    if missing:
+        raise ConfigurationError(f"give a file, or also {', '.join(missing)}")
+    checked = _checked(given, method)
+    picked = [checked[name] for name in method.readings]
+    values = np.array([[one.value] for one in picked])
+    readings = _completed(method, values, [one.uncertainty for one in picked], accuracy, scene)
+    _require_possible(readings, ("",))
+    return readings
+
+
+def standard_uncertainties(
+    method: Method, values: np.ndarray, accuracy: float | None = None
+) -> np.ndarray:
+    """Standard uncertainty of readings that state none.
+
+    Parameters
+    ----------
+    method : Method
+    values : array, shape (4, ...)
+        In the order of the method's readings.
+    accuracy : float, optional
+        That of a thermal camera [K], or of a light meter over its reading [1]. By default errors
+        are evenly distributed within :data:`CAMERA_LIMITS` or :data:`METER_LIMIT`.
+
+    Returns
+    -------
+    array, shape (4, ...)
+        In the unit of the readings.
+
+    Raises
+    ------
+    ParameterError
+        If the accuracy is negative, or that of a light meter above one.
+
+    References
+    ----------
+    [ThermalVision]_ for a camera, [DIN5032]_ for a light meter.
+
+    Examples
+    --------
+    >>> hot_and_cold = np.array([423.15, 323.15, 403.15, 295.15])
+    >>> standard_uncertainties(THERMAL, hot_and_cold).round(2)
+    array([1.73, 1.15, 1.5 , 1.15])
+    """
+    if accuracy is not None:
+        require_range("accuracy", accuracy, 0.0, 1.0 if method == LIGHT else np.inf)
+    if method == LIGHT:
+        return np.asarray(values * (METER_LIMIT * EVENLY if accuracy is None else accuracy))
+    if accuracy is not None:
+        return np.full(np.shape(values), accuracy)
+    least, share = CAMERA_LIMITS
+    return np.asarray(EVENLY * np.maximum(least, share * (values - ZERO_CELSIUS)))
+
+
+def accuracy_warnings(method: Method, accuracy: float | None) -> tuple[str, ...]:
+    """What a reader must know of the accuracy of readings that state none.
+
+    Parameters
+    ----------
+    method : Method
+    accuracy : float or None
+        As for :func:`read_readings`.
+
+    Returns
+    -------
+    tuple of str
+    """
+    if accuracy is not None:
+        return ()
+    if method == LIGHT:
+        limits = f"limits of {_PERCENT * METER_LIMIT:g} % of the reading"
+        return (f"no accuracy of the light meter is stated; {limits} are assumed",)
+    least, share = CAMERA_LIMITS
+    return (
+        f"no accuracy of the camera is stated; limits of {least:g} K or {_PERCENT * share:g} % of "
+        "the reading in °C are assumed",
+    )
+
+
+def with_accuracy(
+    found: Mapping[str, Measured], accuracy: float | None = None
+) -> dict[str, Measured]:
+    """Temperatures of an image's regions with the camera's accuracy.
+
+    Parameters
+    ----------
+    found : mapping of str to Measured
+        With the scatter of their pixels.
+    accuracy : float, optional
+        As for :func:`read_readings`.
+
+    Returns
+    -------
+    dict of str to Measured
+        With both.
+    """
+
+    def total(one: Measured) -> float:
+        camera = float(standard_uncertainties(THERMAL, np.array(one.value), accuracy))
+        return float(np.hypot(one.uncertainty or 0.0, camera))
+
+    return {name: Measured(one.value, total(one)) for name, one in found.items()}
+
+
+def _checked(given: Mapping[str, Measured], method: Method) -> dict[str, Measured]:
+    """The given readings, each possible."""
+    for name, quantity in zip(method.readings, method.quantities, strict=True):
+        if name in given:
+            try:
+                quantity.read(given[name])
+            except ConfigurationError as error:
+                raise ConfigurationError(f"{name} = {given[name].value:g} {error}") from None
+    return dict(given)
+
+
+def _completed(
+    method: Method, values: np.ndarray, stated: list[float | None], accuracy: float | None,
+    scene: Scene | None,
+) -> Readings:  # fmt: skip
+    """Readings with an uncertainty for each that states none."""
+    assumed = standard_uncertainties(method, values.mean(axis=1), accuracy)
+    known = [one if one is not None else other for one, other in zip(stated, assumed, strict=True)]
+    said = accuracy_warnings(method, accuracy) if None in stated else ()
+    return Readings(method, values, np.array(known, float), scene or Scene(), warnings=said)
+
+
+def _require_possible(readings: Readings, places: tuple[str, ...]) -> None:
+    """Refuse rows in any of which the readings are out of order, and useless uncertainties."""
+    method, spread, values = readings.method, readings.uncertainties, readings.values
+    source, background = values[0], values[3]
+    for name, mean, one in zip(method.readings, values.mean(axis=1), spread, strict=True):
+        if method == THERMAL and one > _LARGEST * mean:
+            raise ConfigurationError(
+                f"{name}: a standard uncertainty of {one:g} K leaves {mean:.4g} K without meaning"
+            )
+    _require_order(source > background, places, method.readings[0], method.readings[3])
+    least = _CLEAR * float(np.hypot(spread[0], spread[3]))
+    if source.mean() - background.mean() < least:
+        raise ConfigurationError(
+            f"{places[0].rpartition(':')[0]}{': ' * bool(places[0])}{method.readings[0]} exceeds "
+            f"{method.readings[3]} by less than {_CLEAR:g} standard uncertainties, {least:.3g} "
+            f"{method.unit}".rstrip()
+        )
+    noise = _BEYOND * (source - background)
+    for number in (1, 2):
+        name = method.readings[number]
+        _require_order(source > values[number] - noise, places, method.readings[0], name)
+        _require_order(values[number] > background - noise, places, name, method.readings[3])
+
+
+def _require_order(right: np.ndarray, places: tuple[str, ...], high: str, low: str) -> None:
+    """Refuse the first row in which a reading is not above another that has to be lower."""
+    for row in np.flatnonzero(~right):
+        place = f"{places[row]}: " if places[row] else ""
+        raise ConfigurationError(f"{place}{high} is not above {low}; are columns exchanged?")

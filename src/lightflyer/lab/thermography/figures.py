@@ -1,0 +1,95 @@
+"""Figure of reflectance, transmittance and emissivity."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from lightflyer.files.drawing import (
+    BLUE,
+    GREY,
+    INTERVAL,
+    VERMILION,
+    new_figure,
+    shared_legend,
+)
+
+if TYPE_CHECKING:
+    from lightflyer.lab.thermography.reduction import RadiativeProperties
+
+_WIDTH = 2.9  # of one property [inch]
+_SPREAD = 0.3  # half the width over which rows are drawn
+
+
+def draw_property(result: "RadiativeProperties", name: str, ax: Axes) -> Axes:
+    """Draw a property of every row, and both intervals of its mean, on a scale of their own.
+
+    Parameters
+    ----------
+    result : RadiativeProperties
+    name : str
+        A key of ``result.first_order``.
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    each = result.rows[list(result.first_order).index(name)]
+    # side by side, so that equal rows stay apart
+    spread = np.linspace(-_SPREAD, _SPREAD, each.size) if each.size > 1 else np.zeros(1)
+    ax.plot(spread, each, "o", color=GREY, mfc="none", ms=5, label="rows")
+    ways = ((result.first_order, BLUE, "s", "first order"),
+            (result.monte_carlo, VERMILION, "D", "Monte Carlo"))  # fmt: skip
+    for place, (estimates, colour, marker, label) in enumerate(ways, start=1):
+        one = estimates[name]
+        low, high = one.interval
+        ends = np.maximum([[one.value - low], [high - one.value]], 0.0)  # rounding errors
+        ax.errorbar(
+            place, one.value, yerr=ends,
+            fmt=marker, color=colour, capsize=5, ms=6, lw=1.6, label=f"mean, {INTERVAL}, {label}",
+        )  # fmt: skip
+        said = f"{one.value:.3f}"
+        ax.annotate(said, (place, high), (0, 6), textcoords="offset points", ha="center",
+                    fontsize="small")  # fmt: skip
+    ax.set_xlim(-0.6, 2.7)
+    ax.set_xticks([])
+    ax.margins(y=0.25)
+    ax.set_xlabel(next(iter(result.named({name: None}))))
+    ax.grid(alpha=0.25, axis="y")
+    return ax
+
+
+def plot_properties(result: "RadiativeProperties") -> Figure:
+    """Figure of the properties, each on a scale of its own.
+
+    Parameters
+    ----------
+    result : RadiativeProperties
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = new_figure(columns=len(result.first_order), width=_WIDTH)
+    for name, ax in zip(result.first_order, figure.axes, strict=True):
+        draw_property(result, name, ax)
+    figure.axes[0].set_ylabel("fraction of the radiation [1]")
+    figure.suptitle(result.meaning, fontsize="medium")
+    shared_legend(figure, figure.axes[0].get_legend_handles_labels()[0])
+    return figure
+
+
+def thermography_figures(result: "RadiativeProperties") -> dict[str, Figure]:
+    """Figure of the properties, by file name without suffix.
+
+    Parameters
+    ----------
+    result : RadiativeProperties
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+    """
+    return {"thermography": plot_properties(result)}

@@ -1,0 +1,442 @@
+r"""Reflectance, transmittance and emissivity from temperatures, or from a light meter.
+
+A thermal camera sees three apparent temperatures of a film above a hotplate: that of the hotplate,
+that of the film's lower side, which reflects the hotplate, and that of its upper side, which
+transmits it. With B the radiance within the camera's band
+(:mod:`lightflyer.lab.thermography.camera`) and surroundings at :math:`T_\infty`,
+
+.. math::
+    S &= B(T_\mathrm{hotplate}) - B(T_\infty), \\
+    B(T_\mathrm{lower}) - B(T_\infty) &= \rho S + \varepsilon\,[B(T_\mathrm{film}) - B(T_\infty)],\\
+    B(T_\mathrm{upper}) - B(T_\infty) &= \tau S + \varepsilon\,[B(T_\mathrm{film}) - B(T_\infty)],\\
+    \varepsilon &= 1 - \tau - \rho .
+
+Where the hotplate's temperature is its own and not an apparent one, S is multiplied by the
+hotplate's emissivity. The film emits as much as its surroundings unless its temperature is given.
+The paper has :math:`T^4` in place of B. For a light meter's readings of incident, reflected and
+transmitted light, less its reading in the dark, the same relations hold without emission.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy import optimize
+
+from lightflyer.core.checks import require_range
+from lightflyer.core.constants import STEFAN_BOLTZMANN
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, central_interval, student_factor
+from lightflyer.lab.record import dataset
+from lightflyer.lab.thermography.camera import MICROMETRE, UNCOOLED, flat_band
+from lightflyer.lab.thermography.data import LIGHT, THERMAL, Readings, Scene
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+DRAWS = 100_000
+"""Number of Monte Carlo draws."""
+
+PROPERTIES = ("reflectance", "transmittance", "emissivity")
+"""Properties that the readings determine."""
+
+FREE_CONVECTION = 5.0
+"""Coefficient of free convection by which the warming of an unheated film is estimated
+[W/(m² K)]. An assumption; the range for gases is 2 to 25, [Bergman2011]_ table 1.1."""
+
+_SHORTER = flat_band(8.0 * MICROMETRE, 14.0 * MICROMETRE)  # another usual band of such cameras
+_CLEAR = 3.0  # standard uncertainties of the film's temperature that are allowed for
+_WARMEST = 0.4  # excess radiation of a film over the hotplate's; at one half the relations fail
+_STEP = 1e-30  # of a derivative along the imaginary axis
+_ROUNDING = 1e-9
+_WORTH_SAYING = 0.5  # standard uncertainties
+_WIDE = 6.0  # robust standard deviations beyond which a row deviates from the others
+_FAR = 2.0  # standard uncertainties by which it also does
+_FEWEST = 5  # rows among which one can be told to deviate
+_MAD = 1.4826  # standard deviation over the median absolute deviation, of a normal distribution
+_NAMED = 5  # rows named in a message
+
+
+@dataclass(frozen=True)
+class RadiativeProperties:
+    """Reflectance, transmittance and emissivity, or absorptivity for a light meter.
+
+    Attributes
+    ----------
+    readings : Readings
+    rows : array, shape (3, n)
+        Properties of each row [1].
+    first_order, monte_carlo : dict of str to Estimate
+        Uncertainty propagated by derivatives and by draws; by names of :data:`PROPERTIES`.
+        Intervals are within 0 and 1.
+    warnings : tuple of str
+        What a reader of the result must know, one line each.
+    """
+
+    readings: Readings
+    rows: np.ndarray
+    first_order: dict[str, Estimate]
+    monte_carlo: dict[str, Estimate]
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def emissivity(self) -> Estimate:
+        """Emissivity within the camera's band, or absorptivity for a light meter [1]."""
+        return self.first_order["emissivity"]
+
+    @property
+    def meaning(self) -> str:
+        """Radiation that the properties are of, in words."""
+        if self.readings.method == LIGHT:
+            return "for the light of the source"
+        camera = self.readings.scene.camera
+        return "as T⁴, all wavelengths" if camera is None else f"within {camera.name}, near normal"
+
+    def named(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Values by the names of the properties of this method."""
+        remainder = self.readings.method.remainder
+        return {remainder if key == "emissivity" else key: one for key, one in values.items()}
+
+    def plot(self) -> "Figure":
+        """Draw the rows and the means with their intervals.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.lab.thermography.figures import plot_properties
+
+        return plot_properties(self)
+
+    def summary(self) -> dict[str, Any]:
+        """The result as a JSON object."""
+        readings = self.readings
+        method, scene = readings.method, readings.scene
+
+        def json(estimates: Mapping[str, Estimate]) -> dict[str, Any]:
+            return self.named({name: one.to_json() for name, one in estimates.items()})
+
+        document = json(self.first_order) | {
+            "monte_carlo": json(self.monte_carlo),
+            "meaning": self.meaning,
+            "rows_used": readings.values.shape[1],
+            "standard_uncertainties": {
+                name: {"value": float(one), "unit": method.unit}
+                for name, one in zip(method.readings, readings.uncertainties, strict=True)
+            },
+            "warnings": list(self.warnings),
+        }
+        if method == LIGHT:
+            return document
+        camera, film = scene.camera, scene.film_temperature
+        ends = None if camera is None else (camera.wavelength[[0, -1]] / MICROMETRE).tolist()
+        return document | {
+            "band_um": ends,
+            "hotplate_emissivity": scene.hotplate_emissivity.value,
+            "film_temperature_K": None if film is None else film.value,
+        }  # fmt: skip
+
+
+def properties_of(readings: Readings) -> np.ndarray:
+    """Reflectance, transmittance and remainder of each row of readings.
+
+    Parameters
+    ----------
+    readings : Readings
+
+    Returns
+    -------
+    array, shape (3, n)
+        [1].
+    """
+    scene = readings.scene
+    extra = [scene.hotplate_emissivity.value]
+    if scene.film_temperature is not None:
+        extra.append(scene.film_temperature.value)
+    count = readings.values.shape[1]
+    return _properties(readings, np.vstack([readings.values, *([one] * count for one in extra)]))
+
+
+def reduce_readings(
+    readings: Readings, *, draws: int = DRAWS, seed: int = 0
+) -> RadiativeProperties:
+    r"""Reflectance, transmittance and emissivity with propagated uncertainties.
+
+    Parameters
+    ----------
+    readings : Readings
+    draws : int
+        Number of Monte Carlo draws.
+    seed : int
+        Seed of the draws.
+
+    Returns
+    -------
+    RadiativeProperties
+
+    Raises
+    ------
+    ParameterError
+        If a reading is not positive (negative for a light meter), or the source does not exceed
+        the background.
+    ConfigurationError
+        If a property is below 0 or above 1 by more than its 95 % interval.
+
+    Notes
+    -----
+    The uncertainties of the readings are common to all rows and do not average out. The scatter of
+    several rows does average out; the scatter of their properties is added. First order uses
+    derivatives at the mean readings, Monte Carlo normal draws of the readings, whose interval need
+    not be symmetric. Both are widened by Student's factor for :math:`(n-1)\,u^2/u_s^2` degrees of
+    freedom, where u is the total and :math:`u_s` the part of the scatter. The square of the ratio,
+    as Welch and Satterthwaite have it, is too much for two or three rows.
+
+    A film whose temperature is not given is as cold as its surroundings. What its warmth may do is
+    estimated for a warning, with :data:`FREE_CONVECTION` in still air.
+
+    References
+    ----------
+    [Lu2023]_ for the relations with :math:`T^4`, [Bergman2011]_ for free convection.
+    """
+    require_range("draws", draws, 1000)
+    if np.any(readings.values < 0.0) or np.any(readings.values[0] <= readings.values[3]):
+        raise ParameterError("readings must not be negative, and the source must exceed background")
+    each = properties_of(readings)
+    count = each.shape[1]
+    value = each.mean(axis=1)
+    scatter = np.cov(each) / count if count > 1 else np.zeros((3, 3))
+    mean, spread = _inputs(readings)
+    _require_cold_film(readings, mean, spread)
+    slopes = _derivatives(readings, mean)
+    total = np.diag((slopes * spread**2) @ slopes.T + scatter)
+    random = np.diag(scatter)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        freedom = np.where(random > _ROUNDING**2, (count - 1) * total / random, np.inf)
+    factor = np.array([student_factor(one) for one in freedom])
+    first = {
+        name: Estimate.covering(*one)
+        for name, one in zip(PROPERTIES, zip(value, factor * np.sqrt(total), strict=True),
+                             strict=True)
+    }  # fmt: skip
+    rng = np.random.default_rng(seed)
+    drawn = mean[:, None] + spread[:, None] * rng.normal(size=(len(mean), draws))
+    cloud = _properties(readings, drawn) - _properties(readings, mean[:, None])
+    cloud += rng.multivariate_normal(np.zeros(3), scatter, draws, method="eigh").T
+    cloud = value[:, None] + cloud * (factor / NORMAL_FACTOR)[:, None]
+    second = {
+        name: Estimate(float(one.mean()), tuple(central_interval(one)), "", float(one.std()))
+        for name, one in zip(PROPERTIES, cloud, strict=True)
+    }
+    return _judged(readings, each, first, second)
+
+
+def to_dataset(result: RadiativeProperties, files: Sequence[str]) -> "xr.Dataset":
+    """Readings and properties of each row.
+
+    Parameters
+    ----------
+    result : RadiativeProperties
+    files : sequence of str
+        Names of the files read.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    method = result.readings.method
+    units = {"units": method.unit or "1"}
+    variables: dict[str, Any] = {
+        name: ("row", values, units | {"long_name": name.replace("_", " ")})
+        for name, values in zip(method.readings, result.readings.values, strict=True)
+    }
+    variables |= {
+        name: ("row", values, {"units": "1", "long_name": f"{name} {result.meaning}"})
+        for name, values in result.named(dict(zip(PROPERTIES, result.rows, strict=True))).items()
+    }
+    return dataset(
+        f"reflectance, transmittance and {method.remainder}", variables, files,
+        warnings=result.warnings, meaning=result.meaning,
+    )  # fmt: skip
+
+
+def _inputs(readings: Readings) -> tuple[np.ndarray, np.ndarray]:
+    """Mean readings, hotplate's emissivity and film's temperature, with standard uncertainties."""
+    scene = readings.scene
+    extra = [scene.hotplate_emissivity, *filter(None, [scene.film_temperature])]
+    mean = [*readings.values.mean(axis=1), *(one.value for one in extra)]
+    spread = [*readings.uncertainties, *(one.uncertainty or 0.0 for one in extra)]
+    return np.array(mean), np.array(spread)
+
+
+def _require_cold_film(readings: Readings, mean: np.ndarray, spread: np.ndarray) -> None:
+    """Refuse a film so warm that its emission hides what it reflects and transmits."""
+    if readings.scene.film_temperature is None:
+        return
+    warm = mean + np.array([0.0, 0.0, 0.0, 0.0, 0.0, _CLEAR * spread[5]])
+    source, _, _, background, emissivity, film = _radiation(warm, _law(readings)[0])
+    if film - background > _WARMEST * emissivity * (source - background):
+        raise ConfigurationError(
+            f"film_temperature = {mean[5]:.4g} ± {spread[5]:.2g} K is too close to the hotplate's: "
+            "so warm a film does not show what it reflects and transmits"
+        )
+
+
+def _law(readings: Readings) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """What is proportional to radiation, as a function of a reading, and its derivative."""
+    camera = readings.scene.camera
+    if readings.method == LIGHT:
+        return np.asarray, np.ones_like
+    if camera is None:
+        return (lambda kelvin: kelvin**4), (lambda kelvin: 4.0 * kelvin**3)
+    return camera.radiance, camera.slope
+
+
+def _radiation(values: np.ndarray, law: Callable[..., Any]) -> np.ndarray:
+    """A function of the temperatures or light among the inputs; the hotplate's emissivity as is."""
+    return np.concatenate([law(values[:4]), values[4:5], law(values[5:])])
+
+
+def _relations(inputs: np.ndarray) -> np.ndarray:
+    """Properties, shape (3, ...), from radiation, hotplate's emissivity and film's radiation."""
+    source, reflected, transmitted, background, emissivity = inputs[:5]
+    span = emissivity * (source - background)
+    film = (inputs[5] - background) / span if len(inputs) > 5 else 0.0 * span
+    lower, upper = (reflected - background) / span, (transmitted - background) / span
+    remainder = (1.0 - lower - upper) / (1.0 - 2.0 * film)
+    return np.stack([lower - remainder * film, upper - remainder * film, remainder])
+
+
+def _properties(readings: Readings, inputs: np.ndarray) -> np.ndarray:
+    """Properties, shape (3, ...), from readings and what else is uncertain, shape (5 or 6, ...)."""
+    return _relations(_radiation(inputs, _law(readings)[0]))
+
+
+def _derivatives(readings: Readings, mean: np.ndarray) -> np.ndarray:
+    """Derivatives of the three properties by the inputs, shape (3, inputs)."""
+    law, slope = _law(readings)
+    radiation = _radiation(mean, law)
+    steps = radiation[:, None] + 1j * _STEP * np.eye(len(mean))
+    by_radiation = _relations(steps).imag / _STEP
+    slopes = _radiation(mean, slope)
+    slopes[4] = 1.0
+    return np.asarray(by_radiation * slopes)
+
+
+def _judged(
+    readings: Readings, rows: np.ndarray, first: dict[str, Estimate], second: dict[str, Estimate]
+) -> RadiativeProperties:
+    """The result within physical bounds, with its warnings."""
+    outliers = _outliers(readings, rows, first)
+    warnings = list(outliers)
+    for name, one in first.items():
+        shown = readings.method.remainder if name == "emissivity" else name
+        low, high = one.interval
+        if high < -_ROUNDING or low > 1.0 + _ROUNDING:
+            hint = outliers[0] if outliers else _hint(readings)
+            raise ConfigurationError(
+                f"{_source(readings)}{shown} {one} is impossible, it lies between 0 and 1: {hint}"
+            )
+        if not -_ROUNDING <= one.value <= 1.0 + _ROUNDING:
+            warnings.append(
+                f"{shown} {one.value:.3g} is beyond its bound by less than its uncertainty; value "
+                "and interval are cut there"
+            )
+        elif low < -_ROUNDING or high > 1.0 + _ROUNDING:
+            warnings.append(
+                f"the interval of {shown}, {low:.3g} to {high:.3g}, is cut at its bound"
+            )
+    if not readings.uncertainties.any() and rows.shape[1] == 1:
+        warnings.append("no reading states an uncertainty: the interval of one row has no width")
+    if readings.method == THERMAL:
+        warnings += [*_of_the_band(readings, first), *_of_the_film(readings, first)]
+    return RadiativeProperties(
+        readings, rows, {name: _cut(one) for name, one in first.items()},
+        {name: _cut(one) for name, one in second.items()}, (*warnings, *readings.warnings),
+    )  # fmt: skip
+
+
+def _cut(one: Estimate) -> Estimate:
+    value, *ends = np.clip([one.value, *one.interval], 0.0, 1.0).tolist()
+    return Estimate(value, (ends[0], ends[1]), one.unit, one.uncertainty)
+
+
+def _source(readings: Readings) -> str:
+    return f"{readings.places[0].rpartition(':')[0]}: " if readings.places else ""
+
+
+def _hint(readings: Readings) -> str:
+    """What is most likely wrong with impossible readings."""
+    names, means = readings.method.readings, readings.values.mean(axis=1)
+    for number in (1, 2):
+        if means[number] > means[0]:
+            return f"{names[number]} is above {names[0]}; are columns exchanged?"
+        if means[number] < means[3]:
+            return f"{names[number]} is below {names[3]}; are columns exchanged?"
+    return f"{names[1]} and {names[2]} together are more than {names[0]} can cause"
+
+
+def _outliers(readings: Readings, rows: np.ndarray, first: Mapping[str, Estimate]) -> list[str]:
+    """Rows that deviate from the others, in words."""
+    if rows.shape[1] < _FEWEST:
+        return []
+    away = np.abs(rows - np.median(rows, axis=1, keepdims=True))
+    robust = _MAD * np.median(away, axis=1, keepdims=True)
+    spread = np.array([[one.uncertainty or 0.0] for one in first.values()])
+    found = np.flatnonzero((away > np.maximum(_WIDE * robust, _FAR * spread)).any(axis=0))
+    if not found.size:
+        return []
+    names = [readings.places[row] if readings.places else f"row {row + 1}" for row in found]
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return [f"{', '.join(names[:_NAMED])}{more}: far from the other rows; check the readings"]
+
+
+def _of_the_band(readings: Readings, first: Mapping[str, Estimate]) -> list[str]:
+    """What the choice of the camera's band does to the emissivity."""
+    camera, found = readings.scene.camera, first["emissivity"].value
+
+    def emissivity(scene: Scene) -> float:
+        other = Readings(readings.method, readings.values.mean(axis=1)[:, None],
+                         readings.uncertainties, scene)  # fmt: skip
+        return float(properties_of(other)[2, 0])
+
+    hotplate, film = readings.scene.hotplate_emissivity, readings.scene.film_temperature
+    if camera is None:
+        real = emissivity(Scene(UNCOOLED, hotplate, film))
+        return [
+            f"T⁴ is no camera's response: one of {UNCOOLED.name} with these readings sees an "
+            f"emissivity of {real:.3f}, the bias is {found - real:+.3f}; state the camera's band"
+        ]
+    if camera.assumed:
+        other = emissivity(Scene(_SHORTER, hotplate, film))
+        return [
+            f"the camera's band is assumed to be {camera.name}; with {_SHORTER.name} the "
+            f"emissivity is {other:.3f} in place of {found:.3f}; state the camera's band"
+        ]
+    return []
+
+
+def _of_the_film(readings: Readings, first: Mapping[str, Estimate]) -> list[str]:
+    """What the film's own emission may do where its temperature is not known."""
+    one, scene = first["emissivity"], readings.scene
+    if scene.film_temperature is not None or not 0.0 < one.value < 1.0:
+        return []
+    hot, _, _, cold = readings.values.mean(axis=1)
+    radiated = one.value * STEFAN_BOLTZMANN
+
+    def gained(film: float) -> float:
+        return float(radiated * (hot**4 + cold**4 - 2.0 * film**4)
+                     - 2.0 * FREE_CONVECTION * (film - cold))  # fmt: skip
+
+    film = optimize.brentq(gained, cold, hot)
+    law = _law(readings)[0]
+    share = float((law(film) - law(cold)) / (law(hot) - law(cold)))
+    missing = 2.0 * share * one.value
+    if missing < _WORTH_SAYING * (one.uncertainty or 0.0) or missing < _ROUNDING:
+        return []
+    return [
+        f"the film is taken to be as cold as its surroundings; in still air it is about "
+        f"{film - cold:.0f} K warmer, and the emissivity about {missing:.3f} higher; state the "
+        "film's temperature"
+    ]

@@ -1,0 +1,338 @@
+"""Regions of a thermal image, by format in :mod:`lightflyer.lab.thermography.images`."""
+
+import dataclasses
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.core.checks import require_range
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.units import Measured
+from lightflyer.lab.thermography.data import THERMAL, ZERO_CELSIUS
+from lightflyer.lab.thermography.images import flir, radiometry, scaled
+from lightflyer.lab.thermography.images.scaled import Scale
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+UNIFORM = 2.0
+"""Scatter of a region's pixels above which it is not called uniform [K]; an assumption."""
+
+FLIR_SUFFIXES = (".jpg", ".jpeg", ".fff")
+TIFF_SUFFIXES = (".tif", ".tiff")
+IMAGE_SUFFIXES = (*FLIR_SUFFIXES, *TIFF_SUFFIXES)
+"""Suffixes of files that are images, whatever the options."""
+
+_OTHERS = {
+    ".seq": "a sequence of FLIR; export one image as .fff, JPEG or CSV",
+    ".csq": "a sequence of FLIR; export one image as .fff, JPEG or CSV",
+    ".is2": "Fluke's own format; export CSV from Fluke Connect or SmartView",
+    ".bmt": "testo's own format; export CSV from IRSoft",
+    ".irb": "InfraTec's own format; export CSV from IRBIS",
+    ".ravi": "Optris' own format; export CSV or TIFF from PIX Connect",
+}
+_AGREE = 0.5  # [K] by which reflected temperature and surroundings may differ
+_ALIKE = 0.1  # share of pixels at an end of the image's range that suggests saturation
+_NAMES = tuple(name.removesuffix("_temperature") for name in THERMAL.readings)
+
+_REGION = re.compile(r"^\s*(\w+)\s*=\s*(\d+)\s*:\s*(\d+)\s*,\s*(\d+)\s*:\s*(\d+)\s*$")
+
+
+@dataclass(frozen=True)
+class ThermalImage:
+    """Temperatures of the pixels of an image.
+
+    Attributes
+    ----------
+    source : str
+        Name of the file.
+    temperature : array, shape (rows, columns)
+        [K], for the emissivity and the reflected temperature; NaN where the file has none.
+    emissivity : float or None
+        For which the temperatures hold, None where the file does not state it [1].
+    reflected_temperature : float or None
+        The same of the radiation that the object reflects [K].
+    notes : tuple of str
+        What a reader of the image must know of its file.
+    """
+
+    source: str
+    temperature: np.ndarray
+    emissivity: float | None = None
+    reflected_temperature: float | None = None
+    notes: tuple[str, ...] = ()
+
+    def plot(self) -> "Figure":
+        """Draw the temperatures.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from lightflyer.lab.thermography.thermal_image_figures import plot_image
+
+        return plot_image(self)
+
+    def summary(self) -> dict[str, Any]:
+        """What the file states, as a JSON object."""
+        return {
+            "file": self.source,
+            "pixels": list(self.temperature.shape),
+            "emissivity": self.emissivity,
+            "reflected_temperature_K": self.reflected_temperature,
+        }
+
+    @property
+    def description(self) -> str:
+        """What was read, in one line."""
+        rows, columns = self.temperature.shape
+        words = [f"read {self.source}: {columns} x {rows} pixels"]
+        if self.emissivity is not None:
+            words.append(f"for an emissivity of {self.emissivity:.4g}")
+        if self.reflected_temperature is not None:
+            reflected = self.reflected_temperature - ZERO_CELSIUS
+            words.append(f"reflected temperature {reflected:.4g} °C")
+        return ", ".join(words)
+
+
+def read_thermal_image(
+    path: str | Path,
+    *,
+    scale: Scale | None = None,
+    emissivity: float | None = None,
+    reflected_temperature: float | None = None,
+) -> ThermalImage:
+    """Read a thermal image.
+
+    Parameters
+    ----------
+    path : str or path
+        Radiometric JPEG or ``.fff`` of a FLIR camera, radiometric TIFF, or a text file with a
+        matrix of temperatures.
+    scale : Scale, optional
+        What the numbers of a TIFF or a text file mean, where the file does not state it; see
+        :func:`~lightflyer.lab.thermography.images.scaled.parse_scale`.
+    emissivity : float, optional
+        In place of the one that a FLIR camera was set to [1].
+    reflected_temperature : float, optional
+        The same of the radiation that the object reflects [K].
+
+    Returns
+    -------
+    ThermalImage
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the file.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
+    if suffix in _OTHERS:
+        raise ConfigurationError(f"{path}: is {_OTHERS[suffix]}")
+    if suffix in FLIR_SUFFIXES:
+        if scale is not None:
+            raise ConfigurationError(f"{path}: states its scale itself; leave --image-unit out")
+        image = _of_flir(path, content, emissivity, reflected_temperature)
+    else:
+        if emissivity is not None or reflected_temperature is not None:
+            raise ConfigurationError(
+                f"{path}: holds temperatures and no signal, for which another emissivity or "
+                "reflected temperature could be set; set it in the camera's program"
+            )
+        if suffix in TIFF_SUFFIXES:
+            kelvin, notes = scaled.read_tiff(path, content, scale)
+            image = ThermalImage(str(path), kelvin, notes=notes)
+        else:
+            kelvin, stated, notes = scaled.read_matrix(path, scale)
+            image = ThermalImage(str(path), kelvin, stated, notes=notes)
+    _require_plausible(image)
+    return image
+
+
+def _of_flir(
+    path: Path, content: bytes, emissivity: float | None, reflected: float | None
+) -> ThermalImage:
+    counts, camera = flir.read_flir(path, content)
+    notes: tuple[str, ...] = ()
+    if emissivity is not None or reflected is not None:
+        notes = (
+            f"the camera was set to an emissivity of {camera.emissivity:.4g} and a reflected "
+            f"temperature of {camera.reflected_temperature - ZERO_CELSIUS:.4g} °C, which are "
+            "replaced as stated",
+        )
+    require_range("emissivity", emissivity, 0.0, 1.0, open_below=True)
+    camera = dataclasses.replace(
+        camera,
+        emissivity=camera.emissivity if emissivity is None else emissivity,
+        reflected_temperature=camera.reflected_temperature if reflected is None else reflected,
+    )
+    if wrong := camera.problem():
+        raise ConfigurationError(f"{path}: {wrong}")
+    kelvin = radiometry.temperatures(counts, camera)
+    return ThermalImage(str(path), kelvin, camera.emissivity, camera.reflected_temperature, notes)
+
+
+def _require_plausible(image: ThermalImage) -> None:
+    known = image.temperature[np.isfinite(image.temperature)]
+    if not known.size:
+        raise ConfigurationError(f"{image.source}: no pixel has a temperature")
+    scene = THERMAL.quantities[0]
+    middle = float(np.median(known))
+    if not scene.lowest <= middle <= scene.highest:
+        raise ConfigurationError(
+            f"{image.source}: half of its pixels are above {middle:.4g} K, which is not between "
+            f"{scene.lowest:g} K and {scene.highest:g} K: the unit or the scale is wrong"
+        )
+
+
+def setting_warnings(image: ThermalImage, ambient: float) -> tuple[str, ...]:
+    """What the camera's setting of emissivity does to readings that are compared.
+
+    Parameters
+    ----------
+    image : ThermalImage
+    ambient : float
+        Temperature of the surroundings [K].
+
+    Returns
+    -------
+    tuple of str
+    """
+    said = list(image.notes)
+    one = image.emissivity
+    if one is None:
+        said.append(
+            f"{image.source} does not state the emissivity that the camera was set to; it cancels "
+            "only if the reflected temperature was that of the surroundings"
+        )
+    elif one < 1.0:
+        reflected = image.reflected_temperature
+        if reflected is None:
+            said.append(
+                f"temperatures of {image.source} are for an emissivity of {one:.3g}; it cancels "
+                "only if the reflected temperature was that of the surroundings"
+            )
+        elif abs(reflected - ambient) > _AGREE:
+            said.append(
+                f"temperatures of {image.source} are for an emissivity of {one:.3g} and a "
+                f"reflected temperature of {reflected - ZERO_CELSIUS:.4g} °C; they cancel only if "
+                f"that is the temperature of the surroundings, {ambient - ZERO_CELSIUS:.4g} °C; "
+                "take apparent temperatures by --image-emissivity 1"
+            )
+    return tuple(said)
+
+
+def parse_regions(text: str) -> dict[str, tuple[slice, slice]]:
+    """Parse named rectangles of an image.
+
+    Parameters
+    ----------
+    text : str
+        First and last rows, then columns: ``"hotplate=10:40,20:60; upper=50:80,20:60"``.
+
+    Returns
+    -------
+    dict of str to (slice, slice)
+
+    Raises
+    ------
+    ConfigurationError
+        If a part is not a rectangle, or an empty one, or has an unknown or repeated name.
+    """
+    found = {}
+    for part in filter(str.strip, text.split(";")):
+        match = _REGION.match(part)
+        if match is None:
+            raise ConfigurationError(
+                f'--regions: "{part.strip()}" is not a region; write "hotplate=10:40,20:60"'
+            )
+        first, last, left, right = map(int, match.groups()[1:])
+        if first >= last or left >= right:
+            raise ConfigurationError(f'--regions: "{part.strip()}" is empty')
+        if match[1] not in _NAMES or match[1] in found:
+            said = "is named twice" if match[1] in found else f"is none of {', '.join(_NAMES)}"
+            raise ConfigurationError(f'--regions: "{match[1]}" {said}')
+        found[match[1]] = (slice(first, last), slice(left, right))
+    return found
+
+
+def region_temperatures(
+    image: np.ndarray, regions: dict[str, tuple[slice, slice]], source: str
+) -> dict[str, Measured]:
+    """Mean temperature of each region with the scatter of its pixels.
+
+    Parameters
+    ----------
+    image : array, shape (rows, columns)
+        [K].
+    regions : dict of str to (slice, slice)
+    source : str
+        Name of the image, for messages.
+
+    Returns
+    -------
+    dict of str to Measured
+        [K], by the name of the region with ``_temperature`` appended. The uncertainty is the
+        standard deviation of the pixels and not that of their mean: neighbouring pixels deviate
+        together, and the film need not see the mean of the hotplate.
+
+    Raises
+    ------
+    ConfigurationError
+        If a region extends beyond the image, or has pixels without a temperature.
+    """
+    found = {}
+    for name, (rows, columns) in regions.items():
+        if rows.stop > image.shape[0] or columns.stop > image.shape[1]:
+            shape = " x ".join(map(str, image.shape))
+            raise ConfigurationError(
+                f"{source}: region {name} extends beyond the image of {shape} pixels"
+            )
+        pixels = image[rows, columns]
+        if lost := int(np.count_nonzero(~np.isfinite(pixels))):
+            raise ConfigurationError(
+                f"{source}: {lost} of {pixels.size} pixels of region {name} have no temperature"
+            )
+        spread = float(pixels.std(ddof=1)) if pixels.size > 1 else 0.0
+        found[f"{name}_temperature"] = Measured(float(pixels.mean()), spread)
+    return found
+
+
+def region_warnings(image: np.ndarray, regions: dict[str, tuple[slice, slice]]) -> tuple[str, ...]:
+    """What is wrong with the regions of an image.
+
+    Parameters
+    ----------
+    image : array, shape (rows, columns)
+        [K].
+    regions : dict of str to (slice, slice)
+
+    Returns
+    -------
+    tuple of str
+        One line for each region that is not uniform, or saturated.
+    """
+    said = []
+    for name, place in regions.items():
+        pixels = image[place]
+        for end in (np.nanmin(image), np.nanmax(image)):
+            alike = float(np.mean(pixels == end))
+            if alike > _ALIKE:
+                said.append(
+                    f"region {name}: {alike:.0%} of its pixels are at {end:.5g} K, the end of the "
+                    "image's range; they may be saturated"
+                )
+        if pixels.std() > UNIFORM:
+            said.append(
+                f"region {name} is not uniform: its pixels scatter by {pixels.std():.2g} K; "
+                "choose a smaller one"
+            )
+    return tuple(said)

@@ -1,0 +1,139 @@
+"""The mission file: a flyer file with a section ``[mission]``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from lightflyer.config.flyer_file import FileDesign, flyer_file_type, section_at
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.text import read_text
+from lightflyer.files.section import Section
+from lightflyer.files.toml_file import FileKind, parsed, validate
+from lightflyer.mission.section import EnsembleSection, LaunchesSection, MissionSection
+
+_MISSION = "mission"
+_SHARED = ("date", "latitude", "longitude")
+"""Keys that ``[environment]`` takes from ``[mission]`` where it leaves them out."""
+
+_OF_GIVEN_LIGHT = {"sun", "irradiance", "incidence"}
+"""Keys of ``[environment]`` that say what the light is, so that the sun need not move."""
+
+_SECTIONS: dict[str, type[Section]] = {
+    _MISSION: MissionSection,
+    f"{_MISSION}.ensemble": EnsembleSection,
+    f"{_MISSION}.launches": LaunchesSection,
+}
+
+
+def _keys_of(section: str, document: Any) -> list[str]:
+    kind = _SECTIONS.get(section) or section_at(section, document)
+    own = [] if kind is None else list(kind.model_fields)
+    return own if section else [*own, _MISSION]
+
+
+MISSION_FILE = FileKind(
+    "a mission file", _keys_of, "'lightflyer init --kind mission' writes an example"
+)
+"""How messages speak of a mission file."""
+
+
+_Kind = TypeVar("_Kind", bound=Section)
+
+
+class _MissionPart(Section):
+    mission: MissionSection
+
+
+@dataclass(frozen=True)
+class MissionFile:
+    """A mission file.
+
+    Attributes
+    ----------
+    design : FileDesign
+        Flyer, environment and force model.
+    mission : MissionSection
+    """
+
+    design: FileDesign
+    mission: MissionSection
+
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of :func:`lightflyer.fly` beside the design."""
+        return self.mission.arguments()
+
+
+def read_mission_file(path: str | Path) -> MissionFile:
+    """Read and check a mission file.
+
+    Parameters
+    ----------
+    path : str or path
+        A TOML file; ``lightflyer init --kind mission`` writes a commented one.
+
+    Returns
+    -------
+    MissionFile
+
+    Raises
+    ------
+    ConfigurationError
+        One line for each mistake: file, line, key, value and what is allowed.
+    """
+    path = Path(path)
+    return mission_of_text(read_text(path), path)
+
+
+def mission_of_text(text: str, path: Path) -> MissionFile:
+    """What the text of a mission file describes.
+
+    Parameters
+    ----------
+    text : str
+    path : Path
+        Where the text is from, for messages and for files that it names.
+
+    Returns
+    -------
+    MissionFile
+
+    Raises
+    ------
+    ConfigurationError
+        As from :func:`read_mission_file`.
+    """
+    document = parsed(text, path, MISSION_FILE)
+    rest = {name: content for name, content in document.items() if name != _MISSION}
+    part = {name: content for name, content in document.items() if name == _MISSION}
+    mission, missions_mistakes = _checked(_MissionPart, part, text, path)
+    # the place of a mission that is mistaken would be found mistaken again
+    placed = _placed(rest, {} if mission is None else part[_MISSION])
+    file, mistakes = _checked(flyer_file_type(), placed, text, path)
+    if mission is None or file is None:
+        raise ConfigurationError("\n".join([*mistakes, *missions_mistakes]))
+    return MissionFile(file.design(text), mission.mission)
+
+
+def _checked(
+    kind: type[_Kind], content: dict[str, Any], text: str, path: Path
+) -> tuple[_Kind | None, list[str]]:
+    """Part of the file, or None, and the mistakes in it."""
+    try:
+        return validate(kind, content, text, path, MISSION_FILE), []
+    except ConfigurationError as error:
+        return None, [str(error)]
+
+
+def _placed(document: dict[str, Any], mission: dict[str, Any]) -> dict[str, Any]:
+    """A flyer file whose sun moves and whose place is the release's, where it says nothing else."""
+    given = document.get("environment", {})
+    kind = section_at("environment", document)
+    if kind is None or not isinstance(given, dict):
+        return document  # its mistakes are found later
+    known: dict[str, Any] = {}
+    if "sun" in kind.model_fields and not _OF_GIVEN_LIGHT & given.keys():
+        known["sun"] = "ephemeris"
+    if known or getattr(kind, "place_matters", False):
+        shared = (key for key in _SHARED if key in kind.model_fields and key in mission)
+        known |= {key: mission[key] for key in shared}
+    return document | {"environment": known | given}

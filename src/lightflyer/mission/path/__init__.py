@@ -1,0 +1,1 @@
+"""The way of a flyer: position, forces, integration over time."""

@@ -1,0 +1,319 @@
+"""The way of a flyer through the air, integrated over time.
+
+Position and altitude are scaled so that one absolute tolerance holds for both: no direction on the
+planet is special, and a case that is rotated as a whole gives the rotated trajectory.
+"""
+
+import math
+from typing import Any
+
+import diffrax
+import equinox as eqx
+import jax.numpy as jnp
+import optimistix
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.environment.base import Place, Wind
+from lightflyer.environment.planet import Planet
+from lightflyer.mission.path.ending import MissionEnd
+from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
+from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
+
+ALTITUDE_SCALE = 100e3
+"""Altitude that counts as much as one radian along the ground [m]."""
+
+TOLERANCE = 1e-8
+"""Error of a step, of the position in radians and of the altitude in :data:`ALTITUDE_SCALE`."""
+
+LONGEST_STEP = 1800.0
+"""Longest step [s]: a short day must not lie between two looks."""
+
+_FIRST_STEP = 10.0  # seconds
+_SHORTEST_STEP = 1e-3  # seconds: below, there is something that cannot be integrated
+_STEPS_AN_HOUR = 50  # at most, on average; a day takes about a hundred
+_FEWEST_STEPS = 2000
+_SECONDS_AN_HOUR = 3600.0
+_EVENT_TOLERANCE = 1e-10  # of the conditions below, which are altitudes in ALTITUDE_SCALE
+
+
+class Start(eqx.Module):
+    """Where and when a flyer is released.
+
+    Attributes
+    ----------
+    altitude : array, shape (...)
+        [m].
+    place : Place
+    """
+
+    altitude: Numeric
+    place: Place
+
+
+class Track(eqx.Module):
+    """A trajectory.
+
+    Attributes
+    ----------
+    altitude : array, shape (times,)
+        [m]; infinite after the end.
+    position : array, shape (times, 3)
+        Unit vector in the planet's frame; infinite after the end.
+    end_elapsed, end_altitude : array, shape ()
+        Time since the release [s] and altitude [m] at the end.
+    end_position : array, shape (3,)
+    ending : int array, shape ()
+        A :class:`~lightflyer.mission.path.ending.MissionEnd`.
+    steps : int array, shape ()
+        Steps taken, the rejected ones included.
+    """
+
+    altitude: Array
+    position: Array
+    end_elapsed: Array
+    end_altitude: Array
+    end_position: Array
+    ending: Array
+    steps: Array
+
+
+class Limits(eqx.Module):
+    """Altitudes between which a mission goes on.
+
+    Attributes
+    ----------
+    lowest, highest : float
+        [m].
+    """
+
+    lowest: Numeric
+    highest: Numeric
+
+    def inside(self, altitude: Array) -> Array:
+        """The nearest altitude that the environment knows [m]."""
+        return jnp.clip(altitude, self.lowest, self.highest)
+
+
+class Accuracy(eqx.Module):
+    """How a trajectory is integrated.
+
+    Attributes
+    ----------
+    steps : int
+        Limit of their number.
+    tolerance : float
+        Error of a step; see :data:`TOLERANCE`.
+    longest : float
+        Step that is not exceeded; see :data:`LONGEST_STEP`.
+    """
+
+    steps: int = eqx.field(static=True)
+    tolerance: float = eqx.field(static=True, default=TOLERANCE)
+    longest: float = eqx.field(static=True, default=LONGEST_STEP)
+
+    @classmethod
+    def lasting(
+        cls, duration: float, tolerance: float = TOLERANCE, longest: float = LONGEST_STEP
+    ) -> "Accuracy":
+        """For a mission of some duration.
+
+        Parameters
+        ----------
+        duration : float
+            [s].
+        tolerance, longest : float
+
+        Returns
+        -------
+        Accuracy
+        """
+        steps = duration / _SECONDS_AN_HOUR * _STEPS_AN_HOUR + 2.0 * duration / longest
+        return cls(max(_FEWEST_STEPS, math.ceil(steps)), tolerance, longest)
+
+
+def track(craft: Craft, start: Start, limits: Limits, elapsed: Array, accuracy: Accuracy) -> Track:
+    """Trajectory of one flyer in balance at each moment.
+
+    Parameters
+    ----------
+    craft : Craft
+    start : Start
+        Numbers are scalars.
+    limits : Limits
+    elapsed : array, shape (times,)
+        Times since the release to keep [s], increasing, the first zero; the last is the end.
+    accuracy : Accuracy
+
+    Returns
+    -------
+    Track
+
+    Notes
+    -----
+    Differentiable in every number of craft and start, backwards; see
+    :func:`lightflyer.mission.trajectory`.
+    """
+
+    def rate(time: Any, flown: Array, _: Any) -> Array:
+        return steady_rate(craft, start, limits, time, flown)
+
+    solution = diffrax.diffeqsolve(
+        diffrax.ODETerm(rate),
+        diffrax.Tsit5(),
+        t0=elapsed[0],
+        t1=elapsed[-1],
+        dt0=min(_FIRST_STEP, accuracy.longest),
+        y0=scaled(start),
+        saveat=saved(elapsed),
+        stepsize_controller=controller(accuracy),
+        event=events(limits),
+        max_steps=accuracy.steps,
+        throw=False,
+    )
+    return track_of(solution)
+
+
+def steady_rate(craft: Craft, start: Start, limits: Limits, elapsed: Any, flown: Array) -> Array:
+    """Rate of a scaled state at which heat and forces are in balance.
+
+    Parameters
+    ----------
+    craft, start, limits
+        As for :func:`track`.
+    elapsed : array, shape ()
+        Since the release [s].
+    flown : array, shape (4,)
+        Unit vector, and the altitude in :data:`ALTITUDE_SCALE`.
+
+    Returns
+    -------
+    array, shape (4,)
+        [1/s].
+    """
+    altitude, place = where(start, flown, elapsed)
+    around = craft.surroundings(limits.inside(altitude), place, elapsed)
+    unknowns = craft.heat(around).unknowns
+    speeds = steady_speeds(around, craft.forces(around, unknowns), unknowns)
+    return rate_of(velocity(around, *speeds), place, altitude, craft.planet)
+
+
+def controller(accuracy: Accuracy, shortest: float = _SHORTEST_STEP) -> diffrax.PIDController:
+    """Controller of the steps' length.
+
+    Parameters
+    ----------
+    accuracy : Accuracy
+    shortest : float
+        Step [s] below which the integration is given up.
+
+    Returns
+    -------
+    diffrax.PIDController
+    """
+    return diffrax.PIDController(
+        rtol=0.0,
+        atol=accuracy.tolerance,
+        pcoeff=0.2,
+        icoeff=0.4,
+        dtmin=shortest,
+        dtmax=accuracy.longest,
+        force_dtmin=False,
+    )
+
+
+def scaled(start: Start) -> Array:
+    """State of a release: a unit vector, and the altitude in :data:`ALTITUDE_SCALE`."""
+    position = unit_vector(start.place.latitude, start.place.longitude)
+    return jnp.append(position, jnp.asarray(start.altitude) / ALTITUDE_SCALE)
+
+
+def where(start: Start, flown: Array, elapsed: Array) -> tuple[Array, Place]:
+    """Altitude and place of a scaled state.
+
+    Parameters
+    ----------
+    start : Start
+    flown : array, shape (4, ...)
+        Unit vector, and the altitude in :data:`ALTITUDE_SCALE`.
+    elapsed : array, shape ()
+        Since the release [s].
+
+    Returns
+    -------
+    altitude : array, shape ()
+        [m].
+    place : Place
+    """
+    latitude, longitude = latitude_and_longitude(flown[:3])
+    return flown[3] * ALTITUDE_SCALE, Place(latitude, longitude, start.place.time + elapsed)
+
+
+def rate_of(moving: Wind, place: Place, altitude: Array, planet: Planet) -> Array:
+    """Rate of a scaled state.
+
+    Parameters
+    ----------
+    moving : Wind
+        Velocity over ground [m/s].
+    place : Place
+    altitude : array, shape ()
+        [m].
+    planet : Planet
+
+    Returns
+    -------
+    array, shape (4,)
+        Of the normal on the ellipsoid, and of the altitude in :data:`ALTITUDE_SCALE` [1/s].
+    """
+    to_east, to_north = directions(place.latitude, place.longitude)
+    along = moving.north / (planet.curvature_radius(place.latitude, 0.0) + altitude)
+    across = moving.east / (planet.curvature_radius(place.latitude, 0.5 * jnp.pi) + altitude)
+    return jnp.append(across * to_east + along * to_north, moving.up / ALTITUDE_SCALE)
+
+
+def saved(elapsed: Array) -> diffrax.SaveAt:
+    """What to keep: the state at some times and at the end."""
+    return diffrax.SaveAt(subs=(diffrax.SubSaveAt(ts=elapsed), diffrax.SubSaveAt(t1=True)))
+
+
+def events(limits: Limits) -> diffrax.Event:
+    """The ends of a mission: the lowest and the highest altitude."""
+
+    def low(t: Array, y: Array, args: Any, **_: Any) -> Array:
+        del t, args
+        return y[3] - limits.lowest / ALTITUDE_SCALE
+
+    def high(t: Array, y: Array, args: Any, **_: Any) -> Array:
+        del t, args
+        return limits.highest / ALTITUDE_SCALE - y[3]
+
+    finder: Any = optimistix.Newton(_EVENT_TOLERANCE, _EVENT_TOLERANCE)
+    return diffrax.Event((low, high), finder, direction=(False, False))
+
+
+def track_of(solution: diffrax.Solution) -> Track:
+    """Trajectory of a solution that was kept as :func:`saved` has it."""
+    results: Any = solution
+    (kept, last), (fell, rose) = results.ys, results.event_mask
+    over = solution.result == diffrax.RESULTS.successful
+    limited = solution.result == diffrax.RESULTS.max_steps_reached
+    ending = jnp.asarray(int(MissionEnd.NO_DATA))
+    for holds, reason in (
+        (limited, MissionEnd.STEP_LIMIT),
+        (over, MissionEnd.STILL_FLYING),
+        (rose, MissionEnd.HIGHEST_ALTITUDE),
+        (fell, MissionEnd.LOWEST_ALTITUDE),
+    ):
+        ending = jnp.where(holds, int(reason), ending)
+    length = jnp.linalg.norm(kept[:, :3], axis=1, keepdims=True)
+    end = last[0]
+    return Track(
+        altitude=kept[:, 3] * ALTITUDE_SCALE,
+        position=kept[:, :3] / length,
+        end_elapsed=results.ts[1][0],
+        end_altitude=end[3] * ALTITUDE_SCALE,
+        end_position=end[:3] / jnp.linalg.norm(end[:3]),
+        ending=ending,
+        steps=solution.stats["num_steps"],
+    )

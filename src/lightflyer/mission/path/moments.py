@@ -1,0 +1,176 @@
+"""What a flyer is like at each moment of its way: temperatures, forces, light and wind."""
+
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.environment.base import Place
+from lightflyer.environment.radiation import Radiation
+from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
+from lightflyer.mission.path.position import latitude_and_longitude
+from lightflyer.program.entry_point import entry_point
+
+
+class Variable(NamedTuple):
+    """Unit and description of a result over time.
+
+    Attributes
+    ----------
+    unit : str
+        As datasets write it.
+    long_name : str
+    """
+
+    unit: str
+    long_name: str
+
+
+VARIABLES = {
+    "pressure": Variable("Pa", "gas pressure"),
+    "gas_temperature": Variable("K", "gas temperature"),
+    "temperature": Variable("K", "temperature of the flyer's hottest part"),
+    "lift_over_weight": Variable("1", "lift of the flyer at rest over its weight"),
+    "lift": Variable("N", "upward force of the gas on the flyer at rest, with buoyancy"),
+    "weight": Variable("N", "weight with payload"),
+    "irradiance": Variable("W m-2", "irradiance of the light on a surface that faces it"),
+    "sun_elevation": Variable(
+        "degree", "geometric elevation of the sun, or of what lights the flyer"
+    ),
+    "tilt": Variable("degree", "tilt of the top face's normal"),
+    "absorbed_power": Variable(
+        "W", "light absorbed, and heat radiation beyond that of surroundings as warm as the gas"
+    ),
+    "gas_power": Variable("W", "heat taken by the gas"),
+    "radiated_power": Variable("W", "heat radiated, net of surroundings as warm as the gas"),
+    "axial_speed": Variable("m s-1", "speed through the air along the normal of the top face"),
+    "slope_speed": Variable("m s-1", "speed through the air down the slope of the top face"),
+    "drag_power": Variable("W", "power that drag takes"),
+    "vertical_speed": Variable("m s-1", "vertical speed over ground, upwards"),
+    "eastward_speed": Variable("m s-1", "eastward speed over ground"),
+    "northward_speed": Variable("m s-1", "northward speed over ground"),
+    "wind_east": Variable("m s-1", "eastward wind"),
+    "wind_north": Variable("m s-1", "northward wind"),
+    "wind_up": Variable("m s-1", "upward wind"),
+}
+"""Results over time beside altitude and place; SI units, angles in degrees."""
+
+NODE = "temperature_{}"
+"""Name of the temperature of one part of a flyer of several."""
+
+_DEGREES = 180.0 / np.pi
+
+
+class Course(eqx.Module):
+    """Where a flyer is over time.
+
+    Attributes
+    ----------
+    elapsed : array, shape (times,)
+        Since the release [s].
+    altitude : array, shape (times,)
+        [m].
+    position : array, shape (times, 3)
+        Unit vector in the planet's frame.
+    released : array, shape ()
+        Time of the release [s].
+    """
+
+    elapsed: Numeric
+    altitude: Numeric
+    position: Numeric
+    released: Numeric
+
+
+def node_variables(nodes: tuple[str, ...]) -> dict[str, Variable]:
+    """Temperatures of the parts of a flyer of several.
+
+    Parameters
+    ----------
+    nodes : tuple of str
+
+    Returns
+    -------
+    dict of str to Variable
+        Empty for a flyer of one temperature.
+    """
+    if len(nodes) == 1:
+        return {}
+    return {
+        NODE.format(node): Variable("K", f"temperature of the {node.replace('_', ' ')}")
+        for node in nodes
+    }
+
+
+@entry_point
+def moments(craft: Craft, course: Course) -> dict[str, Any]:
+    """Results over time of a flyer in balance at each moment.
+
+    Parameters
+    ----------
+    craft : Craft
+    course : Course
+        Within the range of the environment.
+
+    Returns
+    -------
+    dict of str to array, shape (times,)
+        :data:`VARIABLES`, those of :func:`node_variables`, and ``residual``, the imbalance of heat
+        over the absorbed power [1].
+    """
+
+    def at(elapsed: Array, altitude: Array, position: Array) -> dict[str, Any]:
+        return _moment(craft, course.released, elapsed, altitude, position)
+
+    return jax.vmap(at)(course.elapsed, course.altitude, course.position)
+
+
+def _moment(
+    craft: Craft, released: Array, elapsed: Array, altitude: Array, position: Array
+) -> dict[str, Any]:
+    place = Place(*latitude_and_longitude(position), released + elapsed)
+    around = craft.surroundings(altitude, place, elapsed)
+    heat = craft.heat(around)
+    forces = craft.forces(around, heat.unknowns)
+    axial, slope = steady_speeds(around, forces, heat.unknowns)
+    moving = velocity(around, axial, slope)
+    flyer, state = around.flyer, around.state
+    tilt = 0.0 if flyer.attitude is None else flyer.attitude.tilt
+    found = {
+        "pressure": state.pressure,
+        "gas_temperature": state.temperature,
+        "temperature": heat.temperature,
+        "lift_over_weight": forces.lift / forces.weight,
+        "lift": forces.lift,
+        "weight": forces.weight,
+        "irradiance": state.radiation.irradiance * _visible(state.radiation),
+        "sun_elevation": 90.0 - state.radiation.zenith_angle * _DEGREES,
+        "tilt": tilt * _DEGREES,
+        "absorbed_power": heat.absorbed_power,
+        "gas_power": heat.gas_power,
+        "radiated_power": heat.radiated_power,
+        "axial_speed": axial,
+        "slope_speed": slope,
+        # drag balances these forces
+        "drag_power": forces.axial * axial + forces.slope * slope,
+        "vertical_speed": moving.up,
+        "eastward_speed": moving.east,
+        "northward_speed": moving.north,
+        "wind_east": around.wind.east,
+        "wind_north": around.wind.north,
+        "wind_up": around.wind.up,
+        "residual": jnp.abs(heat.residual),
+    }
+    if len(heat.nodes) > 1:
+        for node, temperature in zip(heat.nodes, heat.temperatures, strict=True):
+            found[NODE.format(node)] = temperature
+    return {name: jnp.asarray(value, float) for name, value in found.items()}
+
+
+def _visible(radiation: Radiation) -> Numeric:
+    """Share of the light's source that nothing hides [1]."""
+    return 1.0 if radiation.visible is None else radiation.visible

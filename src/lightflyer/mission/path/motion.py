@@ -1,0 +1,260 @@
+r"""Forces on a flyer that moves through the air, and the velocity at which they are in balance.
+
+A flyer is in thermal equilibrium with what surrounds it and falls or climbs at the speed at which
+the gas holds it. Both take less than a second, the way through a scale height many minutes. With
+the unit vector :math:`n` of the top face's normal, tilted by :math:`\beta` from the vertical, and
+:math:`t` perpendicular to it in the plane of the tilt, pointing down the slope,
+
+.. math::
+    D_n(v_n) = F - (W - B)\cos\beta, \qquad D_t(v_t) = (W - B)\sin\beta
+
+for the velocity relative to the air, the photophoretic force :math:`F`, the weight :math:`W`, the
+buoyancy :math:`B` and the drag :math:`D` broadside and edgewise. The two directions are taken to be
+independent of each other, which is exact for slow motion, and the force and the heat balance to be
+those of a flyer at rest.
+"""
+
+from collections.abc import Callable
+
+import equinox as eqx
+import jax.numpy as jnp
+from jax import Array
+
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.types import Numeric
+from lightflyer.design.setup import Setup
+from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place, Wind
+from lightflyer.environment.planet import Planet
+from lightflyer.environment.radiation import Attitude
+from lightflyer.flight.balance import Equilibrium, equilibrium
+from lightflyer.flight.loads import weight
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.mission.path.attitude import AbstractAttitudeRule
+from lightflyer.mission.path.wind_error import WindError
+from lightflyer.numerics.rootfind import RootStatus, bracketed_power_newton, implicit_root
+
+_SLOW = 1e-3
+"""Speed at which drag is taken to be proportional to it, for the first guess [m/s]."""
+
+_SLOWEST, _FASTEST = 1e-4, 10.0
+"""Bracket of the speed, over that of a drag proportional to it [1]."""
+
+
+class Surroundings(eqx.Module):
+    """A flyer as it lies at one moment, and what is around it.
+
+    Attributes
+    ----------
+    flyer : AbstractFlyer
+        With its attitude of the moment.
+    state : EnvironmentState
+    wind : Wind
+        With its error, if one is assumed [m/s].
+    """
+
+    flyer: AbstractFlyer
+    state: EnvironmentState
+    wind: Wind
+
+
+class Forces(eqx.Module):
+    """Forces on a flyer.
+
+    Attributes
+    ----------
+    axial, slope : array, shape (...)
+        Force that drag has to balance, along the normal of the top face and down its slope [N].
+    lift : array, shape (...)
+        Vertical force of the gas on the flyer at rest, with buoyancy [N].
+    weight : array, shape (...)
+        [N].
+    """
+
+    axial: Array
+    slope: Array
+    lift: Array
+    weight: Array
+
+
+class Craft(eqx.Module):
+    """What flies, where, and by which rule it lies.
+
+    Attributes
+    ----------
+    setup : Setup
+    rule : AbstractAttitudeRule
+    wind_error : WindError or None
+        By how much the wind differs from the environment's; None for not at all.
+    """
+
+    setup: Setup
+    rule: AbstractAttitudeRule
+    wind_error: WindError | None = None
+
+    @property
+    def planet(self) -> Planet:
+        """The planet under the flyer."""
+        return planet_of(self.setup.environment)
+
+    def surroundings(self, altitude: Numeric, place: Place, elapsed: Numeric) -> Surroundings:
+        """What surrounds the flyer, and how it lies there.
+
+        Parameters
+        ----------
+        altitude : array, shape (...)
+            [m].
+        place : Place
+        elapsed : array, shape (...)
+            Time since the release [s].
+
+        Returns
+        -------
+        Surroundings
+        """
+        state = self.setup.environment.state(altitude, place)
+        flyer = self.setup.flyer
+        attitude = self.rule.attitude(state.radiation, flyer.attitude)
+        wind = Wind(0.0, 0.0, 0.0) if state.wind is None else state.wind
+        if self.wind_error is not None:
+            wind = self.wind_error.added(wind, place, elapsed)
+        return Surroundings(_lying(flyer, attitude), state, wind)
+
+    def heat(self, around: Surroundings) -> Equilibrium:
+        """Heat balance in some surroundings.
+
+        Parameters
+        ----------
+        around : Surroundings
+
+        Returns
+        -------
+        Equilibrium
+        """
+        return equilibrium(around.flyer, around.state, self.setup.model, throw=False)
+
+    def forces(self, around: Surroundings, unknowns: tuple[Array, ...]) -> Forces:
+        """Forces in some surroundings.
+
+        Parameters
+        ----------
+        around : Surroundings
+        unknowns : tuple of array, shape (...)
+            Relative temperature excess of each node [1], then the flyer's flows.
+
+        Returns
+        -------
+        Forces
+        """
+        flyer, state = around.flyer, around.state
+        force = self.setup.model.force(flyer, state, unknowns)
+        buoyancy = flyer.buoyancy(state, unknowns)
+        heaviness = weight(flyer, state)
+        sunk = heaviness - buoyancy
+        if flyer.attitude is None:
+            return Forces(force - sunk, jnp.zeros_like(force), force + buoyancy, heaviness)
+        cosine, sine = jnp.cos(flyer.attitude.tilt), jnp.sin(flyer.attitude.tilt)
+        return Forces(force - sunk * cosine, sunk * sine, force * cosine + buoyancy, heaviness)
+
+
+def _lying(flyer: AbstractFlyer, attitude: Attitude | None) -> AbstractFlyer:
+    """A flyer with another attitude."""
+    return eqx.tree_at(
+        lambda flyer: flyer.attitude, flyer, attitude, is_leaf=lambda leaf: leaf is None
+    )
+
+
+def steady_speeds(
+    around: Surroundings, forces: Forces, unknowns: tuple[Array, ...]
+) -> tuple[Array, Array]:
+    """Speeds through the air at which drag balances the other forces.
+
+    Parameters
+    ----------
+    around : Surroundings
+    forces : Forces
+    unknowns : tuple of array, shape (...)
+        As for :meth:`Craft.forces`.
+
+    Returns
+    -------
+    axial, slope : array, shape (...)
+        Along the normal of the top face and down its slope [m/s].
+    """
+    flyer, state = around.flyer, around.state
+    axial = _speed(lambda speed: flyer.drag(state, unknowns, speed, "broadside"), forces.axial)
+    if flyer.attitude is None:
+        return axial, jnp.zeros_like(axial)
+    slope = _speed(lambda speed: flyer.drag(state, unknowns, speed, "edgewise"), forces.slope)
+    return axial, slope
+
+
+def velocity(around: Surroundings, axial: Array, slope: Array) -> Wind:
+    """Velocity over ground of a flyer that moves through the air.
+
+    Parameters
+    ----------
+    around : Surroundings
+    axial, slope : array, shape (...)
+        Speeds through the air along the normal of the top face and down its slope [m/s].
+
+    Returns
+    -------
+    Wind
+        East, north and up [m/s].
+    """
+    wind, attitude = around.wind, around.flyer.attitude
+    if attitude is None:
+        return Wind(wind.east, wind.north, wind.up + axial)
+    cosine, sine = jnp.cos(attitude.tilt), jnp.sin(attitude.tilt)
+    outwards = axial * sine + slope * cosine
+    return Wind(
+        wind.east + outwards * jnp.sin(attitude.azimuth),
+        wind.north + outwards * jnp.cos(attitude.azimuth),
+        wind.up + axial * cosine - slope * sine,
+    )
+
+
+def _speed(drag: Callable[[Array], Array], force: Array) -> Array:
+    """Signed speed at which an odd, increasing drag balances a force."""
+    sign, size = jnp.sign(force), jnp.abs(force)
+    at_rest = size == 0.0
+    slope = drag(jnp.full_like(force, _SLOW)) / _SLOW
+    target = jnp.where(at_rest, slope * _SLOW, size)
+    proportional = target / slope
+
+    def search() -> tuple[Array, RootStatus]:
+        found, status = bracketed_power_newton(
+            drag,
+            target=target,
+            lower=_SLOWEST * proportional,
+            upper=_FASTEST * proportional,
+            guess=proportional,
+        )
+        return jnp.where(at_rest, 0.0, sign * found), status
+
+    speed, _ = implicit_root(lambda speed: drag(speed) - force, search, force.shape)
+    return speed
+
+
+def planet_of(environment: AbstractEnvironment) -> Planet:
+    """The planet that an environment is on.
+
+    Parameters
+    ----------
+    environment : AbstractEnvironment
+
+    Returns
+    -------
+    Planet
+
+    Raises
+    ------
+    ParameterError
+        If it is on none.
+    """
+    planet = environment.planet
+    if planet is None:
+        raise ParameterError(
+            f"a mission needs a planet below it, which {type(environment).__name__} has not"
+        )
+    return planet

@@ -1,0 +1,90 @@
+"""Positions on a sphere as unit vectors, for which poles and date line are nothing special.
+
+The frame turns with the planet: ``x`` towards latitude 0, longitude 0, ``z`` towards the north
+pole.
+"""
+
+import sys
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from lightflyer.core.types import Numeric
+
+_SMALLEST = sys.float_info.min
+
+
+class Directions(NamedTuple):
+    """Local directions as unit vectors in the planet's frame.
+
+    Attributes
+    ----------
+    east, north : array, shape (..., 3)
+        At a pole those of the meridian of longitude 0.
+    """
+
+    east: Array
+    north: Array
+
+
+def unit_vector(latitude: Numeric, longitude: Numeric) -> Array:
+    """Unit vector of a place.
+
+    Parameters
+    ----------
+    latitude, longitude : array, shape (...)
+        [rad].
+
+    Returns
+    -------
+    array, shape (..., 3)
+    """
+    across = jnp.cos(latitude)
+    return jnp.stack(
+        jnp.broadcast_arrays(
+            across * jnp.cos(longitude), across * jnp.sin(longitude), jnp.sin(latitude)
+        ),
+        axis=-1,
+    )
+
+
+def latitude_and_longitude(position: Any) -> tuple[Array, Array]:
+    """Place of a unit vector.
+
+    Parameters
+    ----------
+    position : array, shape (..., 3)
+        Its length does not matter.
+
+    Returns
+    -------
+    latitude, longitude : array, shape (...)
+        [rad]; the longitude of a pole is 0.
+    """
+    x, y, z = position[..., 0], position[..., 1], position[..., 2]
+    square = x**2 + y**2
+    at_pole = square <= _SMALLEST
+    # stand-ins, so that a derivative at the pole is a number
+    across = jnp.where(at_pole, 0.0, jnp.sqrt(jnp.where(at_pole, 1.0, square)))
+    east, front = jnp.where(at_pole, 0.0, y), jnp.where(at_pole, 1.0, x)
+    return jnp.arctan2(z, across), jnp.arctan2(east, front)
+
+
+def directions(latitude: Numeric, longitude: Numeric) -> Directions:
+    """East and north at a place.
+
+    Parameters
+    ----------
+    latitude, longitude : array, shape (...)
+        [rad].
+
+    Returns
+    -------
+    Directions
+    """
+    sine, cosine = jnp.sin(longitude), jnp.cos(longitude)
+    up, across = jnp.sin(latitude), jnp.cos(latitude)
+    east = jnp.broadcast_arrays(-sine, cosine, 0.0 * sine)
+    north = jnp.broadcast_arrays(-up * cosine, -up * sine, across)
+    return Directions(jnp.stack(east, axis=-1), jnp.stack(north, axis=-1))

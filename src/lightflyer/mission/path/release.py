@@ -1,0 +1,118 @@
+"""Where and when a flyer is released."""
+
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from lightflyer.core.clock import seconds_of
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import (
+    RADIANS_PER_DEGREE,
+    Altitude,
+    Checked,
+    Latitude,
+    Longitude,
+)
+from lightflyer.environment.base import AbstractEnvironment, Place
+from lightflyer.mission.path.integration import Limits, Start
+
+
+class Release(Checked):
+    """Where and when a flyer is released.
+
+    Attributes
+    ----------
+    altitude : array
+        Geometric altitude [m].
+    latitude, longitude : array
+        Geodetic [deg], north and east positive.
+    time : array
+        Seconds since 2000-01-01 12:00 UTC [s]. Constructors take a date too: a
+        :class:`datetime.datetime`, or a text such as ``"2026-06-21T12:00:00Z"``; without a time
+        zone it is UTC.
+
+    Raises
+    ------
+    ParameterError
+        If a concrete value is out of its range.
+
+    Examples
+    --------
+    >>> Release("75 km", latitude=45.0, longitude="10 deg", time="2000-01-01T12:01Z").time
+    60.0
+    """
+
+    altitude: Altitude
+    latitude: Latitude
+    longitude: Longitude
+    time: Any = eqx.field(converter=seconds_of)
+
+    def start(self) -> Start:
+        """The same in the units of the integration."""
+        place = Place(
+            jnp.asarray(self.latitude * RADIANS_PER_DEGREE, float),
+            jnp.asarray(self.longitude * RADIANS_PER_DEGREE, float),
+            jnp.asarray(self.time, float),
+        )
+        return Start(jnp.asarray(self.altitude, float), place)
+
+
+def limits_of(
+    environment: AbstractEnvironment, lowest: float | None, highest: float | None
+) -> Limits:
+    """Altitudes between which a mission goes on.
+
+    Parameters
+    ----------
+    environment : AbstractEnvironment
+    lowest, highest : float, optional
+        [m]; by default the ends of the environment.
+
+    Returns
+    -------
+    Limits
+
+    Raises
+    ------
+    ParameterError
+        If the environment knows no altitudes, or not these.
+    """
+    where = environment.coordinate
+    if where.name != "altitude":
+        raise ParameterError(f"a mission needs an environment over altitude, not over {where.name}")
+    low, high = float(where.lowest), float(where.highest)
+    for name, value in (("lowest", lowest), ("highest", highest)):
+        if value is not None and not low <= value <= high:
+            raise ParameterError(
+                f"{name} altitude {value / 1e3:g} km is outside the atmosphere, which is known "
+                f"from {low / 1e3:g} km to {high / 1e3:g} km"
+            )
+    found = Limits(low if lowest is None else lowest, high if highest is None else highest)
+    if found.lowest >= found.highest:
+        raise ParameterError("the lowest altitude must be below the highest")
+    return found
+
+
+def require_release_inside(release: Release, limits: Limits) -> None:
+    """Raise unless a flyer is released between the limits of the mission.
+
+    Parameters
+    ----------
+    release : Release
+    limits : Limits
+
+    Raises
+    ------
+    ParameterError
+    """
+    altitude = float(release.altitude)
+    for beyond, what, end in (
+        (altitude <= limits.lowest, "at or below the lowest", limits.lowest),
+        (altitude >= limits.highest, "at or above the highest", limits.highest),
+    ):
+        if beyond:
+            raise ParameterError(
+                f"release altitude {altitude / 1e3:g} km is {what} altitude of the mission, "
+                f"{float(end) / 1e3:g} km"
+            )

@@ -1,0 +1,1 @@
+"""A mission as a dataset, figures, tables and words."""

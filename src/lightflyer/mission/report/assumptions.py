@@ -1,0 +1,109 @@
+"""What a mission rests on, in words."""
+
+from dataclasses import fields
+from typing import Any
+
+import equinox as eqx
+import numpy as np
+
+from lightflyer.design.setup import Setup
+from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.force.lu2023 import READINGS, Reading
+from lightflyer.mission.fleet import Ensemble
+from lightflyer.mission.path.attitude import AbstractAttitudeRule
+from lightflyer.mission.path.dynamics import Inertia
+
+_SECONDS_AN_HOUR = 3600.0
+
+
+def described(part: Any) -> str:
+    """Class of an object and its numbers, such as a force model's.
+
+    Parameters
+    ----------
+    part : equinox.Module
+
+    Returns
+    -------
+    str
+        Tables are left out.
+    """
+    told = []
+    for field in fields(part):
+        value = getattr(part, field.name)
+        if isinstance(value, Reading):
+            told.append(f"{field.name}={_reading(value)}")
+        elif isinstance(value, eqx.Module):
+            told.append(f"{field.name}={described(value)}")
+        elif isinstance(value, str | bool | int) or np.ndim(value) == 0:
+            told.append(f"{field.name}={value}")
+    return f"{type(part).__name__}({', '.join(told)})"
+
+
+def _reading(value: Reading) -> str:
+    """Name of a reading of the paper, or its numbers."""
+    names = (name for name, known in READINGS.items() if known == value)
+    return next(names, str(value))
+
+
+def assumptions_of(
+    setup: Setup,
+    rule: AbstractAttitudeRule,
+    ensemble: Ensemble | None,
+    inertia: Inertia | None,
+) -> tuple[str, ...]:
+    """What is assumed, in short texts with units.
+
+    Parameters
+    ----------
+    setup : Setup
+    rule : AbstractAttitudeRule
+    ensemble : Ensemble or None
+    inertia : Inertia or None
+
+    Returns
+    -------
+    tuple of str
+    """
+    environment = setup.environment
+    wind = getattr(environment, "wind", None)
+    told = [f"force model: {described(setup.model)}", *_of_light(environment)]
+    told += ["wind: none"] if wind is None else list(wind.describe())
+    told.append(f"attitude: {rule.describe()}")
+    if inertia is None:
+        told.append("motion: in balance of heat and forces at each moment")
+    else:
+        told.append(
+            f"motion: with inertia, specific heat {float(inertia.specific_heat):g} J/(kg K)"
+        )
+    told.append("absorptance: the same at every incidence, for a film of layers as at the release")
+    told.append("force and heat balance: those of a flyer at rest in the gas")
+    told.append(f"drag: {setup.flyer.drag_law}")
+    return (*told, *_of_ensemble(ensemble))
+
+
+def _of_light(environment: AbstractEnvironment) -> tuple[str, ...]:
+    sky = getattr(environment, "sky", None)
+    if sky is not None:
+        return (*sky.assumptions(), *environment.assumptions_of_air())
+    return ("light: the same at all times", *environment.assumptions())
+
+
+def _of_ensemble(ensemble: Ensemble | None) -> tuple[str, ...]:
+    if ensemble is None:
+        return ()
+    told = [f"ensemble: {ensemble.members} members, seed {ensemble.seed}, every ± of the design"]
+    winds = (float(ensemble.wind), float(ensemble.vertical_wind))
+    if any(winds):
+        hours = float(ensemble.wind_correlation_time) / _SECONDS_AN_HOUR
+        told.append(
+            f"error of the wind: ± {winds[0]:g} m/s east and north, ± {winds[1]:g} m/s up, the "
+            f"same at all altitudes, correlated over {hours:g} h"
+        )
+    spread = [float(part) for part in (ensemble.altitude, ensemble.distance, ensemble.time)]
+    if any(spread):
+        told.append(
+            f"release: ± {spread[0]:g} m in altitude, ± {spread[1]:g} m north and east, "
+            f"± {spread[2]:g} s"
+        )
+    return tuple(told)

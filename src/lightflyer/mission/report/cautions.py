@@ -1,0 +1,83 @@
+"""What a reader of a mission must know: where a model or the data are beyond their range."""
+
+from typing import Any
+
+import numpy as np
+
+from lightflyer.design.cautions import cautions_in
+from lightflyer.environment.base import AbstractEnvironment, Place
+from lightflyer.mission.path.ending import MissionEnd
+from lightflyer.mission.path.motion import Craft
+
+_OWN = object()  # an environment of a user's own may move its sun as it likes
+_AT_A_POLE = 0.5 * np.pi - 1e-3  # radians of latitude; a few kilometres around it
+
+
+def cautions_along(craft: Craft, place: Place, values: dict[str, Any]) -> tuple[str, ...]:
+    """Cautions about a flyer along its way.
+
+    Parameters
+    ----------
+    craft : Craft
+    place : Place
+        Where and when the flyer is, fields of shape (times,).
+    values : dict of str to array, shape (times,)
+        ``altitude``, and the results of :func:`lightflyer.mission.path.moments.moments`.
+
+    Returns
+    -------
+    tuple of str
+        One line each.
+    """
+    setup = craft.setup
+    state = setup.environment.state(values["altitude"], place)
+    flyer, temperature, slope = setup.flyer, values["temperature"], values["slope_speed"]
+    broadside = flyer.drag_caveats(state, values["axial_speed"], "broadside", temperature)
+    edgewise = (
+        flyer.drag_caveats(state, slope, "edgewise", temperature) if np.any(slope != 0.0) else ()
+    )
+    return (
+        *cautions_in(setup, state, temperature),
+        *dict.fromkeys((*broadside, *edgewise)),
+        *_of_light(setup.environment, values["irradiance"]),
+    )
+
+
+def _of_light(environment: AbstractEnvironment, irradiance: np.ndarray) -> tuple[str, ...]:
+    if getattr(environment, "sky", _OWN) is None:
+        return (
+            "there is no day and night: the light is the same at all times, as irradiance and "
+            "incidence of [environment], or an environment without a sky, have it",
+        )
+    if np.any(irradiance > 0.0):
+        return ()
+    return ("the mission never finds light: the sun is below the horizon throughout",)
+
+
+def why_ended(
+    end: MissionEnd, environment: AbstractEnvironment, altitude: float, place: Place
+) -> str:
+    """Why a mission ended, in words.
+
+    Parameters
+    ----------
+    end : MissionEnd
+    environment : AbstractEnvironment
+    altitude : float
+        [m].
+    place : Place
+
+    Returns
+    -------
+    str
+    """
+    if end is MissionEnd.STEP_LIMIT and abs(float(place.latitude)) > _AT_A_POLE:
+        return f"{end.describe()} at a pole, where its wind has no direction"
+    if end is not MissionEnd.NO_DATA:
+        return end.describe()
+    wind = getattr(environment, "wind", None)
+    margins = {} if wind is None else wind.margins(altitude, place)
+    if not margins:
+        return MissionEnd.NO_DATA.describe()
+    nearest = min(margins, key=lambda name: float(margins[name]))
+    return f"met the end of its data: {nearest}"

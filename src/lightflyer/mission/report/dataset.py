@@ -1,0 +1,188 @@
+"""A mission as a dataset with units."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.core.clock import dates_of
+from lightflyer.core.quantity import RADIANS_PER_DEGREE
+from lightflyer.mission.path.ending import MissionEnd
+from lightflyer.mission.path.integration import Track
+from lightflyer.mission.path.moments import Variable
+from lightflyer.mission.path.position import latitude_and_longitude
+from lightflyer.program.entry_point import entry_point
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_places_of = entry_point(latitude_and_longitude)
+
+ELAPSED = "elapsed"
+"""Dimension of time."""
+
+TRACK = {
+    "altitude": Variable("m", "geometric altitude"),
+    "latitude": Variable("degree_north", "geodetic latitude"),
+    "longitude": Variable("degree_east", "longitude"),
+}
+"""Where a flyer is."""
+
+ENDS = {
+    "end_elapsed": Variable("s", "time from release to end"),
+    "end_altitude": Variable("m", "altitude at the end"),
+    "end_latitude": Variable("degree_north", "latitude at the end"),
+    "end_longitude": Variable("degree_east", "longitude at the end"),
+    "end_reason": Variable("1", "what ended the mission"),
+}
+"""Where, when and why a flight ended."""
+
+
+@dataclass(frozen=True)
+class Several:
+    """Flights along a dimension of the dataset.
+
+    Attributes
+    ----------
+    prefix : str
+        Of the names of its variables.
+    dimension : str
+    labels : dict of str to (array, Variable)
+        Coordinates along the dimension.
+    track : Track
+        Fields have a leading axis.
+    """
+
+    prefix: str
+    dimension: str
+    labels: dict[str, tuple[np.ndarray, Variable]]
+    track: Track
+
+
+def degrees_of(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Latitude and longitude of unit vectors.
+
+    Parameters
+    ----------
+    position : array, shape (..., 3)
+
+    Returns
+    -------
+    latitude, longitude : array, shape (...)
+        [deg]; NaN after the end of a flight.
+    """
+    known = np.isfinite(position).all(axis=-1)
+    safe = np.where(known[..., None], position, [1.0, 0.0, 0.0])
+    places = _places_of(safe)
+    latitude, longitude = (np.where(known, part / RADIANS_PER_DEGREE, np.nan) for part in places)
+    return latitude, longitude
+
+
+def dataset_of(
+    elapsed: np.ndarray,
+    released: float,
+    track: Track,
+    values: dict[str, np.ndarray],
+    variables: dict[str, Variable],
+) -> "xr.Dataset":
+    """A flight over time.
+
+    Parameters
+    ----------
+    elapsed : array, shape (times,)
+        [s].
+    released : float
+        Time of the release [s since 2000-01-01 12:00 UTC].
+    track : Track
+    values : dict of str to array, shape (times,)
+        NaN after the end.
+    variables : dict of str to Variable
+        Units and descriptions of the values.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over :data:`ELAPSED`, with the date as a further coordinate ``time``.
+    """
+    import xarray as xr
+
+    places = {**_places(track), **values}
+    known = TRACK | variables
+    dataset = xr.Dataset(
+        {name: (ELAPSED, values, _attributes(known[name])) for name, values in places.items()}
+    )
+    about = {"units": "s", "long_name": "time since the release"}
+    dataset.coords[ELAPSED] = (ELAPSED, elapsed, about)
+    date = {"long_name": "date (UTC)"}
+    dataset.coords["time"] = (ELAPSED, dates_of(released + elapsed), date)
+    for name, value in _ends(track).items():
+        dataset[name] = ((), value, _attributes(ENDS[name]) | _flags(name))
+    return dataset
+
+
+def add_several(dataset: "xr.Dataset", several: Several) -> None:
+    """Add the tracks and ends of further flights.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    several : Several
+    """
+    size = len(several.track.end_altitude)
+    dataset.coords[several.dimension] = (several.dimension, np.arange(size))
+    for name, (label, variable) in several.labels.items():
+        dataset.coords[name] = (several.dimension, label, _attributes(variable))
+    for name, values in _places(several.track).items():
+        dims = (several.dimension, ELAPSED)
+        dataset[several.prefix + name] = (dims, values, _attributes(TRACK[name]))
+    for name, value in _ends(several.track).items():
+        about = _attributes(ENDS[name]) | _flags(name)
+        dataset[several.prefix + name] = (several.dimension, value, about)
+
+
+def add_survival(dataset: "xr.Dataset", several: Several) -> None:
+    """Add the share of an ensemble that still flies.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    several : Several
+    """
+    flying = np.isfinite(several.track.altitude).mean(axis=0)
+    about = {"units": "1", "long_name": "share of the ensemble that is still flying"}
+    dataset[several.prefix + "flying"] = (ELAPSED, flying, about)
+
+
+def _places(track: Track) -> dict[str, np.ndarray]:
+    latitude, longitude = degrees_of(np.asarray(track.position))
+    altitude = np.asarray(track.altitude)
+    return {
+        "altitude": np.where(np.isfinite(altitude), altitude, np.nan),
+        "latitude": latitude,
+        "longitude": longitude,
+    }
+
+
+def _ends(track: Track) -> dict[str, Any]:
+    latitude, longitude = degrees_of(np.asarray(track.end_position))
+    return {
+        "end_elapsed": np.asarray(track.end_elapsed),
+        "end_altitude": np.asarray(track.end_altitude),
+        "end_latitude": latitude,
+        "end_longitude": longitude,
+        "end_reason": np.asarray(track.ending).astype(np.int8),
+    }
+
+
+def _attributes(variable: Variable) -> dict[str, Any]:
+    return {"units": variable.unit, "long_name": variable.long_name}
+
+
+def _flags(name: str) -> dict[str, Any]:
+    """What the numbers of a reason mean, as the CF conventions write it."""
+    if name != "end_reason":
+        return {}
+    return {
+        "flag_values": np.array([int(end) for end in MissionEnd], np.int8),
+        "flag_meanings": " ".join(end.name.lower() for end in MissionEnd),
+    }

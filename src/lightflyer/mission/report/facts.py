@@ -1,0 +1,191 @@
+"""What one wants to know of a mission, from its dataset."""
+
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.core.clock import seconds_of, written
+from lightflyer.mission.path.ending import MissionEnd
+from lightflyer.mission.path.position import unit_vector
+from lightflyer.mission.report.dataset import ELAPSED
+from lightflyer.program.entry_point import entry_point
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_unit_vector = entry_point(unit_vector)
+_HALF = 0.5
+"""Share of the strongest light above which it counts as day."""
+
+_INTERVAL = (2.5, 50.0, 97.5)
+"""Percentiles of a 95 % interval and its median."""
+
+_SECONDS_AN_HOUR = 3600.0
+
+
+def facts_of(dataset: "xr.Dataset") -> dict[str, Any]:
+    """A mission in numbers.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From :func:`lightflyer.fly`.
+
+    Returns
+    -------
+    dict
+        Ready for JSON, with a unit at the end of each name.
+    """
+    altitude = dataset.altitude.values
+    elapsed = dataset[ELAPSED].values
+    flying = np.isfinite(altitude)
+    end = float(dataset.end_elapsed)
+    ends = np.append(altitude[flying], float(dataset.end_altitude))
+    when = np.append(elapsed[flying], end)
+    lowest, highest = int(np.argmin(ends)), int(np.argmax(ends))
+    hours, nights = _light(dataset)
+    facts: dict[str, Any] = {
+        "released": date_after(dataset, 0.0),
+        "ended": date_after(dataset, end),
+        "end": dataset.attrs["end"],
+        "end_reason": MissionEnd(int(dataset.end_reason)).name.lower(),
+        "duration_h": end / _SECONDS_AN_HOUR,
+        "end_altitude_km": float(dataset.end_altitude) / 1e3,
+        "end_latitude_deg": float(dataset.end_latitude),
+        "end_longitude_deg": float(dataset.end_longitude),
+        "lowest_altitude_km": ends[lowest] / 1e3,
+        "lowest_at_h": when[lowest] / _SECONDS_AN_HOUR,
+        "highest_altitude_km": ends[highest] / 1e3,
+        "highest_at_h": when[highest] / _SECONDS_AN_HOUR,
+        "light_h": hours,
+        "nights": nights,
+    }
+    if "ensemble_flying" in dataset:
+        facts["ensemble"] = _of_ensemble(dataset)
+    if "launch_end_reason" in dataset:
+        facts["launches"] = _of_launches(dataset)
+    return facts
+
+
+def date_after(dataset: "xr.Dataset", elapsed: float) -> str:
+    """Date some time after the release, in words.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    elapsed : float
+        [s].
+
+    Returns
+    -------
+    str
+    """
+    return written(seconds_of(dataset.time.values[0]) + elapsed)
+
+
+def day_and_night(dataset: "xr.Dataset") -> list[tuple[float, float, bool]]:
+    """Spans of light and of darkness.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+
+    Returns
+    -------
+    list of (float, float, bool)
+        Begin and end of each [s after the release], and whether it is day: more than half of the
+        strongest light of the mission.
+    """
+    light = dataset.irradiance.values
+    known = np.isfinite(light)
+    elapsed, light = dataset[ELAPSED].values[known], light[known]
+    strongest = light.max(initial=0.0)
+    over = light - _HALF * strongest if strongest > 0.0 else light - 1.0
+    changes = np.flatnonzero(np.diff(np.sign(over)) != 0)
+    before, after = over[changes], over[changes + 1]
+    share = before / (before - after)
+    moments = elapsed[changes] + share * (elapsed[changes + 1] - elapsed[changes])
+    last = float(dataset.end_elapsed)
+    edges = np.concatenate([[0.0], moments, [last]])
+    is_day = bool(over[0] > 0.0)
+    found = []
+    for begin, end in pairwise(edges):
+        found.append((float(begin), float(end), is_day))
+        is_day = not is_day
+    return found
+
+
+def _light(dataset: "xr.Dataset") -> tuple[float, list[dict[str, Any]]]:
+    """Hours of light, and each night with the altitudes at its begin and end."""
+    spans = day_and_night(dataset)
+    hours = sum(end - begin for begin, end, is_day in spans if is_day) / _SECONDS_AN_HOUR
+    altitude, elapsed = dataset.altitude.values, dataset[ELAPSED].values
+    known = np.isfinite(altitude)
+    elapsed = np.append(elapsed[known], float(dataset.end_elapsed))
+    altitude = np.append(altitude[known], float(dataset.end_altitude))
+    nights = []
+    for begin, end, is_day in spans:
+        if is_day or begin == end:
+            continue
+        at = np.interp([begin, end], elapsed, altitude) / 1e3
+        nights.append(
+            {
+                "begins": date_after(dataset, begin),
+                "ends": date_after(dataset, end),
+                "duration_h": (end - begin) / _SECONDS_AN_HOUR,
+                "altitude_at_begin_km": float(at[0]),
+                "altitude_at_end_km": float(at[1]),
+                "whole": begin > 0.0 and end < float(dataset.end_elapsed),
+            }
+        )
+    return hours, nights
+
+
+def _of_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
+    """An ensemble in numbers."""
+    reasons = dataset.ensemble_end_reason.values
+    return {
+        "members": int(dataset.sizes["member"]),
+        "still_flying": float(np.mean(reasons == MissionEnd.STILL_FLYING)),
+        "ends": {
+            end.name.lower(): int(np.sum(reasons == end))
+            for end in MissionEnd
+            if np.any(reasons == end)
+        },
+        "duration_h": _interval(dataset.ensemble_end_elapsed.values / _SECONDS_AN_HOUR),
+        "end_altitude_km": _interval(dataset.ensemble_end_altitude.values / 1e3),
+        "distance_from_nominal_end_km": _interval(_distances(dataset)),
+    }
+
+
+def _interval(values: np.ndarray) -> dict[str, float]:
+    low, median, high = np.percentile(values, _INTERVAL)
+    return {"low": float(low), "median": float(median), "high": float(high)}
+
+
+def _distances(dataset: "xr.Dataset") -> np.ndarray:
+    """Great-circle distances of the members' ends from that of the flyer as it is stated [km]."""
+    names = ("end_latitude", "end_longitude")
+    here, there = (
+        _unit_vector(*(np.radians(dataset[prefix + name].values) for name in names))
+        for prefix in ("", "ensemble_")
+    )
+    across = np.linalg.norm(np.cross(here, there), axis=-1)
+    angle = np.arctan2(across, there @ here)
+    return angle * float(dataset.attrs["planet_radius_km"])
+
+
+def _of_launches(dataset: "xr.Dataset") -> list[dict[str, Any]]:
+    lowest = dataset.launch_altitude.min(ELAPSED).values
+    return [
+        {
+            "released": date_after(dataset, float(dataset.launch_delay[number])),
+            "delay_h": float(dataset.launch_delay[number]) / _SECONDS_AN_HOUR,
+            "end_reason": MissionEnd(int(dataset.launch_end_reason[number])).name.lower(),
+            "duration_h": float(dataset.launch_end_elapsed[number]) / _SECONDS_AN_HOUR,
+            "end_altitude_km": float(dataset.launch_end_altitude[number]) / 1e3,
+            "lowest_altitude_km": float(lowest[number]) / 1e3,
+        }
+        for number in range(dataset.sizes["launch"])
+    ]

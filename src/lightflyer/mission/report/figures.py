@@ -1,0 +1,296 @@
+"""Figures of a mission: altitude over time, ground track, flyer over time, survival."""
+
+import itertools
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
+from matplotlib.figure import Figure
+
+from lightflyer.environment.planet import EARTH_PLANET
+from lightflyer.files.drawing import (
+    BLUE,
+    GREY,
+    INTERVAL,
+    LINES,
+    ORANGE,
+    PALETTE,
+    SKY,
+    VERMILION,
+    legend_below,
+    new_figure,
+    wrapped,
+)
+from lightflyer.mission.report.coastline import coastline
+from lightflyer.mission.report.dataset import ELAPSED
+from lightflyer.mission.report.facts import day_and_night
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_NIGHT = "#D8DCE6"
+_KILOMETRE = 1e3
+_INTERVAL = (2.5, 97.5)
+_MOST_LINES = 100  # tracks of an ensemble that are drawn one by one
+_FEWEST_FLYING = 10  # members below which their interval says nothing
+_LEAST_VIEW = 20.0  # degrees of a map's width and height
+_MOST_NAMED = 16  # launches in a legend
+_WORLD = 300.0  # degrees of a map's width from which on the whole world is drawn
+_MARGIN = 1.2
+_ENDS = "", "_low", "_high"  # of the names of a share and its interval
+_LABEL = 30  # characters of a line in a legend
+_QUARTER_TURN, _HALF_TURN, _TURN = 90.0, 180.0, 360.0
+_FLATTEST = 0.2  # cosine of the latitude beyond which a map is not stretched further
+
+
+def mission_figures(dataset: "xr.Dataset") -> dict[str, Figure]:
+    """Figures of a mission.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From :func:`lightflyer.fly`.
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+        By file name without ending.
+    """
+    figures = {
+        "altitude": _altitude(dataset),
+        "ground_track": _ground_track(dataset),
+        "flight": _flight(dataset),
+    }
+    if "ensemble_flying" in dataset:
+        figures["survival"] = _survival(dataset)
+    if "launch_altitude" in dataset:
+        figures["launches"] = _launches(dataset)
+    return figures
+
+
+def plot_spread(dataset: "xr.Dataset") -> Figure:
+    """Shares of a swarm that still fly, and that are inside areas, over time.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From :func:`lightflyer.spread`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        With the 95 % intervals.
+    """
+    figure = new_figure(width=8.0)
+    (axes,) = figure.axes
+    shares = {"still flying": [dataset["flying" + end].values for end in _ENDS]}
+    for number, area in enumerate(dataset.area.values if "area" in dataset.coords else ()):
+        shares[str(area)] = [dataset["inside" + end].values[number] for end in _ENDS]
+    looks = zip(itertools.cycle(PALETTE), itertools.cycle(LINES), strict=False)
+    for (name, values), (colour, line) in zip(shares.items(), looks, strict=False):
+        share, low, high = 100.0 * np.array(values)
+        label = wrapped(name, _LABEL)
+        axes.plot(dataset.time.values, share, color=colour, ls=line, label=label)
+        axes.fill_between(dataset.time.values, low, high, color=colour, alpha=0.2, lw=0.0)
+    axes.set_ylim(0.0, 105.0)
+    axes.set_ylabel(f"share of {int(dataset.members)} members [%]")
+    _over_time(axes, dataset)
+    figure.legend(title=f"shaded: {INTERVAL}", fontsize="small", loc="outside right upper")
+    return figure
+
+
+def _altitude(dataset: "xr.Dataset") -> Figure:
+    figure = new_figure(width=8.0)
+    (axes,) = figure.axes
+    _shade(axes, dataset)
+    time = dataset.time.values
+    if "ensemble_altitude" in dataset:
+        low, high = _spread(dataset.ensemble_altitude.values / _KILOMETRE)
+        label = "95 % of the ensemble still flying"
+        axes.fill_between(time, low, high, color=SKY, alpha=0.5, linewidth=0.0, label=label)
+    axes.plot(time, dataset.altitude / _KILOMETRE, color=BLUE, label="flyer as stated")
+    end = time[0] + np.timedelta64(round(float(dataset.end_elapsed) * 1e9), "ns")
+    altitude = float(dataset.end_altitude) / _KILOMETRE
+    axes.plot(end, altitude, "o", color=VERMILION, label=f"end: {dataset.attrs['end']}")
+    axes.set_ylabel("altitude [km]")
+    _over_time(axes, dataset)
+    legend_below(axes)
+    return figure
+
+
+def _flight(dataset: "xr.Dataset") -> Figure:
+    """Lift over weight, light and temperature over time."""
+    figure = new_figure(width=8.0, height=7.0, rows=3)
+    time = dataset.time.values
+    lift, light, heat = figure.axes
+    lift.axhline(1.0, color=GREY, linewidth=0.8)
+    lift.plot(time, dataset.lift_over_weight, color=BLUE)
+    lift.set_ylabel("lift / weight")
+    light.plot(time, dataset.irradiance, color=ORANGE)
+    light.set_ylabel("light [W/m²]")
+    heat.plot(time, dataset.temperature, color=VERMILION, label="flyer")
+    heat.plot(time, dataset.gas_temperature, color=GREY, linestyle="--", label="gas")
+    heat.set_ylabel("temperature [K]")
+    for axes in figure.axes:
+        _shade(axes, dataset)
+        _over_time(axes, dataset)
+    for axes in (lift, light):
+        axes.set_xlabel("")
+        axes.tick_params(labelbottom=False)
+        axes.xaxis.get_offset_text().set_visible(False)
+    legend_below(heat)
+    return figure
+
+
+def _ground_track(dataset: "xr.Dataset") -> Figure:
+    figure = new_figure(width=8.0, height=4.6)
+    (axes,) = figure.axes
+    view = _view(dataset)
+    if dataset.attrs["planet"] == EARTH_PLANET.name:
+        shore, latitude = coastline()
+        for turn in (-_TURN, 0.0, _TURN):
+            axes.plot(shore + turn, latitude, color=GREY, linewidth=0.6)
+    if "ensemble_longitude" in dataset:
+        tracks = zip(
+            dataset.ensemble_longitude.values[:_MOST_LINES],
+            dataset.ensemble_latitude.values[:_MOST_LINES],
+            strict=True,
+        )
+        for longitude, latitude in tracks:
+            axes.plot(*view.line(longitude, latitude), color=SKY, linewidth=0.4)
+        axes.plot(
+            view.points(dataset.ensemble_end_longitude.values),
+            dataset.ensemble_end_latitude.values,
+            ".",
+            color=ORANGE,
+            markersize=3.0,
+            label="ends of the ensemble",
+        )
+    longitude, latitude = dataset.longitude.values, dataset.latitude.values
+    axes.plot(*view.line(longitude, latitude), color=BLUE, label="flyer as stated")
+    axes.plot(view.points(longitude[:1]), latitude[:1], "^", color=BLUE, label="release")
+    end = view.points(np.array([float(dataset.end_longitude)]))
+    axes.plot(end, float(dataset.end_latitude), "o", color=VERMILION, label="end")
+    axes.set_xlim(view.west, view.east)
+    axes.set_ylim(view.south, view.north)
+    middle = np.cos(np.radians(0.5 * (view.south + view.north)))
+    axes.set_aspect(1.0 / max(middle, _FLATTEST), adjustable="box")
+    axes.set_xlabel("longitude [°]")
+    axes.set_ylabel("latitude [°]")
+    legend_below(axes)
+    return figure
+
+
+def _survival(dataset: "xr.Dataset") -> Figure:
+    figure = new_figure(width=8.0)
+    (axes,) = figure.axes
+    _shade(axes, dataset)
+    flying = np.isfinite(dataset.ensemble_altitude.values).mean(axis=0)
+    axes.step(dataset.time.values, 100.0 * flying, where="post", color=BLUE)
+    axes.set_ylim(0.0, 105.0)
+    axes.set_ylabel("share still flying [%]")
+    _over_time(axes, dataset)
+    return figure
+
+
+def _launches(dataset: "xr.Dataset") -> Figure:
+    """Altitude over time since each release."""
+    figure = new_figure(width=8.0)
+    (axes,) = figure.axes
+    hours = dataset[ELAPSED].values / 3600.0
+    delays = dataset.launch_delay.values / 3600.0
+    colours = _colours(len(delays))
+    for delay, line, colour in zip(delays, dataset.launch_altitude.values, colours, strict=True):
+        axes.plot(hours, line / _KILOMETRE, color=colour, label=f"+{delay:.4g} h")
+    axes.set_xlabel("time since the release [h]")
+    axes.set_ylabel("altitude [km]")
+    if len(delays) <= _MOST_NAMED:
+        figure.legend(title="released", fontsize="small", loc="outside right upper")
+    return figure
+
+
+def _colours(count: int) -> list[Any]:
+    from matplotlib import colormaps
+
+    return [colormaps["viridis"](share) for share in np.linspace(0.0, 0.9, count)]
+
+
+def _shade(axes: Axes, dataset: "xr.Dataset") -> None:
+    """Shade the nights."""
+    start, named = dataset.time.values[0], False
+    for begin, end, is_day in day_and_night(dataset):
+        if is_day:
+            continue
+        ends = [start + np.timedelta64(round(1e9 * edge), "ns") for edge in (begin, end)]
+        label = "" if named else "night at the flyer"
+        axes.axvspan(*ends, color=_NIGHT, linewidth=0.0, zorder=0, label=label)
+        named = True
+
+
+def _over_time(axes: Axes, dataset: "xr.Dataset") -> None:
+    locator = AutoDateLocator()  # type: ignore[no-untyped-call]
+    axes.xaxis.set_major_locator(locator)
+    written = ConciseDateFormatter(locator)  # type: ignore[no-untyped-call]
+    axes.xaxis.set_major_formatter(written)
+    axes.set_xlim(dataset.time.values[0], dataset.time.values[-1])
+    axes.set_xlabel("UTC")
+
+
+def _spread(altitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """95 % interval of those still flying, where enough are."""
+    enough = np.isfinite(altitude).sum(axis=0) >= _FEWEST_FLYING
+    found = np.full((2, altitude.shape[1]), np.nan)
+    found[:, enough] = np.nanpercentile(altitude[:, enough], _INTERVAL, axis=0)
+    return found[0], found[1]
+
+
+class _View(NamedTuple):
+    """Edges of a map [deg]; the western one may lie beyond the date line."""
+
+    west: float
+    east: float
+    south: float
+    north: float
+
+    def points(self, longitude: np.ndarray) -> np.ndarray:
+        """Longitudes as the map has them."""
+        middle = 0.5 * (self.west + self.east)
+        found: np.ndarray = middle + (longitude - middle + _HALF_TURN) % _TURN - _HALF_TURN
+        return found
+
+    def line(self, longitude: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """A line as the map has it, with gaps where it leaves at one edge and enters at another."""
+        placed = self.points(longitude)
+        jumps = np.flatnonzero(np.abs(np.diff(placed)) > _HALF_TURN) + 1
+        return np.insert(placed, jumps, np.nan), np.insert(latitude, jumps, np.nan)
+
+
+def _view(dataset: "xr.Dataset") -> _View:
+    """What a map shows: all that is drawn, or the whole world."""
+    longitude, latitude = [dataset.longitude.values], [dataset.latitude.values]
+    if "ensemble_longitude" in dataset:
+        longitude += list(dataset.ensemble_longitude.values)
+        latitude += list(dataset.ensemble_latitude.values)
+    unbroken = np.concatenate([_unbroken(line) for line in longitude])
+    west, east = np.nanmin(unbroken), np.nanmax(unbroken)
+    south, north = np.nanmin(np.concatenate(latitude)), np.nanmax(np.concatenate(latitude))
+    width = max(_LEAST_VIEW, _MARGIN * (east - west), _MARGIN * (north - south))
+    if width > _WORLD:
+        return _View(-_HALF_TURN, _HALF_TURN, -_QUARTER_TURN, _QUARTER_TURN)
+    height = max(_MARGIN * (north - south), 0.5 * width)
+    middle, centre = 0.5 * (east + west), 0.5 * (south + north)
+    return _View(
+        middle - 0.5 * width,
+        middle + 0.5 * width,
+        max(centre - 0.5 * height, -_QUARTER_TURN),
+        min(centre + 0.5 * height, _QUARTER_TURN),
+    )
+
+
+def _unbroken(longitude: np.ndarray) -> np.ndarray:
+    """Longitudes that go on beyond the date line instead of jumping over the map."""
+    known = np.isfinite(longitude)
+    found = np.full(longitude.shape, np.nan)
+    found[known] = np.unwrap(longitude[known], period=_TURN)
+    return found

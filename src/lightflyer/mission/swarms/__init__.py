@@ -1,0 +1,1 @@
+"""Many flyers: spread by the wind, or tethered to one payload."""

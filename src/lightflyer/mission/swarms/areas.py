@@ -1,0 +1,156 @@
+"""Areas on a planet in which flyers may be."""
+
+import abc
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import (
+    RADIANS_PER_DEGREE,
+    Checked,
+    GroundDistance,
+    Latitude,
+    Longitude,
+)
+
+_FEWEST_CORNERS = 3
+_EDGE = 1e-12  # of a unit vector, by which a corner may miss the hemisphere
+
+
+class AbstractArea(Checked):
+    """An area on a planet. Subclasses are final."""
+
+    @abc.abstractmethod
+    def contains(self, position: np.ndarray, planet_radius: float) -> np.ndarray:
+        """Whether positions lie in the area.
+
+        Parameters
+        ----------
+        position : array, shape (..., 3)
+            Unit vectors in the planet's frame.
+        planet_radius : float
+            [m].
+
+        Returns
+        -------
+        bool array, shape (...)
+        """
+
+    @abc.abstractmethod
+    def describe(self) -> str:
+        """The area in a few words."""
+
+
+class Circle(AbstractArea):
+    """All places within a distance of one.
+
+    Attributes
+    ----------
+    latitude, longitude : array
+        Of its middle [deg].
+    radius : array
+        Along the ground [m].
+
+    Examples
+    --------
+    >>> Circle(45.0, 10.0, "300 km").describe()
+    'within 300 km of 45° N, 10° E'
+    """
+
+    latitude: Latitude
+    longitude: Longitude
+    radius: GroundDistance
+
+    def contains(self, position: np.ndarray, planet_radius: float) -> np.ndarray:
+        """See :meth:`AbstractArea.contains`."""
+        middle = _units(self.latitude, self.longitude)
+        # by the chord, which small distances do not round away
+        chord = np.linalg.norm(position - middle, axis=-1)
+        angle = min(float(self.radius) / planet_radius, np.pi)
+        return np.asarray(chord <= 2.0 * np.sin(0.5 * angle))
+
+    def describe(self) -> str:
+        """See :meth:`AbstractArea.describe`."""
+        place = _described(float(self.latitude), float(self.longitude))
+        return f"within {float(self.radius) / 1e3:g} km of {place}"
+
+
+class Polygon(AbstractArea):
+    """An area between corners that are joined by the shortest ways.
+
+    Attributes
+    ----------
+    latitudes, longitudes : array, shape (corners,)
+        In order around the area [deg]; the last is joined to the first. Date line and poles are
+        nothing special.
+
+    Raises
+    ------
+    ParameterError
+        If there are fewer than three corners, or they do not lie within one half of the planet.
+    """
+
+    latitudes: Latitude
+    longitudes: Longitude
+
+    def __post_init__(self) -> None:
+        corners = np.shape(self.latitudes)
+        if corners != np.shape(self.longitudes) or len(corners) != 1:
+            raise ParameterError("a polygon needs one latitude and one longitude for each corner")
+        if corners[0] < _FEWEST_CORNERS:
+            raise ParameterError(f"a polygon of {corners[0]} corners has no area")
+        units = _units(self.latitudes, self.longitudes)
+        if np.any(units @ _middle(units) <= _EDGE):
+            raise ParameterError("the corners of a polygon must lie within one half of the planet")
+
+    def contains(self, position: np.ndarray, planet_radius: float) -> np.ndarray:
+        """See :meth:`AbstractArea.contains`: by how often the edges wind around a position."""
+        del planet_radius
+        units = _units(self.latitudes, self.longitudes)
+        winding = np.zeros(position.shape[:-1])
+        for corner, following in zip(units, np.roll(units, -1, axis=0), strict=True):
+            # directions to both corners in the plane that touches the planet at the position
+            straight = position @ np.cross(corner, following)
+            along = corner @ following - (position @ corner) * (position @ following)
+            winding += np.arctan2(straight, along)
+        ahead = position @ _middle(units) > 0.0  # the antipodes see the same winding
+        return np.asarray(ahead & (np.abs(winding) > np.pi))
+
+    def describe(self) -> str:
+        """See :meth:`AbstractArea.describe`."""
+        corners = zip(np.asarray(self.latitudes), np.asarray(self.longitudes), strict=True)
+        return "polygon of " + "; ".join(_described(*map(float, corner)) for corner in corners)
+
+
+def _units(latitude: Any, longitude: Any) -> np.ndarray:
+    """Unit vectors of places in degrees, shape (..., 3)."""
+    north, east = (RADIANS_PER_DEGREE * np.asarray(part, float) for part in (latitude, longitude))
+    parts = np.cos(north) * np.cos(east), np.cos(north) * np.sin(east), np.sin(north)
+    return np.stack(parts, axis=-1)
+
+
+def _middle(units: np.ndarray) -> np.ndarray:
+    """Direction of the mean of corners."""
+    total = units.sum(axis=0)
+    return np.asarray(total / max(float(np.linalg.norm(total)), _EDGE))
+
+
+def _described(latitude: float, longitude: float) -> str:
+    north, east = "N" if latitude >= 0.0 else "S", "E" if longitude >= 0.0 else "W"
+    return f"{abs(latitude):g}° {north}, {abs(longitude):g}° {east}"
+
+
+def describe_all(areas: Sequence[AbstractArea]) -> list[str]:
+    """Areas in words.
+
+    Parameters
+    ----------
+    areas : sequence of AbstractArea
+
+    Returns
+    -------
+    list of str
+    """
+    return [area.describe() for area in areas]

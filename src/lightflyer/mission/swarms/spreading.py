@@ -1,0 +1,465 @@
+"""Where the members of a released swarm are after days: shares, with what chance leaves open."""
+
+import itertools
+import json
+import pickle
+import zipfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import jax
+import numpy as np
+
+import lightflyer
+from lightflyer.compute.scheduler import connected
+from lightflyer.compute.store import versions
+from lightflyer.config.designs import as_design
+from lightflyer.core.atomic_files import output_directory
+from lightflyer.core.clock import dates_of
+from lightflyer.core.errors import OutputError, ParameterError
+from lightflyer.core.extras import extra
+from lightflyer.core.pickling import dumps
+from lightflyer.core.progress import Counted, Step, reported_to
+from lightflyer.design.design import AbstractDesign, digest
+from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.mission.fleet import BATCH, Ensemble, flights_of, fly_all
+from lightflyer.mission.mission import times_of
+from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
+from lightflyer.mission.path.ending import MissionEnd
+from lightflyer.mission.path.integration import TOLERANCE, Accuracy, Limits, Start, Track
+from lightflyer.mission.path.motion import planet_of
+from lightflyer.mission.path.position import unit_vector
+from lightflyer.mission.path.release import Release, limits_of, require_release_inside
+from lightflyer.mission.report.assumptions import assumptions_of
+from lightflyer.mission.report.dataset import ELAPSED, degrees_of
+from lightflyer.mission.swarms.areas import AbstractArea, describe_all
+from lightflyer.program.entry_point import entry_point
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MEMBERS = 8 * BATCH - 1
+"""Members that are flown and counted together; with them goes the flyer as it is stated."""
+
+CONFIDENCE = 0.95
+"""Of the intervals of shares."""
+
+_unit_vector = entry_point(unit_vector)
+_EVERY = 3600.0  # seconds between counts where nobody asks for a spacing
+_RETRIES = 3
+_AHEAD = 3  # batches handed out per thread of a cluster
+_STUDY = "spread.json"
+
+
+class Counts(NamedTuple):
+    """Sums over members, which is all that is kept of them.
+
+    Attributes
+    ----------
+    flying : array, shape (times,)
+        Members that still fly.
+    inside : array, shape (areas, times)
+        Those of them inside each area.
+    moved : array, shape (times, 3)
+        Sum of the differences of their unit vectors from that of the release.
+    moved_squared : array, shape (times,)
+        Sum of the squares of these.
+    climbed, climbed_squared : array, shape (times,)
+        Sums of their altitudes above the release's [m], and of the squares [m²].
+    ends : array, shape (reasons,)
+        Members by what ended their flight.
+    """
+
+    flying: np.ndarray
+    inside: np.ndarray
+    moved: np.ndarray
+    moved_squared: np.ndarray
+    climbed: np.ndarray
+    climbed_squared: np.ndarray
+    ends: np.ndarray
+
+
+@dataclass(frozen=True)
+class _Swarm:
+    """Everything that a batch of members needs, wherever it is flown."""
+
+    design: AbstractDesign
+    rule: AbstractAttitudeRule
+    start: Start
+    ensemble: Ensemble
+    areas: tuple[AbstractArea, ...]
+    limits: Limits
+    elapsed: np.ndarray
+    accuracy: Accuracy
+
+    @property
+    def batches(self) -> int:
+        """How many there are."""
+        return -(-self.ensemble.members // MEMBERS)
+
+    def size(self, batch: int) -> int:
+        """Members in a batch."""
+        return min(MEMBERS, self.ensemble.members - batch * MEMBERS)
+
+    def seed(self, batch: int) -> int:
+        """Of a batch's random numbers, which depend on nothing else."""
+        sequence = np.random.SeedSequence(self.ensemble.seed, spawn_key=(batch,))
+        return int(sequence.generate_state(1)[0])
+
+
+def spread(
+    what: Any,
+    environment: AbstractEnvironment | None = None,
+    model: AbstractForceModel | None = None,
+    *,
+    release: Release,
+    duration: Any,
+    ensemble: Ensemble,
+    areas: Sequence[AbstractArea] = (),
+    every: Any = _EVERY,
+    attitude: AbstractAttitudeRule | None = None,
+    lowest: Any = None,
+    highest: Any = None,
+    tolerance: float = TOLERANCE,
+    folder: str | Path | None = None,
+    scheduler: str | None = None,
+) -> "xr.Dataset":
+    """Spread of a swarm that is released at once: the share still flying, and inside areas.
+
+    Parameters
+    ----------
+    what, environment, model, release, duration, attitude, lowest, highest, tolerance
+        As for :func:`lightflyer.fly`.
+    ensemble : Ensemble
+        How many members, and what differs from one to another, beside every ± of the design.
+    areas : sequence of AbstractArea
+        Such as :class:`~lightflyer.mission.Circle`.
+    every : float
+        Time between the counts [s].
+    folder : path, optional
+        Keeps the counts of each batch of members. The same call continues where it was
+        interrupted.
+    scheduler : str, optional
+        Address of a Dask scheduler, on whose workers the members fly; by default they fly in
+        threads of this process.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``elapsed`` and ``area``: ``flying`` and ``inside``, shares of all members, with the
+        95 % intervals of a binomial share (Clopper and Pearson) in ``flying_low`` and so on; of
+        those that still fly the middle ``latitude``, ``longitude``, the root mean square
+        ``distance`` from it, mean and standard deviation of the altitude.
+
+    Raises
+    ------
+    ParameterError
+        As :func:`lightflyer.fly`.
+    OutputError
+        If the folder holds another swarm, or something else.
+
+    Notes
+    -----
+    The interval is what the finite number of members leaves open. Wrong inputs are not in it.
+    Members do not feel each other.
+
+    Examples
+    --------
+    >>> import lightflyer as lf
+    >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    >>> swarm = lf.spread(
+    ...     lf.Disk(film, radius=0.005), lf.Earth(), lf.Lu2023(), duration="6 h", every="3 h",
+    ...     release=lf.Release("75 km", latitude=45.0, longitude=0.0, time="2026-06-21T12:00Z"),
+    ...     ensemble=lf.Ensemble(members=50, wind=15.0),
+    ...     areas=[lf.mission.Circle(45.0, 0.0, "300 km")],
+    ... )
+    >>> f"{float(swarm.inside[0, -1]):.2f}"
+    '0.36'
+    """
+    design = as_design(what, environment, model)
+    setup, rule = design.setup, attitude or Own()
+    limits = limits_of(setup.environment, lowest, highest)
+    require_release_inside(release, limits)
+    _require_members(ensemble, areas)
+    elapsed = times_of(duration, every)
+    with lightflyer.float64():  # raises where the data of winds or ground do not reach
+        start = release.start()
+        setup.environment.state(float(release.altitude), start.place)
+    accuracy = Accuracy.lasting(float(elapsed[-1]), tolerance)
+    swarm = _Swarm(design, rule, start, ensemble, tuple(areas), limits, elapsed, accuracy)
+    counts = _counted(swarm, None if folder is None else Path(folder), scheduler)
+    dataset = _dataset(swarm, counts)
+    dataset.attrs |= {
+        "title": "lightflyer spread",
+        "lightflyer_version": lightflyer.__version__,
+        "flyer": setup.flyer.describe(),
+        "areas": "; ".join(describe_all(areas)),
+        "assumptions": "; ".join(assumptions_of(setup, rule, ensemble, None)),
+        "warnings": "; ".join((*design.warnings, *_cautions(counts))),
+    }
+    return dataset
+
+
+def _require_members(ensemble: Ensemble, areas: Sequence[AbstractArea]) -> None:
+    if ensemble.members < 1:
+        raise ParameterError(f"a swarm of {ensemble.members} members is none")
+    for area in areas:
+        if not isinstance(area, AbstractArea):
+            raise ParameterError(f"areas are a Circle or a Polygon, not {type(area).__name__}")
+
+
+def count_batch(swarm: _Swarm, batch: int) -> Counts:
+    """Fly a batch of members and count them."""
+    ensemble = replace(swarm.ensemble, members=swarm.size(batch), seed=swarm.seed(batch))
+    flights = flights_of(swarm.design, swarm.rule, swarm.start, ensemble)
+    with reported_to(_silent):  # whole batches are reported
+        tracks = fly_all(flights, swarm.limits, swarm.elapsed, swarm.accuracy)
+    # without the flyer as it is stated
+    return _counts_of(jax.tree.map(lambda leaf: leaf[1:], tracks), swarm)
+
+
+def _silent(step: Step) -> None:
+    """Hear of a step without telling it."""
+
+
+def _counts_of(tracks: Track, swarm: _Swarm) -> Counts:
+    flying = np.isfinite(tracks.altitude)
+    moved = np.where(flying[..., None], tracks.position - _release(swarm), 0.0)
+    climbed = np.where(flying, tracks.altitude - float(swarm.start.altitude), 0.0)
+    radius = float(planet_of(swarm.design.setup.environment).radius)
+    inside = [
+        np.sum(flying & area.contains(_release(swarm) + moved, radius), axis=0)
+        for area in swarm.areas
+    ]
+    return Counts(
+        flying.sum(axis=0),
+        np.reshape(inside, (len(swarm.areas), swarm.elapsed.size)).astype(int),
+        moved.sum(axis=0),
+        np.square(moved).sum(axis=(0, 2)),
+        climbed.sum(axis=0),
+        np.square(climbed).sum(axis=0),
+        np.bincount(np.asarray(tracks.ending), minlength=len(MissionEnd)),
+    )
+
+
+def _release(swarm: _Swarm) -> np.ndarray:
+    """Unit vector of the place of the release."""
+    place = swarm.start.place
+    return np.asarray(_unit_vector(place.latitude, place.longitude))
+
+
+def _counted(swarm: _Swarm, folder: Path | None, scheduler: str | None) -> Counts:
+    """Sums over all batches: those that a folder has, and those that are flown now."""
+    found = {} if folder is None else _kept(swarm, folder)
+    missing = [batch for batch in range(swarm.batches) if batch not in found]
+    done = sum(swarm.size(batch) for batch in found)
+    counted = Counted("flying", swarm.ensemble.members, "flights", done)
+    for batch, counts in _flown(swarm, missing, scheduler):
+        if folder is not None:
+            with output_directory(folder) as path:
+                np.savez(path(_name(batch)), **counts._asdict())
+        found[batch] = counts
+        counted.add(swarm.size(batch))
+    # in the order of the batches, so that the sums do not depend on who was first
+    ordered = [found[batch] for batch in sorted(found)]
+    return Counts(*(np.sum(parts, axis=0) for parts in zip(*ordered, strict=True)))
+
+
+def _flown(
+    swarm: _Swarm, missing: list[int], scheduler: str | None
+) -> Iterator[tuple[int, Counts]]:
+    if scheduler is None:
+        yield from ((batch, count_batch(swarm, batch)) for batch in missing)
+    elif missing:
+        with connected(scheduler) as client:
+            yield from _flown_on_dask(swarm, missing, client)
+
+
+def _flown_on_dask(swarm: _Swarm, missing: list[int], client: Any) -> Iterator[tuple[int, Counts]]:
+    """Counts of batches that workers fly, as they are done."""
+    distributed: Any = extra("distributed", "scheduler", "sweep")
+    # made by a task and not scattered: it can be made again when its worker is lost
+    shared = client.submit(pickle.loads, dumps(swarm), pure=False)
+    waiting = iter(missing)
+
+    def submit(batch: int) -> Any:
+        return client.submit(_numbered, shared, batch, pure=False, retries=_RETRIES)
+
+    threads = max(sum(client.nthreads().values()), 1)
+    first = [submit(batch) for batch in itertools.islice(waiting, _AHEAD * threads)]
+    queue = distributed.as_completed(first, loop=client.loop, with_results=True)
+    for _, found in queue:
+        for more in itertools.islice(waiting, 1):
+            queue.add(submit(more))
+        yield found
+
+
+def _numbered(swarm: _Swarm, batch: int) -> tuple[int, Counts]:
+    return batch, count_batch(swarm, batch)
+
+
+def _name(batch: int) -> str:
+    return f"batch-{batch:06d}.npz"
+
+
+def _kept(swarm: _Swarm, folder: Path) -> dict[int, Counts]:
+    """Counts that a folder has of this swarm; the folder is made if there is none."""
+    described = _described(swarm)
+    record = folder / _STUDY
+    try:
+        if not record.exists():
+            if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+                raise OutputError(
+                    f"{folder}: already exists and is no swarm; choose another folder"
+                )
+            with output_directory(folder) as path:
+                path(_STUDY).write_text(json.dumps(described, indent=1), encoding="utf-8")
+            return {}
+        stored = json.loads(record.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        if isinstance(error, OutputError):
+            raise
+        raise OutputError(f"{record}: cannot be read or written: {error}") from None
+    unlike = [key for key in {**stored, **described} if stored.get(key) != described.get(key)]
+    if unlike:
+        raise OutputError(
+            f"{folder}: holds another swarm, which differs in {', '.join(unlike[:3])}; choose "
+            "another folder or remove it"
+        )
+    kept = ((batch, _read(folder / _name(batch))) for batch in range(swarm.batches))
+    return {batch: counts for batch, counts in kept if counts is not None}
+
+
+def _read(path: Path) -> Counts | None:
+    """Counts of a file; None where there is none, or not a whole one."""
+    try:
+        with np.load(path) as content:
+            return Counts(*(content[name] for name in Counts._fields))
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):
+        return None
+
+
+def _described(swarm: _Swarm) -> dict[str, str]:
+    """Everything that decides the counts, in words that can be compared."""
+    arrays = {
+        "release": swarm.start,
+        "ensemble": swarm.ensemble,
+        "attitude": swarm.rule,
+        "areas": swarm.areas,
+        "altitudes": swarm.limits,
+        "times": swarm.elapsed,
+    }
+    told = dict(swarm.design.description()) | versions()
+    for name, part in arrays.items():
+        told[name] = f"{jax.tree.structure(part)} {digest(*jax.tree.leaves(part))}"
+    whole = (swarm.ensemble.members, swarm.ensemble.seed, swarm.accuracy, MEMBERS)
+    return told | {"members, seed, accuracy, batch": repr(whole)}
+
+
+def _dataset(swarm: _Swarm, counts: Counts) -> "xr.Dataset":
+    import xarray as xr
+
+    members, flying = swarm.ensemble.members, counts.flying
+    dataset = xr.Dataset()
+    about = {"units": "s", "long_name": "time since the release"}
+    dataset.coords[ELAPSED] = (ELAPSED, swarm.elapsed, about)
+    date = {"long_name": "date (UTC)"}
+    released = float(swarm.start.place.time)
+    dataset.coords["time"] = (ELAPSED, dates_of(released + swarm.elapsed), date)
+    _add_shares(dataset, "flying", (ELAPSED,), flying, members, "share that still flies")
+    if swarm.areas:
+        dataset.coords["area"] = ("area", describe_all(swarm.areas))
+        text = "share that still flies and is inside the area"
+        _add_shares(dataset, "inside", ("area", ELAPSED), counts.inside, members, text)
+    for name, (values, unit, text) in _moments(swarm, counts).items():
+        dataset[name] = (ELAPSED, values, {"units": unit, "long_name": text})
+    reasons = [end.name.lower() for end in MissionEnd]
+    dataset.coords["reason"] = ("reason", reasons)
+    text = "members by what ended their flight"
+    dataset["ends"] = ("reason", counts.ends, {"units": "1", "long_name": text})
+    dataset["members"] = ((), members, {"units": "1", "long_name": "members of the swarm"})
+    return dataset
+
+
+def _add_shares(
+    dataset: "xr.Dataset",
+    name: str,
+    dimensions: tuple[str, ...],
+    counts: np.ndarray,
+    members: int,
+    text: str,
+) -> None:
+    low, high = binomial_interval(counts, members)
+    parts = {"": counts / members, "_low": low, "_high": high}
+    ends = {"": "", "_low": ", lower end of the 95 % interval", "_high": ", upper end"}
+    for end, values in parts.items():
+        dataset[name + end] = (dimensions, values, {"units": "1", "long_name": text + ends[end]})
+
+
+def binomial_interval(
+    counts: np.ndarray, trials: int, confidence: float = CONFIDENCE
+) -> tuple[np.ndarray, np.ndarray]:
+    """Interval of a share that was counted, by Clopper and Pearson.
+
+    Parameters
+    ----------
+    counts : int array, shape (...)
+    trials : int
+    confidence : float
+
+    Returns
+    -------
+    low, high : array, shape (...)
+        The interval covers the true share at least so often.
+
+    References
+    ----------
+    [ClopperPearson1934]_.
+
+    Examples
+    --------
+    >>> low, high = binomial_interval(np.array([0, 10]), 10)
+    >>> print(f"{high[0]:.4f} {low[1]:.4f}")
+    0.3085 0.6915
+    """
+    from scipy.special import betaincinv
+
+    tail = 0.5 * (1.0 - confidence)
+    counts = np.asarray(counts)
+    some, missed = np.maximum(counts, 1), np.maximum(trials - counts, 1)
+    low = betaincinv(some, trials - some + 1, tail)
+    high = betaincinv(trials - missed + 1, missed, 1.0 - tail)
+    return np.where(counts > 0, low, 0.0), np.where(counts < trials, high, 1.0)
+
+
+def _moments(swarm: _Swarm, counts: Counts) -> dict[str, tuple[np.ndarray, str, str]]:
+    """Middle and width of what still flies; NaN where nothing does."""
+    flying = np.where(counts.flying > 0, counts.flying, np.nan)
+    moved = counts.moved / flying[:, None]
+    scatter = counts.moved_squared / flying - np.square(moved).sum(axis=-1)
+    middle = _release(swarm) + moved
+    length = np.linalg.norm(middle, axis=-1)
+    latitude, longitude = degrees_of(middle / length[:, None])
+    radius = float(planet_of(swarm.design.setup.environment).radius)
+    climbed = counts.climbed / flying
+    variance = np.maximum(counts.climbed_squared / flying - climbed**2, 0.0)
+    altitude = float(swarm.start.altitude) + climbed
+    # the middle lies inside the planet by 1 - length, and was pushed out to its surface
+    distance = radius * np.sqrt(np.maximum(2.0 * scatter / (1.0 + length), 0.0))
+    return {
+        "latitude": (latitude, "degree_north", "latitude of the middle"),
+        "longitude": (longitude, "degree_east", "longitude of the middle"),
+        "distance": (distance, "m", "root mean square distance from the middle, along chords"),
+        "altitude": (altitude, "m", "mean geometric altitude"),
+        "altitude_spread": (np.sqrt(variance), "m", "standard deviation of the altitude"),
+    }
+
+
+def _cautions(counts: Counts) -> Iterator[str]:
+    for end in (MissionEnd.NO_DATA, MissionEnd.STEP_LIMIT):
+        number = int(counts.ends[int(end)])
+        if number:
+            yield f"{number} members {end.describe()}; they count as not flying from there on"

@@ -1,0 +1,254 @@
+r"""Flyers that carry one payload together, each on a tether of its own.
+
+The flyers lie side by side in one flat layer, in a triangular lattice, and the payload hangs at a
+depth :math:`H` below the layer's middle. The tether of a flyer at the distance :math:`\rho` from
+the middle makes the angle :math:`\psi = \arctan(\rho/H)` with the vertical. The flyer tilts
+outwards by :math:`\beta`, so that it balances weight :math:`w` and pull :math:`S`,
+
+.. math::
+    F\cos\beta = w + S\cos\psi, \qquad F\sin\beta = S\sin\psi
+    \quad\Rightarrow\quad S = \sqrt{F^2 - w^2\sin^2\psi} - w\cos\psi
+
+and the payload has :math:`S\cos\psi` of it. Tethers are straight, and their weight counts as the
+flyer's.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from lightflyer.config.designs import as_design
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Altitude, Checked, Distance, LinearDensity, Mass
+from lightflyer.design.cautions import cautions_in
+from lightflyer.design.setup import Setup
+from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place
+from lightflyer.flight.balance import equilibrium
+from lightflyer.flight.loads import payload as payload_of
+from lightflyer.force.base import AbstractForceModel
+
+CLOSE = 3.0
+"""Distance of neighbours, over their diameter, below which a warning says that they are close."""
+
+MOST = 1_000_000
+"""Flyers of one swarm at most."""
+
+_ALTITUDE_STEP = 250.0  # metres, of the search for the best altitude
+_STEEPNESS = 2.0  # depth of the payload over the layer's radius, where none is given
+_AREA_OF_ONE = 0.5 * math.sqrt(3.0)  # of the square of the spacing, in a triangular lattice
+_LARGE_TILT = math.radians(15.0)  # the cosine, which the light goes with, is then 3 % off
+
+
+class Tether(Checked):
+    """What holds a payload below a flyer.
+
+    Attributes
+    ----------
+    linear_density : array
+        Mass over length [kg/m]; a fibre of 3 µm of polyethylene has 7e-9.
+    """
+
+    linear_density: LinearDensity = 0.0
+
+
+class _Wanted(Checked):
+    """What is to be carried; checks its numbers."""
+
+    payload: Mass
+    altitude: Altitude | None = None
+    spacing: Distance | None = None
+    depth: Distance | None = None
+
+
+@dataclass(frozen=True)
+class Swarm:
+    """Flyers that carry one payload on tethers.
+
+    Attributes
+    ----------
+    count : int
+        Flyers.
+    altitude : float
+        [m].
+    spare_lift : float
+        What a level flyer lifts beside its own weight [N].
+    layer_radius, depth : float
+        Radius of the layer, and how far the payload hangs below it [m].
+    longest_tether : float
+        [m].
+    tether_mass : float
+        Of all tethers together [kg].
+    largest_tilt : float
+        Of the outermost flyers, outwards [rad].
+    warnings : tuple of str
+    """
+
+    count: int
+    altitude: float
+    spare_lift: float
+    layer_radius: float
+    depth: float
+    longest_tether: float
+    tether_mass: float
+    largest_tilt: float
+    warnings: tuple[str, ...]
+
+
+def swarm(
+    what: Any,
+    environment: AbstractEnvironment | None = None,
+    model: AbstractForceModel | None = None,
+    *,
+    payload: Any,
+    altitude: Any = None,
+    place: Place | None = None,
+    spacing: Any = None,
+    depth: Any = None,
+    tether: Tether | None = None,
+) -> Swarm:
+    """How many flyers carry one payload together.
+
+    Parameters
+    ----------
+    what : AbstractFlyer, Setup, FlyerFile, path of a flyer file, or AbstractDesign
+        One of the flyers, level; its own payload has no effect.
+    environment, model : optional
+        Where ``what`` is a flyer.
+    payload : float
+        Mass to carry [kg].
+    altitude : float, optional
+        [m]; by default that at which one flyer carries most.
+    place : Place, optional
+        Where and when.
+    spacing : float, optional
+        Distance of neighbours [m]; by default three diameters.
+    depth : float, optional
+        Of the payload below the layer [m]; by default twice the layer's radius.
+    tether : Tether, optional
+        By default without mass.
+
+    Returns
+    -------
+    Swarm
+
+    Raises
+    ------
+    ParameterError
+        If a flyer does not lift itself, the tether included, or a million do not carry the payload.
+
+    Notes
+    -----
+    The force on a tilted flyer is taken to be that on a level one, which for light from above is
+    right to 3 % at 15°. Neighbours share neither gas, heat nor shadow here.
+
+    Examples
+    --------
+    >>> import lightflyer as lf
+    >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    >>> found = lf.swarm(lf.Disk(film, radius=0.01), lf.Earth(), lf.Lu2023(), payload="1 g")
+    >>> print(f"{found.count} flyers at {found.altitude / 1e3:g} km")
+    3267 flyers at 72 km
+    """
+    setup = as_design(what, environment, model).setup
+    wanted = _Wanted(payload, altitude, spacing, depth)
+    given = wanted.altitude
+    altitude = _best_altitude(setup, place) if given is None else float(given)
+    state = setup.environment.state(altitude, place)
+    spare = float(payload_of(setup.flyer, state, setup.model)) * float(state.gravity)
+    own = float(setup.flyer.own_mass) * float(state.gravity)
+    if spare <= 0.0:
+        raise ParameterError(f"the flyer does not lift itself at {altitude / 1e3:g} km")
+    diameter = 2.0 * math.sqrt(float(setup.flyer.area) / math.pi)
+    between = CLOSE * diameter if wanted.spacing is None else float(wanted.spacing)
+    if between < diameter:
+        raise ParameterError(
+            f"spacing = {between:g} m is less than the diameter of a flyer, {diameter:g} m"
+        )
+    thread = (Tether() if tether is None else tether).linear_density
+    hung = _Hung(own, spare, float(thread) * float(state.gravity), between, wanted.depth)
+    count = _fewest(hung, float(wanted.payload) * float(state.gravity))
+    _, lengths, tilts = hung.carried(count)
+    return Swarm(
+        count,
+        altitude,
+        spare,
+        hung.radius(count),
+        hung.depth_of(count),
+        float(lengths.max()),
+        float(thread) * float(lengths.sum()),
+        float(tilts.max()),
+        tuple(_cautions(setup, state, between / diameter, float(tilts.max()))),
+    )
+
+
+@dataclass(frozen=True)
+class _Hung:
+    """Weight and spare lift of a flyer [N], a tether's weight [N/m], distances [m]."""
+
+    own: float
+    spare: float
+    thread: float
+    spacing: float
+    depth: Any
+
+    def radius(self, count: int) -> float:
+        """Radius of a layer of so many flyers."""
+        return self.spacing * math.sqrt(_AREA_OF_ONE * count / math.pi)
+
+    def depth_of(self, count: int) -> float:
+        """Depth of the payload below so many."""
+        return _STEEPNESS * self.radius(count) if self.depth is None else float(self.depth)
+
+    def carried(self, count: int) -> tuple[float, np.ndarray, np.ndarray]:
+        """Weight that so many carry [N], lengths of their tethers [m], their tilts [rad]."""
+        # rings of equal area around the middle, one a flyer
+        distance = self.radius(count) * np.sqrt((np.arange(count) + 0.5) / count)
+        depth = self.depth_of(count)
+        angle, length = np.arctan2(distance, depth), np.hypot(distance, depth)
+        force, hanging = self.own + self.spare, self.own + self.thread * length
+        across = np.square(force) - np.square(hanging * np.sin(angle))
+        pull = np.sqrt(np.maximum(across, 0.0)) - hanging * np.cos(angle)
+        tilts = np.arcsin(np.clip(pull * np.sin(angle) / force, -1.0, 1.0))
+        return float(np.sum(pull * np.cos(angle))), length, tilts
+
+
+def _fewest(hung: _Hung, weight: float) -> int:
+    """Fewest flyers that carry a weight."""
+    if weight <= 0.0:
+        raise ParameterError("there is nothing to carry: the payload is zero")
+    low, high = 0, 1
+    while hung.carried(high)[0] < weight:
+        low, high = high, 2 * high
+        if low > MOST:
+            raise ParameterError(
+                f"{MOST} flyers on such tethers do not carry it; the tethers may weigh too much"
+            )
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if hung.carried(middle)[0] >= weight else (middle, high)
+    return high
+
+
+def _best_altitude(setup: Setup, place: Place | None) -> float:
+    """Altitude at which one flyer carries most [m]."""
+    low, high = setup.searched
+    altitudes = np.linspace(low, high, 1 + max(1, round((high - low) / _ALTITUDE_STEP)))
+    state = setup.environment.state(altitudes, place)
+    carried = payload_of(setup.flyer, state, setup.model, throw=False)
+    return float(altitudes[int(np.nanargmax(carried))])
+
+
+def _cautions(setup: Setup, state: EnvironmentState, apart: float, tilt: float) -> list[str]:
+    temperature = equilibrium(setup.flyer, state, setup.model).temperature
+    found = list(cautions_in(setup, state, temperature))
+    if apart < CLOSE:
+        found.append(
+            f"neighbours are {apart:.2g} diameters apart: they share gas and heat, not counted here"
+        )
+    if tilt > _LARGE_TILT:
+        found.append(
+            f"the outermost flyers tilt by {math.degrees(tilt):.0f}°, at which they have less light"
+        )
+    return found

@@ -1,0 +1,1 @@
+"""Precision, root-finding, splines and grids."""

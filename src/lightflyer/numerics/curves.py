@@ -1,0 +1,72 @@
+"""Several smooth curves over the same knots, fast to evaluate in large arrays."""
+
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.types import Numeric
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Several cubic splines with the same knots, level at both ends and beyond.
+
+    They are sums of cubes, which vectorise; looking up pieces in a table takes longer.
+
+    Attributes
+    ----------
+    knots : tuple of float
+    constants, squares : tuple of float
+        Value and half the second derivative at the first knot, one for each curve.
+    cubes : tuple of tuple of float
+        A sixth of the jumps of the third derivative at all knots but the last, for each curve.
+    """
+
+    knots: tuple[float, ...]
+    constants: tuple[float, ...]
+    squares: tuple[float, ...]
+    cubes: tuple[tuple[float, ...], ...]
+
+    @classmethod
+    def through(cls, knots: np.ndarray, values: np.ndarray) -> "Curves":
+        """Splines with two continuous derivatives, and none at the ends.
+
+        Parameters
+        ----------
+        knots : array, shape (n,)
+            Increasing.
+        values : array, shape (n, m)
+            One column for each curve.
+
+        Returns
+        -------
+        Curves
+        """
+        width, secant = np.diff(knots), np.diff(values, axis=0) / np.diff(knots)[:, None]
+        matrix = np.diag(np.concatenate([[width[0]], width[:-1] + width[1:], [width[-1]]]) / 3.0)
+        matrix += np.diag(width / 6.0, 1) + np.diag(width / 6.0, -1)
+        level = np.zeros((1, values.shape[1]))
+        curvature = np.linalg.solve(matrix, np.diff(secant, axis=0, prepend=level, append=level))
+        third = np.diff(curvature, axis=0) / width[:, None]
+        jumps = np.diff(third, axis=0, prepend=level) / 6.0
+        return cls(
+            tuple(knots.tolist()),
+            tuple(values[0].tolist()),
+            tuple((0.5 * curvature[0]).tolist()),
+            tuple(tuple(column) for column in jumps.T.tolist()),
+        )
+
+    def __call__(self, x: Numeric) -> list[Array]:
+        """Values of all curves at ``x``, any shape."""
+        inside = jnp.clip(x, self.knots[0], self.knots[-1])
+        distances = [jnp.maximum(inside - knot, 0.0) for knot in self.knots[:-1]]
+        powers = [distance**3 for distance in distances]
+        curves = zip(self.constants, self.squares, self.cubes, strict=True)
+        return [
+            constant
+            + square * distances[0] ** 2
+            + sum(factor * power for factor, power in zip(factors, powers, strict=True))
+            for constant, square, factors in curves
+        ]

@@ -1,0 +1,299 @@
+"""Newton's method for very many small systems at once.
+
+Every array element is a system of its own. The Jacobian is taken and solved element by element, in
+array operations that XLA fuses, and each element ends by itself.
+"""
+
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from typing import TypeAlias
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from lightflyer.numerics.linear import solve_linear
+from lightflyer.numerics.rootfind import (
+    MAXIMUM_STEPS,
+    RELATIVE_TOLERANCE,
+    ROUNDING,
+    Ending,
+    RootStatus,
+)
+
+Unknowns: TypeAlias = tuple[Array, ...]
+
+_NEAR = 1e-8
+"""Relative Newton step after which there is nothing to look at.
+
+The error falls as the square of the step, but not below the step times the rounding error of the
+Jacobian's inverse: 1e-4 where the coefficients of a system are 1e12 apart.
+"""
+
+_NEAR_AT_LAST = 1e-6
+_PATIENCE = 12
+"""Steps after which :data:`_NEAR_AT_LAST` will do, as rounding may allow no more."""
+
+_TOUCH = 0.1
+"""Relative step that an element still takes when its residual is within tolerance.
+
+The step is at hand, and an unknown that hardly matters to the residual may need it.
+"""
+
+_LARGEST_LOSS = 0.9
+"""Largest share of its distance to the lower bound that an unknown may lose in a step."""
+
+_SHRINKAGE = 0.3
+"""A step that does not help is shortened to this share."""
+
+
+class _Newton(eqx.Module):
+    """Residual and Jacobian at a point, and Newton's step from there."""
+
+    value: Unknowns
+    jacobian: tuple[Unknowns, ...]
+    step: Unknowns
+
+
+def _newton(function: Callable[[Unknowns], Unknowns], point: Unknowns) -> _Newton:
+    """Newton's step, with the Jacobian taken one unknown at a time.
+
+    What does not depend on an unknown is then no work.
+    """
+    value: Unknowns = ()
+    columns = []
+    for index, entry in enumerate(point):
+
+        def of_one(unknown: Array, index: int = index) -> Unknowns:
+            return function((*point[:index], unknown, *point[index + 1 :]))
+
+        value, column = jax.jvp(of_one, (entry,), (jnp.ones_like(entry),))
+        columns.append(column)
+    rows = tuple(zip(*columns, strict=True))
+    return _Newton(value, rows, solve_linear(rows, [-entry for entry in value]))
+
+
+class _Careful(eqx.Module):
+    """Best point of the careful search, what residuals are measured by, and the largest there."""
+
+    base: Unknowns
+    scale: Unknowns
+    level: Array
+
+
+class _State(eqx.Module):
+    start: Unknowns
+    point: Unknowns
+    is_careful: Array
+    careful: _Careful
+    ending: Array
+    steps: Array
+
+
+@dataclass(frozen=True)
+class SafeNewton:
+    """Newton's method in every element, and from the start again, carefully, where that fails.
+
+    The first search only keeps above the lower bounds: it is fast, but may diverge. Where its next
+    point would not be finite, or it has not ended after :attr:`plain_steps`, the search begins anew
+    with steps that are shortened until they reduce the residual. There each equation is measured by
+    the sum of what its terms would change if every unknown changed by itself and by its step, so
+    that neither the equations' scale nor that of the unknowns matters.
+
+    Both are one loop because a function takes longer to compile than the rules around it to run.
+
+    Attributes
+    ----------
+    lower : tuple of n float
+        Bounds that the unknowns never reach.
+    tolerance : float
+        Largest residual at a root.
+    plain_steps, careful_steps : int
+        Bounds on the steps of each search.
+    """
+
+    lower: tuple[float, ...]
+    tolerance: float = RELATIVE_TOLERANCE
+    plain_steps: int = 30
+    careful_steps: int = MAXIMUM_STEPS
+
+    def search(
+        self, function: Callable[[Unknowns], Unknowns], start: Unknowns
+    ) -> tuple[Unknowns, RootStatus]:
+        """Roots of all elements, or the best points of those that have not ended.
+
+        Parameters
+        ----------
+        function : callable
+            From n arrays to as many, element by element.
+        start : tuple of n arrays, shape (...)
+        """
+        scale = tuple(jnp.ones_like(entry) for entry in start)
+        state = _State(
+            start=start,
+            point=start,
+            is_careful=jnp.zeros(start[0].shape, bool),
+            careful=_Careful(start, scale, jnp.full_like(start[0], jnp.inf)),
+            ending=jnp.full(start[0].shape, Ending.STEP_LIMIT, jnp.int8),
+            steps=jnp.zeros((), int),
+        )
+        most = self.plain_steps + self.careful_steps
+        end = jax.lax.while_loop(
+            lambda at: jnp.any(_searching(at.ending)) & (at.steps < most),
+            lambda at: self._moved(function, at),
+            state,
+        )
+        unfinished = _searching(end.ending) & end.is_careful
+        return _select(unfinished, end.careful.base, end.point), RootStatus(end.ending, end.steps)
+
+    def _moved(self, function: Callable[[Unknowns], Unknowns], state: _State) -> _State:
+        """The state after a step of every element that is still searching."""
+        newton = _newton(function, state.point)
+        plain, plain_verdict, fails = self._plain(newton, state.point, state)
+        searching, is_careful = _searching(state.ending), state.is_careful
+
+        def with_careful() -> tuple[Unknowns, Array, _Careful]:
+            point, verdict, memory = self._careful(newton, state.point, state.careful)
+            return (
+                _select(is_careful, point, plain),
+                jnp.where(is_careful, verdict, plain_verdict),
+                jax.tree.map(lambda a, b: jnp.where(is_careful, a, b), memory, state.careful),
+            )
+
+        # hardly any element needs care
+        point, verdict, memory = jax.lax.cond(
+            jnp.any(is_careful), with_careful, lambda: (plain, plain_verdict, state.careful)
+        )
+        return _State(
+            start=state.start,
+            point=_select(searching, point, state.point),
+            is_careful=is_careful | (searching & fails),
+            careful=memory,
+            ending=jnp.where(searching, verdict, state.ending),
+            steps=state.steps + 1,
+        )
+
+    def _is_root(self, newton: _Newton) -> Array:
+        return _largest(newton.value) <= self.tolerance
+
+    def _may_move(self, newton: _Newton, point: Unknowns) -> Array:
+        return ~self._is_root(newton) | _is_short(newton.step, point, _TOUCH)
+
+    def _plain(
+        self, newton: _Newton, point: Unknowns, state: _State
+    ) -> tuple[Unknowns, Array, Array]:
+        """Where the first search goes, what it has come to, and whether it fails.
+
+        A point that is not finite at the very first step ends an element: no method could do
+        better.
+        """
+        target = tuple(
+            old + jnp.maximum(change, _LARGEST_LOSS * (bound - old))
+            for old, change, bound in zip(point, newton.step, self.lower, strict=True)
+        )
+        finite = _all_finite(target)
+        near = jnp.where(state.steps < _PATIENCE, _NEAR, _NEAR_AT_LAST)
+        verdict = _choose(
+            (self._is_root(newton) | _is_short(newton.step, point, near), Ending.CONVERGED),
+            (finite | (state.steps > 0), Ending.STEP_LIMIT),
+            (_all_finite(newton.value), Ending.SINGULAR),
+            otherwise=Ending.NOT_FINITE,
+        )
+        fails = _searching(verdict) & (~finite | (state.steps + 1 >= self.plain_steps))
+        moving = finite & self._may_move(newton, point)
+        return _select(fails, state.start, _select(moving, target, point)), verdict, fails
+
+    def _careful(
+        self, newton: _Newton, point: Unknowns, memory: _Careful
+    ) -> tuple[Unknowns, Array, _Careful]:
+        """Go on from a point that is better than the one before, go back from another."""
+        better = _level(newton.value, memory.scale) < memory.level
+        onward, advance = self._onward(newton, point)
+        backward, retreat = self._backward(memory, point)
+        verdict = jnp.where(better, onward, backward)
+        base = _select(better, point, memory.base)
+        failed = verdict > Ending.STEP_LIMIT
+        ahead = _select(failed, base, _select(better, advance, retreat))
+        scale = _select(better, _scale(newton, point), memory.scale)
+        level = jnp.where(better, _level(newton.value, scale), memory.level)
+        return ahead, verdict, _Careful(base, scale, level)
+
+    def _onward(self, newton: _Newton, point: Unknowns) -> tuple[Array, Unknowns]:
+        """What a better point amounts to, and where to go from it."""
+        target = self._in_bounds(point, newton.step)
+        moving = _all_finite(target) & self._may_move(newton, point)
+        arrived = self._is_root(newton) | _is_short(newton.step, point, _NEAR_AT_LAST)
+        verdict = _choose(
+            (arrived, Ending.CONVERGED),
+            (~_all_finite(target), Ending.SINGULAR),
+            (_is_still(target, point), Ending.STALLED),
+            otherwise=Ending.STEP_LIMIT,
+        )
+        return verdict, _select(moving, target, point)
+
+    def _backward(self, memory: _Careful, point: Unknowns) -> tuple[Array, Unknowns]:
+        """What a worse point amounts to, and how far to go back."""
+        retreat = tuple(
+            old + _SHRINKAGE * (new - old) for old, new in zip(memory.base, point, strict=True)
+        )
+        nowhere = _is_still(retreat, memory.base)
+        return _choose((nowhere, Ending.STALLED), otherwise=Ending.STEP_LIMIT), retreat
+
+    def _in_bounds(self, point: Unknowns, step: Unknowns) -> Unknowns:
+        """Where a step leads if all of it is shortened so as to keep above the bounds."""
+        share = jnp.ones_like(point[0])
+        for old, change, bound in zip(point, step, self.lower, strict=True):
+            allowed = _LARGEST_LOSS * (old - bound) / jnp.maximum(-change, sys.float_info.min)
+            share = jnp.minimum(share, allowed)
+        return tuple(old + share * change for old, change in zip(point, step, strict=True))
+
+
+def _searching(ending: Array) -> Array:
+    return ending == Ending.STEP_LIMIT
+
+
+def _choose(*cases: tuple[Array, Ending], otherwise: Ending) -> Array:
+    """Ending of the first case that holds, element by element."""
+    chosen = jnp.int8(otherwise)
+    for holds, ending in reversed(cases):
+        chosen = jnp.where(holds, jnp.int8(ending), chosen)
+    return chosen
+
+
+def _select(condition: Array, true: Unknowns, false: Unknowns) -> Unknowns:
+    return tuple(jnp.where(condition, a, b) for a, b in zip(true, false, strict=True))
+
+
+def _largest(entries: Sequence[Array]) -> Array:
+    return reduce(jnp.maximum, [jnp.abs(entry) for entry in entries])
+
+
+def _all(conditions: Sequence[Array]) -> Array:
+    return reduce(jnp.logical_and, conditions)
+
+
+def _all_finite(point: Unknowns) -> Array:
+    return _all([jnp.isfinite(entry) for entry in point])
+
+
+def _is_short(step: Unknowns, point: Unknowns, share: Array | float) -> Array:
+    return _all([jnp.abs(a) <= share * jnp.abs(b) for a, b in zip(step, point, strict=True)])
+
+
+def _is_still(new: Unknowns, old: Unknowns) -> Array:
+    return _is_short(tuple(a - b for a, b in zip(new, old, strict=True)), old, ROUNDING)
+
+
+def _level(value: Unknowns, scale: Unknowns) -> Array:
+    return _largest([a * b for a, b in zip(value, scale, strict=True)])
+
+
+def _scale(newton: _Newton, point: Unknowns) -> Unknowns:
+    size = [jnp.abs(a) + jnp.abs(b) for a, b in zip(point, newton.step, strict=True)]
+    terms = [
+        [jnp.abs(slope) * b for slope, b in zip(row, size, strict=True)] for row in newton.jacobian
+    ]
+    return tuple(1.0 / reduce(jnp.add, row) for row in terms)

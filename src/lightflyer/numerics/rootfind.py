@@ -1,0 +1,397 @@
+"""Root-finding in one unknown: a bracketed, safeguarded Newton with implicit gradients.
+
+It solves many independent scalar equations at once: every array element is a problem of its
+own. Gradients do not unroll the loop: the residual is differentiated at the root, so forward,
+reverse and higher derivatives cost one linearised residual, and nothing where none is asked for.
+Several coupled unknowns are solved by :mod:`lightflyer.numerics.system`.
+"""
+
+import enum
+import math
+import sys
+from collections import Counter
+from collections.abc import Callable
+from functools import partial
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from lightflyer.program.tracing import with_parameters
+
+RELATIVE_TOLERANCE = 1e-12
+"""Default bound on the scaled residual at a root; a hundred times tighter than promised."""
+
+ROUNDING = sys.float_info.epsilon
+
+MAXIMUM_STEPS = 100
+"""Bound on Newton and bisection steps. Bisection alone needs about 60 for any bracket."""
+
+STEPS_ON_GPU = 4
+"""Steps before a GPU first asks whether all elements have ended.
+
+Between questions XLA can join all arithmetic into one kernel. Four steps end every one of the heat
+balances of random disks in ``benchmarks/solver.py``. On processors this loses.
+"""
+
+
+class Ending(enum.IntEnum):
+    """Why a search ended."""
+
+    CONVERGED = 0
+    STEP_LIMIT = 1
+    NOT_FINITE = 2
+    TOLERANCE_MISSED = 3
+    SINGULAR = 4
+    STALLED = 5
+
+    def describe(self) -> str:
+        """Phrase for messages.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> Ending.STEP_LIMIT.describe()
+        'reached the limit of steps'
+        """
+        return _REASONS[self]
+
+
+_REASONS = {
+    Ending.CONVERGED: "converged",
+    Ending.STEP_LIMIT: "reached the limit of steps",
+    Ending.NOT_FINITE: "met a number that is not finite",
+    Ending.TOLERANCE_MISSED: "missed the tolerance",
+    Ending.SINGULAR: "met a singular Jacobian",
+    Ending.STALLED: "stalled where no step reduces the residual",
+}
+
+
+def describe_endings(endings: ArrayLike) -> str:
+    """Why searches ended, in words.
+
+    Parameters
+    ----------
+    endings : int array
+        Values of :class:`Ending`.
+
+    Returns
+    -------
+    str
+        Each reason once, the commonest first, with its number if there are several.
+
+    Examples
+    --------
+    >>> describe_endings([Ending.STEP_LIMIT, Ending.STEP_LIMIT])
+    'reached the limit of steps'
+    >>> describe_endings([Ending.STEP_LIMIT, Ending.NOT_FINITE, Ending.NOT_FINITE])
+    '2 met a number that is not finite, 1 reached the limit of steps'
+    """
+    counts = Counter(np.ravel(np.asarray(endings)).tolist()).most_common()
+    return ", ".join(
+        Ending(code).describe() if len(counts) == 1 else f"{count} {Ending(code).describe()}"
+        for code, count in counts
+    )
+
+
+class RootStatus(eqx.Module):
+    """Result of a root-find, element by element.
+
+    Attributes
+    ----------
+    ending : int array
+        Why it ended, values of :class:`Ending`.
+    steps : int
+        Steps taken by the slowest element.
+    """
+
+    ending: Array
+    steps: Array
+
+    @property
+    def converged(self) -> Array:
+        """True where the search found a root: bool array."""
+        return self.ending == Ending.CONVERGED
+
+
+class BracketSearch(eqx.Module):
+    """Where every element of a bracketed search stands.
+
+    Attributes
+    ----------
+    point : array, shape (...)
+        To be looked at next.
+    lower, upper, last_step : array, shape (...)
+    active : bool array, shape (...)
+        False where the point is the root.
+    """
+
+    point: Array
+    lower: Array
+    upper: Array
+    last_step: Array
+    active: Array
+
+    @classmethod
+    def within(cls, lower: Array, upper: Array, guess: Array) -> "BracketSearch":
+        """Begin at a guess, which is clipped into the bracket."""
+        lower, upper, guess = jnp.broadcast_arrays(lower, upper, guess)
+        return cls(
+            point=jnp.clip(guess, lower, upper),
+            lower=lower,
+            upper=upper,
+            last_step=2.0 * (upper - lower),
+            active=jnp.ones(guess.shape, bool),
+        )
+
+    @property
+    def ending(self) -> Array:
+        """Why the search ended, by the last state alone, which costs its loop nothing."""
+        # a residual of NaN leaves the bracket as it is, so that bisection proposes the same again
+        stuck = ~jnp.isfinite(self.last_step) | (self.last_step == 0.0)
+        unfinished = jnp.where(stuck, jnp.int8(Ending.NOT_FINITE), jnp.int8(Ending.STEP_LIMIT))
+        return jnp.where(self.active, unfinished, jnp.int8(Ending.CONVERGED))
+
+    def advanced(
+        self,
+        value: Array,
+        newton: Array,
+        middle: Callable[[Array, Array], Array],
+        tolerance: float = RELATIVE_TOLERANCE,
+    ) -> "BracketSearch":
+        """The search after a look at its point.
+
+        Parameters
+        ----------
+        value, newton : array, shape (...)
+            Residual at the point, and where Newton would go.
+        middle : callable
+            Of two arrays: where to bisect.
+        tolerance : float
+
+        Returns
+        -------
+        BracketSearch
+        """
+        lower = jnp.where(value < 0, self.point, self.lower)
+        upper = jnp.where(value > 0, self.point, self.upper)
+        resolution = ROUNDING * (jnp.abs(lower) + jnp.abs(upper))
+        done = (jnp.abs(value) <= tolerance) | (upper - lower <= resolution)
+        step = newton - self.point
+        trusted = (newton > lower) & (newton < upper)
+        trusted &= jnp.abs(step) <= 0.5 * jnp.abs(self.last_step)
+        proposal = jnp.where(trusted, newton, middle(lower, upper))
+        moving = self.active & ~done
+        # Newton's error falls as its square: after a step from here there is nothing to look at
+        last = trusted & (jnp.abs(step) <= math.sqrt(tolerance) * jnp.abs(self.point))
+        return BracketSearch(
+            point=jnp.where(moving, proposal, self.point),
+            lower=lower,
+            upper=upper,
+            last_step=jnp.where(moving, proposal - self.point, self.last_step),
+            active=moving & ~last,
+        )
+
+
+def bracketed_newton(
+    residual: Callable[[Array], Array],
+    lower: Array,
+    upper: Array,
+    guess: Array,
+    tolerance: float = RELATIVE_TOLERANCE,
+) -> tuple[Array, RootStatus]:
+    r"""Find the root of an increasing function in a bracket, element by element.
+
+    Newton steps that leave the bracket, or that shrink by less than half, are replaced by
+    bisection (the safeguard of [Press2007]_ ch. 9.4), so it cannot diverge or stall.
+
+    Parameters
+    ----------
+    residual : callable
+        Increasing function of one array, elementwise, scaled to order one.
+    lower, upper : array, shape (...)
+        Bracket: ``residual(lower) <= 0 <= residual(upper)``; the ends are never evaluated.
+    guess : array, shape (...)
+        First point, clipped into the bracket.
+    tolerance : float
+        An element is done when ``abs(residual) <= tolerance``, after a Newton step so small
+        that the next residual must be, or when no number is left in its bracket.
+
+    Returns
+    -------
+    root : array, shape (...)
+    status : RootStatus
+
+    Notes
+    -----
+    Not differentiable by itself: use :func:`implicit_root`.
+
+    References
+    ----------
+    [Press2007]_ ch. 9.4.
+    """
+
+    def look(point: Array) -> tuple[Array, Array]:
+        value, slope = _with_slope(residual, point)
+        return value, point - value / slope
+
+    return _search(look, lambda a, b: 0.5 * (a + b), (lower, upper, guess), tolerance)
+
+
+def bracketed_power_newton(
+    function: Callable[[Array], Array],
+    target: Array,
+    lower: Array,
+    upper: Array,
+    guess: Array,
+    tolerance: float = RELATIVE_TOLERANCE,
+) -> tuple[Array, RootStatus]:
+    r"""Find where a positive, increasing function of a positive unknown reaches a target.
+
+    For functions that are nearly power laws, :math:`f \propto x^s`, over many decades: Newton's
+    step is taken in logarithms, :math:`x \leftarrow x\,(f/f_0)^{-1/s}`, with the local exponent
+    :math:`s = x f'/f`. The power is replaced by its Padé approximant about one, which is exact to
+    second order and needs neither logarithm nor exponential. Bisection is geometric.
+
+    A function that grows less than linearly may be saturating, :math:`f = ax/(1 + bx)`, as the
+    force on a hot flyer is. A power would lead much too far there. The step is taken in
+    reciprocals, where such a function is a straight line:
+    :math:`x \leftarrow x/[1 + (f/f_0 - 1)/s]`.
+
+    Parameters
+    ----------
+    function : callable
+        Increasing positive function of one array, elementwise.
+    target : array, shape (...)
+        Positive.
+    lower, upper : array, shape (...)
+        Positive bracket of the root; the ends are never evaluated.
+    guess : array, shape (...)
+        First point, clipped into the bracket.
+    tolerance : float
+        On ``abs(function / target - 1)``; see :func:`bracketed_newton`.
+
+    Returns
+    -------
+    root : array, shape (...)
+    status : RootStatus
+
+    Notes
+    -----
+    Not differentiable by itself: use :func:`implicit_root`.
+    """
+
+    def look(point: Array) -> tuple[Array, Array]:
+        return power_step(*_with_slope(function, point), point, target)
+
+    return _search(look, geometric_middle, (lower, upper, guess), tolerance)
+
+
+def power_step(value: Array, slope: Array, point: Array, target: Array) -> tuple[Array, Array]:
+    """Residual of a function that is nearly a power law, and where Newton goes.
+
+    Parameters
+    ----------
+    value, slope : array, shape (...)
+        Of the function.
+    point, target : array, shape (...)
+
+    Returns
+    -------
+    residual, newton : array, shape (...)
+        See :func:`bracketed_power_newton`.
+    """
+    ratio, inverse_exponent = value / target, value / (point * slope)
+    low, high = jnp.minimum(inverse_exponent, 1.0), jnp.maximum(inverse_exponent, 1.0)
+    rise = inverse_exponent + high
+    above, below = 1.0 + low + (1.0 - low) * ratio, 2.0 - rise + rise * ratio
+    return ratio - 1.0, point * above / below
+
+
+def geometric_middle(lower: Array, upper: Array) -> Array:
+    """Where a bracket of positive numbers is bisected."""
+    return jnp.sqrt(lower * upper)
+
+
+def _with_slope(function: Callable[[Array], Array], point: Array) -> tuple[Array, Array]:
+    return jax.jvp(function, (point,), (jnp.ones_like(point),))
+
+
+def _search(
+    look: Callable[[Array], tuple[Array, Array]],
+    middle: Callable[[Array, Array], Array],
+    bracket_and_guess: tuple[Array, Array, Array],
+    tolerance: float,
+) -> tuple[Array, RootStatus]:
+    """Search with a rule that gives, at a point, the residual and where Newton would go."""
+
+    def advance(at: tuple[BracketSearch, Array]) -> tuple[BracketSearch, Array]:
+        search, steps = at
+        return search.advanced(*look(search.point), middle, tolerance), steps + 1
+
+    def unfinished(at: tuple[BracketSearch, Array]) -> Array:
+        search, steps = at
+        return jnp.any(search.active) & (steps < MAXIMUM_STEPS)
+
+    at = BracketSearch.within(*bracket_and_guess), jnp.zeros((), int)
+    for _ in range(STEPS_ON_GPU if jax.default_backend() == "gpu" else 0):
+        at = advance(at)
+    end, steps = jax.lax.while_loop(unfinished, advance, at)
+    return end.point, RootStatus(ending=end.ending, steps=steps)
+
+
+def implicit_root(
+    residual: Callable[[Array], Array],
+    solve: Callable[[], tuple[Array, RootStatus]],
+    shape: tuple[int, ...],
+) -> tuple[Array, RootStatus]:
+    """Attach the derivative of a root to its value, however it was found.
+
+    Parameters
+    ----------
+    residual : callable
+        Elementwise function that vanishes at the root. It closes over the parameters that
+        the root is differentiated in, and may be scaled differently from the residual that
+        was iterated on.
+    solve : callable
+        Returns the root and its status; not differentiated.
+    shape : tuple of int
+        Shape of the root.
+
+    Returns
+    -------
+    root : array, shape (...)
+        Differentiable, forward and reverse and to any order, in all that ``residual`` uses.
+    status : RootStatus
+    """
+    equation, parameters = with_parameters(residual, jnp.zeros(shape))
+    search, around = with_parameters(solve)
+    root, status = search(*map(jax.lax.stop_gradient, around))
+    return _attached(equation, jnp.broadcast_to(root, shape), *parameters), status
+
+
+@partial(jax.custom_jvp, nondiff_argnums=(0,))
+def _attached(
+    residual: Callable[..., Array],  # noqa: ARG001
+    root: Array,
+    *parameters: Array,  # noqa: ARG001
+) -> Array:
+    """A root that moves with the parameters of its equation."""
+    return root
+
+
+@_attached.defjvp
+def _moved(
+    residual: Callable[..., Array], primals: tuple[Array, ...], tangents: tuple[Array, ...]
+) -> tuple[Array, Array]:
+    (start, *parameters), (_, *changes) = primals, tangents
+    root = _attached(residual, start, *parameters)
+    _, slope = _with_slope(lambda point: residual(point, *parameters), root)
+    _, change = jax.jvp(partial(residual, root), tuple(parameters), tuple(changes))
+    return root, -change / slope

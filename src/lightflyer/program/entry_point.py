@@ -1,0 +1,404 @@
+"""The way into numeric functions: double precision, the right way to run, NumPy out.
+
+JAX computes in single precision unless a process-wide switch is set. Setting that switch on
+import would change the precision of every other library in the process, so lightflyer never
+touches it. Instead each public numeric function is wrapped by :func:`entry_point`, which
+
+* opens JAX's *scoped* 64-bit context for the duration of the call,
+* converts every number in its inputs to float64,
+* traces the function once for arrays of any length, and keeps the trace for later processes,
+* runs it by NumPy, or by XLA where that is faster though it compiles first,
+* returns NumPy arrays, whose later arithmetic stays in double precision whatever JAX's
+  switch says; under ``jit``, ``vmap`` or ``grad`` it returns JAX tracers.
+
+Gradients taken outside a :func:`~lightflyer.core.precision.float64` context are computed in
+double precision and then rounded to the precision of the caller's inputs, because ``jax.grad``
+itself belongs to the caller. To keep all digits::
+
+    with lightflyer.float64():
+        slope = jax.grad(f)(0.08)
+"""
+
+import math
+import os
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import wraps
+from typing import Any, Literal, NamedTuple, ParamSpec, TypeVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from lightflyer.core.checks import is_traced
+from lightflyer.core.errors import ParameterError
+from lightflyer.program import kept
+from lightflyer.program.numpy_backend import (
+    CALL,
+    ELEMENT,
+    Meter,
+    OutOfTimeError,
+    require_supported,
+    run,
+)
+from lightflyer.program.operations import UnsupportedError
+from lightflyer.program.program import Length, Program
+from lightflyer.program.structure import from_data
+from lightflyer.program.tracing import SYMBOLS, trace
+from lightflyer.program.widening import serves_many
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+SETTING = "LIGHTFLYER_RUN"
+"""Environment variable: ``numpy`` or ``xla`` run every function that way."""
+
+COMPILATION, XLA_ELEMENT = 1.5e-3, 0.3e-9
+"""Time that XLA takes to compile an operation of a program, and then for each element [s]; see
+``benchmarks/programs.py``."""
+
+PIECE = 50_000
+"""Elements that XLA works on at a time, in functions that treat every element by itself."""
+
+ROWS = 8192
+"""Elements that NumPy works on at a time: their arrays stay within the processor's cache."""
+
+_way: ContextVar[str | None] = ContextVar("way", default=None)
+
+
+@contextmanager
+def run_by(way: str) -> Iterator[None]:
+    """Context in which functions are run one way, whatever they cost.
+
+    Parameters
+    ----------
+    way : {"numpy", "xla"}
+
+    Raises
+    ------
+    ParameterError
+        If there is no such way.
+    """
+    before = _way.set(_checked(way))
+    try:
+        yield
+    finally:
+        _way.reset(before)
+
+
+def _checked(way: str) -> str:
+    if way not in ("numpy", "xla"):
+        raise ParameterError(f'functions run by "numpy" or "xla", not by "{way}"')
+    return way
+
+
+def _forced() -> str | None:
+    chosen, setting = _way.get(), os.environ.get(SETTING, "")
+    return chosen or (_checked(setting) if setting else None)
+
+
+def entry_point(
+    function: Callable[P, R], *, way: Literal["numpy", "xla"] | None = None
+) -> Callable[P, R]:
+    """Make a pure numeric function public: float64, compiled where that pays, NumPy out.
+
+    Parameters
+    ----------
+    function : callable
+        Pure function of pytrees of numbers and arrays. It may not read anything else.
+    way : {"numpy", "xla"}, optional
+        How it is run unless the user forces another way; by default what costs least.
+
+    Returns
+    -------
+    callable
+        Same signature. Works on plain numbers, NumPy arrays and JAX arrays, and under
+        ``jit``, ``vmap``, ``grad`` and ``jvp``.
+    """
+    return _public(function, _Runner(function, way=way))
+
+
+def elementwise_entry_point(function: Callable[P, R]) -> Callable[P, R]:
+    """Like :func:`entry_point`, for a function that treats every element by itself.
+
+    Large arrays are worked through in pieces that fit the processor's cache, which is twice as
+    fast as one sweep over all of memory, needs little of it, and compiles once for any length.
+
+    Parameters
+    ----------
+    function : callable
+        As for :func:`entry_point`; where its arrays all have one shape, each element of the
+        result depends on the same element of the arguments only.
+
+    Returns
+    -------
+    callable
+    """
+    return _public(function, _Runner(function, elementwise=True))
+
+
+def is_entry_point(function: Any) -> bool:
+    """Whether a function was made public by one of the decorators here.
+
+    Parameters
+    ----------
+    function : object
+
+    Returns
+    -------
+    bool
+    """
+    return getattr(function, "is_entry_point", False) is True
+
+
+def _public(function: Callable[P, R], runner: "_Runner") -> Callable[P, R]:
+    @wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        plain = [_plain(function, arg) for arg in args]
+        named = {name: _plain(function, arg) for name, arg in kwargs.items()}
+        with jax.enable_x64(True):
+            result: Any = runner(plain, named)
+        return result
+
+    wrapper.is_entry_point = True  # type: ignore[attr-defined]
+    return wrapper
+
+
+def _plain(function: Callable[..., Any], argument: Any) -> Any:
+    """An argument without what JAX does not take for an array: lists and xarray's are."""
+    if isinstance(argument, list) or hasattr(argument, "dims"):
+        return np.asarray(argument)
+    if isinstance(argument, str) or hasattr(argument, "magnitude"):
+        raise ParameterError(
+            f"{function.__name__.lstrip('_')}() takes numbers in SI units, not {argument!s:.60}; "
+            "constructors and files read units"
+        )
+    return argument
+
+
+def _in_double(leaf: Any) -> np.ndarray:
+    array = np.asarray(leaf)
+    return array if array.dtype == bool else array.astype(np.float64, copy=False)
+
+
+def _promote(leaf: Any) -> Any:
+    array = jnp.asarray(leaf)
+    return array if array.dtype == bool else array.astype(jnp.float64)
+
+
+class _Traced(NamedTuple):
+    """A program, and how to put its outputs together."""
+
+    program: Program
+    assemble: Callable[[list[Any]], Any]
+
+
+class _Runner:
+    """Runs a function by the way that costs least."""
+
+    def __init__(
+        self, function: Callable[..., Any], *, elementwise: bool = False, way: str | None = None
+    ):
+        self._function, self._way = function, way
+        self._elementwise = elementwise
+        self._traced: dict[Any, _Traced | None] = {}
+        self._spent: dict[Any, float] = {}  # time that NumPy took, by the shapes of a call
+        self._run: dict[Program, tuple[float, float]] = {}  # calls a piece, work an element
+        self._compiled = jax.jit(self._promoted)
+
+    def __call__(self, args: list[Any], kwargs: dict[str, Any]) -> Any:
+        leaves, structure = jax.tree.flatten((tuple(args), kwargs))
+        if jax.config.jax_disable_jit or is_traced(leaves):  # type: ignore[attr-defined]
+            return self._compiled(*args, **kwargs)
+        arrays = [_in_double(leaf) for leaf in leaves]
+        way = _forced() or self._way
+        found = None if way == "xla" else self._by_numpy(arrays, structure, way)
+        if found is None:
+            found = jax.tree.map(lambda leaf: np.asarray(leaf)[()], self._by_xla(arrays, structure))
+        return found
+
+    def _promoted(self, *args: Any, **kwargs: Any) -> Any:
+        args, kwargs = jax.tree.map(_promote, (args, kwargs))
+        return self._function(*args, **kwargs)
+
+    # --- by XLA ---
+
+    def _by_xla(self, arrays: list[np.ndarray], structure: Any) -> Any:
+        def compiled(leaves: list[Any]) -> Any:
+            args, kwargs = jax.tree.unflatten(structure, leaves)
+            return self._compiled(*args, **kwargs)
+
+        shape = self._elements(structure, [array.shape for array in arrays])
+        if shape is None or math.prod(shape) <= PIECE:
+            return compiled(arrays)
+        return _in_pieces(compiled, arrays, shape, PIECE, filled=True)
+
+    def _elements(
+        self, structure: Any, shapes: Sequence[tuple[int, ...]]
+    ) -> tuple[int, ...] | None:
+        """Shape of the elements where each is a problem of its own; None where that is not known.
+
+        Arrays of several shapes may hold tables, which must stay whole: then it is the shape of
+        those that stand beside flyer and surroundings.
+        """
+        if not self._elementwise:
+            return None
+        several = {*shapes} - {()}
+        if len(several) > 1:
+            several = {shapes[n] for n in _beside(structure, len(shapes))} - {()}
+        return several.pop() if len(several) == 1 else None
+
+    # --- by NumPy ---
+
+    def _by_numpy(self, arrays: list[np.ndarray], structure: Any, way: str | None) -> Any:
+        """The result, or None where XLA is the better way."""
+        shapes = tuple(array.shape for array in arrays)
+        if 0 in (length for one in shapes for length in one):
+            return None
+        shape = self._elements(structure, shapes)
+        if shape is not None:  # elements in one row
+            arrays = [np.ravel(array) if array.shape == shape else array for array in arrays]
+        traced = self._find(structure, arrays)
+        if traced is None:
+            return None
+        program, call = traced.program, (structure, shapes)
+        elements = max((array.size for array in arrays), default=1)
+        rows = elements if shape is None else min(elements, ROWS)
+        calls, work = self._run.get(program, (program.size, program.size))
+        by_xla = COMPILATION * program.size + XLA_ELEMENT * work * elements
+        affordable = by_xla - self._spent.get(call, 0.0)
+        by_numpy = math.ceil(elements / rows) * calls * CALL + work * elements * ELEMENT
+        if way is None and by_numpy > affordable:
+            return None
+        meter = Meter(math.inf if way or program in self._run else affordable)
+        try:
+            if shape is None:
+                found = run(program, arrays, meter)
+            else:
+                found = _in_pieces(lambda piece: run(program, piece, meter), arrays, shape, ROWS)
+        except OutOfTimeError:
+            return None
+        finally:
+            self._spent[call] = self._spent.get(call, 0.0) + meter.spent
+        self._run[program] = meter.calls * rows / elements, meter.work / elements
+        return traced.assemble([part[()] for part in found])
+
+    def _find(self, structure: Any, arrays: list[np.ndarray]) -> _Traced | None:
+        """The program for some arguments: known, kept or traced now; None where there is none."""
+        types = tuple(array.dtype for array in arrays)
+        for pattern, widened in self._patterns(structure, tuple(array.shape for array in arrays)):
+            key = structure, pattern, types
+            if key not in self._traced:
+                self._traced[key] = self._obtain(structure, pattern, types)
+            found = self._traced[key]
+            if found is not None and (not any(widened) or serves_many(found.program, widened)):
+                return found
+        return None
+
+    def _patterns(
+        self, structure: Any, shapes: tuple[tuple[int, ...], ...]
+    ) -> Iterator[tuple[tuple[tuple[Length, ...], ...], list[bool]]]:
+        """Shapes to trace for, the most general first, and which of them stand for longer ones.
+
+        Lengths are symbols: all, then the commonest, then none. Before that, numbers of a flyer or
+        its surroundings may be single though there are many, where the function takes an array
+        beside them: what a prediction traces then serves Monte Carlo, too.
+        """
+        elements = self._elements(structure, shapes)
+        beside = {n for n in _beside(structure, len(shapes)) if shapes[n] == elements}
+        widened = [shape == elements and n not in beside for n, shape in enumerate(shapes)]
+        if beside:
+            pattern: tuple[tuple[Length, ...], ...] = tuple(
+                SYMBOLS[:1] if n in beside else () if widened[n] else shape
+                for n, shape in enumerate(shapes)
+            )
+            yield pattern, widened
+        lengths = Counter(length for shape in shapes for length in shape if length > 1)
+        commonest = [length for length, _ in lengths.most_common()]
+        for count in sorted({len(commonest), min(1, len(commonest)), 0}, reverse=True):
+            symbols = dict(zip(commonest[:count], SYMBOLS, strict=False))
+            pattern = tuple(
+                tuple(symbols.get(length, length) for length in shape) for shape in shapes
+            )
+            yield pattern, [False] * len(shapes)
+
+    def _obtain(
+        self, structure: Any, pattern: tuple[tuple[Length, ...], ...], types: Sequence[Any]
+    ) -> _Traced | None:
+        numbers = [kept.Number(shape, kind.str) for shape, kind in zip(pattern, types, strict=True)]
+        form = jax.tree.unflatten(structure, numbers)
+        found = kept.find(self._function, form)
+        if found is not None:
+            program, data = found
+            return _Traced(program, lambda leaves: from_data(data, leaves))
+
+        def flat(leaves: list[Any]) -> Any:
+            args, kwargs = jax.tree.unflatten(structure, leaves)
+            return self._function(*args, **kwargs)
+
+        symbolic = any(isinstance(length, str) for shape in pattern for length in shape)
+        try:
+            program, result = trace(flat, pattern, types)
+            require_supported(program)
+        except UnsupportedError:
+            return None
+        except Exception:
+            if not symbolic:
+                raise
+            return None  # it needs to know a length: another pattern serves
+        kept.keep(self._function, form, program, result)
+        return _Traced(program, lambda leaves: jax.tree.unflatten(result, leaves))
+
+
+def _beside(structure: Any, count: int) -> set[int]:
+    """Places, among the leaves, of arrays that are arguments by themselves."""
+    args, _ = jax.tree.unflatten(structure, range(count))
+    return {arg for arg in args if isinstance(arg, int)}
+
+
+def _in_pieces(
+    function: Callable[[list[Any]], Any],
+    arrays: list[np.ndarray],
+    shape: tuple[int, ...],
+    size: int,
+    *,
+    filled: bool = False,
+) -> Any:
+    """Apply a function to as many elements at a time; each is a problem of its own.
+
+    Parameters
+    ----------
+    function : callable
+        From a list of arrays to a pytree of arrays.
+    arrays : list of array
+        Those of the elements' shape, or of its size, are cut; others are given whole.
+    shape : tuple of int
+        Of the elements, and of the results.
+    size : int
+        Elements of a piece.
+    filled : bool
+        Whether the last piece has as many, too: copies of its last element.
+
+    Returns
+    -------
+    pytree of array
+    """
+    count = math.prod(shape)
+    cut = [array.shape in (shape, (count,)) for array in arrays]
+    flat = [np.ravel(array) if is_cut else array for array, is_cut in zip(arrays, cut, strict=True)]
+
+    def piece(start: int) -> list[np.ndarray]:
+        stop = start + size if filled else min(start + size, count)
+        rows = np.minimum(np.arange(start, stop), count - 1)
+        return [array[rows] if is_cut else array for array, is_cut in zip(flat, cut, strict=True)]
+
+    pieces = [function(piece(start)) for start in range(0, count, size)]
+
+    def whole(*parts: Any) -> np.ndarray:
+        if np.ndim(parts[0]) == 0:
+            return np.asarray(parts[0])
+        return np.concatenate([np.asarray(part) for part in parts])[:count].reshape(shape)
+
+    return jax.tree.map(whole, *pieces)

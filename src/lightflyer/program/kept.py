@@ -1,0 +1,142 @@
+"""Programs that a later process reads in place of tracing them anew.
+
+A program is found by what it is made from: the function, the static part of its arguments, the
+patterns of the shapes of the rest, the sources and data of this package, and the versions of JAX
+and Equinox. It is kept only where all of that can be named: a function defined within another, or a
+class from somewhere else, is traced anew in each process. A file holds data alone: reading one runs
+nothing.
+"""
+
+import hashlib
+import json
+import os
+import pickle
+import pickletools
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import equinox
+import jax
+
+from lightflyer.core.cache import PRIVATE, cache_folder, is_private
+from lightflyer.program.program import Program
+from lightflyer.program.structure import as_data
+
+LARGEST = 100_000_000
+"""Size of all kept programs together [bytes]; those unused for longest go first."""
+
+_SOURCES = {".py", ".csv", ".toml", ".txt"}
+_KNOWN = {"builtins", "collections", "copyreg", "equinox", "jax", "jaxlib", "lightflyer", "numpy"}
+_NAMES_PROTOCOL = 2  # the newest in which a pickle names each class in one piece
+
+
+class Number(NamedTuple):
+    """What stands for an array in the description of a program."""
+
+    shape: tuple[Any, ...]
+    kind: str
+
+
+def find(function: Callable[..., Any], form: Any) -> tuple[Program, Any] | None:
+    """A kept program, with the structure of what it returns as data.
+
+    Parameters
+    ----------
+    function : callable
+    form : pytree of Number
+        Its arguments, with a description in place of each array.
+
+    Returns
+    -------
+    tuple or None
+        None where there is none, or one that is damaged or not this user's.
+    """
+    path = _path(function, form)
+    if path is None:
+        return None
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        if is_private(path.parent) and is_private(path):
+            content = path.read_bytes()
+            length = int.from_bytes(content[:4], "little")
+            structure = json.loads(content[4 : 4 + length])
+            found = Program.from_bytes(content[4 + length :], salt=content[: 4 + length])
+            os.utime(path)  # used now
+            return found, structure
+    return None
+
+
+def keep(function: Callable[..., Any], form: Any, program: Program, structure: Any) -> None:
+    """Write a program where a later process finds it; what cannot be written is not kept.
+
+    Parameters
+    ----------
+    function, form
+        As for :func:`find`.
+    program : Program
+    structure : PyTreeDef
+        Of what the function returns.
+    """
+    path = _path(function, form)
+    if path is None:
+        return
+    with suppress(OSError, TypeError):
+        text = json.dumps(as_data(structure)).encode()
+        head = len(text).to_bytes(4, "little") + text
+        path.parent.mkdir(parents=True, exist_ok=True, mode=PRIVATE)
+        if not is_private(path.parent):
+            return
+        stage = path.with_suffix(f".{os.getpid()}.new")
+        stage.write_bytes(head + program.to_bytes(salt=head))
+        stage.replace(path)
+        _make_room(path.parent)
+
+
+def _path(function: Callable[..., Any], form: Any) -> Path | None:
+    where, key = cache_folder(), _key(function, form)
+    return None if where is None or key is None else where / "programs" / f"{key}.program"
+
+
+def _key(function: Callable[..., Any], form: Any) -> str | None:
+    """Name of the program, or None where it depends on code that has no name or is not known."""
+    try:
+        description = pickle.dumps(form, protocol=_NAMES_PROTOCOL)  # only to be hashed
+    except (pickle.PicklingError, AttributeError, TypeError):
+        return None
+    modules = {function.__module__, *_modules(description)}
+    if "<" in function.__qualname__ or {name.split(".")[0] for name in modules} - _KNOWN:
+        return None
+    name = f"{function.__module__}.{function.__qualname__}".encode()
+    return hashlib.sha256(name + description + _versions()).hexdigest()
+
+
+def _modules(description: bytes) -> Iterator[str]:
+    """Where the classes and functions come from that a pickle names."""
+    for operation, argument, _ in pickletools.genops(description):
+        if operation.name == "GLOBAL":
+            yield str(argument).split(" ")[0]
+
+
+@cache
+def _versions() -> bytes:
+    """What the same description depends on beside itself."""
+    package = Path(str(resources.files("lightflyer")))
+    found = hashlib.sha256(repr((jax.__version__, equinox.__version__)).encode())
+    for path in sorted(package.rglob("*")):
+        if path.suffix in _SOURCES:
+            found.update(str(path.relative_to(package)).encode() + path.read_bytes())
+    return found.digest()
+
+
+def _make_room(where: Path) -> None:
+    """Remove the programs unused for longest until the rest is small enough."""
+    facts = [(path.stat(), path) for path in where.glob("*.program")]
+    total = sum(fact.st_size for fact, _ in facts)
+    for fact, path in sorted(facts, key=lambda entry: entry[0].st_mtime):
+        if total <= LARGEST:
+            break
+        path.unlink(missing_ok=True)
+        total -= fact.st_size

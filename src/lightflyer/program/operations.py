@@ -1,0 +1,536 @@
+"""What each operation of a program is in NumPy.
+
+A value that does not vary along an axis need not fill it: it may have one element there, or no axes
+at all. What must see the whole of an array is given its shape and fills it.
+"""
+
+import itertools
+import math
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from lightflyer.program.program import Length, Operation, length_of
+
+Lengths = dict[str, int]
+
+
+class UnsupportedError(NotImplementedError):
+    """A program has an operation that a backend lacks; the message names it."""
+
+
+def evaluate(operation: Operation, inputs: Sequence[Any]) -> list[Any]:
+    """Outputs of one operation whose lengths are all numbers.
+
+    Parameters
+    ----------
+    operation : Operation
+        Not a loop or a choice.
+    inputs : sequence of array
+
+    Returns
+    -------
+    list of array
+    """
+    with np.errstate(all="ignore"):
+        found = function_of(operation)({}, *inputs)
+    return list(found) if len(operation.outputs) > 1 else [found]
+
+
+# --- element by element ---
+
+
+def _divide(one: Any, other: Any) -> Any:
+    if one.dtype.kind in "iu":
+        return np.trunc(one / other).astype(one.dtype)
+    return np.divide(one, other)
+
+
+def _select(which: Any, *cases: Any) -> Any:
+    if np.ndim(which) == 0:
+        return cases[int(which)]
+    if len(cases) == 2:
+        return np.where(which, cases[1], cases[0])
+    return np.choose(which, cases)
+
+
+def _before(one: Any, other: Any) -> Any:
+    """Less in the order that sorting has: NaN comes last."""
+    return (one < other) | ((one == one) & (other != other))
+
+
+def _before_or_same(one: Any, other: Any) -> Any:
+    return (one <= other) | (other != other)
+
+
+def _sigmoid(value: Any) -> Any:
+    return 1.0 / (1.0 + np.exp(-value))
+
+
+def _special(name: str) -> Callable[..., Any]:
+    """A function of SciPy, which is imported when it is called."""
+
+    def function(*values: Any) -> Any:
+        import scipy.special
+
+        return getattr(scipy.special, name)(*values)
+
+    return function
+
+
+ELEMENTWISE: dict[str, Callable[..., Any]] = {
+    "abs": np.abs,
+    "acos": np.arccos,
+    "acosh": np.arccosh,
+    "add": np.add,
+    "and": np.bitwise_and,
+    "asin": np.arcsin,
+    "asinh": np.arcsinh,
+    "atan": np.arctan,
+    "atan2": np.arctan2,
+    "atanh": np.arctanh,
+    "cbrt": np.cbrt,
+    "ceil": np.ceil,
+    "clamp": lambda low, value, high: np.minimum(np.maximum(value, low), high),
+    "cos": np.cos,
+    "cosh": np.cosh,
+    "div": _divide,
+    "eq": np.equal,
+    "erf": _special("erf"),
+    "erf_inv": _special("erfinv"),
+    "erfc": _special("erfc"),
+    "exp": np.exp,
+    "exp2": np.exp2,
+    "expm1": np.expm1,
+    "floor": np.floor,
+    "ge": np.greater_equal,
+    "gt": np.greater,
+    "is_finite": np.isfinite,
+    "le": np.less_equal,
+    "le_to": _before_or_same,
+    "lgamma": _special("gammaln"),
+    "log": np.log,
+    "log1p": np.log1p,
+    "logistic": _sigmoid,
+    "lt": np.less,
+    "lt_to": _before,
+    "max": np.maximum,
+    "min": np.minimum,
+    "mul": np.multiply,
+    "ne": np.not_equal,
+    "neg": np.negative,
+    "nextafter": np.nextafter,
+    "not": np.bitwise_not,
+    "or": np.bitwise_or,
+    "pow": np.power,
+    "rem": np.fmod,
+    "round": np.rint,
+    "rsqrt": lambda value: 1.0 / np.sqrt(value),
+    "select_n": _select,
+    "sign": np.sign,
+    "sin": np.sin,
+    "sinh": np.sinh,
+    "sqrt": np.sqrt,
+    "square": np.square,
+    "sub": np.subtract,
+    "tan": np.tan,
+    "tanh": np.tanh,
+    "xor": np.bitwise_xor,
+}
+"""Operations on each element by itself, without parameters."""
+
+SINGLE = {*ELEMENTWISE, "convert_element_type", "integer_pow"}
+"""Operations that make a value without axes of such values, element by element."""
+
+RULES: dict[str, Callable[..., Any]] = {}
+"""Functions of lengths, inputs and an operation's parameters, by the operation's name."""
+
+
+def function_of(operation: Operation) -> Callable[..., Any]:
+    """A function of the lengths and the inputs."""
+    name = operation.name
+    if name in ELEMENTWISE:
+        plain = ELEMENTWISE[name]
+        return lambda _, *inputs: plain(*inputs)
+    if name not in RULES:
+        raise UnsupportedError(f'operation "{name}" is not among those that NumPy runs')
+    return partial(RULES[name], **operation.parameters)
+
+
+def _rule(*names: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    def keep(function: Callable[..., Any]) -> Callable[..., Any]:
+        RULES.update(dict.fromkeys(names, function))
+        return function
+
+    return keep
+
+
+def _shape(shape: Iterable[Length], lengths: Lengths) -> tuple[int, ...]:
+    return tuple(length_of(length, lengths) for length in shape)
+
+
+def filled(value: Any, shape: Iterable[Length], lengths: Lengths) -> np.ndarray:
+    """A view of a value that fills all of its axes."""
+    return np.broadcast_to(value, _shape(shape, lengths))
+
+
+@_rule("integer_pow")
+def _integer_pow(_: Lengths, base: Any, *, y: int) -> Any:
+    result, square, left = None, base, abs(y)
+    while left:
+        if left % 2:
+            result = square if result is None else result * square
+        left //= 2
+        square = square * square if left else square
+    if result is None:
+        return np.ones_like(base)
+    return 1.0 / result if y < 0 else result
+
+
+@_rule("convert_element_type")
+def _convert(_: Lengths, value: Any, *, new_dtype: str) -> Any:
+    return np.asarray(value).astype(new_dtype)[()]
+
+
+# --- elements moved about ---
+
+
+@_rule("broadcast_in_dim")
+def _broadcast(_: Lengths, value: Any, *, axes: list[int], new: list[Length]) -> Any:  # noqa: ARG001
+    """A value with axes where it has none yet, of one element: they need not be filled."""
+    return np.expand_dims(value, tuple(axes)) if np.ndim(value) else value
+
+
+@_rule("squeeze")
+def _squeeze(_: Lengths, value: Any, *, dimensions: list[int]) -> Any:
+    return np.squeeze(value, tuple(dimensions)) if np.ndim(value) else value
+
+
+@_rule("reshape")
+def _reshape(lengths: Lengths, value: Any, *, shape: list[Length], new: list[Length]) -> Any:
+    if np.size(value) == 1:
+        return np.reshape(value, (1,) * len(new))
+    return np.reshape(filled(value, shape, lengths), _shape(new, lengths))
+
+
+@_rule("transpose")
+def _transpose(_: Lengths, value: Any, *, permutation: list[int]) -> Any:
+    return np.transpose(value, permutation) if np.ndim(value) else value
+
+
+@_rule("rev")
+def _reverse(_: Lengths, value: Any, *, dimensions: list[int]) -> Any:
+    return np.flip(value, tuple(dimensions)) if np.ndim(value) else value
+
+
+@_rule("slice")
+def _slice(
+    lengths: Lengths,
+    value: Any,
+    *,
+    start: list[Length],
+    stop: list[Length],
+    steps: list[int] | None,
+) -> Any:
+    if np.ndim(value) == 0:
+        return value
+    parts = zip(_shape(start, lengths), _shape(stop, lengths), steps or [1] * len(start),
+                strict=True)  # fmt: skip
+    return value[
+        tuple(
+            slice(None) if length == 1 and part[1] > part[0] else slice(*part)
+            for length, part in zip(value.shape, parts, strict=True)
+        )
+    ]
+
+
+@_rule("concatenate")
+def _concatenate(lengths: Lengths, *values: Any, dimension: int, shapes: list[list[Length]]) -> Any:
+    return np.concatenate(
+        [filled(value, shape, lengths) for value, shape in zip(values, shapes, strict=True)],
+        dimension,
+    )
+
+
+@_rule("stack")
+def _stack(lengths: Lengths, *values: Any, shape: list[Length], axis: int) -> Any:
+    return np.stack([filled(value, shape, lengths) for value in values], axis)
+
+
+@_rule("split")
+def _split(
+    lengths: Lengths, value: Any, *, sizes: list[Length], axis: int, shape: list[Length]
+) -> Any:
+    ends = list(itertools.accumulate(_shape(sizes, lengths)))[:-1]
+    parts = np.split(filled(value, shape, lengths), ends, axis)
+    return parts if len(parts) > 1 else parts[0]
+
+
+@_rule("pad")
+def _pad(
+    lengths: Lengths, value: Any, filling: Any, *, config: list[list[int]], shape: list[Length]
+) -> Any:
+    full = filled(value, shape, lengths)
+    inner = [length + (length - 1) * gap for length, (_, _, gap) in zip(full.shape, config,
+             strict=True)]  # fmt: skip
+    whole = np.full(
+        [length + max(low, 0) + max(high, 0) for length, (low, high, _) in zip(inner, config,
+         strict=True)], filling, full.dtype)  # fmt: skip
+    whole[
+        tuple(
+            slice(max(low, 0), max(low, 0) + length, gap + 1)
+            for length, (low, _, gap) in zip(inner, config, strict=True)
+        )
+    ] = full
+    cut = (
+        slice(max(-low, 0), size - max(-high, 0))
+        for size, (low, high, _) in zip(whole.shape, config, strict=True)
+    )
+    return whole[tuple(cut)]
+
+
+@_rule("iota")
+def _iota(lengths: Lengths, *, dtype: str, shape: list[Length], dimension: int) -> Any:
+    count = length_of(shape[dimension], lengths)
+    sizes = [1] * len(shape)
+    sizes[dimension] = count
+    return np.arange(count, dtype=dtype).reshape(sizes)
+
+
+@_rule("dim_as_value")
+def _dim_as_value(lengths: Lengths, *, dim: Length, dtype: str) -> Any:
+    return np.dtype(dtype).type(length_of(dim, lengths))
+
+
+@_rule("dynamic_slice")
+def _dynamic_slice(
+    lengths: Lengths, value: Any, *start: Any, sizes: list[Length], shape: list[Length]
+) -> Any:
+    full = filled(value, shape, lengths)
+    wanted = _shape(sizes, lengths)
+    return full[_window(full.shape, start, wanted)]
+
+
+@_rule("dynamic_update_slice")
+def _dynamic_update_slice(
+    lengths: Lengths,
+    value: Any,
+    update: Any,
+    *start: Any,
+    shape: list[Length],
+    sizes: list[Length],
+) -> Any:
+    full = filled(value, shape, lengths).copy()
+    full[_window(full.shape, start, _shape(sizes, lengths))] = update
+    return full
+
+
+def _window(shape: Sequence[int], start: Sequence[Any], sizes: Sequence[int]) -> tuple[slice, ...]:
+    """A part of an array, moved so that it lies within."""
+    begins = (
+        min(max(int(begin), 0), length - size)
+        for begin, length, size in zip(start, shape, sizes, strict=True)
+    )
+    return tuple(slice(begin, begin + size) for begin, size in zip(begins, sizes, strict=True))
+
+
+@_rule("gather")
+def _gather(
+    lengths: Lengths,
+    value: Any,
+    indices: Any,
+    *,
+    shape: list[Length],
+    index_shape: list[Length],
+    offset_dims: list[int],
+    start_index_map: list[int],
+    collapsed: list[int],
+    operand_batching: list[int],
+    index_batching: list[int],
+    sizes: list[Length],
+    mode: str,
+    fill: Any,
+) -> Any:
+    """A window for each index vector; a place beyond the ends is moved in, or filled."""
+    full, widths = filled(value, shape, lengths), _shape(sizes, lengths)
+    if np.ndim(indices) == 0 or indices.shape[-1] != len(start_index_map):
+        indices = filled(indices, index_shape, lengths)
+    batch = indices.ndim - 1
+    kept = [axis for axis in range(full.ndim) if axis not in {*collapsed, *operand_batching}]
+    rank = batch + len(kept)
+    inside: Any = True
+    places: list[Any] = []
+    for axis in range(full.ndim):
+        place: Any = np.zeros((1,) * rank, int)
+        if axis in kept:
+            place = np.arange(widths[axis]).reshape(
+                [-1 if batch + kept.index(axis) == at else 1 for at in range(rank)]
+            )
+        if axis in start_index_map:
+            begin = indices[..., start_index_map.index(axis)]
+            last = full.shape[axis] - widths[axis]
+            if mode == "fill":
+                inside = inside & (begin >= 0) & (begin <= last)
+            begin = np.minimum(np.maximum(begin, 0), last)
+            place = place + begin.reshape(begin.shape + (1,) * len(kept))
+        if axis in operand_batching:
+            along = index_batching[operand_batching.index(axis)]
+            count = full.shape[axis]
+            place = np.arange(count).reshape([-1 if at == along else 1 for at in range(rank)])
+        places.append(place)
+    found = full[tuple(places)] if places else full
+    if mode == "fill" and not np.all(inside):
+        outside = ~np.reshape(inside, np.shape(inside) + (1,) * len(kept))
+        found = np.where(outside, _filling(fill, found.dtype), found)
+    found = np.reshape(found, (1,) * (rank - found.ndim) + found.shape)
+    return np.moveaxis(found, range(batch, rank), offset_dims) if kept else found
+
+
+def _filling(stated: Any, dtype: np.dtype) -> Any:
+    if stated is not None:
+        return stated
+    if dtype.kind == "f":
+        return math.nan
+    return True if dtype.kind == "b" else np.iinfo(dtype).min
+
+
+@_rule("scatter", "scatter_add")
+def _scatter(
+    lengths: Lengths,
+    value: Any,
+    indices: Any,
+    updates: Any,
+    *,
+    shape: list[Length],
+    index_shape: list[Length],
+    update_shape: list[Length],
+    window_dims: list[int],
+    inserted: list[int],
+    start_index_map: list[int],
+    add: bool,
+    mode: str,
+) -> Any:
+    """An array with windows replaced or added to; windows that do not fit are left out."""
+    full = filled(value, shape, lengths).copy()
+    places = filled(indices, index_shape, lengths)
+    new = filled(updates, update_shape, lengths)
+    batch = [axis for axis in range(new.ndim) if axis not in window_dims]
+    new = np.transpose(new, [*batch, *window_dims])
+    kept = [axis for axis in range(full.ndim) if axis not in inserted]
+    for where in np.ndindex(*places.shape[:-1]):
+        begins, part = [0] * full.ndim, new[where]
+        widths = [1] * full.ndim
+        for axis, width in zip(kept, part.shape, strict=True):
+            widths[axis] = width
+        for axis, begin in zip(start_index_map, places[where], strict=True):
+            last = full.shape[axis] - widths[axis]
+            begins[axis] = int(begin) if mode != "clip" else min(max(int(begin), 0), last)
+        if any(
+            begin < 0 or begin + width > length
+            for begin, width, length in zip(begins, widths, full.shape, strict=True)
+        ):
+            continue
+        into = tuple(
+            begin if axis in inserted else slice(begin, begin + widths[axis])
+            for axis, begin in enumerate(begins)
+        )
+        full[into] = full[into] + part if add else part
+    return full
+
+
+# --- many elements to one ---
+
+
+def _whole_reduction(reduce: Callable[..., Any]) -> Callable[..., Any]:
+    def reduced(lengths: Lengths, value: Any, *, axes: list[int], shape: list[Length]) -> Any:
+        full = filled(value, shape, lengths)
+        return reduce(full, axis=tuple(axes), dtype=full.dtype)
+
+    return reduced
+
+
+def _idempotent_reduction(reduce: Callable[..., Any]) -> Callable[..., Any]:
+    def reduced(_: Lengths, value: Any, *, axes: list[int]) -> Any:
+        return reduce(value, axis=tuple(axes)) if np.ndim(value) else value
+
+    return reduced
+
+
+RULES["reduce_sum"] = _whole_reduction(np.sum)
+RULES["reduce_prod"] = _whole_reduction(np.prod)
+_REDUCTIONS: dict[str, Any] = {"max": np.max, "min": np.min, "and": np.all, "or": np.any}
+for _name, _reduce in _REDUCTIONS.items():
+    RULES[f"reduce_{_name}"] = _idempotent_reduction(_reduce)
+
+
+def _accumulation(accumulate: Callable[..., Any]) -> Callable[..., Any]:
+    def accumulated(
+        lengths: Lengths, value: Any, *, axis: int, reverse: bool, shape: list[Length]
+    ) -> Any:
+        full = filled(value, shape, lengths)
+        full = np.flip(full, axis) if reverse else full
+        found = accumulate(full, axis=axis, dtype=full.dtype)
+        return np.flip(found, axis) if reverse else found
+
+    return accumulated
+
+
+for _name, _function in {
+    "cumsum": np.add.accumulate,
+    "cumprod": np.multiply.accumulate,
+    "cummax": np.maximum.accumulate,
+    "cummin": np.minimum.accumulate,
+}.items():
+    RULES[_name] = _accumulation(_function)
+
+
+def _search(find: Callable[..., Any]) -> Callable[..., Any]:
+    def found(
+        lengths: Lengths, value: Any, *, axes: list[int], index_dtype: str, shape: list[Length]
+    ) -> Any:
+        (axis,) = axes
+        return find(filled(value, shape, lengths), axis=axis).astype(index_dtype)
+
+    return found
+
+
+RULES["argmax"], RULES["argmin"] = _search(np.argmax), _search(np.argmin)
+
+
+@_rule("sort")
+def _sort(
+    lengths: Lengths, *values: Any, dimension: int, num_keys: int, shape: list[Length]
+) -> Any:
+    full = [filled(value, shape, lengths) for value in values]
+    if len(full) == 1:
+        return np.sort(full[0], axis=dimension, kind="stable")
+    if num_keys != 1:
+        raise UnsupportedError('operation "sort" by several keys')
+    order = np.argsort(full[0], axis=dimension, kind="stable")
+    return [np.take_along_axis(part, order, dimension) for part in full]
+
+
+@_rule("dot_general")
+def _dot_general(
+    lengths: Lengths,
+    one: Any,
+    other: Any,
+    *,
+    contracted: list[list[int]],
+    batched: list[list[int]],
+    shapes: list[list[Length]],
+) -> Any:
+    left, right = (
+        filled(value, shape, lengths) for value, shape in zip((one, other), shapes, strict=True)
+    )
+    names = itertools.count()
+    of_left = [next(names) for _ in range(left.ndim)]
+    of_right = [next(names) for _ in range(right.ndim)]
+    for a, b in zip(contracted[0] + batched[0], contracted[1] + batched[1], strict=True):
+        of_right[b] = of_left[a]
+    shared = [of_left[axis] for axis in batched[0]]
+    summed = {of_left[axis] for axis in contracted[0]} | set(shared)
+    free = [name for name in of_left + of_right if name not in summed]
+    return np.einsum(left, of_left, right, of_right, shared + free)

@@ -1,0 +1,301 @@
+"""A program: operations on arrays in the order in which they run, as plain data.
+
+Values are numbered. Every value is made by one operation, is an input or is a constant. A length
+is a whole number or an expression of symbols such as ``"n"`` and ``"n + 1"``; symbols are bound
+when the program runs.
+"""
+
+import ast
+import hashlib
+import io
+import json
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+ROWS = "n0"
+"""Symbol of the axis along which elements lie."""
+
+FORMAT = 1
+"""Version of the form in which programs are written."""
+
+Length: TypeAlias = int | str
+"""Number of elements along an axis, or an expression of symbols."""
+
+
+class Operation(NamedTuple):
+    """One step of a program.
+
+    Attributes
+    ----------
+    name : str
+        What is done, by JAX's name for it where it has one.
+    inputs, outputs : tuple of int
+        Numbers of values.
+    parameters : dict
+        Of strings, numbers, lists and None.
+    blocks : tuple of Block
+        Bodies of a loop or of a choice.
+    """
+
+    name: str
+    inputs: tuple[int, ...]
+    outputs: tuple[int, ...]
+    parameters: Mapping[str, Any]
+    blocks: "tuple[Block, ...]" = ()
+
+
+class Block(NamedTuple):
+    """Operations that run together, such as the body of a loop.
+
+    Attributes
+    ----------
+    arguments : tuple of int
+        Values that are set before it runs. It may read all values around it, too.
+    operations : tuple of Operation
+    results : tuple of int
+        Values that are read after it.
+    """
+
+    arguments: tuple[int, ...]
+    operations: tuple[Operation, ...]
+    results: tuple[int, ...]
+
+    def reads(self) -> set[int]:
+        """Values that it reads, its own included."""
+        found = set(self.results)
+        for operation in self.operations:
+            found.update(operation.inputs, *(block.reads() for block in operation.blocks))
+        return found
+
+    def makes(self) -> set[int]:
+        """Values that it sets, its arguments included."""
+        found = set(self.arguments)
+        for operation in self.operations:
+            found.update(operation.outputs, *(block.makes() for block in operation.blocks))
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """What a function computes.
+
+    Attributes
+    ----------
+    body : Block
+        Its arguments are the inputs, its results the outputs.
+    constants : dict of int to array
+        Values that are known.
+    input_shapes, output_shapes : tuple of tuple of int or str
+        Lengths of the axes of each input and output.
+    output_types : tuple of str
+        Types of the elements of the outputs, as NumPy writes them.
+    rows : frozenset of int
+        Values with :data:`ROWS` as their one axis, of those that no arithmetic makes.
+    """
+
+    body: Block
+    constants: dict[int, np.ndarray]
+    input_shapes: tuple[tuple[Length, ...], ...]
+    output_shapes: tuple[tuple[Length, ...], ...]
+    output_types: tuple[str, ...]
+    rows: frozenset[int] = frozenset()
+    _prepared: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def size(self) -> int:
+        """Number of operations, those of loops and choices included."""
+        return _size(self.body)
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """Names of all operations."""
+        return frozenset(_names(self.body))
+
+    @property
+    def single(self) -> set[int]:
+        """Inputs and constants that have no axes."""
+        inputs = zip(self.body.arguments, self.input_shapes, strict=True)
+        single = {number for number, shape in inputs if not shape}
+        return single | {number for number, array in self.constants.items() if not array.ndim}
+
+    def prepared(self, backend: str, prepare: "Callable[[Program], Any]") -> Any:
+        """What a backend makes of the program, made once."""
+        if backend not in self._prepared:
+            self._prepared[backend] = prepare(self)
+        return self._prepared[backend]
+
+    def lengths(self, shapes: Sequence[tuple[int, ...]]) -> dict[str, int]:
+        """Values of the symbols, for inputs of some shapes.
+
+        Parameters
+        ----------
+        shapes : sequence of tuple of int
+
+        Returns
+        -------
+        dict of str to int
+        """
+        found: dict[str, int] = {}
+        for stated, actual in zip(self.input_shapes, shapes, strict=True):
+            for length, number in zip(stated, actual, strict=False):  # none stated: any serves
+                if isinstance(length, str) and length.isidentifier():
+                    found[length] = number
+        return found
+
+    def to_bytes(self, salt: bytes = b"") -> bytes:
+        """The program in a file's form: a hash, then operations in JSON and constants.
+
+        Parameters
+        ----------
+        salt : bytes
+            What the hash covers, too.
+
+        Returns
+        -------
+        bytes
+        """
+        tree = {
+            "format": FORMAT,
+            "body": _block_as_data(self.body),
+            "constants": list(self.constants),
+            "input_shapes": self.input_shapes,
+            "output_shapes": self.output_shapes,
+            "output_types": self.output_types,
+            "rows": sorted(self.rows),
+        }
+        text = np.frombuffer(json.dumps(tree).encode(), np.uint8)
+        stream = io.BytesIO()
+        arrays = {f"c{number}": array for number, array in self.constants.items()}
+        np.savez(stream, program=text, **arrays)  # type: ignore[arg-type]
+        content = stream.getvalue()
+        return hashlib.sha256(salt + content).digest() + content
+
+    @classmethod
+    def from_bytes(cls, content: bytes, salt: bytes = b"") -> "Program":
+        """Read what :meth:`to_bytes` wrote.
+
+        Parameters
+        ----------
+        content, salt : bytes
+
+        Returns
+        -------
+        Program
+
+        Raises
+        ------
+        ValueError
+            If it is damaged or of another format.
+        """
+        digest, content = content[:32], content[32:]
+        if hashlib.sha256(salt + content).digest() != digest:
+            raise ValueError("the program is damaged")
+        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+            tree = json.loads(arrays["program"].tobytes())
+            if tree["format"] != FORMAT:
+                raise ValueError("the program is of another format")
+            constants = {number: arrays[f"c{number}"] for number in tree["constants"]}
+        return cls(
+            body=_block_of_data(tree["body"]),
+            constants=constants,
+            input_shapes=tuple(map(tuple, tree["input_shapes"])),
+            output_shapes=tuple(map(tuple, tree["output_shapes"])),
+            output_types=tuple(tree["output_types"]),
+            rows=frozenset(tree["rows"]),
+        )
+
+
+def _size(block: Block) -> int:
+    inner = (part for operation in block.operations for part in operation.blocks)
+    return len(block.operations) + sum(map(_size, inner))
+
+
+def _names(block: Block) -> set[str]:
+    found = {operation.name for operation in block.operations}
+    return found.union(
+        *(_names(part) for operation in block.operations for part in operation.blocks)
+    )
+
+
+def _block_as_data(block: Block) -> list[Any]:
+    operations = [
+        [name, inputs, outputs, dict(parameters), list(map(_block_as_data, blocks))]
+        for name, inputs, outputs, parameters, blocks in block.operations
+    ]
+    return [block.arguments, operations, block.results]
+
+
+def _block_of_data(data: list[Any]) -> Block:
+    arguments, operations, results = data
+    return Block(
+        tuple(arguments),
+        tuple(
+            Operation(
+                name,
+                tuple(inputs),
+                tuple(outputs),
+                parameters,
+                tuple(map(_block_of_data, blocks)),
+            )
+            for name, inputs, outputs, parameters, blocks in operations
+        ),
+        tuple(results),
+    )
+
+
+_ARITHMETIC: dict[Any, Callable[..., int]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Pow: operator.pow,
+}
+_FUNCTIONS: dict[str, Callable[..., int]] = {
+    "floordiv": operator.floordiv,
+    "mod": operator.mod,
+    "max": max,
+    "min": min,
+}
+
+
+def length_of(length: Length, symbols: Mapping[str, int]) -> int:
+    """Value of a length.
+
+    Parameters
+    ----------
+    length : int or str
+    symbols : dict of str to int
+
+    Returns
+    -------
+    int
+
+    Examples
+    --------
+    >>> length_of("2*n + 1", {"n": 3})
+    7
+    """
+    if isinstance(length, int):
+        return length
+    if length in symbols:
+        return symbols[length]
+    return _evaluate(ast.parse(length, mode="eval").body, symbols)
+
+
+def _evaluate(node: ast.expr, symbols: Mapping[str, int]) -> int:
+    match node:
+        case ast.Constant(value=int(value)):
+            return value
+        case ast.Name(id=name):
+            return symbols[name]
+        case ast.UnaryOp(op=ast.USub(), operand=inner):
+            return -_evaluate(inner, symbols)
+        case ast.BinOp(left=left, op=sign, right=right):
+            return _ARITHMETIC[type(sign)](_evaluate(left, symbols), _evaluate(right, symbols))
+        case ast.Call(func=ast.Name(id=name), args=args):
+            return _FUNCTIONS[name](*(_evaluate(arg, symbols) for arg in args))
+    raise ValueError(f"not a length: {ast.unparse(node)}")

@@ -1,0 +1,106 @@
+"""Pytrees as plain data, so that what a program returns can be told without code."""
+
+import dataclasses
+import importlib
+from typing import Any
+
+import equinox as eqx
+import jax
+
+_PACKAGE = "lightflyer"  # whose classes may be named in data
+
+
+def as_data(structure: Any) -> Any:
+    """A pytree's structure in lists, dicts, strings and numbers.
+
+    Parameters
+    ----------
+    structure : PyTreeDef
+
+    Returns
+    -------
+    object
+        As JSON has it.
+
+    Raises
+    ------
+    TypeError
+        If something in it has no such form.
+    """
+    return _encode(jax.tree.unflatten(structure, range(structure.num_leaves)))
+
+
+def from_data(data: Any, leaves: list[Any]) -> Any:
+    """The pytree of some leaves.
+
+    Parameters
+    ----------
+    data : object
+        From :func:`as_data`.
+    leaves : list
+
+    Returns
+    -------
+    pytree
+    """
+    kind, content = data
+    match kind:
+        case "leaf":
+            return leaves[content]
+        case "static":
+            return tuple(content) if isinstance(content, list) else content
+        case "tuple":
+            return tuple(from_data(part, leaves) for part in content)
+        case "list":
+            return [from_data(part, leaves) for part in content]
+        case "dict":
+            return {name: from_data(part, leaves) for name, part in content.items()}
+        case "module":
+            name, fields = content
+            found = object.__new__(_class_of(name))
+            for field, part in fields.items():
+                object.__setattr__(found, field, from_data(part, leaves))
+            return found
+    raise ValueError(f"not a structure: {kind}")
+
+
+def _encode(tree: Any) -> list[Any]:
+    if type(tree) is int:
+        return ["leaf", tree]
+    if tree is None:
+        return ["static", None]
+    if type(tree) in (tuple, list):
+        return [type(tree).__name__, [_encode(part) for part in tree]]
+    if type(tree) is dict and all(isinstance(name, str) for name in tree):
+        return ["dict", {name: _encode(part) for name, part in tree.items()}]
+    kind = type(tree)
+    if isinstance(tree, eqx.Module) and kind.__module__.split(".")[0] == _PACKAGE:
+        fields = {
+            field.name: (_static if field.metadata.get("static") else _encode)(
+                getattr(tree, field.name)
+            )
+            for field in dataclasses.fields(tree)
+        }
+        return ["module", [f"{kind.__module__}:{kind.__qualname__}", fields]]
+    raise TypeError(f"{kind.__name__} cannot be put as data")
+
+
+def _static(value: Any) -> list[Any]:
+    plain = str, int, float, bool, type(None)
+    if isinstance(value, plain):
+        return ["static", value]
+    if isinstance(value, tuple) and all(isinstance(part, plain) for part in value):
+        return ["static", list(value)]
+    raise TypeError(f"{value!r} cannot be put as data")
+
+
+def _class_of(name: str) -> type[eqx.Module]:
+    module, _, qualified = name.partition(":")
+    if module.split(".")[0] != _PACKAGE:
+        raise ValueError(f"{module} is not part of {_PACKAGE}")
+    found: Any = importlib.import_module(module)
+    for part in qualified.split("."):
+        found = getattr(found, part)
+    if not (isinstance(found, type) and issubclass(found, eqx.Module)):
+        raise ValueError(f"{name} is not a module of Equinox")
+    return found

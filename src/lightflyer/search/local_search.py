@@ -1,0 +1,138 @@
+"""From a start to an optimum, also where films of layers change on the way."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize
+
+from lightflyer.core.progress import report
+from lightflyer.search.objectives import ObjectiveFunction
+
+FEASIBLE = 1e-6
+"""Largest violation of a constraint, over the size of its limit."""
+
+INFEASIBLE = 1e6
+"""Loss of a design that has no value, in scales of the objective."""
+
+AGREEMENT = 1e-6
+"""Relative difference up to which the results of two starts are the same."""
+
+_STOP = 1e-10  # tolerance of SLSQP, in scales of the objective
+_STEPS = 200
+_COARSE = 0.02  # difference that a coarse grid may make between optima, in scales of the objective
+_RIVALS = 3  # optima that are compared with films computed in full
+_REPEATS = 5  # of a search whose films are shifted anew
+_AT_REST = 1e-5  # change of the best design at which it repeats itself, in sides of the cube
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where a search ended."""
+
+    point: np.ndarray
+    score: float
+    violation: float
+    violated: str  # the output whose constraint is violated most
+    evaluations: int
+
+
+def climb(function: ObjectiveFunction, start: np.ndarray, scale: float) -> Found:
+    """Follow gradients from a start to an optimum.
+
+    Parameters
+    ----------
+    function : ObjectiveFunction
+    start : array, shape (k,)
+    scale : float
+        Of the objective.
+
+    Returns
+    -------
+    Found
+    """
+    seen: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
+
+    def look(point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        key = point.tobytes()
+        if key not in seen:
+            scores, slopes = function.scores_and_jacobian(point)
+            known = np.isfinite(scores)[:, None] & np.isfinite(slopes)
+            scores = np.where(np.isfinite(scores), scores, -INFEASIBLE * scale)
+            seen[key] = scores, np.where(known, slopes, 0.0)
+        return seen[key]
+
+    constraints = [
+        {
+            "type": "ineq",
+            "fun": lambda point, row=row: look(point)[0][row],
+            "jac": lambda point, row=row: look(point)[1][row],
+        }
+        for row in range(1, 1 + len(function.problem.constraints))
+    ]
+    found = minimize(
+        lambda point: (-look(point)[0][0] / scale, -look(point)[1][0] / scale),
+        start,
+        jac=True,
+        method="SLSQP",
+        bounds=[(0.0, 1.0)] * start.size,
+        constraints=constraints,
+        options={"ftol": _STOP, "maxiter": _STEPS},
+    )
+    point = np.clip(found.x, 0.0, 1.0)
+    scores, _ = look(point)
+    violation = float(np.maximum(-scores[1:], 0.0).max(initial=0.0))
+    if not np.isfinite(scores).all() or scores[0] <= -INFEASIBLE * scale:
+        violation = np.inf
+    names = [one.name for one in function.problem.constraints]
+    violated = names[int(np.argmin(scores[1:]))] if names else ""
+    return Found(point, float(scores[0]), violation, violated, len(seen))
+
+
+def climb_in_full(function: ObjectiveFunction, searches: Sequence[Found], scale: float) -> Found:
+    """The best optimum with films computed in full, from optima with films on a coarse grid.
+
+    The search goes on from the best of them with all films shifted by what the coarse grid lacks
+    there, until the optimum repeats itself.
+
+    Parameters
+    ----------
+    function : ObjectiveFunction
+        Is left with the films of the best design computed in full.
+    searches : sequence of Found
+        At least one.
+    scale : float
+        Of the objective.
+
+    Returns
+    -------
+    Found
+    """
+    ranked = sorted(searches, key=lambda found: -found.score)
+    rivals: list[Found] = []
+    for found in ranked:
+        apart = all(abs(found.score - one.score) > AGREEMENT * scale for one in rivals)
+        if apart and ranked[0].score - found.score <= _COARSE * scale:
+            rivals.append(found)
+    ends = []
+    for number, found in enumerate(rivals[:_RIVALS]):
+        report("computing films in full", number, min(len(rivals), _RIVALS))
+        ends.append(_repeated(function, found, scale))
+    satisfying = [found for found in ends if found.violation <= FEASIBLE]
+    best = max(satisfying or ends, key=lambda found: found.score)
+    if len(ends) > 1:
+        function.match(best.point)
+    return best
+
+
+def _repeated(function: ObjectiveFunction, found: Found, scale: float) -> Found:
+    for _ in range(_REPEATS):
+        function.match(found.point)
+        again = climb(function, found.point, scale)
+        moved = float(np.abs(again.point - found.point).max())
+        found = again
+        if moved <= _AT_REST:
+            break
+    function.match(found.point)
+    scores, _ = function.scores_and_jacobian(found.point)
+    return replace(found, score=float(scores[0]))

@@ -1,0 +1,1 @@
+"""Studies: which designs, and what is asked of them."""

@@ -1,0 +1,201 @@
+"""Numbers that are uncertain: their distributions, and samples of several together."""
+
+import abc
+import math
+from collections.abc import Container, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.design.design import AbstractDesign, Field
+from lightflyer.uncertainty.correlation import Correlations, correlate
+
+SAMPLE = "sample"
+"""Dimension along which all distributions are drawn together."""
+
+MOST_SAMPLES = 10_000_000
+"""Most numbers along one dimension of a study: unlike its results they are kept in memory."""
+
+
+@dataclass(frozen=True)
+class Distribution(abc.ABC):
+    """Distribution of one number.
+
+    Attributes
+    ----------
+    field : Field
+    """
+
+    field: Field
+
+    @abc.abstractmethod
+    def quantile(self, share: np.ndarray) -> np.ndarray:
+        """Values below which given shares of all values lie.
+
+        Parameters
+        ----------
+        share : array, shape (...)
+            Between 0 and 1.
+
+        Returns
+        -------
+        array, shape (...)
+            In the unit of the field.
+        """
+
+
+@dataclass(frozen=True)
+class Normal(Distribution):
+    """Normal distribution, truncated to possible values.
+
+    Attributes
+    ----------
+    field : Field
+    mean, standard_deviation : float
+        Before truncation, in the unit of the field.
+    """
+
+    mean: float
+    standard_deviation: float
+
+    def quantile(self, share: np.ndarray) -> np.ndarray:
+        """See :meth:`Distribution.quantile`."""
+        from scipy.stats import truncnorm
+
+        possible = self.field.quantity
+        low, high = (
+            (end - self.mean) / self.standard_deviation
+            for end in (possible.lowest, possible.highest)
+        )
+        values = truncnorm.ppf(share, low, high, loc=self.mean, scale=self.standard_deviation)
+        # the ends of an open range are limits, not values
+        inside = np.nextafter(possible.lowest, np.inf) if possible.open_below else possible.lowest
+        return np.clip(values, inside, possible.highest)
+
+
+@dataclass(frozen=True)
+class Uniform(Distribution):
+    """Uniform distribution.
+
+    Attributes
+    ----------
+    field : Field
+    low, high : float
+        In the unit of the field.
+    """
+
+    low: float
+    high: float
+
+    def quantile(self, share: np.ndarray) -> np.ndarray:
+        """See :meth:`Distribution.quantile`."""
+        return self.low + share * (self.high - self.low)
+
+
+@dataclass(frozen=True)
+class LogUniform(Distribution):
+    """Distribution whose logarithm is uniform.
+
+    Attributes
+    ----------
+    field : Field
+    low, high : float
+        Positive, in the unit of the field.
+    """
+
+    low: float
+    high: float
+
+    def quantile(self, share: np.ndarray) -> np.ndarray:
+        """See :meth:`Distribution.quantile`."""
+        return self.low * (self.high / self.low) ** share
+
+
+def stated_distributions(design: AbstractDesign, given: Container[str] = ()) -> list[Distribution]:
+    """A design's own uncertainties, as normal distributions.
+
+    Parameters
+    ----------
+    design : AbstractDesign
+    given : collection of str
+        Names of numbers that have values already.
+
+    Returns
+    -------
+    list of Distribution
+        One for each other number that has an uncertainty and can be varied.
+    """
+    found: list[Distribution] = []
+    for name, spread in design.uncertainties.items():
+        value = design.number(name)
+        if name in design.fields and name not in given and value is not None and spread > 0.0:
+            found.append(Normal(design.field(name), value, spread))
+    return found
+
+
+def _sobol(points: int, count: int, seed: int) -> np.ndarray:
+    from scipy.stats import qmc
+
+    power = math.ceil(math.log2(points)) if points > 1 else 0
+    return qmc.Sobol(count, rng=seed).random_base2(power)[:points]
+
+
+def _latin_hypercube(points: int, count: int, seed: int) -> np.ndarray:
+    from scipy.stats import qmc
+
+    return qmc.LatinHypercube(count, rng=seed).random(points)
+
+
+def _random(points: int, count: int, seed: int) -> np.ndarray:
+    return np.random.default_rng(seed).random((points, count))
+
+
+METHODS = {"sobol": _sobol, "latin-hypercube": _latin_hypercube, "random": _random}
+"""Ways of drawing samples, by their names in a study file."""
+
+
+def draw_samples(
+    distributions: Sequence[Distribution],
+    points: int,
+    method: str,
+    seed: int,
+    correlations: Correlations | None = None,
+) -> dict[str, np.ndarray]:
+    """Samples of all distributions together.
+
+    Parameters
+    ----------
+    distributions : sequence of Distribution
+    points : int
+        Number of samples; for ``"sobol"`` a power of two keeps its balance.
+    method : str
+        One of :data:`METHODS`.
+    seed : int
+    correlations : dict of (str, str) to float, optional
+        Correlation of the errors of two numbers.
+
+    Returns
+    -------
+    dict of str to array, shape (points,)
+        Values by dotted name.
+
+    Raises
+    ------
+    ConfigurationError
+        If there are too many to be kept in memory.
+    ParameterError
+        If the correlations contradict each other.
+    """
+    count = len(distributions)
+    if points * count > MOST_SAMPLES:
+        raise ConfigurationError(
+            f"points = {points} samples of {count} numbers do not fit into memory; at most "
+            f"{MOST_SAMPLES // count}, or sweep a range instead"
+        )
+    names = [distribution.field.name for distribution in distributions]
+    shares = correlate(METHODS[method](points, count, seed), names, correlations or {})
+    return {
+        distribution.field.name: distribution.quantile(shares[:, number])
+        for number, distribution in enumerate(distributions)
+    }

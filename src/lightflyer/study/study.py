@@ -1,0 +1,379 @@
+"""Studies: which designs, and what is asked of them."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lightflyer.config.designs import as_design
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.design.design import AbstractDesign, Field, digest
+from lightflyer.design.outputs import Output, check_outputs, outputs_of
+from lightflyer.files.toml_file import place_of, read_file
+from lightflyer.study.axes import Axis, read_entry
+from lightflyer.study.distributions import SAMPLE, Distribution, draw_samples
+from lightflyer.study.sections import STUDY_FILE, ReduceSection, SamplingSection, StudyFile
+
+_LISTED = 6  # values of a number that are shown one by one
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a study was read from, for messages and for the record.
+
+    Attributes
+    ----------
+    path : Path
+    text : str
+    """
+
+    path: Path
+    text: str
+
+    def place(self, keys: Sequence[str]) -> str:
+        """File, line and name of a key, for the beginning of a message.
+
+        Parameters
+        ----------
+        keys : sequence of str
+            Sections, outermost first, and the key, which may be dotted.
+
+        Returns
+        -------
+        str
+        """
+        parts = [part for key in keys for part in key.split(".")]
+        shown = ".".join(f'"{key}"' if "." in key else key for key in keys)
+        return f"{place_of(parts, self.text, self.path)}: {shown}"
+
+
+@contextmanager
+def errors_at(source: Source | None, *keys: str) -> Iterator[None]:
+    """Let errors inside begin with the key that they are about, and its place.
+
+    Parameters
+    ----------
+    source : Source or None
+        None for a study that was not read from a file.
+    *keys : str
+        Sections, outermost first, and the key.
+
+    Raises
+    ------
+    ConfigurationError
+        In place of one that the message is taken from; it may begin with the key already.
+    """
+    try:
+        yield
+    except ConfigurationError as error:
+        text = str(error)
+        named = text.startswith((f"{keys[-1]} ", f"{keys[-1]}:"))
+        rest = text.removeprefix(keys[-1]) if named else f": {text}"
+        raise ConfigurationError((source.place(keys) if source else keys[-1]) + rest) from None
+
+
+def read_study_file(path: str | Path) -> tuple[StudyFile, AbstractDesign, Source]:
+    """Read a study file and the flyer file that it names.
+
+    Parameters
+    ----------
+    path : str or path
+        A TOML file.
+
+    Returns
+    -------
+    study : StudyFile
+    design : AbstractDesign
+    source : Source
+
+    Raises
+    ------
+    ConfigurationError
+        One line for each mistake: file, line, key and what is allowed.
+    """
+    path = Path(path)
+    study, text = read_file(StudyFile, path, STUDY_FILE)
+    flyer = path.parent / study.flyer
+    if not flyer.is_file():
+        raise ConfigurationError(
+            f'{place_of(["flyer"], text, path)}: flyer = "{study.flyer}" does not exist; name a '
+            "flyer file relative to the study file"
+        )
+    return study, as_design(flyer), Source(path, text)
+
+
+@dataclass(frozen=True, eq=False)
+class Dimension:
+    """A dimension of a study.
+
+    Attributes
+    ----------
+    name : str
+        Dotted name of its field, or :data:`~lightflyer.study.distributions.SAMPLE`.
+    values : dict of str to array, shape (n,)
+        Values of each field along it, by dotted name.
+    """
+
+    name: str
+    values: dict[str, np.ndarray]
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return len(next(iter(self.values.values())))
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """Designs to be computed: every combination of the values along its dimensions.
+
+    Attributes
+    ----------
+    design : AbstractDesign
+    dimensions : tuple of Dimension
+    fixed : dict of str to float
+        Numbers that have one value, by dotted name.
+    outputs : tuple of str
+        Names of the outputs.
+    text : str
+        Text of the study file, for the record.
+    reduce : ReduceSection
+        What to keep where not all results are kept.
+    """
+
+    design: AbstractDesign
+    dimensions: tuple[Dimension, ...]
+    fixed: dict[str, float]
+    outputs: tuple[str, ...]
+    text: str = ""
+    reduce: ReduceSection = field(default_factory=ReduceSection)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of points along each dimension."""
+        return tuple(dimension.size for dimension in self.dimensions)
+
+    @property
+    def size(self) -> int:
+        """Number of designs."""
+        size = 1
+        for length in self.shape:
+            size *= length  # exact, however many: NumPy's product would overflow
+        return size
+
+    @property
+    def fields(self) -> dict[str, Field]:
+        """All numbers that have values, by dotted name, in the order of the dimensions."""
+        varied = [name for dimension in self.dimensions for name in dimension.values]
+        return {name: self.design.field(name) for name in (*varied, *self.fixed)}
+
+    @property
+    def known_outputs(self) -> dict[str, Output]:
+        """The study's outputs by name."""
+        known = outputs_of(self.design.setup)
+        return {name: known[name] for name in self.outputs}
+
+    def places(self, designs: Any) -> tuple[Any, ...]:
+        """Places along each dimension of designs, which are numbered in row-major order."""
+        arrays = designs.__array_namespace__()
+        return tuple(arrays.unravel_index(designs, self.shape)) if self.shape else ()
+
+    def values_at(self, designs: Any) -> dict[str, Any]:
+        """Varied numbers of some designs.
+
+        Parameters
+        ----------
+        designs : int array, shape (n,)
+            Of NumPy or JAX.
+
+        Returns
+        -------
+        dict of str to array, shape (n,)
+            By dotted name, of the same kind.
+        """
+        asarray = designs.__array_namespace__().asarray
+        return {
+            name: asarray(table)[place]
+            for dimension, place in zip(self.dimensions, self.places(designs), strict=True)
+            for name, table in dimension.values.items()
+        }
+
+    def description(self) -> dict[str, str]:
+        """What decides the results, in words that can be compared and shown.
+
+        Returns
+        -------
+        dict of str to str
+        """
+        described, fields = {"variables": ", ".join(self.outputs)}, self.fields
+        for dimension in self.dimensions:
+            for name, values in dimension.values.items():
+                described[name] = _describe(values, fields[name])
+        for name, value in self.fixed.items():
+            described[name] = f"{value:.9g} {fields[name].quantity.unit}".rstrip()
+        return described | self.design.description()
+
+
+def _describe(values: np.ndarray, field: Field) -> str:
+    few = len(values) <= _LISTED
+    shown = ", ".join(f"{value:.6g}" for value in (values if few else values[[0, -1]]))
+    ends = f"{shown if few else shown.replace(', ', ' to ')} {field.quantity.unit}".rstrip()
+    return f"{len(values)} values, {ends} ({digest(values)})"
+
+
+def make_study(
+    design: AbstractDesign,
+    entries: Mapping[str, object],
+    outputs: Sequence[str],
+    sampling: SamplingSection | None = None,
+    source: Source | None = None,
+    reduce: ReduceSection | None = None,
+) -> Study:
+    """Look up what a study names, check it, and draw its samples.
+
+    Parameters
+    ----------
+    design : AbstractDesign
+    entries : dict of str to object
+        Values of each number by dotted name: see :func:`lightflyer.study.axes.read_entry`.
+    outputs : sequence of str
+    sampling : SamplingSection, optional
+    source : Source, optional
+        Names file and line in errors.
+    reduce : ReduceSection, optional
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    ConfigurationError
+        Naming the field and what is wrong with it.
+    """
+    if not entries:
+        raise ConfigurationError("over names no number to vary")
+    found: list[Axis | Distribution] = []
+    for name, entry in entries.items():
+        with errors_at(source, "sweep", name):
+            found.append(read_entry(entry, design.field(name)))
+    require_compatible(design, list(entries), source, "sweep")
+    with errors_at(source, "outputs", *(("variables",) if source else ())):
+        check_outputs(outputs, design.setup, list(entries))
+    reduce = reduce or ReduceSection()
+    _require_known(reduce, tuple(outputs), tuple(entries), source)
+    return Study(
+        design=design,
+        dimensions=_dimensions(design, found, sampling or SamplingSection(), source),
+        fixed={
+            axis.field.name: float(axis.values[0])
+            for axis in found
+            if isinstance(axis, Axis) and axis.single
+        },
+        outputs=tuple(dict.fromkeys(outputs)),
+        text=source.text if source else "",
+        reduce=reduce,
+    )
+
+
+def _require_known(
+    reduce: ReduceSection, outputs: tuple[str, ...], fields: tuple[str, ...], source: Source | None
+) -> None:
+    """Raise unless the study has all that it is to keep something of."""
+    fronts = reduce.fronts or ()
+    asked = {
+        "best": (reduce.best or (), outputs),
+        "distributions": (reduce.distributions or (), outputs),
+        "fronts": ([name for front in fronts for name in front], (*outputs, *fields)),
+    }
+    for key, (names, known) in asked.items():
+        for name in names:
+            if name not in known:
+                with errors_at(source, "reduce", key):
+                    raise ConfigurationError(
+                        f'"{name}" is not in the study; choose from {", ".join(known)}'
+                    )
+    for gain, _ in fronts:
+        if gain not in outputs:
+            with errors_at(source, "reduce", "fronts"):
+                raise ConfigurationError(f'"{gain}" is not an output; the output comes first')
+
+
+def require_compatible(
+    design: AbstractDesign, names: list[str], source: Source | None, *sections: str
+) -> None:
+    """Raise where two numbers cannot be given at once.
+
+    Parameters
+    ----------
+    design : AbstractDesign
+    names : list of str
+    source : Source or None
+    *sections : str
+        Where the numbers are given.
+
+    Raises
+    ------
+    ConfigurationError
+    """
+    conflict = design.conflict(names)
+    if conflict is not None:
+        first, second = conflict
+        with errors_at(source, *sections, first):
+            raise ConfigurationError(f"{first} cannot vary together with {second}, which sets it")
+
+
+def _dimensions(
+    design: AbstractDesign,
+    found: Sequence[Axis | Distribution],
+    sampling: SamplingSection,
+    source: Source | None,
+) -> tuple[Dimension, ...]:
+    dimensions = [
+        Dimension(axis.field.name, {axis.field.name: axis.values})
+        for axis in found
+        if isinstance(axis, Axis) and not axis.single
+    ]
+    distributions = [part for part in found if isinstance(part, Distribution)]
+    if distributions:
+        with errors_at(source, "sampling"):
+            drawn = draw_samples(
+                distributions, sampling.points, sampling.method, sampling.seed, design.correlations
+            )
+        dimensions.append(Dimension(SAMPLE, drawn))
+    return tuple(dimensions)
+
+
+def read_study(path: str | Path) -> Study:
+    """Read the ``[sweep]`` of a study file.
+
+    Parameters
+    ----------
+    path : str or path
+        A TOML file.
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    ConfigurationError
+        One line for each mistake: file, line, key and what is allowed.
+    """
+    study, design, source = read_study_file(path)
+    if not study.sweep:
+        raise ConfigurationError(
+            f"{path}: needs a section [sweep] with a line such as "
+            '"flyer.diameter" = { from = "1 cm", to = "5 cm", points = 9 }'
+        )
+    if study.outputs is None:
+        raise ConfigurationError(
+            f'{path}: needs a section [outputs] with variables = ["relative_payload", ...]'
+        )
+    return make_study(
+        design, study.sweep, study.outputs.variables, study.sampling, source, study.reduce
+    )

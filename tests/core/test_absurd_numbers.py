@@ -1,0 +1,79 @@
+"""Numbers that cannot be meant are refused, each with the limit and its reason."""
+
+import re
+
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.core import quantity
+from lightflyer.core.quantity import Quantity, quantity_of
+
+FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+RADIATION = lf.environment.Radiation
+
+ABSURD = {
+    "chamber of 1e6 K": lambda: lf.Chamber(temperature=1e6),
+    "1e12 Pa": lambda: lf.Chamber().state(1e12),
+    "1e30 m": lambda: lf.Disk(FILM, 1e30),
+    "1e-30 m": lambda: lf.Disk(FILM, 1e-30),
+    "1e30 W/m²": lambda: RADIATION(1e30),
+    "payload of 1e6 kg": lambda: lf.Disk(FILM, 0.01, payload=1e6),
+    "film of 1e-12 kg/m²": lambda: lf.FilmProperties(1e-12, 0.7, 0.1, 0.1, 0.8, 0.9),
+    "an array with one": lambda: lf.Disk(FILM, np.array([0.01, 1e30])),
+}
+
+
+@pytest.mark.parametrize("make", ABSURD.values(), ids=ABSURD.keys())
+def test_constructors_refuse_with_the_limit_and_its_reason(make):
+    with pytest.raises(lf.ParameterError, match=r"must be at (most|least) \S+ \S+: \w+") as caught:
+        make()
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('diameter = "2 cm"', 'diameter = "1e30 m"', "must be at most 10000 m: atoms are larger"),
+        ('diameter = "2 cm"', 'diameter = "1e-20 cm"', "must be at least 1e-10 m"),
+        ('payload = "0 mg"', 'payload = "1e6 kg"', "must be at most 10000 kg: no flyer carries"),
+        (
+            'irradiance = "1361 W/m^2"',
+            'irradiance = "1e30 W/m^2"',
+            "must be at most 1e+08 W/m^2: the surface of the sun",
+        ),
+        ('tac_top = "0.80 ± 0.02"', 'tac_top = "0.8 ± 100"', "uncertainty must be at most 1.3"),
+    ],
+)
+def test_files_refuse_in_one_line(old, new, message, tmp_path):
+    from lightflyer.cli.commands.init import templates
+
+    text = re.sub(r"tac_top = \S+.*", 'tac_top = "0.80 ± 0.02"', templates()["earth"].read())
+    assert old in text
+    path = tmp_path / "flyer.toml"
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(lf.ConfigurationError, match=re.escape(message)) as caught:
+        lf.read_flyer_file(path)
+    assert "\n" not in str(caught.value)
+    assert re.search(r"flyer.toml:\d+: ", str(caught.value))
+
+
+def test_every_number_with_a_unit_has_plausible_sizes():
+    kinds = {
+        name: quantity_of(kind)
+        for name, kind in vars(quantity).items()
+        if name[0].isupper() and quantity_of(kind) is not None
+    }
+    assert len(kinds) > 20
+    for name, kind in kinds.items():
+        bounded = np.isfinite([kind.lowest, kind.highest]).all() or kind.sizes[1] < np.inf
+        assert bounded or not kind.unit, name
+        assert not kind.sizes[1] < np.inf or kind.why, name
+
+
+def test_zero_is_no_size():
+    quantity = Quantity("m", 0.0, sizes=(1e-3, 1.0), why="reasons")
+    quantity.check("gap", 0.0)
+    quantity.check("gap", np.array([0.0, 0.5]))
+    with pytest.raises(lf.ParameterError, match=r"gap = 0.0001 must be at least 0.001 m: reasons"):
+        quantity.check("gap", 1e-4)

@@ -1,0 +1,22 @@
+import pytest
+
+from lightflyer.core.text import files_read, read_text
+
+
+@pytest.fixture
+def paths(tmp_path):
+    paths = [tmp_path / name for name in ("one.toml", "two.toml", "three.toml")]
+    for path in paths:
+        path.write_text(path.name)
+    return paths
+
+
+def test_files_are_noted_within_their_block_alone(paths):
+    one, two, three = paths
+    with files_read() as outer:
+        read_text(one)
+        with files_read() as inner:
+            read_text(two)
+        read_text(one)
+    read_text(three)  # a notebook's or a server's: nobody notes it
+    assert (outer, inner) == ([one, one], [two])

@@ -1,0 +1,132 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import lightflyer as lf
+from lightflyer.core.units import parse
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value", "uncertainty"),
+    [
+        ("2 cm", "m", 0.02, None),
+        ("1.0 g/m^2", "kg/m^2", 1e-3, None),
+        ("1.0 ± 0.1 g/m²", "kg/m^2", 1e-3, 1e-4),
+        ("1.0 g/m^2 ± 0.01 mg/cm^2", "kg/m^2", 1e-3, 1e-4),
+        ("0.90 +/- 0.03", "", 0.9, 0.03),
+        ("75 % ± 2 %", "", 0.75, 0.02),
+        (0.5, "", 0.5, None),
+        ("1.36 kW/m^2", "W/m^2", 1360.0, None),
+        ("1360 W m^-2", "W/m^2", 1360.0, None),
+        ("45°", "deg", 45.0, None),
+        ("0.7853981633974483 rad", "deg", 45.0, None),
+        ("30 mTorr", "Pa", 30e-3 * 101325 / 760, None),
+        ("1e-3 mbar", "Pa", 0.1, None),
+        ("22.0 ± 0.5 °C", "K", 295.15, 0.5),
+        ("500 nm", "m", 5e-7, None),
+        ("5 µm", "m", 5e-6, None),
+        ("5 um", "m", 5e-6, None),
+    ],
+)
+def test_readings(text, unit, value, uncertainty):
+    measured = parse(text, unit)
+    assert measured.value == pytest.approx(value, rel=1e-14)
+    if uncertainty is None:
+        assert measured.uncertainty is None
+    else:
+        assert measured.uncertainty == pytest.approx(uncertainty, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "message"),
+    [
+        ("2", "m", 'has no unit; write "2 m"'),
+        (2, "m", 'has no unit; write "2 m"'),
+        ("2 kg", "m", "is of the wrong kind; give one that converts to m"),
+        ("2 furlong", "m", "is unknown"),
+        ("0.9 m", "", "write a pure number"),
+        ("two cm", "m", "is not a number"),
+        ("", "m", "is not a number"),
+        ("nan", "", "is not a number"),
+        ("1e999", "", "is not a finite number"),
+        (math.inf, "", "is not a finite number"),
+        ("0.9 ± -0.1", "", "the uncertainty is negative"),
+        ("0.9 ± 0.1 ± 0.1", "", "more than one ±"),
+        ("0.9 ± 5 %", "", "relative or absolute"),
+        ("2 m^", "m", "is not a unit"),
+        ("1,5 cm", "m", "has a comma; write a point before decimals"),
+        (True, "", "is not a number"),
+        (["2 cm"], "m", "is not a number"),
+    ],
+)
+def test_mistakes_are_explained(text, unit, message):
+    with pytest.raises(lf.ConfigurationError) as error:
+        parse(text, unit)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@given(st.one_of(st.text(), st.from_regex(r"\d+ ?[a-zA-Z°%µ²/*^± ]*", fullmatch=True)))
+def test_any_text_is_read_or_refused_in_one_way(text):
+    try:
+        measured = parse(text, "m")
+    except lf.ConfigurationError:
+        return
+    assert math.isfinite(measured.value)
+
+
+@pytest.mark.parametrize("text", ["1.8 W/(m*K)", "1.8 W/(m K)", "1.8 W/m/K", "1.8 W m^-1 K^-1"])
+def test_a_denominator_may_stand_in_brackets(text):
+    assert parse(text, "W/(m*K)").value == pytest.approx(1.8)
+
+
+@pytest.mark.parametrize("text", ["1 W/(m*K", "1 W/m*K)", "1 W/()", "1 (W)/(m*K)", "1 J0"])
+def test_brackets_that_do_not_match_are_refused(text):
+    with pytest.raises(lf.ConfigurationError, match="is not a unit"):
+        parse(text, "W/(m*K)")
+
+
+# NIST SP 811 (2008), appendix B.8, but for torr and suns; ITS-90 for temperatures
+@pytest.mark.parametrize(
+    ("text", "unit", "value", "digits"),
+    [
+        *[(f"1 {torr}", "Pa", 133.3224, 7) for torr in ("torr", "Torr", "TORR", "mmHg", "mm Hg")],
+        ("1 mTORR", "Pa", 0.1333224, 7),
+        ("1 micron", "Pa", 0.1333224, 7),
+        ("1 micron", "m", 1e-6, 12),
+        ("1 Pascal", "Pa", 1.0, 12),
+        ("1 hPa", "Pa", 100.0, 12),
+        ("1 inHg", "Pa", 3386.389, 7),
+        ("1 in. Hg", "Pa", 3386.389, 7),
+        ("32 °F", "K", 273.15, 12),
+        ("212 degF", "K", 373.15, 12),
+        ("68 ± 9 F", "K", 293.15, 12),
+        ("25 ℃", "K", 298.15, 12),
+        ("25 degC", "K", 298.15, 12),
+        ("25 C", "K", 298.15, 12),
+        ("1.5 suns", "W/m^2", 1500.0, 12),
+        ("1 W m⁻²", "W/m^2", 1.0, 12),
+        ("1 W·m−2", "W/m^2", 1.0, 12),
+        ("1 mW/cm2", "W/m^2", 10.0, 12),
+        ("1 W/cm²", "W/m^2", 1e4, 12),
+        ("1 µm", "m", 1e-6, 12),
+        ("1 μm", "m", 1e-6, 12),
+        ("1 Å", "m", 1e-10, 12),
+        ("1 angstrom", "m", 1e-10, 12),
+        ("1 eV", "J", 1.602176634e-19, 12),
+        ("100 Ω", "ohm", 100.0, 12),
+    ],
+)
+def test_spellings_of_laboratories(text, unit, value, digits):
+    measured = parse(text, unit)
+    assert measured.value == pytest.approx(value, rel=0.5 * 10.0 ** (1 - digits))
+    if measured.uncertainty is not None:
+        assert measured.uncertainty == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize("unit", ["MTorr", "MTORR", "Mbar", "MBAR"])
+def test_megatorr_is_asked_for(unit):
+    with pytest.raises(lf.ConfigurationError, match="may be milli or mega; write m"):
+        parse(f"1 {unit}", "Pa")

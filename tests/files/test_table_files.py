@@ -1,0 +1,220 @@
+"""Tables in every encoding and in workbooks, as laboratories have them."""
+
+import datetime
+
+import numpy as np
+import openpyxl
+import pytest
+
+import lightflyer as lf
+from lightflyer.core.quantity import Fraction, Pressure, Quantity, Temperature
+from lightflyer.files.encoding import plain_text, split_lines
+from lightflyer.files.table import read_table
+from lightflyer.files.table_layout import Column
+
+COLUMNS = (
+    Column("sample", text=True),
+    Column("pressure", Pressure, required=True),
+    Column("irradiance", Quantity("W/m^2", 0.0, open_below=True), required=True),
+    Column("temperature", Temperature),
+    Column("absorptance", Fraction),
+)
+TEXT = "sample;pressure (µbar);irradiance (mW/cm²);temperature [°C]\nGröße 1;30;1,5;21,5\n"
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize(
+    "encoding", ["utf-8", "utf-8-sig", "cp1252", "utf-16", "utf-16-le", "utf-16-be", "utf-32"]
+)
+def test_every_encoding_gives_the_same(tmp_path, encoding, end):
+    path = tmp_path / "raw.csv"
+    path.write_bytes(TEXT.replace("\n", end).encode(encoding))
+    table = read_table(path, COLUMNS)
+    assert table.texts["sample"] == ["Größe 1"]
+    assert table.lines.tolist() == [2]
+    found = [table.numbers[name][0] for name in ("pressure", "irradiance", "temperature")]
+    np.testing.assert_allclose(found, [3.0, 15.0, 294.65], rtol=1e-14)
+
+
+def test_lines_as_an_editor_counts_them():
+    assert split_lines("a\r\nb\rc\n\nd") == ["a", "b", "c", "", "d"]
+    assert split_lines("a\x0bb\u2028c\n") == ["a\x0bb\u2028c"]
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"a,b\n1,2\n\0\0\0\0\n", "a.csv:3: is not a text file, or damaged: has zero bytes"),
+        (b"a\nb\x03\n", "a.csv:2: is not a text file, or damaged: has the control character"),
+        (b"a\nb\x81\n", "a.csv:2: is not a text file (UTF-8, UTF-16 or Windows-1252)"),
+        ("µ\n".encode() + b"1\n\xb5\n", "a.csv:3: is damaged: most of the file is UTF-8"),
+        ("µm, °C\n".encode("utf-16")[:-1], "a.csv:1: is not a text file, or damaged: UTF-16"),
+    ],
+)
+def test_what_is_no_text(content, says):
+    with pytest.raises(lf.ConfigurationError) as error:
+        plain_text(content, "a.csv")
+    assert str(error.value).startswith(says)
+
+
+HEADER = ["sample", "pressure [mTorr]", "irradiance [kW/m^2]"]
+
+
+@pytest.fixture
+def save(tmp_path):
+    def save(change=None, **sheets):
+        book = openpyxl.Workbook()
+        book.remove(book.active)
+        for title, rows in sheets.items():
+            sheet = book.create_sheet(title)
+            for row in rows:
+                sheet.append(row)
+        if change:
+            change(book)
+        path = tmp_path / "runs.xlsx"
+        book.save(path)
+        return path
+
+    return save
+
+
+def test_workbook(save):
+    # 1.469 is a number of the workbook: no mark of it is in doubt
+    rows = [["Run of May"], [], [*HEADER, "remark"], ["a", 1.469, 1.5], [], ["b", 30, 2.5, "x"]]
+    table = read_table(save(first=rows, empty=[]), COLUMNS)
+    torr = 101325.0 / 760.0
+    np.testing.assert_allclose(table.numbers["pressure"], np.array([1.469, 30.0]) * torr / 1e3)
+    assert table.numbers["irradiance"].tolist() == [1500.0, 2500.0]
+    assert (table.texts["sample"], table.lines.tolist()) == (["a", "b"], [4, 6])
+    assert (table.unused, table.notes) == (["remark"], [])
+
+
+def test_sheets(save):
+    path = save(May=[HEADER, ["a", 1.0, 2.0]], June=[HEADER, ["b", 3.0, 4.0]], notes=[["x"]])
+    with pytest.raises(lf.ConfigurationError, match=r'several tables; name one of ".*#May", '):
+        read_table(path, COLUMNS)
+    june = read_table(f"{path}#June", COLUMNS)
+    assert (june.texts["sample"], june.source) == (["b"], f"{path}#June")
+    with pytest.raises(lf.ConfigurationError, match='no table in a sheet "July"; it has "May"'):
+        read_table(f"{path}#July", COLUMNS)
+    table = read_table(save(May=[HEADER, ["a", 1.0, 2.0]], notes=[["x"]]), COLUMNS)
+    assert table.notes == [f"{path}#May is read; {path}#notes: no known columns"]
+    with pytest.raises(lf.ConfigurationError, match="has no known column"):
+        read_table(save(notes=[["x"]], more=[["y"]]), COLUMNS)
+
+
+def merge(book):
+    book["S"].merge_cells("B1:C1")
+
+
+def percent(book):
+    book["S"]["D2"].number_format = "0.0 %"
+
+
+def percent_sign(book):
+    book["S"]["D2"].number_format = '0.0"%"'
+
+
+@pytest.mark.parametrize(
+    ("rows", "change", "says"),
+    [
+        ([HEADER, ["a", 1.0, "=B2*2"]], None, ':2: irradiance: the formula "=B2*2" has no value'),
+        ([HEADER, ["a", datetime.date(2024, 2, 1), 5]], None, ':2: pressure: "2024-02-01T'),
+        ([HEADER, ["a", 30, "1,469"]], None, ':2: irradiance: "1,469" is a text of the workbook'),
+        ([HEADER, ["a", 3.5, "1.469"]], None, ':2: irradiance: "1.469" is a text of the workbook'),
+        ([HEADER, ["a", 30, 5]], merge, ":1: the column irradiance is missing"),
+        ([HEADER, ["a", 30, "=1/0"]], None, "has no value"),
+        ([], None, ": holds no table"),
+    ],
+)
+def test_one_clear_line_for_a_workbook(save, rows, change, says):
+    path = save(change, S=rows)
+    with pytest.raises(lf.ConfigurationError) as error:
+        read_table(path, COLUMNS)
+    assert str(error.value).startswith(str(path))
+    assert says in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["absorptance", "absorptance [%]", "absorptance (fraction)"])
+def test_a_share_shown_in_percent(save, name):
+    """The cell holds 0.07 and shows 7.0 %, whatever the header says."""
+    path = save(percent, S=[[*HEADER, name], ["a", 30, 5, 0.07]])
+    assert read_table(path, COLUMNS).numbers["absorptance"] == pytest.approx([0.07], rel=1e-15)
+
+
+def test_a_percent_sign_that_only_shows(save):
+    path = save(percent_sign, S=[[*HEADER, "absorptance [%]"], ["a", 30, 5, 7.0]])
+    assert read_table(path, COLUMNS).numbers["absorptance"] == pytest.approx([0.07], rel=1e-15)
+
+
+def test_values_of_formulas_are_read(save, monkeypatch):
+    """A spreadsheet program stores each formula with its value."""
+    path = save(S=[HEADER, ["a", 30, "=1+1.5"]])
+    # openpyxl writes none; put one where spreadsheet programs do
+    import zipfile
+
+    with zipfile.ZipFile(path) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    sheet = "xl/worksheets/sheet1.xml"
+    assert b"<v></v>" in parts[sheet] or b"<v />" in parts[sheet] or b"<v/>" in parts[sheet]
+    for empty in (b"<v></v>", b"<v />", b"<v/>"):
+        parts[sheet] = parts[sheet].replace(empty, b"<v>2.5</v>")
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in parts.items():
+            archive.writestr(name, content)
+    assert read_table(path, COLUMNS).numbers["irradiance"].tolist() == [2500.0]
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"PK\x03\x04 cut", "is a damaged workbook or archive"),
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "is an old workbook (.xls), or one with a password"),
+    ],
+)
+def test_no_workbook(tmp_path, content, says):
+    path = tmp_path / "runs.xlsx"
+    path.write_bytes(content)
+    with pytest.raises(lf.ConfigurationError) as error:
+        read_table(path, COLUMNS)
+    assert says in str(error.value)
+
+
+def test_names_that_look_like_numbers(save):
+    rows = [HEADER, ["1.469", 30, 5], [2.5, "30.25", 6]]
+    table = read_table(save(S=rows), COLUMNS)
+    assert table.texts["sample"] == ["1.469", "2.5"]
+    assert table.numbers["irradiance"].tolist() == [5000.0, 6000.0]
+
+
+def test_a_delimiter_at_the_end_of_some_rows_only(tmp_path):
+    """A comma between thousands splits a cell: the row must not be read as 1 W/m² with a remark."""
+    path = tmp_path / "raw.csv"
+    path.write_text("pressure [Pa],irradiance [W/m^2],remark\n1,850,\n2,1,469,\n", encoding="utf-8")
+    table = read_table(path, COLUMNS)
+    assert table.numbers["irradiance"].tolist() == [850.0]
+    assert [row.reason for row in table.rejected] == ["has 4 values, the header names 3 columns"]
+
+
+def test_errors_of_spreadsheets_are_no_comments(tmp_path):
+    path = tmp_path / "raw.csv"
+    text = "pressure [Pa],irradiance [W/m^2]\n#DIV/0!,5\n#NV,6\n#WERT!,7\n# note\n1,8\n"
+    path.write_text(text, encoding="utf-8")
+    table = read_table(path, COLUMNS)
+    assert [row.line for row in table.rejected] == [2, 3, 4]
+    assert table.numbers["irradiance"].tolist() == [8.0]
+
+
+def test_a_file_without_a_last_line_end_may_be_cut(tmp_path):
+    path = tmp_path / "raw.csv"
+    path.write_text("pressure [Pa],irradiance [W/m^2]\n1,8\n2,10", encoding="utf-8")
+    assert [note.removeprefix(f"{path}:") for note in read_table(path, COLUMNS).notes] == [
+        "3: the file has no line end after its last value, irradiance = 10; check that it is whole"
+    ]
+
+
+def test_delimiter_stated_for_a_spreadsheet(tmp_path):
+    path = tmp_path / "raw.csv"
+    path.write_text("sep=|\npressure [Pa]|irradiance [W/m^2]\n1|8.5\n", encoding="utf-8")
+    assert read_table(path, COLUMNS, strict=True).numbers["irradiance"].tolist() == [8.5]

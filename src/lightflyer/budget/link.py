@@ -23,18 +23,7 @@ two phases without coding, :math:`\\tfrac12\\operatorname{erfc}\\sqrt{E_b/N_0}`.
 
 
 def from_decibels(decibels: Numeric) -> Array:
-    """Ratio of two powers.
-
-    Parameters
-    ----------
-    decibels : array, shape (...)
-        [dB].
-
-    Returns
-    -------
-    array, shape (...)
-        [1].
-    """
+    """Ratio of two powers [1]; ``decibels`` [dB]."""
     return jnp.power(10.0, 0.1 * jnp.asarray(decibels))
 
 

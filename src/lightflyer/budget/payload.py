@@ -182,17 +182,6 @@ def _needs(budget: Budget, light: Numeric) -> Needs:
 
 @entry_point
 def light_on_cells(radiation: Radiation, attitude: Attitude | None) -> Array:
-    """Irradiance of cells that face as a flyer's top face does [W/m²].
-
-    Parameters
-    ----------
-    radiation : Radiation
-    attitude : Attitude or None
-        Of the flyer; None stands for level.
-
-    Returns
-    -------
-    array, shape (...)
-    """
+    """Irradiance of cells that face as a flyer's top face does [W/m²]."""
     faces = radiation.on_faces(attitude)
     return jnp.asarray(radiation.irradiance * faces.beam_top + faces.diffuse_top)

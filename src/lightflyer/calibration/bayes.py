@@ -254,18 +254,7 @@ def _prior_ends(calibration: Calibration) -> tuple[np.ndarray, np.ndarray]:
 
 
 def probabilistic_model(calibration: Calibration) -> Callable[[], None]:
-    """Priors and likelihood, as numpyro takes them.
-
-    Parameters
-    ----------
-    calibration : Calibration
-
-    Returns
-    -------
-    callable
-        Has the sites ``"parameters"`` (logarithms), :data:`SCATTER` (logarithm, where it is
-        estimated) and ``"measured"``; to be run in double precision.
-    """
+    """Priors and likelihood, as numpyro takes them."""
     numpyro = _numpyro()
     distributions = numpyro.distributions
     measured = np.log(calibration.points.irradiance)

@@ -345,11 +345,9 @@ def _covariance(fit: LeastSquares, best: np.ndarray) -> np.ndarray:
 
 
 def _unevenness(jacobian: np.ndarray, residuals: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """How much larger uncertainties are if points scatter unevenly, at least 1, shape (p,).
-
-    Where the scatter is estimated, one for all points is an assumption. The covariance of
-    [MacKinnonWhite1985]_ ("HC3"), in which each point has that of its own residual, needs none.
-    """
+    """How much larger uncertainties are if points scatter unevenly, at least 1, shape (p,)."""
+    # Where the scatter is estimated, one for all points is an assumption. The covariance of
+    # [MacKinnonWhite1985]_ ("HC3"), in which each point has that of its own residual, needs none.
     inverse = np.linalg.inv(jacobian.T @ jacobian)
     leverage = np.einsum("ij,jk,ik->i", jacobian, inverse, jacobian)
     own = residuals / np.maximum(1.0 - leverage, np.finfo(float).eps)

@@ -36,19 +36,7 @@ def _style(number: int) -> dict[str, Any]:
 
 
 def fitted_curve(fit: "Calibration", sample: str) -> tuple[np.ndarray, np.ndarray]:
-    """The fitted irradiance of a sample over pressure.
-
-    Parameters
-    ----------
-    fit : Calibration
-    sample : str
-
-    Returns
-    -------
-    pressure, irradiance : array, shape (n,)
-        [Pa], [W/m²]; NaN where no irradiance levitates the flyer. Where the points of a sample
-        differ in more than the pressure, the curve is known at them alone.
-    """
+    """The fitted irradiance of a sample over pressure [Pa], shape (n,)."""
     problem, here = fit.problem, np.flatnonzero(fit.points.of(sample))
     here = here[np.argsort(fit.points.pressure[here])]
     pressure, model = fit.points.pressure[here], problem.model
@@ -82,17 +70,7 @@ def _of_sample(problem: Problem, row: int, pressure: np.ndarray, values: np.ndar
 
 
 def fitted_points(fit: "Calibration", ax: Axes) -> Axes:
-    """Draw the points and the fitted irradiance, against pressure.
-
-    Parameters
-    ----------
-    fit : Calibration
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw the points and the fitted irradiance, against pressure."""
     points = fit.points
     for number, sample in enumerate(dict.fromkeys(points.samples)):
         here, style = points.of(sample), _style(number)
@@ -109,17 +87,7 @@ def fitted_points(fit: "Calibration", ax: Axes) -> Axes:
 
 
 def residuals(fit: "Calibration", ax: Axes) -> Axes:
-    """Draw measured over fitted irradiance, with each point's uncertainty.
-
-    Parameters
-    ----------
-    fit : Calibration
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw measured over fitted irradiance, with each point's uncertainty."""
     points = fit.points
     for number, sample in enumerate(dict.fromkeys(points.samples)):
         here = points.of(sample)
@@ -140,16 +108,7 @@ def residuals(fit: "Calibration", ax: Axes) -> Axes:
 
 
 def calibration_figure(fit: "Calibration") -> Figure:
-    """Points and fit on the left, residuals on the right.
-
-    Parameters
-    ----------
-    fit : Calibration
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Points and fit on the left, residuals on the right."""
     figure = new_figure(columns=2, height=4.6)
     left, right = figure.axes
     fitted_points(fit, left)
@@ -159,18 +118,7 @@ def calibration_figure(fit: "Calibration") -> Figure:
 
 
 def plot_calibration(fit: "Calibration", ax: Axes | None = None) -> Figure:
-    """Draw a calibration.
-
-    Parameters
-    ----------
-    fit : Calibration
-    ax : matplotlib.axes.Axes, optional
-        Gets points and fit; by default a new figure has the residuals too.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Draw a calibration."""
     if ax is None:
         return calibration_figure(fit)
     figure, ax = figure_for(ax)
@@ -180,16 +128,7 @@ def plot_calibration(fit: "Calibration", ax: Axes | None = None) -> Figure:
 
 
 def posterior_figure(drawn: "Posterior") -> Figure:
-    """Histograms of the draws of each parameter, chain by chain, with the 95 % interval.
-
-    Parameters
-    ----------
-    drawn : Posterior
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Histograms of the draws of each parameter, chain by chain, with the 95 % interval."""
     figure = new_figure(columns=len(drawn.names), width=_PARAMETER_WIDTH)
     for row, (name, ax) in enumerate(zip(drawn.names, figure.axes, strict=True)):
         values = drawn.draws[..., row]

@@ -20,16 +20,7 @@ _AT_END = 1e-3  # relative distance of a value from the end of its range
 
 
 def of(fit: Calibration) -> list[str]:
-    """Findings about a fit, one line each.
-
-    Parameters
-    ----------
-    fit : Calibration
-
-    Returns
-    -------
-    list of str
-    """
+    """Findings about a fit, one line each."""
     return [
         *fit.problem.model.design.warnings,
         *_about_errors(fit),
@@ -132,18 +123,7 @@ def _about_steps(fit: Calibration) -> list[str]:
 
 
 def step_warning(sample: str, step: float) -> str:
-    """Warning of steps of the light that nobody stated.
-
-    Parameters
-    ----------
-    sample : str
-    step : float
-        [W/m²].
-
-    Returns
-    -------
-    str
-    """
+    """Warning of steps of the light that nobody stated."""
     return (
         f"the irradiances of {sample} lie on steps of {step:g} W/m^2: if the light was raised in "
         f"such steps, state step = {step:g} W/m^2, or results are half a step too high"

@@ -35,25 +35,7 @@ _PERCENT = 100.0
 def instruments(
     pressure_accuracy: float | None, irradiance_accuracy: float | None
 ) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Accuracies of the instruments, those assumed where none are stated.
-
-    Parameters
-    ----------
-    pressure_accuracy, irradiance_accuracy : float or None
-        Relative standard uncertainty of the calibration of pressure gauge and light meter.
-
-    Returns
-    -------
-    accuracies : dict of str to float
-        By :data:`INSTRUMENTS`.
-    warnings : tuple of str
-        What was assumed.
-
-    Raises
-    ------
-    ParameterError
-        If one is not between 0 and 1.
-    """
+    """Accuracies of the instruments, those assumed where none are stated."""
     for name, stated in (
         ("pressure_accuracy", pressure_accuracy),
         ("irradiance_accuracy", irradiance_accuracy),
@@ -72,16 +54,6 @@ def instruments(
 
 def assumed_accuracies(assumed: Mapping[str, str]) -> tuple[str, ...]:
     """What a reader must know of instruments whose accuracy is not stated.
-
-    Parameters
-    ----------
-    assumed : mapping of str to str
-        What is assumed, such as ``"± 5 %"``, by instrument.
-
-    Returns
-    -------
-    tuple of str
-        One line; none where nothing is assumed.
 
     Examples
     --------
@@ -109,26 +81,16 @@ class _Input:
 
 @dataclass(frozen=True)
 class FitInputs:
-    """The uncertain numbers that are not fitted, in their standard uncertainties.
-
-    Attributes
-    ----------
-    inputs : tuple of _Input
-    correlation : array, shape (k, k)
-    targets : dict of Fields to Target
-        Numbers of the design that only inputs move.
-    changes : dict of int to Change
-        Changes of a design's costly part by some of the inputs' errors, in their standard
-        uncertainties.
-    left_out : tuple of str
-        Numbers of the design whose ± has no effect here, because a column or parameter of another
-        name replaces them.
-    """
+    """The uncertain numbers that are not fitted, in their standard uncertainties."""
 
     inputs: tuple[_Input, ...]
-    correlation: np.ndarray
-    targets: dict[Fields, Target]
+    correlation: np.ndarray  # shape (k, k)
+    targets: dict[Fields, Target]  # Numbers of the design that only inputs move
+    # Changes of a design's costly part by some of the inputs' errors, in their standard
+    # uncertainties
     changes: dict[int, Change]
+    # Numbers of the design whose ± has no effect here, because a column or parameter of another
+    # name replaces them
     left_out: tuple[str, ...]
 
     @property
@@ -147,17 +109,7 @@ class FitInputs:
         return np.array([one.gain for one in self.inputs]).reshape(-1, 2)
 
     def moves(self, rows: Sequence[Fields], points: int) -> np.ndarray:
-        """What each moves numbers of the design by.
-
-        Parameters
-        ----------
-        rows : sequence of Fields, length r
-        points : int
-
-        Returns
-        -------
-        array, shape (k, r, points)
-        """
+        """What each moves numbers of the design by, shape (k, r, points)."""
         moves = np.zeros((len(self.inputs), len(rows), points))
         for number, one in enumerate(self.inputs):
             for fields, change in one.moves.items():
@@ -172,23 +124,7 @@ def fit_inputs(
     index: Mapping[Fields, np.ndarray],
     meters: Mapping[str, float],
 ) -> FitInputs:
-    """Find the uncertain numbers that a fit takes as given.
-
-    Parameters
-    ----------
-    points : Points
-    design : AbstractDesign
-    columns : dict of str to Target
-        What the points' columns stand for.
-    index : dict of Fields to array, shape (n,)
-        Number of the parameter at each point, -1 for none, of fitted numbers and columns.
-    meters : dict of str to float
-        Relative standard uncertainties, by :data:`INSTRUMENTS`.
-
-    Returns
-    -------
-    FitInputs
-    """
+    """Find the uncertain numbers that a fit takes as given; ``index`` (n,)."""
     replaced = {target.fields for target in columns.values()}
     of_design = uncertain_inputs(design)
     own, targets, left_out = _of_design(design, of_design, replaced, index, len(points))

@@ -13,19 +13,11 @@ _INTERVAL_STEPS = 40  # growing steps that look for an interval's end
 
 @dataclass(frozen=True, eq=False)
 class LeastSquares:
-    """Sum of squared weighted residuals of log-irradiance.
-
-    Attributes
-    ----------
-    problem : Problem
-    weight : array, shape (n,)
-        Of each residual, one over its uncertainty.
-    shifts : array, shape (k,), optional
-        Errors of the inputs in their standard uncertainties.
-    """
+    """Sum of squared weighted residuals of log-irradiance."""
 
     problem: Problem
-    weight: np.ndarray
+    weight: np.ndarray  # shape (n,); of each residual, one over its uncertainty
+    # shape (k,); errors of the inputs in their standard uncertainties
     shifts: np.ndarray | None = None
 
     @property
@@ -45,21 +37,7 @@ class LeastSquares:
     def solve(
         self, start: np.ndarray, held: int | None = None, value: float = np.nan
     ) -> tuple[np.ndarray, float]:
-        """Log-parameters of least cost.
-
-        Parameters
-        ----------
-        start : array, shape (p,)
-        held : int, optional
-            Number of a parameter that is not fitted.
-        value : float
-            Its value.
-
-        Returns
-        -------
-        parameters : array, shape (p,)
-        cost : float
-        """
+        """Log-parameters of least cost; returns ``parameters`` (p,), ``cost``; ``start`` (p,)."""
         free = np.arange(start.size) != held
         if not free.any():
             parameters = np.array([value])
@@ -94,24 +72,7 @@ class LeastSquares:
     def interval(
         self, best: np.ndarray, limit: float, number: int, scale: float
     ) -> tuple[float, float]:
-        """Where the profile of the cost over one log-parameter reaches a limit.
-
-        Parameters
-        ----------
-        best : array, shape (p,)
-            Log-parameters of least cost.
-        limit : float
-            Cost at the ends of the interval.
-        number : int
-            Number of the parameter.
-        scale : float
-            Its first-order standard uncertainty, for a first step.
-
-        Returns
-        -------
-        lower, upper : float
-            The parameter's bound where the profile stays below the limit.
-        """
+        """Where the profile of the cost over one log-parameter reaches a limit; ``best`` (p,)."""
         lowest, highest = self.problem.bounds[:, number]
         return (
             self._interval_end(best, limit, number, -scale, lowest),

@@ -35,59 +35,29 @@ _INSIDE = 1e-6  # distance of the start from the upper bound, of the log-paramet
 
 
 class LevitationModel(eqx.Module):
-    """Irradiance to levitate of a design at points, as a function of the fitted parameters.
-
-    Attributes
-    ----------
-    design : AbstractDesign
-    prepared : object
-        From :meth:`~lightflyer.design.design.AbstractDesign.prepare`.
-    targets : tuple of (tuple of str, float)
-        For each row of ``stated``, the numbers of the design that have its values, and the factor
-        from the values to the numbers.
-    stated : array, shape (rows, n)
-        Values at each point before the fit.
-    index : array, shape (rows, n)
-        Number of the parameter that replaces the value at each point, -1 for none.
-    moves : array, shape (k, rows, n)
-        Change of the values by one standard uncertainty of each input.
-    gains : array, shape (k, 2)
-        Change of the log-pressure and of the log-irradiance read by one standard uncertainty of
-        each input.
-    movers : tuple of int
-        Inputs that move ``prepared``.
-    changes : tuple of Change
-        For each of them, the change of ``prepared``, in its standard uncertainty.
-    """
+    """Irradiance to levitate of a design at points, as a function of the fitted parameters."""
 
     design: AbstractDesign = eqx.field(static=True)
-    prepared: Any
+    prepared: Any  # From :meth:`~lightflyer.design.design.AbstractDesign.prepare`
+    # For each row of ``stated``, the numbers of the design that have its values, and the factor
+    # from the values to the numbers
     targets: tuple[tuple[Fields, float], ...] = eqx.field(static=True)
-    stated: np.ndarray
+    stated: np.ndarray  # shape (rows, n); values at each point before the fit
+    # shape (rows, n); number of the parameter that replaces the value at each point, -1 for none
     index: np.ndarray
+    # shape (k, rows, n); change of the values by one standard uncertainty of each input
     moves: np.ndarray
+    # shape (k, 2); change of the log-pressure and of the log-irradiance read by one standard
+    # uncertainty of each input
     gains: np.ndarray
-    movers: tuple[int, ...] = eqx.field(static=True)
+    movers: tuple[int, ...] = eqx.field(static=True)  # Inputs that move ``prepared``
+    # For each of them, the change of ``prepared``, in its standard uncertainty
     changes: tuple[Change, ...]
 
     def log_irradiance(
         self, log_parameters: Any, log_pressure: Any, shifts: Any = None
     ) -> jax.Array:
-        """Log-irradiance to levitate as a light meter reads it, to be traced in double precision.
-
-        Parameters
-        ----------
-        log_parameters : array, shape (p,)
-        log_pressure : array, shape (n,)
-            Logarithm of the pressure that the gauge reads [Pa].
-        shifts : array, shape (k,), optional
-            Errors of the inputs in their standard uncertainties.
-
-        Returns
-        -------
-        array, shape (n,)
-            :data:`UNREACHABLE` where no irradiance suffices.
-        """
+        """Log-irradiance to levitate as a light meter reads it; traced in double precision."""
         if shifts is None:
             shifts = jnp.zeros(len(self.gains))
         index = jnp.asarray(self.index).astype(int)
@@ -133,24 +103,12 @@ def _linearised(
 
 
 class Parameter(NamedTuple):
-    """A number that is fitted, at all points or at those of one sample.
+    """A number that is fitted, at all points or at those of one sample."""
 
-    Attributes
-    ----------
-    name : str
-        Such as ``"c_fm"`` or ``"emittance[Ge 2 cm]"``.
-    target : Target
-        Numbers of the design that it stands for.
-    chosen : bool array, shape (n,)
-        Points at which it applies.
-    start : float
-        Value at which the fit starts.
-    """
-
-    name: str
-    target: Target
-    chosen: np.ndarray
-    start: float
+    name: str  # Such as ``"c_fm"`` or ``"emittance[Ge 2 cm]"``
+    target: Target  # Numbers of the design that it stands for
+    chosen: np.ndarray  # shape (n,); points at which it applies
+    start: float  # Value at which the fit starts
 
     @property
     def log_bounds(self) -> tuple[float, float]:
@@ -170,23 +128,12 @@ class Parameter(NamedTuple):
 
 
 class Linearised(NamedTuple):
-    """Log-irradiance of a model at points, and its derivatives.
+    """Log-irradiance of a model at points, and its derivatives."""
 
-    Attributes
-    ----------
-    value : array, shape (n,)
-        Log-irradiance to levitate.
-    jacobian : array, shape (n, p)
-        Its derivatives with respect to the log-parameters.
-    slope : array, shape (n,)
-        Its derivative with respect to log-pressure.
-    by_inputs : array, shape (n, k)
-        Its derivatives with respect to the inputs, each per standard uncertainty.
-    """
-
-    value: np.ndarray
-    jacobian: np.ndarray
-    slope: np.ndarray
+    value: np.ndarray  # shape (n,); log-irradiance to levitate
+    jacobian: np.ndarray  # shape (n, p); its derivatives with respect to the log-parameters
+    slope: np.ndarray  # shape (n,); its derivative with respect to log-pressure
+    # shape (n, k); its derivatives with respect to the inputs, each per standard uncertainty
     by_inputs: np.ndarray
 
 
@@ -258,28 +205,7 @@ def problem_of(
     free: Sequence[str],
     instruments: Mapping[str, float] | None = None,
 ) -> Problem:
-    """Set up a calibration.
-
-    Parameters
-    ----------
-    points : Points
-    design : AbstractDesign
-    free : sequence of str
-        Names of the parameters.
-    instruments : dict of str to float, optional
-        Relative standard uncertainty of the calibration of instruments, by
-        :data:`~lightflyer.calibration.inputs.INSTRUMENTS`.
-
-    Returns
-    -------
-    Problem
-
-    Raises
-    ------
-    ParameterError
-        If a name is unknown or given twice, there are fewer points than parameters, or the
-        coordinate of the environment is not the pressure.
-    """
+    """Set up a calibration; ``free``: names of the parameters."""
     if design.coordinate_name != "pressure":
         raise ParameterError(
             "calibration needs an environment over pressure, such as a chamber; the coordinate of "

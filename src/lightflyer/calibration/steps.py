@@ -26,17 +26,7 @@ _MOST_CHANCE = 1e-3  # probability that values without steps would lie so
 
 
 def require_step(step: float, irradiance: np.ndarray, place: str = "") -> None:
-    """Raise :class:`ParameterError` unless a step of the light is possible.
-
-    Parameters
-    ----------
-    step : float
-        [W/m²].
-    irradiance : array, shape (n,)
-        First irradiances with levitation [W/m²].
-    place : str
-        File, for the message.
-    """
+    """Raise :class:`ParameterError` unless a step of the light is possible; ``irradiance`` (n,)."""
     start = f"{place}: " if place else ""
     if not 0.0 <= step < math.inf:
         raise ParameterError(f"{start}step = {step:g} W/m^2 is not zero or positive")

@@ -29,45 +29,16 @@ Fields: TypeAlias = tuple[str, ...]
 
 
 class Target(NamedTuple):
-    """Numbers of a design that one name stands for.
+    """Numbers of a design that one name stands for."""
 
-    Attributes
-    ----------
-    fields : tuple of str
-        Full names of the numbers, which all have the same value.
-    factor : float
-        Ratio of that value to the value under the name.
-    quantity : Quantity
-        Unit and range under the name.
-    value : float or None
-        Value in the design under the name, None where there is none.
-    """
-
-    fields: Fields
-    factor: float
-    quantity: Quantity
-    value: float | None
+    fields: Fields  # Full names of the numbers, which all have the same value
+    factor: float  # Ratio of that value to the value under the name
+    quantity: Quantity  # Unit and range under the name
+    value: float | None  # Value in the design under the name, None where there is none
 
 
 def target_of(design: AbstractDesign, name: str, *, describes_flyer: bool = False) -> Target:
-    """Numbers of a design that a name stands for.
-
-    Parameters
-    ----------
-    design : AbstractDesign
-    name : str
-    describes_flyer : bool
-        Whether the name is that of a number of the flyer, as in columns of points.
-
-    Returns
-    -------
-    Target
-
-    Raises
-    ------
-    ParameterError
-        If no number has the name or several have.
-    """
+    """Numbers of a design that a name stands for."""
     known = [
         field
         for field in design.quantities

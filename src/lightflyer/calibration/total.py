@@ -35,38 +35,20 @@ _INSIDE = 1e-9  # distance of an input from the ends of its range, of its standa
 
 @dataclass(frozen=True)
 class FromInputs:
-    """What the inputs' uncertainties do to the parameters.
+    """What the inputs' uncertainties do to the parameters."""
 
-    Attributes
-    ----------
-    slopes : array, shape (p, k)
-        Change of each log-parameter by one standard uncertainty of each input, to first order.
-    covariance : array, shape (p, p)
-        Covariance of the log-parameters by the inputs, to first order.
-    ends : array, shape (p, 2)
-        Least and greatest log-parameters within the inputs' ellipsoid; infinite where nothing
-        levitates in a part of it.
-    """
-
+    # shape (p, k); change of each log-parameter by one standard uncertainty of each input, to first
+    # order
     slopes: np.ndarray
+    # shape (p, p); covariance of the log-parameters by the inputs, to first order
     covariance: np.ndarray
+    # shape (p, 2); least and greatest log-parameters within the inputs' ellipsoid; infinite where
+    # nothing levitates in a part of it
     ends: np.ndarray
 
 
 def from_inputs(fit: LeastSquares, best: np.ndarray) -> FromInputs:
-    """Find what the inputs' uncertainties do to the parameters.
-
-    Parameters
-    ----------
-    fit : LeastSquares
-        At the inputs as given.
-    best : array, shape (p,)
-        Its log-parameters of least cost.
-
-    Returns
-    -------
-    FromInputs
-    """
+    """Find what the inputs' uncertainties do to the parameters; ``best`` (p,)."""
     inputs = fit.problem.inputs
     count = len(inputs.names)
     if not count:

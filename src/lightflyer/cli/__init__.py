@@ -126,13 +126,7 @@ class _Warnings:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line; mistakes of the user's become one line each and exit code 2.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        What follows the program's name; by default as the process was started.
-    """
+    """Run the command line; mistakes of the user's become one line each and exit code 2."""
     given = sys.argv[1:] if arguments is None else list(arguments)
     try:
         with working(next(iter(given), app.name[0])) as display, warnings.catch_warnings():

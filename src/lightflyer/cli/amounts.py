@@ -9,14 +9,6 @@ _SECONDS = (("years", 31557600.0), ("days", 86400.0), ("hours", 3600.0), ("minut
 def in_words(number: float) -> str:
     """A large number in words, to three digits.
 
-    Parameters
-    ----------
-    number : float
-
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> in_words(2.5e6)
@@ -31,15 +23,6 @@ def in_words(number: float) -> str:
 def with_prefix(number: float, unit: str) -> str:
     """A large amount with a decimal prefix before its unit, to three digits.
 
-    Parameters
-    ----------
-    number : float
-    unit : str
-
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> with_prefix(5.2e9, "B")
@@ -53,14 +36,6 @@ def with_prefix(number: float, unit: str) -> str:
 
 def duration(seconds: float) -> str:
     """A time in the largest unit of which there are two.
-
-    Parameters
-    ----------
-    seconds : float
-
-    Returns
-    -------
-    str
 
     Examples
     --------

@@ -21,11 +21,9 @@ _KEPT_UNUSED = 30 * 86_400.0  # seconds
 
 
 def keep_code() -> None:
-    """Have Numba and XLA keep their code; to be called before they are loaded.
-
-    Nothing is kept where the folder cannot be made or is not this user's alone. What the
-    environment says for Numba or JAX itself takes precedence.
-    """
+    """Have Numba and XLA keep their code; to be called before they are loaded."""
+    # Nothing is kept where the folder cannot be made or is not this user's alone. What the
+    # environment says for Numba or JAX itself takes precedence.
     root = cache_folder()
     if root is None:
         return

@@ -26,10 +26,9 @@ def _clear() -> None:
 
 
 class _Results(Console):
-    """The standard output stream, before which progress is cleared away.
+    """The standard output stream, before which progress is cleared away."""
 
-    A table that is wider than the terminal keeps its digits: the terminal breaks its lines.
-    """
+    # A table that is wider than the terminal keeps its digits: the terminal breaks its lines.
 
     def print(self, *objects: Any, **settings: Any) -> None:
         _clear()
@@ -49,22 +48,9 @@ def _width_of(table: Table) -> int:
 
 
 def printer(*, stderr: bool = False, width: int | None = None) -> Console:
-    """Console that shows texts as they are.
-
-    Names of files and of quantities may contain brackets, which Rich would take for markup, and
-    colons, which it would take for emoji.
-
-    Parameters
-    ----------
-    stderr : bool
-        Print to the standard error stream.
-    width : int, optional
-        Columns; by default those of the terminal.
-
-    Returns
-    -------
-    rich.console.Console
-    """
+    """Console that shows texts as they are; ``stderr``: print to the standard error stream."""
+    # Names of files and of quantities may contain brackets, which Rich would take for markup, and
+    # colons, which it would take for emoji.
     kind = Console if stderr else _Results
     console = kind(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)
     if width is None and not console.is_terminal and "COLUMNS" not in os.environ:
@@ -73,24 +59,13 @@ def printer(*, stderr: bool = False, width: int | None = None) -> Console:
 
 
 def say(console: Console, text: str) -> None:
-    """Print a line that is not a result: about files that were written, for one.
-
-    Parameters
-    ----------
-    console : rich.console.Console
-    text : str
-    """
+    """Print a line that is not a result: about files that were written, for one."""
     _clear()
     Console.print(console, text, soft_wrap=True)
 
 
 def print_json(document: dict[str, Any]) -> None:
-    """Print one JSON object on one line.
-
-    Parameters
-    ----------
-    document : dict
-    """
+    """Print one JSON object on one line."""
     _clear()
     for call in AFTER_PRINT:
         call(json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
@@ -99,12 +74,6 @@ def print_json(document: dict[str, Any]) -> None:
 
 
 def write_json(path: Path, document: Any) -> None:
-    """Write a JSON file that people can read.
-
-    Parameters
-    ----------
-    path : Path
-    document : dict or list
-    """
+    """Write a JSON file that people can read."""
     text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False)
     path.write_text(text + "\n", encoding="utf-8")

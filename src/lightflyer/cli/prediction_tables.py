@@ -135,10 +135,8 @@ _OWN = 5  # results of the flyer's or the force model's own that fit beside the 
 
 
 def _points_tables(prediction: "Prediction", width: int) -> Iterator[Table]:
-    """Tables of the results at each coordinate asked for, those that every flyer has first.
-
-    What does not fit the width goes into further tables.
-    """
+    """Tables of the results at each coordinate asked for, those that every flyer has first."""
+    # What does not fit the width goes into further tables.
     from lightflyer.design.outputs import node_outputs
 
     if not prediction.asked.size:

@@ -26,13 +26,7 @@ _FIRST, _EVERY = 10.0, 30.0  # seconds between lines where there is no terminal
 
 
 class Display:
-    """Shows the steps that are reported, and for how long the command has worked.
-
-    Parameters
-    ----------
-    command : str
-        What is shown before the first step.
-    """
+    """Shows the steps that are reported, and for how long the command has worked."""
 
     def __init__(self, command: str) -> None:
         self._step = Step(command)
@@ -113,17 +107,7 @@ class Display:
 
 @contextmanager
 def working(command: str) -> Iterator[Display]:
-    """Show the progress of what is done within the block.
-
-    Parameters
-    ----------
-    command : str
-        Its name.
-
-    Yields
-    ------
-    Display
-    """
+    """Show the progress of what is done within the block; ``command``: its name."""
     display = Display(command)
     BEFORE_RESULTS.append(display.stop)
     try:

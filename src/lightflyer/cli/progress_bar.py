@@ -36,12 +36,7 @@ class _Counted(ProgressColumn):
 
 
 def new_bar() -> Progress:
-    """A bar that has not begun, on the standard error stream.
-
-    Returns
-    -------
-    rich.progress.Progress
-    """
+    """A bar that has not begun, on the standard error stream."""
     return Progress(
         SpinnerColumn(),
         TextColumn("{task.description}"),

@@ -21,18 +21,7 @@ _SHOWN_DESIGNS = 5
 def show_reduced(
     study: "Study", out: Path, report: "SweepReport", line: str, *, json_output: bool
 ) -> None:
-    """Print what a reduced sweep kept.
-
-    Parameters
-    ----------
-    study : Study
-    out : Path
-        Its file.
-    report : SweepReport
-    line : str
-        The report in words.
-    json_output : bool
-    """
+    """Print what a reduced sweep kept; ``out``: its file; ``line``: the report in words."""
     from lightflyer.sweeps.reduced import open_reduced
 
     tree = open_reduced(out)

@@ -36,15 +36,7 @@ _MADE_WITH = ("jax", "numpy", "scipy")
 
 
 class Report:
-    """What a command says, until it is written.
-
-    Parameters
-    ----------
-    path : Path
-        Of the page.
-    arguments : sequence of str
-        Of the command line.
-    """
+    """What a command says, until it is written."""
 
     def __init__(self, path: Path, arguments: Sequence[str]) -> None:
         # with NumPy, which --help does without
@@ -85,13 +77,7 @@ class Report:
             )
 
     def write(self) -> None:
-        """Write the page, whole or not at all.
-
-        Raises
-        ------
-        OutputError
-            If it cannot be written.
-        """
+        """Write the page, whole or not at all."""
         from lightflyer.core.atomic_files import output_directory
 
         with output_directory(self.path.parent) as stage:
@@ -130,13 +116,7 @@ _arguments: list[str] = []
 
 @contextmanager
 def reporting(arguments: Sequence[str]) -> Iterator[None]:
-    """Write the report that the command within the block begins, once it has ended well.
-
-    Parameters
-    ----------
-    arguments : sequence of str
-        Of the command line.
-    """
+    """Write the report that the command within the block begins, once it has ended well."""
     global current
     _arguments[:] = arguments
     try:
@@ -160,35 +140,13 @@ def _finish() -> None:
 
 
 def note_warning(text: str) -> None:
-    """Take a warning that goes to the standard error stream.
-
-    Parameters
-    ----------
-    text : str
-    """
+    """Take a warning that goes to the standard error stream."""
     if current is not None:
         current.note(_WARNING + text)
 
 
 def begin(path: Path) -> Report:
-    """Begin to record.
-
-    Parameters
-    ----------
-    path : Path
-        Of the page.
-
-    Returns
-    -------
-    Report
-
-    Raises
-    ------
-    ParameterError
-        If the name is not that of a page.
-    OutputError
-        If it cannot be written.
-    """
+    """Begin to record; ``path``: of the page."""
     global current
     if path.suffix.lower() != _ENDING:
         raise ParameterError(f'--report {path}: the page is HTML; name it "{path.stem}{_ENDING}"')

@@ -40,19 +40,7 @@ class Difference:
 
 
 def differing_surroundings(setups: Mapping[str, Setup]) -> tuple[Difference, ...]:
-    """In what the surroundings of flyers differ.
-
-    Parameters
-    ----------
-    setups : dict of str to Setup
-        By the flyer's name.
-
-    Returns
-    -------
-    tuple of Difference
-        Light and heat radiation as they are described, then atmosphere, gas and whatever else the
-        surroundings hold, then the range that is searched.
-    """
+    """In what the surroundings of flyers differ; ``setups``: by the flyer's name."""
     surroundings = {name: setup.environment for name, setup in setups.items()}
     light = tuple(_described({name: found.assumptions() for name, found in surroundings.items()}))
     skipped = (_RADIATION,) if light else ()

@@ -43,17 +43,7 @@ _BELOW = 0.2  # of the largest payload, drawn below zero
 
 
 def comparison_figure(comparison: "Comparison") -> Figure:
-    """The figure of a comparison.
-
-    Parameters
-    ----------
-    comparison : Comparison
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Four panels over the common grid, one line a flyer; bands are 95 %.
-    """
+    """The figure of a comparison."""
     rows = len(comparison.flyers) + 1
     figure = new_figure(columns=2, rows=2, height=7.0 + 0.22 * rows)
     handles = {}
@@ -66,25 +56,7 @@ def comparison_figure(comparison: "Comparison") -> Figure:
 def plot_comparison(
     comparison: "Comparison", output: str | None = None, ax: Axes | None = None
 ) -> Figure:
-    """Draw a comparison, or one output of it.
-
-    Parameters
-    ----------
-    comparison : Comparison
-    output : str, optional
-        One of :data:`PANELS`; by default all of them.
-    ax : matplotlib.axes.Axes, optional
-        For one output; by default those of a new figure.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If there is no such output, or axes are given for several.
-    """
+    """Draw a comparison, or one output of it."""
     known = ", ".join(PANELS)
     if output is None:
         if ax is not None:
@@ -98,20 +70,7 @@ def plot_comparison(
 
 
 def draw(comparison: "Comparison", output: str, ax: Axes) -> dict[str, Any]:
-    """Draw one output of all flyers.
-
-    Parameters
-    ----------
-    comparison : Comparison
-    output : str
-        One of :data:`PANELS`.
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    dict of str to artist
-        For a legend, by label.
-    """
+    """Draw one output of all flyers; for a legend, by label; ``output``: one of :data:`PANELS`."""
     where = comparison.coordinate
     places = comparison.coordinates * scale_and_offset(where.unit, where.shown_unit)[0]
     scale, unit = comparison.shown(output)

@@ -138,13 +138,7 @@ def _outputs(comparison: "Comparison") -> dict[str, Output]:
 
 
 def joined(one: Output, other: Output) -> Output:
-    """Two flyers' output of one name: it may be another thing for each, in the same unit.
-
-    Raises
-    ------
-    ConfigurationError
-        If the units differ.
-    """
+    """Two flyers' output of one name: it may be another thing for each, in the same unit."""
     if one.unit != other.unit:
         raise ConfigurationError(
             f'"{one.name}" is {one.long_name} [{one.unit or "1"}] of one flyer and '

@@ -9,35 +9,16 @@ CHUNK = 2**18
 
 @dataclass(frozen=True)
 class Chunks:
-    """Equal blocks of a grid, each of which holds designs with consecutive numbers.
+    """Equal blocks of a grid, each of which holds designs with consecutive numbers."""
 
-    Attributes
-    ----------
-    shape : tuple of int
-        Shape of the grid.
-    block : tuple of int
-        Shape of a chunk; the last along a dimension may reach beyond the grid.
-    """
-
-    shape: tuple[int, ...]
-    block: tuple[int, ...]
+    shape: tuple[int, ...]  # Shape of the grid
+    block: tuple[int, ...]  # Shape of a chunk; the last along a dimension may reach beyond the grid
 
     @classmethod
     def of(cls, shape: tuple[int, ...], most: int = CHUNK) -> "Chunks":
-        """Divide a grid into chunks of at most so many designs.
-
-        Trailing dimensions stay whole, one is cut into even parts, leading ones are taken point
-        by point: so a chunk's designs have consecutive numbers.
-
-        Parameters
-        ----------
-        shape : tuple of int
-        most : int
-
-        Returns
-        -------
-        Chunks
-        """
+        """Divide a grid into chunks of at most so many designs."""
+        # Trailing dimensions stay whole, one is cut into even parts, leading ones are taken point
+        # by point: so a chunk's designs have consecutive numbers.
         block: list[int] = []
         left = most
         for length in reversed(shape):

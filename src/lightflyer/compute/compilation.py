@@ -7,18 +7,7 @@ import jax
 
 
 def jit_with_options(function: Callable[..., Any], options: dict[str, Any]) -> Callable[..., Any]:
-    """Like :func:`jax.jit`, with options of XLA where it knows them.
-
-    Parameters
-    ----------
-    function : callable
-    options : dict of str to object
-        They take precedence over XLA's flags.
-
-    Returns
-    -------
-    callable
-    """
+    """Like :func:`jax.jit`, with options of XLA where it knows them."""
     jitted = _Tolerant(function, options)
     return lambda *args, **kwargs: jitted.use(lambda chosen: chosen(*args, **kwargs))
 

@@ -19,19 +19,6 @@ _EACH = PartitionSpec(_AXIS)
 def find_devices(kind: str) -> list[Any]:
     """All devices of a kind that this process has.
 
-    Parameters
-    ----------
-    kind : {"cpu", "gpu"}
-
-    Returns
-    -------
-    list of jax.Device
-
-    Raises
-    ------
-    ConfigurationError
-        If there is none, with what to install, or no such kind.
-
     Examples
     --------
     >>> [device.platform for device in find_devices("cpu")]
@@ -49,15 +36,10 @@ def find_devices(kind: str) -> list[Any]:
 
 
 class OnDevices:
-    """Divides arrays over devices and computes each part where it lies.
+    """Divides arrays over devices and computes each part where it lies."""
 
-    The parts do not wait for each other: a search ends on each device when its own designs have
-    converged. Float64 throughout.
-
-    Parameters
-    ----------
-    kind : {"cpu", "gpu"}
-    """
+    # The parts do not wait for each other: a search ends on each device when its own designs have
+    # converged. Float64 throughout.
 
     def __init__(self, kind: str):
         devices = find_devices(kind)
@@ -65,17 +47,7 @@ class OnDevices:
         self._mesh = Mesh(np.array(devices), (_AXIS,))
 
     def divided(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        """A function of arrays of designs that is computed part by part.
-
-        Parameters
-        ----------
-        function : callable
-            Its arrays and results have the designs as first axis, each for itself.
-
-        Returns
-        -------
-        callable
-        """
+        """A function of arrays of designs that is computed part by part."""
         return jax.shard_map(
             function, mesh=self._mesh, in_specs=_EACH, out_specs=_EACH, check_vma=False
         )

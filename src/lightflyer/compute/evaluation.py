@@ -46,18 +46,11 @@ Table = dict[str, np.ndarray]
 
 
 class Evaluator:
-    """Computes the outputs of any of a study's designs.
+    """Computes the outputs of any of a study's designs."""
 
-    Designs are numbered in row-major order of the study's dimensions. The result of a design
-    does not depend on which others are computed with it. Can be pickled; it is compiled where it
-    runs, once for all studies of equal designs with the same outputs.
-
-    Parameters
-    ----------
-    study : Study
-    device : {"cpu", "gpu"}, optional
-        Where to compute: on all of the kind. By default where JAX does.
-    """
+    # Designs are numbered in row-major order of the study's dimensions. The result of a design does
+    # not depend on which others are computed with it. Can be pickled; it is compiled where it runs,
+    # once for all studies of equal designs with the same outputs.
 
     counted: Counted | None = None
     """Counts the designs as they are computed, in this process."""
@@ -71,34 +64,11 @@ class Evaluator:
         self._prepared, self._strides = _prepare(study)
 
     def __call__(self, start: int, stop: int) -> tuple[Table, int]:
-        """Outputs of the designs from ``start`` up to ``stop``.
-
-        Parameters
-        ----------
-        start, stop : int
-
-        Returns
-        -------
-        outputs : dict of str to array, shape (stop - start,)
-            NaN where there is no such number, or where it has not converged.
-        failures : int
-            Number of designs that have not converged.
-        """
+        """Outputs of the designs from ``start`` up to ``stop``."""
         return self.at(np.arange(start, stop))
 
     def at(self, designs: np.ndarray) -> tuple[Table, int]:
-        """Outputs of designs of any numbers.
-
-        Parameters
-        ----------
-        designs : int array, shape (n,)
-
-        Returns
-        -------
-        outputs : dict of str to array, shape (n,)
-        failures : int
-            As of a call.
-        """
+        """Outputs of designs of any numbers; returns ``outputs`` (n,), ``failures``."""
         study = self.study
         kernel = _kernel(study.design, study.outputs, tuple(study.fixed.items()), self.device)
 
@@ -120,20 +90,7 @@ class Evaluator:
         return {name: value for name, value in vars(self).items() if name != "counted"}
 
     def inputs(self, designs: Any) -> tuple[dict[str, Any], Any]:
-        """Varied numbers of some designs, and what is prepared for them.
-
-        Parameters
-        ----------
-        designs : int array, shape (n,)
-            Of NumPy or JAX.
-
-        Returns
-        -------
-        values : dict of str to array, shape (n,)
-            By dotted name.
-        prepared : pytree of array, shape (n, ...), or None
-            See :meth:`~lightflyer.design.design.AbstractDesign.prepare`.
-        """
+        """Varied numbers of some designs, and what is prepared for them; ``designs`` (n,)."""
         arrays = designs.__array_namespace__()  # NumPy's or JAX's
         places = self.study.places(designs)
         values = self.study.values_at(designs)
@@ -167,13 +124,7 @@ def _outputs_of_one(
 
 
 class _Kernel:
-    """Outputs of many designs, compiled once for all threads of a process.
-
-    Attributes
-    ----------
-    parts : int
-        Number of devices that share the designs.
-    """
+    """Outputs of many designs, compiled once for all threads of a process."""
 
     def __init__(
         self,

@@ -48,23 +48,12 @@ class AbstractTask(Protocol):
 
 
 class Task(NamedTuple):
-    """Chunks to compute, and where to write them.
+    """Chunks to compute, and where to write them."""
 
-    Attributes
-    ----------
-    evaluator : callable
-        Outputs, and number of failures, of the designs from a number up to another.
-    folder : Path
-        Folder of the store.
-    chunks : Chunks
-    token : str
-        Token of the store.
-    """
-
-    evaluator: Any
-    folder: Path
+    evaluator: Any  # Outputs, and number of failures, of the designs from a number up to another
+    folder: Path  # Folder of the store
     chunks: Chunks
-    token: str
+    token: str  # Token of the store
 
     def __call__(self, chunk: int) -> "Done":
         """Compute a chunk and write it."""
@@ -105,21 +94,7 @@ def processors() -> int:
 def run_here(
     task: AbstractTask, missing: Sequence[int], workers: int | None = None
 ) -> Iterator[Any]:
-    """Do work in threads of this process, yielding its parts as they are done.
-
-    Parameters
-    ----------
-    task : AbstractTask
-    missing : sequence of int
-        Numbers of the parts to do.
-    workers : int, optional
-        Threads; by default one for each processor and two more, which work while others write.
-
-    Yields
-    ------
-    object
-        What the task returns.
-    """
+    """Do work in threads of this process, yielding its parts as they are done."""
     count = workers or processors() + 2
     waiting = iter(missing)
     pool = ThreadPoolExecutor(min(count, max(len(missing), 1)))
@@ -147,12 +122,10 @@ def _settle_in() -> None:
 
 
 def _keep_freed_memory() -> None:
-    """Let a worker's allocator reuse the memory of temporary arrays.
-
-    Dask starts its workers with ``MALLOC_TRIM_THRESHOLD_``. Having any value there, glibc gives
-    every larger array back to the system at once and pages it in anew for the next, which costs
-    more than half of the arithmetic. Other allocators have no ``mallopt`` and no such habit.
-    """
+    """Let a worker's allocator reuse the memory of temporary arrays."""
+    # Dask starts its workers with ``MALLOC_TRIM_THRESHOLD_``. Having any value there, glibc gives
+    # every larger array back to the system at once and pages it in anew for the next, which costs
+    # more than half of the arithmetic. Other allocators have no ``mallopt`` and no such habit.
     with suppress(OSError, AttributeError):
         libc = ctypes.CDLL(None)
         libc.mallopt(_M_MMAP_THRESHOLD, _KEPT)
@@ -160,11 +133,9 @@ def _keep_freed_memory() -> None:
 
 
 def _start_jax(threads: int) -> None:
-    """Start JAX on so many threads, unless it has started or the environment says how many.
-
-    By itself it takes as many as there are processors and cuts each operation into as many parts.
-    But the other processors have workers of their own, and whole operations cost less.
-    """
+    """Start JAX on so many threads, unless it has started or the environment says how many."""
+    # By itself it takes as many as there are processors and cuts each operation into as many parts.
+    # But the other processors have workers of their own, and whole operations cost less.
     if _XLA_THREADS not in os.environ:
         os.environ[_XLA_THREADS] = str(threads)
         try:
@@ -182,30 +153,8 @@ def _remotely(task: AbstractTask, number: int) -> Any:
 def run_on_dask(
     task: AbstractTask, missing: Sequence[int], client: Any, address: str
 ) -> Iterator[Any]:
-    """Do work on an existing Dask cluster, yielding its parts as they are done.
-
-    The parts of a worker that is lost go to another.
-
-    Parameters
-    ----------
-    task : AbstractTask
-    missing : sequence of int
-        Numbers of the parts to do.
-    client : distributed.Client
-        From :func:`connected`.
-    address : str
-        Address of its scheduler.
-
-    Yields
-    ------
-    object
-        What the task makes of the workers' answers.
-
-    Raises
-    ------
-    LightflyerError
-        If the cluster is lost.
-    """
+    """Do work on an existing Dask cluster, yielding its parts as they are done."""
+    # The parts of a worker that is lost go to another.
     import distributed
 
     threads = max(sum(client.nthreads().values()), 1)
@@ -250,24 +199,7 @@ def _await_answer(address: str) -> None:
 
 @contextmanager
 def connected(address: str) -> Iterator[Any]:
-    """A client of an existing Dask scheduler whose workers can do the work.
-
-    Parameters
-    ----------
-    address : str
-        Address of the scheduler, such as ``"tcp://127.0.0.1:8786"``.
-
-    Yields
-    ------
-    distributed.Client
-
-    Raises
-    ------
-    ConfigurationError
-        If the scheduler does not answer, has no workers, or they have other packages.
-    MissingExtraError
-        If Dask is not installed.
-    """
+    """A client of an existing Dask scheduler whose workers can do the work."""
     distributed = extra("distributed", "--scheduler", "sweep")
     try:
         _await_answer(address)

@@ -54,22 +54,7 @@ def versions() -> dict[str, str]:
 
 
 def write_chunk(folder: Path, chunks: Chunks, chunk: int, outputs: Mapping[str, Any]) -> Record:
-    """Write one chunk of every output; it does not count before it is committed.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder of the store.
-    chunks : Chunks
-    chunk : int
-    outputs : dict of str to array
-        Values of the chunk's designs.
-
-    Returns
-    -------
-    dict of str to int
-        Checksum of each output's file.
-    """
+    """Write one chunk of every output; it does not count before it is committed."""
     import google_crc32c
 
     record = {}
@@ -109,21 +94,9 @@ def write_atomically(path: Path, *parts: bytes) -> None:
 
 
 class Store:
-    """A folder with the results of a study, locked for one writer.
+    """A folder with the results of a study, locked for one writer."""
 
-    Made by :func:`open_store`.
-
-    Attributes
-    ----------
-    folder : Path
-    chunks : Chunks
-    token : str
-        Identifies this store.
-    done : dict of int to dict
-        Journal entries of the intact chunks, by their numbers.
-    damaged : list of int
-        Chunks that were committed but are no longer intact.
-    """
+    # Made by :func:`open_store`.
 
     def __init__(self, folder: Path, study: Study, chunks: Chunks):
         self.folder, self.chunks = folder, chunks
@@ -144,16 +117,7 @@ class Store:
         return sum(entry["failures"] for entry in self.done.values())
 
     def commit(self, chunk: int, record: Record, failures: int) -> None:
-        """Count a chunk as done, now that all its files are written.
-
-        Parameters
-        ----------
-        chunk : int
-        record : dict of str to int
-            From :func:`write_chunk`.
-        failures : int
-            Number of designs that have not converged.
-        """
+        """Count a chunk as done, now that all its files are written."""
         entry = {"chunk": chunk, "crc32c": record, "failures": failures}
         self._journal.write(_journal_line(entry))
         self._journal.flush()
@@ -220,23 +184,7 @@ def _entries(content: bytes) -> Iterator[dict[str, Any]]:
 
 
 def stored_study(folder: Path) -> dict[str, Any]:
-    """Token, shape of the chunks and description of the study of a store.
-
-    Parameters
-    ----------
-    folder : Path
-
-    Returns
-    -------
-    dict
-
-    Raises
-    ------
-    OSError
-        If the folder is no store.
-    ValueError
-        If its description is damaged.
-    """
+    """Token, shape of the chunks and description of the study of a store."""
     content = json.loads((folder / _RECORDS / _STUDY).read_text(encoding="utf-8"))
     kinds = {"token": str, "block": list, "description": dict}
     if not isinstance(content, dict) or not all(
@@ -248,26 +196,7 @@ def stored_study(folder: Path) -> dict[str, Any]:
 
 @contextmanager
 def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store]:
-    """Make a store, or open one to continue it.
-
-    Parameters
-    ----------
-    folder : Path
-    study : Study
-    most_in_chunk : int
-        Designs in a chunk of a new store.
-
-    Yields
-    ------
-    Store
-
-    Raises
-    ------
-    OutputError
-        If the folder holds something else or another study, or cannot be written.
-    MissingExtraError
-        If Zarr is not installed.
-    """
+    """Make a store, or open one to continue it."""
     require_extra()
     import filelock
 
@@ -428,16 +357,7 @@ def _repair_group(folder: Path, study: Study, chunks: Chunks) -> None:
 
 
 def empty_dataset(study: Study) -> "xr.Dataset":
-    """A dataset with the coordinates and attributes of a study, without outputs.
-
-    Parameters
-    ----------
-    study : Study
-
-    Returns
-    -------
-    xarray.Dataset
-    """
+    """A dataset with the coordinates and attributes of a study, without outputs."""
     import xarray as xr
 
     fields = study.fields

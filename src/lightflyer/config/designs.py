@@ -16,25 +16,7 @@ def as_design(
     environment: AbstractEnvironment | None = None,
     model: AbstractForceModel | None = None,
 ) -> AbstractDesign:
-    """Make a design from a file, a dictionary or objects.
-
-    Parameters
-    ----------
-    what : AbstractDesign, Setup, FlyerFile, path of a flyer file, or AbstractFlyer
-    environment, model : optional
-        Where ``what`` is a flyer.
-
-    Returns
-    -------
-    AbstractDesign
-
-    Raises
-    ------
-    ParameterError
-        If it is none of these.
-    ConfigurationError
-        If a flyer file cannot be used.
-    """
+    """Make a design from a file, a dictionary or objects."""
     if isinstance(what, AbstractFlyer):
         if environment is None or model is None:
             raise ParameterError("a flyer needs an environment and a force model beside it")

@@ -170,13 +170,7 @@ class FlyerFile(Section):
 
 
 def flyer_file_type() -> type[FlyerFile]:
-    """A flyer file with all alternatives of its sections that are defined by now.
-
-    Returns
-    -------
-    type
-        :class:`FlyerFile`, or a subclass of it where a user has defined more.
-    """
+    """A flyer file with all alternatives of its sections that are defined by now."""
     return _flyer_file_of(_alternatives())
 
 
@@ -203,17 +197,7 @@ _SHIPPED = _alternatives()
 
 
 def models_for(kind: type[FlyerSection]) -> list[str]:
-    """Names of the force models that are for a flyer.
-
-    Parameters
-    ----------
-    kind : type
-        Section of the flyer.
-
-    Returns
-    -------
-    list of str
-    """
+    """Names of the force models that are for a flyer; ``kind``: section of the flyer."""
     return [
         tag
         for tag, section in ForceSection.alternatives.items()
@@ -222,17 +206,7 @@ def models_for(kind: type[FlyerSection]) -> list[str]:
 
 
 def build(parts: Mapping[str, Any]) -> Setup:
-    """Objects from sections.
-
-    Parameters
-    ----------
-    parts : dict of str to Section
-        By the section's name.
-
-    Returns
-    -------
-    Setup
-    """
+    """Objects from sections; ``parts``: by the section's name."""
     environment = parts["environment"]
     incidence = environment.light_incidence
     film, flyer = parts.get("film"), parts["flyer"]
@@ -248,16 +222,9 @@ def build(parts: Mapping[str, Any]) -> Setup:
 
 
 class FileDesign(AbstractDesign):
-    """The design that a flyer file describes.
+    """The design that a flyer file describes."""
 
-    Equal to any other of the same file. Can be pickled.
-
-    Parameters
-    ----------
-    file : FlyerFile
-    text : str
-        What the file says, for the record.
-    """
+    # Equal to any other of the same file. Can be pickled.
 
     def __init__(self, file: FlyerFile, text: str = ""):
         self.file, self.text = file, text
@@ -464,20 +431,7 @@ def _flattened(content: Mapping[str, Any]) -> list[tuple[str, Any]]:
 
 
 def section_at(name: str, content: Any) -> type[Section] | None:
-    """Class of the section at a dotted name of the file, for messages about its keys.
-
-    Parameters
-    ----------
-    name : str
-        Such as ``"flyer.top"`` or ``"film.layers.0"``, empty for the file itself.
-    content : dict
-        What the file says, which decides between alternatives.
-
-    Returns
-    -------
-    type or None
-        None where there is no such section.
-    """
+    """Class of the section at a dotted name of the file, for messages about its keys."""
     bases: dict[str, type[Alternative]] = {
         "flyer": FlyerSection,
         "film": FilmSection,

@@ -57,44 +57,13 @@ def read_flyer_file(path: str | Path) -> FlyerFile:
 
 
 def read_design(path: str | Path) -> FileDesign:
-    """Read a flyer file, and build what it describes.
-
-    Parameters
-    ----------
-    path : str or path
-
-    Returns
-    -------
-    FileDesign
-
-    Raises
-    ------
-    ConfigurationError
-        As from :func:`read_flyer_file`; or, naming the file, if what its numbers make together is
-        not possible.
-    """
+    """Read a flyer file, and build what it describes."""
     path = Path(path)
     return design_of_text(read_text(path), path)
 
 
 def design_of_text(text: str, path: Path) -> FileDesign:
-    """What the text of a flyer file describes.
-
-    Parameters
-    ----------
-    text : str
-    path : Path
-        Where the text is from, for messages and for files that it names.
-
-    Returns
-    -------
-    FileDesign
-
-    Raises
-    ------
-    ConfigurationError
-        As from :func:`read_design`.
-    """
+    """What the text of a flyer file describes."""
     document = parsed(text, path, FLYER_FILE)
     design = validate(flyer_file_type(), document, text, path, FLYER_FILE).design(text)
     try:
@@ -107,23 +76,7 @@ def design_of_text(text: str, path: Path) -> FileDesign:
 
 
 def read_film_file(path: str | Path) -> SampleSection:
-    """Read the layers of a film.
-
-    Parameters
-    ----------
-    path : str or path
-        A TOML file with a section ``[film]`` that has ``layers``; a flyer file will do, its
-        other sections have no effect. A sample may have a substrate, an ambient and holes.
-
-    Returns
-    -------
-    SampleSection
-
-    Raises
-    ------
-    ConfigurationError
-        One line for each mistake: file, line, key, value and what is allowed.
-    """
+    """Read the layers of a film; ``path`` [film]."""
     path = Path(path)
     document, text = load(path, FLYER_FILE)
     film = document.get("film")

@@ -36,19 +36,7 @@ _NO_LIMIT = 1e5  # [K], of a stack of which it is not known: no film gets so hot
 
 
 class Candidate:
-    """A material of a search over stacks.
-
-    Parameters
-    ----------
-    entry : dict
-        Of the study file: keys of a layer, bounds of its thickness, and whether it is a carrier.
-    folder : Path or None
-
-    Raises
-    ------
-    ConfigurationError
-        One line that says what is wrong.
-    """
+    """A material of a search over stacks."""
 
     def __init__(self, entry: Mapping[str, Any], folder: Path | None):
         self.carrier = entry.get(_CARRIER, False)
@@ -99,24 +87,13 @@ def _explained(mistake: Any, end: str) -> str:
 
 
 class StackTables(eqx.Module):
-    """One stack, as arrays of the same shape for all.
-
-    Attributes
-    ----------
-    family : ThicknessSurrogate
-    low, high : array, shape (layers,)
-        Bounds of the thicknesses [m].
-    density : array, shape (layers,)
-        [kg/m³].
-    tac_top, tac_bottom, limit : array, shape ()
-        [1], and the temperature that the film bears [K].
-    """
+    """One stack, as arrays of the same shape for all."""
 
     family: ThicknessSurrogate
-    low: Numeric
+    low: Numeric  # shape (layers,); bounds of the thicknesses [m]
     high: Numeric
-    density: Numeric
-    tac_top: Numeric
+    density: Numeric  # shape (layers,); [kg/m³]
+    tac_top: Numeric  # [1], and the temperature that the film bears [K]
     tac_bottom: Numeric
     limit: Numeric
 
@@ -126,20 +103,7 @@ class StackTables(eqx.Module):
 
 
 class Stacks(AbstractStacks):
-    """Stacks of a list of materials, each with one carrier and coatings on it.
-
-    Parameters
-    ----------
-    base : FileDesign
-    asked : StacksSection
-    folder : Path or None
-        Of the study file.
-
-    Raises
-    ------
-    ConfigurationError
-        Naming the key and what is wrong with it.
-    """
+    """Stacks of a list of materials, each with one carrier and coatings on it."""
 
     def __init__(self, base: "FileDesign", asked: Any, folder: Path | None):
         self.base, self.film, self.most = base, asked.film, asked.most_layers
@@ -313,12 +277,7 @@ def _candidate(number: int, entry: Mapping[str, Any], folder: Path | None) -> Ca
 
 
 class AnyStack(AbstractDesign):
-    """A design whose film is any of some stacks.
-
-    Parameters
-    ----------
-    stacks : Stacks
-    """
+    """A design whose film is any of some stacks."""
 
     def __init__(self, stacks: Stacks):
         self._stacks, self._base = stacks, stacks.base

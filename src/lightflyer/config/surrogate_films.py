@@ -17,23 +17,9 @@ _MEASURED = 1.0  # in place of a number that the section always replaces
 
 
 class SurrogateFilms:
-    """Properties of a flyer file's films of layers, for other thicknesses or another incidence.
+    """Properties of a flyer file's films of layers, for other thicknesses or another incidence."""
 
-    Implements :class:`~lightflyer.design.design.QuickParts`.
-
-    Parameters
-    ----------
-    file : FlyerFile
-    replaced : callable
-        Sections by name, from values by dotted name.
-    names : sequence of str
-        Numbers that will have other values.
-
-    Raises
-    ------
-    ConfigurationError
-        If one of them changes the index of a layer.
-    """
+    # Implements :class:`~lightflyer.design.design.QuickParts`.
 
     def __init__(
         self,
@@ -89,18 +75,7 @@ def _properties(
 
 
 def require_simple(name: str, film: Film) -> None:
-    """Raise unless a film is one that a search can compute quickly.
-
-    Parameters
-    ----------
-    name : str
-        Of its section.
-    film : Film
-
-    Raises
-    ------
-    ConfigurationError
-    """
+    """Raise unless a film is one that a search can compute quickly; ``name``: of its section."""
     smooth = film.roughness_below is None and all(one.roughness is None for one in film.layers)
     whole = film.free_standing and film.open_fraction is None
     if not (smooth and whole and all(one.coherent for one in film.layers)):
@@ -111,18 +86,7 @@ def require_simple(name: str, film: Film) -> None:
 
 
 def part_at(parts: Mapping[str, Any], name: str) -> Any:
-    """Section at a dotted name, such as ``"flyer.top"``.
-
-    Parameters
-    ----------
-    parts : dict of str to Section
-    name : str
-
-    Returns
-    -------
-    Section or None
-        None for a name of no section, such as that of the coordinate.
-    """
+    """Section at a dotted name, such as ``"flyer.top"``."""
     first, *inner = name.split(".")
     part: Any = parts.get(first)
     for key in inner:

@@ -29,19 +29,7 @@ _FACES = {"top": ("top",), "bottom": ("bottom",), "both": ("top", "bottom")}
 
 
 def measured_text(estimate: "Estimate", digits: int = _DIGITS) -> str:
-    """Text of an estimate for a flyer file.
-
-    Parameters
-    ----------
-    estimate : Estimate
-        With a standard uncertainty.
-    digits : int
-        Of the uncertainty.
-
-    Returns
-    -------
-    str
-        Such as ``"0.903 ± 0.031"``, rounded to these digits.
+    """Text of an estimate for a flyer file; ``estimate``: with a standard uncertainty.
 
     Examples
     --------
@@ -60,33 +48,7 @@ def measured_text(estimate: "Estimate", digits: int = _DIGITS) -> str:
 def update_flyer_file(
     path: str | Path, values: Mapping[tuple[str, str], "Estimate"], origin: str
 ) -> list[str]:
-    """Write values with their uncertainties and their origin into a flyer file.
-
-    Parameters
-    ----------
-    path : str or path
-    values : mapping of (str, str) to Estimate
-        By section and key. ``emittance_top`` and ``emittance_bottom`` replace ``emittance``, and
-        vice versa.
-    origin : str
-        Measurement and files, written into the comment after each value. An existing comment is
-        kept; an earlier origin is replaced.
-
-    Returns
-    -------
-    list of str
-        Written entries, one per key.
-
-    Raises
-    ------
-    ConfigurationError
-        If the file is not a valid flyer file, or would not be with these values; it is not
-        changed.
-    OutputError
-        If it cannot be written.
-    MissingExtraError
-        If tomlkit is not installed.
-    """
+    """Write values with their uncertainties and their origin into a flyer file."""
     from lightflyer.config.reader import read_flyer_file  # slow to import
 
     path = Path(path)
@@ -112,20 +74,7 @@ def update_flyer_file(
 
 
 def replace_file(path: Path, document: Any) -> None:
-    """Replace a flyer file by a changed one, if that is valid.
-
-    Parameters
-    ----------
-    path : Path
-    document : tomlkit.TOMLDocument
-
-    Raises
-    ------
-    ConfigurationError
-        If it is not; the file is unchanged.
-    OutputError
-        If it cannot be written.
-    """
+    """Replace a flyer file by a changed one, if that is valid."""
     tomlkit = extra("tomlkit", "updating a flyer file", "lab")
     _replace(path, tomlkit.dumps(document))
 
@@ -133,28 +82,7 @@ def replace_file(path: Path, document: Any) -> None:
 def write_design(
     path: str | Path, text: str, values: Mapping[str, tuple[float, str]], origin: str
 ) -> None:
-    """Write a flyer file with other numbers, each in the unit that it had before.
-
-    Parameters
-    ----------
-    path : str or path
-        Overwritten only if an earlier call wrote it.
-    text : str
-        Flyer file whose comments and other entries are kept; a ± stays the same.
-    values : dict of str to (float, str)
-        Number and its unit by dotted name, such as ``"film.layers.1.thickness"``.
-    origin : str
-        What found the numbers, for comments.
-
-    Raises
-    ------
-    ConfigurationError
-        If the result would not be a valid flyer file; nothing is written.
-    OutputError
-        If the file exists or cannot be written.
-    MissingExtraError
-        If tomlkit is not installed.
-    """
+    """Write a flyer file with other numbers, each in the unit that it had before."""
     path = Path(path)
     require_free(path)
     tomlkit = extra("tomlkit", "writing a flyer file", "lab")
@@ -174,16 +102,7 @@ def write_design(
 
 
 def require_free(path: Path) -> None:
-    """Raise where :func:`write_design` would overwrite what people wrote.
-
-    Parameters
-    ----------
-    path : Path
-
-    Raises
-    ------
-    OutputError
-    """
+    """Raise where :func:`write_design` would overwrite what people wrote."""
     if path.exists() and not (path.is_file() and read_text(path).startswith(_WRITTEN)):
         raise OutputError(f"{path}: already exists, and no search wrote it; choose another name")
 
@@ -213,32 +132,12 @@ def _table_of(document: Any, tomlkit: Any, name: str) -> tuple[Any, str]:
 
 
 def emittance_keys(face: Face) -> list[tuple[str, str]]:
-    """Keys of a film's emittance: one per face, or one for both.
-
-    Parameters
-    ----------
-    face : {"top", "bottom", "both"}
-
-    Returns
-    -------
-    list of (str, str)
-        Sections and keys.
-    """
+    """Keys of a film's emittance: one per face, or one for both; sections and keys."""
     return [("film", "emittance" if face == "both" else f"emittance_{face}")]
 
 
 def tac_keys(face: Face) -> list[tuple[str, str]]:
-    """Keys of a film's accommodation coefficients.
-
-    Parameters
-    ----------
-    face : {"top", "bottom", "both"}
-
-    Returns
-    -------
-    list of (str, str)
-        Sections and keys.
-    """
+    """Keys of a film's accommodation coefficients; sections and keys."""
     return [("film", f"tac_{side}") for side in _FACES[face]]
 
 

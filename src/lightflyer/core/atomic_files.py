@@ -19,13 +19,7 @@ _RENAMING = threading.Lock()
 
 @contextmanager
 def unfinished(path: Path) -> Iterator[None]:
-    """Have a file or folder removed if the process is interrupted within the block.
-
-    Parameters
-    ----------
-    path : Path
-        Temporary.
-    """
+    """Have a file or folder removed if the process is interrupted within the block."""
     _UNFINISHED.add(path)
     try:
         yield
@@ -46,25 +40,7 @@ def remove_unfinished() -> None:
 
 @contextmanager
 def output_directory(directory: Path) -> Iterator[Callable[[str], Path]]:
-    """Write several files into a directory, all of them or none.
-
-    Parameters
-    ----------
-    directory : Path
-        Made if it does not exist.
-
-    Yields
-    ------
-    callable
-        Takes a final file name, which may lie in a subfolder, returns the temporary path to
-        write. When the block ends without an error each file is renamed to its final name;
-        otherwise all are removed.
-
-    Raises
-    ------
-    OutputError
-        If the directory cannot be made or written.
-    """
+    """Write several files into a directory, all of them or none."""
     made = not directory.exists()
     try:
         directory.mkdir(parents=True, exist_ok=True)

@@ -23,16 +23,6 @@ def cache_folder() -> Path | None:
 
 
 def is_private(path: Path) -> bool:
-    """Whether nobody but this user can have written here.
-
-    Parameters
-    ----------
-    path : Path
-        Of a file or folder that exists.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether nobody but this user can have written here."""
     facts = path.stat()
     return not hasattr(os, "getuid") or (facts.st_uid == os.getuid() and not facts.st_mode & 0o022)

@@ -9,31 +9,12 @@ from lightflyer.core.errors import ParameterError
 
 
 def is_traced(*trees: Any) -> bool:
-    """Whether any leaf is a JAX tracer, that is, has no concrete value yet.
-
-    Parameters
-    ----------
-    *trees : pytrees of arrays or numbers
-
-    Returns
-    -------
-    bool
-    """
+    """Whether any leaf is a JAX tracer, that is, has no concrete value yet."""
     return any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(trees))
 
 
 def is_concrete(*values: Any) -> bool:
-    """Whether all values are numbers that can be looked at.
-
-    Parameters
-    ----------
-    *values : array
-
-    Returns
-    -------
-    bool
-        False for traced values, and for the placeholders around which JAX rebuilds modules.
-    """
+    """Whether all values are numbers that can be looked at."""
     return not is_traced(values) and all(
         bool(np.issubdtype(np.asarray(value).dtype, np.number)) for value in values
     )
@@ -47,24 +28,7 @@ def require_range(
     *,
     open_below: bool = False,
 ) -> None:
-    """Raise unless every element of a concrete ``value`` is a number in the range.
-
-    Parameters
-    ----------
-    name : str
-        What the message calls the value.
-    value : array or None
-        None and traced values pass.
-    lowest, highest : float
-        Allowed range, both ends included.
-    open_below : bool
-        Exclude ``lowest`` itself.
-
-    Raises
-    ------
-    ParameterError
-        Naming the parameter, the first bad value and what is allowed.
-    """
+    """Raise unless every element of a concrete ``value`` is a number in the range."""
     if value is None or not is_concrete(value):
         return
     array = np.asarray(value)
@@ -76,17 +40,7 @@ def require_range(
 
 
 def allowed(lowest: float, highest: float, open_below: bool) -> str:
-    """Words for an allowed range, such as ``"positive"``.
-
-    Parameters
-    ----------
-    lowest, highest : float
-    open_below : bool
-
-    Returns
-    -------
-    str
-    """
+    """Words for an allowed range, such as ``"positive"``."""
     if highest == np.inf:
         if lowest == -np.inf:
             return "a finite number"

@@ -15,23 +15,7 @@ _NANOSECONDS = 1e9
 
 
 def seconds_of(instant: Any) -> Any:
-    """Seconds since the epoch.
-
-    Parameters
-    ----------
-    instant : datetime.datetime, numpy.datetime64, str, or number
-        A date without a time zone is taken as UTC; a number, or an array of them, as seconds
-        already.
-
-    Returns
-    -------
-    float or array
-        [s]; leap seconds are not counted.
-
-    Raises
-    ------
-    ParameterError
-        If a text is not a date as ISO 8601 writes it.
+    """Seconds since the epoch [s]; leap seconds are not counted.
 
     Examples
     --------
@@ -59,18 +43,7 @@ def seconds_of(instant: Any) -> Any:
 
 
 def dates_of(seconds: Any) -> np.ndarray:
-    """Dates of seconds since the epoch.
-
-    Parameters
-    ----------
-    seconds : array, shape (...)
-        [s].
-
-    Returns
-    -------
-    array of datetime64[ns], shape (...)
-        UTC; not a time where the number is not finite.
-    """
+    """Dates of seconds since the epoch; UTC; not a time where the number is not finite."""
     seconds = np.asarray(seconds, float)
     known = np.isfinite(seconds)
     offsets = np.round(np.where(known, seconds, 0.0) * _NANOSECONDS).astype("timedelta64[ns]")
@@ -79,17 +52,7 @@ def dates_of(seconds: Any) -> np.ndarray:
 
 
 def written(seconds: float) -> str:
-    """Date in words for tables.
-
-    Parameters
-    ----------
-    seconds : float
-        Since the epoch [s].
-
-    Returns
-    -------
-    str
-        To the minute, such as ``"2026-06-21 12:00 UTC"``.
+    """Date in words for tables; ``seconds``: since the epoch.
 
     Examples
     --------

@@ -7,26 +7,7 @@ from lightflyer.core.errors import MissingExtraError
 
 
 def extra(module: str, what: str, extra_name: str) -> Any:
-    """Import a module of an optional dependency.
-
-    Parameters
-    ----------
-    module : str
-        Such as ``"lmfit"`` or ``"skmisc.loess"``.
-    what : str
-        Beginning of the message: what needs the module.
-    extra_name : str
-        Extra of the package that installs it.
-
-    Returns
-    -------
-    module
-
-    Raises
-    ------
-    MissingExtraError
-        If it is not installed.
-    """
+    """Import a module of an optional dependency."""
     try:
         return importlib.import_module(module)
     except ImportError as error:

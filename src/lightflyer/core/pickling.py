@@ -30,22 +30,7 @@ _classes: WeakValueDictionary[str, type] = WeakValueDictionary()
 
 
 def dumps(value: Any) -> bytes:
-    """Pickle an object; :func:`pickle.loads` reads it wherever lightflyer is installed.
-
-    Parameters
-    ----------
-    value : object
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    pickle.PicklingError
-        If a part cannot be pickled; one of a class that cannot be imported, where cloudpickle is
-        not installed.
-    """
+    """Pickle an object; :func:`pickle.loads` reads it wherever lightflyer is installed."""
     try:
         import cloudpickle
     except ImportError:

@@ -11,22 +11,12 @@ from typing import NamedTuple
 
 
 class Step(NamedTuple):
-    """Where long work is.
+    """Where long work is."""
 
-    Attributes
-    ----------
-    doing : str
-        What is done, such as ``"searching from several starts"``.
-    done, total : int or None
-        How much of it, where that is known.
-    unit : str
-        What is counted, such as ``"designs"``; empty where a rate would say nothing.
-    """
-
-    doing: str
-    done: int | None = None
-    total: int | None = None
-    unit: str = ""
+    doing: str  # What is done, such as ``"searching from several starts"``
+    done: int | None = None  # How much of it, where that is known
+    total: int | None = None  # How much of it, where that is known
+    unit: str = ""  # What is counted, such as ``"designs"``; empty where a rate would say nothing
 
 
 Listener = Callable[[Step], None]
@@ -35,13 +25,7 @@ _LISTENERS: list[Listener] = []
 
 
 def report(doing: str, done: int | None = None, total: int | None = None, unit: str = "") -> None:
-    """Say where the work is; costs nothing where nobody listens.
-
-    Parameters
-    ----------
-    doing, done, total, unit
-        As in :class:`Step`.
-    """
+    """Say where the work is; costs nothing where nobody listens."""
     if _LISTENERS:
         _LISTENERS[-1](Step(doing, done, total, unit))
 
@@ -49,11 +33,6 @@ def report(doing: str, done: int | None = None, total: int | None = None, unit: 
 @contextmanager
 def reported_to(listener: Listener) -> Iterator[None]:
     """Have the steps of long work reported to a function within the block.
-
-    Parameters
-    ----------
-    listener : callable
-        Takes a :class:`Step`; may be called from any thread.
 
     Examples
     --------
@@ -69,15 +48,7 @@ def reported_to(listener: Listener) -> Iterator[None]:
 
 
 class Counted:
-    """Work whose parts are counted as they end, in whatever thread.
-
-    Parameters
-    ----------
-    doing, total, unit
-        As in :class:`Step`.
-    done : int
-        How much of it was done before.
-    """
+    """Work whose parts are counted as they end, in whatever thread."""
 
     def __init__(self, doing: str, total: int, unit: str = "", done: int = 0) -> None:
         self._step = Step(doing, done, total, unit)

@@ -36,31 +36,17 @@ from lightflyer.core.units import Measured, parse
 
 @dataclass(frozen=True)
 class Quantity:
-    """Unit and possible range of a number.
+    """Unit and possible range of a number."""
 
-    Attributes
-    ----------
-    unit : str
-        SI unit as Pint reads it, empty for a pure number.
-    lowest, highest : float
-        Possible range, both ends included.
-    open_below : bool
-        Whether ``lowest`` itself is excluded.
-    sizes : tuple of float
-        Smallest and largest size of a value other than zero that is plausible. A value beyond is
-        a slip of the unit or of the pen.
-    why : str
-        What ends the sizes, in words.
-    in_files : Measured or None
-        Value that a file has where it gives none and an object has None.
-    """
-
-    unit: str = ""
-    lowest: float = -math.inf
-    highest: float = math.inf
-    open_below: bool = False
+    unit: str = ""  # SI unit as Pint reads it, empty for a pure number
+    lowest: float = -math.inf  # Possible range, both ends included
+    highest: float = math.inf  # Possible range, both ends included
+    open_below: bool = False  # Whether ``lowest`` itself is excluded
+    # Smallest and largest size of a value other than zero that is plausible. A value beyond is a
+    # slip of the unit or of the pen
     sizes: tuple[float, float] = (0.0, math.inf)
-    why: str = ""
+    why: str = ""  # What ends the sizes, in words
+    # Value that a file has where it gives none and an object has None
     in_files: Measured | None = None
 
     @property
@@ -70,32 +56,14 @@ class Quantity:
         return f"{words} {self.unit}" if self.unit and "between" in words else words
 
     def check(self, name: str, value: Any) -> None:
-        """Raise :class:`ParameterError` unless every concrete value is possible.
-
-        Parameters
-        ----------
-        name : str
-            What the message calls the value.
-        value : array or None
-            In the unit; None and traced values pass.
-        """
+        """Raise :class:`ParameterError` unless every concrete value is possible."""
         require_range(name, value, self.lowest, self.highest, open_below=self.open_below)
         problem = self.implausible(value)
         if problem:
             raise ParameterError(f"{name} = {problem}")
 
     def implausible(self, value: Any) -> str | None:
-        """Say in words why a concrete value cannot be meant, None where it can.
-
-        Parameters
-        ----------
-        value : array or None
-            In the unit; None and traced values pass.
-
-        Returns
-        -------
-        str or None
-        """
+        """Say in words why a concrete value cannot be meant, None where it can."""
         if self.sizes == (0.0, math.inf) or value is None or not is_concrete(value):
             return None
         smallest, largest = self.sizes
@@ -108,24 +76,7 @@ class Quantity:
         return f"{bad:g} must be {limit} {self.unit}: {self.why}"
 
     def number(self, name: str, value: Any) -> Any:
-        """Number or array in the unit, from whatever a script gives.
-
-        Parameters
-        ----------
-        name : str
-            What the message calls the value.
-        value : float, array, sequence of float, str or pint.Quantity
-            Without a unit of its own it is in the unit already.
-
-        Returns
-        -------
-        float or array
-
-        Raises
-        ------
-        ParameterError
-            If it is no number of this kind, or has a ±, which an object cannot keep.
-        """
+        """Number or array in the unit, from whatever a script gives."""
         if isinstance(value, eqx.Module):
             return value  # a number that depends on another, such as an emittance on temperature
         if isinstance(value, str):
@@ -158,21 +109,7 @@ class Quantity:
             raise ParameterError(f"{name} = {value:g~P} does not convert to {self.unit}") from None
 
     def read(self, value: Any) -> Measured:
-        """Number in the unit from a text, a bare number or a :class:`Measured`.
-
-        Parameters
-        ----------
-        value : str, float or Measured
-
-        Returns
-        -------
-        Measured
-
-        Raises
-        ------
-        ConfigurationError
-            If it is no number of this kind or out of range.
-        """
+        """Number in the unit from a text, a bare number or a :class:`Measured`."""
         measured = value if isinstance(value, Measured) else parse(value, self.unit)
         problem = self.implausible(measured.value)
         if problem:
@@ -392,18 +329,7 @@ RADIANS_PER_DEGREE = math.pi / 180.0
 
 
 def quantity_of(annotation: Any) -> Quantity | None:
-    """The :class:`Quantity` in a type annotation, also of an optional value.
-
-    Parameters
-    ----------
-    annotation : object
-        Such as :data:`Length` or ``Length | None``.
-
-    Returns
-    -------
-    Quantity or None
-        None for an annotation of anything else.
-    """
+    """The :class:`Quantity` in a type annotation, also of an optional value."""
     if isinstance(annotation, Quantity):
         return annotation
     # an alias such as Length, ``Length | None``, or Equinox's AbstractVar of either
@@ -417,17 +343,7 @@ def quantity_of(annotation: Any) -> Quantity | None:
 
 @cache
 def quantities_of(owner: type) -> dict[str, Quantity]:
-    """Quantities of a class's annotated fields, those of its bases first.
-
-    Parameters
-    ----------
-    owner : type
-
-    Returns
-    -------
-    dict of str to Quantity
-        By the field's name.
-    """
+    """Quantities of a class's annotated fields, those of its bases first; by the field's name."""
     found: dict[str, Quantity] = {}
     for base in reversed(owner.__mro__):
         for name, annotation in vars(base).get("__annotations__", {}).items():
@@ -458,20 +374,7 @@ def _as_number(name: str, quantity: Quantity, is_optional: bool, value: Any) -> 
 
 
 def require_record(name: str, kinds: tuple[type, ...], value: Any) -> Any:
-    """Raise :class:`ParameterError` unless a value is of one of the classes.
-
-    Parameters
-    ----------
-    name : str
-        What the message calls the value.
-    kinds : tuple of type
-    value : object
-
-    Returns
-    -------
-    object
-        The value.
-    """
+    """Raise :class:`ParameterError` unless a value is of one of the classes; the value."""
     if isinstance(value, kinds):
         return value
     wanted = " or ".join("None" if kind is NoneType else kind.__name__ for kind in kinds)
@@ -479,16 +382,9 @@ def require_record(name: str, kinds: tuple[type, ...], value: Any) -> Any:
 
 
 class Checked(eqx.Module):
-    """An immutable record whose concrete numbers are checked against their quantities.
+    """An immutable record whose concrete numbers are checked against their quantities."""
 
-    A field annotated with a quantity takes what :meth:`Quantity.number` reads.
-
-    Raises
-    ------
-    ParameterError
-        If a field annotated with a quantity is no number or out of its range, or one annotated
-        with a class of records is something else.
-    """
+    # A field annotated with a quantity takes what :meth:`Quantity.number` reads.
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
@@ -516,19 +412,7 @@ class Checked(eqx.Module):
 
 
 def contradiction_in(kind: type | None, value_of: Callable[[str], Any]) -> str | None:
-    """How numbers contradict each other by the rule of a class, or None.
-
-    Parameters
-    ----------
-    kind : type or None
-        Such as a :class:`Checked`.
-    value_of : callable
-        Value of a field by its name.
-
-    Returns
-    -------
-    str or None
-    """
+    """How numbers contradict each other by the rule of a class, or None."""
     rule = getattr(kind, "contradiction", None)
     if kind is None or rule is None:
         return None
@@ -544,18 +428,7 @@ def _parameters(rule: Callable[..., Any]) -> tuple[str, ...]:
 
 
 def require_possible(part: Any) -> None:
-    """Check a record and all records in it again, as where numbers of it were replaced.
-
-    Parameters
-    ----------
-    part : eqx.Module
-        Of concrete numbers.
-
-    Raises
-    ------
-    ParameterError
-        If a constructor would have raised it.
-    """
+    """Check a record and all records in it again, as where numbers of it were replaced."""
     for kind in type(part).__mro__:
         check = vars(kind).get("__check_init__")
         if check is not None:

@@ -15,13 +15,7 @@ _noted: ContextVar[list[Path] | None] = ContextVar("files read", default=None)
 
 @contextmanager
 def files_read() -> Iterator[list[Path]]:
-    """Note the files that :func:`read_text` reads within the block.
-
-    Yields
-    ------
-    list of Path
-        Grows as files are read.
-    """
+    """Note the files that :func:`read_text` reads within the block; grows as files are read."""
     files: list[Path] = []
     token = _noted.set(files)
     try:
@@ -31,21 +25,7 @@ def files_read() -> Iterator[list[Path]]:
 
 
 def read_text(path: Path) -> str:
-    """Text of a UTF-8 file, with or without a byte-order mark.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    ConfigurationError
-        If the file cannot be read or is not text.
-    """
+    """Text of a UTF-8 file, with or without a byte-order mark."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
@@ -61,14 +41,6 @@ def read_text(path: Path) -> str:
 
 def in_toml(value: Any) -> str:
     """A value as a TOML file writes it.
-
-    Parameters
-    ----------
-    value : object
-
-    Returns
-    -------
-    str
 
     Examples
     --------
@@ -87,15 +59,6 @@ def in_toml(value: Any) -> str:
 
 
 def span(values: Any) -> str:
-    """A number, or the range of an array, to four digits.
-
-    Parameters
-    ----------
-    values : array
-
-    Returns
-    -------
-    str
-    """
+    """A number, or the range of an array, to four digits."""
     low, high = np.min(values), np.max(values)
     return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"

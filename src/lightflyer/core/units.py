@@ -73,12 +73,7 @@ _CONVENTIONS = {"sun": "1 sun is taken as 1000 W/m^2"}
 
 @cache
 def registry() -> pint.UnitRegistry:
-    """The package's unit registry.
-
-    Returns
-    -------
-    pint.UnitRegistry
-    """
+    """The package's unit registry."""
     definitions = resources.files("lightflyer") / "data" / "units.txt"
     with resources.as_file(definitions) as path:
         return pint.UnitRegistry(str(path))
@@ -86,18 +81,6 @@ def registry() -> pint.UnitRegistry:
 
 def spelled(unit: str, target: str) -> str:
     """A unit in the package's spelling, from that of instruments and spreadsheets.
-
-    Parameters
-    ----------
-    unit : str
-        Such as ``"TORR"``, ``"m⁻²"`` or ``"micron"``.
-    target : str
-        SI unit of the quantity: a micron of pressure is 1 mTorr, one of length 1 µm.
-
-    Returns
-    -------
-    str
-        The unit itself where it has no other spelling.
 
     Examples
     --------
@@ -112,17 +95,7 @@ def spelled(unit: str, target: str) -> str:
 
 
 def stated_convention(unit: str) -> str:
-    """What a reader must know of a unit that is not the same everywhere.
-
-    Parameters
-    ----------
-    unit : str
-
-    Returns
-    -------
-    str
-        Empty where all agree.
-    """
+    """What a reader must know of a unit that is not the same everywhere; empty where all agree."""
     return _CONVENTIONS.get(spelled(unit, ""), "")
 
 
@@ -152,22 +125,6 @@ def _converter(unit: str, target: str, text: str) -> Callable[[float], float]:
 def scale_and_offset(unit: str, target: str) -> tuple[float, float]:
     """Factor and offset that convert values of one unit into another.
 
-    Parameters
-    ----------
-    unit : str
-        Such as ``"mTorr"`` or ``"°C"``.
-    target : str
-        SI unit wanted, ``""`` for a pure number.
-
-    Returns
-    -------
-    scale, offset : float
-
-    Raises
-    ------
-    ConfigurationError
-        If the unit is unknown or of another kind.
-
     Examples
     --------
     >>> scale_and_offset("°C", "K")
@@ -193,32 +150,12 @@ _DATASET_UNITS = {
 
 
 def dataset_unit(unit: str) -> str:
-    """A unit in the spelling of datasets, as UDUNITS and CF want it.
-
-    Parameters
-    ----------
-    unit : str
-        As flyer files write it, empty for a pure number.
-
-    Returns
-    -------
-    str
-    """
+    """A unit in the spelling of datasets, as UDUNITS and CF want it."""
     return _DATASET_UNITS.get(unit, unit)
 
 
 def file_unit(unit: str) -> str:
-    """A unit in the spelling of flyer files, from that of datasets; inverse of the above.
-
-    Parameters
-    ----------
-    unit : str
-
-    Returns
-    -------
-    str
-        Empty for a pure number.
-    """
+    """A unit in the spelling of flyer files, from that of datasets; inverse of the above."""
     written = {there: here for here, there in _DATASET_UNITS.items()}
     return written.get(unit, unit)
 
@@ -228,26 +165,7 @@ def _wanted(target: str) -> str:
 
 
 def parse(text: str | float, unit: str) -> Measured:
-    """Read a number with its unit and, if stated, its uncertainty.
-
-    Parameters
-    ----------
-    text : str or float
-        Such as ``"2 cm"``, ``"1.0 ± 0.1 g/m^2"``, ``"0.90 ± 0.03"``, or a bare number where the
-        quantity has no dimension.
-    unit : str
-        SI unit wanted, ``""`` for a pure number.
-
-    Returns
-    -------
-    Measured
-        In ``unit``.
-
-    Raises
-    ------
-    ConfigurationError
-        If the text is no number, its unit is missing, unknown or of another kind, or its
-        uncertainty is negative. The message quotes the text and says what is allowed.
+    """Read a number with its unit and, if stated, its uncertainty; in ``unit``.
 
     Examples
     --------
@@ -287,21 +205,7 @@ def parse(text: str | float, unit: str) -> Measured:
 
 
 def rewrite(text: str, value: float, unit: str) -> str:
-    """A quantity with another value, in the unit and with the ± that it has.
-
-    Parameters
-    ----------
-    text : str
-        As :func:`parse` reads it; empty where there is none yet.
-    value : float
-        In ``unit``.
-    unit : str
-        SI unit.
-
-    Returns
-    -------
-    str
-        With :data:`DIGITS` significant digits.
+    """A quantity with another value, in the unit and with the ± that it has; ``unit``: SI unit.
 
     Examples
     --------

@@ -11,35 +11,15 @@ _MOST_DIGITS = 16
 
 
 class Validity(NamedTuple):
-    """Range of a number within which a model is known to hold.
+    """Range of a number within which a model is known to hold."""
 
-    Attributes
-    ----------
-    name : str
-        The number in words, such as ``"the Knudsen number"``.
-    lowest, highest : float
-        Ends of the range.
-    beyond : str
-        What the model does outside, for the reader of a result.
-    """
-
-    name: str
-    lowest: float
-    highest: float
-    beyond: str
+    name: str  # The number in words, such as ``"the Knudsen number"``
+    lowest: float  # Ends of the range
+    highest: float  # Ends of the range
+    beyond: str  # What the model does outside, for the reader of a result
 
     def caveats(self, values: Numeric, pressure: Numeric) -> Iterator[str]:
-        """One line for each end of the range that is passed, at the worst of some places.
-
-        Parameters
-        ----------
-        values, pressure : array, shape (...)
-            The number, and the gas pressure there [Pa]; concrete. NaN is within every range.
-
-        Yields
-        ------
-        str
-        """
+        """One line for each end of the range that is passed, at the worst of some places."""
         found, where = np.broadcast_arrays(np.asarray(values, float), np.asarray(pressure, float))
         for word, limit, excess in (
             ("below", self.lowest, self.lowest - found),

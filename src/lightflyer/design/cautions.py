@@ -24,22 +24,7 @@ _ROUNDING = 1e-5  # relative, within which a search meets a limit
 
 
 def cautions(setup: Setup, coordinate: Numeric, temperature: Numeric) -> tuple[str, ...]:
-    """Cautions about a flyer at some places.
-
-    Parameters
-    ----------
-    setup : Setup
-        One flyer: every number a scalar.
-    coordinate : array, shape (n,)
-        Altitudes [m] or pressures [Pa], concrete.
-    temperature : array, shape (n,)
-        Of the flyer's hottest node there [K].
-
-    Returns
-    -------
-    tuple of str
-        One line each; empty where all is within range.
-    """
+    """Cautions about a flyer at some places; ``coordinate`` (n,); ``temperature`` (n,)."""
     coordinate = np.asarray(coordinate, float)
     repeats = (0, -coordinate.size % _AT_ONCE)  # of the last place, so that one program serves all
     places, hottest = (np.pad(row, repeats, mode="edge") for row in (coordinate, temperature))
@@ -52,22 +37,7 @@ def _state(environment: AbstractEnvironment, coordinate: Numeric) -> Environment
 
 
 def cautions_in(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-    """Cautions about a flyer in some surroundings.
-
-    Parameters
-    ----------
-    setup : Setup
-        One flyer: every number a scalar.
-    state : EnvironmentState
-        Concrete, at one place or many.
-    temperature : array, shape (n,)
-        Of the flyer's hottest node there [K].
-
-    Returns
-    -------
-    tuple of str
-        See :func:`cautions`.
-    """
+    """Cautions about a flyer in some surroundings; ``temperature`` (n,)."""
     return (
         *_of_walls(setup, state),
         *setup.model.caveats(setup.flyer, state, temperature),
@@ -79,39 +49,14 @@ def cautions_in(setup: Setup, state: EnvironmentState, temperature: Numeric) -> 
 
 
 def cautions_at(setup: Setup, coordinate: Numeric) -> tuple[str, ...]:
-    """Cautions about a flyer at one place, or at some, in the available light.
-
-    Parameters
-    ----------
-    setup : Setup
-    coordinate : array, shape (...)
-        Altitude [m] or pressure [Pa], concrete.
-
-    Returns
-    -------
-    tuple of str
-        See :func:`cautions`.
-    """
+    """Cautions about a flyer at one place, or at some, in the available light."""
     state = setup.environment.state(coordinate)
     found = equilibrium(setup.flyer, state, setup.model, throw=False)
     return cautions(setup, np.atleast_1d(coordinate), np.atleast_1d(found.temperature))
 
 
 def cautions_of_design(design: AbstractDesign, values: Mapping[str, float]) -> tuple[str, ...]:
-    """Cautions about a design with some numbers replaced.
-
-    Parameters
-    ----------
-    design : AbstractDesign
-    values : dict of str to float
-        By the name of the field. Where the coordinate is not among them, the widest band in which
-        the design flies is looked at.
-
-    Returns
-    -------
-    tuple of str
-        Those of the design itself first.
-    """
+    """Cautions about a design with some numbers replaced; those of the design itself first."""
     setup = design.build(values)
     coordinate = values.get(design.coordinate_name)
     places: Numeric = np.empty(0) if coordinate is None else coordinate
@@ -172,17 +117,7 @@ def _of_heat(highest: Numeric | None, temperature: Numeric) -> Iterator[str]:
 
 
 def cautions_of_force(table: dict[str, Any]) -> Iterator[str]:
-    """Cautions about a flyer that the gas does not push up where it pushes hardest.
-
-    Parameters
-    ----------
-    table : dict of str to array
-        Outputs of a prediction by name.
-
-    Yields
-    ------
-    str
-    """
+    """Cautions about a flyer that the gas does not push up where it pushes hardest."""
     lift = np.nan_to_num(table["lift"])
     strongest = float(lift[np.argmax(np.abs(lift))])
     if strongest < 0.0:

@@ -54,48 +54,25 @@ class Field(NamedTuple):
 
 
 class QuickParts(Protocol):
-    """What :meth:`AbstractDesign.prepare` computes, within a few thousandths and to be traced.
+    """What :meth:`AbstractDesign.prepare` computes, within a few thousandths and to be traced."""
 
-    Attributes
-    ----------
-    tables : pytree of array
-        Whatever it needs that is the same for all values.
-    """
-
-    tables: Any
+    tables: Any  # Whatever it needs that is the same for all values
 
     def knows(self, name: str) -> bool:
         """Whether a costly number may have other values."""
 
     def __call__(self, values: Mapping[str, Numeric], tables: Any) -> Any:
-        """The same pytree as from :meth:`AbstractDesign.prepare`, for one design.
-
-        Parameters
-        ----------
-        values : dict of str to array, shape ()
-        tables : pytree of array
-        """
+        """The same pytree as from :meth:`AbstractDesign.prepare`, for one design."""
 
 
 class AbstractStacks(abc.ABC):
-    """Stacks of layers that a film of a design may be.
+    """Stacks of layers that a film of a design may be."""
 
-    Attributes
-    ----------
-    design : AbstractDesign
-        Any of them; where each thickness lies between its bounds is one of its numbers.
-    shares : tuple of str
-        Names of these numbers, for the stack with the most layers.
-    sequences : tuple of tuple of int
-        Numbers of the materials of each stack, top to bottom.
-    notes : tuple of str
-        What a reader of results must know, one line each.
-    """
-
+    # Any of them; where each thickness lies between its bounds is one of its numbers
     design: "AbstractDesign"
-    shares: tuple[str, ...]
-    sequences: tuple[tuple[int, ...], ...]
-    notes: tuple[str, ...]
+    shares: tuple[str, ...]  # Names of these numbers, for the stack with the most layers
+    sequences: tuple[tuple[int, ...], ...]  # Numbers of the materials of each stack, top to bottom
+    notes: tuple[str, ...]  # What a reader of results must know, one line each
 
     @abc.abstractmethod
     def labels(self, sequence: Sequence[int]) -> tuple[str, ...]:
@@ -479,16 +456,7 @@ def _at(setup: Setup, name: str) -> Any:
 
 
 def digest(*arrays: Any) -> str:
-    """Fingerprint of numbers, to tell whether two sets are the same.
-
-    Parameters
-    ----------
-    *arrays : array
-
-    Returns
-    -------
-    str
-    """
+    """Fingerprint of numbers, to tell whether two sets are the same."""
     total = hashlib.sha256()
     for array in arrays:
         total.update(np.ascontiguousarray(array, float).tobytes())

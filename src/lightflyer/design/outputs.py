@@ -124,17 +124,7 @@ class Output:
 
 
 def json_name(name: str, unit: str) -> str:
-    """Name of a number in JSON, with its unit at the end.
-
-    Parameters
-    ----------
-    name : str
-    unit : str
-        As Pint reads it.
-
-    Returns
-    -------
-    str
+    """Name of a number in JSON, with its unit at the end; ``unit``: as Pint reads it.
 
     Examples
     --------
@@ -328,17 +318,7 @@ OUTPUTS: dict[str, Output] = {output.name: output for output in (*_POINT, *_BAND
 
 
 def node_outputs(flyer: AbstractFlyer) -> dict[str, Output]:
-    """Outputs of the nodes of a flyer that has several.
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-
-    Returns
-    -------
-    dict of str to Output
-        The temperature of each node, such as ``"temperature_top"``; empty for one node.
-    """
+    """Outputs of the nodes of a flyer that has several."""
     if len(flyer.nodes) < 2:
         return {}
     found = (
@@ -354,17 +334,7 @@ def node_outputs(flyer: AbstractFlyer) -> dict[str, Output]:
 
 
 def budget_outputs(setup: Setup) -> dict[str, Output]:
-    """Outputs of the budget of a payload.
-
-    Parameters
-    ----------
-    setup : Setup
-
-    Returns
-    -------
-    dict of str to Output
-        Empty where the setup has no budget.
-    """
+    """Outputs of the budget of a payload; empty where the setup has no budget."""
     if setup.budget is None:
         return {}
     absent = {
@@ -375,22 +345,7 @@ def budget_outputs(setup: Setup) -> dict[str, Output]:
 
 
 def model_outputs(setup: Setup) -> dict[str, Output]:
-    """Outputs of the force model's own, and the flows of the flyer.
-
-    Parameters
-    ----------
-    setup : Setup
-
-    Returns
-    -------
-    dict of str to Output
-        Empty for most models.
-
-    Raises
-    ------
-    ParameterError
-        If a result has the name of another output, or a unit that cannot be read.
-    """
+    """Outputs of the force model's own, and the flows of the flyer; empty for most models."""
     flows = {name: ModelResult("", name.replace("_", " ")) for name in setup.flyer.flows}
     taken = OUTPUTS.keys() | node_outputs(setup.flyer).keys() | budget_outputs(setup).keys()
     return {
@@ -442,21 +397,7 @@ def outputs_of(setup: Setup) -> dict[str, Output]:
 
 
 def check_outputs(names: Sequence[str], setup: Setup, given: Sequence[str]) -> None:
-    """Raise unless all outputs exist and can be computed from what is given.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Names of outputs.
-    setup : Setup
-    given : sequence of str
-        Names of the fields that have values, among them perhaps the coordinate.
-
-    Raises
-    ------
-    ConfigurationError
-        Saying which output is unknown, with the nearest name; or what else it needs.
-    """
+    """Raise unless all outputs exist and can be computed from what is given."""
     known, coordinate = outputs_of(setup), setup.environment.coordinate
     if not names:
         raise ConfigurationError(f"names no output; choose from {', '.join(known)}")
@@ -487,44 +428,14 @@ def _check_coordinate(output: Output, coordinate: Coordinate, given: Sequence[st
 def evaluate(
     setup: Setup, names: Sequence[str], coordinate: Numeric | None = None
 ) -> tuple[dict[str, Any], Any]:
-    """Outputs of one design; to be mapped, compiled and differentiated in double precision.
-
-    Parameters
-    ----------
-    setup : Setup
-    names : sequence of str
-        Names of the outputs.
-    coordinate : array, shape (), optional
-        Altitude [m] or pressure [Pa], for outputs that need it.
-
-    Returns
-    -------
-    outputs : dict of str to array, shape ()
-        An irradiance that no light gives is infinite, an edge that does not exist is NaN.
-    converged : bool array, shape ()
-    """
+    """Outputs of one design; to be mapped, compiled and differentiated in double precision."""
     case, known = OperatingPoint(setup, coordinate), outputs_of(setup)
     outputs = {name: jnp.asarray(known[name].value(case), float) for name in names}
     return outputs, case.converged
 
 
 def tabulate(setup: Setup, coordinate: Numeric, irradiance: Numeric) -> dict[str, Any]:
-    """Everything a prediction tabulates, at each coordinate under its irradiance.
-
-    Parameters
-    ----------
-    setup : Setup
-    coordinate : array, shape (...)
-        Altitude [m] or pressure [Pa].
-    irradiance : array, shape (...)
-        Irradiance of the beam [W/m²].
-
-    Returns
-    -------
-    dict of str to array, broadcast shape
-        SI units; with ``"converged"`` and ``"residual"``. To be called under double precision, by
-        way of an entry point.
-    """
+    """Everything a prediction tabulates, at each coordinate under its irradiance."""
     case, known = OperatingPoint(setup, coordinate, irradiance), outputs_of(setup)
     values = {name: known[name].value(case) for name in predicted_names(setup)}
     values |= {"converged": case.converged, "residual": case.residual}

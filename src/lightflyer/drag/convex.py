@@ -161,20 +161,7 @@ def _growth(
 
 
 def cunningham_share(rarefaction: Numeric, tac: Numeric) -> Array:
-    """Share of the resistance of dense gas that a slow sphere meets.
-
-    Parameters
-    ----------
-    rarefaction : array, shape (...)
-        δ by the radius [1].
-    tac : array, shape (...)
-        [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        One in dense gas [1].
-    """
+    """Share of the resistance of dense gas that a slow sphere meets [1]; one in dense gas."""
     tac = jnp.asarray(tac)
     knudsen = 0.5 * _SQRT_PI / rarefaction  # by the radius
     slip = (2.0 - tac) / tac * (_SLIP - _SLIP_OF_TAC * (1.0 - tac)) * 2.0 / _SQRT_PI
@@ -183,10 +170,8 @@ def cunningham_share(rarefaction: Numeric, tac: Numeric) -> Array:
 
 
 def _thin(speed_ratio: Array, outline: Outline, tac: Numeric, root_ratio: Array) -> Array:
-    """Drag of free molecules, over pressure and speed ratio [m²].
-
-    What arrives grows with the speed as for a sphere.
-    """
+    """Drag of free molecules, over pressure and speed ratio [m²]."""
+    # What arrives grows with the speed as for a sphere.
     across = jnp.asarray(outline.surface) - outline.facing
     arriving = (2.0 - tac) * outline.facing + tac * 0.5 * across
     faster = free_molecular.sphere(speed_ratio, 0.0, 1.0) / free_molecular.sphere(0.0, 0.0, 1.0)
@@ -203,19 +188,7 @@ def convex_caveats(
     tac: Numeric = 1.0,
     body_temperature: Numeric | None = None,
 ) -> Iterator[str]:
-    """Where the drag of a convex body is outside its range, in words.
-
-    Parameters
-    ----------
-    speed, outline, pressure, temperature, gas, tac
-        As for :func:`convex_drag`; concrete.
-    body_temperature : array, shape (...), optional
-        Of the surface [K]; by default that of the gas.
-
-    Yields
-    ------
-    str
-    """
+    """Where the drag of a convex body is outside its range, in words."""
     delta = rarefaction_parameter(pressure, temperature, outline.radius, gas)
     speed_ratio = np.abs(speed) / molecular_speed(temperature, gas)
     yield from SLOW.caveats(np.where(delta > THIN, speed_ratio, 0.0), pressure)

@@ -171,17 +171,7 @@ def edgewise_disk_drag(
 def face_means(
     tac: tuple[Numeric, Numeric], excess: tuple[Numeric, Numeric]
 ) -> tuple[Array, Array]:
-    r"""Means over two faces: of the TAC, and of :math:`\alpha\sqrt{T_w/T}` over that of the TAC.
-
-    Parameters
-    ----------
-    tac, excess : tuple of array, shape (...)
-        [1].
-
-    Returns
-    -------
-    tac, root_ratio : array, broadcast shape
-    """
+    r"""Means over two faces: of the TAC, and of :math:`\alpha\sqrt{T_w/T}` over that of the TAC."""
     (first, second), (first_excess, second_excess) = tac, excess
     emitted = first * jnp.sqrt(1.0 + first_excess) + second * jnp.sqrt(1.0 + second_excess)
     return jnp.asarray(0.5 * (first + second)), emitted / (first + second)
@@ -200,23 +190,7 @@ def _growth(
 
 
 def _joined(thin: Array, dense: Array, met: Array, radius: Numeric) -> Array:
-    """Force over pressure and speed ratio of both resistances together [m²].
-
-    Parameters
-    ----------
-    thin : array, shape (...)
-        Drag of free molecules over pressure, area and speed ratio [1].
-    dense : array, shape (...)
-        Drag of dense gas over viscosity, radius and speed [1].
-    met : array, shape (...)
-        Rarefaction times the share of the resistance of dense gas that is met [1].
-    radius : array, shape (...)
-        [m].
-
-    Returns
-    -------
-    array, broadcast shape
-    """
+    """Force over pressure and speed ratio of both resistances together [m²]."""
     return math.pi * radius**2 / (1.0 / thin + math.pi * met / dense)
 
 
@@ -230,20 +204,7 @@ def disk_caveats(
     direction: Direction = "broadside",
     body_temperature: Numeric | None = None,
 ) -> Iterator[str]:
-    """Where the drag of a disk is outside its range or an estimate, in words.
-
-    Parameters
-    ----------
-    speed, radius, pressure, temperature, gas, tac
-        As for :func:`disk_drag`; concrete.
-    direction : {"broadside", "edgewise"}
-    body_temperature : array, shape (...), optional
-        Of the disk [K]; by default that of the gas.
-
-    Yields
-    ------
-    str
-    """
+    """Where the drag of a disk is outside its range or an estimate, in words."""
     delta = rarefaction_parameter(pressure, temperature, radius, gas)
     speed_ratio = np.abs(speed) / molecular_speed(temperature, gas)
     yield from SLOW.caveats(np.where(delta > THIN, speed_ratio, 0.0), pressure)
@@ -267,29 +228,10 @@ def wide_hole_caveats(
     temperature: Numeric,
     gas: AbstractGas,
 ) -> Iterator[str]:
-    r"""Where dense gas that passes the holes of a disk lowers its drag, in words.
-
-    Parameters
-    ----------
-    hole_radius : array, shape (...)
-        Half the width of a hole [m].
-    radius : array, shape (...)
-        Of the disk [m].
-    open_fraction : array, shape (...)
-        Share of the area that is holes [1].
-    pressure, temperature, gas
-        As for :func:`disk_drag`; concrete.
-
-    Yields
-    ------
-    str
-
-    Notes
-    -----
-    By Sampson's flow through the holes of one thin wall, dense gas passes at
-    :math:`16\,\beta a/(3\pi^2 r)` of the speed. Holes narrower than the mean free path are part of
-    the drag itself.
-    """
+    r"""Where dense gas that passes the holes of a disk lowers its drag, in words."""
+    # By Sampson's flow through the holes of one thin wall, dense gas passes at :math:`16\,\beta
+    # a/(3\pi^2 r)` of the speed. Holes narrower than the mean free path are part of the drag
+    # itself.
     path = mean_free_path(pressure, temperature, gas)
     wide = np.asarray(hole_radius) > path
     passing = BROADSIDE / (3.0 * math.pi**2) * np.asarray(open_fraction) * hole_radius / radius

@@ -36,23 +36,7 @@ TAC_RANGE = Validity(
 
 
 def dense_share(rarefaction: Numeric, tac: Numeric, molecules: str) -> Array:
-    """Share of the resistance of dense gas that a slow disk meets, broadside.
-
-    Parameters
-    ----------
-    rarefaction : array, shape (...)
-        δ [1].
-    tac : array, shape (...)
-        Mean TAC of the faces [1].
-    molecules : str
-        :attr:`AbstractGas.molecules`. Polyatomic gas is taken for diatomic, which differs from a
-        monatomic one by 0.3 % at most.
-
-    Returns
-    -------
-    array, broadcast shape
-        0.7 in thin gas, 1 in dense gas [1].
-    """
+    """Share of the resistance of dense gas that a slow disk meets, broadside [1]."""
     kind = "monatomic" if molecules == "monatomic" else "diatomic"
     nodes, splines = _curves(kind)
     place = jnp.log(rarefaction)

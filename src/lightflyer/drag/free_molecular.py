@@ -32,40 +32,23 @@ def _error_function_over(s: Array) -> Array:
 
 @entry_point
 def broadside_disk(speed_ratio: Numeric, tac: Numeric, root_ratio: Numeric) -> Array:
-    r"""Thin disk that moves along its axis.
-
-    .. math::
-        G = (2-\alpha)\left[\frac{2}{\sqrt\pi}e^{-s^2} + (1 + 2s^2)\frac{\mathrm{erf}\,s}{s}\right]
-            + \alpha\sqrt\pi\,\sqrt{T_w/T}
-
-    Parameters
-    ----------
-    speed_ratio : array, shape (...)
-        :math:`s`, of either sign [1].
-    tac : array, shape (...)
-        Accommodation coefficient, the mean of both faces [1].
-    root_ratio : array, shape (...)
-        :math:`\alpha\sqrt{T_w/T}` over :math:`\alpha`, both means over the faces [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        :math:`F/(pAs)` with the area of one face [1].
-
-    Notes
-    -----
-    The odd part of the force in the speed. What is left is the force at rest and, for unlike faces,
-    a part that grows as :math:`s^2`, at most :math:`0.14\,|\alpha_b-\alpha_t|\,s` of the drag.
-
-    References
-    ----------
-    [Bird1994]_ ch. 7.
+    r"""Thin disk that moves along its axis [1]; ``speed_ratio``: :math:`s`, of either sign.
 
     Examples
     --------
     >>> print(f"{broadside_disk(0.0, 1.0, 1.0):.6f}")
     4.029212
     """
+    # .. math::
+    #     G = (2-\alpha)\left[
+    #     \frac{2}{\sqrt\pi}e^{-s^2} + (1 + 2s^2)\frac{\mathrm{erf}\,s}{s}\right]
+    #         + \alpha\sqrt\pi\,\sqrt{T_w/T}
+    #
+    # The odd part of the force in the speed. What is left is the force at rest and, for unlike
+    # faces, a part that grows as :math:`s^2`, at most :math:`0.14\,|\alpha_b-\alpha_t|\,s` of the
+    # drag.
+    #
+    # Source: [Bird1994]_ ch. 7.
     s = jnp.asarray(speed_ratio)
     arriving = 2.0 / _SQRT_PI * jnp.exp(-(s**2)) + (1.0 + 2.0 * s**2) * _error_function_over(s)
     return (2.0 - tac) * arriving + tac * _SQRT_PI * root_ratio
@@ -73,59 +56,31 @@ def broadside_disk(speed_ratio: Numeric, tac: Numeric, root_ratio: Numeric) -> A
 
 @entry_point
 def edgewise_disk(tac: Numeric) -> Array:
-    r"""Thin disk that moves in its own plane.
-
-    .. math:: G = \frac{2\alpha}{\sqrt\pi}
-
-    Parameters
-    ----------
-    tac : array, shape (...)
-        Accommodation coefficient, the mean of both faces [1].
-
-    Returns
-    -------
-    array, shape (...)
-        :math:`F/(pAs)` with the area of one face [1], exact for every speed and temperature.
+    r"""Thin disk that moves in its own plane [1].
 
     Examples
     --------
     >>> print(f"{edgewise_disk(1.0):.6f}")
     1.128379
     """
+    # .. math:: G = \frac{2\alpha}{\sqrt\pi}
     return 2.0 / _SQRT_PI * jnp.asarray(tac)
 
 
 @entry_point
 def sphere(speed_ratio: Numeric, tac: Numeric, root_ratio: Numeric) -> Array:
-    r"""Sphere of one temperature.
-
-    .. math::
-        G = \frac{2s^2+1}{\sqrt\pi\,s^2}e^{-s^2} + \frac{4s^4+4s^2-1}{2s^3}\,\mathrm{erf}\,s
-            + \frac{2\sqrt\pi}{3}\,\alpha\sqrt{T_w/T}
-
-    Parameters
-    ----------
-    speed_ratio : array, shape (...)
-        :math:`s`, of either sign [1].
-    tac : array, shape (...)
-        Accommodation coefficient [1].
-    root_ratio : array, shape (...)
-        :math:`\sqrt{T_w/T}` [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        :math:`F/(pAs)` with the area of the silhouette [1].
-
-    References
-    ----------
-    [Bird1994]_ ch. 7; at small speed that of [Epstein1924]_.
+    r"""Sphere of one temperature [1]; ``speed_ratio``: :math:`s`, of either sign.
 
     Examples
     --------
     >>> print(f"{sphere(0.0, 1.0, 1.0):.6f}")
     4.190647
     """
+    # .. math::
+    #     G = \frac{2s^2+1}{\sqrt\pi\,s^2}e^{-s^2} + \frac{4s^4+4s^2-1}{2s^3}\,\mathrm{erf}\,s
+    #         + \frac{2\sqrt\pi}{3}\,\alpha\sqrt{T_w/T}
+    #
+    # Source: [Bird1994]_ ch. 7; at small speed that of [Epstein1924]_.
     s = jnp.abs(jnp.asarray(speed_ratio))
     slow = s < _SERIES_TO
     square = jnp.where(slow, s, 0.0) ** 2

@@ -30,86 +30,30 @@ _FILM_SHARE = 0.6  # studies/drag/hot_sphere.py: 0.58 to 0.64 for T_w/T from 0.8
 
 
 def molecular_speed(temperature: Numeric, gas: AbstractGas) -> Array:
-    r"""Most probable speed of molecules, :math:`\sqrt{2RT}`.
-
-    Parameters
-    ----------
-    temperature : array, shape (...)
-        [K].
-    gas : AbstractGas
-
-    Returns
-    -------
-    array, shape (...)
-        [m/s].
-    """
+    r"""Most probable speed of molecules, :math:`\sqrt{2RT}` [m/s]."""
     return jnp.sqrt(2.0 * gas.specific_gas_constant * jnp.asarray(temperature))
 
 
 def rarefaction_parameter(
     pressure: Numeric, temperature: Numeric, radius: Numeric, gas: AbstractGas
 ) -> Array:
-    r"""Rarefaction parameter, :math:`\delta = p\,r/(\mu\sqrt{2RT}) = \sqrt\pi/(4\,\mathrm{Kn})`.
-
-    Parameters
-    ----------
-    pressure, temperature : array, shape (...)
-        Of the gas far away [Pa], [K].
-    radius : array, shape (...)
-        [m].
-    gas : AbstractGas
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-    """
+    r"""Rarefaction parameter, :math:`\delta = p\,r/(\mu\sqrt{2RT}) = \sqrt\pi/(4\,\mathrm{Kn})`."""
     return pressure * radius / (gas.viscosity(temperature) * molecular_speed(temperature, gas))
 
 
 def reynolds_number(speed_ratio: Numeric, rarefaction: Numeric) -> Array:
-    r"""Reynolds number by the diameter, :math:`2\rho\,|U|\,r/\mu = 4\,|s|\,\delta`.
-
-    Parameters
-    ----------
-    speed_ratio, rarefaction : array, shape (...)
-        :math:`U/\sqrt{2RT}` and :math:`\delta` [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-    """
+    r"""Reynolds number by the diameter, :math:`2\rho\,|U|\,r/\mu = 4\,|s|\,\delta` [1]."""
     return 4.0 * jnp.abs(jnp.asarray(speed_ratio)) * rarefaction
 
 
 def viscosity_growth(
     excess: Numeric, warmed: Numeric, temperature: Numeric, gas: AbstractGas
 ) -> Array:
-    r"""Growth of the drag of dense gas by the warmth of the body.
-
-    .. math:: \frac{\mu(T + 0.6\,w\,\theta\,T)}{\mu(T)}
-
-    Parameters
-    ----------
-    excess : array, shape (...)
-        Relative temperature excess of the body, :math:`\theta` [1].
-    warmed : array, shape (...)
-        Share of it that the gas at the body has, :math:`w`: 0 for free molecules, 1 in dense gas.
-    temperature : array, shape (...)
-        Of the gas far away [K].
-    gas : AbstractGas
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-
-    Notes
-    -----
-    Slow flow of gas of the density :math:`1/T` around a sphere of any temperature, solved in
-    ``studies/drag/hot_sphere.py``, has the drag of gas of this temperature within 2 % for
-    :math:`T_w/T` from 0.8 to 2.5. It is taken for every shape.
-    """
+    r"""Growth of the drag of dense gas by the warmth of the body [1]."""
+    # .. math:: \frac{\mu(T + 0.6\,w\,\theta\,T)}{\mu(T)}
+    #
+    # Slow flow of gas of the density :math:`1/T` around a sphere of any temperature, solved in
+    # ``studies/drag/hot_sphere.py``, has the drag of gas of this temperature within 2 % for
+    # :math:`T_w/T` from 0.8 to 2.5. It is taken for every shape.
     film = temperature * (1.0 + _FILM_SHARE * warmed * excess)
     return gas.viscosity(film) / gas.viscosity(temperature)

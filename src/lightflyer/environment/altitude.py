@@ -18,21 +18,7 @@ _SPACING = 1000.0  # metres, which resolves the layers of every atmosphere
 def altitude_coordinate(
     altitude_range: tuple[float, float], highest_searched: float, points: tuple[float, ...]
 ) -> Coordinate:
-    """Geometric altitude, over the range of an atmosphere.
-
-    Parameters
-    ----------
-    altitude_range : tuple of float
-        [m].
-    highest_searched : float
-        Top of the default search [m].
-    points : tuple of float
-        Altitudes reported where nobody asks for others [m].
-
-    Returns
-    -------
-    Coordinate
-    """
+    """Geometric altitude, over the range of an atmosphere."""
     low, high = altitude_range
     return Coordinate(
         name="altitude",
@@ -50,18 +36,7 @@ def altitude_coordinate(
 
 
 def describe_floor(floor: Numeric | None) -> tuple[str, ...]:
-    """What is assumed of solid ground below a flyer.
-
-    Parameters
-    ----------
-    floor : array or None
-        Distance down to it [m].
-
-    Returns
-    -------
-    tuple of str
-        Empty without any.
-    """
+    """What is assumed of solid ground below a flyer; empty without any."""
     if floor is None:
         return ()
     return (f"solid floor {span(100.0 * np.asarray(floor))} cm below, as warm as the gas",)

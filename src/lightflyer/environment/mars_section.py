@@ -45,11 +45,10 @@ _EPHEMERIS = 'sun = "ephemeris"'
 
 
 class MarsSection(PlanetSection):
-    """``[environment]``: Mars with the reference atmosphere of COSPAR.
+    """``[environment]``: Mars with the reference atmosphere of COSPAR."""
 
-    The light is given by irradiance and incidence, by season, latitude and local solar time, or
-    by the sun's ephemeris.
-    """
+    # The light is given by irradiance and incidence, by season, latitude and local solar time, or
+    # by the sun's ephemeris.
 
     planet: ClassVar[Planet] = MARS_PLANET
     environment: ClassVar[type[Planetary]] = Mars

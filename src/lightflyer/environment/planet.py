@@ -167,20 +167,7 @@ def _curvature_radius(planet: Planet, latitude: Numeric, azimuth: Numeric) -> Ar
 
 
 def mean_irradiance(semi_major_axis: float, eccentricity: float) -> float:
-    """Sunlight on an orbit, mean over the year.
-
-    Parameters
-    ----------
-    semi_major_axis : float
-        [au].
-    eccentricity : float
-        [1].
-
-    Returns
-    -------
-    float
-        [W/m²].
-    """
+    """Sunlight on an orbit, mean over the year [W/m²]; ``semi_major_axis`` [au]."""
     return constants.TOTAL_SOLAR_IRRADIANCE / (
         semi_major_axis**2 * math.sqrt(1.0 - eccentricity**2)
     )

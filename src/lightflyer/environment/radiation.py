@@ -58,61 +58,31 @@ class Attitude(Checked):
 
 
 class FaceLight(NamedTuple):
-    """Light that falls on the two faces of a flat flyer, in two parts.
+    """Light that falls on the two faces of a flat flyer, in two parts."""
 
-    Attributes
-    ----------
-    beam_top, beam_bottom : array, shape (...)
-        Irradiance of the beam and its reflection from below, per irradiance of the beam [1].
-    diffuse_top, diffuse_bottom : array, shape (...)
-        Irradiance of the sky's light, which does not depend on the beam [W/m²].
-    """
-
+    # Irradiance of the beam and its reflection from below, per irradiance of the beam [1]
     beam_top: Array
     beam_bottom: Array
-    diffuse_top: Numeric
+    diffuse_top: Numeric  # Irradiance of the sky's light, which does not depend on the beam [W/m²]
     diffuse_bottom: Numeric
 
 
 class SphereLight(NamedTuple):
-    """Light that falls on a sphere, the mean over its surface, in two parts.
+    """Light that falls on a sphere, the mean over its surface, in two parts."""
 
-    Attributes
-    ----------
-    beam : array, shape (...)
-        Irradiance of the beam and its reflection from below, per irradiance of the beam [1].
-    diffuse : array, shape (...)
-        Irradiance of the sky's light, which does not depend on the beam [W/m²].
-    """
-
+    # Irradiance of the beam and its reflection from below, per irradiance of the beam [1]
     beam: Array
-    diffuse: Array
+    diffuse: Array  # Irradiance of the sky's light, which does not depend on the beam [W/m²]
 
 
 class Exitances(NamedTuple):
-    """What the sky and the ground send towards a flyer, evenly from all their directions.
+    """What the sky and the ground send towards a flyer, evenly from all their directions."""
 
-    Attributes
-    ----------
-    sky, ground : array, shape (...)
-        Irradiance of a face that sees nothing else.
-    """
-
-    sky: Numeric
+    sky: Numeric  # Irradiance of a face that sees nothing else
     ground: Numeric
 
     def seen(self, view_of_ground: Numeric) -> Array:
-        """Irradiance of what sees so much of the ground, and of the sky the rest.
-
-        Parameters
-        ----------
-        view_of_ground : array, shape (...)
-            View factor [1].
-
-        Returns
-        -------
-        array, broadcast shape
-        """
+        """Irradiance of what sees so much of the ground, and of the sky the rest."""
         return self.sky + view_of_ground * (self.ground - self.sky)
 
 

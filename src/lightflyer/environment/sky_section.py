@@ -23,10 +23,9 @@ _EPHEMERIS = 'sun = "ephemeris"'
 
 
 class SkySection(PlanetSection, abc.ABC):
-    """``[environment]`` over Earth: light as given, or by the sun's ephemeris.
+    """``[environment]`` over Earth: light as given, or by the sun's ephemeris."""
 
-    Without date and place, the ephemeris is for a mission, which has its own.
-    """
+    # Without date and place, the ephemeris is for a mission, which has its own.
 
     sun: Literal["ephemeris"] | None = None
     date: datetime.datetime | None = None

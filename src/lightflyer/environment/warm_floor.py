@@ -44,20 +44,7 @@ _ENOUGH = 10.0  # times further away a surface no longer matters: its share fall
 
 @entry_point
 def over_warm_floor(state: EnvironmentState, floor_temperature: Numeric) -> EnvironmentState:
-    """Surroundings in a chamber whose floor is warmer, or colder, than lid and side wall.
-
-    Parameters
-    ----------
-    state : EnvironmentState
-        Of a chamber as warm as lid and side wall, with a floor and one of these.
-    floor_temperature : array, shape (...)
-        [K].
-
-    Returns
-    -------
-    EnvironmentState
-        With the gas temperature at the flyer's place.
-    """
+    """Surroundings in a chamber whose floor is warmer, or colder, than lid and side wall."""
     excess = floor_temperature / state.temperature - 1.0
     path = mean_free_path(state.pressure, state.temperature, state.gas)
     share = share_of_floor(*distances(state), 0.5 * path)
@@ -68,21 +55,7 @@ def over_warm_floor(state: EnvironmentState, floor_temperature: Numeric) -> Envi
 def radiation_over_floor(
     radiation: Radiation, temperature: Numeric, floor_temperature: Numeric, view: Numeric
 ) -> Radiation:
-    """Light and heat radiation where lid and side wall are black, and the floor of another warmth.
-
-    Parameters
-    ----------
-    radiation : Radiation
-        What it says of heat radiation, and of the view of the floor, stays.
-    temperature, floor_temperature : array, shape (...)
-        Of lid and side wall, and of the floor [K].
-    view : array, shape (...)
-        View factor of the floor, from a face that looks down [1].
-
-    Returns
-    -------
-    Radiation
-    """
+    """Light and heat radiation between a black lid and side wall and a floor of another warmth."""
     above, below = radiation.infrared_above, radiation.infrared_below
     black = radiation.stefan_boltzmann
     given = replace(
@@ -101,18 +74,7 @@ def distances(state: EnvironmentState) -> tuple[Numeric, Numeric, Numeric]:
 
 
 def conducted_share(floor: Numeric, lid: Numeric, wall: Numeric) -> Array:
-    """Share of the floor's excess in the middle of a cylinder that conducts heat.
-
-    Parameters
-    ----------
-    floor, lid, wall : array, shape (...)
-        Distances of the surfaces, in any unit; of lid and wall at most one is infinite.
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-    """
+    """Share of the floor's excess in the middle of a cylinder that conducts heat [1]."""
     lid = jnp.minimum(lid, _ENOUGH * wall)
     height = floor + lid
     wall = jnp.minimum(wall, _ENOUGH * height)
@@ -124,38 +86,14 @@ def conducted_share(floor: Numeric, lid: Numeric, wall: Numeric) -> Array:
 
 
 def view_of_floor(floor: Numeric, wall: Numeric) -> Array:
-    """View factor from a face that looks down to the floor of a cylinder.
-
-    Parameters
-    ----------
-    floor, wall : array, shape (...)
-        Distance of the floor and radius of the cylinder, in one unit.
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-    """
+    """View factor from a face that looks down to the floor of a cylinder [1]."""
     return 1.0 / (1.0 + (floor / jnp.asarray(wall)) ** 2)
 
 
 def share_of_floor(
     floor: Numeric, lid: Numeric, wall: Numeric, half_mean_free_path: Numeric
 ) -> Array:
-    """Share of the floor's excess that the gas has at the flyer.
-
-    Parameters
-    ----------
-    floor, lid, wall : array, shape (...)
-        Distances of the surfaces, in any unit; of lid and wall at most one is infinite.
-    half_mean_free_path : array, shape (...)
-        In that unit.
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-    """
+    """Share of the floor's excess that the gas has at the flyer [1]."""
     return joined_share(floor, lid, wall, half_mean_free_path, _RARE, _JUMP)
 
 

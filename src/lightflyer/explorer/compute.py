@@ -34,20 +34,11 @@ R = TypeVar("R")
 
 
 class Quick(NamedTuple):
-    """What follows a slider: the outputs over the coordinate.
-
-    Attributes
-    ----------
-    setup : Setup
-    coordinates : array, shape (n,)
-        Altitudes [m] or pressures [Pa].
-    table : dict of str to array, shape (n,)
-        Outputs by name, in SI units.
-    """
+    """What follows a slider: the outputs over the coordinate."""
 
     setup: Setup
-    coordinates: np.ndarray
-    table: Table
+    coordinates: np.ndarray  # shape (n,); altitudes [m] or pressures [Pa]
+    table: Table  # shape (n,); outputs by name, in SI units
 
 
 @dataclass(frozen=True)
@@ -95,16 +86,7 @@ def _once(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def quick(design: FileDesign) -> Quick:
-    """Outputs over the coordinate, as a prediction tabulates them.
-
-    Parameters
-    ----------
-    design : FileDesign
-
-    Returns
-    -------
-    Quick
-    """
+    """Outputs over the coordinate, as a prediction tabulates them."""
     setup = design.setup
     coordinates = search_grid(setup, POINTS)
     return Quick(setup, coordinates, Evaluator(setup)(coordinates))
@@ -112,65 +94,24 @@ def quick(design: FileDesign) -> Quick:
 
 @_once
 def prediction_of(design: FileDesign) -> Prediction:
-    """The prediction of a design, as :func:`lightflyer.predict` gives it.
-
-    Parameters
-    ----------
-    design : FileDesign
-
-    Returns
-    -------
-    Prediction
-    """
+    """The prediction of a design, as :func:`lightflyer.predict` gives it."""
     return predict_design(design)
 
 
 @_once
 def uncertainty_of(design: FileDesign) -> PredictionUncertainty | None:
-    """The uncertainty of a design's prediction, to first order.
-
-    Parameters
-    ----------
-    design : FileDesign
-
-    Returns
-    -------
-    PredictionUncertainty or None
-        None where no ± is stated.
-    """
+    """The uncertainty of a design's prediction, to first order; none where no ± is stated."""
     return propagate(design, prediction=prediction_of(design), samples=0)
 
 
 def warm(design: FileDesign) -> None:
-    """Compile what a design needs, before somebody waits for it.
-
-    Parameters
-    ----------
-    design : FileDesign
-    """
+    """Compile what a design needs, before somebody waits for it."""
     prediction_of(design)
     uncertainty_of(design)
 
 
 def place_of(text: str, setup: Setup) -> float | None:
-    """Coordinate that a page asks about.
-
-    Parameters
-    ----------
-    text : str
-        Such as ``"75 km"``; empty for none.
-    setup : Setup
-
-    Returns
-    -------
-    float or None
-        [m] or [Pa].
-
-    Raises
-    ------
-    ConfigurationError
-        If it is no altitude or pressure of the surroundings.
-    """
+    """Coordinate that a page asks about [m]; or; ``text``: such as ``"75 km"``; empty for none."""
     where = setup.environment.coordinate
     if not text.strip():
         return None
@@ -187,18 +128,7 @@ def place_of(text: str, setup: Setup) -> float | None:
 
 
 def readings(prediction: Prediction, uncertainty: PredictionUncertainty | None) -> list[Reading]:
-    """What a prediction says in a few numbers.
-
-    Parameters
-    ----------
-    prediction : Prediction
-    uncertainty : PredictionUncertainty or None
-
-    Returns
-    -------
-    list of Reading
-        Where it levitates, the least light, the largest payload, and the flyer itself.
-    """
+    """What a prediction says in a few numbers."""
     where = prediction.coordinate
     _, factor = prediction.coordinate_key
     spreads = {} if uncertainty is None else uncertainty.summary()["results"]
@@ -290,18 +220,7 @@ def _number(value: float, unit: str) -> str:
 
 
 def values_at(setup: Setup, place: float) -> list[Reading]:
-    """Outputs at one altitude or pressure.
-
-    Parameters
-    ----------
-    setup : Setup
-    place : float
-        [m] or [Pa].
-
-    Returns
-    -------
-    list of Reading
-    """
+    """Outputs at one altitude or pressure; ``place``: or."""
     known = outputs_of(setup)
     table = Evaluator(setup)(np.array([place]))
     return [_at_place(known[name], float(column[0])) for name, column in table.items()]
@@ -315,29 +234,10 @@ def _at_place(output: Output, value: float) -> Reading:
 
 
 def pretty_unit(unit: str) -> str:
-    """A unit as people write it.
-
-    Parameters
-    ----------
-    unit : str
-        As Pint reads it.
-
-    Returns
-    -------
-    str
-    """
+    """A unit as people write it; ``unit``: as Pint reads it."""
     return unit.replace("^2", "²").replace("^3", "³")
 
 
 def coordinate_factor(where: Coordinate) -> float:
-    """Factor from a coordinate's SI unit to the one shown.
-
-    Parameters
-    ----------
-    where : Coordinate
-
-    Returns
-    -------
-    float
-    """
+    """Factor from a coordinate's SI unit to the one shown."""
     return scale_and_offset(where.unit, where.shown_unit)[0]

@@ -17,42 +17,15 @@ _WIDTH = 88
 
 
 class Download(NamedTuple):
-    """A file for the user.
-
-    Attributes
-    ----------
-    name : str
-    kind : str
-        Media type.
-    content : bytes
-    """
+    """A file for the user."""
 
     name: str
-    kind: str
+    kind: str  # Media type
     content: bytes
 
 
 def download(what: str, workplace: Workplace, document: Document, choices: Choices) -> Download:
-    """A file with a design or its results.
-
-    Parameters
-    ----------
-    what : str
-        One of :data:`KINDS`, or a figure and its ending, such as ``"payload.svg"``.
-    workplace : Workplace
-    document : dict
-    choices : Choices
-        Of the figure.
-
-    Returns
-    -------
-    Download
-
-    Raises
-    ------
-    ConfigurationError
-        If there is no such file, or the design is mistaken.
-    """
+    """A file with a design or its results; ``choices``: of the figure."""
     if what in KINDS:
         return KINDS[what](workplace, document)
     from lightflyer.explorer.figures import figure_bytes
@@ -87,17 +60,7 @@ def _mission_toml(workplace: Workplace, document: Document) -> Download:
 
 
 def python_lines(document: Document) -> str:
-    """Lines of Python that give the results of the page.
-
-    Parameters
-    ----------
-    document : dict
-
-    Returns
-    -------
-    str
-        They end with the names ``prediction`` and, where the document has a mission, ``flown``.
-    """
+    """Lines of Python that give the results of the page."""
     parts = _without_mission(document)
     arguments = ",\n".join(f"    {name}={_literal(part)}" for name, part in parts.items())
     lines = f"import lightflyer as lf\n\nflyer_file = lf.FlyerFile(\n{arguments},\n)\n"

@@ -25,41 +25,19 @@ _EXPONENT = re.compile(r"^([-+]?[\d.]+)[eE][-+]?\d+")
 
 
 class Slider(NamedTuple):
-    """Ends of a slider, in the unit in which the number is written.
-
-    Attributes
-    ----------
-    value, low, high : float
-    logarithmic : bool
-    text : str
-        The number as it is written, or would be.
-    """
+    """Ends of a slider, in the unit in which the number is written."""
 
     value: float
     low: float
     high: float
     logarithmic: bool
-    text: str
+    text: str  # The number as it is written, or would be
 
 
 def sliders(
     design: FileDesign, document: Document, mission: Section | None = None
 ) -> dict[str, Slider]:
-    """Sliders of the numbers that a design has, by dotted name.
-
-    Parameters
-    ----------
-    design : FileDesign
-    document : dict
-        That describes it.
-    mission : Section, optional
-        Whose numbers have sliders, too.
-
-    Returns
-    -------
-    dict of str to Slider
-        Without those of numbers that are neither given nor have a default.
-    """
+    """Sliders of the numbers that a design has, by dotted name; ``document``: that describes it."""
     found = {}
     parts = design.file.parts()
     if mission is not None:
@@ -74,19 +52,7 @@ def sliders(
 
 
 def slider(text: str, value: Measured, quantity: Quantity) -> Slider:
-    """Slider of one number.
-
-    Parameters
-    ----------
-    text : str
-        As it is written.
-    value : Measured
-        What that means.
-    quantity : Quantity
-
-    Returns
-    -------
-    Slider
+    """Slider of one number; ``text``: as it is written; ``value``: what that means.
 
     Examples
     --------
@@ -128,28 +94,9 @@ def _rounded(number: float) -> float:
 
 
 def switched(document: Document, name: str, tag: str) -> Document:
-    """A document with another alternative of one of its sections.
-
-    The section's content is that of the first template with the alternative. Parts that do not
-    belong to it change with it.
-
-    Parameters
-    ----------
-    document : dict
-    name : str
-        Dotted name of the section, such as ``"flyer"`` or ``"flyer.top"``.
-    tag : str
-        Of the alternative; empty removes the section.
-
-    Returns
-    -------
-    dict
-
-    Raises
-    ------
-    ConfigurationError
-        If there is no such section or alternative.
-    """
+    """A document with another alternative of one of its sections."""
+    # The section's content is that of the first template with the alternative. Parts that do not
+    # belong to it change with it.
     changed = deepcopy(document)
     *outer, last = name.split(".")
     place = changed
@@ -253,17 +200,7 @@ def _fitting(document: Document) -> Document:
 
 
 def value_at(document: Document, name: str) -> Any:
-    """What a document says at a dotted name, None where it says nothing.
-
-    Parameters
-    ----------
-    document : dict
-    name : str
-
-    Returns
-    -------
-    object
-    """
+    """What a document says at a dotted name, None where it says nothing."""
     place: Any = document
     for key in name.split("."):
         if isinstance(place, Mapping):

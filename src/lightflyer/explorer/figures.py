@@ -34,27 +34,7 @@ Drawing = Callable[[Workplace, Document, Choices], "Figure"]
 def figure_bytes(
     name: str, ending: str, workplace: Workplace, document: Document, choices: Choices
 ) -> bytes:
-    """A figure of the page as a file for print.
-
-    Parameters
-    ----------
-    name : str
-        One of :data:`DRAWINGS`.
-    ending : str
-        One of :data:`FORMATS`.
-    workplace : Workplace
-    document : dict
-    choices : Choices
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    ConfigurationError
-        If there is no such figure or format.
-    """
+    """A figure of the page as a file for print; ``name``: one of :data:`DRAWINGS`."""
     if name not in DRAWINGS or ending not in FORMATS:
         raise ConfigurationError(f"there is no figure {name[:40]}.{ending[:10]}")
     figure = DRAWINGS[name](workplace, document, choices)

@@ -45,14 +45,7 @@ _MATERIAL = "material"
 
 
 def grammar() -> dict[str, Any]:
-    """All sections that a document may have, and their fields.
-
-    Returns
-    -------
-    dict
-        ``parts``: names, titles and section or base of each; ``bases``: alternatives of a base by
-        tag; ``sections``: fields by name of the section; ``materials``: names for layers.
-    """
+    """All sections that a document may have, and their fields."""
     sections: dict[str, Any] = {}
     parts = [
         {"name": name, "title": _TITLES[name], **_reference(kinds_of_part(name), sections)}
@@ -70,17 +63,7 @@ def grammar() -> dict[str, Any]:
 
 
 def quantity_text(value: Measured, quantity: Quantity) -> str:
-    """A number as a flyer file writes it, in SI units.
-
-    Parameters
-    ----------
-    value : Measured
-    quantity : Quantity
-
-    Returns
-    -------
-    str
-        With all digits.
+    """A number as a flyer file writes it, in SI units; with all digits.
 
     Examples
     --------
@@ -104,16 +87,7 @@ def _name_of(kind: type) -> str:
 
 
 def kinds_of_part(name: str) -> list[type[Section]]:
-    """Classes of sections that a part of a document may be.
-
-    Parameters
-    ----------
-    name : str
-
-    Returns
-    -------
-    list of type
-    """
+    """Classes of sections that a part of a document may be."""
     if name in BASES:
         return list(BASES[name].alternatives.values())
     if name == MISSION:

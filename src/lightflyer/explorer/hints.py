@@ -24,59 +24,30 @@ _MISSION = "mission"
 
 
 class Hint(NamedTuple):
-    """What a template says about a key.
+    """What a template says about a key."""
 
-    Attributes
-    ----------
-    words : str
-        Its comment; may be empty.
-    example : object
-        The value that it gives, or names in a comment.
-    """
-
-    words: str
-    example: Any
+    words: str  # Its comment; may be empty
+    example: Any  # The value that it gives, or names in a comment
 
 
 class Template(NamedTuple):
-    """A file to start from.
+    """A file to start from."""
 
-    Attributes
-    ----------
-    name : str
-        Such as ``"earth"``.
-    title : str
-        What it describes, in words.
-    document : dict
-        What it says.
-    """
-
-    name: str
-    title: str
-    document: dict[str, Any]
+    name: str  # Such as ``"earth"``
+    title: str  # What it describes, in words
+    document: dict[str, Any]  # What it says
 
 
 @cache
 def templates() -> dict[str, Template]:
-    """Flyer files that come with the package, and the mission, by name.
-
-    Returns
-    -------
-    dict of str to Template
-    """
+    """Flyer files that come with the package, and the mission, by name."""
     found = {name: Template(name, _title(text), tomllib.loads(text)) for name, text in _texts()}
     return {_FIRST: found[_FIRST], **found}
 
 
 @cache
 def hints() -> dict[tuple[str, str], Hint]:
-    """What templates say about the keys of a section, the first that has the key.
-
-    Returns
-    -------
-    dict of (str, str) to Hint
-        By the name of the section's class, and key.
-    """
+    """What templates say about the keys of a section, the first that has the key."""
     found: dict[tuple[str, str], Hint] = {}
     for _, text in _texts():
         document = tomllib.loads(text)
@@ -89,17 +60,7 @@ def hints() -> dict[tuple[str, str], Hint]:
 
 
 def example(kind: type[Section], key: str) -> Any:
-    """A value for a key of a section, from a template; None where there is none.
-
-    Parameters
-    ----------
-    kind : type
-    key : str
-
-    Returns
-    -------
-    object
-    """
+    """A value for a key of a section, from a template; None where there is none."""
     for owner in filter(None, (kind, base_of(kind))):
         if (owner.__qualname__, key) in hints():
             return hints()[owner.__qualname__, key].example
@@ -107,16 +68,7 @@ def example(kind: type[Section], key: str) -> Any:
 
 
 def base_of(kind: type[Section]) -> type[Alternative] | None:
-    """Base of a section that is an alternative, None for any other.
-
-    Parameters
-    ----------
-    kind : type
-
-    Returns
-    -------
-    type or None
-    """
+    """Base of a section that is an alternative, None for any other."""
     for part in kind.__mro__:
         if Alternative in part.__bases__:
             found: type[Alternative] = part

@@ -116,25 +116,7 @@ def force_models(workplace: Workplace, document: Document, choices: Choices) -> 
 def designs_by_model(
     workplace: Workplace, document: Document
 ) -> tuple[dict[str, FileDesign], list[str]]:
-    """The same flyer under each force model that is for it.
-
-    Parameters
-    ----------
-    workplace : Workplace
-    document : dict
-
-    Returns
-    -------
-    designs : dict of str to FileDesign
-        By the model's name.
-    left_out : list of str
-        Models that cannot be used here, and why.
-
-    Raises
-    ------
-    ConfigurationError
-        If there are not two models to compare.
-    """
+    """The same flyer under each force model that is for it; returns ``designs``, ``left_out``."""
     designs: dict[str, FileDesign] = {}
     left_out = []
     for tag in models_for(type(workplace.design(document).file.flyer)):
@@ -191,23 +173,7 @@ def _models_data(found: Any, left_out: list[str]) -> dict[str, Any]:
 
 
 def film_summary(design: FileDesign) -> tuple[str, FilmSummary]:
-    """Name and optics of the first film of layers.
-
-    Parameters
-    ----------
-    design : FileDesign
-
-    Returns
-    -------
-    name : str
-        Dotted, such as ``"flyer.top"``.
-    summary : FilmSummary
-
-    Raises
-    ------
-    ConfigurationError
-        If no film has layers.
-    """
+    """Name and optics of the first film of layers; returns ``name``, ``summary``."""
     for name, section in design.file.films().items():
         if isinstance(section, LayeredFilmSection):
             report(f"computing the optics of {name}")
@@ -390,32 +356,7 @@ def run(
     tell: Callable[[Step], None],
     stop: threading.Event,
 ) -> dict[str, Any]:
-    """Do a job.
-
-    Parameters
-    ----------
-    name : str
-        One of :data:`JOBS`.
-    workplace : Workplace
-    document : dict
-    choices : Choices
-    tell : callable
-        Takes each :class:`~lightflyer.core.progress.Step`.
-    stop : threading.Event
-        Ends the job at its next step.
-
-    Returns
-    -------
-    dict
-        Data of the figure.
-
-    Raises
-    ------
-    LightflyerError
-        If the design does not allow it, in words.
-    StoppedError
-        If ``stop`` was set.
-    """
+    """Do a job; data of the figure; ``name``: one of :data:`JOBS`."""
 
     def listener(step: Step) -> None:
         if stop.is_set():

@@ -37,31 +37,14 @@ _LENGTH = "m"
 
 
 class Choices(NamedTuple):
-    """What the page chose for a job.
+    """What the page chose for a job."""
 
-    Attributes
-    ----------
-    over : str
-        Number that a map varies; empty for the first size of the flyer.
-    output : str
-        Result whose sensitivity is shown.
-    """
-
-    over: str = ""
-    output: str = "levitation_irradiance"
+    over: str = ""  # Number that a map varies; empty for the first size of the flyer
+    output: str = "levitation_irradiance"  # Result whose sensitivity is shown
 
 
 def variable_numbers(design: FileDesign) -> dict[str, Quantity]:
-    """Positive numbers of a design that arithmetic varies, those of lengths of the flyer first.
-
-    Parameters
-    ----------
-    design : FileDesign
-
-    Returns
-    -------
-    dict of str to Quantity
-    """
+    """Positive numbers of a design that arithmetic varies, those of lengths of the flyer first."""
     known = design.quantities
     costly = set(design.costly(list(known)))
     usable = {
@@ -273,16 +256,7 @@ def _shown_unit(unit: str, values: np.ndarray) -> str:
 
 
 def words_of(name: str) -> str:
-    """Name of a number in words.
-
-    Parameters
-    ----------
-    name : str
-
-    Returns
-    -------
-    str
-    """
+    """Name of a number in words."""
     return name.replace(".", " ").replace("_", " ")
 
 

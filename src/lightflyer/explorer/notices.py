@@ -35,13 +35,7 @@ def noticing() -> Iterator[None]:
 
 @contextmanager
 def gathering() -> Iterator[list[str]]:
-    """Texts of the warnings that come up in this thread within the block.
-
-    Yields
-    ------
-    list of str
-        Each once; empty where :func:`noticing` is not in force.
-    """
+    """Texts of the warnings that come up in this thread within the block."""
     before = getattr(_HERE, "gathered", None)
     found: list[str] = []
     _HERE.gathered = found

@@ -51,31 +51,13 @@ _LONGEST = 500  # characters of a message: it may quote what the user gave
 
 
 def mistake(text: str, key: str = "") -> dict[str, str]:
-    """A mistake for the page: one line, and the field that it is about.
-
-    Parameters
-    ----------
-    text : str
-    key : str
-
-    Returns
-    -------
-    dict
-    """
+    """A mistake for the page: one line, and the field that it is about."""
     shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
     return {"key": key, "text": shown}
 
 
 def mistakes(message: str) -> list[dict[str, str]]:
     """Mistakes of a design, from the lines of an error.
-
-    Parameters
-    ----------
-    message : str
-
-    Returns
-    -------
-    list of dict
 
     Examples
     --------
@@ -94,21 +76,7 @@ def mistakes(message: str) -> list[dict[str, str]]:
 
 
 def document_of(content: Mapping[str, Any]) -> Document:
-    """The design that a request brings.
-
-    Parameters
-    ----------
-    content : dict
-
-    Returns
-    -------
-    dict
-
-    Raises
-    ------
-    ConfigurationError
-        If it cannot be one.
-    """
+    """The design that a request brings."""
     document = content.get("document")
     require_document(document)
     assert isinstance(document, dict)  # require_document saw to it
@@ -116,18 +84,7 @@ def document_of(content: Mapping[str, Any]) -> Document:
 
 
 def grammar_of_page(workplace: Workplace, largest_upload: int) -> Answer:
-    """All that the page needs before it shows a design.
-
-    Parameters
-    ----------
-    workplace : Workplace
-    largest_upload : int
-        Bytes.
-
-    Returns
-    -------
-    dict
-    """
+    """All that the page needs before it shows a design; ``largest_upload``: bytes."""
     starts = [{"name": one.name, "title": one.title} for one in templates().values()]
     return grammar() | {
         "starts": starts,
@@ -324,27 +281,7 @@ def _flattened(content: Mapping[str, Any], prefix: str = "") -> list[tuple[str, 
 
 
 def points(workplace: Workplace, path: Path, name: str, document: Any) -> Answer:
-    """Levitation points of a file, placed on the figure of the irradiance.
-
-    Parameters
-    ----------
-    workplace : Workplace
-    path : Path
-    name : str
-        Of the file, for messages.
-    document : object
-        The page's design: over altitude, points are drawn where the air has their pressure.
-
-    Returns
-    -------
-    dict
-        Columns of the source ``points``, and what a reader must know.
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names file, line and column.
-    """
+    """Levitation points of a file, placed on the figure of the irradiance."""
     found = read_points(path)
     require_document(document)
     design = workplace.design(document)
@@ -382,10 +319,5 @@ ANSWERS: dict[str, Callable[[Workplace, Mapping[str, Any]], Answer]] = {
 
 
 def warm(workplace: Workplace) -> None:
-    """Compile what the first design needs, before a page asks for it.
-
-    Parameters
-    ----------
-    workplace : Workplace
-    """
+    """Compile what the first design needs, before a page asks for it."""
     warm_up(workplace.design(workplace.initial))

@@ -34,18 +34,7 @@ _WAVELENGTHS = (0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # labelled [µm]
 
 
 def panes(*, logarithmic: bool) -> dict[str, Any]:
-    """All figures, for surroundings of a kind.
-
-    Parameters
-    ----------
-    logarithmic : bool
-        Whether the coordinate is drawn logarithmically, as the pressure in a chamber.
-
-    Returns
-    -------
-    dict of str to dict
-        By name: what ``Bokeh.embed.embed_item`` takes.
-    """
+    """All figures, for surroundings of a kind."""
     along = LOGARITHMIC if logarithmic else LINEAR
     drawn = {
         "irradiance": _irradiance(along),

@@ -78,19 +78,12 @@ _LOG = logging.getLogger("lightflyer.explorer")
 
 @dataclass
 class Service:
-    """What the handlers share.
-
-    Attributes
-    ----------
-    workplace : Workplace
-    origins : set of str
-        Hosts with port by which the page may be asked for.
-    quick, slow : ThreadPoolExecutor
-        Threads for answers that follow a slider, and for jobs.
-    """
+    """What the handlers share."""
 
     workplace: Workplace
+    # Hosts with port by which the page may be asked for
     origins: set[str] = field(default_factory=set)
+    # Threads for answers that follow a slider, and for jobs
     quick: ThreadPoolExecutor = field(
         default_factory=lambda: ThreadPoolExecutor(QUICK_THREADS, "quick")
     )
@@ -353,16 +346,7 @@ def _choices(content: dict[str, Any]) -> Choices:
 
 
 def application(service: Service) -> tornado.web.Application:
-    """The server's pages.
-
-    Parameters
-    ----------
-    service : Service
-
-    Returns
-    -------
-    tornado.web.Application
-    """
+    """The server's pages."""
     shared = {"service": service}
     files = {**shared, "path": str(_STATIC)}
     return tornado.web.Application(
@@ -384,24 +368,7 @@ def application(service: Service) -> tornado.web.Application:
 
 
 def listen(service: Service, port: int) -> tuple[tornado.httpserver.HTTPServer, int]:
-    """Begin to listen on the loopback address.
-
-    Parameters
-    ----------
-    service : Service
-    port : int
-        The next free one is taken where it is in use; 0 for any.
-
-    Returns
-    -------
-    server : tornado.httpserver.HTTPServer
-    port : int
-
-    Raises
-    ------
-    OutputError
-        If no port is free.
-    """
+    """Begin to listen on the loopback address; returns ``server``, ``port``."""
     server = tornado.httpserver.HTTPServer(application(service), max_body_size=LARGEST_BODY)
     listener = _free(range(port, min(port + _PORTS_TRIED, 65_536)) if port else (0,))
     server.add_sockets([listener])
@@ -427,20 +394,7 @@ def _free(ports: Sequence[int]) -> socket.socket:
 
 
 def serve(workplace: Workplace, port: int, opened: Callable[[str], Awaitable[None] | None]) -> None:
-    """Serve the page until interrupted.
-
-    Parameters
-    ----------
-    workplace : Workplace
-    port : int
-    opened : callable
-        Called with the page's address, once it answers.
-
-    Raises
-    ------
-    OutputError
-        If no port is free.
-    """
+    """Serve the page until interrupted."""
 
     async def run() -> None:
         service = Service(workplace)

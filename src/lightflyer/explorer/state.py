@@ -44,20 +44,11 @@ _DATE = re.compile(r"^\d{4}-\d{2}-\d{2}(?:[Tt ]\d{2}:\d{2}.*)?$")
 
 @dataclass(frozen=True)
 class View:
-    """What the URL of a page holds.
-
-    Attributes
-    ----------
-    document : dict
-    at : str
-        Altitude or pressure at which results are listed, empty where the best is.
-    pins : tuple of dict
-        Documents pinned beside it.
-    """
+    """What the URL of a page holds."""
 
     document: Document
-    at: str = ""
-    pins: tuple[Document, ...] = ()
+    at: str = ""  # Altitude or pressure at which results are listed, empty where the best is
+    pins: tuple[Document, ...] = ()  # Documents pinned beside it
 
 
 class _Described(NamedTuple):
@@ -69,38 +60,16 @@ class _Described(NamedTuple):
 
 @dataclass(frozen=True)
 class Workplace:
-    """Where documents are read: the folder whose files they may name.
-
-    Attributes
-    ----------
-    folder : Path
-    name : str
-        Of the flyer file, in messages and downloads.
-    initial : dict
-        The document that the page opens with; files that it names may be anywhere.
-    """
+    """Where documents are read: the folder whose files they may name."""
 
     folder: Path
-    name: str
+    name: str  # Of the flyer file, in messages and downloads
+    # The document that the page opens with; files that it names may be anywhere
     initial: Document = field(hash=False)
 
     @classmethod
     def of_file(cls, path: Path | None) -> "Workplace":
-        """The workplace of a flyer or mission file, by default of the first template.
-
-        Parameters
-        ----------
-        path : Path or None
-
-        Returns
-        -------
-        Workplace
-
-        Raises
-        ------
-        ConfigurationError
-            If the file cannot be used.
-        """
+        """The workplace of a flyer or mission file, by default of the first template."""
         if path is None:
             first = next(iter(templates().values()))
             return cls(Path.cwd(), "flyer.toml", plain(first.document))
@@ -113,34 +82,11 @@ class Workplace:
         return cls(path.parent, path.name, plain(document))
 
     def design(self, document: Document) -> FileDesign:
-        """What a document describes, without its mission.
-
-        Parameters
-        ----------
-        document : dict
-
-        Returns
-        -------
-        FileDesign
-
-        Raises
-        ------
-        ConfigurationError
-            One line for each mistake, without the name of a file.
-        """
+        """What a document describes, without its mission."""
         return self._described(document).design
 
     def notices(self, document: Document) -> tuple[str, ...]:
-        """Warnings about the numbers of a document, such as a TAC above one.
-
-        Parameters
-        ----------
-        document : dict
-
-        Returns
-        -------
-        tuple of str
-        """
+        """Warnings about the numbers of a document, such as a TAC above one."""
         return self._described(document).notices
 
     def _described(self, document: Document) -> "_Described":
@@ -149,21 +95,7 @@ class Workplace:
         return found
 
     def mission(self, document: Document) -> MissionFile:
-        """The mission that a document describes.
-
-        Parameters
-        ----------
-        document : dict
-
-        Returns
-        -------
-        MissionFile
-
-        Raises
-        ------
-        ConfigurationError
-            One line for each mistake.
-        """
+        """The mission that a document describes."""
         return self._missions(self._checked(document))
 
     @cached_property
@@ -203,23 +135,7 @@ class Workplace:
         return frozenset(_texts(self.initial))
 
     def from_toml(self, text: str, name: str) -> Document:
-        """Document of a file that was uploaded.
-
-        Parameters
-        ----------
-        text : str
-        name : str
-            Of the file, for messages.
-
-        Returns
-        -------
-        dict
-
-        Raises
-        ------
-        ConfigurationError
-            If it is not a flyer or mission file; one line for each mistake.
-        """
+        """Document of a file that was uploaded; ``name``: of the file, for messages."""
         document = plain(parsed(text, Path(name or "the file"), FLYER_FILE))
         require_document(document)
         self.mission(document) if MISSION in document else self.design(document)
@@ -237,17 +153,7 @@ def plain(content: Any) -> Any:
 
 
 def require_document(document: Any) -> None:
-    """Raise unless a page's document can be a flyer file.
-
-    Parameters
-    ----------
-    document : object
-        From JSON.
-
-    Raises
-    ------
-    ConfigurationError
-    """
+    """Raise unless a page's document can be a flyer file; ``document``: from JSON."""
     if not isinstance(document, dict):
         raise ConfigurationError("a design is a table of sections")
     if len(json.dumps(document)) > _MOST_TEXT:
@@ -280,14 +186,6 @@ def _require_keys(content: Any, depth: int) -> None:
 
 def to_toml(document: Document) -> str:
     """A document as the text of a flyer file, which the command line reads to the last digit.
-
-    Parameters
-    ----------
-    document : dict
-
-    Returns
-    -------
-    str
 
     Examples
     --------
@@ -326,15 +224,6 @@ def _value(text: str) -> Any:
 def to_url(view: View) -> str:
     """What follows the ``#`` of the page's address.
 
-    Parameters
-    ----------
-    view : View
-
-    Returns
-    -------
-    str
-        One entry for each key, such as ``flyer.diameter=2+cm``.
-
     Examples
     --------
     >>> to_url(View({"flyer": {"shape": "disk", "diameter": "2 cm"}}, at="75 km"))
@@ -360,20 +249,6 @@ def _entries(content: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str
 
 def from_url(text: str) -> View:
     """What the part of an address after ``#`` holds; inverse of :func:`to_url`.
-
-    Parameters
-    ----------
-    text : str
-
-    Returns
-    -------
-    View
-        Its document is not checked as a flyer file yet.
-
-    Raises
-    ------
-    ConfigurationError
-        If the text cannot be from a page.
 
     Examples
     --------
@@ -453,16 +328,7 @@ def _leaves_folder(text: str) -> bool:
 
 
 def tags_of(document: Document) -> dict[str, str]:
-    """Which alternative each section of a document is, by dotted name.
-
-    Parameters
-    ----------
-    document : dict
-
-    Returns
-    -------
-    dict of str to str
-    """
+    """Which alternative each section of a document is, by dotted name."""
     found: dict[str, str] = {}
     for name, content in _sections(document, ""):
         kind = section_at(name, document) if name.partition(".")[0] != MISSION else None

@@ -52,27 +52,7 @@ def figure_data(
     words: str = "",
     **more: Any,
 ) -> dict[str, Any]:
-    """What the page puts into a figure.
-
-    Parameters
-    ----------
-    sources : dict of str to dict of str to array
-        Columns by the name of the source.
-    x, y : (float, float)
-        Ranges.
-    labels : (str, str)
-        Of the axes.
-    legend : iterable of Line
-    words : str
-        What the figure shows, for a screen reader.
-    **more
-        Further entries.
-
-    Returns
-    -------
-    dict
-        For JSON: None stands where a value is not finite.
-    """
+    """What the page puts into a figure; ``sources``: columns by the name of the source."""
     return {
         "sources": {
             name: {column: plain_list(values) for column, values in columns.items()}
@@ -88,16 +68,7 @@ def figure_data(
 
 
 def plain_list(values: Any) -> list[Any]:
-    """A column for JSON: None stands where a number is not finite.
-
-    Parameters
-    ----------
-    values : array or sequence
-
-    Returns
-    -------
-    list
-    """
+    """A column for JSON: None stands where a number is not finite."""
     if isinstance(values, np.ndarray) and values.dtype.kind == "f":
         known = values.astype(object)
         known[~np.isfinite(values)] = None
@@ -109,19 +80,7 @@ def plain_list(values: Any) -> list[Any]:
 
 
 def curves(found: Quick, pins: int = 0) -> dict[str, Any]:
-    """Irradiance, temperature and payload over the coordinate.
-
-    Parameters
-    ----------
-    found : Quick
-    pins : int
-        Number of pinned designs, for the legends.
-
-    Returns
-    -------
-    dict of str to dict
-        Data by the name of the figure.
-    """
+    """Irradiance, temperature and payload over the coordinate; data by the name of the figure."""
     where = found.setup.environment.coordinate
     factor = coordinate_factor(where)
     low, high = shown_range(found)
@@ -178,17 +137,7 @@ def axis_label(where: Coordinate) -> str:
 
 
 def shown_range(found: Quick) -> tuple[float, float]:
-    """Range of the coordinate worth showing, with round ends.
-
-    Parameters
-    ----------
-    found : Quick
-
-    Returns
-    -------
-    (float, float)
-        [m] or [Pa]: where flight takes not many times the least light.
-    """
+    """Range of the coordinate worth showing, with round ends [m]."""
     where, needed = found.setup.environment.coordinate, found.table["levitation_irradiance"]
     first, last = float(found.coordinates[0]), float(found.coordinates[-1])
     light = found.coordinates[needed < _SPAN * np.min(needed, initial=np.inf)]
@@ -320,17 +269,7 @@ def _lowest(x: np.ndarray, values: np.ndarray, sign: float = 1.0) -> dict[str, n
 
 
 def marks(prediction: Prediction) -> dict[str, Any]:
-    """Bands of flight and the best places, for the figures over the coordinate.
-
-    Parameters
-    ----------
-    prediction : Prediction
-
-    Returns
-    -------
-    dict
-        Columns of the source ``flies`` of each, and of ``best``.
-    """
+    """Bands of flight and the best places, for the figures over the coordinate."""
     factor = coordinate_factor(prediction.coordinate)
     edges = factor * np.array(prediction.bands).reshape(-1, 2)
     flies = {"low": plain_list(edges[:, 0]), "high": plain_list(edges[:, 1])}
@@ -365,17 +304,7 @@ _BANDED = {
 
 
 def bands(uncertainty: PredictionUncertainty | None) -> dict[str, Any]:
-    """95 % bands of the curves, to first order.
-
-    Parameters
-    ----------
-    uncertainty : PredictionUncertainty or None
-
-    Returns
-    -------
-    dict of str to dict
-        Columns of the source ``band``, empty where there is no uncertainty.
-    """
+    """95 % bands of the curves, to first order."""
     found: dict[str, Any] = {}
     for figure, output in _BANDED.items():
         columns: Columns = {"x": [], "low": [], "high": []}
@@ -395,17 +324,7 @@ def bands(uncertainty: PredictionUncertainty | None) -> dict[str, Any]:
 
 
 def rows(found: Quick) -> dict[str, Any]:
-    """The curves as a table, for those who do not see figures.
-
-    Parameters
-    ----------
-    found : Quick
-
-    Returns
-    -------
-    dict
-        ``columns`` and ``rows`` of texts.
-    """
+    """The curves as a table, for those who do not see figures."""
     where, known = found.setup.environment.coordinate, outputs_of(found.setup)
     low, high = shown_range(found)
     places = np.flatnonzero((found.coordinates >= low) & (found.coordinates <= high))

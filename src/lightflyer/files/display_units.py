@@ -30,16 +30,7 @@ _SHORT = {"tac": "TAC"}
 
 
 def in_words(name: str) -> str:
-    """Name of a number of a design, as figures say it.
-
-    Parameters
-    ----------
-    name : str
-        Dotted.
-
-    Returns
-    -------
-    str
+    """Name of a number of a design, as figures say it; ``name``: dotted.
 
     Examples
     --------
@@ -64,18 +55,7 @@ def unit_of(array: "xr.DataArray") -> str:
 
 
 def scale_and_label(array: "xr.DataArray") -> tuple[float, str]:
-    """Factor and axis label with unit for a coordinate or an output.
-
-    Parameters
-    ----------
-    array : xarray.DataArray
-        With ``units`` and ``long_name``.
-
-    Returns
-    -------
-    factor : float
-    label : str
-    """
+    """Factor and axis label with unit for a coordinate or an output."""
     name, unit, shown = str(array.name), unit_of(array), str(array.attrs.get("shown_units", ""))
     if shown:
         factor, unit = scale_and_offset(file_unit(unit), shown)[0], shown.replace("^2", "²")
@@ -88,20 +68,7 @@ def scale_and_label(array: "xr.DataArray") -> tuple[float, str]:
 
 
 def suitable(unit: str, values: Any) -> tuple[float, str]:
-    """Factor and unit that suit some values.
-
-    Parameters
-    ----------
-    unit : str
-        SI unit, in the spelling of flyer files or of datasets.
-    values : array, shape (...)
-        In this unit; what is not finite does not count.
-
-    Returns
-    -------
-    factor : float
-        From the SI unit.
-    unit : str
+    """Factor and unit that suit some values; returns ``factor``, ``unit``.
 
     Examples
     --------
@@ -115,19 +82,7 @@ def suitable(unit: str, values: Any) -> tuple[float, str]:
 
 
 def amount(value: float, unit: str, digits: int = 6) -> str:
-    """A number with the unit that suits it.
-
-    Parameters
-    ----------
-    value : float
-    unit : str
-        SI unit.
-    digits : int
-        Significant digits.
-
-    Returns
-    -------
-    str
+    """A number with the unit that suits it; ``unit``: SI unit; ``digits``: significant digits.
 
     Examples
     --------

@@ -55,19 +55,7 @@ _PLAIN = (1e-4, 1e5)  # numbers that are not written as powers of ten
 
 
 def require_style(style: str, prefix: str = "") -> None:
-    """Raise unless Matplotlib knows a style sheet.
-
-    Parameters
-    ----------
-    style : str
-        Name or path.
-    prefix : str
-        Of the message.
-
-    Raises
-    ------
-    ParameterError
-    """
+    """Raise unless Matplotlib knows a style sheet; ``style``: name or path."""
     try:
         with styled(style):
             pass
@@ -80,14 +68,7 @@ def require_style(style: str, prefix: str = "") -> None:
 
 @contextmanager
 def styled(style: str | None) -> Iterator[None]:
-    """Draw in a style within the block.
-
-    Parameters
-    ----------
-    style : str or None
-        Style sheet of Matplotlib, by name or path, or one of :data:`OWN_STYLES`; None for the one
-        in use. Colours that tell curves apart stay those of this package.
-    """
+    """Draw in a style within the block."""
     if style is None:
         yield
         return
@@ -108,25 +89,9 @@ class _Figure(Figure):
 def new_figure(
     columns: int = 1, width: float = _WIDTH, height: float = _HEIGHT, rows: int = 1
 ) -> Figure:
-    """An empty figure with axes in a row, or in several.
-
-    Where the style in use gives a size of figures (``figure.figsize``), that is the size of one
-    axes, and everything else is scaled with it.
-
-    Parameters
-    ----------
-    columns : int
-    width : float
-        Of each axes [inch].
-    height : float
-        Of the figure [inch].
-    rows : int
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        With ``columns`` times ``rows`` axes.
-    """
+    """An empty figure with axes in a row, or in several; ``width`` [inch]; ``height`` [inch]."""
+    # Where the style in use gives a size of figures (``figure.figsize``), that is the size of one
+    # axes, and everything else is scaled with it.
     across, up = 1.0, 1.0
     given, usual = (
         list(chosen["figure.figsize"]) for chosen in (mpl.rcParams, mpl.rcParamsDefault)
@@ -139,19 +104,7 @@ def new_figure(
 
 
 def figure_for(ax: Axes | None, **options: Any) -> tuple[Figure, Axes]:
-    """Axes to draw on: those given, or those of a new figure.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes or None
-    **options
-        Of :func:`new_figure`.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-    ax : matplotlib.axes.Axes
-    """
+    """Axes to draw on: those given, or those of a new figure; returns ``figure``, ``ax``."""
     if ax is None:
         figure = new_figure(**options)
         return figure, figure.axes[0]
@@ -161,16 +114,7 @@ def figure_for(ax: Axes | None, **options: Any) -> tuple[Figure, Axes]:
 
 
 def save(figure: Figure, paths: list[Path], dpi: int = DOTS_PER_INCH) -> None:
-    """Write a figure, the same bytes every time.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-    paths : list of Path
-        The suffix chooses the format, one of :data:`FORMATS`.
-    dpi : int
-        Dots per inch of a PNG.
-    """
+    """Write a figure, the same bytes every time; ``dpi``: dots per inch of a PNG."""
     figure.set_dpi(dpi)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # laid out: not again for every format
@@ -208,46 +152,19 @@ class _PlainNumbers(Formatter):
 
 
 def plain_decades(axis: Axis) -> None:
-    """Label a logarithmic axis in plain numbers, between decades too where it shows few of them.
-
-    Parameters
-    ----------
-    axis : matplotlib.axis.Axis
-        A logarithmic one.
-    """
+    """Label a logarithmic axis in plain numbers, between decades too where it shows few of them."""
     axis.set_major_formatter(_PlainNumbers())
     axis.set_minor_locator(LogLocator(subs=range(2, 10)))
     axis.set_minor_formatter(_PlainNumbers())
 
 
 def outlined(width: float = 3.0, colour: str = "black") -> list[AbstractPathEffect]:
-    """Path effects that make a line or a text stand out from any colour below it.
-
-    Parameters
-    ----------
-    width : float
-        Of line and outline together [points].
-    colour : str
-
-    Returns
-    -------
-    list of matplotlib.patheffects.AbstractPathEffect
-    """
+    """Path effects that make a line or a text stand out from any colour below it."""
     return [withStroke(linewidth=width, foreground=colour)]
 
 
 def wrapped(label: str, width: int = 28) -> str:
-    """A long label of an axis in several lines.
-
-    Parameters
-    ----------
-    label : str
-    width : int
-        Of a line [characters].
-
-    Returns
-    -------
-    str
+    """A long label of an axis in several lines; ``width`` [characters]; ``width``: of a line.
 
     Examples
     --------
@@ -261,18 +178,7 @@ def wrapped(label: str, width: int = 28) -> str:
 def legend_below(
     ax: Axes, handles: Sequence[Any] | None = None, *, most: int = 3, title: str | None = None
 ) -> None:
-    """Put the legend under the axes, where it hides no data.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        With its label.
-    handles : sequence of artist, optional
-        By default all artists with a label; without any, there is no legend.
-    most : int
-        Columns at most; as many as fit under the axes.
-    title : str, optional
-    """
+    """Put the legend under the axes, where it hides no data; ``ax``: with its label."""
     handles = ax.get_legend_handles_labels()[0] if handles is None else handles
     if not handles:
         return
@@ -314,17 +220,7 @@ def _depth(ax: Axes) -> float:
 def shared_legend(
     figure: Figure, handles: Sequence[Any], *, most: int = 4, title: str | None = None
 ) -> None:
-    """Put one legend for all axes of a figure under them.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        With a layout engine.
-    handles : sequence of artist
-    most : int
-        Columns at most; as many as fit into the figure.
-    title : str, optional
-    """
+    """Put one legend for all axes of a figure under them; ``figure``: with a layout engine."""
     rows = -(-len(handles) // most)
     renderer: Any = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
     for number in range(-(-len(handles) // rows), 0, -1):

@@ -23,41 +23,12 @@ _BYTE_ORDER_MARK = "\N{ZERO WIDTH NO-BREAK SPACE}"
 
 
 def read_plain_text(path: Path) -> str:
-    """Text of a file in one of the encodings that instruments and spreadsheets write.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    str
-        Without a byte-order mark; line ends as they are, see :func:`split_lines`.
-
-    Raises
-    ------
-    ConfigurationError
-        If the file cannot be read or is not text.
-    """
+    """Text of a file in one of the encodings that instruments and spreadsheets write."""
     return plain_text(read_bytes(path), str(path))
 
 
 def read_bytes(path: Path) -> bytes:
-    """Content of a file.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    ConfigurationError
-        If the file cannot be read.
-    """
+    """Content of a file."""
     try:
         return path.read_bytes()
     except OSError as error:
@@ -65,23 +36,7 @@ def read_bytes(path: Path) -> bytes:
 
 
 def plain_text(content: bytes, name: str) -> str:
-    """Text of the content of a file.
-
-    Parameters
-    ----------
-    content : bytes
-        UTF-8, UTF-16 or UTF-32 with or without a byte-order mark, else Windows-1252.
-    name : str
-        Name of the file, for messages.
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    ConfigurationError
-        If it is not text, or damaged.
+    """Text of the content of a file; ``name``: name of the file, for messages.
 
     Examples
     --------
@@ -99,14 +54,6 @@ def plain_text(content: bytes, name: str) -> str:
 
 def split_lines(text: str) -> list[str]:
     r"""Lines of a text as an editor counts them, whatever ends them.
-
-    Parameters
-    ----------
-    text : str
-
-    Returns
-    -------
-    list of str
 
     Examples
     --------

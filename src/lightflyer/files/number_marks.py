@@ -33,25 +33,15 @@ _GROUP = 3  # digits between thousands marks
 
 
 class Number(NamedTuple):
-    """A number as it is written.
+    """A number as it is written."""
 
-    Attributes
-    ----------
-    sign, whole, fraction, exponent : str
-        Digits without marks. Of a number that is open, those before and after its mark.
-    decimal, thousands : str
-        Marks that the number itself shows, empty where it shows none.
-    open : str
-        Mark that may be either.
-    """
-
-    sign: str
+    sign: str  # Digits without marks. Of a number that is open, those before and after its mark
     whole: str
     fraction: str
     exponent: str
-    decimal: str = ""
+    decimal: str = ""  # Marks that the number itself shows, empty where it shows none
     thousands: str = ""
-    open: str = ""
+    open: str = ""  # Mark that may be either
 
     def value(self, *, grouped: bool = False) -> float:
         """The number, with its open mark as a decimal mark or between thousands."""
@@ -60,32 +50,14 @@ class Number(NamedTuple):
 
 
 class Marks(NamedTuple):
-    """Marks of a file.
+    """Marks of a file."""
 
-    Attributes
-    ----------
-    decimal : str
-        Decimal marks; more than one where columns differ.
-    thousands : str
-        Marks between thousands.
-    notes : tuple of str
-        What a reader of the values must know, one line each.
-    """
-
-    decimal: str = POINT
-    thousands: str = ""
-    notes: tuple[str, ...] = ()
+    decimal: str = POINT  # Decimal marks; more than one where columns differ
+    thousands: str = ""  # Marks between thousands
+    notes: tuple[str, ...] = ()  # What a reader of the values must know, one line each
 
     def number(self, cell: str) -> float | None:
         """Value of a cell, None if it is no number with these marks.
-
-        Parameters
-        ----------
-        cell : str
-
-        Returns
-        -------
-        float or None
 
         Examples
         --------
@@ -105,17 +77,7 @@ class Marks(NamedTuple):
 
 
 def split_number(cell: str) -> Number | None:
-    """Parts and marks of a number.
-
-    Parameters
-    ----------
-    cell : str
-        Without white space around it.
-
-    Returns
-    -------
-    Number or None
-        None if it is no number, whatever its marks mean.
+    """Parts and marks of a number; none if it is no number, whatever its marks mean.
 
     Examples
     --------
@@ -169,15 +131,6 @@ def _ungrouped(body: str, mark: str) -> str | None:
 
 def stated_mark(lines: Iterable[str]) -> str | None:
     """Decimal mark that a file states, as in ``# decimal: comma``.
-
-    Parameters
-    ----------
-    lines : iterable of str
-        Comments of the file.
-
-    Returns
-    -------
-    str or None
 
     Examples
     --------
@@ -258,17 +211,7 @@ class _Evidence:
 
 
 def shows_decimal(cells: Iterable[str], mark: str) -> bool:
-    """Whether one of some numbers shows a decimal mark.
-
-    Parameters
-    ----------
-    cells : iterable of str
-    mark : str
-
-    Returns
-    -------
-    bool
-    """
+    """Whether one of some numbers shows a decimal mark."""
     return any(number.decimal == mark for number in map(split_number, cells) if number)
 
 
@@ -281,40 +224,7 @@ def find_marks(
     in_sheet: bool = False,
     say: bool = True,
 ) -> Marks:
-    """Marks of a file, from all of its numbers.
-
-    A mark whose use no number shows is settled by the first of these that applies:
-
-    - Most of its numbers are possible values of their columns in one reading only.
-    - It is a comma, the point is the decimal mark (or the other way round), and in each of its
-      columns whole numbers of three digits have no mark and longer ones have it. It groups
-      thousands then, and a note says so.
-    - It is a point, and commas delimit the cells: a decimal mark, as a note says, unless whole
-      numbers of three digits have none.
-
-    Parameters
-    ----------
-    source : str
-        Name of the file, for messages.
-    columns : mapping of str to sequence of (int, str)
-        Cells of the columns of numbers, by name.
-    possible : callable
-        Whether a number, as the file writes it, is a possible value of a column.
-    by_commas : bool
-        Whether commas delimit the cells.
-    in_sheet : bool
-        Whether the numbers are those of a workbook, with decimal points.
-    say : bool
-        Whether notes reach a reader. If not, structure settles no thousands.
-
-    Returns
-    -------
-    Marks
-
-    Raises
-    ------
-    ConfigurationError
-        If a mark is used in both ways, or two readings remain.
+    """Marks of a file, from all of its numbers; ``source``: name of the file, for messages.
 
     Examples
     --------
@@ -322,6 +232,14 @@ def find_marks(
     >>> find_marks("a.txt", cells, lambda name, value: True)[:2]
     ('.', ',')
     """
+    # A mark whose use no number shows is settled by the first of these that applies:
+    #
+    # - Most of its numbers are possible values of their columns in one reading only.
+    # - It is a comma, the point is the decimal mark (or the other way round), and in each of its
+    #   columns whole numbers of three digits have no mark and longer ones have it. It groups
+    #   thousands then, and a note says so.
+    # - It is a point, and commas delimit the cells: a decimal mark, as a note says, unless whole
+    #   numbers of three digits have none.
     found = _Evidence(source, columns)
     decimal, thousands = "".join(found.decimal), "".join(found.thousands)
     if in_sheet and POINT not in decimal:

@@ -37,19 +37,7 @@ img { max-width: 100%; height: auto; background: white; }
 
 
 def page(title: str, parts: Iterable[str]) -> str:
-    """A page of parts.
-
-    Parameters
-    ----------
-    title : str
-        Plain text.
-    parts : iterable of str
-        From the other functions of this module.
-
-    Returns
-    -------
-    str
-    """
+    """A page of parts; ``title``: plain text."""
     body = "\n".join(parts)
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -84,22 +72,7 @@ def table(
     caption: str = "",
     note: str = "",
 ) -> str:
-    """A table.
-
-    Parameters
-    ----------
-    rows : sequence of sequence of str
-    header : sequence of str, optional
-        Without one, the first cell of each row is its heading.
-    right : sequence of bool, optional
-        Whether each column is aligned to the right; by default to the left.
-    caption, note : str
-        Lines above and below.
-
-    Returns
-    -------
-    str
-    """
+    """A table; ``header``: without one, the first cell of each row is its heading."""
     sides = [*right, *[False] * max(map(len, rows), default=0)]
     lines = [f"<caption>{html.escape(caption)}</caption>"] if caption else []
     if header is not None:
@@ -125,22 +98,7 @@ def _cell(tag: str, text: str, right: bool, scope: str | None = None) -> str:
 
 
 def image(content: bytes, kind: str, alternative: str, caption: str = "") -> str:
-    """A figure.
-
-    Parameters
-    ----------
-    content : bytes
-    kind : str
-        ``"png"`` or ``"svg+xml"``. As an image, an SVG runs no script.
-    alternative : str
-        What it shows, for those who do not see it.
-    caption : str
-        Line below.
-
-    Returns
-    -------
-    str
-    """
+    """A figure; ``alternative``: what it shows, for those who do not see it."""
     data = base64.b64encode(content).decode("ascii")
     below = f"<figcaption>{html.escape(caption)}</figcaption>" if caption else ""
     shown = f'<img alt="{html.escape(alternative)}" src="data:image/{kind};base64,{data}">'

@@ -27,17 +27,10 @@ _PLAIN = (bool, int, str)
 
 
 class Spelling(NamedTuple):
-    """How a file gives a field.
-
-    Attributes
-    ----------
-    key : str
-    factor : float
-        The field's value over the key's.
-    """
+    """How a file gives a field."""
 
     key: str
-    factor: float = 1.0
+    factor: float = 1.0  # The field's value over the key's
 
 
 DIAMETER = Spelling("diameter", 0.5)
@@ -45,11 +38,10 @@ DIAMETER = Spelling("diameter", 0.5)
 
 
 class Section(pydantic.BaseModel):
-    """A section of an input file; it takes no key that it does not know.
+    """A section of an input file; it takes no key that it does not know."""
 
-    A subclass ``of`` a class has a key for each field of it that is a number, a choice or a text,
-    unless the subclass declares that key itself or leaves it out.
-    """
+    # A subclass ``of`` a class has a key for each field of it that is a number, a choice or a text,
+    # unless the subclass declares that key itself or leaves it out.
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -98,18 +90,7 @@ class Section(pydantic.BaseModel):
         return found
 
     def make(self, **given: Any) -> Any:
-        """The object that the section describes.
-
-        Parameters
-        ----------
-        **given
-            Fields that no key gives, or that follow from several.
-
-        Returns
-        -------
-        object
-            Of the class :attr:`describes`.
-        """
+        """The object that the section describes."""
         if self.describes is None:
             raise TypeError(f"{type(self).__name__} needs a build() of its own, or of=...")
         for field in dataclasses.fields(self.describes):
@@ -148,15 +129,7 @@ class Section(pydantic.BaseModel):
         return next((quantity for quantity in found if quantity is not None), None)
 
     def numbers(self) -> Iterator[tuple[str, Quantity, Measured | None]]:
-        """Dotted name, quantity and value of each number, those of inner sections included.
-
-        Yields
-        ------
-        name : str
-        quantity : Quantity
-        value : Measured or None
-            None for an optional number that is not given.
-        """
+        """Dotted name, quantity and value of each number, those of inner sections included."""
         for name in type(self).model_fields:
             value = getattr(self, name)
             quantity = self.quantity(name)
@@ -167,17 +140,7 @@ class Section(pydantic.BaseModel):
                     yield f"{key}.{inner_name}", inner_quantity, number
 
     def replaced(self, values: Mapping[str, Any]) -> "Section":
-        """A copy with other numbers, which are not checked and may be traced by JAX.
-
-        Parameters
-        ----------
-        values : dict of str to array
-            By dotted name, in the units of the quantities.
-
-        Returns
-        -------
-        Section
-        """
+        """A copy with other numbers, which are not checked and may be traced by JAX."""
         own = {name: Measured(value) for name, value in values.items() if "." not in name}
         nested: dict[str, dict[str, Any]] = {}
         for name, value in values.items():
@@ -189,17 +152,7 @@ class Section(pydantic.BaseModel):
         return self.model_copy(update=own) if own else self
 
     def reason_not_varied(self, name: str) -> str | None:
-        """Why a number cannot be varied, or None where it can.
-
-        Parameters
-        ----------
-        name : str
-            Dotted where it is within an inner section.
-
-        Returns
-        -------
-        str or None
-        """
+        """Why a number cannot be varied, or None where it can."""
         first, _, rest = name.partition(".")
         inner = getattr(self, first, None)
         if rest and isinstance(inner, Section):
@@ -249,12 +202,11 @@ def _replaced_inside(value: Any, changes: Mapping[str, Any]) -> Any:
 
 
 class Alternative(Section):
-    """Base of a section that has alternatives; a key or two of the file choose between them.
+    """Base of a section that has alternatives; a key or two of the file choose between them."""
 
-    A direct subclass is the base of one section and states which keys choose. Every concrete
-    subclass of that is an alternative, under the values of its literal keys, unless it says
-    that it is of other files.
-    """
+    # A direct subclass is the base of one section and states which keys choose. Every concrete
+    # subclass of that is an alternative, under the values of its literal keys, unless it says that
+    # it is of other files.
 
     choosing_keys: ClassVar[tuple[tuple[str, str], ...]] = ()
     """Keys that choose, with the values they have where the file leaves them out."""
@@ -310,10 +262,5 @@ class Alternative(Section):
 
 
 def alternative_tags() -> set[str]:
-    """Names by which Pydantic tells a section's alternatives apart.
-
-    Returns
-    -------
-    set of str
-    """
+    """Names by which Pydantic tells a section's alternatives apart."""
     return {tag for base in Alternative.__subclasses__() for tag in base.alternatives}

@@ -156,22 +156,7 @@ def read_table(
 
 
 def table_of(file: Lines, columns: Sequence[Column]) -> Table:
-    """Read the known columns of a part of a file, strictly.
-
-    Parameters
-    ----------
-    file : Lines
-    columns : sequence of Column
-
-    Returns
-    -------
-    Table
-
-    Raises
-    ------
-    ConfigurationError
-        As for :func:`read_table`.
-    """
+    """Read the known columns of a part of a file, strictly."""
     found = find_layout(file.name, file.lines, columns, strict=True, delimiter=file.delimiter)
     return _read(file, found, strict=True)
 
@@ -200,16 +185,6 @@ def _read(file: Lines, found: Layout, *, strict: bool, unique: bool = False) -> 
 
 def shipped_table(name: str) -> Table:
     """Read a CSV file of the package's own data.
-
-    Parameters
-    ----------
-    name : str
-        File in ``lightflyer/data``, with comments, a header without units, and whole rows.
-
-    Returns
-    -------
-    Table
-        A column is one of numbers, as written, where all of its cells are; otherwise of text.
 
     Examples
     --------
@@ -270,10 +245,8 @@ def _repeated(name: str, rows: list[Row]) -> dict[int, Rejected]:
 
 
 def _require_whole(file: Lines, rows: list[Row], layout: Layout) -> list[str]:
-    """Refuse a file that ends within a row: more than that row may be missing.
-
-    A file that ends within its last number cannot be told; a note asks for a look at it.
-    """
+    """Refuse a file that ends within a row: more than that row may be missing."""
+    # A file that ends within its last number cannot be told; a note asks for a look at it.
     number, line = rows[-1]
     cells, width = split_cells(line, layout.delimiter), len(layout.names)
     # without a line end, an empty last cell has been cut off

@@ -12,46 +12,17 @@ _SEPARATOR = re.compile(r'^"?sep=(.)"?$', re.I)  # first line, for a spreadsheet
 
 
 class Lines(NamedTuple):
-    """Lines of a table.
+    """Lines of a table."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the file, with that of the sheet where there are several.
-    lines : list of str
-    ended : bool
-        Whether the last line has an end.
-    delimiter : str or None
-        Delimiter that the file states.
-    is_sheet : bool
-        Whether they are of a workbook, whose numbers have decimal points.
-    """
-
-    name: str
+    name: str  # Name of the file, with that of the sheet where there are several
     lines: list[str]
-    ended: bool = True
-    delimiter: str | None = None
-    is_sheet: bool = False
+    ended: bool = True  # Whether the last line has an end
+    delimiter: str | None = None  # Delimiter that the file states
+    is_sheet: bool = False  # Whether they are of a workbook, whose numbers have decimal points
 
 
 def read_lines(path: Path) -> list[Lines]:
-    """Tables that a file may hold.
-
-    Parameters
-    ----------
-    path : Path
-        Text or workbook; ``book.xlsx#sheet`` names a sheet.
-
-    Returns
-    -------
-    list of Lines
-        One, or one for each sheet of a workbook that holds anything.
-
-    Raises
-    ------
-    ConfigurationError
-        If the file cannot be read, is neither text nor a workbook, or has no such sheet.
-    """
+    """Tables that a file may hold; one, or one for each sheet of a workbook that holds anything."""
     book, sheet = split_sheet(path)
     content = read_bytes(book)
     if is_workbook(content, str(book)):

@@ -122,24 +122,12 @@ class Placed(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Layout of a file.
+    """Layout of a file."""
 
-    Attributes
-    ----------
-    delimiter : str or None
-        None for white space.
-    names : list of str
-        Names of all columns, as the file or the option writes them.
-    first : int
-        Index of the first row among the lines of the file.
-    columns : dict of int to Placed
-        Known columns by position.
-    """
-
-    delimiter: str | None
-    names: list[str]
-    first: int
-    columns: dict[int, Placed]
+    delimiter: str | None  # None for white space
+    names: list[str]  # Names of all columns, as the file or the option writes them
+    first: int  # Index of the first row among the lines of the file
+    columns: dict[int, Placed]  # Known columns by position
 
     @property
     def number_columns(self) -> dict[int, Placed]:
@@ -153,18 +141,7 @@ class Layout(NamedTuple):
 
 
 def split_cells(line: str, delimiter: str | None) -> list[str]:
-    """Stripped cells of a line.
-
-    Parameters
-    ----------
-    line : str
-    delimiter : str or None
-        None for white space.
-
-    Returns
-    -------
-    list of str
-    """
+    """Stripped cells of a line; ``delimiter``: none for white space."""
     if delimiter is None:
         return line.split()
     if '"' in line:
@@ -188,32 +165,7 @@ def find_layout(
     closed: bool = False,
     delimiter: str | None = None,
 ) -> Layout:
-    """Layout of a file, from an option, its first line, or the line that is most like a header.
-
-    Parameters
-    ----------
-    path : str or path
-        Name of the file, for messages.
-    lines : list of str
-    columns : sequence of Column
-    option : str, optional
-        Names and units in the order of the file, in place of a header.
-    strict : bool
-        Take the first line that is not a comment as the header.
-    closed : bool
-        Refuse unknown columns.
-    delimiter : str, optional
-        That the file states.
-
-    Returns
-    -------
-    Layout
-
-    Raises
-    ------
-    ConfigurationError
-        If there is no header, a column is unknown, missing or repeated, or a unit is wrong.
-    """
+    """Layout of a file, from an option, its first line, or the line that is most like a header."""
     if not any(line.strip() for line in lines):
         known = ", ".join(column.with_unit for column in columns)
         raise ConfigurationError(f"{path}: is empty; known columns: {known}")

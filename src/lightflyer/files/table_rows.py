@@ -54,24 +54,12 @@ class Rejected(NamedTuple):
 
 
 class Values(NamedTuple):
-    """What the rows of a file hold.
+    """What the rows of a file hold."""
 
-    Attributes
-    ----------
-    lines : array of int, shape (n,)
-        Line of each row that was read.
-    numbers : array, shape (n, m)
-        Known columns of numbers, as the file writes them.
-    texts : dict of str to list of str
-        Columns of text.
-    rejected : list of Rejected
-        Rows that cannot be read.
-    """
-
-    lines: np.ndarray
-    numbers: np.ndarray
-    texts: dict[str, list[str]]
-    rejected: list[Rejected]
+    lines: np.ndarray  # shape (n,); line of each row that was read
+    numbers: np.ndarray  # shape (n, m); known columns of numbers, as the file writes them
+    texts: dict[str, list[str]]  # Columns of text
+    rejected: list[Rejected]  # Rows that cannot be read
 
 
 def marks_of(
@@ -83,30 +71,7 @@ def marks_of(
     in_sheet: bool = False,
     say: bool = True,
 ) -> Marks:
-    """Decimal and thousands marks of a file.
-
-    Parameters
-    ----------
-    source : str
-        Name of the file, for messages.
-    rows : sequence of (int, str)
-    layout : Layout
-    comments : sequence of str
-        Lines that may state the decimal mark.
-    in_sheet : bool
-        Whether the file is a workbook, whose numbers have decimal points.
-    say : bool
-        Whether notes reach a reader.
-
-    Returns
-    -------
-    Marks
-
-    Raises
-    ------
-    ConfigurationError
-        If two readings remain; see :func:`~lightflyer.files.number_marks.find_marks`.
-    """
+    """Decimal and thousands marks of a file; ``source``: name of the file, for messages."""
     stated = stated_mark(comments)
     if stated:
         return Marks(stated, (COMMA if stated == POINT else POINT) + SPACES[0])
@@ -139,17 +104,7 @@ def marks_of(
 
 
 def is_possible(values: Any, quantity: Quantity) -> Any:
-    """Whether values in SI units are within the range of a quantity, and of a plausible size.
-
-    Parameters
-    ----------
-    values : array, shape (...)
-    quantity : Quantity
-
-    Returns
-    -------
-    bool array, shape (...)
-    """
+    """Whether values in SI units are within the range of a quantity, and of a plausible size."""
     above = values > quantity.lowest if quantity.open_below else values >= quantity.lowest
     smallest, largest = quantity.sizes
     sizes = np.abs(values)
@@ -167,26 +122,7 @@ def _cells(rows: Sequence[Row], layout: Layout) -> Iterator[tuple[int, str, str]
 
 
 def read_rows(source: str, rows: Sequence[Row], layout: Layout, marks: Marks) -> Values:
-    """Numbers and texts of the rows.
-
-    Parameters
-    ----------
-    source : str
-        Name of the file, for messages.
-    rows : sequence of (int, str)
-    layout : Layout
-    marks : Marks
-
-    Returns
-    -------
-    Values
-
-    Raises
-    ------
-    ConfigurationError
-        If a row puts the whole file in doubt: a second header, a unit inside a cell, a formula
-        without a value, an empty text.
-    """
+    """Numbers and texts of the rows; ``source``: name of the file, for messages."""
     texts: dict[str, list[str]] = {one.column.name: [] for one in layout.text_columns.values()}
     rows = _without_last_delimiter(rows, layout)
     found = []
@@ -209,10 +145,8 @@ def read_rows(source: str, rows: Sequence[Row], layout: Layout, marks: Marks) ->
 
 
 def _without_last_delimiter(rows: Sequence[Row], layout: Layout) -> Sequence[Row]:
-    """Rows without a delimiter at their ends, if all have one.
-
-    Where some have one only, cells may have been split: ``30,1,469,`` is 30 and 1469.
-    """
+    """Rows without a delimiter at their ends, if all have one."""
+    # Where some have one only, cells may have been split: ``30,1,469,`` is 30 and 1469.
     delimiter, width = layout.delimiter, len(layout.names)
 
     def has_one(line: str) -> bool:

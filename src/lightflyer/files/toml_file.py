@@ -21,48 +21,19 @@ _File = TypeVar("_File", bound=Section)
 
 
 class FileKind(NamedTuple):
-    """Names that messages about a kind of file use.
+    """Names that messages about a kind of file use."""
 
-    Attributes
-    ----------
-    name : str
-        Such as ``"a flyer file"``.
-    keys_of : callable
-        Names that a section takes, from the section's dotted name and the file's content.
-    hint : str
-        What to do about an empty file.
-    mistaken_for : callable
-        What a file is instead and what to do with it, from its content; empty where it may be one
-        of this kind.
-    """
-
-    name: str
+    name: str  # Such as ``"a flyer file"``
+    # Names that a section takes, from the section's dotted name and the file's content
     keys_of: Callable[[str, Any], list[str]]
-    hint: str
+    hint: str  # What to do about an empty file
+    # What a file is instead and what to do with it, from its content; empty where it may be one of
+    # this kind
     mistaken_for: Callable[[dict[str, Any]], str] = lambda _: ""
 
 
 def read_file(model: type[_File], path: Path, kind: FileKind) -> tuple[_File, str]:
-    """Read and check a TOML file of another kind, with the same lines for its mistakes.
-
-    Parameters
-    ----------
-    model : type
-        Class of the whole file.
-    path : Path
-    kind : FileKind
-
-    Returns
-    -------
-    file : instance of ``model``
-    text : str
-        Of the file, in which :func:`place_of` finds keys.
-
-    Raises
-    ------
-    ConfigurationError
-        One line for each mistake: file, line, key, value and what is allowed.
-    """
+    """Read and check a TOML file of another kind, with the same lines for its mistakes."""
     document, text = load(path, kind)
     return validate(model, document, text, path, kind), text
 
@@ -70,28 +41,7 @@ def read_file(model: type[_File], path: Path, kind: FileKind) -> tuple[_File, st
 def validate(
     model: type[_File], document: dict[str, Any], text: str, path: Path, kind: FileKind
 ) -> _File:
-    """Check the content of a TOML file.
-
-    Parameters
-    ----------
-    model : type
-        Class of the whole file.
-    document : dict
-        What the file says.
-    text : str
-        The file's text, in which lines are found.
-    path : Path
-    kind : FileKind
-
-    Returns
-    -------
-    instance of ``model``
-
-    Raises
-    ------
-    ConfigurationError
-        One line for each mistake: file, line, key, value and what is allowed.
-    """
+    """Check the content of a TOML file; ``model``: class of the whole file."""
     other = kind.mistaken_for(document)
     if other:
         raise ConfigurationError(f"{path}: is {other}")
@@ -105,46 +55,13 @@ def validate(
 
 
 def load(path: Path, kind: FileKind) -> tuple[dict[str, Any], str]:
-    """Content and text of a TOML file.
-
-    Parameters
-    ----------
-    path : Path
-    kind : FileKind
-
-    Returns
-    -------
-    document : dict
-    text : str
-
-    Raises
-    ------
-    ConfigurationError
-        If the file cannot be read, is empty or is not TOML.
-    """
+    """Content and text of a TOML file; returns ``document``, ``text``."""
     text = read_text(path)
     return parsed(text, path, kind), text
 
 
 def parsed(text: str, path: Path, kind: FileKind) -> dict[str, Any]:
-    """Content of a TOML text.
-
-    Parameters
-    ----------
-    text : str
-    path : Path
-        That messages name.
-    kind : FileKind
-
-    Returns
-    -------
-    dict
-
-    Raises
-    ------
-    ConfigurationError
-        If the text is empty or is not TOML.
-    """
+    """Content of a TOML text; ``path``: that messages name."""
     if not text.strip():
         raise ConfigurationError(f"{path}: is empty; {kind.hint}")
     try:
@@ -154,17 +71,7 @@ def parsed(text: str, path: Path, kind: FileKind) -> dict[str, Any]:
 
 
 def named_keys(message: str) -> list[str]:
-    """Key with its sections that a message begins with, such as ``force.model = ...``.
-
-    Parameters
-    ----------
-    message : str
-
-    Returns
-    -------
-    list of str
-        Empty where there is none.
-    """
+    """Key with its sections that a message begins with, such as ``force.model = ...``."""
     named = _NAMED.match(message)
     return (named[1] or named[2]).split(".") if named else []
 
@@ -269,22 +176,7 @@ def _owner_of(key: str, known: list[str]) -> str:
 
 
 def place_of(keys: list[Any], text: str, path: Path) -> str:
-    """File and, where it is found, line of a key.
-
-    Parameters
-    ----------
-    keys : list of str
-        The key's sections, outermost first, and the key; a dotted key in its parts.
-    text : str
-        Of the TOML file.
-    path : Path
-        Of the TOML file.
-
-    Returns
-    -------
-    str
-        Such as ``"flyer.toml:7"``.
-    """
+    """File and, where it is found, line of a key; ``text``: of the TOML file."""
     line = _line_of(keys, text)
     return f"{path}:{line}" if line else f"{path}"
 

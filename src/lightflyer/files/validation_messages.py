@@ -10,20 +10,7 @@ from lightflyer.files.section import Alternative
 
 
 def format_error(mistake: Any, dotted: str) -> str:
-    """One line for a mistake that is not an unknown key.
-
-    Parameters
-    ----------
-    mistake : dict
-        From :meth:`pydantic.ValidationError.errors`.
-    dotted : str
-        Dotted name of the key.
-
-    Returns
-    -------
-    str
-        Key, what is wrong and what is allowed.
-    """
+    """One line for a mistake that is not an unknown key; key, what is wrong and what is allowed."""
     return _EXPLANATIONS.get(mistake["type"], _other_mistake)(mistake, dotted)
 
 

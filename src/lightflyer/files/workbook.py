@@ -29,17 +29,7 @@ _LITERAL = re.compile(r'"[^"]*"|\\.')  # of a format of numbers
 
 
 def split_sheet(path: Path) -> tuple[Path, str | None]:
-    """Path of a workbook and the sheet that is named after it, as in ``runs.xlsx#May 3``.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    path : Path
-    sheet : str or None
-    """
+    """Path of a workbook and the sheet that is named after it, as in ``runs.xlsx#May 3``."""
     before, mark, sheet = str(path).rpartition(SHEET)
     if mark and before.lower().endswith((".xlsx", ".xlsm")) and not path.exists():
         return Path(before), sheet
@@ -47,23 +37,7 @@ def split_sheet(path: Path) -> tuple[Path, str | None]:
 
 
 def is_workbook(content: bytes, name: str) -> bool:
-    """Whether the content of a file is a workbook that can be read.
-
-    Parameters
-    ----------
-    content : bytes
-    name : str
-        Name of the file, for messages.
-
-    Returns
-    -------
-    bool
-
-    Raises
-    ------
-    ConfigurationError
-        If it is one of another kind, or a damaged one.
-    """
+    """Whether the content of a file is a workbook that can be read."""
     if content.startswith(_OLD):
         raise ConfigurationError(
             f"{name}: is an old workbook (.xls), or one with a password; save it as .xlsx or .csv"
@@ -81,29 +55,7 @@ def is_workbook(content: bytes, name: str) -> bool:
 
 
 def read_sheets(content: bytes, name: str) -> dict[str, list[str]]:
-    """Sheets that hold anything, as lines delimited by tabs.
-
-    Parameters
-    ----------
-    content : bytes
-    name : str
-        Name of the file, for messages.
-
-    Returns
-    -------
-    dict of str to list of str
-        By the name of the sheet: one line a row, from the first row on. Numbers have decimal
-        points; those that the sheet shows in percent end in ``%``, formulas without a value
-        begin with ``=``, texts that may be two numbers end in :data:`AS_TEXT`, dates are in ISO
-        format.
-
-    Raises
-    ------
-    ConfigurationError
-        If it cannot be read.
-    MissingExtraError
-        If openpyxl is not installed.
-    """
+    """Sheets that hold anything, as lines delimited by tabs."""
     openpyxl = extra("openpyxl", "reading workbooks (.xlsx)", "lab")
     try:
         with warnings.catch_warnings():

@@ -92,10 +92,8 @@ class ComputedFilm:
         return any(np.any(mean.covered < _COMPLETE) for mean in means)
 
     def _at_absorbing_bounds(self, what: str) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Properties where nothing, and where everything, is absorbed that is not known.
-
-        Of what is not absorbed as much passes as by the data.
-        """
+        """Properties where nothing, and where everything, is absorbed that is not known."""
+        # Of what is not absorbed as much passes as by the data.
         lower, upper = {}, {}
         for name, mean in self.averages.items():
             if name.startswith(what):
@@ -233,16 +231,7 @@ class ComputedFilm:
 
 
 def require_free(film: Film) -> None:
-    """Raise where a film cannot be that of a flyer: on a substrate, or with holes of its own.
-
-    Parameters
-    ----------
-    film : Film
-
-    Raises
-    ------
-    ParameterError
-    """
+    """Raise where a film cannot be that of a flyer: on a substrate, or with holes of its own."""
     if not film.free_standing:
         raise ParameterError(
             "substrate: a flyer's film stands free; samples on substrates are for the command film "
@@ -272,22 +261,9 @@ def _over_temperatures(value: Any) -> Any:
 
 
 def with_measured(optics: FilmProperties, given: dict[str, Any]) -> dict[str, Any]:
-    """Properties of a film of which some are measured, and others were computed.
-
-    Where an absorptance or emittance is another than the one beside which a transmittance was
-    computed, what passes keeps its share of what is not absorbed.
-
-    Parameters
-    ----------
-    optics : FilmProperties
-    given : dict of str to array
-        Measured properties by name; they may be traced.
-
-    Returns
-    -------
-    dict of str to object
-        Properties by name.
-    """
+    """Properties of a film of which some are measured, and others were computed."""
+    # Where an absorptance or emittance is another than the one beside which a transmittance was
+    # computed, what passes keeps its share of what is not absorbed.
     found = {name: getattr(optics, name) for name in PROPERTIES}
     for name in ("absorptance", "transmittance"):
         if name in given:
@@ -347,11 +323,9 @@ def _value_of(film: FilmProperties, name: str) -> Any:
 def _of_light(
     film: Film, spectrum: Spectrum | None, incidence: float, measured: dict[str, Measured]
 ) -> dict[str, Average]:
-    """Shares of the beam on the top face, and of diffuse light on the bottom face.
-
-    A measured absorptance or transmittance of the top applies to both faces, as in a film without
-    layers.
-    """
+    """Shares of the beam on the top face, and of diffuse light on the bottom face."""
+    # A measured absorptance or transmittance of the top applies to both faces, as in a film without
+    # layers.
     wanted = [name for name in ("absorptance", "transmittance") if name not in measured]
     if not wanted:
         return {}

@@ -90,13 +90,7 @@ class TableSection(_Named):
     at: Temperature | None = None
 
     def temperature(self) -> float:
-        """Of the sample: as the file has it, or as the material states it [K].
-
-        Raises
-        ------
-        ConfigurationError
-            If neither does.
-        """
+        """Of the sample: as the file has it, or as the material states it [K]."""
         stated = self.at.value if self.at else _medium(
             self.material, Extrapolation.ERROR, None
         ).temperature  # fmt: skip

@@ -38,18 +38,7 @@ _CONSERVED = (
 
 
 def require_conservation(properties: Mapping[str, Any]) -> None:
-    """Raise where more radiation is absorbed and transmitted than arrives.
-
-    Parameters
-    ----------
-    properties : mapping of str to object
-        Properties of a film by name; those missing, and those without a value yet, are not looked
-        at.
-
-    Raises
-    ------
-    ParameterError
-    """
+    """Raise where more radiation is absorbed and transmitted than arrives."""
     for passing, absorbing in _CONSERVED:
         given = [
             next((name for name in names if properties.get(name) is not None), "")
@@ -333,18 +322,7 @@ def _growth(excess: Numeric) -> Numeric:
 
 
 def excess_of_growth(growth: Numeric) -> Array:
-    r"""Temperature excess at which a black face's emission has grown by a share.
-
-    Parameters
-    ----------
-    growth : array, shape (...)
-        :math:`(1+\theta)^4-1` [1].
-
-    Returns
-    -------
-    array, shape (...)
-        :math:`\theta` [1], small ones to all digits; below -1 where emission would be negative.
-    """
+    r"""Temperature excess at which a black face's emission has grown by a share [1]."""
     root = jnp.sqrt(jnp.sqrt(jnp.maximum(1.0 + growth, 0.0)))
     return growth / ((root + 1.0) * (root**2 + 1.0))
 

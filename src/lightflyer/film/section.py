@@ -25,12 +25,7 @@ FACES = ("tac_top", "tac_bottom")
 
 
 class WholeFilm(eqx.Module):
-    """All properties of a film, in which a section replaces nothing.
-
-    Attributes
-    ----------
-    properties : FilmProperties
-    """
+    """All properties of a film, in which a section replaces nothing."""
 
     properties: FilmProperties
 

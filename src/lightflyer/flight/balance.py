@@ -187,20 +187,7 @@ def node_losses(
     model: AbstractForceModel,
     unknowns: tuple[Array, ...],
 ) -> tuple[Array, ...]:
-    """Power that each node loses to the gas, by radiation and to the others [W].
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    model : AbstractForceModel
-    unknowns : tuple of array, shape (...)
-        Relative temperature excess of each node [1], then the flows.
-
-    Returns
-    -------
-    tuple of array, broadcast shape
-    """
+    """Power that each node loses to the gas, by radiation and to the others [W]."""
     gas = model.heat_loss(flyer, state, unknowns)
     own = flyer.heat_losses(state, unknowns)
     return tuple(taken + given for taken, given in zip(gas, own, strict=True))
@@ -217,23 +204,7 @@ def uniform_excess(
     losses: Callable[[tuple[Array, ...]], tuple[Array, ...]],
     power: Array,
 ) -> tuple[Array, RootStatus]:
-    """Excess at which the flyer loses a power if all its nodes are equally warm.
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    losses : callable
-        Power that each node loses [W], as a function of the unknowns.
-    power : array, shape (...)
-        [W].
-
-    Returns
-    -------
-    excess : array, shape (...)
-        [1]; not differentiable.
-    status : RootStatus
-    """
+    """Excess at which the flyer loses a power if all its nodes are equally warm."""
 
     def loss(excess: Array) -> Array:
         flows = (0.0 * excess,) * len(flyer.flows)
@@ -267,22 +238,7 @@ def balance_solver(
     model: AbstractForceModel,
     shape: tuple[int, ...],
 ) -> Callable[[tuple[Array, ...]], tuple[tuple[Array, ...], RootStatus]]:
-    """Make the function that finds the unknowns at which each node loses what it absorbs.
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    model : AbstractForceModel
-    shape : tuple of int
-        Broadcast shape of these and the powers.
-
-    Returns
-    -------
-    callable
-        Takes the net power that each node absorbs [W], a tuple of arrays. Returns the unknowns, of
-        the given shape and differentiable in everything, and a :class:`RootStatus`.
-    """
+    """Make the function that finds the unknowns at which each node loses what it absorbs [W]."""
     balance = _balance(flyer, state, model, shape)
     if len(flyer.nodes) == 1 and not flyer.flows:
         return partial(_solve_one, flyer, state, balance, shape)
@@ -315,18 +271,7 @@ def imbalance_of(
     model: AbstractForceModel,
     shape: tuple[int, ...],
 ) -> Callable[[tuple[Array, ...], tuple[Array, ...]], tuple[Array, ...]]:
-    """Make the function that vanishes where each node loses what it absorbs.
-
-    Parameters
-    ----------
-    flyer, state, model, shape
-        As for :func:`balance_solver`.
-
-    Returns
-    -------
-    callable
-        Takes the unknowns and the powers [W]. Returns as many residuals as there are unknowns [1].
-    """
+    """Make the function that vanishes where each node loses what it absorbs [W]."""
     return partial(_imbalance, _balance(flyer, state, model, shape))
 
 
@@ -385,19 +330,7 @@ def energy_scale(powers: tuple[Array, ...]) -> Array:
 def light_and_gains(
     flyer: AbstractFlyer, state: EnvironmentState, irradiance: Numeric
 ) -> tuple[Array, ...]:
-    """Net power that each node absorbs under an irradiance of the beam [W].
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    irradiance : array, shape (...)
-        [W/m²].
-
-    Returns
-    -------
-    tuple of array, broadcast shape
-    """
+    """Net power that each node absorbs under an irradiance of the beam [W]."""
     areas, gains = flyer.beam_areas(state), flyer.heat_gains(state)
     return tuple(irradiance * area + gain for area, gain in zip(areas, gains, strict=True))
 
@@ -438,40 +371,14 @@ def _furthest(values: tuple[Array, ...]) -> Array:
 
 
 def ending_within(ending: Array, residual: Array, tolerance: float) -> Array:
-    """An ending, corrected where the residual does not bear it out.
-
-    Parameters
-    ----------
-    ending : int array, shape (...)
-    residual : array, shape (...)
-    tolerance : float
-
-    Returns
-    -------
-    int array, shape (...)
-    """
+    """An ending, corrected where the residual does not bear it out."""
     kept = jnp.where(jnp.abs(residual) <= tolerance, ending, int(Ending.TOLERANCE_MISSED))
     kept = jnp.where(ending == int(Ending.CONVERGED), kept, ending)
     return jnp.where(jnp.isnan(residual), int(Ending.NOT_FINITE), kept)
 
 
 def require_converged(what: str, ending: Numeric, residual: Numeric) -> None:
-    """Raise unless every concrete element converged.
-
-    Parameters
-    ----------
-    what : str
-        What was being solved, for the message.
-    ending : int array
-        Why each search ended.
-    residual : array
-        Scaled residual of each element.
-
-    Raises
-    ------
-    ConvergenceError
-        With the number of elements, why they failed and the largest residual.
-    """
+    """Raise unless every concrete element converged; ``ending``: why each search ended."""
     if is_traced(ending):
         return
     failed = np.asarray(ending) != int(Ending.CONVERGED)

@@ -204,26 +204,10 @@ def _levitation_bands(searched: _Searched, grid: Array) -> Band:
 
 
 def scan(function: Callable[[Array], Array], grid: Array) -> tuple[Array, Array, Array]:
-    """Values of a function on a grid, and its largest value between the grid's points.
-
-    Each stage looks at as many points as the grid has, evenly spaced between the neighbours of
-    the last stage's best. One loop does it all because compiling the function costs more than
-    running it.
-
-    Parameters
-    ----------
-    function : callable
-        Of a coordinate array of shape (n, ...) whose trailing shape broadcasts.
-    grid : array, shape (n,)
-        Increasing, evenly spaced coordinates.
-
-    Returns
-    -------
-    values : array, shape (n, ...)
-        On the grid.
-    peak, height : array, shape (...)
-        Coordinate and value of the maximum.
-    """
+    """Values of a function on a grid, and its largest value between the grid's points."""
+    # Each stage looks at as many points as the grid has, evenly spaced between the neighbours of
+    # the last stage's best. One loop does it all because compiling the function costs more than
+    # running it.
     shape = jax.eval_shape(function, grid[0]).shape
     fractions = jnp.linspace(0.0, 1.0, grid.size).reshape(-1, *[1] * len(shape))
 
@@ -260,10 +244,8 @@ def _with_point(grid: Array, values: Array, point: Array, value: Array) -> tuple
 
 
 def _first_largest(table: Array) -> Array:
-    """Index of the largest entry of each column, in 32 bits in either of JAX's precisions.
-
-    Inside a caller's own single-precision ``jit`` JAX cannot lower an argmax of double precision.
-    """
+    """Index of the largest entry of each column, in 32 bits in either of JAX's precisions."""
+    # Inside a caller's own single-precision ``jit`` JAX cannot lower an argmax of double precision.
     count = table.shape[0]
     rows = np.arange(count, dtype=np.int32).reshape(-1, *[1] * (table.ndim - 1))
     largest = table == jnp.max(table, axis=0)
@@ -271,11 +253,9 @@ def _first_largest(table: Array) -> Array:
 
 
 def _band(places: Array, flies: Array, number: int) -> tuple[Array, Array, Array, Array]:
-    """Find where the band of the given number begins and ends in the table.
-
-    Returns, for lower and upper edge stacked, the places just outside and just inside, and
-    whether the band exists and is open at that end.
-    """
+    """Find where the band of the given number begins and ends in the table."""
+    # Returns, for lower and upper edge stacked, the places just outside and just inside, and
+    # whether the band exists and is open at that end.
     size = places.shape[0]
     before = jnp.concatenate([jnp.zeros_like(flies[:1]), flies[:-1]])
     member = flies & (jnp.cumsum(flies & ~before, axis=0, dtype=jnp.int32) == number)
@@ -295,11 +275,9 @@ def _band(places: Array, flies: Array, number: int) -> tuple[Array, Array, Array
 def _edges(
     margin: Callable[[Array], Array], outside: Array, inside: Array, wanted: Array
 ) -> tuple[Array, RootStatus]:
-    """Places at which lift equals weight, between points outside and inside the band.
-
-    The unknown is the way from outside (0) to inside (1), along which the margin rises.
-    Elements that are not wanted get a stand-in equation with its root half way.
-    """
+    """Places at which lift equals weight, between points outside and inside the band."""
+    # The unknown is the way from outside (0) to inside (1), along which the margin rises. Elements
+    # that are not wanted get a stand-in equation with its root half way.
     width = inside - outside
 
     def residual(way: Array) -> Array:

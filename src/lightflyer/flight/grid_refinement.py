@@ -21,22 +21,7 @@ Function: TypeAlias = Callable[[np.ndarray], np.ndarray]
 def peak(
     function: Function, low: Numeric, high: Numeric, *, points: int, looks: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Largest value of each function in a range.
-
-    Parameters
-    ----------
-    function : callable
-        NaN counts as lowest.
-    low, high : array, shape (m,)
-        Range of the coordinate.
-    points : int
-        Number of places a look takes in.
-    looks : int
-
-    Returns
-    -------
-    place, value : array, shape (m,)
-    """
+    """Largest value of each function in a range, shape (m,); ``low``, ``high`` (m,)."""
     low, high = np.atleast_1d(np.asarray(low, float)), np.atleast_1d(np.asarray(high, float))
     for _ in range(looks):
         places, values = _look(function, low, high, points)
@@ -48,22 +33,7 @@ def peak(
 def crossing(
     function: Function, outside: Numeric, inside: Numeric, *, points: int, looks: int
 ) -> np.ndarray:
-    """Find where each function becomes positive on the way from outside to inside.
-
-    Parameters
-    ----------
-    function : callable
-        Negative outside, zero or positive inside.
-    outside, inside : array, shape (m,)
-        Two places of the coordinate, in either order.
-    points : int
-        Number of places a look takes in.
-    looks : int
-
-    Returns
-    -------
-    array, shape (m,)
-    """
+    """Find where each function becomes positive on the way from outside to inside, shape (m,)."""
     outside = np.atleast_1d(np.asarray(outside, float))
     inside = np.atleast_1d(np.asarray(inside, float))
     for _ in range(looks):
@@ -90,16 +60,7 @@ def _row(table: np.ndarray, index: np.ndarray) -> np.ndarray:
 
 
 def bands_of(flies: np.ndarray) -> list[tuple[int, int]]:
-    """First and last index of each run of true values.
-
-    Parameters
-    ----------
-    flies : bool array, shape (n,)
-
-    Returns
-    -------
-    list of (int, int)
-    """
+    """First and last index of each run of true values; ``flies`` (n,)."""
     framed = np.concatenate([[False], flies, [False]])
     starts = np.flatnonzero(framed[1:-1] & ~framed[:-2])
     ends = np.flatnonzero(framed[1:-1] & ~framed[2:])

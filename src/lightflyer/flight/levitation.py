@@ -140,26 +140,7 @@ def _levitate(
 def _reach(
     function: Callable[[Array], Array], top: Array, strongest: Array, load: Array
 ) -> tuple[Array, Array, RootStatus]:
-    """Find where an increasing force reaches the load.
-
-    Parameters
-    ----------
-    function : callable
-        Force over a positive argument, as good as increasing where it is positive.
-    top : array, shape (...)
-        Upper end of the argument.
-    strongest : array, shape (...)
-        Force there.
-    load : array, shape (...)
-
-    Returns
-    -------
-    argument : array, shape (...)
-        Differentiable; something finite where the load is out of reach.
-    within : bool array, shape (...)
-        Whether the load is within reach.
-    status : RootStatus
-    """
+    """Find where an increasing force reaches the load; ``top``: upper end of the argument."""
     within = strongest >= load
     # Where no argument suffices, a load within reach stands in, to be discarded by the caller: so
     # neither the search nor its derivative meets a NaN.
@@ -217,13 +198,12 @@ def _by_temperature(
 def _by_irradiance(
     flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
 ) -> Levitation:
-    """Several unknowns: the irradiance that carries the load, with a heat balance in each step.
-
-    And one, where warm gas lifts: it may carry the load though it is no warmer than the gas around.
-
-    The brightest light looked at absorbs what the flyer would lose if all of it were at the
-    highest temperature: at any stronger one some node is hotter.
-    """
+    """Several unknowns: the irradiance that carries the load, with a heat balance in each step."""
+    # And one, where warm gas lifts: it may carry the load though it is no warmer than the gas
+    # around.
+    #
+    # The brightest light looked at absorbs what the flyer would lose if all of it were at the
+    # highest temperature: at any stronger one some node is hotter.
     load = weight(flyer, state)
     collecting = total(flyer.beam_areas(state))
     can_collect = collecting > 0.0

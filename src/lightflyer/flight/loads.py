@@ -38,19 +38,7 @@ def upward_force(
     model: AbstractForceModel,
     unknowns: tuple[Array, ...],
 ) -> Array:
-    """Vertical part of the gas's force, and the flyer's buoyancy [N].
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    model : AbstractForceModel
-    unknowns : tuple of array, shape (...)
-
-    Returns
-    -------
-    array, broadcast shape
-    """
+    """Vertical part of the gas's force, and the flyer's buoyancy [N]."""
     force = model.force(flyer, state, unknowns)
     if flyer.attitude is not None:
         force = force * jnp.cos(flyer.attitude.tilt)
@@ -63,40 +51,14 @@ def buoyancy(
     model: AbstractForceModel,
     unknowns: tuple[Array, ...],
 ) -> Numeric:
-    """Buoyancy that a model adds to its force [N].
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    model : AbstractForceModel
-    unknowns : tuple of array, shape (...)
-
-    Returns
-    -------
-    array, broadcast shape
-        Zero for a published model that has none.
-    """
+    """Buoyancy that a model adds to its force [N]; zero for a published model that has none."""
     if not model.adds_buoyancy:
         return 0.0 * unknowns[0]
     return flyer.buoyancy(state, unknowns)
 
 
 def largest_payload(flyer: AbstractFlyer, state: EnvironmentState, lift: Numeric) -> Numeric:
-    """Mass that a lift carries beside the flyer's own [kg].
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-    lift : array, shape (...)
-        [N].
-
-    Returns
-    -------
-    array, broadcast shape
-        Negative by what is missing where the flyer cannot lift itself.
-    """
+    """Mass that a lift carries beside the flyer's own [kg]."""
     return lift / state.gravity - flyer.own_mass
 
 

@@ -40,35 +40,18 @@ Look = Callable[[Array], tuple[Array, Array, tuple[Array, ...]]]
 
 
 class Dimmest(eqx.Module):
-    """A search for the dimmest light, or its result.
+    """A search for the dimmest light, or its result."""
 
-    Attributes
-    ----------
-    stage : int array, shape (...)
-        What is looked at next.
-    light : array, shape (...)
-        To be looked at next. In the end the dimmest that carries the load; where none does, that of
-        the strongest force [W/m²].
-    force : array, shape (...)
-        Where the force carried the load first, or was strongest [N].
-    carries : bool array, shape (...)
-        Whether some light carries the load.
-    unknowns : tuple of array, shape (...)
-        Of the heat balance in the light looked at last.
-    before : tuple of array, shape (...)
-        Forces in the last two lights [N].
-    peak, vertex : array, shape (...)
-        Largest force between two smaller ones [N], and the light where a parabola through them has
-        its vertex [W/m²].
-    bracket : BracketSearch
-    """
-
-    stage: Array
+    stage: Array  # What is looked at next
+    # To be looked at next. In the end the dimmest that carries the load; where none does, that of
+    # the strongest force [W/m²]
     light: Array
-    force: Array
-    carries: Array
-    unknowns: tuple[Array, ...]
-    before: tuple[Array, Array]
+    force: Array  # Where the force carried the load first, or was strongest [N]
+    carries: Array  # Whether some light carries the load
+    unknowns: tuple[Array, ...]  # Of the heat balance in the light looked at last
+    before: tuple[Array, Array]  # Forces in the last two lights [N]
+    # Largest force between two smaller ones [N], and the light where a parabola through them has
+    # its vertex [W/m²]
     peak: Array
     vertex: Array
     bracket: BracketSearch
@@ -86,23 +69,7 @@ class Dimmest(eqx.Module):
 
 
 def dimmest_light(look: Look, brightest: Array, load: Array) -> Dimmest:
-    """Find the dimmest light in which a force carries a load.
-
-    Parameters
-    ----------
-    look : callable
-        From a light, shape (...), to the force in it [N], its slope in the light, and the unknowns
-        of the heat balance.
-    brightest : array
-        Looked at [W/m²].
-    load : array
-        Positive [N].
-
-    Returns
-    -------
-    Dimmest
-        Of broadcast shape (...); not differentiable.
-    """
+    """Find the dimmest light in which a force carries a load; ``brightest``: looked at."""
     brightest, load = jnp.broadcast_arrays(brightest, load)
 
     def advance(at: tuple[Dimmest, Array]) -> tuple[Dimmest, Array]:

@@ -27,20 +27,11 @@ MOLAR_MASSES: Mapping[str, float] = {"helium": 4.002602e-3, "hydrogen": 2.016e-3
 
 
 class Filling(NamedTuple):
-    """The gas that an envelope holds.
+    """The gas that an envelope holds."""
 
-    Attributes
-    ----------
-    volume : array, shape (...)
-        That it takes, at most that of the envelope [m³].
-    mass : array, shape (...)
-        [kg].
-    overpressure : array, shape (...)
-        Over the surroundings, at the height of the lower end [Pa]; zero while it is slack or open.
-    """
-
-    volume: Numeric
-    mass: Numeric
+    volume: Numeric  # That it takes, at most that of the envelope [m³]
+    mass: Numeric  # [kg]
+    # Over the surroundings, at the height of the lower end [Pa]; zero while it is slack or open
     overpressure: Numeric
 
 
@@ -293,10 +284,8 @@ class Balloon(AbstractFlyer):
         emitted_out: Numeric = 0.0,
         emitted_within: Numeric = 0.0,
     ) -> Array:
-        """What the envelope absorbs, minus what it emits, of irradiances from outside [W].
-
-        Within, radiation is diffuse and everywhere the same, and what reaches the opening leaves.
-        """
+        """What the envelope absorbs, minus what it emits, of irradiances from outside [W]."""
+        # Within, radiation is diffuse and everywhere the same, and what reaches the opening leaves.
         (outer, inner), (inward, outward) = absorptances, transmittances
         hole = self.open_share
         solid = 1.0 - hole

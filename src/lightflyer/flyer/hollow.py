@@ -320,13 +320,11 @@ class HollowBody(AbstractFlyer):
         return f"hollow {self.form} of {float(np.asarray(self.size)) / _CENTIMETRE:g} cm"
 
     def _views_of_ground(self, radiation: Radiation) -> tuple[Array, Numeric]:
-        r"""View factors to the ground, of wall and outlet together and of the outlet [1].
-
-        A closed convex surface of the area A sees half of a half-space, and less of the ground by
-        what its silhouette shows to the directions between horizon and ground:
-
-        .. math:: F = \tfrac12 - \frac2A\int_0^{\cos\gamma}\bar S\,dx
-        """
+        r"""View factors to the ground, of wall and outlet together and of the outlet [1]."""
+        # A closed convex surface of the area A sees half of a half-space, and less of the ground by
+        # what its silhouette shows to the directions between horizon and ground:
+        #
+        # .. math:: F = \tfrac12 - \frac2A\int_0^{\cos\gamma}\bar S\,dx
         tilt = None if self.attitude is None else self.attitude.tilt
         beside = seen_below_horizon(
             self.geometry, self.size, self.outlet_radius, tilt, radiation.edge_of_ground
@@ -350,11 +348,9 @@ class HollowBody(AbstractFlyer):
         emitted_outer: Exitance = DARK,
         emitted_inner: Exitance = DARK,
     ) -> tuple[Array, Array]:
-        """What the inner and the outer film absorb, minus what they emit [W].
-
-        Channels pass what falls on them. Within the body radiation is diffuse and everywhere the
-        same; what reaches the outlet leaves.
-        """
+        """What the inner and the outer film absorb, minus what they emit [W]."""
+        # Channels pass what falls on them. Within the body radiation is diffuse and everywhere the
+        # same; what reaches the outlet leaves.
         above = onto_wall / self.surface
         solid, emitted = self.solid_fraction, (emitted_outer, emitted_inner)
         inward = self.open_fraction * above + solid * leaving_downward(

@@ -27,29 +27,18 @@ Form = Literal["cone", "sphere", "rocket"]
 
 
 class HollowForm(NamedTuple):
-    """Geometry of one shape.
+    """Geometry of one shape."""
 
-    Attributes
-    ----------
-    surface : callable
-        From size and outlet radius [m] to the area of the wall [m²].
-    volume : callable
-        Likewise to the volume within [m³].
-    silhouette : callable
-        From size, outlet radius and the cosine of the angle to the axis [1] to the area seen from
-        that direction [m²].
-    height : callable
-        From size and outlet radius to the height above the outlet [m].
-    passage : callable
-        Likewise to the length of a tube as wide as the outlet, over its radius [1], in which all
-        the gas loses the pressure that it loses on its way to the outlet, in the mean over the
-        wall.
-    """
-
+    # From size and outlet radius [m] to the area of the wall [m²]
     surface: Callable[[Numeric, Numeric], Array]
-    volume: Callable[[Numeric, Numeric], Array]
+    volume: Callable[[Numeric, Numeric], Array]  # Likewise to the volume within [m³]
+    # From size, outlet radius and the cosine of the angle to the axis [1] to the area seen from
+    # that direction [m²]
     silhouette: Callable[[Numeric, Numeric, Numeric], Array]
+    # From size and outlet radius to the height above the outlet [m]
     height: Callable[[Numeric, Numeric], Numeric]
+    # Likewise to the length of a tube as wide as the outlet, over its radius [1], in which all the
+    # gas loses the pressure that it loses on its way to the outlet, in the mean over the wall
     passage: Callable[[Numeric, Numeric], Numeric]
 
 
@@ -76,12 +65,10 @@ def _cone_silhouette(size: Numeric, outlet: Numeric, cosine: Numeric) -> Array:
 
 
 def _cone_passage(size: Numeric, outlet: Numeric) -> Array:
-    r"""Of Poiseuille's law with the gas that comes in above a place, and acts on the wall above.
-
-    .. math:: \frac1r\int_0^D \left(1 - \frac{A(x)}{A_t}\right)^2\frac{r^4}{r(x)^4}\,dx
-
-    with the wall's area below, :math:`A(x)`.
-    """
+    r"""Of Poiseuille's law with the gas that comes in above a place, and acts on the wall above."""
+    # .. math:: \frac1r\int_0^D \left(1 - \frac{A(x)}{A_t}\right)^2\frac{r^4}{r(x)^4}\,dx
+    #
+    # with the wall's area below, :math:`A(x)`.
     node, weight = map(jnp.asarray, _PASSAGE)
     wide, low = (0.5 * jnp.asarray(size))[..., None], jnp.asarray(outlet)[..., None]
     slant = jnp.hypot(wide - low, 2.0 * wide)
@@ -186,28 +173,11 @@ _PASSAGE = _gauss(16)
 def seen_below_horizon(
     form: HollowForm, size: Numeric, outlet: Numeric, tilt: Numeric | None, edge: Numeric
 ) -> Array:
-    r"""Silhouette towards the directions between the horizon and the edge of the ground.
-
-    .. math:: \int_0^{\cos\gamma} \bar S(x)\,dx
-
-    with the half-angle :math:`\gamma` of the ground's disk, and the mean :math:`\bar S` over all
-    azimuths of the silhouette towards directions that are :math:`\arcsin x` below the horizon.
-
-    Parameters
-    ----------
-    form : HollowForm
-    size, outlet : array, shape (...)
-        [m].
-    tilt : array, shape (...), or None
-        Between the axis and the vertical [rad]; None stands for an upright body.
-    edge : array, shape (...)
-        :math:`\cos\gamma` [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        [m²]; by a quadrature.
-    """
+    r"""Silhouette towards the directions between the horizon and the edge of the ground [m²]."""
+    # .. math:: \int_0^{\cos\gamma} \bar S(x)\,dx
+    #
+    # with the half-angle :math:`\gamma` of the ground's disk, and the mean :math:`\bar S` over all
+    # azimuths of the silhouette towards directions that are :math:`\arcsin x` below the horizon.
     ring = _Ring(*map(jnp.asarray, _RING_OF_UPRIGHT if tilt is None else _RING_OF_TILTED))
     size, outlet, edge = (jnp.asarray(number)[..., None] for number in (size, outlet, edge))
     below = edge * ring.depth

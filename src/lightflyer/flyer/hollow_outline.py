@@ -11,25 +11,9 @@ from lightflyer.flyer.hollow_geometry import FORMS
 def hollow_outline(
     form: str, size: Numeric, outlet_radius: Numeric, direction: Direction
 ) -> Outline:
-    r"""Outline of a hollow body that moves along its axis or across it.
-
-    Parameters
-    ----------
-    form : str
-        One of :data:`~lightflyer.flyer.hollow_geometry.FORMS`.
-    size, outlet_radius : array, shape (...)
-        As there [m].
-    direction : {"broadside", "edgewise"}
-
-    Returns
-    -------
-    Outline
-
-    Notes
-    -----
-    A surface of the area :math:`S` whose normal has the cosine :math:`n` to the axis everywhere has
-    :math:`\oint\nu^2\,dA = n^2 S` along the axis and :math:`\tfrac12(1-n^2)S` across it.
-    """
+    r"""Outline of a hollow body that moves along its axis or across it."""
+    # A surface of the area :math:`S` whose normal has the cosine :math:`n` to the axis everywhere
+    # has :math:`\oint\nu^2\,dA = n^2 S` along the axis and :math:`\tfrac12(1-n^2)S` across it.
     if form == "sphere":
         return sphere_outline(0.5 * size)
     lower = jnp.pi * outlet_radius**2

@@ -21,19 +21,13 @@ from lightflyer.film.properties import FilmProperties
 
 
 class Sheet(NamedTuple):
-    """Effective properties of a sheet with its holes, over its whole area.
+    """Effective properties of a sheet with its holes, over its whole area."""
 
-    Attributes
-    ----------
-    absorptance_top, absorptance_bottom : array, shape (...)
-        Absorbed share of the radiation on each face [1]. For heat radiation these are the
-        emittances too.
-    transmittance_top, transmittance_bottom : array, shape (...)
-        Share of the radiation on each face that passes, through holes and film [1].
-    """
-
+    # Absorbed share of the radiation on each face [1]. For heat radiation these are the emittances
+    # too
     absorptance_top: Numeric
     absorptance_bottom: Numeric
+    # Share of the radiation on each face that passes, through holes and film [1]
     transmittance_top: Numeric
     transmittance_bottom: Numeric
 
@@ -49,16 +43,10 @@ class Sheet(NamedTuple):
 
 
 class Exitance(NamedTuple):
-    """What a sheet emits, over its whole area.
+    """What a sheet emits, over its whole area."""
 
-    Attributes
-    ----------
-    top, bottom : array, shape (...)
-        Power per area of each face [W/m²].
-    """
-
-    top: Numeric
-    bottom: Numeric
+    top: Numeric  # Power per area of each face [W/m²]
+    bottom: Numeric  # Power per area of each face [W/m²]
 
 
 DARK = Exitance(0.0, 0.0)
@@ -72,25 +60,8 @@ def perforated(
     open_fraction: Numeric,
     transmittance_bottom: Numeric | None = None,
 ) -> Sheet:
-    r"""Effective properties of a film with holes.
-
-    .. math:: a' = (1-\beta)\,a, \qquad \tau' = \beta + (1-\beta)\,\tau
-
-    Parameters
-    ----------
-    absorptance_top, absorptance_bottom : array, shape (...)
-        Of the film's faces [1].
-    transmittance : array, shape (...)
-        Of the film, for radiation on its top face [1].
-    open_fraction : array, shape (...)
-        Share of the area that is holes, :math:`\beta` [1].
-    transmittance_bottom : array, shape (...), optional
-        For radiation on the bottom face [1]; by default the same.
-
-    Returns
-    -------
-    Sheet
-    """
+    r"""Effective properties of a film with holes."""
+    # .. math:: a' = (1-\beta)\,a, \qquad \tau' = \beta + (1-\beta)\,\tau
     solid = 1.0 - open_fraction
     below = transmittance if transmittance_bottom is None else transmittance_bottom
     return Sheet(
@@ -102,18 +73,7 @@ def perforated(
 
 
 def sheet_in_light(film: FilmProperties, open_fraction: Numeric) -> Sheet:
-    """Effective properties of a film with holes in light.
-
-    Parameters
-    ----------
-    film : FilmProperties
-    open_fraction : array, shape (...)
-        Share of the area that is holes [1].
-
-    Returns
-    -------
-    Sheet
-    """
+    """Effective properties of a film with holes in light."""
     return perforated(
         film.absorptance,
         film.absorptance_below,
@@ -124,21 +84,7 @@ def sheet_in_light(film: FilmProperties, open_fraction: Numeric) -> Sheet:
 
 
 def sheet_in_infrared(film: FilmProperties, open_fraction: Numeric, temperature: Numeric) -> Sheet:
-    """Effective properties of a film with holes for heat radiation.
-
-    Parameters
-    ----------
-    film : FilmProperties
-    open_fraction : array, shape (...)
-        Share of the area that is holes [1].
-    temperature : array, shape (...)
-        Of a black body with that radiation [K].
-
-    Returns
-    -------
-    Sheet
-        Its absorptances are its emittances.
-    """
+    """Effective properties of a film with holes for heat radiation."""
     top, bottom = film.emittances_at(temperature)
     return perforated(top, bottom, film.infrared_transmittance_at(temperature), open_fraction)
 
@@ -151,28 +97,10 @@ def net_gains(
     emitted_top: Exitance = DARK,
     emitted_bottom: Exitance = DARK,
 ) -> tuple[Array, Array]:
-    """Net power that each of two parallel sheets gains by radiation, per area.
-
-    Parameters
-    ----------
-    top, bottom : Sheet
-        The upper and the lower sheet.
-    above, below : array, shape (...)
-        Irradiance from outside on the upper sheet's top face and the lower one's bottom [W/m²].
-    emitted_top, emitted_bottom : Exitance
-        What the upper and the lower sheet emit.
-
-    Returns
-    -------
-    top, bottom : array, broadcast shape
-        Absorbed minus emitted [W/m²].
-
-    Notes
-    -----
-    The sheets are wide and near, so that nothing leaves between them sideways. Radiation meets the
-    holes of one sheet wherever it passed those of the other: holes that lie above each other let
-    more of a vertical beam through.
-    """
+    """Net power that each of two parallel sheets gains by radiation, per area [W/m²]."""
+    # The sheets are wide and near, so that nothing leaves between them sideways. Radiation meets
+    # the holes of one sheet wherever it passed those of the other: holes that lie above each other
+    # let more of a vertical beam through.
     up, down = _between(top, bottom, above, below, emitted_top, emitted_bottom)
     gain_top = top.absorptance_top * above + top.absorptance_bottom * up
     gain_bottom = bottom.absorptance_bottom * below + bottom.absorptance_top * down
@@ -190,18 +118,7 @@ def leaving_downward(
     emitted_top: Exitance = DARK,
     emitted_bottom: Exitance = DARK,
 ) -> Array:
-    """Radiation that leaves two parallel sheets downward, per area.
-
-    Parameters
-    ----------
-    top, bottom, above, below, emitted_top, emitted_bottom
-        As for :func:`net_gains`.
-
-    Returns
-    -------
-    array, broadcast shape
-        Passed, emitted and reflected by the lower sheet's bottom face [W/m²].
-    """
+    """Radiation that leaves two parallel sheets downward, per area [W/m²]."""
     _, down = _between(top, bottom, above, below, emitted_top, emitted_bottom)
     return (
         bottom.transmittance_top * down + emitted_bottom.bottom + bottom.reflectance_bottom * below

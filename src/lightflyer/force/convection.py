@@ -62,44 +62,25 @@ def _root_of(rayleigh: Numeric) -> tuple[Array, Array]:
 
 @entry_point
 def sphere_nusselt(rayleigh: Numeric, prandtl: Numeric, at_rest: Numeric = _CONDUCTION) -> Array:
-    r"""Nusselt number of natural convection around a sphere.
-
-    .. math::
-        \mathrm{Nu} = 2 + \left[(0.589\,\Psi^{1/4})^6 + (0.150\,\Psi^{1/3})^6\right]^{1/6},
-        \qquad \Psi = \mathrm{Ra}
-        \left[1 + \left(\tfrac{0.469}{\mathrm{Pr}}\right)^{9/16}\right]^{-16/9}
-
-    Parameters
-    ----------
-    rayleigh : array, shape (...)
-        By the diameter and the temperature difference of sphere and gas [1].
-    prandtl : array, shape (...)
-        [1].
-    at_rest : array, shape (...)
-        Nusselt number without convection: 2 in endless gas [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        By the diameter [1].
-
-    Notes
-    -----
-    The first term is the correlation for laminar flow, of which measurements on spheres follow to
-    Ra = 1e11. The second is the limit of turbulent flow that plates and
-    horizontal cylinders share (Churchill and Chu 1975), taken for a sphere. It reaches the first at
-    Ra = 4e7 in air and is 1.9 times it at 1e11. Models of stratospheric balloons use
-    0.1 Ra^0.34 there, which is 3 % to 13 % more from 1e9 to 1e12.
-
-    References
-    ----------
-    [Churchill1983]_, [ChurchillChu1975]_; [CarlsonHorn1983]_ for balloons.
+    r"""Nusselt number of natural convection around a sphere [1]; by the diameter.
 
     Examples
     --------
     >>> print(f"{sphere_nusselt(0.0, 0.71):.0f}, {sphere_nusselt(1e5, 0.71):.2f}")
     2, 10.15
     """
+    # .. math::
+    #     \mathrm{Nu} = 2 + \left[(0.589\,\Psi^{1/4})^6 + (0.150\,\Psi^{1/3})^6\right]^{1/6},
+    #     \qquad \Psi = \mathrm{Ra}
+    #     \left[1 + \left(\tfrac{0.469}{\mathrm{Pr}}\right)^{9/16}\right]^{-16/9}
+    #
+    # The first term is the correlation for laminar flow, of which measurements on spheres follow to
+    # Ra = 1e11. The second is the limit of turbulent flow that plates and horizontal cylinders
+    # share (Churchill and Chu 1975), taken for a sphere. It reaches the first at Ra = 4e7 in air
+    # and is 1.9 times it at 1e11. Models of stratospheric balloons use 0.1 Ra^0.34 there, which is
+    # 3 % to 13 % more from 1e9 to 1e12.
+    #
+    # Source: [Churchill1983]_, [ChurchillChu1975]_; [CarlsonHorn1983]_ for balloons.
     reduced = rayleigh * (1.0 + (_PRANDTL / prandtl) ** _PRANDTL_POWER) ** _RAYLEIGH_POWER
     root, still = _root_of(reduced)
     # of (turbulent/laminar)⁶, that is Ψ^(1/2)
@@ -110,36 +91,21 @@ def sphere_nusselt(rayleigh: Numeric, prandtl: Numeric, at_rest: Numeric = _COND
 
 @entry_point
 def inner_sphere_nusselt(rayleigh: Numeric) -> Array:
-    r"""Nusselt number of natural convection within a spherical envelope.
-
-    .. math:: \mathrm{Nu} = \max\left[2.5\,(2 + 0.6\,\mathrm{Ra}^{1/4}),\
-        0.325\,\mathrm{Ra}^{1/3}\right]
-
-    Parameters
-    ----------
-    rayleigh : array, shape (...)
-        By the diameter and the temperature difference of envelope and gas [1].
-
-    Returns
-    -------
-    array, shape (...)
-        By the diameter [1].
-
-    Notes
-    -----
-    The factor of 2.5 was fitted to flights of helium balloons. Other models of balloons use
-    0.13 Ra^(1/3) [Farley2005]_, 2.5 times less: the law is known to no better than that. Not
-    differentiable at Ra = 1.35e8, where the branches meet.
-
-    References
-    ----------
-    [CarlsonHorn1983]_
+    r"""Nusselt number of natural convection within a spherical envelope [1]; by the diameter.
 
     Examples
     --------
     >>> print(f"{inner_sphere_nusselt(0.0):.0f}, {inner_sphere_nusselt(1e9):.0f}")
     5, 325
     """
+    # .. math:: \mathrm{Nu} = \max\left[2.5\,(2 + 0.6\,\mathrm{Ra}^{1/4}),\
+    #     0.325\,\mathrm{Ra}^{1/3}\right]
+    #
+    # The factor of 2.5 was fitted to flights of helium balloons. Other models of balloons use 0.13
+    # Ra^(1/3) [Farley2005]_, 2.5 times less: the law is known to no better than that. Not
+    # differentiable at Ra = 1.35e8, where the branches meet.
+    #
+    # Source: [CarlsonHorn1983]_.
     root, still = _root_of(rayleigh)
     laminar = _CONDUCTION + _INNER_LAMINAR * jnp.where(still, 0.0, root)
     turbulent = _INNER_TURBULENT * jnp.where(still, 0.0, root ** (4.0 / 3.0))
@@ -147,52 +113,19 @@ def inner_sphere_nusselt(rayleigh: Numeric) -> Array:
 
 
 def jump_share(density: Numeric) -> Array:
-    r"""Share of the free-molecular resistance that is left where molecules collide.
-
-    .. math:: s(y) = \frac{1 + 1.4\,s_\infty\,y}{1 + 1.4\,y}, \qquad s_\infty = 0.587
-
-    Parameters
-    ----------
-    density : array, shape (...)
-        :math:`y = G_1/G_c`, the conductance of free molecules at complete accommodation over that
-        of dense gas [1].
-
-    Returns
-    -------
-    array, shape (...)
-        From 1 without collisions to the temperature jump at a wall [1].
-
-    Notes
-    -----
-    Without it the limits would simply be in series, and the heat loss up to 12 % too small.
-
-    References
-    ----------
-    [Sharipov2011]_ for the jump.
-    """
+    r"""Share of the free-molecular resistance that is left where molecules collide [1]."""
+    # .. math:: s(y) = \frac{1 + 1.4\,s_\infty\,y}{1 + 1.4\,y}, \qquad s_\infty = 0.587
+    #
+    # Without it the limits would simply be in series, and the heat loss up to 12 % too small.
+    #
+    # Source: [Sharipov2011]_ for the jump.
     return (1.0 + _JUMP_ONSET * _JUMP_SHARE * density) / (1.0 + _JUMP_ONSET * density)
 
 
 @entry_point
 def joined_conductance(free_molecular: Numeric, dense: Numeric, tac: Numeric) -> Array:
-    r"""Heat loss of a body in gas of any density, per relative temperature excess.
-
-    .. math:: \frac1G = \frac1{G_c} + \frac1{G_1}\left[\frac1\alpha - 1 + s(y)\right]
-
-    Parameters
-    ----------
-    free_molecular : array, shape (...)
-        That to free molecules at complete accommodation, :math:`G_1` [W].
-    dense : array, shape (...)
-        That to dense gas, :math:`G_c` [W].
-    tac : array, shape (...)
-        Thermal accommodation coefficient [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        [W]; exact for free molecules, and to first order in the mean free path in dense gas.
-    """
+    r"""Heat loss of a body in gas of any density, per relative temperature excess [W]."""
+    # .. math:: \frac1G = \frac1{G_c} + \frac1{G_1}\left[\frac1\alpha - 1 + s(y)\right]
     resistance = 1.0 / tac - 1.0 + jump_share(free_molecular / dense)
     return free_molecular * dense / (free_molecular + dense * resistance)
 
@@ -210,34 +143,7 @@ def sphere_conductance(
     wall_distance: Numeric | None = None,
     convection: Numeric = 1.0,
 ) -> Array:
-    r"""Heat that the gas around a sphere takes, per relative temperature excess.
-
-    Parameters
-    ----------
-    excess : array, shape (...)
-        Relative temperature excess of the sphere [1].
-    radius : array, shape (...)
-        Of the sphere [m].
-    tac : array, shape (...)
-        Thermal accommodation coefficient [1].
-    pressure, temperature, gravity : array, shape (...)
-        Of the gas [Pa], [K]; acceleration of free fall [m/s²].
-    gas : AbstractGas
-        Its properties are those at the mean of both temperatures in dense gas.
-    wall_distance : array, shape (...), optional
-        Radius of cold walls around [m]; they shorten the way of conduction.
-    convection : array, shape (...)
-        Factor of the Nusselt number, for the error of its law [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        [W]; the heat is this times the excess.
-
-    Notes
-    -----
-    Conduction alone follows the linearised Shakhov equation of a monatomic gas at complete
-    accommodation to 1 % (studies/balloon).
+    r"""Heat that the gas around a sphere takes, per relative temperature excess [W].
 
     Examples
     --------
@@ -247,6 +153,8 @@ def sphere_conductance(
     >>> print(f"{heat:.0f} W")
     4649 W
     """
+    # Conduction alone follows the linearised Shakhov equation of a monatomic gas at complete
+    # accommodation to 1 % (studies/balloon).
     mean = temperature * (1.0 + 0.5 * excess)
     rayleigh = rayleigh_number(
         excess, radius=radius, pressure=pressure, temperature=temperature, gravity=gravity, gas=gas
@@ -279,33 +187,9 @@ def inner_sphere_conductance(
     gas: AbstractGas,
     convection: Numeric = 1.0,
 ) -> Array:
-    r"""Heat from the gas within a sphere to its wall, per difference of their excesses.
-
-    Parameters
-    ----------
-    gas_excess, wall_excess : array, shape (...)
-        Relative temperature excess of the gas within and of the wall, over ``temperature`` [1].
-    radius : array, shape (...)
-        Of the sphere [m].
-    tac : array, shape (...)
-        Thermal accommodation coefficient of the wall's inner face [1].
-    pressure, temperature, gravity : array, shape (...)
-        Of the gas within [Pa]; that of the surroundings [K]; acceleration of free fall [m/s²].
-    gas : AbstractGas
-        Within.
-    convection : array, shape (...)
-        Factor of the Nusselt number, for the error of its law [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        [W]; the heat is this times the difference of the excesses.
-
-    Notes
-    -----
-    Molecules that fly from wall to wall make the gas as warm as the wall: in thin gas this is the
-    heat of gas that is kept mixed.
-    """
+    r"""Heat from the gas within a sphere to its wall, per difference of their excesses [W]."""
+    # Molecules that fly from wall to wall make the gas as warm as the wall: in thin gas this is the
+    # heat of gas that is kept mixed.
     wall = temperature * (1.0 + wall_excess)
     difference = (gas_excess - wall_excess) / (1.0 + wall_excess)
     rayleigh = rayleigh_number(

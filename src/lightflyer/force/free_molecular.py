@@ -27,20 +27,7 @@ _SMALL_DIFFERENCES = Validity(
 
 
 def disk_conductance(disk: Disk, state: EnvironmentState, excess: Numeric) -> Array:
-    """Free-molecular heat loss of both faces per relative temperature excess [W].
-
-    Parameters
-    ----------
-    disk : Disk
-    state : EnvironmentState
-    excess : array, shape (...)
-        Relative temperature excess [1]; of effect only where the gas has a heat capacity ratio
-        that depends on temperature.
-
-    Returns
-    -------
-    array, broadcast shape
-    """
+    """Free-molecular heat loss of both faces per relative temperature excess [W]."""
     return free_molecular_conductance(
         2.0 * disk.area,
         disk.film.tac_mean,

@@ -89,28 +89,11 @@ def rayleigh_number(
     gravity: Numeric,
     gas: AbstractGas,
 ) -> Array:
-    r"""Rayleigh number of a disk, from the size of the temperature difference.
-
-    .. math:: \mathrm{Ra} = \frac{g}{\bar T}\,\frac{\rho\,(2r)^3\,|\Delta T|}{\mu D},
-        \qquad D = \frac{\kappa}{\rho c_p}, \quad \rho = \frac{p}{R\bar T}
-
-    Parameters
-    ----------
-    excess : array, shape (...)
-        Relative temperature excess [1].
-    radius, pressure, temperature, gravity : array, shape (...)
-        Of the disk [m]; of the gas [Pa], [K]; acceleration of free fall [m/s²].
-    gas : AbstractGas
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-
-    References
-    ----------
-    [Lu2023]_ Eqs. (8)-(10), with (9) corrected.
-    """
+    r"""Rayleigh number of a disk, from the size of the temperature difference [1]."""
+    # .. math:: \mathrm{Ra} = \frac{g}{\bar T}\,\frac{\rho\,(2r)^3\,|\Delta T|}{\mu D},
+    #     \qquad D = \frac{\kappa}{\rho c_p}, \quad \rho = \frac{p}{R\bar T}
+    #
+    # Source: [Lu2023]_ Eqs. (8)-(10), with (9) corrected.
     mean = _mean_temperature(temperature, excess)
     density = gas.density(pressure, mean)
     viscosity, conductivity = gas.viscosity(mean), gas.conductivity(mean)
@@ -130,30 +113,8 @@ def heat_conductances(
     gas: AbstractGas,
     reading: Reading = REPORTED,
 ) -> tuple[Array, Array]:
-    """Heat loss of a disk per relative temperature excess in the two limits.
-
-    Parameters
-    ----------
-    excess : array, shape (...)
-        Relative temperature excess [1].
-    radius : array, shape (...)
-        Of the disk [m].
-    tac_mean : array, shape (...)
-        Mean thermal accommodation coefficient of the faces [1].
-    pressure, temperature, gravity : array, shape (...)
-        Of the gas [Pa], [K]; acceleration of free fall [m/s²].
-    gas : AbstractGas
-    reading : Reading
-
-    Returns
-    -------
-    free_molecular, continuum : array, broadcast shape
-        [W]. The first is proportional to the mean TAC, the second does not depend on it.
-
-    References
-    ----------
-    [Lu2023]_ Eqs. (4), (5) and (7).
-    """
+    """Heat loss of a disk per relative temperature excess in the two limits [W]."""
+    # Source: [Lu2023]_ Eqs. (4), (5) and (7).
     stretch = 1.0 + 0.5 * reading.heat_weight * excess
     speed = gas.mean_speed(temperature) / jnp.sqrt(stretch)
     ratio = gas.heat_capacity_ratio_at(_mean_temperature(temperature, excess))
@@ -182,29 +143,11 @@ def creep_stiffness(
     temperature: Numeric,
     gas: AbstractGas,
 ) -> Array:
-    r"""Continuum force per relative temperature excess and TAC difference.
-
-    .. math:: \frac{F_\mathrm{cont}}{\Delta\alpha\,\theta} = 16\mu \cdot 6\kappa_s \frac\mu\rho
-        \cdot \frac{T_h\kappa}{r p\bar v}\cdot\frac{\gamma-1}{\gamma+1}\cdot\frac1{\bar\alpha}
-
-    Parameters
-    ----------
-    excess : array, shape (...)
-        Relative temperature excess [1].
-    creep_temperature : array, shape (...)
-        What the reading takes for :math:`T_h` [K].
-    radius, tac_mean, pressure, temperature, gas
-        As for :func:`heat_conductances`.
-
-    Returns
-    -------
-    array, broadcast shape
-        [N].
-
-    References
-    ----------
-    [Lu2023]_ Eq. (20), with the factor μ that its misprint lost.
-    """
+    r"""Continuum force per relative temperature excess and TAC difference [N]."""
+    # .. math:: \frac{F_\mathrm{cont}}{\Delta\alpha\,\theta} = 16\mu \cdot 6\kappa_s \frac\mu\rho
+    #     \cdot \frac{T_h\kappa}{r p\bar v}\cdot\frac{\gamma-1}{\gamma+1}\cdot\frac1{\bar\alpha}
+    #
+    # Source: [Lu2023]_ Eq. (20), with the factor μ that its misprint lost.
     mean = _mean_temperature(temperature, excess)
     viscosity = gas.viscosity(mean)
     kinematic = viscosity / gas.density(pressure, mean)

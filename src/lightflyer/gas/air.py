@@ -23,11 +23,9 @@ from lightflyer.program.entry_point import entry_point
 
 
 def _power(base: Numeric, exponent: float, unit: float = 1.0) -> Array:
-    """``(base / unit) ** exponent`` for positive bases.
-
-    Written so that the compiler shares one logarithm among the powers of a temperature and the
-    derivative reuses the value: powers are most of what a heat balance costs.
-    """
+    """``(base / unit) ** exponent`` for positive bases."""
+    # Written so that the compiler shares one logarithm among the powers of a temperature and the
+    # derivative reuses the value: powers are most of what a heat balance costs.
     return jnp.exp(exponent * (jnp.log(base) - math.log(unit)))
 
 

@@ -53,17 +53,7 @@ _MIDDLE, _DEGREE = 300.0, 12
 
 
 def reference_viscosity(temperature: np.ndarray) -> np.ndarray:
-    """Viscosity of dilute carbon dioxide as published [Pa s]; [LaeseckeMuzny2017]_ Eq. (4).
-
-    Parameters
-    ----------
-    temperature : array, shape (...)
-        [K].
-
-    Returns
-    -------
-    array, shape (...)
-    """
+    """Viscosity of dilute carbon dioxide as published [Pa s]; [LaeseckeMuzny2017]_ Eq. (4)."""
     a0, a1, a2, a3, a4, a5, a6 = _VISCOSITY
     cube_root, root = np.cbrt(temperature), np.sqrt(temperature)
     resistance = a0 + a1 * np.sqrt(cube_root) + a2 * np.exp(a3 * cube_root) + a6 * root
@@ -72,21 +62,8 @@ def reference_viscosity(temperature: np.ndarray) -> np.ndarray:
 
 
 def reference_heat_capacity(temperature: np.ndarray) -> np.ndarray:
-    """Isobaric heat capacity of the ideal gas over its gas constant as published [1].
-
-    Parameters
-    ----------
-    temperature : array, shape (...)
-        [K].
-
-    Returns
-    -------
-    array, shape (...)
-
-    References
-    ----------
-    [SpanWagner1996]_ Eq. (6.3).
-    """
+    """Isobaric heat capacity of the ideal gas over its gas constant as published [1]."""
+    # Source: [SpanWagner1996]_ Eq. (6.3).
     total = np.full_like(temperature, _RIGID)
     for weight, reduced in _VIBRATIONS:
         total = total + weight * vibration(temperature, reduced * _REDUCING_TEMPERATURE)
@@ -94,24 +71,9 @@ def reference_heat_capacity(temperature: np.ndarray) -> np.ndarray:
 
 
 def reference_conductivity(temperature: np.ndarray) -> np.ndarray:
-    r"""Thermal conductivity of dilute carbon dioxide [W/(m K)].
-
-    As published from 150 K. Below, where the published fit has no data and turns up, the Eucken
-    factor :math:`\kappa/(\mu c_v)` of 150 K is kept: between 150 K and 200 K it changes by 1 %.
-
-    Parameters
-    ----------
-    temperature : array, shape (...)
-        [K].
-
-    Returns
-    -------
-    array, shape (...)
-
-    References
-    ----------
-    [Huber2016]_ Eq. (3).
-    """
+    r"""Thermal conductivity of dilute carbon dioxide [W/(m K)]; [Huber2016]_ Eq. (3)."""
+    # As published from 150 K. Below, where the published fit has no data and turns up, the Eucken
+    # factor :math:`\kappa/(\mu c_v)` of 150 K is kept: between 150 K and 200 K it changes by 1 %.
     published = _published_conductivity(np.maximum(temperature, _COLDEST_CONDUCTIVITY))
     eucken = _viscous_conductivity(temperature) / _viscous_conductivity(
         np.maximum(temperature, _COLDEST_CONDUCTIVITY)

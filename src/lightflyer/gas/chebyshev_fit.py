@@ -11,25 +11,15 @@ from lightflyer.core.types import Numeric
 
 
 class ChebyshevFit(NamedTuple):
-    """Polynomial in T/(T + middle) that follows a formula.
+    """Polynomial in T/(T + middle) that follows a formula."""
 
-    The formulas have up to seven exponentials and powers; a heat balance, which evaluates them in
-    every step, would take a quarter longer.
+    # The formulas have up to seven exponentials and powers; a heat balance, which evaluates them in
+    # every step, would take a quarter longer.
 
-    Attributes
-    ----------
-    coefficients : array, shape (n,)
-        Highest power first.
-    coldest, hottest : float
-        Range of the formula [K].
-    middle : float
-        [K].
-    """
-
-    coefficients: np.ndarray
-    coldest: float
-    hottest: float
-    middle: float
+    coefficients: np.ndarray  # shape (n,); highest power first
+    coldest: float  # Range of the formula [K]
+    hottest: float  # Range of the formula [K]
+    middle: float  # [K]
 
     @classmethod
     def of(
@@ -39,22 +29,7 @@ class ChebyshevFit(NamedTuple):
         middle: float,
         degree: int,
     ) -> "ChebyshevFit":
-        """The polynomial through a formula at Chebyshev's points.
-
-        Parameters
-        ----------
-        formula : callable
-            Of temperatures [K].
-        ends : tuple of float
-            Range of the formula [K].
-        middle : float
-            [K].
-        degree : int
-
-        Returns
-        -------
-        ChebyshevFit
-        """
+        """The polynomial through a formula at Chebyshev's points; ``formula``: of temperatures."""
         domain = np.array(ends)
         fit = np.polynomial.Chebyshev.interpolate(
             lambda share: formula(middle * share / (1.0 - share)),

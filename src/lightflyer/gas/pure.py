@@ -169,31 +169,17 @@ ARGON = Argon()
 
 
 class McCarty(NamedTuple):
-    r"""Viscosity and conductivity by one function of temperature.
+    r"""Viscosity and conductivity by one function of temperature."""
 
-    .. math:: \frac\mu{\mu_1} = \frac\kappa{\kappa_1} = T^n \exp(A + B/T + C/T^2)
+    # .. math:: \frac\mu{\mu_1} = \frac\kappa{\kappa_1} = T^n \exp(A + B/T + C/T^2)
+    #
+    # Source: [McCarty1972]_ Eqs. (13) and (22).
 
-    Attributes
-    ----------
-    molar_mass : float
-        [kg/kmol].
-    of_viscosity, of_conductivity : float
-        :math:`\mu_1` [Pa s], :math:`\kappa_1` [W/(m K)].
-    exponent : float
-        :math:`n` [1].
-    terms : tuple of float
-        :math:`A` [1], :math:`B` [K], :math:`C` [K²].
-
-    References
-    ----------
-    [McCarty1972]_ Eqs. (13) and (22).
-    """
-
-    molar_mass: float
-    of_viscosity: float
+    molar_mass: float  # [kg/kmol]
+    of_viscosity: float  # :math:`\mu_1` [Pa s], :math:`\kappa_1` [W/(m K)]
     of_conductivity: float
-    exponent: float
-    terms: tuple[float, float, float]
+    exponent: float  # :math:`n` [1]
+    terms: tuple[float, float, float]  # :math:`A` [1], :math:`B` [K], :math:`C` [K²]
 
     def viscosity(self, temperature: np.ndarray) -> np.ndarray:
         """Dynamic viscosity as published [Pa s] at temperatures [K]."""

@@ -114,22 +114,8 @@ class AbstractReferenceGas(AbstractGas):
 
 
 def vibration(temperature: np.ndarray, characteristic: float) -> np.ndarray:
-    r"""Heat capacity of a harmonic oscillator over the gas constant.
-
-    .. math:: \left(\frac{u/2}{\sinh(u/2)}\right)^2, \qquad u = \frac\Theta T
-
-    Parameters
-    ----------
-    temperature : array, shape (...)
-        [K].
-    characteristic : float
-        :math:`\Theta` [K].
-
-    Returns
-    -------
-    array, shape (...)
-        [1].
-    """
+    r"""Heat capacity of a harmonic oscillator over the gas constant [1]."""
+    # .. math:: \left(\frac{u/2}{\sinh(u/2)}\right)^2, \qquad u = \frac\Theta T
     half = 0.5 * characteristic / temperature
     return (half / np.sinh(half)) ** 2
 

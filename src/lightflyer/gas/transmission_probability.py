@@ -10,39 +10,20 @@ from lightflyer.program.entry_point import entry_point
 
 
 class Transmission(NamedTuple):
-    """Shares of the molecules that enter a channel.
+    """Shares of the molecules that enter a channel."""
 
-    Attributes
-    ----------
-    through, back : array, shape (...)
-        That leave by the other end, and by the same; together one.
-    """
-
-    through: Array
+    through: Array  # That leave by the other end, and by the same; together one
     back: Array
 
 
 @entry_point
 def slot_transmission(length: Numeric) -> Transmission:
-    r"""Share of free molecules that pass a slot with diffuse walls.
-
-    .. math::
-        W = \frac{1 + s - l}{2} - \frac{\tfrac32\,(l - \operatorname{arsinh} l)^2}
-            {l^3 + 3l^2 + 4 - (l^2 + 4)\,s}, \qquad s = \sqrt{1 + l^2}
-
-    Parameters
-    ----------
-    length : array, shape (...)
-        :math:`l`, the slot's length over its width [1]; positive, to 10⁵.
-
-    Returns
-    -------
-    Transmission
-
-    References
-    ----------
-    [Berman1965]_; within 0.4 % of Clausing's integral equation for lengths up to 50.
-    """
+    r"""Share of free molecules that pass a slot with diffuse walls."""
+    # .. math::
+    #     W = \frac{1 + s - l}{2} - \frac{\tfrac32\,(l - \operatorname{arsinh} l)^2}
+    #         {l^3 + 3l^2 + 4 - (l^2 + 4)\,s}, \qquad s = \sqrt{1 + l^2}
+    #
+    # Source: [Berman1965]_; within 0.4 % of Clausing's integral equation for lengths up to 50.
     root = jnp.sqrt(1.0 + length**2)
     excess = length**2 / (root + 1.0)  # root − 1
     # shorter than this the second term is below the last digit of the first
@@ -59,23 +40,9 @@ def slot_transmission(length: Numeric) -> Transmission:
 
 @entry_point
 def coaxial_share(length: Numeric) -> Array:
-    r"""Share of diffuse straight paths out of a disc that meet an equal one opposite.
-
-    .. math:: 1 + l^2/2 - l\sqrt{1 + l^2/4}
-
-    Parameters
-    ----------
-    length : array, shape (...)
-        :math:`l`, distance of the discs over their radius [1].
-
-    Returns
-    -------
-    array, shape (...)
-        [1].
-
-    References
-    ----------
-    [HowellMenguc2020]_: coaxial discs.
-    """
+    r"""Share of diffuse straight paths out of a disc that meet an equal one opposite [1]."""
+    # .. math:: 1 + l^2/2 - l\sqrt{1 + l^2/4}
+    #
+    # Source: [HowellMenguc2020]_: coaxial discs.
     half = 0.5 * length
     return 1.0 / (jnp.sqrt(1.0 + half**2) + half) ** 2  # without cancellation

@@ -13,27 +13,14 @@ from lightflyer.core.errors import ParameterError
 
 @dataclass(frozen=True)
 class GasModel:
-    """Constants of a model gas.
-
-    Attributes
-    ----------
-    name : str
-    translational_rate : float
-        Relaxation rate of the translational heat flux [p/μ].
-    rotational_rate : float
-        Relaxation rate of the rotational heat flux [p/μ]; 0 without rotation.
-    exchange_rate : float
-        Rate at which translational and rotational energy equilibrate, 1/Z [p/μ]; 0 without
-        rotation.
-    viscosity_exponent : float
-        ω of μ ∝ T^ω.
-    """
+    """Constants of a model gas."""
 
     name: str
-    translational_rate: float
-    rotational_rate: float
+    translational_rate: float  # Relaxation rate of the translational heat flux [p/μ]
+    rotational_rate: float  # Relaxation rate of the rotational heat flux [p/μ]; 0 without rotation
+    # Rate at which translational and rotational energy equilibrate, 1/Z [p/μ]; 0 without rotation
     exchange_rate: float
-    viscosity_exponent: float
+    viscosity_exponent: float  # ω of μ ∝ T^ω
 
     @property
     def has_rotation(self) -> bool:
@@ -73,13 +60,7 @@ _MODELS = {model.name: model for model in (MONATOMIC, DIATOMIC)}
 
 
 def gas_model(name: str) -> GasModel:
-    """Model gas by name.
-
-    Raises
-    ------
-    ParameterError
-        If the name is unknown.
-    """
+    """Model gas by name."""
     try:
         return _MODELS[name]
     except KeyError:

@@ -18,40 +18,22 @@ KNUDSEN_RANGE = (0.004, 100.0)
 
 @dataclass(frozen=True)
 class MovedDisk:
-    r"""Walls of a moving disk.
+    r"""Walls of a moving disk."""
 
-    Attributes
-    ----------
-    tac : tuple of float
-        Accommodation coefficient of the leading and the trailing face, as for :func:`solve_moving`.
-    open_fraction : float
-        Share of the molecules arriving at a face that pass to its other side.
-    wall : {"maxwell", "accommodated"}
-    """
-
+    # Accommodation coefficient of the leading and the trailing face, as for :func:`solve_moving`
     tac: tuple[float, float]
+    # Share of the molecules arriving at a face that pass to its other side
     open_fraction: float = 0.0
     wall: Wall = "maxwell"
 
     def free_molecular_drag(self, rotation: bool) -> float:
-        r"""Drag without collisions, :math:`F/(pAs)`.
-
-        .. math::
-            \frac{1-\beta}{\sqrt\pi}\,\left[4\,(2-\bar\alpha) + \pi\,\bar\alpha\right], \qquad
-            \frac{1-\beta}{\sqrt\pi}\,\left[4 + \pi + \frac{\pi}{8k}(1-\bar\alpha)\right]
-
-        at Maxwell walls and at those from which all molecules leave at one temperature, with
-        :math:`k = 1`, or 3/2 with rotation.
-
-        Parameters
-        ----------
-        rotation : bool
-            Whether molecules carry rotational energy; without effect at Maxwell walls.
-
-        Returns
-        -------
-        float
-        """
+        r"""Drag without collisions, :math:`F/(pAs)`."""
+        # .. math::
+        #     \frac{1-\beta}{\sqrt\pi}\,\left[4\,(2-\bar\alpha) + \pi\,\bar\alpha\right], \qquad
+        #     \frac{1-\beta}{\sqrt\pi}\,\left[4 + \pi + \frac{\pi}{8k}(1-\bar\alpha)\right]
+        #
+        # at Maxwell walls and at those from which all molecules leave at one temperature, with
+        # :math:`k = 1`, or 3/2 with rotation.
         mean = 0.5 * sum(self.tac)
         if self.wall == "accommodated":
             kept = np.pi / 8.0 * (1.0 - mean) / (1.5 if rotation else 1.0)
@@ -63,22 +45,12 @@ class MovedDisk:
 
 @dataclass(frozen=True)
 class MovingOutcome:
-    """A moving disk solved on one mesh.
+    """A moving disk solved on one mesh."""
 
-    Attributes
-    ----------
-    drag : float
-        :math:`F/(pAs)`.
-    heat : tuple of float
-        Heat out of the leading and the trailing face [p √(2RT) A s].
-    iterations : int
-    fields : array, shape (2, n, 6 or 9)
-        At the nodes of the upper and the mirrored lower half.
-    """
-
-    drag: float
-    heat: tuple[float, float]
+    drag: float  # :math:`F/(pAs)`
+    heat: tuple[float, float]  # Heat out of the leading and the trailing face [p √(2RT) A s]
     iterations: int
+    # shape (2, n, 6 or 9); at the nodes of the upper and the mirrored lower half
     fields: np.ndarray = field(repr=False)
 
 
@@ -204,20 +176,7 @@ def solve_moving(
 def moving_outcomes(
     rarefaction: float, level: Any, cases: Sequence[tuple[GasModel, MovedDisk]]
 ) -> list[MovingOutcome]:
-    """Solve for several gases and disks on one mesh, whose rays are traced once.
-
-    Parameters
-    ----------
-    rarefaction : float
-        δ = √π/(4 Kn).
-    level : Resolution
-    cases : sequence of (GasModel, MovedDisk)
-        One factorisation serves neighbours of the same gas.
-
-    Returns
-    -------
-    list of MovingOutcome
-    """
+    """Solve for several gases and disks on one mesh, whose rays are traced once."""
     from lightflyer.kinetic.disk.linear import LinearSystem, Walls, face_result
     from lightflyer.kinetic.disk.operators import assemble
 

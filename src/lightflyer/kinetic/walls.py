@@ -13,21 +13,7 @@ WALLS: dict[Wall, str] = {"maxwell": "Maxwell walls", "accommodated": "accommoda
 
 
 def require_wall(wall: str) -> Wall:
-    """Raise unless the solver knows a wall.
-
-    Parameters
-    ----------
-    wall : str
-
-    Returns
-    -------
-    {"maxwell", "accommodated"}
-
-    Raises
-    ------
-    ParameterError
-        Naming the walls that it knows.
-    """
+    """Raise unless the solver knows a wall."""
     for name in WALLS:
         if wall == name:
             return name

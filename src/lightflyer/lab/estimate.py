@@ -113,35 +113,13 @@ class Estimate:
 
 
 def central_interval(draws: np.ndarray, axis: int = -1) -> np.ndarray:
-    """Central 95 % interval of draws.
-
-    Parameters
-    ----------
-    draws : array
-    axis : int
-        Axis of the draws.
-
-    Returns
-    -------
-    array, shape (2, ...)
-        Lower and upper ends.
-    """
+    """Central 95 % interval of draws, shape (2, ...); lower and upper ends."""
     tail = 0.5 * (1.0 - CONFIDENCE)
     return np.asarray(np.quantile(draws, [tail, 1.0 - tail], axis=axis))
 
 
 def student_factor(freedom: float) -> float:
-    """Half width of the 95 % interval over the standard uncertainty.
-
-    Parameters
-    ----------
-    freedom : float
-        Degrees of freedom of the uncertainty; infinite for a normal distribution.
-
-    Returns
-    -------
-    float
-    """
+    """Half width of the 95 % interval over the standard uncertainty."""
     return float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, freedom))
 
 

@@ -12,16 +12,6 @@ if TYPE_CHECKING:
 def joint_warnings(found: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
     """Warnings of several files.
 
-    Parameters
-    ----------
-    found : sequence of (str, sequence of str)
-        Name and warnings of each file; an empty name where the warnings say it themselves.
-
-    Returns
-    -------
-    list of str
-        Those of one file with its name before them where there are more files, then those of all.
-
     Examples
     --------
     >>> joint_warnings([("a.csv", ["no accuracy"]), ("b.csv", ["no accuracy", "skewed"])])
@@ -45,25 +35,7 @@ def dataset(
     warnings: Sequence[str] = (),
     **attributes: Any,
 ) -> "xr.Dataset":
-    """Dataset with its title, its input files and the package's version.
-
-    Parameters
-    ----------
-    title : str
-        Name of the measurement.
-    variables : mapping
-        Variables of a :class:`xarray.Dataset`, each with ``units`` and ``long_name``.
-    files : sequence of str
-        Names of the files read.
-    warnings : sequence of str
-        What a reader of the result must know, one line each.
-    **attributes
-        Further attributes.
-
-    Returns
-    -------
-    xarray.Dataset
-    """
+    """Dataset with its title, its input files and the package's version."""
     import xarray as xr
 
     return xr.Dataset(

@@ -38,30 +38,13 @@ _MEDIAN_OF_SQUARE = float(special.chdtri(1, 0.5))  # of a standard normal variab
 
 
 def noise_density(value: np.ndarray) -> np.ndarray:
-    """Noise density at zero frequency, at each point of a spectrum.
-
-    Parameters
-    ----------
-    value : array, shape (n,)
-        Ordinates in order, at about equal distances [1].
-
-    Returns
-    -------
-    array, shape (n,)
-        Variance that each point contributes to a mean with smooth weights [1]: the mean's variance
-        is the sum of squared weights times this.
-
-    Notes
-    -----
-    Below :data:`LEAST_POINTS` points errors are taken as independent. Structure of the film finer
-    than some ten points counts as noise, so the density is then too large. A triangular apodisation
-    makes the noise of a mean 15 % too small, the other usual ones a few per cent.
-
-    References
-    ----------
-    [Welch1967]_ for densities from segments; [Griffiths2007]_ ch. 2 for apodisation and zero
-    filling.
-    """
+    """Noise density at zero frequency, at each point of a spectrum [1], shape (n,)."""
+    # Below :data:`LEAST_POINTS` points errors are taken as independent. Structure of the film finer
+    # than some ten points counts as noise, so the density is then too large. A triangular
+    # apodisation makes the noise of a mean 15 % too small, the other usual ones a few per cent.
+    #
+    # Source: [Welch1967]_ for densities from segments; [Griffiths2007]_ ch. 2 for apodisation and
+    # zero filling.
     if len(value) < 3:
         return np.zeros(len(value))
     if len(value) < LEAST_POINTS:
@@ -71,18 +54,7 @@ def noise_density(value: np.ndarray) -> np.ndarray:
 
 
 def point_noise(value: np.ndarray) -> float:
-    """Standard deviation of the noise of single points, roughly.
-
-    Parameters
-    ----------
-    value : array, shape (n,)
-        [1].
-
-    Returns
-    -------
-    float
-        [1]; the largest that differences over one to eight points show.
-    """
+    """Standard deviation of the noise of single points, roughly [1]; ``value`` (n,)."""
     lags = [lag for lag in _POINT_LAGS if 2 * lag < len(value)]
     return float(np.sqrt(max((_bend_variance(value, lag) for lag in lags), default=0.0)))
 

@@ -62,25 +62,12 @@ class Ensemble(Checked):
 
 
 class Flights(eqx.Module):
-    """Flights that are computed together.
+    """Flights that are computed together."""
 
-    Attributes
-    ----------
-    setup : Setup
-        Numbers that are the same in all flights; None in place of the others.
-    varied : Setup
-        The others, each with a leading axis.
-    starts : Start
-        Numbers have a leading axis.
-    wind_errors : WindError or None
-        Fields have a leading axis.
-    rule : AbstractAttitudeRule
-    """
-
-    setup: Setup
-    varied: Setup
-    starts: Start
-    wind_errors: WindError | None
+    setup: Setup  # Numbers that are the same in all flights; None in place of the others
+    varied: Setup  # The others, each with a leading axis
+    starts: Start  # Numbers have a leading axis
+    wind_errors: WindError | None  # Fields have a leading axis
     rule: AbstractAttitudeRule
 
     @property
@@ -96,23 +83,7 @@ def flights_of(
     ensemble: Ensemble | None = None,
     delays: Sequence[float] = (),
 ) -> Flights:
-    """The flyer as it is stated, the members of an ensemble, and further launches.
-
-    Parameters
-    ----------
-    design : AbstractDesign
-    rule : AbstractAttitudeRule
-    start : Start
-        Of one flyer.
-    ensemble : Ensemble, optional
-    delays : sequence of float
-        Times of the launches after the start [s].
-
-    Returns
-    -------
-    Flights
-        In this order. The launches are those of the flyer as it is stated.
-    """
+    """The flyer as it is stated, the members of an ensemble, and further launches."""
     setup, varied = _separated(design, ensemble, len(delays))
     radius = float(planet_of(design.setup.environment).radius)
     starts = _starts(start, ensemble, delays, radius)
@@ -206,21 +177,7 @@ _tracks = entry_point(_integrate, way="xla")  # thousands of steps one after the
 
 
 def fly_all(flights: Flights, limits: Limits, elapsed: np.ndarray, accuracy: Accuracy) -> Track:
-    """Trajectories of flights.
-
-    Parameters
-    ----------
-    flights : Flights
-    limits : Limits
-    elapsed : array, shape (times,)
-        Times to keep [s].
-    accuracy : Accuracy
-
-    Returns
-    -------
-    Track
-        Fields have a leading axis of length ``flights.count``.
-    """
+    """Trajectories of flights; ``elapsed`` (times,); ``elapsed``: times to keep."""
     size = min(BATCH, flights.count)
     starts = range(0, flights.count, size)
     found: list[Track] = []

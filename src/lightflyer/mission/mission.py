@@ -244,27 +244,7 @@ class _Plan:
 
 
 def times_of(duration: Any, every: Any = None, *, several: bool = False) -> np.ndarray:
-    """Times that a mission keeps.
-
-    Parameters
-    ----------
-    duration : float or str
-        [s], or a text such as ``"36 h"``.
-    every : float or str, optional
-        Time between them.
-    several : bool
-        Whether there are many flights to keep.
-
-    Returns
-    -------
-    array, shape (times,)
-        From zero to the duration, evenly spaced [s].
-
-    Raises
-    ------
-    ParameterError
-        If a time is not positive.
-    """
+    """Times that a mission keeps [s], shape (times,); from zero to the duration, evenly spaced."""
     length = _seconds("duration", duration)
     if every is None:
         spacing = max(_SHORTEST, length / (MOST_TIMES_OF_ENSEMBLE if several else MOST_TIMES))

@@ -46,16 +46,9 @@ class _MissionPart(Section):
 
 @dataclass(frozen=True)
 class MissionFile:
-    """A mission file.
+    """A mission file."""
 
-    Attributes
-    ----------
-    design : FileDesign
-        Flyer, environment and force model.
-    mission : MissionSection
-    """
-
-    design: FileDesign
+    design: FileDesign  # Flyer, environment and force model
     mission: MissionSection
 
     def arguments(self) -> dict[str, Any]:
@@ -85,23 +78,7 @@ def read_mission_file(path: str | Path) -> MissionFile:
 
 
 def mission_of_text(text: str, path: Path) -> MissionFile:
-    """What the text of a mission file describes.
-
-    Parameters
-    ----------
-    text : str
-    path : Path
-        Where the text is from, for messages and for files that it names.
-
-    Returns
-    -------
-    MissionFile
-
-    Raises
-    ------
-    ConfigurationError
-        As from :func:`read_mission_file`.
-    """
+    """What the text of a mission file describes."""
     document = parsed(text, path, MISSION_FILE)
     rest = {name: content for name, content in document.items() if name != _MISSION}
     part = {name: content for name, content in document.items() if name == _MISSION}

@@ -9,26 +9,7 @@ import numpy as np
 
 
 def in_batches(function: Callable[..., Any], arrays: Sequence[Any], size: int) -> Any:
-    """Apply a function to arrays of any length, in batches of one length.
-
-    A compiled function is compiled anew for every length of its arguments. Here it only ever
-    meets one, which also keeps its temporary arrays small.
-
-    Parameters
-    ----------
-    function : callable
-        Takes as many arrays as there are ``arrays``, of leading length ``size``, and returns any
-        tree of arrays with that leading length, row by row, and of scalars.
-    arrays : sequence of array, shape (n, ...) or ()
-        At least one has a leading axis, and n is at least one. The last batch is filled up with
-        copies of the last row. Scalars go into every batch.
-    size : int
-        Length of a batch.
-
-    Returns
-    -------
-    tree of array, shape (n, ...) or ()
-        As from ``function``, in NumPy.
+    """Apply a function to arrays of any length, in batches of one length, shape (n, ...).
 
     Examples
     --------
@@ -36,6 +17,8 @@ def in_batches(function: Callable[..., Any], arrays: Sequence[Any], size: int) -
     >>> table["product"]
     array([0., 2., 4., 6., 8.])
     """
+    # A compiled function is compiled anew for every length of its arguments. Here it only ever
+    # meets one, which also keeps its temporary arrays small.
     count = max(len(array) for array in arrays if np.ndim(array))
     batches = _batches(arrays, count, size)
     running = function(*next(batches))

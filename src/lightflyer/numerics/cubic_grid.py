@@ -14,32 +14,18 @@ _PARABOLA = 3  # nodes that make one
 
 
 class Axis(eqx.Module):
-    """Nodes along one dimension of a table, and the cubic Hermite pieces between them.
+    """Nodes along one dimension of a table, and the cubic Hermite pieces between them."""
 
-    The slope at a node is that of the parabola through it and its two neighbours; at an end of
-    the axis, of the parabola through the last three nodes. Three nodes make one parabola, two a
-    line, one a constant.
+    # The slope at a node is that of the parabola through it and its two neighbours; at an end of
+    # the axis, of the parabola through the last three nodes. Three nodes make one parabola, two a
+    # line, one a constant.
 
-    Parameters
-    ----------
-    nodes : array, shape (n,)
-        Increasing.
-    period : float, optional
-        Length after which the axis repeats itself; at least three nodes.
-
-    Attributes
-    ----------
-    nodes : array, shape (n,)
-    first : array, shape (pieces,)
-        First of the nodes that a piece looks at; on an axis with a period, the next after the
-        last is the first again.
-    powers : array, shape (pieces, window, 4)
-        Weight of each of these nodes, in powers of the position within the piece, 0 to 1.
-    period : float or None
-    """
-
-    nodes: Any
+    nodes: Any  # shape (n,)
+    # shape (pieces,); first of the nodes that a piece looks at; on an axis with a period, the next
+    # after the last is the first again
     first: Any
+    # shape (pieces, window, 4); weight of each of these nodes, in powers of the position within the
+    # piece, 0 to 1
     powers: Any
     period: float | None = eqx.field(static=True)
 
@@ -58,18 +44,7 @@ class Axis(eqx.Module):
         self.nodes, self.first, self.powers, self.period = nodes, first, powers, period
 
     def weights(self, x: Any) -> tuple[Array, Array]:
-        """Nodes that count at a position, and by how much.
-
-        Parameters
-        ----------
-        x : array, shape (...)
-            Beyond the ends of an axis without a period the outer pieces continue.
-
-        Returns
-        -------
-        index : array of int, shape (..., window)
-        weight : array, shape (..., window)
-        """
+        """Nodes that count at a position, and by how much; returns ``index``, ``weight``."""
         nodes, powers = jnp.asarray(self.nodes), jnp.asarray(self.powers)
         if self.period is not None:
             x = nodes[0] + jnp.mod(x - nodes[0], self.period)
@@ -116,20 +91,7 @@ def _slope(nodes: np.ndarray, at: int) -> np.ndarray:
 
 
 def interpolate(table: Any, axes: Sequence[Axis], position: Sequence[Any]) -> Array:
-    """Value of a table between its nodes, once continuously differentiable.
-
-    Parameters
-    ----------
-    table : array, shape (n1, ..., nk, ...)
-        One dimension for each axis; further ones hold several quantities at once.
-    axes : sequence of Axis
-    position : sequence of array, shape (...)
-        Coordinate along each axis; they broadcast.
-
-    Returns
-    -------
-    array, shape (..., ...)
-        Beyond an axis the outer pieces continue.
+    """Value of a table between its nodes, once continuously differentiable, shape (..., ...).
 
     Examples
     --------

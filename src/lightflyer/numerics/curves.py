@@ -11,39 +11,20 @@ from lightflyer.core.types import Numeric
 
 @dataclass(frozen=True)
 class Curves:
-    """Several cubic splines with the same knots, level at both ends and beyond.
+    """Several cubic splines with the same knots, level at both ends and beyond."""
 
-    They are sums of cubes, which vectorise; looking up pieces in a table takes longer.
-
-    Attributes
-    ----------
-    knots : tuple of float
-    constants, squares : tuple of float
-        Value and half the second derivative at the first knot, one for each curve.
-    cubes : tuple of tuple of float
-        A sixth of the jumps of the third derivative at all knots but the last, for each curve.
-    """
+    # They are sums of cubes, which vectorise; looking up pieces in a table takes longer.
 
     knots: tuple[float, ...]
+    # Value and half the second derivative at the first knot, one for each curve
     constants: tuple[float, ...]
     squares: tuple[float, ...]
+    # A sixth of the jumps of the third derivative at all knots but the last, for each curve
     cubes: tuple[tuple[float, ...], ...]
 
     @classmethod
     def through(cls, knots: np.ndarray, values: np.ndarray) -> "Curves":
-        """Splines with two continuous derivatives, and none at the ends.
-
-        Parameters
-        ----------
-        knots : array, shape (n,)
-            Increasing.
-        values : array, shape (n, m)
-            One column for each curve.
-
-        Returns
-        -------
-        Curves
-        """
+        """Splines with two continuous derivatives, and none at the ends; ``knots`` (n,)."""
         width, secant = np.diff(knots), np.diff(values, axis=0) / np.diff(knots)[:, None]
         matrix = np.diag(np.concatenate([[width[0]], width[:-1] + width[1:], [width[-1]]]) / 3.0)
         matrix += np.diag(width / 6.0, 1) + np.diag(width / 6.0, -1)

@@ -11,28 +11,7 @@ Matrix: TypeAlias = Sequence[Vector]
 
 
 def solve_linear(matrix: Matrix, vector: Vector) -> tuple[Array, ...]:
-    """Solve linear systems, element by element.
-
-    The solution is written out in array operations, which XLA fuses with what stands around
-    them: a call to LAPACK for every small matrix would take longer than all else together.
-
-    Parameters
-    ----------
-    matrix : n sequences of n arrays, shape (...)
-        Rows of the matrices.
-    vector : n arrays, shape (...)
-        Right-hand sides.
-
-    Returns
-    -------
-    n arrays, shape (...)
-        Solutions; not finite where a matrix is singular.
-
-    Notes
-    -----
-    Cramer's rule for two unknowns, which loses no accuracy there and is half
-    the work; else Gaussian elimination with partial pivoting. Differentiable where the matrix is
-    regular.
+    """Solve linear systems, element by element; ``matrix``: rows of the matrices.
 
     Examples
     --------
@@ -41,6 +20,11 @@ def solve_linear(matrix: Matrix, vector: Vector) -> tuple[Array, ...]:
     >>> print(x, y)
     [3. 4.] [2. 1.]
     """
+    # The solution is written out in array operations, which XLA fuses with what stands around them:
+    # a call to LAPACK for every small matrix would take longer than all else together.
+    #
+    # Cramer's rule for two unknowns, which loses no accuracy there and is half the work; else
+    # Gaussian elimination with partial pivoting. Differentiable where the matrix is regular.
     return _by_cramer(matrix, vector) if len(vector) == 2 else _by_elimination(matrix, vector)
 
 

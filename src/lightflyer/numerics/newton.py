@@ -59,10 +59,8 @@ class _Newton(eqx.Module):
 
 
 def _newton(function: Callable[[Unknowns], Unknowns], point: Unknowns) -> _Newton:
-    """Newton's step, with the Jacobian taken one unknown at a time.
-
-    What does not depend on an unknown is then no work.
-    """
+    """Newton's step, with the Jacobian taken one unknown at a time."""
+    # What does not depend on an unknown is then no work.
     value: Unknowns = ()
     columns = []
     for index, entry in enumerate(point):
@@ -95,42 +93,25 @@ class _State(eqx.Module):
 
 @dataclass(frozen=True)
 class SafeNewton:
-    """Newton's method in every element, and from the start again, carefully, where that fails.
+    """Newton's method in every element, and from the start again, carefully, where that fails."""
 
-    The first search only keeps above the lower bounds: it is fast, but may diverge. Where its next
-    point would not be finite, or it has not ended after :attr:`plain_steps`, the search begins anew
-    with steps that are shortened until they reduce the residual. There each equation is measured by
-    the sum of what its terms would change if every unknown changed by itself and by its step, so
-    that neither the equations' scale nor that of the unknowns matters.
+    # The first search only keeps above the lower bounds: it is fast, but may diverge. Where its
+    # next point would not be finite, or it has not ended after :attr:`plain_steps`, the search
+    # begins anew with steps that are shortened until they reduce the residual. There each equation
+    # is measured by the sum of what its terms would change if every unknown changed by itself and
+    # by its step, so that neither the equations' scale nor that of the unknowns matters.
+    #
+    # Both are one loop because a function takes longer to compile than the rules around it to run.
 
-    Both are one loop because a function takes longer to compile than the rules around it to run.
-
-    Attributes
-    ----------
-    lower : tuple of n float
-        Bounds that the unknowns never reach.
-    tolerance : float
-        Largest residual at a root.
-    plain_steps, careful_steps : int
-        Bounds on the steps of each search.
-    """
-
-    lower: tuple[float, ...]
-    tolerance: float = RELATIVE_TOLERANCE
-    plain_steps: int = 30
-    careful_steps: int = MAXIMUM_STEPS
+    lower: tuple[float, ...]  # Bounds that the unknowns never reach
+    tolerance: float = RELATIVE_TOLERANCE  # Largest residual at a root
+    plain_steps: int = 30  # Bounds on the steps of each search
+    careful_steps: int = MAXIMUM_STEPS  # Bounds on the steps of each search
 
     def search(
         self, function: Callable[[Unknowns], Unknowns], start: Unknowns
     ) -> tuple[Unknowns, RootStatus]:
-        """Roots of all elements, or the best points of those that have not ended.
-
-        Parameters
-        ----------
-        function : callable
-            From n arrays to as many, element by element.
-        start : tuple of n arrays, shape (...)
-        """
+        """Roots of all elements, or the best points of those that have not ended."""
         scale = tuple(jnp.ones_like(entry) for entry in start)
         state = _State(
             start=start,
@@ -185,11 +166,9 @@ class SafeNewton:
     def _plain(
         self, newton: _Newton, point: Unknowns, state: _State
     ) -> tuple[Unknowns, Array, Array]:
-        """Where the first search goes, what it has come to, and whether it fails.
-
-        A point that is not finite at the very first step ends an element: no method could do
-        better.
-        """
+        """Where the first search goes, what it has come to, and whether it fails."""
+        # A point that is not finite at the very first step ends an element: no method could do
+        # better.
         target = tuple(
             old + jnp.maximum(change, _LARGEST_LOSS * (bound - old))
             for old, change, bound in zip(point, newton.step, self.lower, strict=True)

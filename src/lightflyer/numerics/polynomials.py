@@ -30,12 +30,10 @@ def polynomial(coefficients: Any, *variables: Any) -> Any:
 
 
 def held_within(value: Any, low: float, high: float) -> Any:
-    """A value within two ends, and a little beyond the nearer one where it lies outside.
-
-    The corners are round: a kink would stop Newton's method where a solution lies at it. Up to the
-    ends the value is itself. Twice differentiable, without transcendental functions, which would
-    cost more than all else in a heat balance.
-    """
+    """A value within two ends, and a little beyond the nearer one where it lies outside."""
+    # The corners are round: a kink would stop Newton's method where a solution lies at it. Up to
+    # the ends the value is itself. Twice differentiable, without transcendental functions, which
+    # would cost more than all else in a heat balance.
     return (
         low
         - _MARGIN
@@ -85,18 +83,7 @@ def trimmed(coefficients: Any) -> Any:
 
 
 def error_fit(bounds: np.ndarray, position: np.ndarray) -> Any:
-    """Logarithm of the largest relative standard error at each place, smoothed.
-
-    Parameters
-    ----------
-    bounds, position : array, shape (n,)
-        Relative 95 % bounds and where they are.
-
-    Returns
-    -------
-    tuple of float
-        Coefficients of a polynomial in the position.
-    """
+    """Logarithm of the largest relative standard error at each place, smoothed."""
     places = np.unique(position)
     largest = np.array([bounds[position == place].max() for place in places])
     return least_squares(np.log(largest / NORMAL_HALF_WIDTH_95), (places,), _ERROR_POWERS)

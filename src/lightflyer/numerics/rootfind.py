@@ -51,10 +51,6 @@ class Ending(enum.IntEnum):
     def describe(self) -> str:
         """Phrase for messages.
 
-        Returns
-        -------
-        str
-
         Examples
         --------
         >>> Ending.STEP_LIMIT.describe()
@@ -74,17 +70,7 @@ _REASONS = {
 
 
 def describe_endings(endings: ArrayLike) -> str:
-    """Why searches ended, in words.
-
-    Parameters
-    ----------
-    endings : int array
-        Values of :class:`Ending`.
-
-    Returns
-    -------
-    str
-        Each reason once, the commonest first, with its number if there are several.
+    """Why searches ended, in words; ``endings``: values of :class:`Ending`.
 
     Examples
     --------
@@ -101,18 +87,10 @@ def describe_endings(endings: ArrayLike) -> str:
 
 
 class RootStatus(eqx.Module):
-    """Result of a root-find, element by element.
+    """Result of a root-find, element by element."""
 
-    Attributes
-    ----------
-    ending : int array
-        Why it ended, values of :class:`Ending`.
-    steps : int
-        Steps taken by the slowest element.
-    """
-
-    ending: Array
-    steps: Array
+    ending: Array  # Why it ended, values of :class:`Ending`
+    steps: Array  # Steps taken by the slowest element
 
     @property
     def converged(self) -> Array:
@@ -121,22 +99,13 @@ class RootStatus(eqx.Module):
 
 
 class BracketSearch(eqx.Module):
-    """Where every element of a bracketed search stands.
+    """Where every element of a bracketed search stands."""
 
-    Attributes
-    ----------
-    point : array, shape (...)
-        To be looked at next.
-    lower, upper, last_step : array, shape (...)
-    active : bool array, shape (...)
-        False where the point is the root.
-    """
-
-    point: Array
+    point: Array  # To be looked at next
     lower: Array
     upper: Array
     last_step: Array
-    active: Array
+    active: Array  # False where the point is the root
 
     @classmethod
     def within(cls, lower: Array, upper: Array, guess: Array) -> "BracketSearch":
@@ -165,20 +134,7 @@ class BracketSearch(eqx.Module):
         middle: Callable[[Array, Array], Array],
         tolerance: float = RELATIVE_TOLERANCE,
     ) -> "BracketSearch":
-        """The search after a look at its point.
-
-        Parameters
-        ----------
-        value, newton : array, shape (...)
-            Residual at the point, and where Newton would go.
-        middle : callable
-            Of two arrays: where to bisect.
-        tolerance : float
-
-        Returns
-        -------
-        BracketSearch
-        """
+        """The search after a look at its point; ``middle``: of two arrays: where to bisect."""
         lower = jnp.where(value < 0, self.point, self.lower)
         upper = jnp.where(value > 0, self.point, self.upper)
         resolution = ROUNDING * (jnp.abs(lower) + jnp.abs(upper))
@@ -206,36 +162,13 @@ def bracketed_newton(
     guess: Array,
     tolerance: float = RELATIVE_TOLERANCE,
 ) -> tuple[Array, RootStatus]:
-    r"""Find the root of an increasing function in a bracket, element by element.
-
-    Newton steps that leave the bracket, or that shrink by less than half, are replaced by
-    bisection (the safeguard of [Press2007]_ ch. 9.4), so it cannot diverge or stall.
-
-    Parameters
-    ----------
-    residual : callable
-        Increasing function of one array, elementwise, scaled to order one.
-    lower, upper : array, shape (...)
-        Bracket: ``residual(lower) <= 0 <= residual(upper)``; the ends are never evaluated.
-    guess : array, shape (...)
-        First point, clipped into the bracket.
-    tolerance : float
-        An element is done when ``abs(residual) <= tolerance``, after a Newton step so small
-        that the next residual must be, or when no number is left in its bracket.
-
-    Returns
-    -------
-    root : array, shape (...)
-    status : RootStatus
-
-    Notes
-    -----
-    Not differentiable by itself: use :func:`implicit_root`.
-
-    References
-    ----------
-    [Press2007]_ ch. 9.4.
-    """
+    r"""Find the root of an increasing function in a bracket, element by element."""
+    # Newton steps that leave the bracket, or that shrink by less than half, are replaced by
+    # bisection (the safeguard of [Press2007]_ ch. 9.4), so it cannot diverge or stall.
+    #
+    # Not differentiable by itself: use :func:`implicit_root`.
+    #
+    # Source: [Press2007]_ ch. 9.4.
 
     def look(point: Array) -> tuple[Array, Array]:
         value, slope = _with_slope(residual, point)
@@ -252,40 +185,18 @@ def bracketed_power_newton(
     guess: Array,
     tolerance: float = RELATIVE_TOLERANCE,
 ) -> tuple[Array, RootStatus]:
-    r"""Find where a positive, increasing function of a positive unknown reaches a target.
-
-    For functions that are nearly power laws, :math:`f \propto x^s`, over many decades: Newton's
-    step is taken in logarithms, :math:`x \leftarrow x\,(f/f_0)^{-1/s}`, with the local exponent
-    :math:`s = x f'/f`. The power is replaced by its Padé approximant about one, which is exact to
-    second order and needs neither logarithm nor exponential. Bisection is geometric.
-
-    A function that grows less than linearly may be saturating, :math:`f = ax/(1 + bx)`, as the
-    force on a hot flyer is. A power would lead much too far there. The step is taken in
-    reciprocals, where such a function is a straight line:
-    :math:`x \leftarrow x/[1 + (f/f_0 - 1)/s]`.
-
-    Parameters
-    ----------
-    function : callable
-        Increasing positive function of one array, elementwise.
-    target : array, shape (...)
-        Positive.
-    lower, upper : array, shape (...)
-        Positive bracket of the root; the ends are never evaluated.
-    guess : array, shape (...)
-        First point, clipped into the bracket.
-    tolerance : float
-        On ``abs(function / target - 1)``; see :func:`bracketed_newton`.
-
-    Returns
-    -------
-    root : array, shape (...)
-    status : RootStatus
-
-    Notes
-    -----
-    Not differentiable by itself: use :func:`implicit_root`.
-    """
+    r"""Find where a positive, increasing function of a positive unknown reaches a target."""
+    # For functions that are nearly power laws, :math:`f \propto x^s`, over many decades: Newton's
+    # step is taken in logarithms, :math:`x \leftarrow x\,(f/f_0)^{-1/s}`, with the local exponent
+    # :math:`s = x f'/f`. The power is replaced by its Padé approximant about one, which is exact to
+    # second order and needs neither logarithm nor exponential. Bisection is geometric.
+    #
+    # A function that grows less than linearly may be saturating, :math:`f = ax/(1 + bx)`, as the
+    # force on a hot flyer is. A power would lead much too far there. The step is taken in
+    # reciprocals, where such a function is a straight line: :math:`x \leftarrow x/[1 + (f/f_0 -
+    # 1)/s]`.
+    #
+    # Not differentiable by itself: use :func:`implicit_root`.
 
     def look(point: Array) -> tuple[Array, Array]:
         return power_step(*_with_slope(function, point), point, target)
@@ -294,19 +205,7 @@ def bracketed_power_newton(
 
 
 def power_step(value: Array, slope: Array, point: Array, target: Array) -> tuple[Array, Array]:
-    """Residual of a function that is nearly a power law, and where Newton goes.
-
-    Parameters
-    ----------
-    value, slope : array, shape (...)
-        Of the function.
-    point, target : array, shape (...)
-
-    Returns
-    -------
-    residual, newton : array, shape (...)
-        See :func:`bracketed_power_newton`.
-    """
+    """Residual of a function that is nearly a power law, and where Newton goes."""
     ratio, inverse_exponent = value / target, value / (point * slope)
     low, high = jnp.minimum(inverse_exponent, 1.0), jnp.maximum(inverse_exponent, 1.0)
     rise = inverse_exponent + high
@@ -351,25 +250,7 @@ def implicit_root(
     solve: Callable[[], tuple[Array, RootStatus]],
     shape: tuple[int, ...],
 ) -> tuple[Array, RootStatus]:
-    """Attach the derivative of a root to its value, however it was found.
-
-    Parameters
-    ----------
-    residual : callable
-        Elementwise function that vanishes at the root. It closes over the parameters that
-        the root is differentiated in, and may be scaled differently from the residual that
-        was iterated on.
-    solve : callable
-        Returns the root and its status; not differentiated.
-    shape : tuple of int
-        Shape of the root.
-
-    Returns
-    -------
-    root : array, shape (...)
-        Differentiable, forward and reverse and to any order, in all that ``residual`` uses.
-    status : RootStatus
-    """
+    """Attach the derivative of a root to its value, however it was found."""
     equation, parameters = with_parameters(residual, jnp.zeros(shape))
     search, around = with_parameters(solve)
     root, status = search(*map(jax.lax.stop_gradient, around))

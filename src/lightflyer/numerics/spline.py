@@ -10,33 +10,15 @@ from numpy.typing import ArrayLike
 
 
 class Spline(eqx.Module):
-    """Piecewise cubic.
+    """Piecewise cubic."""
 
-    Attributes
-    ----------
-    nodes : array, shape (n,)
-        Increasing abscissae.
-    coefficients : array, shape (4, n - 1)
-        Of each piece, in powers of the distance to its left node, highest first.
-    """
-
-    nodes: Any
+    nodes: Any  # shape (n,); increasing abscissae
+    # shape (4, n - 1); of each piece, in powers of the distance to its left node, highest first
     coefficients: Any
 
     @classmethod
     def through(cls, nodes: ArrayLike, values: ArrayLike) -> "Spline":
-        """Twice continuously differentiable cubic through points ("not-a-knot" ends).
-
-        Parameters
-        ----------
-        nodes : array, shape (n,)
-            Increasing.
-        values : array, shape (n,)
-
-        Returns
-        -------
-        Spline
-        """
+        """Twice continuously differentiable cubic through points ("not-a-knot" ends)."""
         from scipy.interpolate import CubicSpline  # half a second that most uses can spare
 
         spline = CubicSpline(nodes, values)
@@ -44,17 +26,7 @@ class Spline(eqx.Module):
 
     @classmethod
     def hermite(cls, nodes: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> "Spline":
-        """Once continuously differentiable cubic through points with known slopes.
-
-        Parameters
-        ----------
-        nodes, values, slopes : array, shape (n,)
-            Nodes increasing.
-
-        Returns
-        -------
-        Spline
-        """
+        """Once continuously differentiable cubic through points with known slopes."""
         width = np.diff(nodes)
         secant = np.diff(values) / width
         left, right = slopes[:-1], slopes[1:]

@@ -40,43 +40,6 @@ def solve_system(
 ) -> tuple[Unknowns, RootStatus]:
     """Find where several functions of as many unknowns vanish, element by element.
 
-    Newton's method in all elements at once; each stops by itself. Where that fails, the search
-    starts again from the guess with steps that are shortened until they reduce the residual.
-
-    Parameters
-    ----------
-    residual : callable
-        Takes and returns a tuple of n arrays, elementwise, each equation scaled to order one. It
-        closes over the parameters that the root is differentiated in.
-    guess : tuple of n arrays, broadcast shape (...), or callable
-        First point, or a function that returns it and need not be differentiated. Newton
-        converges safely from above where the equations are convex and increasing, as heat balances
-        with radiation are.
-    lower : float or tuple of n float
-        Bound that no unknown reaches: a step takes at most 90 % of the distance to it. Minus one
-        for a relative temperature excess.
-    tolerance : float
-        An element is done when the largest ``abs(residual)`` is this small, or after a Newton
-        step so small that there is nothing to look at.
-    maximum_steps : int
-        Bound on the steps of the careful search.
-
-    Returns
-    -------
-    root : tuple of n arrays, shape (...)
-        Differentiable, forward and reverse and to any order, in all that ``residual`` uses.
-    status : RootStatus
-
-    Raises
-    ------
-    ValueError
-        If there are not as many equations as unknowns.
-
-    Notes
-    -----
-    The derivative is that of the implicit function. It is not finite where the Jacobian is
-    singular.
-
     Examples
     --------
     >>> import lightflyer as lf
@@ -86,6 +49,11 @@ def solve_system(
     >>> print(f"{x:.6f} {y:.6f}", Ending(int(status.ending)).describe())
     3.000000 2.000000 converged
     """
+    # Newton's method in all elements at once; each stops by itself. Where that fails, the search
+    # starts again from the guess with steps that are shortened until they reduce the residual.
+    #
+    # The derivative is that of the implicit function. It is not finite where the Jacobian is
+    # singular.
     first: Callable[[], tuple[ArrayLike, ...]] = guess if callable(guess) else lambda: guess
     zeros = _zeros(residual, first)
     bounds = lower if isinstance(lower, tuple) else (lower,) * len(zeros)
@@ -111,21 +79,7 @@ def solve_system(
 
 
 def implicit_system(residual: Callable[[Unknowns], Unknowns], root: Unknowns) -> Unknowns:
-    """Attach the derivative of a root to its value, however it was found.
-
-    Parameters
-    ----------
-    residual : callable
-        Elementwise functions, as many as unknowns, that vanish at the root. It closes over the
-        parameters that the root is differentiated in.
-    root : tuple of n arrays, shape (...)
-        Not differentiated.
-
-    Returns
-    -------
-    tuple of n arrays, shape (...)
-        Differentiable, forward and reverse and to any order, in all that ``residual`` uses.
-    """
+    """Attach the derivative of a root to its value, however it was found."""
 
     def equations(point: Unknowns) -> Unknowns:
         return tuple(jnp.broadcast_to(entry, root[0].shape) for entry in residual(point))

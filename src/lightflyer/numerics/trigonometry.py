@@ -24,29 +24,13 @@ _QUARTER = _parts_of_quarter_turn()
 
 @jax.custom_jvp
 def sine_and_cosine(angle: Array) -> tuple[Array, Array]:
-    """Sine and cosine of an angle.
-
-    XLA calls the scalar functions of the C library for each element in float64, which take ten
-    times as long.
-
-    Parameters
-    ----------
-    angle : array, shape (...)
-        Traced, float64 [rad].
-
-    Returns
-    -------
-    sine, cosine : array, shape (...)
-        Within 2e-16 up to a million radians; beyond, within the rounding of the angle itself.
-
-    Notes
-    -----
-    The angle less the nearest multiple of π/2, then Taylor series.
-
-    References
-    ----------
-    [CodyWaite1980]_ for the reduction of the range.
-    """
+    """Sine and cosine of an angle; ``angle``: traced, float64."""
+    # XLA calls the scalar functions of the C library for each element in float64, which take ten
+    # times as long.
+    #
+    # The angle less the nearest multiple of π/2, then Taylor series.
+    #
+    # Source: [CodyWaite1980]_ for the reduction of the range.
     turns = jnp.round(angle * (2.0 / math.pi))
     rest = angle
     for part in _QUARTER:

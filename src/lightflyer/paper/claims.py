@@ -25,26 +25,15 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Quantity:
-    """One number of a claim.
-
-    Attributes
-    ----------
-    key, name, unit : str
-    lowest, highest : float
-        The paper's value, or the range it gives.
-    tolerance : float
-        Largest difference of a reproduced value.
-    tolerance_note : str
-        Reason for a tolerance other than one unit of the last printed digit.
-    """
+    """One number of a claim."""
 
     key: str
     name: str
     unit: str
-    lowest: float
-    highest: float
-    tolerance: float
-    tolerance_note: str = ""
+    lowest: float  # The paper's value, or the range it gives
+    highest: float  # The paper's value, or the range it gives
+    tolerance: float  # Largest difference of a reproduced value
+    tolerance_note: str = ""  # Reason for a tolerance other than one unit of the last printed digit
 
     @property
     def paper(self) -> str:
@@ -64,40 +53,18 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim of the paper.
-
-    Attributes
-    ----------
-    number : int
-    text : str
-    quantities : tuple of Quantity
-    place : str
-        Where the paper makes it.
-    missing : str
-        What a recomputation needs and the text does not give; empty if nothing is missing.
-    note : str
-        Explanation of a difference, or where the numbers come from.
-    """
+    """A claim of the paper."""
 
     number: int
     text: str
     quantities: tuple[Quantity, ...]
-    place: str = ""
+    place: str = ""  # Where the paper makes it
+    # What a recomputation needs and the text does not give; empty if nothing is missing
     missing: str = ""
-    note: str = ""
+    note: str = ""  # Explanation of a difference, or where the numbers come from
 
     def verdict(self, values: dict[str, float]) -> Verdict:
-        """Verdict on one column's numbers.
-
-        Parameters
-        ----------
-        values : dict of str to float
-            Ours, by the quantities' keys.
-
-        Returns
-        -------
-        Verdict
-        """
+        """Verdict on one column's numbers; ``values``: ours, by the quantities' keys."""
         if self.missing:
             return Verdict.NOT_RECOMPUTABLE
         agree = all(quantity.agrees(values[quantity.key]) for quantity in self.quantities)
@@ -110,19 +77,8 @@ class Claim:
         ]
 
     def overall(self, columns: dict[str, dict[str, float]]) -> Verdict:
-        """Verdict by the column that gives the paper's bands of altitude.
-
-        One column decides about all claims, so that no reading is picked claim by claim.
-
-        Parameters
-        ----------
-        columns : dict of str to dict
-            Our values by column.
-
-        Returns
-        -------
-        Verdict
-        """
+        """Verdict by the column that gives the paper's bands of altitude."""
+        # One column decides about all claims, so that no reading is picked claim by claim.
         return self.verdict(columns[DECIDING])
 
     def reason(self, columns: dict[str, dict[str, float]]) -> str:
@@ -138,12 +94,7 @@ class Claim:
 
 
 def claims() -> list[Claim]:
-    """The paper's claims, in order.
-
-    Returns
-    -------
-    list of Claim
-    """
+    """The paper's claims, in order."""
     return [
         Claim(
             number=stated["number"],

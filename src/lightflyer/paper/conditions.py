@@ -46,12 +46,7 @@ _KILOGRAMS_PER_GRAM = 1e-3
 
 @cache
 def facts() -> dict[str, Any]:
-    """Contents of ``data/lu2023.toml``: what the paper states.
-
-    Returns
-    -------
-    dict
-    """
+    """Contents of ``data/lu2023.toml``: what the paper states."""
     text = (resources.files("lightflyer") / "data" / "lu2023.toml").read_text(encoding="utf-8")
     return tomllib.loads(text)
 
@@ -147,26 +142,7 @@ def behaviour(
     irradiance: Any = constants.SOLAR_CONSTANT_LU2023,
     incidence: Any = 0.0,
 ) -> Table:
-    """Outputs of a disk at many points, with the paper's gas, gravity and rounded constant.
-
-    Parameters
-    ----------
-    model : AbstractForceModel
-    properties : FilmProperties
-    diameter, pressure, gas_temperature, irradiance, incidence : array, shape (...)
-        [m], [Pa], [K], [W/m²], [rad]; they broadcast.
-
-    Returns
-    -------
-    dict of str to array, broadcast shape
-        The outputs of a prediction; an irradiance is infinite and a temperature NaN where no
-        light levitates the disk.
-
-    Raises
-    ------
-    ConvergenceError
-        If a root-find failed.
-    """
+    """Outputs of a disk at many points, with the paper's gas, gravity and rounded constant."""
 
     def batch(
         diameter: np.ndarray,
@@ -200,16 +176,7 @@ def behaviour(
 
 
 def atmosphere(altitude: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Pressure [Pa] and temperature [K] of the paper's atmosphere at altitudes [m].
-
-    Parameters
-    ----------
-    altitude : array, shape (...)
-
-    Returns
-    -------
-    pressure, temperature : array, shape (...)
-    """
+    """Pressure [Pa] and temperature [K] of the paper's atmosphere at altitudes [m]."""
     air = Lu2023Atmosphere()
     return np.asarray(air.pressure(altitude)), np.asarray(air.temperature(altitude))
 
@@ -217,21 +184,7 @@ def atmosphere(altitude: Any) -> tuple[np.ndarray, np.ndarray]:
 def over_altitude(
     column: Column, altitude: Any, diameter: Any, irradiance: Any, incidence_deg: float = 0.0
 ) -> Table:
-    """Outputs of the germanium-coated disk in the paper's atmosphere.
-
-    Parameters
-    ----------
-    column : Column
-    altitude, diameter, irradiance : array, shape (...)
-        [m], [m], [W/m²]; they broadcast.
-    incidence_deg : float
-        Angle between the light and the disk's normal [deg].
-
-    Returns
-    -------
-    dict of str to array
-        As from :func:`behaviour`.
-    """
+    """Outputs of the germanium-coated disk in the paper's atmosphere; ``incidence_deg`` [deg]."""
     pressure, temperature = atmosphere(altitude)
     return behaviour(
         column.model,
@@ -251,21 +204,7 @@ def in_chamber(
     diameter: Any,
     irradiance: Any = constants.SOLAR_CONSTANT_LU2023,
 ) -> Table:
-    """Outputs of a coated disk in the chamber, under the assumed conditions.
-
-    Parameters
-    ----------
-    column : Column
-    properties : FilmProperties
-        From :func:`film`.
-    pressure, diameter, irradiance : array, shape (...)
-        [Pa], [m], [W/m²]; they broadcast.
-
-    Returns
-    -------
-    dict of str to array
-        As from :func:`behaviour`.
-    """
+    """Outputs of a coated disk in the chamber, under the assumed conditions."""
     return behaviour(
         column.model,
         properties,

@@ -157,12 +157,7 @@ FIGURES: dict[str, tuple[str, Callable[[], Curves]]] = {
 
 
 def captions() -> dict[str, str]:
-    """Caption of each figure, with its conditions, by file name.
-
-    Returns
-    -------
-    dict of str to str
-    """
+    """Caption of each figure, with its conditions, by file name."""
     chamber = facts()["chamber"]["note"]
     versions = (
         "Figs. 6 and S8 of the paper may come from slightly different versions of its model: the "
@@ -186,16 +181,7 @@ def captions() -> dict[str, str]:
 
 
 def rows(curves: Curves) -> Iterator[str]:
-    """Lines of a CSV file with the curves; a cell without a value is empty.
-
-    Parameters
-    ----------
-    curves : dict of str to array
-
-    Yields
-    ------
-    str
-    """
+    """Lines of a CSV file with the curves; a cell without a value is empty."""
     yield ",".join(curves)
     for values in zip(*curves.values(), strict=True):
         yield ",".join("" if np.isnan(value) else f"{value:.8g}" for value in values)

@@ -265,21 +265,7 @@ def _draw_payloads(left: Axes, curves: Curves) -> None:
 
 
 def paper_figure(name: str, curves: Curves, points: Points | None = None) -> Figure:
-    """One figure of the paper.
-
-    Parameters
-    ----------
-    name : str
-        A key of :data:`lightflyer.paper.curves.FIGURES`.
-    curves : dict of str to array
-        Its numbers.
-    points : Points, optional
-        The user's own, drawn in the panel of Fig. 5(b-d) for their diameter.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """One figure of the paper; ``name``: A key of :data:`lightflyer.paper.curves.FIGURES`."""
     if name == "figure-5bcd":
         return _draw_5bcd(curves, points)
     draw = {
@@ -293,18 +279,7 @@ def paper_figure(name: str, curves: Curves, points: Points | None = None) -> Fig
 
 
 def measured_figures(points: Points) -> dict[str, Figure]:
-    """Figures 2, S2 and S3 with the user's own points.
-
-    Parameters
-    ----------
-    points : Points
-        Its column ``figure`` gives the figure of each point; by default Fig. 2.
-
-    Returns
-    -------
-    dict of str to matplotlib.figure.Figure
-        By file name; only figures that have points.
-    """
+    """Figures 2, S2 and S3 with the user's own points."""
     belongs = points.texts.get("figure", ["2"] * len(points))
     figures = {}
     for name in _MEASURED_FIGURES:

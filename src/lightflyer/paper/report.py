@@ -31,34 +31,17 @@ _CHECK_FORMATS = {
 
 @dataclass
 class Results:
-    """All numbers of the report.
+    """All numbers of the report."""
 
-    Attributes
-    ----------
-    columns : dict of str to dict
-        Values by column and key.
-    checks : dict of str to list of dict
-        The check table by column.
-    kinetic : dict of str to float or None
-        Values by kinetic theory, which decide nothing; None where the disk flies nowhere.
-    """
-
-    columns: dict[str, dict[str, float]] = field(default_factory=dict)
+    columns: dict[str, dict[str, float]] = field(default_factory=dict)  # Values by column and key
+    # The check table by column
     checks: dict[str, list[dict[str, float]]] = field(default_factory=dict)
+    # Values by kinetic theory, which decide nothing; None where the disk flies nowhere
     kinetic: dict[str, float | None] = field(default_factory=dict)
 
 
 def as_json(results: Results) -> dict[str, Any]:
-    """The report as a JSON object.
-
-    Parameters
-    ----------
-    results : Results
-
-    Returns
-    -------
-    dict
-    """
+    """The report as a JSON object."""
     return {
         "source": SOURCE,
         "lightflyer_version": lightflyer.__version__,
@@ -290,16 +273,7 @@ def _plain_table(rows: list[Row]) -> _Block:
 
 
 def as_markdown(results: Results) -> str:
-    """The report as Markdown; figures are links to files in ``figures/``.
-
-    Parameters
-    ----------
-    results : Results
-
-    Returns
-    -------
-    str
-    """
+    """The report as Markdown; figures are links to files in ``figures/``."""
     return "\n\n".join(map(_markdown, _blocks(results))) + "\n"
 
 
@@ -316,18 +290,7 @@ def _markdown(block: _Block) -> str:
 
 
 def as_html(results: Results, images: dict[str, Path]) -> str:
-    """The report as one self-contained page.
-
-    Parameters
-    ----------
-    results : Results
-    images : dict of str to Path
-        PNG file of each figure, by name.
-
-    Returns
-    -------
-    str
-    """
+    """The report as one self-contained page; ``images``: PNG file of each figure, by name."""
     return page.page("The paper, reproduced", (_html(block, images) for block in _blocks(results)))
 
 
@@ -343,14 +306,5 @@ def _html(block: _Block, images: dict[str, Path]) -> str:
 
 
 def dump(results: Results) -> str:
-    """The report's JSON text.
-
-    Parameters
-    ----------
-    results : Results
-
-    Returns
-    -------
-    str
-    """
+    """The report's JSON text."""
     return json.dumps(as_json(results), indent=2, ensure_ascii=False, allow_nan=False) + "\n"

@@ -16,12 +16,7 @@ from lightflyer.paper.tables import table_1, table_s2, tac_pairs, to_csv
 
 
 def compute() -> report.Results:
-    """Compute the numbers of the report.
-
-    Returns
-    -------
-    Results
-    """
+    """Compute the numbers of the report."""
     results, common = report.Results(), common_values()
     for column in COLUMNS:
         progress.report(f"check values, {column.title}")
@@ -41,31 +36,7 @@ def reproduce(
     dpi: int = DOTS_PER_INCH,
     style: str | None = None,
 ) -> report.Results:
-    """Write report, figures and data into a folder: everything, or nothing on failure.
-
-    Parameters
-    ----------
-    out : Path
-        Gets ``report.html``, ``report.md``, ``report.json``, ``figures/`` and ``data/``.
-    points : Points, optional
-        The user's own measured points.
-    formats : sequence of str
-        Of the figures, see :data:`~lightflyer.files.drawing.FORMATS`; PNG is always among
-        them, for the report.
-    dpi : int
-        Dots per inch of a PNG.
-    style : str, optional
-        See :func:`~lightflyer.files.drawing.styled`.
-
-    Returns
-    -------
-    Results
-
-    Raises
-    ------
-    OutputError
-        If the folder cannot be written.
-    """
+    """Write report, figures and data into a folder: everything, or nothing on failure."""
     results = compute()
     endings = dict.fromkeys(("png", *formats))
     with output_directory(out) as stage, styled(style):

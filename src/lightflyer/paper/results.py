@@ -58,19 +58,7 @@ _LOOK_POINTS = POINTS // 4
 
 
 def band(column: Column, incidence_deg: float = 0.0) -> tuple[float, float]:
-    """Altitudes [m] between which the 2-cm disk levitates in sunlight.
-
-    Parameters
-    ----------
-    column : Column
-    incidence_deg : float
-        Angle between the light and the disk's normal [deg].
-
-    Returns
-    -------
-    lower, upper : float
-        NaN where it levitates nowhere.
-    """
+    """Altitudes [m] between which the 2-cm disk levitates in sunlight; ``incidence_deg`` [deg]."""
     lower, _, upper = bands(column, _DISK, incidence_deg)
     return float(lower[0]), float(upper[0])
 
@@ -78,21 +66,7 @@ def band(column: Column, incidence_deg: float = 0.0) -> tuple[float, float]:
 def bands(
     column: Column, diameter: Any, incidence_deg: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Altitudes [m] between which disks levitate in sunlight, and of their largest payload.
-
-    Parameters
-    ----------
-    column : Column
-    diameter : array, shape (m,)
-        [m].
-    incidence_deg : float
-        Angle between the light and the disk's normal [deg].
-
-    Returns
-    -------
-    lower, best, upper : array, shape (m,)
-        NaN where a disk levitates nowhere.
-    """
+    """Altitudes [m] between which disks levitate in sunlight, and of their largest payload."""
     diameters = np.atleast_1d(np.asarray(diameter, float))
 
     def margin(altitude: Any) -> np.ndarray:
@@ -115,19 +89,7 @@ def _maximum(function: Function, low: Numeric, high: Numeric) -> tuple[np.ndarra
 
 
 def best_payload(column: Column, diameter: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Largest payload of disks over all altitudes, in sunlight.
-
-    Parameters
-    ----------
-    column : Column
-    diameter : array, shape (m,)
-        [m].
-
-    Returns
-    -------
-    altitude, relative_payload : array, shape (m,)
-        [m] and [1].
-    """
+    """Largest payload of disks over all altitudes, in sunlight [m], shape (m,); and."""
     diameters = np.atleast_1d(np.asarray(diameter, float))
 
     def relative(altitude: np.ndarray) -> np.ndarray:
@@ -144,19 +106,7 @@ def film_mass(diameter: Any) -> Any:
 
 
 def optimum(column: Column, properties: FilmProperties, diameter: float) -> dict[str, float]:
-    """Pressure [Pa], irradiance [W/m²] and temperature [K] where least light levitates a disk.
-
-    Parameters
-    ----------
-    column : Column
-    properties : FilmProperties
-    diameter : float
-        [m].
-
-    Returns
-    -------
-    dict of str to float
-    """
+    """Pressure [Pa], irradiance [W/m²] and temperature [K] where least light levitates a disk."""
 
     def table(log_pressure: Any) -> dict[str, np.ndarray]:
         return in_chamber(column, properties, np.exp(log_pressure), diameter)
@@ -172,22 +122,8 @@ def optimum(column: Column, properties: FilmProperties, diameter: float) -> dict
 
 
 def planck_per_wavenumber(wavenumber_per_cm: Any, temperature: Any) -> np.ndarray:
-    r"""Blackbody radiance per wavenumber.
-
-    .. math:: L_{\tilde\nu} = \frac{2hc^2\tilde\nu^3}{\exp(hc\tilde\nu/kT) - 1}
-
-    Parameters
-    ----------
-    wavenumber_per_cm : array, shape (...)
-        [1/cm].
-    temperature : array, shape (...)
-        [K].
-
-    Returns
-    -------
-    array, broadcast shape
-        [W/(m² sr cm⁻¹)].
-    """
+    r"""Blackbody radiance per wavenumber [W/(m² sr cm⁻¹)]; ``wavenumber_per_cm`` [1/cm]."""
+    # .. math:: L_{\tilde\nu} = \frac{2hc^2\tilde\nu^3}{\exp(hc\tilde\nu/kT) - 1}
     per_metre = np.asarray(wavenumber_per_cm) / _CENTIMETRE
     photon = h * c * per_metre / (k * np.asarray(temperature))
     return 2.0 * h * c**2 * per_metre**3 / np.expm1(photon) / _CENTIMETRE
@@ -269,12 +205,7 @@ def _chamber_values(column: Column) -> dict[str, float]:
 
 
 def common_values() -> dict[str, float]:
-    """Numbers that do not depend on the reading.
-
-    Returns
-    -------
-    dict of str to float
-    """
+    """Numbers that do not depend on the reading."""
     pressures, _ = atmosphere(np.array([50e3, 100e3]))
     _, temperatures = atmosphere(np.linspace(50e3, 100e3, 5001))
     peak = 0.5 * (planck_peak(400.0) + planck_peak(500.0))
@@ -306,29 +237,13 @@ def _table_values() -> dict[str, float]:
 
 
 def column_values(column: Column) -> dict[str, float]:
-    """Numbers of one column, without the common ones.
-
-    Parameters
-    ----------
-    column : Column
-
-    Returns
-    -------
-    dict of str to float
-    """
+    """Numbers of one column, without the common ones."""
     return {**_altitude_values(column), **_payload_values(column), **_chamber_values(column)}
 
 
 def kinetic_values() -> dict[str, float | None]:
-    """Numbers of the mesosphere by kinetic theory.
-
-    Those of the chamber depend on its floor and walls, which the paper's model does not have.
-
-    Returns
-    -------
-    dict of str to float or None
-        None where the disk flies nowhere.
-    """
+    """Numbers of the mesosphere by kinetic theory; none where the disk flies nowhere."""
+    # Those of the chamber depend on its floor and walls, which the paper's model does not have.
     light = constants.SOLAR_CONSTANT_LU2023
     _, most = _maximum(
         lambda x: over_altitude(KINETIC, x, _DISK, light)["lift_over_weight"], *SEARCHED_ALTITUDES
@@ -342,17 +257,7 @@ def kinetic_values() -> dict[str, float | None]:
 
 
 def check_values(column: Column) -> list[dict[str, float]]:
-    """Outputs of the 2-cm disk at three altitudes, in more digits than the paper gives.
-
-    Parameters
-    ----------
-    column : Column
-
-    Returns
-    -------
-    list of dict of str to float
-        One per altitude; names as in the JSON of other commands.
-    """
+    """Outputs of the 2-cm disk at three altitudes, in more digits than the paper gives."""
     altitude = np.array(CHECKED_ALTITUDES)
     table = over_altitude(column, altitude, _DISK, constants.SOLAR_CONSTANT_LU2023)
     columns = {json_name("altitude", "km"): altitude / _KILOMETRE}

@@ -18,66 +18,24 @@ _MOST_TESTS = 3  # of one material in Table S2
 
 
 def emissivity_from(transmittance: float, reflectance: float) -> float:
-    r"""Emissivity, or absorptivity, :math:`1 - \tau - \rho` [1].
-
-    Parameters
-    ----------
-    transmittance, reflectance : float
-        [1].
-
-    Returns
-    -------
-    float
-    """
+    r"""Emissivity, or absorptivity, :math:`1 - \tau - \rho` [1]."""
     return 1.0 - transmittance - reflectance
 
 
 def difference_uncertainty(first: float, second: float, correlation: float) -> float:
-    r"""Standard uncertainty of a difference.
-
-    .. math:: u^2 = u_1^2 + u_2^2 - 2\rho\,u_1 u_2
-
-    Parameters
-    ----------
-    first, second : float
-        Standard uncertainties of the two values.
-    correlation : float
-        Between -1 and 1.
-
-    Returns
-    -------
-    float
-    """
+    r"""Standard uncertainty of a difference; ``correlation``: between -1 and 1."""
+    # .. math:: u^2 = u_1^2 + u_2^2 - 2\rho\,u_1 u_2
     variance = first**2 + second**2 - 2.0 * correlation * first * second
     return math.sqrt(max(variance, 0.0))  # rounding may leave a negative zero
 
 
 def mean_and_spread(values: Sequence[float]) -> tuple[float, float]:
-    """Mean of several values and their standard deviation (of a sample).
-
-    Parameters
-    ----------
-    values : sequence of float
-        At least two.
-
-    Returns
-    -------
-    mean, deviation : float
-    """
+    """Mean of several values and their standard deviation (of a sample)."""
     return statistics.mean(values), statistics.stdev(values)
 
 
 def table_1() -> list[Row]:
-    """Optical properties of the films.
-
-    Returns
-    -------
-    list of dict
-        One for each sample and band. What is absorbed is the emissivity in the infrared and the
-        absorptivity in the visible. It is given as printed and as it follows from the printed
-        transmittance and reflectance, with the uncertainty of independent errors and with the sum
-        of the two uncertainties.
-    """
+    """Optical properties of the films."""
     return [_optical_row(stated) for stated in facts()["optical"]]
 
 
@@ -102,13 +60,7 @@ def _optical_row(stated: Row) -> Row:
 
 
 def table_s2() -> list[Row]:
-    """Thermal accommodation coefficients: each test with its 95 % interval, and their mean.
-
-    Returns
-    -------
-    list of dict
-        One for each material.
-    """
+    """Thermal accommodation coefficients: each test with its 95 % interval, and their mean."""
     return [_accommodation_row(stated) for stated in facts()["accommodation"]]
 
 
@@ -126,15 +78,7 @@ def _accommodation_row(stated: Row) -> Row:
 
 
 def tac_pairs() -> list[Row]:
-    """Pairs of faces: mean TAC, and their difference with its uncertainty.
-
-    Returns
-    -------
-    list of dict
-        One for each pair of top (alumina or mylar) and bottom (Ge or CNT), from the means and
-        uncertainties that the text states. The uncertainty of a difference is given for
-        independent errors and for fully correlated ones, which cancel where they are equal.
-    """
+    """Pairs of faces: mean TAC, and their difference with its uncertainty."""
     stated = {row["sample"]: row for row in facts()["accommodation"]}
     rows = []
     for bottom in ("Ge", "CNT"):
@@ -159,17 +103,7 @@ def tac_pairs() -> list[Row]:
 
 
 def to_csv(rows: list[Row]) -> str:
-    """Rows as comma-separated values with a header.
-
-    Parameters
-    ----------
-    rows : list of dict
-        All with the same keys.
-
-    Returns
-    -------
-    str
-    """
+    """Rows as comma-separated values with a header; ``rows``: all with the same keys."""
     lines = [",".join(rows[0])]
     lines += [",".join(_cell(value) for value in row.values()) for row in rows]
     return "\n".join(lines) + "\n"

@@ -17,31 +17,14 @@ Table: TypeAlias = dict[str, np.ndarray]
 
 
 class Evaluator:
-    """Evaluates a setup's outputs at any number of coordinates.
-
-    Parameters
-    ----------
-    setup : Setup
-        One flyer: every number a scalar.
-    """
+    """Evaluates a setup's outputs at any number of coordinates."""
 
     def __init__(self, setup: Setup):
         self.setup = setup
         self.irradiance = float(setup.environment.radiation.irradiance)
 
     def __call__(self, coordinates: np.ndarray, irradiance: np.ndarray | None = None) -> Table:
-        """Outputs at coordinates.
-
-        Parameters
-        ----------
-        coordinates : array, shape (n,)
-        irradiance : array, shape (n,), optional
-            In place of the environment's [W/m²].
-
-        Returns
-        -------
-        dict of str to array, shape (n,)
-        """
+        """Outputs at coordinates, shape (n,); ``coordinates`` (n,); ``irradiance`` (n,)."""
         light = np.full(coordinates.shape, self.irradiance) if irradiance is None else irradiance
         table = tabulate_places(self.setup, coordinates, light)
         failed = table.pop("converged") < 0.5

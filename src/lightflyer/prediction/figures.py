@@ -56,17 +56,7 @@ def shown_for_best(prediction: "Prediction", output: str) -> tuple[float, str]:
 
 
 def closer(prediction: "Prediction") -> "Prediction":
-    """The prediction with a finer table where it is drawn, for smooth curves.
-
-    Parameters
-    ----------
-    prediction : Prediction
-
-    Returns
-    -------
-    Prediction
-        With the rows of the given one and as many more within the range that figures show.
-    """
+    """The prediction with a finer table where it is drawn, for smooth curves."""
     low, high = (end / across(prediction) for end in _shown_range(prediction))
     spaced = np.geomspace if prediction.coordinate.logarithmic else np.linspace
     fine = spaced(low, high, POINTS)[1:-1]
@@ -162,17 +152,7 @@ def _pressure_axis(prediction: "Prediction", ax: Axes, low: float, high: float) 
 
 
 def irradiance(prediction: "Prediction", ax: Axes) -> Axes:
-    """Draw the smallest irradiance that levitates the flyer, and what is available.
-
-    Parameters
-    ----------
-    prediction : Prediction
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw the smallest irradiance that levitates the flyer, and what is available."""
     factor, available = across(prediction), prediction.available
     needed = prediction.table["levitation_irradiance"]
     _shade_bands(prediction, ax)
@@ -205,17 +185,7 @@ def irradiance(prediction: "Prediction", ax: Axes) -> Axes:
 
 
 def temperature(prediction: "Prediction", ax: Axes) -> Axes:
-    """Draw the flyer's temperatures, in the available light and when it just levitates.
-
-    Parameters
-    ----------
-    prediction : Prediction
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw the flyer's temperatures, in the available light and when it just levitates."""
     places, table = across(prediction) * prediction.coordinates, prediction.table
     nodes = node_outputs(prediction.setup.flyer)
     _shade_bands(prediction, ax)
@@ -286,18 +256,7 @@ def payload(prediction: "Prediction", ax: Axes) -> Axes:
 
 
 def temperature_map(prediction: "Prediction", ax: Axes) -> Axes:
-    """Draw the flyer's temperature over pressure and irradiance, with the levitation curve.
-
-    Parameters
-    ----------
-    prediction : Prediction
-        With a map.
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw the flyer's temperature over pressure and irradiance, with the levitation curve."""
     found, factor, where = prediction.map, across(prediction), prediction.coordinate
     assert found is not None  # the caller has looked
     image = ax.contourf(
@@ -340,26 +299,7 @@ PANELS: "dict[str, Callable[[Prediction, Axes], Axes]]" = {
 def panels(
     prediction: "Prediction", what: str | None, ax: Axes | None
 ) -> tuple[Figure, Iterator[tuple[str, Axes]]]:
-    """A figure with some of :data:`PANELS` drawn, and which of its axes shows what.
-
-    Parameters
-    ----------
-    prediction : Prediction
-    what : str or None
-        One of :data:`PANELS`; None for all that there are.
-    ax : matplotlib.axes.Axes or None
-        For one panel; None for those of a new figure.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-    drawn : iterator of (str, matplotlib.axes.Axes)
-
-    Raises
-    ------
-    ParameterError
-        If there is no such panel, or axes are given for several.
-    """
+    """A figure with some of :data:`PANELS` drawn, and which of its axes shows what."""
     there = [name for name in PANELS if name != "map" or prediction.map is not None]
     if what is not None and what not in there:
         raise ParameterError(f'plot: what = "{what}": choose from {", ".join(there)}')
@@ -383,40 +323,13 @@ def panels(
 def plot_prediction(
     prediction: "Prediction", what: str | None = None, ax: Axes | None = None
 ) -> Figure:
-    """Draw a prediction.
-
-    Parameters
-    ----------
-    prediction : Prediction
-    what : str, optional
-        One of :data:`PANELS`; by default all that there are.
-    ax : matplotlib.axes.Axes, optional
-        For one panel; by default those of a new figure.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If there is no such panel, or axes are given for several.
-    """
+    """Draw a prediction; ``what``: one of :data:`PANELS`; by default all that there are."""
     figure, _ = panels(prediction, what, ax)
     return figure
 
 
 def prediction_figures(prediction: "Prediction") -> dict[str, Figure]:
-    """The figures of a prediction, by file name without suffix.
-
-    Parameters
-    ----------
-    prediction : Prediction
-
-    Returns
-    -------
-    dict of str to matplotlib.figure.Figure
-    """
+    """The figures of a prediction, by file name without suffix."""
     prediction = closer(prediction)
     both, carried = new_figure(columns=2, height=_WITH_LEGEND), new_figure(height=_WITH_LEGEND)
     left, right = both.axes

@@ -335,20 +335,7 @@ def predict_design(
     at: Sequence[float] | None = None,
     searched: tuple[float, float] | None = None,
 ) -> Prediction:
-    """Predict what a design does; see :func:`predict`.
-
-    Parameters
-    ----------
-    design : AbstractDesign
-    at : sequence of float, optional
-        Coordinates to report one by one.
-    searched : tuple of float, optional
-        Ends of the coordinates to search, in place of the design's own.
-
-    Returns
-    -------
-    Prediction
-    """
+    """Predict what a design does; see :func:`predict`; ``at``: coordinates to report one by one."""
     setup = design.setup if searched is None else replace(design.setup, search_range=searched)
     evaluate, where = Evaluator(setup), setup.environment.coordinate
     coordinates = search_grid(setup, POINTS)
@@ -384,22 +371,7 @@ def predict_design(
 
 
 def search_grid(setup: Setup, points: int) -> np.ndarray:
-    """Coordinates that are searched, evenly spaced as the coordinate wants it.
-
-    Parameters
-    ----------
-    setup : Setup
-    points : int
-
-    Returns
-    -------
-    array, shape (points,)
-
-    Raises
-    ------
-    ParameterError
-        If the setup's search range is outside the environment's.
-    """
+    """Coordinates that are searched, evenly spaced as the coordinate wants it, shape (points,)."""
     where = setup.environment.coordinate
     low, high = (float(end) for end in setup.searched)
     where.quantity.check(f"searched {where.name} [{where.unit}]", np.array([low, high]))

@@ -70,17 +70,7 @@ _way: ContextVar[str | None] = ContextVar("way", default=None)
 
 @contextmanager
 def run_by(way: str) -> Iterator[None]:
-    """Context in which functions are run one way, whatever they cost.
-
-    Parameters
-    ----------
-    way : {"numpy", "xla"}
-
-    Raises
-    ------
-    ParameterError
-        If there is no such way.
-    """
+    """Context in which functions are run one way, whatever they cost."""
     before = _way.set(_checked(way))
     try:
         yield
@@ -121,35 +111,14 @@ def entry_point(
 
 
 def elementwise_entry_point(function: Callable[P, R]) -> Callable[P, R]:
-    """Like :func:`entry_point`, for a function that treats every element by itself.
-
-    Large arrays are worked through in pieces that fit the processor's cache, which is twice as
-    fast as one sweep over all of memory, needs little of it, and compiles once for any length.
-
-    Parameters
-    ----------
-    function : callable
-        As for :func:`entry_point`; where its arrays all have one shape, each element of the
-        result depends on the same element of the arguments only.
-
-    Returns
-    -------
-    callable
-    """
+    """Like :func:`entry_point`, for a function that treats every element by itself."""
+    # Large arrays are worked through in pieces that fit the processor's cache, which is twice as
+    # fast as one sweep over all of memory, needs little of it, and compiles once for any length.
     return _public(function, _Runner(function, elementwise=True))
 
 
 def is_entry_point(function: Any) -> bool:
-    """Whether a function was made public by one of the decorators here.
-
-    Parameters
-    ----------
-    function : object
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a function was made public by one of the decorators here."""
     return getattr(function, "is_entry_point", False) is True
 
 
@@ -238,11 +207,9 @@ class _Runner:
     def _elements(
         self, structure: Any, shapes: Sequence[tuple[int, ...]]
     ) -> tuple[int, ...] | None:
-        """Shape of the elements where each is a problem of its own; None where that is not known.
-
-        Arrays of several shapes may hold tables, which must stay whole: then it is the shape of
-        those that stand beside flyer and surroundings.
-        """
+        """Shape of the elements where each is a problem of its own; None where unknown."""
+        # Arrays of several shapes may hold tables, which must stay whole: then it is the shape of
+        # those that stand beside flyer and surroundings.
         if not self._elementwise:
             return None
         several = {*shapes} - {()}
@@ -300,12 +267,10 @@ class _Runner:
     def _patterns(
         self, structure: Any, shapes: tuple[tuple[int, ...], ...]
     ) -> Iterator[tuple[tuple[tuple[Length, ...], ...], list[bool]]]:
-        """Shapes to trace for, the most general first, and which of them stand for longer ones.
-
-        Lengths are symbols: all, then the commonest, then none. Before that, numbers of a flyer or
-        its surroundings may be single though there are many, where the function takes an array
-        beside them: what a prediction traces then serves Monte Carlo, too.
-        """
+        """Shapes to trace for, the most general first, and which of them stand for longer ones."""
+        # Lengths are symbols: all, then the commonest, then none. Before that, numbers of a flyer
+        # or its surroundings may be single though there are many, where the function takes an array
+        # beside them: what a prediction traces then serves Monte Carlo, too.
         elements = self._elements(structure, shapes)
         beside = {n for n in _beside(structure, len(shapes)) if shapes[n] == elements}
         widened = [shape == elements and n not in beside for n, shape in enumerate(shapes)]
@@ -366,25 +331,7 @@ def _in_pieces(
     *,
     filled: bool = False,
 ) -> Any:
-    """Apply a function to as many elements at a time; each is a problem of its own.
-
-    Parameters
-    ----------
-    function : callable
-        From a list of arrays to a pytree of arrays.
-    arrays : list of array
-        Those of the elements' shape, or of its size, are cut; others are given whole.
-    shape : tuple of int
-        Of the elements, and of the results.
-    size : int
-        Elements of a piece.
-    filled : bool
-        Whether the last piece has as many, too: copies of its last element.
-
-    Returns
-    -------
-    pytree of array
-    """
+    """Apply a function to as many elements at a time; each is a problem of its own."""
     count = math.prod(shape)
     cut = [array.shape in (shape, (count,)) for array in arrays]
     flat = [np.ravel(array) if is_cut else array for array, is_cut in zip(arrays, cut, strict=True)]

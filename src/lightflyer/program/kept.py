@@ -42,19 +42,7 @@ class Number(NamedTuple):
 
 
 def find(function: Callable[..., Any], form: Any) -> tuple[Program, Any] | None:
-    """A kept program, with the structure of what it returns as data.
-
-    Parameters
-    ----------
-    function : callable
-    form : pytree of Number
-        Its arguments, with a description in place of each array.
-
-    Returns
-    -------
-    tuple or None
-        None where there is none, or one that is damaged or not this user's.
-    """
+    """A kept program, with the structure of what it returns as data."""
     path = _path(function, form)
     if path is None:
         return None
@@ -70,16 +58,7 @@ def find(function: Callable[..., Any], form: Any) -> tuple[Program, Any] | None:
 
 
 def keep(function: Callable[..., Any], form: Any, program: Program, structure: Any) -> None:
-    """Write a program where a later process finds it; what cannot be written is not kept.
-
-    Parameters
-    ----------
-    function, form
-        As for :func:`find`.
-    program : Program
-    structure : PyTreeDef
-        Of what the function returns.
-    """
+    """Write a program where a later process finds it; what cannot be written is not kept."""
     path = _path(function, form)
     if path is None:
         return

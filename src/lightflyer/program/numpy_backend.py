@@ -33,20 +33,9 @@ class OutOfTimeError(RuntimeError):
 
 
 class Meter:
-    """Counts work, so that a long run can be broken off.
+    """Counts work, so that a long run can be broken off."""
 
-    Time is counted, not measured: the same work is always broken off at the same place.
-
-    Parameters
-    ----------
-    allowed : float
-        Time after which a run is broken off [s].
-
-    Attributes
-    ----------
-    calls, work : int
-        Operations, and elements of their results, counted so far.
-    """
+    # Time is counted, not measured: the same work is always broken off at the same place.
 
     def __init__(self, allowed: float = math.inf):
         self.calls, self.work = 0, 0
@@ -58,17 +47,7 @@ class Meter:
         return self.calls * CALL + self.work * ELEMENT
 
     def count(self, operations: int, elements: int) -> None:
-        """Count operations that are about to run.
-
-        Parameters
-        ----------
-        operations, elements : int
-            Elements are those of one result.
-
-        Raises
-        ------
-        OutOfTimeError
-        """
+        """Count operations that are about to run."""
         self.calls += operations
         self.work += operations * elements
         if self.spent > self._allowed:
@@ -78,27 +57,7 @@ class Meter:
 def run(
     program: Program, inputs: Sequence[np.ndarray], meter: Meter | None = None
 ) -> list[np.ndarray]:
-    """Outputs of a program.
-
-    Parameters
-    ----------
-    program : Program
-    inputs : sequence of array
-        Of the types and shapes that the program was traced for; symbols may have any length.
-    meter : Meter, optional
-        What counts the work.
-
-    Returns
-    -------
-    list of array
-
-    Raises
-    ------
-    OutOfTimeError
-        If the meter says so.
-    UnsupportedError
-        If the program has an operation that is not here.
-    """
+    """Outputs of a program; ``meter``: what counts the work."""
     prepared: _Prepared = program.prepared("numpy", _Prepared)
     lengths = _Run(program.lengths([np.shape(array) for array in inputs]))
     lengths.meter = meter or Meter()

@@ -22,18 +22,7 @@ class UnsupportedError(NotImplementedError):
 
 
 def evaluate(operation: Operation, inputs: Sequence[Any]) -> list[Any]:
-    """Outputs of one operation whose lengths are all numbers.
-
-    Parameters
-    ----------
-    operation : Operation
-        Not a loop or a choice.
-    inputs : sequence of array
-
-    Returns
-    -------
-    list of array
-    """
+    """Outputs of one operation whose lengths are all numbers."""
     with np.errstate(all="ignore"):
         found = function_of(operation)({}, *inputs)
     return list(found) if len(operation.outputs) > 1 else [found]

@@ -28,42 +28,22 @@ Length: TypeAlias = int | str
 
 
 class Operation(NamedTuple):
-    """One step of a program.
+    """One step of a program."""
 
-    Attributes
-    ----------
-    name : str
-        What is done, by JAX's name for it where it has one.
-    inputs, outputs : tuple of int
-        Numbers of values.
-    parameters : dict
-        Of strings, numbers, lists and None.
-    blocks : tuple of Block
-        Bodies of a loop or of a choice.
-    """
-
-    name: str
-    inputs: tuple[int, ...]
-    outputs: tuple[int, ...]
-    parameters: Mapping[str, Any]
-    blocks: "tuple[Block, ...]" = ()
+    name: str  # What is done, by JAX's name for it where it has one
+    inputs: tuple[int, ...]  # Numbers of values
+    outputs: tuple[int, ...]  # Numbers of values
+    parameters: Mapping[str, Any]  # Of strings, numbers, lists and None
+    blocks: "tuple[Block, ...]" = ()  # Bodies of a loop or of a choice
 
 
 class Block(NamedTuple):
-    """Operations that run together, such as the body of a loop.
+    """Operations that run together, such as the body of a loop."""
 
-    Attributes
-    ----------
-    arguments : tuple of int
-        Values that are set before it runs. It may read all values around it, too.
-    operations : tuple of Operation
-    results : tuple of int
-        Values that are read after it.
-    """
-
+    # Values that are set before it runs. It may read all values around it, too
     arguments: tuple[int, ...]
     operations: tuple[Operation, ...]
-    results: tuple[int, ...]
+    results: tuple[int, ...]  # Values that are read after it
 
     def reads(self) -> set[int]:
         """Values that it reads, its own included."""
@@ -82,27 +62,14 @@ class Block(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """What a function computes.
+    """What a function computes."""
 
-    Attributes
-    ----------
-    body : Block
-        Its arguments are the inputs, its results the outputs.
-    constants : dict of int to array
-        Values that are known.
-    input_shapes, output_shapes : tuple of tuple of int or str
-        Lengths of the axes of each input and output.
-    output_types : tuple of str
-        Types of the elements of the outputs, as NumPy writes them.
-    rows : frozenset of int
-        Values with :data:`ROWS` as their one axis, of those that no arithmetic makes.
-    """
-
-    body: Block
-    constants: dict[int, np.ndarray]
-    input_shapes: tuple[tuple[Length, ...], ...]
+    body: Block  # Its arguments are the inputs, its results the outputs
+    constants: dict[int, np.ndarray]  # Values that are known
+    input_shapes: tuple[tuple[Length, ...], ...]  # Lengths of the axes of each input and output
     output_shapes: tuple[tuple[Length, ...], ...]
-    output_types: tuple[str, ...]
+    output_types: tuple[str, ...]  # Types of the elements of the outputs, as NumPy writes them
+    # Values with :data:`ROWS` as their one axis, of those that no arithmetic makes
     rows: frozenset[int] = frozenset()
     _prepared: dict[str, Any] = field(default_factory=dict, repr=False)
 
@@ -130,16 +97,7 @@ class Program:
         return self._prepared[backend]
 
     def lengths(self, shapes: Sequence[tuple[int, ...]]) -> dict[str, int]:
-        """Values of the symbols, for inputs of some shapes.
-
-        Parameters
-        ----------
-        shapes : sequence of tuple of int
-
-        Returns
-        -------
-        dict of str to int
-        """
+        """Values of the symbols, for inputs of some shapes."""
         found: dict[str, int] = {}
         for stated, actual in zip(self.input_shapes, shapes, strict=True):
             for length, number in zip(stated, actual, strict=False):  # none stated: any serves
@@ -148,17 +106,7 @@ class Program:
         return found
 
     def to_bytes(self, salt: bytes = b"") -> bytes:
-        """The program in a file's form: a hash, then operations in JSON and constants.
-
-        Parameters
-        ----------
-        salt : bytes
-            What the hash covers, too.
-
-        Returns
-        -------
-        bytes
-        """
+        """The program in a file's form: a hash, then operations in JSON and constants."""
         tree = {
             "format": FORMAT,
             "body": _block_as_data(self.body),
@@ -177,21 +125,7 @@ class Program:
 
     @classmethod
     def from_bytes(cls, content: bytes, salt: bytes = b"") -> "Program":
-        """Read what :meth:`to_bytes` wrote.
-
-        Parameters
-        ----------
-        content, salt : bytes
-
-        Returns
-        -------
-        Program
-
-        Raises
-        ------
-        ValueError
-            If it is damaged or of another format.
-        """
+        """Read what :meth:`to_bytes` wrote."""
         digest, content = content[:32], content[32:]
         if hashlib.sha256(salt + content).digest() != digest:
             raise ValueError("the program is damaged")
@@ -264,15 +198,6 @@ _FUNCTIONS: dict[str, Callable[..., int]] = {
 
 def length_of(length: Length, symbols: Mapping[str, int]) -> int:
     """Value of a length.
-
-    Parameters
-    ----------
-    length : int or str
-    symbols : dict of str to int
-
-    Returns
-    -------
-    int
 
     Examples
     --------

@@ -11,38 +11,12 @@ _PACKAGE = "lightflyer"  # whose classes may be named in data
 
 
 def as_data(structure: Any) -> Any:
-    """A pytree's structure in lists, dicts, strings and numbers.
-
-    Parameters
-    ----------
-    structure : PyTreeDef
-
-    Returns
-    -------
-    object
-        As JSON has it.
-
-    Raises
-    ------
-    TypeError
-        If something in it has no such form.
-    """
+    """A pytree's structure in lists, dicts, strings and numbers; as JSON has it."""
     return _encode(jax.tree.unflatten(structure, range(structure.num_leaves)))
 
 
 def from_data(data: Any, leaves: list[Any]) -> Any:
-    """The pytree of some leaves.
-
-    Parameters
-    ----------
-    data : object
-        From :func:`as_data`.
-    leaves : list
-
-    Returns
-    -------
-    pytree
-    """
+    """The pytree of some leaves; ``data``: from :func:`as_data`."""
     kind, content = data
     match kind:
         case "leaf":

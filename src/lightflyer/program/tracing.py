@@ -45,27 +45,7 @@ _CALLS = ("jaxpr", "call_jaxpr", "fun_jaxpr")  # names of the parameter that hol
 def trace(
     function: Callable[..., Any], shapes: Sequence[tuple[Length, ...]], types: Sequence[Any]
 ) -> tuple[Program, Any]:
-    """Trace a function of arrays, in double precision.
-
-    Parameters
-    ----------
-    function : callable
-        Takes a list of arrays, returns any pytree of arrays.
-    shapes : sequence of tuple of int or str
-        Of the arrays; lengths that are strings are among :data:`SYMBOLS`.
-    types : sequence of dtype
-
-    Returns
-    -------
-    program : Program
-    structure : PyTreeDef
-        Of what the function returns.
-
-    Raises
-    ------
-    UnsupportedError
-        If the trace has an operation that cannot be put as data.
-    """
+    """Trace a function of arrays, in double precision; returns ``program``, ``structure``."""
     symbols = _symbols()
     arguments = [
         jax.ShapeDtypeStruct(
@@ -86,21 +66,7 @@ def _symbols() -> dict[str, Any]:
 def with_parameters(
     function: Callable[..., Any], *examples: Any
 ) -> tuple[Callable[..., Any], list[Any]]:
-    """A function that takes what it closes over as arguments.
-
-    Parameters
-    ----------
-    function : callable
-        Of pytrees of arrays; it may close over tracers.
-    *examples : pytrees of arrays
-        Like its arguments.
-
-    Returns
-    -------
-    function : callable
-        Takes the same arguments, then the parameters; closes over nothing.
-    parameters : list of array
-    """
+    """A function that takes what it closes over as arguments; ``*examples``: like its arguments."""
     closed, result = jax.make_jaxpr(function, return_shape=True)(*examples)
     structure = jax.tree.structure(result)
 

@@ -8,21 +8,8 @@ from lightflyer.program.program import ROWS, Block, Operation, Program
 
 
 def serves_many(program: Program, widened: Sequence[bool]) -> bool:
-    """Whether inputs without axes may be given as arrays along the program's one axis.
-
-    So they may where each is only an operand of arithmetic until it meets values along that axis.
-
-    Parameters
-    ----------
-    program : Program
-        Some of its inputs have the shape ``("n0",)``.
-    widened : sequence of bool
-        Inputs that are to be given as arrays.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether inputs without axes may be given as arrays along the program's one axis."""
+    # So they may where each is only an operand of arithmetic until it meets values along that axis.
     wide = {n for n, is_wide in zip(program.body.arguments, widened, strict=True) if is_wide}
     known = _Known(wide, program.single, program.rows)
     return _stay_apart(program.body, known) and not wide.intersection(program.body.results)

@@ -93,23 +93,7 @@ class Bounds:
 
 
 def read_bounds(entry: Mapping[str, Any], known: Field) -> Bounds:
-    """Bounds of a free number.
-
-    Parameters
-    ----------
-    entry : dict
-        With ``from`` and ``to``, perhaps ``scale`` and ``uncertainty``.
-    known : Field
-
-    Returns
-    -------
-    Bounds
-
-    Raises
-    ------
-    ConfigurationError
-        Saying what is wrong and what is allowed.
-    """
+    """Bounds of a free number."""
     low, high, logarithmic = read_ends(entry, known, _KEYS)
     tolerance = _read_tolerance(entry.get("uncertainty"), known, low)
     return Bounds(known, low, high, logarithmic, tolerance)
@@ -136,16 +120,7 @@ def _read_tolerance(text: Any, known: Field, low: float) -> Tolerance | None:
 
 
 def errors_of(bounds: Bounds) -> Distribution:
-    """Errors of a free number, in its standard uncertainties.
-
-    Parameters
-    ----------
-    bounds : Bounds
-
-    Returns
-    -------
-    Distribution
-    """
+    """Errors of a free number, in its standard uncertainties."""
     return _Errors(bounds.field, 0.0, 1.0)
 
 

@@ -31,16 +31,7 @@ _FRAME, _ROW = 1.8, 0.45  # heights of all but the rows, and of a row [inch]
 
 
 def front_figure(front: "Front") -> Figure:
-    """The objectives of a Pareto front, each against the first.
-
-    Parameters
-    ----------
-    front : Front
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """The objectives of a Pareto front, each against the first."""
     first, *others = front.problem.objectives
     figure, table = new_figure(columns=len(others)), front.dataset
     for ax, other in zip(figure.axes, others, strict=True):
@@ -57,17 +48,7 @@ def front_figure(front: "Front") -> Figure:
 
 
 def tornado_figure(found: "Indices") -> Figure:
-    """Effect of the uncertainty of each input on an output, the largest on top.
-
-    Parameters
-    ----------
-    found : Indices
-        The bar of inputs that vary together reaches over the same quantiles of the output.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Effect of the uncertainty of each input on an output, the largest on top."""
     figure = new_figure(columns=2, width=5.0, height=_FRAME + _ROW * len(found.names))
     ranges, shares = figure.axes
     order = np.argsort(found.total)
@@ -110,16 +91,7 @@ def _draw_shares(found: "Indices", order: np.ndarray, ax: Axes) -> None:
 
 
 def elasticity_figure(optimum: "Optimum") -> Figure:
-    """Relative change of the objective over that of each number that is not free.
-
-    Parameters
-    ----------
-    optimum : Optimum
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Relative change of the objective over that of each number that is not free."""
     known = {name: value for name, value in optimum.elasticities.items() if np.isfinite(value)}
     names = list(reversed(known))  # the largest on top
     figure = new_figure(height=_FRAME + _ROW * len(names))

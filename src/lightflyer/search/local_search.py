@@ -38,19 +38,7 @@ class Found:
 
 
 def climb(function: ObjectiveFunction, start: np.ndarray, scale: float) -> Found:
-    """Follow gradients from a start to an optimum.
-
-    Parameters
-    ----------
-    function : ObjectiveFunction
-    start : array, shape (k,)
-    scale : float
-        Of the objective.
-
-    Returns
-    -------
-    Found
-    """
+    """Follow gradients from a start to an optimum; ``start`` (k,); ``scale``: of the objective."""
     seen: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
     def look(point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -90,24 +78,9 @@ def climb(function: ObjectiveFunction, start: np.ndarray, scale: float) -> Found
 
 
 def climb_in_full(function: ObjectiveFunction, searches: Sequence[Found], scale: float) -> Found:
-    """The best optimum with films computed in full, from optima with films on a coarse grid.
-
-    The search goes on from the best of them with all films shifted by what the coarse grid lacks
-    there, until the optimum repeats itself.
-
-    Parameters
-    ----------
-    function : ObjectiveFunction
-        Is left with the films of the best design computed in full.
-    searches : sequence of Found
-        At least one.
-    scale : float
-        Of the objective.
-
-    Returns
-    -------
-    Found
-    """
+    """The best optimum with films computed in full, from optima with films on a coarse grid."""
+    # The search goes on from the best of them with all films shifted by what the coarse grid lacks
+    # there, until the optimum repeats itself.
     ranked = sorted(searches, key=lambda found: -found.score)
     rivals: list[Found] = []
     for found in ranked:

@@ -25,43 +25,26 @@ _SILVERMAN = 1.06  # width of a kernel over the spread, times n^(1/5)
 
 
 class Context(eqx.Module):
-    """What the films of layers of a search are computed with.
+    """What the films of layers of a search are computed with."""
 
-    Attributes
-    ----------
-    tables : pytree
-        See :class:`~lightflyer.design.design.QuickParts`; None where no film changes.
-    shift : pytree
-        Films computed in full less those on a coarse grid, where the two were last compared; zero
-        before. None where no film changes.
-    limits : array, shape (constraints,)
-        Limits of the constraints, which may depend on the film.
-    """
-
-    tables: Any
+    tables: Any  # See :class:`~lightflyer.design.design.QuickParts`; None where no film changes
+    # Films computed in full less those on a coarse grid, where the two were last compared; zero
+    # before. None where no film changes
     shift: Any
-    limits: Any
+    limits: Any  # shape (constraints,); limits of the constraints, which may depend on the film
 
 
 class _Moving(eqx.Module):
-    """Films, and how they change with the errors of uncertain thicknesses.
+    """Films, and how they change with the errors of uncertain thicknesses."""
 
-    Attributes
-    ----------
-    films : pytree of array, shape (1 + 2 n, ...)
-        Nominal, then with each error at plus and at minus one standard uncertainty.
-    uncertain : tuple of str
-        Names of the n numbers.
-    """
-
+    # shape (1 + 2 n, ...); nominal, then with each error at plus and at minus one standard
+    # uncertainty
     films: Any
-    uncertain: tuple[str, ...] = eqx.field(static=True)
+    uncertain: tuple[str, ...] = eqx.field(static=True)  # Names of the n numbers
 
     def at(self, errors: Mapping[str, Any]) -> Any:
-        """Films at some errors, in standard uncertainties: of second order in each of them.
-
-        Products of two errors are left out.
-        """
+        """Films at some errors, in standard uncertainties: of second order in each of them."""
+        # Products of two errors are left out.
 
         def moved(leaf: Any) -> Any:
             found = leaf[0]
@@ -76,15 +59,10 @@ class _Moving(eqx.Module):
 
 
 class ObjectiveFunction:
-    """Objectives and constraints of a problem over the unit cube of its free numbers.
+    """Objectives and constraints of a problem over the unit cube of its free numbers."""
 
-    A point has one fraction from 0 to 1 for each free number; see
-    :class:`~lightflyer.search.problem.Bounds`. Each function is compiled when it is first used.
-
-    Parameters
-    ----------
-    problem : Problem
-    """
+    # A point has one fraction from 0 to 1 for each free number; see
+    # :class:`~lightflyer.search.problem.Bounds`. Each function is compiled when it is first used.
 
     def __init__(self, problem: Problem):
         self.problem = problem
@@ -105,16 +83,7 @@ class ObjectiveFunction:
     def turn_to(
         self, tables: Any, limits: np.ndarray, exact: Callable[[Mapping[str, float]], Any]
     ) -> None:
-        """Go on with another film, for which nothing has to be compiled anew.
-
-        Parameters
-        ----------
-        tables : pytree
-            Of the same shapes.
-        limits : array, shape (constraints,)
-        exact : callable
-            In place of :meth:`~lightflyer.design.design.AbstractDesign.prepare`.
-        """
+        """Go on with another film, for which nothing has to be compiled anew."""
         self._context = Context(tables, self._nothing(), limits)
         self._exact = exact
 
@@ -135,12 +104,7 @@ class ObjectiveFunction:
         return {name: float(value) for name, value in given if name != coordinate}
 
     def match(self, point: np.ndarray) -> None:
-        """Compute the films at a point in full; from now on all are shifted by the difference.
-
-        Parameters
-        ----------
-        point : array, shape (k,)
-        """
+        """Compute the films at a point in full; from now on all are shifted by the difference."""
         values = self._given_film(np.asarray(point))
         exact = self._exact(values)
         quick = self._quick_films(values)
@@ -153,19 +117,7 @@ class ObjectiveFunction:
         return lambda values: compiled(values, self._context.tables)
 
     def given(self, point: Any, changed: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Values of all numbers that are free, fixed or uncertain, at a point; may be traced.
-
-        Parameters
-        ----------
-        point : array, shape (k,)
-        changed : dict of str to array, shape ()
-            See :meth:`scores`.
-
-        Returns
-        -------
-        dict of str to array, shape ()
-            By name; of an uncertain number its mean.
-        """
+        """Values of all numbers that are free, fixed or uncertain, at a point; may be traced."""
         problem = self.problem
         free = {
             bounds.field.name: bounds.value(point[index])
@@ -174,18 +126,7 @@ class ObjectiveFunction:
         return problem.means() | problem.fixed | free | dict(changed or {})
 
     def outputs_at(self, point: np.ndarray) -> dict[str, float]:
-        """Outputs at a point, with uncertain ones reduced to one number.
-
-        Parameters
-        ----------
-        point : array, shape (k,)
-
-        Returns
-        -------
-        dict of str to float
-            In SI units. The value of a number that is an objective and a constraint is that of the
-            objective.
-        """
+        """Outputs at a point, with uncertain ones reduced to one number; ``point`` (k,)."""
         scores, _ = self.scores_and_jacobian(point)
         problem, count = self.problem, len(self.problem.objectives)
         limited = {
@@ -273,20 +214,7 @@ class ObjectiveFunction:
     def scores(
         self, point: Any, changed: Mapping[str, Any] | None = None, context: "Context | None" = None
     ) -> Any:
-        """Objectives, larger is better, then constraints, positive where satisfied; to be traced.
-
-        Parameters
-        ----------
-        point : array, shape (k,)
-        changed : dict of str to array, shape ()
-        context : Context, optional
-            See :meth:`scores`.
-
-        Returns
-        -------
-        array, shape (objectives + constraints,)
-            Constraints are in units of their limits.
-        """
+        """Objectives, larger is better, then constraints, positive where satisfied; traced."""
         given = self.given(point, changed)
         context = self._context if context is None else context
         return self._scores(given, self._films(given, context), context)
@@ -309,19 +237,7 @@ class ObjectiveFunction:
         return _BATCH_OF_FILMS if self.is_quick else SCREENED
 
     def scores_of_many(self, points: np.ndarray, size: int | None = None) -> np.ndarray:
-        """:meth:`scores` at points.
-
-        Parameters
-        ----------
-        points : array, shape (n, k)
-        size : int, optional
-            Number of designs computed at once, for which the model is compiled; by default
-            :attr:`batch`.
-
-        Returns
-        -------
-        array, shape (n, objectives + constraints)
-        """
+        """:meth:`scores` at points, shape (n, objectives + constraints); ``points`` (n, k)."""
         free = {
             bounds.field.name: np.asarray(bounds.value(column))
             for bounds, column in zip(self.problem.bounds, points.T, strict=True)
@@ -333,18 +249,7 @@ class ObjectiveFunction:
     def scores_of_designs(
         self, designs: Mapping[str, np.ndarray], size: int | None = None
     ) -> np.ndarray:
-        """:meth:`scores` of designs, by all numbers that are free, fixed or uncertain.
-
-        Parameters
-        ----------
-        designs : dict of str to array, shape (n,)
-        size : int, optional
-            See :meth:`scores_of_many`.
-
-        Returns
-        -------
-        array, shape (n, objectives + constraints)
-        """
+        """:meth:`scores` of designs, by all numbers that are free, fixed or uncertain."""
         names = list(designs)
         found: np.ndarray = in_batches(
             lambda *columns: self._many(dict(zip(names, columns, strict=True))),
@@ -395,10 +300,8 @@ class ObjectiveFunction:
 
     @cached_property
     def parameter_gradient(self) -> Callable[[np.ndarray, np.ndarray], dict[str, np.ndarray]]:
-        """Derivatives of the Lagrangian in relative changes of the numbers that are not free.
-
-        Takes a point and the constraints' multipliers; compiled.
-        """
+        """Derivatives of the Lagrangian in relative changes of the numbers that are not free."""
+        # Takes a point and the constraints' multipliers; compiled.
         numbers = self._parameters()
 
         def lagrangian(

@@ -235,24 +235,7 @@ def optimise(
 
 
 def find_optimum(function: ObjectiveFunction) -> Optimum:
-    """The best design of a problem with one objective.
-
-    Parameters
-    ----------
-    function : ObjectiveFunction
-
-    Returns
-    -------
-    Optimum
-
-    Raises
-    ------
-    ConfigurationError
-        If there are several objectives.
-    LightflyerError
-        If no design has a value, none satisfies the constraints, or the best one is outside the
-        range of the force model or of its film.
-    """
+    """The best design of a problem with one objective."""
     problem = function.problem
     if len(problem.objectives) > 1:
         raise ConfigurationError(

@@ -31,17 +31,10 @@ _LIMITS = ("at_least", "at_most")
 
 @dataclass(frozen=True)
 class Objective:
-    """An output to be maximised or minimised.
-
-    Attributes
-    ----------
-    name : str
-    sign : float
-        1 for an output to be maximised, -1 for one to be minimised.
-    """
+    """An output to be maximised or minimised."""
 
     name: str
-    sign: float
+    sign: float  # 1 for an output to be maximised, -1 for one to be minimised
 
     @property
     def word(self) -> str:
@@ -51,21 +44,11 @@ class Objective:
 
 @dataclass(frozen=True)
 class Constraint:
-    """A limit of an output.
+    """A limit of an output."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the output.
-    limit : float
-        In the unit of the output.
-    sign : float
-        1 for "at least", -1 for "at most".
-    """
-
-    name: str
-    limit: float
-    sign: float
+    name: str  # Name of the output
+    limit: float  # In the unit of the output
+    sign: float  # 1 for "at least", -1 for "at most"
 
     @property
     def scale(self) -> float:
@@ -75,24 +58,13 @@ class Constraint:
 
 @dataclass(frozen=True, eq=False)
 class Choice:
-    """Stacks of layers among which a film is chosen, and what the search goes on with.
-
-    Attributes
-    ----------
-    stacks : AbstractStacks
-    section : OptimiseSection
-        What else is asked.
-    sampling : SamplingSection or None
-    source : Source or None
-    time_limit : float
-        Of the choice, infinite where none is set [s].
-    """
+    """Stacks of layers among which a film is chosen, and what the search goes on with."""
 
     stacks: AbstractStacks
-    section: OptimiseSection
+    section: OptimiseSection  # What else is asked
     sampling: SamplingSection | None
     source: Source | None
-    time_limit: float
+    time_limit: float  # Of the choice, infinite where none is set [s]
 
     def any_stack(self) -> "Problem":
         """The problem of any of the stacks, without uncertainty: each thickness is a share."""
@@ -249,29 +221,7 @@ def as_problem(
     seed: int | None = None,
     **asked: Any,
 ) -> Problem:
-    """The problem that the arguments of a search state.
-
-    Parameters
-    ----------
-    what : Problem, or anything of which a design can be made
-    environment, model : optional
-        Where ``what`` is a flyer.
-    points, method, seed : optional
-        How distributions are drawn.
-    **asked : object
-        Keys of the section ``[optimise]``; None for one that is left out.
-
-    Returns
-    -------
-    Problem
-
-    Raises
-    ------
-    ConfigurationError
-        Naming the key and what is wrong with it.
-    ParameterError
-        If a problem is given and more is asked.
-    """
+    """The problem that the arguments of a search state; ``**asked`` [optimise]."""
     if isinstance(what, Problem):
         further = (environment, model, points, method, seed, *asked.values())
         if any(argument is not None for argument in further):
@@ -288,25 +238,7 @@ def make_problem(
     sampling: SamplingSection | None = None,
     source: Source | None = None,
 ) -> Problem:
-    """Look up what an optimisation names, check it, and draw its samples.
-
-    Parameters
-    ----------
-    design : AbstractDesign
-    section : OptimiseSection
-    sampling : SamplingSection, optional
-    source : Source, optional
-        Names file and line in errors.
-
-    Returns
-    -------
-    Problem
-
-    Raises
-    ------
-    ConfigurationError
-        Naming the key and what is wrong with it.
-    """
+    """Look up what an optimisation names, check it, and draw its samples."""
     if section.stacks is not None:
         return _with_choice(design, section, sampling, source)
     given = list(section.over)

@@ -259,24 +259,7 @@ def read_sensitivity_study(path: str | Path) -> SensitivityStudy:
 def make_sensitivity_study(
     design: AbstractDesign, section: SensitivitySection, source: Source | None = None
 ) -> SensitivityStudy:
-    """Look up what a sensitivity study names and check it.
-
-    Parameters
-    ----------
-    design : AbstractDesign
-    section : SensitivitySection
-    source : Source, optional
-        Names file and line in errors.
-
-    Returns
-    -------
-    SensitivityStudy
-
-    Raises
-    ------
-    ConfigurationError
-        Naming the key and what is wrong with it.
-    """
+    """Look up what a sensitivity study names and check it."""
     fixed: dict[str, float] = {}
     for name, entry in section.at.items():
         with errors_at(source, "sensitivity", "at", name):
@@ -453,11 +436,9 @@ def _space(study: SensitivityStudy) -> dict[str, Any]:
 def _designs(
     study: SensitivityStudy, shares: np.ndarray, base: int
 ) -> tuple[list[int], dict[str, np.ndarray]]:
-    """Sizes of the blocks of designs, and the inputs of all of them.
-
-    The blocks: the samples; all inputs at their medians; each group alone, at the ends of an
-    input's range or over samples of a pair; each input a small step down; each a step up.
-    """
+    """Sizes of the blocks of designs, and the inputs of all of them."""
+    # The blocks: the samples; all inputs at their medians; each group alone, at the ends of an
+    # input's range or over samples of a pair; each input a small step down; each a step up.
     names, count = study.names, len(study.inputs)
     sampled = shares[:, :count]
     blocks = [sampled, np.full((1, count), 0.5)]

@@ -14,25 +14,11 @@ _UPPER_END = 0.975  # of a 95 % interval
 def indices_with_intervals(
     values: np.ndarray, groups: int, count: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    r"""First and total indices, and the half widths of their 95 % intervals.
-
-    The points are :data:`REPLICATES` Sobol sequences, each scrambled by itself, so that the scatter
-    among them is that of the estimate; a bootstrap of single points would overstate it, for the
-    points of a sequence avoid each other. A jackknife that leaves out one sequence at a time gives
-    the standard error, and Student's distribution the interval.
-
-    Parameters
-    ----------
-    values : array, shape (n,)
-        The output, in the order in which SALib samples.
-    groups, count : int
-        Number of groups sampled, and of those wanted.
-
-    Returns
-    -------
-    indices, half : array, shape (2, count)
-        Half widths are infinite where there is a single sequence.
-    """
+    r"""First and total indices, and the half widths of their 95 % intervals, shape (2, count)."""
+    # The points are :data:`REPLICATES` Sobol sequences, each scrambled by itself, so that the
+    # scatter among them is that of the estimate; a bootstrap of single points would overstate it,
+    # for the points of a sequence avoid each other. A jackknife that leaves out one sequence at a
+    # time gives the standard error, and Student's distribution the interval.
     from SALib.analyze import sobol as analysis
 
     base = values.size // (groups + 2)

@@ -99,24 +99,7 @@ class _Entry:
 
 
 def choose_stack(problem: Problem) -> tuple[Problem, Ranking]:
-    """The problem with the best stack of layers.
-
-    Parameters
-    ----------
-    problem : Problem
-        With a choice.
-
-    Returns
-    -------
-    Problem
-        With the thicknesses of its layers free.
-    Ranking
-
-    Raises
-    ------
-    LightflyerError
-        If no stack has a value within the constraints.
-    """
+    """The problem with the best stack of layers; returns ; ``problem``: with a choice."""
     choice = problem.choice
     assert choice is not None  # the caller looked
     ends = time.monotonic() + choice.time_limit
@@ -181,19 +164,7 @@ def _screened(
 
 
 def merit(scores: np.ndarray, scale: float) -> np.ndarray:
-    """Objective less a penalty, by which points that satisfy the constraints come first.
-
-    Parameters
-    ----------
-    scores : array, shape (..., 1 + constraints)
-    scale : float
-        Of the objective.
-
-    Returns
-    -------
-    array, shape (...)
-        Minus infinity where there is no value.
-    """
+    """Objective less a penalty, by which points that satisfy the constraints come first."""
     violation = np.maximum(-scores[..., 1:], 0.0).sum(axis=-1)
     found = scores[..., 0] / scale - INFEASIBLE * violation
     return np.where(np.isfinite(found), found, -np.inf)

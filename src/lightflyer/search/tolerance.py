@@ -82,20 +82,9 @@ class AsMade:
 
 
 def made(function: ObjectiveFunction, point: np.ndarray) -> AsMade | None:
-    """What becomes of a design that is made with errors.
-
-    The errors are normal and independent. Each flyer's films are computed with all errors at once.
-
-    Parameters
-    ----------
-    function : ObjectiveFunction
-    point : array, shape (k,)
-
-    Returns
-    -------
-    AsMade or None
-        None where no number has a tolerance, or the objective is a probability already.
-    """
+    """What becomes of a design that is made with errors; ``point`` (k,)."""
+    # The errors are normal and independent. Each flyer's films are computed with all errors at
+    # once.
     problem = function.problem
     tolerances = tolerances_of(problem)
     if not tolerances or problem.objectives[0].name == PROBABILITY:

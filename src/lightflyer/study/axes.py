@@ -26,41 +26,15 @@ _EXAMPLE = '{ from = "1 cm", to = "5 cm", points = 9 }'
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """Values of one number, a dimension of their own; a single value is no dimension.
-
-    Attributes
-    ----------
-    field : Field
-    values : array, shape (n,)
-        In the unit of the field.
-    single : bool
-        Whether it is one value, given as such.
-    """
+    """Values of one number, a dimension of their own; a single value is no dimension."""
 
     field: Field
-    values: np.ndarray
-    single: bool = False
+    values: np.ndarray  # shape (n,); in the unit of the field
+    single: bool = False  # Whether it is one value, given as such
 
 
 def read_entry(entry: Any, field: Field) -> Axis | Distribution:
-    """What a study says about a number.
-
-    Parameters
-    ----------
-    entry : object
-        A quantity, a list of them, a range ``{from, to, points, scale}``, a distribution
-        ``{distribution, ...}``, a text with ±, or an array in the unit of the field.
-    field : Field
-
-    Returns
-    -------
-    Axis or Distribution
-
-    Raises
-    ------
-    ConfigurationError
-        Saying what is wrong and what is allowed.
-    """
+    """What a study says about a number."""
     if isinstance(entry, np.ndarray) and entry.ndim:
         return _array_axis(entry, field)
     if isinstance(entry, list | tuple) and not isinstance(entry, Measured):
@@ -78,19 +52,7 @@ def read_entry(entry: Any, field: Field) -> Axis | Distribution:
 
 
 def require(field: Field, values: np.ndarray) -> None:
-    """Raise unless all values of a number are possible.
-
-    Parameters
-    ----------
-    field : Field
-    values : array, shape (...)
-        In the unit of the field.
-
-    Raises
-    ------
-    ConfigurationError
-        Naming the first that is not, and what is allowed.
-    """
+    """Raise unless all values of a number are possible; ``values``: in the unit of the field."""
     try:
         field.quantity.check(field.name, values)
     except ParameterError as error:
@@ -131,27 +93,7 @@ def _range(entry: Mapping[str, Any], field: Field) -> Axis:
 def read_ends(
     entry: Mapping[str, Any], field: Field, known: Sequence[str] = _RANGE
 ) -> tuple[float, float, bool]:
-    """Ends of a range, and whether its scale is logarithmic.
-
-    Parameters
-    ----------
-    entry : dict
-        With ``from``, ``to`` and perhaps ``scale``.
-    field : Field
-    known : sequence of str
-        Keys that the entry may have.
-
-    Returns
-    -------
-    low, high : float
-        In the unit of the field.
-    logarithmic : bool
-
-    Raises
-    ------
-    ConfigurationError
-        Saying what is wrong and what is allowed.
-    """
+    """Ends of a range, and whether its scale is logarithmic."""
     _require_keys(entry, known, ("from", "to"), "a range")
     low, high = _ends(entry, field.quantity)
     scale = entry.get("scale", "linear")

@@ -20,43 +20,20 @@ MOST_SAMPLES = 10_000_000
 
 @dataclass(frozen=True)
 class Distribution(abc.ABC):
-    """Distribution of one number.
-
-    Attributes
-    ----------
-    field : Field
-    """
+    """Distribution of one number."""
 
     field: Field
 
     @abc.abstractmethod
     def quantile(self, share: np.ndarray) -> np.ndarray:
-        """Values below which given shares of all values lie.
-
-        Parameters
-        ----------
-        share : array, shape (...)
-            Between 0 and 1.
-
-        Returns
-        -------
-        array, shape (...)
-            In the unit of the field.
-        """
+        """Values below which given shares of all values lie; in the unit of the field."""
 
 
 @dataclass(frozen=True)
 class Normal(Distribution):
-    """Normal distribution, truncated to possible values.
+    """Normal distribution, truncated to possible values."""
 
-    Attributes
-    ----------
-    field : Field
-    mean, standard_deviation : float
-        Before truncation, in the unit of the field.
-    """
-
-    mean: float
+    mean: float  # Before truncation, in the unit of the field
     standard_deviation: float
 
     def quantile(self, share: np.ndarray) -> np.ndarray:
@@ -76,17 +53,10 @@ class Normal(Distribution):
 
 @dataclass(frozen=True)
 class Uniform(Distribution):
-    """Uniform distribution.
+    """Uniform distribution."""
 
-    Attributes
-    ----------
-    field : Field
-    low, high : float
-        In the unit of the field.
-    """
-
-    low: float
-    high: float
+    low: float  # In the unit of the field
+    high: float  # In the unit of the field
 
     def quantile(self, share: np.ndarray) -> np.ndarray:
         """See :meth:`Distribution.quantile`."""
@@ -95,17 +65,10 @@ class Uniform(Distribution):
 
 @dataclass(frozen=True)
 class LogUniform(Distribution):
-    """Distribution whose logarithm is uniform.
+    """Distribution whose logarithm is uniform."""
 
-    Attributes
-    ----------
-    field : Field
-    low, high : float
-        Positive, in the unit of the field.
-    """
-
-    low: float
-    high: float
+    low: float  # Positive, in the unit of the field
+    high: float  # Positive, in the unit of the field
 
     def quantile(self, share: np.ndarray) -> np.ndarray:
         """See :meth:`Distribution.quantile`."""
@@ -113,19 +76,7 @@ class LogUniform(Distribution):
 
 
 def stated_distributions(design: AbstractDesign, given: Container[str] = ()) -> list[Distribution]:
-    """A design's own uncertainties, as normal distributions.
-
-    Parameters
-    ----------
-    design : AbstractDesign
-    given : collection of str
-        Names of numbers that have values already.
-
-    Returns
-    -------
-    list of Distribution
-        One for each other number that has an uncertainty and can be varied.
-    """
+    """A design's own uncertainties, as normal distributions."""
     found: list[Distribution] = []
     for name, spread in design.uncertainties.items():
         value = design.number(name)
@@ -162,31 +113,7 @@ def draw_samples(
     seed: int,
     correlations: Correlations | None = None,
 ) -> dict[str, np.ndarray]:
-    """Samples of all distributions together.
-
-    Parameters
-    ----------
-    distributions : sequence of Distribution
-    points : int
-        Number of samples; for ``"sobol"`` a power of two keeps its balance.
-    method : str
-        One of :data:`METHODS`.
-    seed : int
-    correlations : dict of (str, str) to float, optional
-        Correlation of the errors of two numbers.
-
-    Returns
-    -------
-    dict of str to array, shape (points,)
-        Values by dotted name.
-
-    Raises
-    ------
-    ConfigurationError
-        If there are too many to be kept in memory.
-    ParameterError
-        If the correlations contradict each other.
-    """
+    """Samples of all distributions together, shape (points,); values by dotted name."""
     count = len(distributions)
     if points * count > MOST_SAMPLES:
         raise ConfigurationError(

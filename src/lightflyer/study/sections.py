@@ -133,24 +133,7 @@ _Kind = TypeVar("_Kind", bound=Section)
 
 
 def from_arguments(kind: type[_Kind], **given: Any) -> _Kind:
-    """A section from the arguments of a function.
-
-    Parameters
-    ----------
-    kind : type
-        Class of the section.
-    **given : object
-        Its keys; None for one that is left out.
-
-    Returns
-    -------
-    Section
-
-    Raises
-    ------
-    ConfigurationError
-        One line for each mistake.
-    """
+    """A section from the arguments of a function; ``kind``: class of the section."""
     try:
         return kind.model_validate({k: value for k, value in given.items() if value is not None})
     except pydantic.ValidationError as error:

@@ -22,29 +22,13 @@ _LISTED = 6  # values of a number that are shown one by one
 
 @dataclass(frozen=True)
 class Source:
-    """Where a study was read from, for messages and for the record.
-
-    Attributes
-    ----------
-    path : Path
-    text : str
-    """
+    """Where a study was read from, for messages and for the record."""
 
     path: Path
     text: str
 
     def place(self, keys: Sequence[str]) -> str:
-        """File, line and name of a key, for the beginning of a message.
-
-        Parameters
-        ----------
-        keys : sequence of str
-            Sections, outermost first, and the key, which may be dotted.
-
-        Returns
-        -------
-        str
-        """
+        """File, line and name of a key, for the beginning of a message."""
         parts = [part for key in keys for part in key.split(".")]
         shown = ".".join(f'"{key}"' if "." in key else key for key in keys)
         return f"{place_of(parts, self.text, self.path)}: {shown}"
@@ -52,20 +36,7 @@ class Source:
 
 @contextmanager
 def errors_at(source: Source | None, *keys: str) -> Iterator[None]:
-    """Let errors inside begin with the key that they are about, and its place.
-
-    Parameters
-    ----------
-    source : Source or None
-        None for a study that was not read from a file.
-    *keys : str
-        Sections, outermost first, and the key.
-
-    Raises
-    ------
-    ConfigurationError
-        In place of one that the message is taken from; it may begin with the key already.
-    """
+    """Let errors inside begin with the key that they are about, and its place."""
     try:
         yield
     except ConfigurationError as error:
@@ -76,24 +47,7 @@ def errors_at(source: Source | None, *keys: str) -> Iterator[None]:
 
 
 def read_study_file(path: str | Path) -> tuple[StudyFile, AbstractDesign, Source]:
-    """Read a study file and the flyer file that it names.
-
-    Parameters
-    ----------
-    path : str or path
-        A TOML file.
-
-    Returns
-    -------
-    study : StudyFile
-    design : AbstractDesign
-    source : Source
-
-    Raises
-    ------
-    ConfigurationError
-        One line for each mistake: file, line, key and what is allowed.
-    """
+    """Read a study file and the flyer file that it names; ``path``: A TOML file."""
     path = Path(path)
     study, text = read_file(StudyFile, path, STUDY_FILE)
     flyer = path.parent / study.flyer
@@ -107,18 +61,10 @@ def read_study_file(path: str | Path) -> tuple[StudyFile, AbstractDesign, Source
 
 @dataclass(frozen=True, eq=False)
 class Dimension:
-    """A dimension of a study.
+    """A dimension of a study."""
 
-    Attributes
-    ----------
-    name : str
-        Dotted name of its field, or :data:`~lightflyer.study.distributions.SAMPLE`.
-    values : dict of str to array, shape (n,)
-        Values of each field along it, by dotted name.
-    """
-
-    name: str
-    values: dict[str, np.ndarray]
+    name: str  # Dotted name of its field, or :data:`~lightflyer.study.distributions.SAMPLE`
+    values: dict[str, np.ndarray]  # shape (n,); values of each field along it, by dotted name
 
     @property
     def size(self) -> int:
@@ -128,27 +74,14 @@ class Dimension:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """Designs to be computed: every combination of the values along its dimensions.
-
-    Attributes
-    ----------
-    design : AbstractDesign
-    dimensions : tuple of Dimension
-    fixed : dict of str to float
-        Numbers that have one value, by dotted name.
-    outputs : tuple of str
-        Names of the outputs.
-    text : str
-        Text of the study file, for the record.
-    reduce : ReduceSection
-        What to keep where not all results are kept.
-    """
+    """Designs to be computed: every combination of the values along its dimensions."""
 
     design: AbstractDesign
     dimensions: tuple[Dimension, ...]
-    fixed: dict[str, float]
-    outputs: tuple[str, ...]
-    text: str = ""
+    fixed: dict[str, float]  # Numbers that have one value, by dotted name
+    outputs: tuple[str, ...]  # Names of the outputs
+    text: str = ""  # Text of the study file, for the record
+    # What to keep where not all results are kept
     reduce: ReduceSection = field(default_factory=ReduceSection)
 
     @property
@@ -182,18 +115,7 @@ class Study:
         return tuple(arrays.unravel_index(designs, self.shape)) if self.shape else ()
 
     def values_at(self, designs: Any) -> dict[str, Any]:
-        """Varied numbers of some designs.
-
-        Parameters
-        ----------
-        designs : int array, shape (n,)
-            Of NumPy or JAX.
-
-        Returns
-        -------
-        dict of str to array, shape (n,)
-            By dotted name, of the same kind.
-        """
+        """Varied numbers of some designs, shape (n,); ``designs`` (n,)."""
         asarray = designs.__array_namespace__().asarray
         return {
             name: asarray(table)[place]
@@ -202,12 +124,7 @@ class Study:
         }
 
     def description(self) -> dict[str, str]:
-        """What decides the results, in words that can be compared and shown.
-
-        Returns
-        -------
-        dict of str to str
-        """
+        """What decides the results, in words that can be compared and shown."""
         described, fields = {"variables": ", ".join(self.outputs)}, self.fields
         for dimension in self.dimensions:
             for name, values in dimension.values.items():
@@ -232,28 +149,7 @@ def make_study(
     source: Source | None = None,
     reduce: ReduceSection | None = None,
 ) -> Study:
-    """Look up what a study names, check it, and draw its samples.
-
-    Parameters
-    ----------
-    design : AbstractDesign
-    entries : dict of str to object
-        Values of each number by dotted name: see :func:`lightflyer.study.axes.read_entry`.
-    outputs : sequence of str
-    sampling : SamplingSection, optional
-    source : Source, optional
-        Names file and line in errors.
-    reduce : ReduceSection, optional
-
-    Returns
-    -------
-    Study
-
-    Raises
-    ------
-    ConfigurationError
-        Naming the field and what is wrong with it.
-    """
+    """Look up what a study names, check it, and draw its samples."""
     if not entries:
         raise ConfigurationError("over names no number to vary")
     found: list[Axis | Distribution] = []
@@ -305,20 +201,7 @@ def _require_known(
 def require_compatible(
     design: AbstractDesign, names: list[str], source: Source | None, *sections: str
 ) -> None:
-    """Raise where two numbers cannot be given at once.
-
-    Parameters
-    ----------
-    design : AbstractDesign
-    names : list of str
-    source : Source or None
-    *sections : str
-        Where the numbers are given.
-
-    Raises
-    ------
-    ConfigurationError
-    """
+    """Raise where two numbers cannot be given at once."""
     conflict = design.conflict(names)
     if conflict is not None:
         first, second = conflict
@@ -348,22 +231,7 @@ def _dimensions(
 
 
 def read_study(path: str | Path) -> Study:
-    """Read the ``[sweep]`` of a study file.
-
-    Parameters
-    ----------
-    path : str or path
-        A TOML file.
-
-    Returns
-    -------
-    Study
-
-    Raises
-    ------
-    ConfigurationError
-        One line for each mistake: file, line, key and what is allowed.
-    """
+    """Read the ``[sweep]`` of a study file; ``path``: A TOML file."""
     study, design, source = read_study_file(path)
     if not study.sweep:
         raise ConfigurationError(

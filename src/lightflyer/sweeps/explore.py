@@ -35,26 +35,7 @@ def less_is_better(name: str) -> bool:
 
 
 def find_name(dataset: "xr.Dataset", name: str, *, among: str) -> str:
-    """Full name of a field or an output.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A sweep.
-    name : str
-        In full or its last part, such as ``"diameter"`` for ``"flyer.diameter"``.
-    among : str
-        ``"fields"`` that have a dimension, or ``"outputs"``.
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    ConfigurationError
-        If there is none, with the nearest, or several.
-    """
+    """Full name of a field or an output; ``dataset``: A sweep."""
     known = [str(key) for key in (dataset.dims if among == "fields" else dataset.data_vars)]
     if name in known:
         return name
@@ -69,18 +50,7 @@ def find_name(dataset: "xr.Dataset", name: str, *, among: str) -> str:
 
 
 def parts(array: "xr.DataArray") -> Iterator[tuple[slice, np.ndarray]]:
-    """Values of an array in parts along its first dimension that fit into memory.
-
-    Parameters
-    ----------
-    array : xarray.DataArray
-        With at least one dimension.
-
-    Yields
-    ------
-    rows : slice
-    values : array
-    """
+    """Values of an array in parts along its first dimension that fit into memory."""
     rows = max(1, _AT_ONCE // max(1, int(np.prod(array.shape[1:]))))
     for start in range(0, array.shape[0], rows):
         part = slice(start, start + rows)
@@ -89,26 +59,13 @@ def parts(array: "xr.DataArray") -> Iterator[tuple[slice, np.ndarray]]:
 
 @dataclass(frozen=True)
 class BestDesign:
-    """The design with the best value of an output.
+    """The design with the best value of an output."""
 
-    Attributes
-    ----------
-    value : float
-        Value of the output; with samples, their median.
-    units : str
-    band : tuple of float or None
-        Ends of the samples' 95 % band; None without samples.
-    where : dict of str to (float, str)
-        Value and units of each coordinate.
-    index : dict of str to int
-        Its place along each dimension.
-    """
-
-    value: float
+    value: float  # Value of the output; with samples, their median
     units: str
-    band: tuple[float, float] | None
-    where: dict[str, tuple[float, str]]
-    index: dict[str, int]
+    band: tuple[float, float] | None  # Ends of the samples' 95 % band; None without samples
+    where: dict[str, tuple[float, str]]  # Value and units of each coordinate
+    index: dict[str, int]  # Its place along each dimension
 
     def __str__(self) -> str:
         at = ", ".join(f"{name} {amount(*where)}" for name, where in self.where.items())
@@ -121,22 +78,9 @@ class BestDesign:
 
 
 def best_design(dataset: "xr.Dataset", name: str) -> BestDesign | None:
-    """Design at which an output is largest, or smallest where less is better.
-
-    Of uncertain designs the median over the samples counts; a sample without a value is the worst.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A sweep.
-    name : str
-        Name of the output.
-
-    Returns
-    -------
-    BestDesign or None
-        None where the output has no value anywhere.
-    """
+    """Design at which an output is largest, or smallest where less is better."""
+    # Of uncertain designs the median over the samples counts; a sample without a value is the
+    # worst.
     array = _samples_last(dataset[name])
     sign = -1.0 if less_is_better(name) else 1.0
     best = -np.inf
@@ -192,41 +136,16 @@ def _typical(values: np.ndarray, array: "xr.DataArray") -> np.ndarray:
 
 
 def median_of_samples(values: Any) -> Any:
-    """Median along the last axis, of NumPy or JAX.
-
-    Of an even number it is the lower one, so that it is that of a sample and never a mean of
-    infinities.
-    """
+    """Median along the last axis, of NumPy or JAX."""
+    # Of an even number it is the lower one, so that it is that of a sample and never a mean of
+    # infinities.
     return values.__array_namespace__().quantile(values, 0.5, axis=-1, method="lower")
 
 
 def choose_slice(
     dataset: "xr.Dataset", value: str, kept: list[str], asked: Mapping[str, str]
 ) -> tuple["xr.Dataset", dict[str, tuple[float, str]]]:
-    """Fix all dimensions but some, at asked values or else at the best design.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A sweep.
-    value : str
-        Output whose best design is meant.
-    kept : list of str
-        Dimensions that stay; samples stay too.
-    asked : dict of str to str
-        Values with units of other fields; the nearest in the sweep is taken.
-
-    Returns
-    -------
-    dataset : xarray.Dataset
-    chosen : dict of str to (float, str)
-        Value and units of each fixed field.
-
-    Raises
-    ------
-    ConfigurationError
-        If a field does not exist or is kept, or a value is not of its kind or outside the sweep.
-    """
+    """Fix all dimensions but some, at asked values or else at the best design."""
     chosen: dict[str, tuple[float, str]] = {}
     for short, text in asked.items():
         name = find_name(dataset, short, among="fields")
@@ -265,19 +184,7 @@ def _bare(text: str) -> float | str:
 
 
 def margin(table: Mapping[Any, Any], where: Any = None) -> Any:
-    """Whether the designs of a sweep fly, as far as its outputs tell.
-
-    Parameters
-    ----------
-    table : xarray.Dataset or mapping of str to array
-    where : callable, optional
-        As :func:`numpy.where`, for the kind of the arrays; by default xarray's.
-
-    Returns
-    -------
-    array or None
-        Zero or positive where a design flies, on an arbitrary scale; None where no output tells.
-    """
+    """Whether the designs of a sweep fly, as far as its outputs tell."""
     if where is None:
         import xarray as xr
 
@@ -303,26 +210,8 @@ def _is_missing(values: Any) -> Any:
 def pareto_front(
     dataset: "xr.Dataset", gain: str, cost: str, *, sign: float = 1.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Designs that no other beats in both of two quantities.
-
-    Of uncertain designs the medians over the samples count; a design flies if its median does.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A sweep.
-    gain : str
-        Output of which more is better, or less, see :func:`less_is_better`.
-    cost : str
-        Output or coordinate of which less is better.
-    sign : float
-        -1 where more of ``cost`` is better as well.
-
-    Returns
-    -------
-    gain, cost : array, shape (n,)
-        Along the front, ordered by cost; empty where no design that flies has both.
-    """
+    """Designs that no other beats in both of two quantities, shape (n,); ``dataset``: A sweep."""
+    # Of uncertain designs the medians over the samples count; a design flies if its median does.
     array, other, able = dataset[gain], dataset[cost], margin(dataset)
     worth = -1.0 if less_is_better(gain) else 1.0
     gains, costs = np.empty(0), np.empty(0)
@@ -347,19 +236,7 @@ def pareto_front(
 
 
 def over_samples(array: "xr.DataArray") -> dict[str, Any]:
-    """Median and ends of the 95 % band of an output over the samples of a sweep.
-
-    Parameters
-    ----------
-    array : xarray.DataArray
-        With a dimension ``"sample"``.
-
-    Returns
-    -------
-    dict of str to xarray.DataArray
-        ``"low"``, ``"median"`` and ``"high"``. A sample without a value is the worst: plus infinity
-        where less is better, minus infinity elsewhere.
-    """
+    """Median and ends of the 95 % band of an output over the samples of a sweep."""
     array = array.fillna(np.inf if less_is_better(str(array.name)) else -np.inf)
     low, median, high = (
         array.quantile(level, SAMPLE, method="nearest", keep_attrs=True).drop_vars("quantile")

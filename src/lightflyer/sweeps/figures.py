@@ -90,23 +90,7 @@ def _fixed(ax: Axes, dataset: "xr.Dataset", drawn: tuple[str, ...]) -> None:
 
 
 def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axes:
-    """Contours of an output over two fields, its best design per column, and where no design flies.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A sweep with the dimensions ``x`` and ``y`` and perhaps samples, of which the
-        median is drawn.
-    x, y : str
-        Fields.
-    value : str
-        Output.
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Contours of an output over two fields, each column's best, and where no design flies."""
     array, able = dataset[value], margin(dataset)
     sampled = SAMPLE in array.dims
     shown = over_samples(array)["median"] if sampled else array
@@ -158,10 +142,8 @@ def _best_per_column(
 
 
 def _peak(places: np.ndarray, score: np.ndarray) -> float:
-    """Where a score is largest: the top of the parabola through its three largest neighbours.
-
-    At an end of the places, and beside one without a score, the place of the largest itself.
-    """
+    """Where a score is largest: the top of the parabola through its three largest neighbours."""
+    # At an end of the places, and beside one without a score, the place of the largest itself.
     best = int(np.argmax(score))
     if not np.isfinite(score[best]):
         return np.nan
@@ -208,22 +190,7 @@ def _cannot_fly(
 
 
 def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
-    """An output over one field, with its 95 % band where there are samples.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A sweep with the dimension ``x`` and perhaps samples.
-    x : str
-        Field.
-    value : str
-        Output.
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """An output over one field, with its 95 % band where there are samples; ``x``: field."""
     array, able = dataset[value], margin(dataset)
     horizontal = _axis(ax, "x", dataset[x])
     factor, label = scale_and_label(array)
@@ -332,20 +299,7 @@ def plot_sweep(
 
 
 def pareto_figure(dataset: "xr.Dataset", gain: str) -> Figure | None:
-    """Pareto fronts of an output against altitude, irradiance and temperature.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A sweep.
-    gain : str
-        Output.
-
-    Returns
-    -------
-    matplotlib.figure.Figure or None
-        None where the sweep has none of these.
-    """
+    """Pareto fronts of an output against altitude, irradiance and temperature; ``gain``: output."""
     costs = {
         name: sign
         for name, sign in COSTS.items()

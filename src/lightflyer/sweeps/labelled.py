@@ -19,26 +19,7 @@ if TYPE_CHECKING:
 def sweep_labelled(
     design: AbstractDesign, over: Mapping[str, Any], outputs: tuple[str, ...]
 ) -> "xr.Dataset":
-    """Outputs over arrays that broadcast by the names of their dimensions.
-
-    Parameters
-    ----------
-    design : AbstractDesign
-    over : dict of str to object
-        :class:`xarray.DataArray` in the units of the fields, backed by NumPy or Dask; or a value,
-        list or range, which gets a dimension of its own.
-    outputs : tuple of str
-
-    Returns
-    -------
-    xarray.Dataset
-        Backed by Dask where an input is.
-
-    Raises
-    ------
-    ConfigurationError
-        If a field or an output does not exist or a value is not possible.
-    """
+    """Outputs over arrays that broadcast by the names of their dimensions."""
     import xarray as xr
 
     known = {name: design.field(name) for name in over}

@@ -5,27 +5,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class SweepReport:
-    """What a sweep into a folder or a file did.
+    """What a sweep into a folder or a file did."""
 
-    Attributes
-    ----------
-    designs : int
-        Designs of the study.
-    found : int
-        Designs that were already computed.
-    damaged : int
-        Chunks that were computed before and had to be again; none where results are reduced.
-    computed : int
-        Designs computed now.
-    not_converged : int
-        Designs of the study whose results are NaN because a root-find failed.
-    seconds : float
-        From the first chunk to the last.
-    """
-
-    designs: int
-    found: int
+    designs: int  # Designs of the study
+    found: int  # Designs that were already computed
+    # Chunks that were computed before and had to be again; none where results are reduced
     damaged: int
-    computed: int
-    not_converged: int
-    seconds: float
+    computed: int  # Designs computed now
+    not_converged: int  # Designs of the study whose results are NaN because a root-find failed
+    seconds: float  # From the first chunk to the last

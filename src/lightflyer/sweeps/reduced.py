@@ -65,21 +65,11 @@ _DAMAGES = (zipfile.BadZipFile, zlib.error, ValueError, LookupError, EOFError, O
 
 @dataclass(frozen=True)
 class Blocks:
-    """Division of the designs of a study into blocks of whole designs and those into chunks.
+    """Division of the designs of a study into blocks of whole designs and those into chunks."""
 
-    Attributes
-    ----------
-    size : int
-        Designs, samples counted.
-    chunk : int
-        Designs computed at once.
-    length : int
-        Designs of a block but the last.
-    """
-
-    size: int
-    chunk: int
-    length: int
+    size: int  # Designs, samples counted
+    chunk: int  # Designs computed at once
+    length: int  # Designs of a block but the last
 
     @classmethod
     def of(cls, study: Study, most_in_chunk: int = CHUNK) -> "Blocks":
@@ -104,18 +94,10 @@ class Blocks:
 
 @dataclass(frozen=True)
 class BlockTask:
-    """Computes blocks and what is kept of them.
-
-    Attributes
-    ----------
-    study : Study
-    reducer : callable
-        What is kept, and number of failures, of the designs from a number up to another.
-    blocks : Blocks
-    """
+    """Computes blocks and what is kept of them."""
 
     study: Study
-    reducer: Any
+    reducer: Any  # What is kept, and number of failures, of the designs from a number up to another
     blocks: Blocks
 
     def __call__(self, block: int) -> tuple[int, bytes, int]:
@@ -165,25 +147,7 @@ def _names(partials: Partials) -> set[tuple[str, str]]:
 
 
 class Progress:
-    """What is merged so far, in memory and in a file.
-
-    Parameters
-    ----------
-    folder : Path
-    kept : list of ReductionSpec
-    count : int
-        Number of blocks.
-    description : dict of str to str
-        Of the study.
-
-    Attributes
-    ----------
-    partials : dict
-    done : bool array
-        Which blocks are in it.
-    failures : int
-        Designs that have not converged.
-    """
+    """What is merged so far, in memory and in a file."""
 
     def __init__(
         self, folder: Path, kept: list[ReductionSpec], count: int, description: dict[str, str]
@@ -241,38 +205,7 @@ def reduce_into(
     evaluator: Any = None,
     save_every: float = SAVE_EVERY,
 ) -> SweepReport:
-    """Compute a study and write what is kept of it into a file, or continue to do so.
-
-    Parameters
-    ----------
-    study : Study
-        Its ``reduce`` says what is kept.
-    path : str or path
-        NetCDF file. What is unfinished lies in a folder beside it.
-    scheduler : str, optional
-        Address of a Dask scheduler; by default threads of this process compute.
-    workers : int, optional
-        Threads of this process.
-    chunk : int, optional
-        Designs computed at once, at most.
-    device : {"cpu", "gpu"}, optional
-        Where to compute; by default where JAX does. A GPU also reduces: designs never leave it.
-    evaluator : callable, optional
-        In place of the study's own :class:`~lightflyer.compute.evaluation.Evaluator`.
-    save_every : float
-        Time after which what is merged is saved [s].
-
-    Returns
-    -------
-    SweepReport
-
-    Raises
-    ------
-    OutputError
-        If the file holds something else or another study, or cannot be written.
-    ConfigurationError
-        If the scheduler does not answer, or there is no such device.
-    """
+    """Compute a study and write what is kept of it into a file, or continue to do so."""
     if device and scheduler is None:
         find_devices(device)
     path, on_gpu = Path(path), device == "gpu" and evaluator is None

@@ -32,23 +32,7 @@ def as_tree(
     partials: dict[str, Partial],
     failures: int,
 ) -> "xr.DataTree":
-    """Tables of the best designs, the fronts and the distributions of a study.
-
-    Parameters
-    ----------
-    study : Study
-    evaluator : Evaluator
-        Computes all outputs of the designs that are kept.
-    kept : list of ReductionSpec
-    partials : dict of str to dict
-        Of all designs, by name.
-    failures : int
-        Designs that have not converged.
-
-    Returns
-    -------
-    xarray.DataTree
-    """
+    """Tables of the best designs, the fronts and the distributions of a study."""
     import xarray as xr
 
     attributes = empty_dataset(study).attrs | {"not_converged": failures}

@@ -34,32 +34,13 @@ def merge(kept: list[ReductionSpec], partials: Partials, more: Partials) -> None
 
 
 class Reducer:
-    """Reduces designs by NumPy, from all their outputs.
-
-    Parameters
-    ----------
-    study : Study
-    evaluator : callable
-        Outputs, and number of failures, of the designs from a number up to another.
-    """
+    """Reduces designs by NumPy, from all their outputs."""
 
     def __init__(self, study: Study, evaluator: Any):
         self._study, self._evaluator = study, evaluator
 
     def __call__(self, start: int, stop: int) -> tuple[Partials, int]:
-        """What is kept of the designs from ``start`` up to ``stop``.
-
-        Parameters
-        ----------
-        start, stop : int
-            Samples counted, all of a design inside.
-
-        Returns
-        -------
-        partials : dict
-        failures : int
-            Number of designs that have not converged.
-        """
+        """What is kept of the designs from ``start`` up to ``stop``."""
         outputs, failures = self._evaluator(start, stop)
         first = start // max(samples_of(self._study), 1)
         seen = Designs(self._study, first, outputs, np.arange(start, stop))
@@ -67,16 +48,10 @@ class Reducer:
 
 
 class DeviceReducer:
-    """Reduces designs where they are computed: only what is kept comes back.
+    """Reduces designs where they are computed: only what is kept comes back."""
 
-    Numbers of designs are made on the devices, each of which computes and reduces a part of them.
-    Can be pickled; it is compiled where it runs.
-
-    Parameters
-    ----------
-    study : Study
-    device : {"cpu", "gpu"}
-    """
+    # Numbers of designs are made on the devices, each of which computes and reduces a part of them.
+    # Can be pickled; it is compiled where it runs.
 
     counted: Counted | None = None
     """Counts the designs as they are computed, in this process."""
@@ -141,13 +116,7 @@ class DeviceReducer:
 
 
 class _Program:
-    """Reduces consecutive designs on devices.
-
-    Attributes
-    ----------
-    designs : int
-        How many at once, on all devices together.
-    """
+    """Reduces consecutive designs on devices."""
 
     def __init__(self, study: Study, evaluator: Evaluator, device: str, batch: int):
         samples, kept = max(samples_of(study), 1), plan_reductions(study)

@@ -21,40 +21,18 @@ from lightflyer.sweeps.reductions import AbstractReduction, Best, Columns, Front
 
 @dataclass(frozen=True)
 class Designs:
-    """Outputs and numbers of consecutive designs, in arrays of NumPy or of JAX.
+    """Outputs and numbers of consecutive designs, in arrays of NumPy or of JAX."""
 
-    Where the study has samples, a design is a place along all other dimensions, and all its samples
-    are here.
-
-    Attributes
-    ----------
-    study : Study
-    first : int
-        Number of the first design, samples not counted.
-    outputs : dict of str to array, shape (n,)
-        Samples counted.
-    numbers : int array, shape (n,)
-        Samples counted.
-    """
+    # Where the study has samples, a design is a place along all other dimensions, and all its
+    # samples are here.
 
     study: Study
-    first: Any
-    outputs: Mapping[str, Any]
-    numbers: Any
+    first: Any  # Number of the first design, samples not counted
+    outputs: Mapping[str, Any]  # shape (n,); samples counted
+    numbers: Any  # shape (n,); samples counted
 
     def typical(self, name: str, sign: float) -> Any:
-        """An output or varied number of each design; with samples, their median.
-
-        Parameters
-        ----------
-        name : str
-        sign : float
-            -1 where less is better. A sample without a value is the worst.
-
-        Returns
-        -------
-        array
-        """
+        """An output or varied number of each design; with samples, their median."""
         values = self.outputs.get(name)
         if values is None:
             values = self._varied[name]
@@ -92,19 +70,11 @@ def samples_of(study: Study) -> int:
 
 @dataclass(frozen=True)
 class ReductionSpec:
-    """One thing to keep of a study.
+    """One thing to keep of a study."""
 
-    Attributes
-    ----------
-    name : str
-        Group of the result, such as ``"best/payload"``.
-    reduction : AbstractReduction
-    columns : callable
-        What the reduction looks at, by name, from :class:`Designs`.
-    """
-
-    name: str
+    name: str  # Group of the result, such as ``"best/payload"``
     reduction: AbstractReduction
+    # What the reduction looks at, by name, from :class:`Designs`
     columns: Callable[[Designs], Columns]
 
     def partial(self, seen: Designs) -> Partial:
@@ -117,20 +87,10 @@ class ReductionSpec:
 
 
 def plan_reductions(study: Study) -> list[ReductionSpec]:
-    """What a study asks for, or else what suits its outputs.
-
-    Without being asked: the best designs by the output that judges them, see
-    :data:`~lightflyer.sweeps.explore.JUDGED`, their front against altitude, irradiance and
-    temperature, and the distribution of every output.
-
-    Parameters
-    ----------
-    study : Study
-
-    Returns
-    -------
-    list of ReductionSpec
-    """
+    """What a study asks for, or else what suits its outputs."""
+    # Without being asked: the best designs by the output that judges them, see
+    # :data:`~lightflyer.sweeps.explore.JUDGED`, their front against altitude, irradiance and
+    # temperature, and the distribution of every output.
     asked = study.reduce
     judged = [name for name in JUDGED if name in study.outputs][:1] or [study.outputs[0]]
     best = list(dict.fromkeys(asked.best or judged))

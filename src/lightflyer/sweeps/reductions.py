@@ -36,41 +36,19 @@ class AbstractReduction(abc.ABC):
 
     @abc.abstractmethod
     def of_chunk(self, columns: Columns, first: int) -> Partial:
-        """The partial of consecutive designs, by NumPy.
-
-        Parameters
-        ----------
-        columns : mapping of str to array, shape (n,)
-            What is not finite has no value: the design is left out.
-        first : int
-            Number of the first design.
-
-        Returns
-        -------
-        dict of str to array
-        """
+        """The partial of consecutive designs, by NumPy; ``columns`` (n,)."""
 
     @abc.abstractmethod
     def on_device(self, columns: Columns, first: Any, inside: Any = True) -> Partial:
-        """As :meth:`of_chunk`, by JAX: of fixed shapes, for :func:`jax.jit`, in float64.
-
-        Parameters
-        ----------
-        columns, first
-            As of :meth:`of_chunk`; no value where not inside.
-        inside : bool array, shape (n,), optional
-            Which rows are designs; others only fill the arrays.
-        """
+        """As :meth:`of_chunk`, by JAX: of fixed shapes, for :func:`jax.jit`, in float64."""
 
     @abc.abstractmethod
     def merged(self, one: Partial, other: Partial) -> Partial:
         """The partial of the designs of two, in NumPy and without padding."""
 
     def is_whole(self, partial: Partial) -> bool:
-        """Whether a partial of :meth:`on_device` holds all that it should.
-
-        Where it does not, :meth:`of_chunk` must be used.
-        """
+        """Whether a partial of :meth:`on_device` holds all that it should."""
+        # Where it does not, :meth:`of_chunk` must be used.
         del partial
         return True
 
@@ -83,16 +61,6 @@ class AbstractReduction(abc.ABC):
 class Best(AbstractReduction):
     """The designs with the largest, or least, values of an output.
 
-    The partial holds ``designs`` (their numbers) and ``values``, best first. Of equals the one with
-    the smaller number comes first.
-
-    Attributes
-    ----------
-    output : str
-    count : int
-        How many.
-    less_is_better : bool
-
     Examples
     --------
     >>> best = Best("payload", 2)
@@ -102,8 +70,11 @@ class Best(AbstractReduction):
     {'designs': array([2, 3]), 'values': array([5., 4.])}
     """
 
+    # The partial holds ``designs`` (their numbers) and ``values``, best first. Of equals the one
+    # with the smaller number comes first.
+
     output: str
-    count: int
+    count: int  # How many
     less_is_better: bool = False
 
     def empty(self) -> Partial:
@@ -270,21 +241,16 @@ _CELLS = (_HIGHEST_EXPONENT - _LOWEST_EXPONENT) << _KEPT_BITS
 
 @dataclass(frozen=True)
 class Spread(AbstractReduction):
-    r"""How the values of an output are distributed: for :func:`quantiles` and :func:`histogram`.
+    r"""How the values of an output are distributed: for :func:`quantiles` and :func:`histogram`."""
 
-    Numbers are counted in the cells that their first bits name: sign, exponent and nine bits of the
-    mantissa. No range has to be known before, and the same number falls into the same cell on
-    every machine. Cells are at most :data:`RESOLUTION` wide, relative to their numbers, from
-    :math:`2^{-64}` to :math:`2^{64}`. One cell holds what is smaller, one of each sign what is
-    larger.
-
-    The partial holds ``counts`` of the cells, the ``least`` and ``largest`` value (infinite without
-    any), and ``missing``, the number of designs without a value.
-
-    Attributes
-    ----------
-    output : str
-    """
+    # Numbers are counted in the cells that their first bits name: sign, exponent and nine bits of
+    # the mantissa. No range has to be known before, and the same number falls into the same cell on
+    # every machine. Cells are at most :data:`RESOLUTION` wide, relative to their numbers, from
+    # :math:`2^{-64}` to :math:`2^{64}`. One cell holds what is smaller, one of each sign what is
+    # larger.
+    #
+    # The partial holds ``counts`` of the cells, the ``least`` and ``largest`` value (infinite
+    # without any), and ``missing``, the number of designs without a value.
 
     output: str
 
@@ -355,20 +321,7 @@ def _middles(spread: Partial) -> np.ndarray:
 
 
 def quantiles(spread: Partial, shares: Any) -> np.ndarray:
-    """Values that a share of the designs with a value do not exceed.
-
-    Parameters
-    ----------
-    spread : dict of str to array
-        Partial of a :class:`Spread`.
-    shares : array, shape (n,)
-        From 0 to 1.
-
-    Returns
-    -------
-    array, shape (n,)
-        Within half of :data:`RESOLUTION`, relative, of a design's value; NaN without any. The ends
-        are exact.
+    """Values that a share of the designs with a value do not exceed, shape (n,).
 
     Examples
     --------
@@ -387,20 +340,7 @@ def quantiles(spread: Partial, shares: Any) -> np.ndarray:
 
 
 def histogram(spread: Partial, edges: Any) -> np.ndarray:
-    """Number of designs between edges.
-
-    Parameters
-    ----------
-    spread : dict of str to array
-        Partial of a :class:`Spread`.
-    edges : array, shape (n + 1,)
-        Increasing. Designs of a cell that an edge divides go where its middle is.
-
-    Returns
-    -------
-    int array, shape (n,)
-        The last bin includes its upper edge.
-    """
+    """Number of designs between edges, shape (n,); ``edges`` (n + 1,)."""
     counts = np.asarray(spread["counts"])
     filled = np.flatnonzero(counts)
     found, _ = np.histogram(

@@ -41,35 +41,7 @@ def sweep_into(
     device: str | None = None,
     evaluator: Callable[[int, int], Any] | None = None,
 ) -> SweepReport:
-    """Compute a study into a folder, or the part of it that is missing there.
-
-    Parameters
-    ----------
-    study : Study
-    folder : str or path
-        A Zarr group is made there, or continued.
-    scheduler : str, optional
-        Address of a Dask scheduler; by default threads of this process compute.
-    workers : int, optional
-        Threads of this process.
-    chunk : int
-        Designs in a chunk of a new folder, at most.
-    device : {"cpu", "gpu"}, optional
-        Where to compute; by default where JAX does.
-    evaluator : callable, optional
-        In place of the study's own :class:`~lightflyer.compute.evaluation.Evaluator`.
-
-    Returns
-    -------
-    SweepReport
-
-    Raises
-    ------
-    OutputError
-        If the folder holds something else or another study, or cannot be written.
-    ConfigurationError
-        If the scheduler does not answer, or there is no such device.
-    """
+    """Compute a study into a folder, or the part of it that is missing there."""
     folder = Path(folder)
     if device and scheduler is None:
         find_devices(device)
@@ -206,17 +178,7 @@ def sweep(
 
 
 def in_memory(study: Study, device: str | None = None) -> "xr.Dataset":
-    """The outputs of a study as a dataset in memory.
-
-    Parameters
-    ----------
-    study : Study
-    device : {"cpu", "gpu"}, optional
-
-    Returns
-    -------
-    xarray.Dataset
-    """
+    """The outputs of a study as a dataset in memory."""
     results, failures = Evaluator(study, device)(0, study.size)
     dataset = empty_dataset(study)
     dims = [dimension.name for dimension in study.dimensions]
@@ -277,18 +239,7 @@ class Estimate:
 
 
 def estimate(study: Study, folder: str | Path) -> Estimate:
-    """Time and space that a study needs, from a few of its designs.
-
-    Parameters
-    ----------
-    study : Study
-    folder : str or path
-        Where it is to be written.
-
-    Returns
-    -------
-    Estimate
-    """
+    """Time and space that a study needs, from a few of its designs."""
     existing = Path(folder).resolve()
     while not existing.exists():
         existing = existing.parent

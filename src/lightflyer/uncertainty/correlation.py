@@ -13,19 +13,7 @@ _ROUNDING = 1e-12  # of a pivot of a correlation matrix, whose diagonal is one
 
 
 def correlation_matrix(names: Sequence[str], correlations: Correlations) -> np.ndarray:
-    """Correlations as a matrix.
-
-    Parameters
-    ----------
-    names : sequence of str, length k
-    correlations : dict of (str, str) to float
-        Pairs of other names have no effect.
-
-    Returns
-    -------
-    array, shape (k, k)
-        One on the diagonal, zero where no correlation is stated.
-    """
+    """Correlations as a matrix, shape (k, k)."""
     matrix = np.eye(len(names))
     row = {name: number for number, name in enumerate(names)}
     for (first, second), value in correlations.items():
@@ -37,18 +25,7 @@ def correlation_matrix(names: Sequence[str], correlations: Correlations) -> np.n
 def correlated_groups(
     names: Sequence[str], correlations: Correlations
 ) -> tuple[tuple[str, ...], ...]:
-    """Names, those of numbers that are correlated directly or by way of others together.
-
-    Parameters
-    ----------
-    names : sequence of str
-    correlations : dict of (str, str) to float
-
-    Returns
-    -------
-    tuple of tuple of str
-        Groups in the order of their first names, each in the order of ``names``.
-    """
+    """Names, those of numbers that are correlated directly or by way of others together."""
     from scipy.sparse.csgraph import connected_components
 
     count, label = connected_components(correlation_matrix(names, correlations), directed=False)
@@ -60,29 +37,10 @@ def correlated_groups(
 
 
 def correlate(shares: np.ndarray, names: Sequence[str], correlations: Correlations) -> np.ndarray:
-    r"""Correlated draws from independent ones, by a Gaussian copula.
-
-    With :math:`z = \Phi^{-1}(u)` and the correlation matrix :math:`R = L L^\mathsf{T}` the draws
-    become :math:`\Phi(L z)`. Each number keeps its own distribution; normal ones have the
-    correlations :math:`R`.
-
-    Parameters
-    ----------
-    shares : array, shape (n, k)
-        Independent and uniform between 0 and 1, a column for each name.
-    names : sequence of str, length k
-    correlations : dict of (str, str) to float
-
-    Returns
-    -------
-    array, shape (n, k)
-        Uniform between 0 and 1; columns of numbers that are not correlated are unchanged.
-
-    Raises
-    ------
-    ParameterError
-        If no joint distribution has these correlations.
-    """
+    r"""Correlated draws from independent ones, by a Gaussian copula, shape (n, k)."""
+    # With :math:`z = \Phi^{-1}(u)` and the correlation matrix :math:`R = L L^\mathsf{T}` the draws
+    # become :math:`\Phi(L z)`. Each number keeps its own distribution; normal ones have the
+    # correlations :math:`R`.
     lower = _factor(correlation_matrix(names, correlations), names)
     changed = [row for row in range(len(names)) if np.any(lower[row, :row])]
     if not changed:

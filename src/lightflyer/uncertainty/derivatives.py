@@ -31,22 +31,14 @@ def _along(setup: Any, coordinate: Any, change: Any, coordinate_change: Any) -> 
 
 @dataclass(frozen=True)
 class Derivatives:
-    """Outputs at some coordinates with their derivatives.
+    """Outputs at some coordinates with their derivatives."""
 
-    Attributes
-    ----------
-    value : dict of str to array, shape (n,)
-    change, slope_change : dict of str to array, shape (k + 1, n)
-        Derivatives of the value, and of its slope over the coordinate, in the k inputs and,
-        last, the coordinate.
-    covariance : array, shape (k, k)
-        Covariance of the inputs.
-    """
-
-    value: Table
+    value: Table  # shape (n,)
+    # shape (k + 1, n); derivatives of the value, and of its slope over the coordinate, in the k
+    # inputs and, last, the coordinate
     change: Table
     slope_change: Table
-    covariance: np.ndarray
+    covariance: np.ndarray  # shape (k, k); covariance of the inputs
 
     def spread(self, gradient: np.ndarray) -> float:
         """Standard uncertainty of what has this gradient, shape (k,), in the inputs."""
@@ -74,23 +66,9 @@ class Derivatives:
 
 
 def derivatives(inputs: Inputs, coordinate: np.ndarray) -> Derivatives:
-    """Derivatives of all outputs of a prediction.
-
-    Parameters
-    ----------
-    inputs : Inputs
-    coordinate : array, shape (n,)
-        Altitude [m] or pressure [Pa].
-
-    Returns
-    -------
-    Derivatives
-
-    Notes
-    -----
-    First derivatives are exact. Those of slopes, which say how an optimum moves, are differences
-    of exact ones: differentiating twice would take far longer to compile.
-    """
+    """Derivatives of all outputs of a prediction; ``coordinate`` (n,)."""
+    # First derivatives are exact. Those of slopes, which say how an optimum moves, are differences
+    # of exact ones: differentiating twice would take far longer to compile.
     step = _COORDINATE_STEP * coordinate
     shifted = np.concatenate([coordinate, coordinate - step, coordinate + step])
     setup, tangents = inputs.setup_and_tangents()

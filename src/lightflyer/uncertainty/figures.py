@@ -21,14 +21,7 @@ _FAR = 1e9  # beyond every axis
 
 
 def add_to_dataset(dataset: "xr.Dataset", uncertainty: "PredictionUncertainty") -> None:
-    """Add the 95 % bands as variables ``..._low`` and ``..._high`` over a coordinate of their own.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of the prediction; changed.
-    uncertainty : PredictionUncertainty
-    """
+    """Add the 95 % bands as ``..._low`` and ``..._high`` over a coordinate of their own."""
     where = uncertainty.prediction.coordinate
     name = f"band_{where.name}"
     about = {"units": dataset_unit(where.unit), "long_name": where.long_name}
@@ -42,14 +35,7 @@ def add_to_dataset(dataset: "xr.Dataset", uncertainty: "PredictionUncertainty") 
 
 
 def add_to_figures(figures: "dict[str, Figure]", uncertainty: "PredictionUncertainty") -> None:
-    """Shade the 95 % bands around the lines of a prediction's figures.
-
-    Parameters
-    ----------
-    figures : dict of str to matplotlib.figure.Figure
-        From :func:`lightflyer.prediction.figures.prediction_figures`; changed.
-    uncertainty : PredictionUncertainty
-    """
+    """Shade the 95 % bands around the lines of a prediction's figures."""
     irradiance, temperature = figures["levitation-irradiance"].axes[:2]
     payload = figures["payload"].axes[0]
     for panel, ax in (
@@ -69,16 +55,7 @@ _BANDS = {
 
 
 def add_bands(panel: str, ax: "Axes", uncertainty: "PredictionUncertainty") -> None:
-    """Shade the 95 % bands around the lines of one panel.
-
-    Parameters
-    ----------
-    panel : str
-        One of :data:`lightflyer.prediction.figures.PANELS`.
-    ax : matplotlib.axes.Axes
-        With that panel; changed.
-    uncertainty : PredictionUncertainty
-    """
+    """Shade the 95 % bands around the lines of one panel; ``ax``: with that panel; changed."""
     bands = _BANDS.get(panel, {})
     for label, output in bands.items():
         _shade(ax, label, output, uncertainty)
@@ -96,18 +73,7 @@ def add_bands(panel: str, ax: "Axes", uncertainty: "PredictionUncertainty") -> N
 def plot_uncertainty(
     uncertainty: "PredictionUncertainty", what: str | None = None, ax: "Axes | None" = None
 ) -> "Figure":
-    """Draw a prediction with its 95 % bands.
-
-    Parameters
-    ----------
-    uncertainty : PredictionUncertainty
-    what, ax
-        As of :func:`lightflyer.prediction.figures.plot_prediction`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Draw a prediction with its 95 % bands."""
     figure, drawn = panels(uncertainty.prediction, what, ax)
     for panel, axes in drawn:
         add_bands(panel, axes, uncertainty)

@@ -22,34 +22,17 @@ _EVEN = 12.0**-0.5  # standard deviation of a number that lies evenly between -1
 
 
 class Change(eqx.Module):
-    """How the costly part of a design changes with an input.
+    """How the costly part of a design changes with an input."""
 
-    Attributes
-    ----------
-    slope, bend : pytree
-        Change per unit of the input's shift, and of its square.
-    bounded : bool
-        Whether missing data leave the input open: it then goes from -1/2 at the lower bound over 0
-        at the nominal value to 1/2 at the upper bound, all its values are equally likely, and the
-        bend goes with the size of the shift.
-    """
-
-    slope: Any
+    slope: Any  # Change per unit of the input's shift, and of its square
     bend: Any
+    # Whether missing data leave the input open: it then goes from -1/2 at the lower bound over 0 at
+    # the nominal value to 1/2 at the upper bound, all its values are equally likely, and the bend
+    # goes with the size of the shift
     bounded: bool = eqx.field(static=True)
 
     def scaled(self, unit: float) -> "Change":
-        """The change by a shift that is measured in another unit.
-
-        Parameters
-        ----------
-        unit : float
-            In the input's own unit.
-
-        Returns
-        -------
-        Change
-        """
+        """The change by a shift that is measured in another unit."""
         square = unit if self.bounded else unit**2
         return Change(
             jax.tree.map(lambda part: unit * np.asarray(part), self.slope),
@@ -58,17 +41,7 @@ class Change(eqx.Module):
         )
 
     def added(self, prepared: Any, shift: Any) -> Any:
-        """The costly part after a shift of the input.
-
-        Parameters
-        ----------
-        prepared : pytree
-        shift : array, shape (...)
-
-        Returns
-        -------
-        pytree
-        """
+        """The costly part after a shift of the input."""
         bent = jnp.abs(shift) if self.bounded else shift * shift
         return jax.tree.map(
             lambda base, slope, bend: base + _beside(shift, slope) + _beside(bent, bend),
@@ -280,63 +253,23 @@ def _change(
 
 
 class Drawn(NamedTuple):
-    """Samples of a design's uncertain numbers.
+    """Samples of a design's uncertain numbers."""
 
-    Attributes
-    ----------
-    samples : array, shape (samples, k)
-    refused : float
-        Share of the draws that were impossible, and were drawn again [1].
-    why : str
-        Why, of one of them; empty where there is none.
-    """
-
-    samples: np.ndarray
-    refused: float
-    why: str
+    samples: np.ndarray  # shape (samples, k)
+    refused: float  # Share of the draws that were impossible, and were drawn again [1]
+    why: str  # Why, of one of them; empty where there is none
 
 
 def draw(inputs: Inputs, samples: int, seed: int) -> np.ndarray:
-    """Draw inputs; see :func:`draw_possible`.
-
-    Parameters
-    ----------
-    inputs : Inputs
-    samples, seed : int
-
-    Returns
-    -------
-    array, shape (samples, k)
-
-    Raises
-    ------
-    ParameterError
-        If nearly every draw is impossible.
-    """
+    """Draw inputs; see :func:`draw_possible`, shape (samples, k)."""
     return draw_possible(inputs, samples, seed).samples
 
 
 def draw_possible(inputs: Inputs, samples: int, seed: int) -> Drawn:
-    """Draw inputs from a normal distribution, open ones evenly, and redraw the impossible.
-
-    Their distribution is so the stated one on condition that the design is possible: that each
-    number is within its range, and that what belongs together agrees, as where a film absorbs and
-    transmits no more than all of the light.
-
-    Parameters
-    ----------
-    inputs : Inputs
-    samples, seed : int
-
-    Returns
-    -------
-    Drawn
-
-    Raises
-    ------
-    ParameterError
-        If nearly every draw is impossible.
-    """
+    """Draw inputs from a normal distribution, open ones evenly, and redraw the impossible."""
+    # Their distribution is so the stated one on condition that the design is possible: that each
+    # number is within its range, and that what belongs together agrees, as where a film absorbs and
+    # transmits no more than all of the light.
     generator = np.random.default_rng(seed)
     drawn, refused, why = np.empty((0, inputs.values.size)), 0, ""
     for _ in range(_MOST_DRAWS):

@@ -23,25 +23,7 @@ _tabulate_each = entry_point(tabulate)
 
 
 def tabulate_samples(inputs: Inputs, samples: np.ndarray, coordinate: np.ndarray) -> Table:
-    """Outputs of many flyers at the same coordinates.
-
-    Parameters
-    ----------
-    inputs : Inputs
-    samples : array, shape (samples, k)
-        Values of the inputs.
-    coordinate : array, shape (n,) or (samples, n)
-        [m] or [Pa].
-
-    Returns
-    -------
-    dict of str to array, shape (samples, n)
-
-    Raises
-    ------
-    ConvergenceError
-        If a root-find failed.
-    """
+    """Outputs of many flyers at the same coordinates, shape (samples, n); ``coordinate`` (n,)."""
     setup = inputs.setup_of(samples)
     shape = len(samples), np.shape(coordinate)[-1]
     places = np.broadcast_to(coordinate, shape)
@@ -66,19 +48,12 @@ def _in_a_row(leaf: Any, shape: tuple[int, int]) -> Any:
 
 
 class Found(NamedTuple):
-    """Where each sample has its edges and optima.
+    """Where each sample has its edges and optima."""
 
-    Attributes
-    ----------
-    coordinate : dict of str to array, shape (samples,)
-        Of ``"lower"`` and ``"upper"`` edge and of the optima, which have the names of their
-        objectives; NaN where a sample has none.
-    table : dict of str to dict of str to array, shape (samples,)
-        Outputs at each optimum.
-    """
-
+    # shape (samples,); of ``"lower"`` and ``"upper"`` edge and of the optima, which have the names
+    # of their objectives; NaN where a sample has none
     coordinate: Table
-    table: dict[str, Table]
+    table: dict[str, Table]  # shape (samples,); outputs at each optimum
 
 
 def search(
@@ -164,19 +139,7 @@ def _between(place: np.ndarray, start: np.ndarray, stop: np.ndarray, count: int)
 
 
 def widest_band(place: np.ndarray, flies: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First and last column of the widest run of true values in each row.
-
-    Parameters
-    ----------
-    place : array, shape (n,)
-        Increasing.
-    flies : bool array, shape (samples, n)
-
-    Returns
-    -------
-    first, last : int array, shape (samples,)
-        Of no meaning in rows without a true value.
-    """
+    """First and last column of the widest run of true values in each row, shape (samples,)."""
     column = np.arange(place.size)
     first = 1 + np.maximum.accumulate(np.where(flies, -1, column), axis=1)
     width = np.where(flies, place - place[np.minimum(first, place.size - 1)], -1.0)
@@ -185,17 +148,7 @@ def widest_band(place: np.ndarray, flies: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def crossing(place: np.ndarray, lift_over_weight: np.ndarray) -> np.ndarray:
-    """First place of each row with enough lift, by linear interpolation of its logarithm.
-
-    Parameters
-    ----------
-    place, lift_over_weight : array, shape (samples, n)
-
-    Returns
-    -------
-    array, shape (samples,)
-        The row's first place where it has enough lift already, NaN where it has nowhere.
-    """
+    """First place of each row with enough lift, by linear interpolation of its logarithm."""
     with np.errstate(divide="ignore", invalid="ignore"):
         margin = np.log(np.maximum(lift_over_weight, np.finfo(float).tiny))
     flies = margin >= 0.0
@@ -208,22 +161,7 @@ def crossing(place: np.ndarray, lift_over_weight: np.ndarray) -> np.ndarray:
 
 
 def optimum(place: np.ndarray, objective: np.ndarray, table: Table) -> tuple[np.ndarray, Table]:
-    """Find where an objective is largest, and the table there, by parabolas through three points.
-
-    Parameters
-    ----------
-    place : array, shape (samples, n)
-        Evenly spaced in each row.
-    objective : array, shape (samples, n)
-        NaN and minus infinity count as lowest.
-    table : dict of str to array, shape (samples, n)
-
-    Returns
-    -------
-    place : array, shape (samples,)
-        NaN where the objective has no value.
-    table : dict of str to array, shape (samples,)
-    """
+    """Find where an objective is largest, and the table there, by parabolas."""
     finite = np.where(np.isfinite(objective), objective, -np.inf)
     largest = np.argmax(finite, axis=1)
     index = np.clip(largest, 1, place.shape[1] - 2)
@@ -250,21 +188,7 @@ def optimum(place: np.ndarray, objective: np.ndarray, table: Table) -> tuple[np.
 
 
 def least_light(place: np.ndarray, table: Table) -> tuple[np.ndarray, Table]:
-    """Find where each sample needs the least light, and the table there.
-
-    Parameters
-    ----------
-    place : array, shape (samples, n)
-        Evenly spaced in each row.
-    table : dict of str to array, shape (samples, n)
-        It has the ``"levitation_irradiance"``.
-
-    Returns
-    -------
-    place : array, shape (samples,)
-        Of samples that need no light, the first such one.
-    table : dict of str to array, shape (samples,)
-    """
+    """Find where each sample needs the least light, and the table there; ``place`` (samples, n)."""
     needed = table["levitation_irradiance"]
     dark = needed == 0.0
     with np.errstate(divide="ignore"):

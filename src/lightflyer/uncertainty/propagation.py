@@ -61,12 +61,11 @@ Table = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class _Target:
-    """One result: which output, in which unit, at which coordinate, and what moves that.
+    """One result: which output, in which unit, at which coordinate, and what moves that."""
 
-    ``mover`` is empty at a fixed coordinate, ``lower`` or ``upper`` at an edge, or names the
-    objective of an optimum. Without a quantity the coordinate itself is the result. ``at_end``:
-    the optimum is an end of the searched range, which does not move to first order.
-    """
+    # ``mover`` is empty at a fixed coordinate, ``lower`` or ``upper`` at an edge, or names the
+    # objective of an optimum. Without a quantity the coordinate itself is the result. ``at_end``:
+    # the optimum is an end of the searched range, which does not move to first order.
 
     name: str
     nominal: float
@@ -291,18 +290,7 @@ def propagate(
 
 
 def require_samples(samples: int, seed: int, prefix: str = "") -> None:
-    """Raise unless a number of Monte Carlo samples gives a band.
-
-    Parameters
-    ----------
-    samples, seed : int
-    prefix : str
-        Of the names in messages, such as ``"--"``.
-
-    Raises
-    ------
-    ParameterError
-    """
+    """Raise unless a number of Monte Carlo samples gives a band."""
     if not (samples == 0 or samples >= FEWEST_SAMPLES):
         raise ParameterError(
             f"{prefix}samples = {samples}: give at least {FEWEST_SAMPLES} for a 95 % band, or 0 "

@@ -59,13 +59,7 @@ def _monotone(altitude: np.ndarray, temperature: np.ndarray) -> Spline:
 
 @cache
 def cospar_profile() -> Spline:
-    """Temperature of the reference atmosphere of COSPAR, 0 to 130 km [K].
-
-    Returns
-    -------
-    Spline
-        Over altitude above the areoid [m].
-    """
+    """Temperature of the reference atmosphere of COSPAR, 0 to 130 km [K]."""
     rows = shipped_table("mars_cospar.csv").numbers
     return _monotone(rows["altitude_km"] * _METRES_PER_KILOMETRE, rows["temperature"])
 

@@ -72,29 +72,7 @@ def evaluate(
     indices: Indices,
     altitude: np.ndarray,
 ) -> np.ndarray:
-    """NRLMSIS 2.1 at columns of one time.
-
-    Parameters
-    ----------
-    date : numpy.datetime64
-        UTC.
-    latitude, longitude : array, shape (n,), (m,)
-        [deg].
-    indices : Indices
-    altitude : array, shape (k,)
-        [m].
-
-    Returns
-    -------
-    array, shape (3, m, n, k)
-        Temperature [K], pressure [Pa], the sum of the species' number densities times kT, and
-        molar mass over that of the standard's sea-level air.
-
-    Raises
-    ------
-    MissingExtraError
-        If pymsis is not installed.
-    """
+    """NRLMSIS 2.1 at columns of one time [K], shape (3, m, n, k); ``altitude`` (k,)."""
     try:
         import pymsis
     except ImportError as error:

@@ -36,18 +36,11 @@ _NODES, _WEIGHTS = (
 
 
 class DustyLight(NamedTuple):
-    """What dust above a place leaves of sunlight.
+    """What dust above a place leaves of sunlight."""
 
-    Attributes
-    ----------
-    beam : array, shape (...)
-        Transmittance of the beam [1].
-    scattered : array, shape (...)
-        Irradiance of a level face by scattered light from above, per irradiance of the beam above
-        the dust on a face that looks at the sun [1].
-    """
-
-    beam: Array
+    beam: Array  # Transmittance of the beam [1]
+    # Irradiance of a level face by scattered light from above, per irradiance of the beam above the
+    # dust on a face that looks at the sun [1]
     scattered: Array
 
 
@@ -132,20 +125,7 @@ def _depth_above(dust: Dust, share_of_pressure: Numeric) -> Array:
 
 @entry_point
 def air_mass(cosine: Numeric, distance: Numeric) -> Array:
-    """Slant path through an even spherical layer over the vertical one.
-
-    Parameters
-    ----------
-    cosine : array, shape (...)
-        Of the zenith angle, not negative [1].
-    distance : array, shape (...)
-        From the planet's centre [m].
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-    """
+    """Slant path through an even spherical layer over the vertical one [1]."""
     steep = distance / _THICKNESS * cosine
     return jnp.sqrt(steep**2 + 2.0 * distance / _THICKNESS + 1.0) - steep
 
@@ -154,27 +134,9 @@ def air_mass(cosine: Numeric, distance: Numeric) -> Array:
 def two_stream_transmittance(
     depth: Numeric, cosine: Numeric, scattered_share: Numeric, asymmetry: Numeric
 ) -> Array:
-    """Share of a slanting beam that passes a level layer, scattered light included.
-
-    Parameters
-    ----------
-    depth : array, shape (...)
-        Vertical optical depth [1].
-    cosine : array, shape (...)
-        Of the angle of incidence, positive [1].
-    scattered_share, asymmetry : array, shape (...)
-        [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-
-    References
-    ----------
-    [MeadorWeaver1980]_ Eqs. (15) and table 1 (Eddington), with depth, share and asymmetry scaled
-    by [Joseph1976]_ Eqs. (5).
-    """
+    """Share of a slanting beam that passes a level layer, scattered light included [1]."""
+    # Source: [MeadorWeaver1980]_ Eqs. (15) and table 1 (Eddington), with depth, share and asymmetry
+    # scaled by [Joseph1976]_ Eqs. (5).
     forward = asymmetry**2
     depth = (1.0 - scattered_share * forward) * depth
     share = (1.0 - forward) * scattered_share / (1.0 - scattered_share * forward)
@@ -202,24 +164,7 @@ def two_stream_transmittance(
 def dusty_light(
     dust: Dust, depth: Numeric, lowest_depth: Numeric, cosine: Numeric, distance: Numeric
 ) -> DustyLight:
-    """What dust leaves of sunlight at a place.
-
-    Parameters
-    ----------
-    dust : Dust
-    depth : array, shape (...)
-        Vertical optical depth above the place [1].
-    lowest_depth : array, shape (...)
-        The same above the lowest point of the sun's ray where that is below the place [1].
-    cosine : array, shape (...)
-        Of the sun's zenith angle, negative below the horizontal [1].
-    distance : array, shape (...)
-        From the planet's centre [m].
-
-    Returns
-    -------
-    DustyLight
-    """
+    """What dust leaves of sunlight at a place; ``distance``: from the planet's centre."""
     mass = air_mass(jnp.abs(cosine), distance)
     under = 2.0 * lowest_depth * air_mass(0.0, distance) - depth * mass
     path = jnp.where(cosine < 0.0, under, depth * mass)

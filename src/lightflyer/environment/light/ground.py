@@ -19,13 +19,7 @@ from lightflyer.program.entry_point import entry_point
 
 
 def require_data(margins: dict[str, Numeric]) -> None:
-    """Raise :class:`ParameterError` if any concrete margin is negative.
-
-    Parameters
-    ----------
-    margins : dict of str to array
-        See :meth:`AbstractGround.margins`.
-    """
+    """Raise :class:`ParameterError` if any concrete margin is negative."""
     for beyond, margin in margins.items():
         if not is_traced(margin) and np.any(np.less(margin, 0.0)):
             raise ParameterError(beyond)

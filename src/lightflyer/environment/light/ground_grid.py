@@ -35,22 +35,13 @@ _NAMES = {
 
 
 class _Field(eqx.Module):
-    """A quantity on a grid.
+    """A quantity on a grid."""
 
-    Attributes
-    ----------
-    values : array, shape (t, y, x)
-    time, latitude, longitude : Axis
-        [s], [rad], [rad].
-    ends : tuple of float or None
-        First and last time of data [s]; None where they never end.
-    """
-
-    values: Any
-    time: Axis
-    latitude: Axis
-    longitude: Axis
-    ends: tuple[Any, Any] | None
+    values: Any  # shape (t, y, x)
+    time: Axis  # [s], [rad], [rad]
+    latitude: Axis  # [s], [rad], [rad]
+    longitude: Axis  # [s], [rad], [rad]
+    ends: tuple[Any, Any] | None  # First and last time of data [s]; None where they never end
 
     def at(self, place: Place) -> Array:
         position = (place.time, place.latitude, place.longitude)

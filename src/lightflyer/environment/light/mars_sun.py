@@ -148,19 +148,7 @@ def _sines(amplitudes: tuple[float, ...], angle: Array) -> Array:
 
 @entry_point
 def distance_in_season(longitude: Numeric) -> Array:
-    r"""Distance of Mars from the sun by season.
-
-    .. math:: r = \frac{a(1-e^2)}{1 + e\cos(L_s - L_p)}
-
-    Parameters
-    ----------
-    longitude : array, shape (...)
-        Areocentric longitude of the sun [rad].
-
-    Returns
-    -------
-    array, shape (...)
-        [au].
+    r"""Distance of Mars from the sun by season [au].
 
     Examples
     --------
@@ -172,6 +160,7 @@ def distance_in_season(longitude: Numeric) -> Array:
     713 W/m²
     490 W/m²
     """
+    # .. math:: r = \frac{a(1-e^2)}{1 + e\cos(L_s - L_p)}
     past_perihelion = longitude - PERIHELION * RADIANS_PER_DEGREE
     focal = MARS_SEMI_MAJOR_AXIS * (1.0 - MARS_ECCENTRICITY**2)
     return focal / (1.0 + MARS_ECCENTRICITY * jnp.cos(past_perihelion))
@@ -179,22 +168,7 @@ def distance_in_season(longitude: Numeric) -> Array:
 
 @entry_point
 def zenith_angle_in_season(longitude: Numeric, latitude: Numeric, hour: Numeric) -> Array:
-    """Angle between sun and vertical by season, latitude and local true solar time.
-
-    Parameters
-    ----------
-    longitude : array, shape (...)
-        Areocentric longitude of the sun [rad].
-    latitude : array, shape (...)
-        [rad].
-    hour : array, shape (...)
-        Local true solar time, of 24 hours in a sol, 12 at noon.
-
-    Returns
-    -------
-    array, broadcast shape
-        [rad].
-    """
+    """Angle between sun and vertical by season, latitude and local true solar time [rad]."""
     sine = OBLIQUITY_SINE * jnp.sin(longitude)
     turned = (hour - NOON) / NOON * jnp.pi
     across = jnp.cos(latitude) * jnp.sqrt(1.0 - sine**2) * jnp.cos(turned)

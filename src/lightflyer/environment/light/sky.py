@@ -229,10 +229,8 @@ class Daylight(AbstractSky, Checked):
         return LightHours(first, noon, last, half_day / jnp.pi)
 
     def _turn_since_noon(self, altitude: Numeric, place: Place) -> tuple[Array, Array]:
-        """Angle by which the planet has turned since noon, and the cosine of that at sunset.
-
-        A cosine beyond ±1 is that of a sun which stays above or below the horizon.
-        """
+        """Angle by which the planet has turned since noon, and the cosine of that at sunset."""
+        # A cosine beyond ±1 is that of a sun which stays above or below the horizon.
         sun = self.sun.position(place.time)
         x, y, z = (sun.direction[..., axis] for axis in range(3))
         angle = jnp.mod(place.longitude - jnp.arctan2(y, x) + jnp.pi, _TURN) - jnp.pi
@@ -280,19 +278,7 @@ def _daylight(sky: Daylight, altitude: Numeric, place: Place) -> Radiation:
 
 
 def describe_shadow(altitudes: np.ndarray, visible: np.ndarray | None) -> tuple[str, ...]:
-    """Which altitudes the planet's shadow covers, in words.
-
-    Parameters
-    ----------
-    altitudes : array, shape (n,)
-        Increasing [m].
-    visible : array, shape (n,), or None
-        Share of the sun that is visible there [1]; None where it cannot hide.
-
-    Returns
-    -------
-    tuple of str
-        Empty where all of it is visible everywhere.
+    """Which altitudes the planet's shadow covers, in words; ``altitudes`` (n,).
 
     Examples
     --------

@@ -29,51 +29,22 @@ _OMEGA = "Pa/s"
 
 
 class WindGrid(NamedTuple):
-    """Winds on a grid, in SI units, with increasing coordinates.
+    """Winds on a grid, in SI units, with increasing coordinates."""
 
-    Attributes
-    ----------
-    time : array, shape (t,)
-        [s since 2000-01-01 12:00 UTC]; one entry for a wind that does not change.
-    level : array, shape (z,)
-        Altitude [m], or the negative logarithm of the pressure in Pa.
-    by_pressure : bool
-        Which of the two.
-    latitude, longitude : array, shape (y,), (x,)
-        [rad].
-    around : bool
-        Whether the longitudes go round the whole planet.
-    east, north, up : array, shape (t, z, y, x)
-        [m/s]; ``up`` is zero where the dataset has none.
-    """
-
+    # shape (t,); [s since 2000-01-01 12:00 UTC]; one entry for a wind that does not change
     time: np.ndarray
-    level: np.ndarray
-    by_pressure: bool
-    latitude: np.ndarray
-    longitude: np.ndarray
-    around: bool
-    east: np.ndarray
+    level: np.ndarray  # shape (z,); altitude [m], or the negative logarithm of the pressure in Pa
+    by_pressure: bool  # Which of the two
+    latitude: np.ndarray  # shape (y,); [rad]
+    longitude: np.ndarray  # shape (y,); [rad]
+    around: bool  # Whether the longitudes go round the whole planet
+    east: np.ndarray  # shape (t, z, y, x); [m/s]; ``up`` is zero where the dataset has none
     north: np.ndarray
     up: np.ndarray
 
 
 def open_dataset(path: str | Path) -> Any:
-    """Open a NetCDF file.
-
-    Parameters
-    ----------
-    path : str or path
-
-    Returns
-    -------
-    xarray.Dataset
-
-    Raises
-    ------
-    ConfigurationError
-        If it cannot be read.
-    """
+    """Open a NetCDF file."""
     import xarray
 
     try:
@@ -85,22 +56,7 @@ def open_dataset(path: str | Path) -> Any:
 
 
 def read_grid(dataset: Any) -> WindGrid:
-    """Check a dataset and take the winds from it.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Variables ``u`` and ``v``, ``w``, or all three: the wind towards east, north and up.
-
-    Returns
-    -------
-    WindGrid
-
-    Raises
-    ------
-    ConfigurationError
-        In one line, what is missing, in a wrong unit, not in order or too large.
-    """
+    """Check a dataset and take the winds from it."""
     given = _variables(dataset)
     names = _dimensions(dataset, given[0])
     by_pressure = "pressure" in names

@@ -86,11 +86,9 @@ def balanced_rotation(forcing: Numeric, sine_latitude: Numeric, rotation_rate: N
 
 
 def _geopotential_slope(sine: np.ndarray, altitude: np.ndarray) -> np.ndarray:
-    """Derivative of the geopotential at an altitude in the sine of the latitude [m²/s²].
-
-    Gravity on the ellipsoid by Somigliana's formula, above by its Taylor series; [NIMA2000]_
-    ch. 4.
-    """
+    """Derivative of the geopotential at an altitude in the sine of the latitude [m²/s²]."""
+    # Gravity on the ellipsoid by Somigliana's formula, above by its Taylor series; [NIMA2000]_ ch.
+    # 4.
     flattening, equator = EARTH_PLANET.flattening, EARTH_PLANET.equatorial_radius
     squeezed = flattening * (2.0 - flattening)
     excess = (1.0 - flattening) * _GRAVITY_POLE / _GRAVITY_EQUATOR - 1.0

@@ -131,11 +131,9 @@ def _season(angle: Array) -> Array:
 
 
 def _shapes(latitude: Array, longitude: Array, local_time: Array) -> Array:
-    """Vector spherical harmonics, shape (..., families, degrees, 4).
-
-    The last axis is V cos, V sin, W sin, W cos of the family's phase; of the zonal mean it is the
-    sine of the degree times the colatitude, and nothing.
-    """
+    """Vector spherical harmonics, shape (..., families, degrees, 4)."""
+    # The last axis is V cos, V sin, W sin, W cos of the family's phase; of the zonal mean it is the
+    # sine of the degree times the colatitude, and nothing.
     degree = jnp.arange(1, _DEGREE + 1)
     sine = jnp.sin(degree * (0.5 * jnp.pi - latitude[..., None]))
     nothing = jnp.zeros_like(sine)
@@ -151,16 +149,14 @@ def _shapes(latitude: Array, longitude: Array, local_time: Array) -> Array:
 
 
 def _harmonics(x: Array, y: Array, order: int) -> tuple[Array, Array]:
-    r"""Vector spherical harmonics of an order m, degrees 1 to 8.
-
-    .. math::
-
-        V_n = \frac{1}{\sqrt{n(n+1)}} \frac{dP_n^m}{d\theta}, \qquad
-        W_n = \frac{1}{\sqrt{n(n+1)}} \frac{m P_n^m}{\sin\theta}
-
-    with Legendre functions of unit norm in :math:`x = \cos\theta`; :math:`y = \sin\theta`. Their
-    quotients by y are computed, so that nothing is singular at the poles.
-    """
+    r"""Vector spherical harmonics of an order m, degrees 1 to 8."""
+    # .. math::
+    #
+    #     V_n = \frac{1}{\sqrt{n(n+1)}} \frac{dP_n^m}{d\theta}, \qquad
+    #     W_n = \frac{1}{\sqrt{n(n+1)}} \frac{m P_n^m}{\sin\theta}
+    #
+    # with Legendre functions of unit norm in :math:`x = \cos\theta`; :math:`y = \sin\theta`. Their
+    # quotients by y are computed, so that nothing is singular at the poles.
     start = np.sqrt(0.5 * np.prod([(2 * k + 1) / (2 * k) for k in range(1, order + 1)]))
     before, now = jnp.zeros_like(x), start * y ** (order - 1)
     slopes, quotients = [jnp.zeros_like(x)] * (order - 1), [jnp.zeros_like(x)] * (order - 1)

@@ -44,28 +44,10 @@ class WindSection(Alternative, abc.ABC):
         """The wind of this kind, in an atmosphere and for its activity where it states one."""
 
     def require(self, indices: Indices | None) -> None:
-        """Raise :class:`ConfigurationError` where the wind lacks an activity of the sun.
-
-        Parameters
-        ----------
-        indices : Indices or None
-            Activity that the file states for the atmosphere.
-        """
+        """Raise :class:`ConfigurationError` where the wind lacks an activity of the sun."""
 
     def build(self, atmosphere: AbstractAtmosphere, indices: Indices | None) -> AbstractWind:
-        """The wind.
-
-        Parameters
-        ----------
-        atmosphere : AbstractAtmosphere
-            That the wind blows in.
-        indices : Indices or None
-            Activity that the file states for the atmosphere.
-
-        Returns
-        -------
-        AbstractWind
-        """
+        """The wind; ``atmosphere``: that the wind blows in."""
         horizontal = self.build_horizontal(atmosphere, indices)
         upwards = UniformWind(up=self.up.value)
         return SumOfWinds(horizontal, upwards) if "up" in self.model_fields_set else horizontal

@@ -14,14 +14,9 @@ from lightflyer.program.entry_point import entry_point
 
 
 class Compound(Medium):
-    """A medium of several others, whose ranges, policies and sources it has.
+    """A medium of several others, whose ranges, policies and sources it has."""
 
-    A subclass has the fields ``parts`` and ``measured_density``.
-
-    Attributes
-    ----------
-    parts : tuple of Medium
-    """
+    # A subclass has the fields ``parts`` and ``measured_density``.
 
     if TYPE_CHECKING:
 
@@ -76,19 +71,7 @@ def _common(ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:
 
 
 def indices(parts: Sequence[Medium], wavelength: np.ndarray) -> tuple[Numeric, Numeric]:
-    """Values of n and k of media.
-
-    Parameters
-    ----------
-    parts : sequence of Medium
-    wavelength : array, shape (...)
-        Concrete [m].
-
-    Returns
-    -------
-    n, k : array, shape (parts, ...)
-        NumPy arrays where all media's parameters are concrete.
-    """
+    """Values of n and k of media, shape (parts, ...); ``wavelength``: concrete."""
     pairs = [part.index(wavelength) for part in parts]
     stack = stacked if is_traced(pairs) else np.stack
     return stack(tuple(pair[0] for pair in pairs)), stack(tuple(pair[1] for pair in pairs))

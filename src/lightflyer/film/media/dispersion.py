@@ -186,17 +186,7 @@ class Term(Checked):
 
     @abc.abstractmethod
     def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        """Real and imaginary part.
-
-        Parameters
-        ----------
-        energy : array, shape (...)
-            Photon energy [J].
-
-        Returns
-        -------
-        real, imaginary : array, shape (...)
-        """
+        """Real and imaginary part; ``energy``: photon energy."""
 
 
 class Lorentz(Term):

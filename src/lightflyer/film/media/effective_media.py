@@ -72,11 +72,9 @@ def bruggeman(
 
 
 def _bruggeman_of_two(index: Pair, fraction: Array, depolarisation: Numeric) -> Pair:
-    """Permittivity over the geometric mean of both is the root of a quadratic with real part > 0.
-
-    The product of the roots is real and negative, so exactly one has a positive real part, and it
-    is the one with the principal square root.
-    """
+    """Permittivity over the geometric mean of both: a quadratic's root with real part > 0."""
+    # The product of the roots is real and negative, so exactly one has a positive real part, and it
+    # is the one with the principal square root.
     scale = times((index[0][0], index[1][0]), (index[0][1], index[1][1]))
     weight = fraction - depolarisation
     middle = over(summed(scaled(times(index, index), weight)), scale)
@@ -302,13 +300,7 @@ class Shape(enum.StrEnum):
 
     @classmethod
     def of(cls, name: "Shape | str") -> "Shape":
-        """The shape of a name.
-
-        Raises
-        ------
-        ParameterError
-            If there is none.
-        """
+        """The shape of a name."""
         try:
             return cls(name)
         except ValueError:

@@ -14,53 +14,29 @@ from lightflyer.core.units import Measured
 
 @dataclasses.dataclass(frozen=True)
 class Page:
-    """A page of the database, or the part of it in use.
-
-    Attributes
-    ----------
-    shelf, book, page : str
-    shortest_um, longest_um : float
-        Limits of use within the page's own range [µm].
-    """
+    """A page of the database, or the part of it in use."""
 
     shelf: str
     book: str
     page: str
-    shortest_um: float = 0.0
+    shortest_um: float = 0.0  # Limits of use within the page's own range [µm]
     longest_um: float = np.inf
 
 
 @dataclasses.dataclass(frozen=True)
 class Entry:
-    """Pages, density and measured TAC of a material.
-
-    Attributes
-    ----------
-    description : str
-    pages : tuple of Page
-        In order of wavelength.
-    density : float or None
-        [kg/m³].
-    density_source : str
-    tac : Measured or None
-        Measured thermal accommodation coefficient [1].
-    highest_temperature : float or None
-        Temperature at which a film of it melts or loses its shape [K].
-    mat_fraction : float or None
-        Volume fraction of the pages' medium as a mat of needles in vacuum; None where it is all
-        [1].
-    remark : str
-        What results must say of it.
-    """
+    """Pages, density and measured TAC of a material."""
 
     description: str
-    pages: tuple[Page, ...]
-    density: float | None
+    pages: tuple[Page, ...]  # In order of wavelength
+    density: float | None  # [kg/m³]
     density_source: str
-    tac: Measured | None = None
+    tac: Measured | None = None  # Measured thermal accommodation coefficient [1]
+    # Temperature at which a film of it melts or loses its shape [K]
     highest_temperature: float | None = None
+    # Volume fraction of the pages' medium as a mat of needles in vacuum; None where it is all [1]
     mat_fraction: float | None = None
-    remark: str = ""
+    remark: str = ""  # What results must say of it
 
 
 TAC_SOURCE = "measured in air, Lu et al. (2023), table 1; alumina: text on TACs [Lu2023]"
@@ -236,21 +212,7 @@ ALIASES = {
 
 
 def canonical_name(name: str) -> str:
-    """Name of a material in the library, from any of its names in any case.
-
-    Parameters
-    ----------
-    name : str
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    ParameterError
-        If the name is unknown; the message has the nearest names.
-    """
+    """Name of a material in the library, from any of its names in any case."""
     name = " ".join(name.split())
     known = {alias.lower(): target for alias, target in ALIASES.items()}
     known |= {target.lower(): target for target in (*PAGES, VACUUM)}

@@ -61,14 +61,6 @@ _NEEDED = "wavelength (or photon_energy, wavenumber, frequency), n and k (or eps
 def names_file(name: str) -> bool:
     """Whether the name of a material is meant as a file.
 
-    Parameters
-    ----------
-    name : str
-
-    Returns
-    -------
-    bool
-
     Examples
     --------
     >>> names_file("my-film.csv"), names_file("runs.xlsx#May"), names_file("main/Ge/Nunley")
@@ -78,29 +70,7 @@ def names_file(name: str) -> bool:
 
 
 def read_index_csv(path: Path) -> Indices:
-    """Read wavelength, n and k from a file.
-
-    Parameters
-    ----------
-    path : Path
-        Table with the column ``wavelength``, ``photon_energy``, ``wavenumber`` or ``frequency``,
-        its unit in the header, and the columns ``n`` and ``k`` or ``eps1`` and ``eps2``, the real
-        and imaginary part of the relative permittivity; rows in ascending or descending order.
-        Or a file that refractiveindex.info offers: CSV, or a page in YAML that holds a table; where
-        such a page has two close values at a wavelength, their mean is taken.
-
-    Returns
-    -------
-    wavelength : array, shape (m,)
-        Increasing [m].
-    n, k : array, shape (m,)
-        Real and imaginary part of the refractive index [1].
-
-    Raises
-    ------
-    ConfigurationError
-        One line that says what is wrong and where.
-    """
+    """Read wavelength, n and k from a file; returns ``wavelength`` (m,) [m], ``n, k`` (m,) [1]."""
     path = Path(path)
     if path.suffix.lower() in (".yml", ".yaml"):
         return _of_page(path)
@@ -114,25 +84,7 @@ def read_index_csv(path: Path) -> Indices:
 
 
 def read_spectrum_csv(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Read wavelength and spectral irradiance from a table.
-
-    Parameters
-    ----------
-    path : Path
-        Columns ``wavelength [nm], irradiance``, in ascending or descending order.
-
-    Returns
-    -------
-    wavelength : array, shape (m,)
-        Increasing [m].
-    irradiance : array, shape (m,)
-        Per wavelength, in the unit of the file.
-
-    Raises
-    ------
-    ConfigurationError
-        One line that says what is wrong and where.
-    """
+    """Read wavelength and spectral irradiance from a table; ``path`` [nm]."""
     table = read_table(path, _SPECTRUM_COLUMNS, strict=True)
     wavelength = _wavelength(table)
     irradiance = _rising(table, table.numbers["irradiance"])

@@ -42,21 +42,12 @@ _WIDEST_STEP = 0.01  # relative: what lies between two sources' ends closer than
 
 
 class Segment(NamedTuple):
-    """A stretch of wavelengths with one source.
+    """A stretch of wavelengths with one source."""
 
-    Attributes
-    ----------
-    shortest, longest : float
-        Wavelengths covered [m].
-    source : str
-        Database page or file.
-    lookup : callable
-        Takes wavelengths inside [m], returns n and k [1].
-    """
-
-    shortest: float
-    longest: float
-    source: str
+    shortest: float  # Wavelengths covered [m]
+    longest: float  # Wavelengths covered [m]
+    source: str  # Database page or file
+    # Takes wavelengths inside [m], returns n and k [1]
     lookup: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 

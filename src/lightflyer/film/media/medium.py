@@ -204,19 +204,7 @@ class Medium(eqx.Module):
 
 
 def require_covered(medium: Medium, wavelength: np.ndarray) -> None:
-    """Raise unless a medium that does not extrapolate has data at all wavelengths.
-
-    Parameters
-    ----------
-    medium : Medium
-    wavelength : array, shape (...)
-        [m].
-
-    Raises
-    ------
-    ParameterError
-        With medium, wavelength, range and policies.
-    """
+    """Raise unless a medium that does not extrapolate has data at all wavelengths."""
     inside = medium.covers(wavelength)
     if np.all(inside):
         return

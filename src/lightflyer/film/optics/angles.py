@@ -184,17 +184,7 @@ def _directional(
 
 
 def with_mean(share: Numeric) -> np.ndarray:
-    """A share of s and p polarisation with their mean behind.
-
-    Parameters
-    ----------
-    share : array, shape (2, ...)
-
-    Returns
-    -------
-    array, shape (3, ...)
-        In the order of :data:`POLARISATIONS`.
-    """
+    """A share of s and p polarisation with their mean behind, shape (3, ...)."""
     values = np.asarray(share)
     return np.concatenate([values, values.mean(axis=0, keepdims=True)])
 

@@ -260,19 +260,7 @@ def infrared_transmittance(
 
 
 def thermal_coverage(film: Film, temperature: Numeric) -> np.ndarray:
-    """Share of a black body's radiation at which all of a film's materials have data.
-
-    Parameters
-    ----------
-    film : Film
-    temperature : array, shape (...)
-        [K].
-
-    Returns
-    -------
-    array, shape (...)
-        [1].
-    """
+    """Share of a black body's radiation at which all of a film's materials have data [1]."""
     shortest, longest = data_range(film)
     ends = thermal_range(film)
     inside = max(shortest, ends[0]), min(longest, ends[1])

@@ -41,18 +41,10 @@ Complex: TypeAlias = tuple[Array, Array]
 
 
 class Half(NamedTuple):
-    """A medium as waves meet it at an interface.
+    """A medium as waves meet it at an interface."""
 
-    Attributes
-    ----------
-    normal : pair of array, shape (...)
-        Relative normal wave number.
-    magnetic : pair of array, shape (...)
-        Admittance of p polarisation; that of s polarisation is ``normal``.
-    """
-
-    normal: Complex
-    magnetic: Complex
+    normal: Complex  # Relative normal wave number
+    magnetic: Complex  # Admittance of p polarisation; that of s polarisation is ``normal``
 
     @property
     def admittances(self) -> tuple[Complex, Complex]:
@@ -61,17 +53,10 @@ class Half(NamedTuple):
 
 
 class Sheets(NamedTuple):
-    """Layers as waves meet them; the first axis of each array is the layer.
-
-    Attributes
-    ----------
-    half : Half
-    exponent : pair of array
-        Of the field's factor, down through the layer and up again.
-    """
+    """Layers as waves meet them; the first axis of each array is the layer."""
 
     half: Half
-    exponent: Complex
+    exponent: Complex  # Of the field's factor, down through the layer and up again
 
     @property
     def decay(self) -> Array:
@@ -96,36 +81,20 @@ class Sheets(NamedTuple):
 
 
 class Fields(NamedTuple):
-    """What a wave from above becomes in a group of layers, for one polarisation.
+    """What a wave from above becomes in a group of layers, for one polarisation."""
 
-    Attributes
-    ----------
-    ratio : pair of array, shape (...)
-        Reflected over incident tangential electric field.
-    passed : array, shape (...)
-        Squared magnitude of the field below over that of the incident field.
-    absorbed : array, shape (layers, ...)
-        Power that stays in each layer, over the squared magnitude of the incident field.
-    """
-
-    ratio: Complex
-    passed: Array
+    ratio: Complex  # Reflected over incident tangential electric field
+    passed: Array  # Squared magnitude of the field below over that of the incident field
+    # shape (layers, ...); power that stays in each layer, over the squared magnitude of the
+    # incident field
     absorbed: Array
 
 
 class Beam(NamedTuple):
-    """A plane wave in a medium that absorbs nothing.
+    """A plane wave in a medium that absorbs nothing."""
 
-    Attributes
-    ----------
-    n : array, shape (...)
-        Refractive index of the medium [1].
-    cosine : array, shape (...)
-        Of the wave's angle to the normal [1].
-    """
-
-    n: Array
-    cosine: Array
+    n: Array  # Refractive index of the medium [1]
+    cosine: Array  # Of the wave's angle to the normal [1]
 
     @property
     def half(self) -> Half:
@@ -143,20 +112,7 @@ class Beam(NamedTuple):
 
 
 def sheets(beam: Beam, n: Numeric, k: Numeric, phase: Numeric) -> Sheets:
-    """Layers of indices and thicknesses.
-
-    Parameters
-    ----------
-    beam : Beam
-    n, k : array, shape (layers, ...)
-        [1].
-    phase : array, shape (layers, ...)
-        Of a round trip in vacuum, 4π times thickness over wavelength [rad].
-
-    Returns
-    -------
-    Sheets
-    """
+    """Layers of indices and thicknesses; ``n``, ``k`` (layers, ...); ``phase`` (layers, ...)."""
     half = beam.into(n, k)
     return Sheets(half, (-phase * half.normal[1], phase * half.normal[0]))
 
@@ -170,24 +126,7 @@ def respond(
     *,
     inside: bool,
 ) -> tuple[Fields, Fields]:
-    r"""Fields of both polarisations.
-
-    Parameters
-    ----------
-    above, below : Half
-    layers : Sheets
-    roughness : array, shape (layers + 1, ...), or None
-        :math:`\kappa` of each interface, top to bottom [1]; None where all are smooth.
-    shape : tuple of int
-        Shape of the results.
-    inside : bool
-        Whether what layers absorb is wanted.
-
-    Returns
-    -------
-    Fields, Fields
-        s, then p polarisation.
-    """
+    r"""Fields of both polarisations; ``roughness`` (layers + 1, ...); s, then p polarisation."""
     if roughness is None:
         risen = _smooth(shape, inside, above, layers, below)
     else:
@@ -215,11 +154,10 @@ def magnitude(one: Complex) -> Array:
 
 
 class _Wave(NamedTuple):
-    """State of the recursion at an interface.
+    """State of the recursion at an interface."""
 
-    ``below`` is the admittance below it, ``ratio`` the upward over the downward field there, and
-    ``power`` the squared magnitude of the field at the very bottom over that there.
-    """
+    # ``below`` is the admittance below it, ``ratio`` the upward over the downward field there, and
+    # ``power`` the squared magnitude of the field at the very bottom over that there.
 
     below: Complex
     ratio: Complex
@@ -227,11 +165,10 @@ class _Wave(NamedTuple):
 
 
 class _Risen(NamedTuple):
-    """What the recursion finds at the topmost interface, for one polarisation.
+    """What the recursion finds at the topmost interface, for one polarisation."""
 
-    ``gain`` is the squared field that this interface lets through; ``met`` holds ratio and gain at
-    the top of each layer. Both are None where what layers absorb is not wanted.
-    """
+    # ``gain`` is the squared field that this interface lets through; ``met`` holds ratio and gain
+    # at the top of each layer. Both are None where what layers absorb is not wanted.
 
     ratio: Complex
     passed: Array
@@ -306,11 +243,9 @@ def _slopes(
     primals: tuple[Half, Sheets, Half],
     tangents: tuple[Half, Sheets, Half],
 ) -> tuple[_Pair, _Pair]:
-    """Derivatives by a recursion of changes, written out.
-
-    In those that JAX finds by itself, each intermediate result has a loop of its own, which
-    computes the step again.
-    """
+    """Derivatives by a recursion of changes, written out."""
+    # In those that JAX finds by itself, each intermediate result has a loop of its own, which
+    # computes the step again.
     found, ratios = _sweep(shape, inside, *primals)
     rows = _rows(shape, ratios, primals, tangents)
 
@@ -379,11 +314,9 @@ def _faces(
 def _change(
     above: Complex, below: Complex, ratio: Complex, moved: Complex, wave: Complex
 ) -> tuple[Complex, Complex, Array]:
-    r"""Ratio above a smooth interface, its change, and that of the logarithm of the gain.
-
-    ``ratio`` is the one below and ``wave`` its change; ``moved`` is
-    :math:`(y_b/y_a)\,\delta y_a-\delta y_b`, with the admittances above and below.
-    """
+    r"""Ratio above a smooth interface, its change, and that of the logarithm of the gain."""
+    # ``ratio`` is the one below and ``wave`` its change; ``moved`` is :math:`(y_b/y_a)\,\delta
+    # y_a-\delta y_b`, with the admittances above and below.
     plus = (above[0] + below[0], above[1] + below[1])
     minus = _less(above, below)
     returned, gone = _product(minus, ratio), _product(plus, ratio)
@@ -490,10 +423,8 @@ def _damping(above: Half, below: Half, kappa: Numeric) -> _Damping:
 def _interface(
     above: Complex, below: Complex, ratio: Complex, damping: _Damping | None
 ) -> tuple[Complex, Array]:
-    """Upward over downward field above an interface, and the squared field it lets through.
-
-    ``ratio`` is upward over downward field below it.
-    """
+    """Upward over downward field above an interface, and the squared field it lets through."""
+    # ``ratio`` is upward over downward field below it.
     plus = (above[0] + below[0], above[1] + below[1])
     minus = (above[0] - below[0], above[1] - below[1])
     mirrored, through, back, gain = minus, plus, minus, 4.0 * magnitude(above)

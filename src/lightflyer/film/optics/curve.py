@@ -162,35 +162,12 @@ def node_temperatures() -> np.ndarray:
 
 
 def emittance_at(emittance: Numeric, temperature: Numeric) -> Numeric:
-    """Emittance of a face at its temperature, whether constant or a curve.
-
-    Parameters
-    ----------
-    emittance : array or EmittanceCurve
-        [1].
-    temperature : array, shape (...)
-        [K].
-
-    Returns
-    -------
-    array
-        [1].
-    """
+    """Emittance of a face at its temperature, whether constant or a curve [1]."""
     return emittance(temperature) if isinstance(emittance, EmittanceCurve) else emittance
 
 
 def coefficients_of(emittance: Numeric) -> Numeric:
-    """Coefficients of a curve, or of the curve that a constant is, shape (..., NODES) [1].
-
-    Parameters
-    ----------
-    emittance : array or EmittanceCurve
-        [1].
-
-    Returns
-    -------
-    array
-    """
+    """Coefficients of a curve, or of the curve that a constant is, shape (..., NODES) [1]."""
     if isinstance(emittance, EmittanceCurve):
         return emittance.coefficients
     constant = emittance if is_traced(emittance) else np.asarray(emittance)
@@ -198,18 +175,7 @@ def coefficients_of(emittance: Numeric) -> Numeric:
 
 
 def emittance_bounds(emittance: Numeric) -> tuple[Numeric, Numeric]:
-    """Bounds of the emittance of a face over all temperatures, whether constant or a curve.
-
-    Parameters
-    ----------
-    emittance : array or EmittanceCurve
-        [1].
-
-    Returns
-    -------
-    lowest, highest : array
-        [1].
-    """
+    """Bounds of the emittance of a face over all temperatures, whether constant or a curve [1]."""
     if not isinstance(emittance, EmittanceCurve):
         return emittance, emittance
     values = emittance(node_temperatures())

@@ -28,32 +28,15 @@ _MICROMETRE = 1e-6
 
 
 def diffraction_deficit(hole_radius: Numeric, wavelength: Numeric) -> np.ndarray:
-    """Share of the radiation on a round hole that does not pass it.
-
-    Parameters
-    ----------
-    hole_radius, wavelength : array, shape (...)
-        Concrete [m].
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-
-    Notes
-    -----
-    Kirchhoff's approximation: good for holes wider than the wavelength. In truth even less passes
-    holes that are much narrower.
-
-    References
-    ----------
-    [Jackson1999]_ ch. 10.9.
+    """Share of the radiation on a round hole that does not pass it [1]; [Jackson1999]_ ch. 10.9.
 
     Examples
     --------
     >>> print(f"{diffraction_deficit(50e-6, 15e-6):.3f}")
     0.023
     """
+    # Kirchhoff's approximation: good for holes wider than the wavelength. In truth even less passes
+    # holes that are much narrower.
     from scipy.special import itj0y0  # slow to import
 
     x = 4.0 * np.pi * np.asarray(hole_radius) / wavelength
@@ -61,40 +44,15 @@ def diffraction_deficit(hole_radius: Numeric, wavelength: Numeric) -> np.ndarray
 
 
 def narrow_holes(hole_radius: Numeric, temperature: Numeric) -> Iterator[str]:
-    """Warnings of round holes that light or heat radiation does not pass as rays.
-
-    Parameters
-    ----------
-    hole_radius : array, shape (...)
-        [m].
-    temperature : array, shape (...)
-        Of the coldest body whose radiation passes, concrete [K].
-
-    Yields
-    ------
-    str
-    """
+    """Warnings of round holes that light or heat radiation does not pass as rays."""
     radius = float(np.min(hole_radius))
     yield from _narrow(f"holes of {2.0 * radius / _MICROMETRE:.3g} µm", radius, temperature)
 
 
 def narrow_channels(width: Numeric, length: Numeric, temperature: Numeric) -> Iterator[str]:
-    """Warnings of channels of rectangular section that are too narrow, as of :func:`narrow_holes`.
-
-    What is missing goes, in wide channels, with the edge for the area: a rectangle lacks what a
-    round hole of the same ratio lacks.
-
-    Parameters
-    ----------
-    width, length : array, shape (...)
-        Sides of the section [m].
-    temperature : array, shape (...)
-        Of the coldest body whose radiation passes, concrete [K].
-
-    Yields
-    ------
-    str
-    """
+    """Warnings of rectangular channels that are too narrow, as of :func:`narrow_holes`."""
+    # What is missing goes, in wide channels, with the edge for the area: a rectangle lacks what a
+    # round hole of the same ratio lacks.
     sides = np.broadcast_arrays(np.asarray(width, float), np.asarray(length, float))
     radius = sides[0] * sides[1] / (sides[0] + sides[1])
     narrowest = float(sides[0].ravel()[np.argmin(radius)])

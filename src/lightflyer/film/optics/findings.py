@@ -33,23 +33,7 @@ def film_warnings(
     thermal: Mapping[str, Average],
     thickness_uncertainty: Sequence[float | None],
 ) -> tuple[str, ...]:
-    """Warnings of a film's averages, one line each.
-
-    Parameters
-    ----------
-    film : Film
-    light : Spectrum
-    temperatures : array, shape (m,)
-        [K].
-    solar, lamp, thermal : mapping of str to Average
-        By side.
-    thickness_uncertainty : sequence of float or None
-        By layer; None where none is stated [m].
-
-    Returns
-    -------
-    tuple of str
-    """
+    """Warnings of a film's averages, one line each; ``temperatures`` (m,)."""
     spectra = {"sunlight (AM0)": solar["top"]}
     if light is not am0():
         spectra[light.name] = lamp["top"]
@@ -70,22 +54,7 @@ def film_warnings(
 
 
 def property_warnings(name: str, mean: Average, film: Film) -> Iterator[str]:
-    """Warnings of a film's property whose data do not cover the spectrum.
-
-    Parameters
-    ----------
-    name : str
-        Of the property.
-    mean : Average
-        One number, or an emittance at each of the nodes of a curve.
-    film : Film
-
-    Yields
-    ------
-    str
-        With the bounds that missing data leave; of an emittance those at a light-flyer's
-        temperature.
-    """
+    """Warnings of a film's property whose data do not cover the spectrum."""
     covered, lower, upper = mean.covered, mean.lower, mean.upper
     spectrum = "of the light"
     if np.ndim(covered):
@@ -129,17 +98,7 @@ def _unphysical(average: Average) -> str:
 
 
 def roughness_warnings(film: Film) -> list[str]:
-    """Where a film's faces are too rough for the theory of their scattering, one line each.
-
-    Parameters
-    ----------
-    film : Film
-        With concrete numbers.
-
-    Returns
-    -------
-    list of str
-    """
+    """Where a film's faces are too rough for the theory of their scattering, one line each."""
     if not film.is_rough:
         return []
     wavelength = float(np.clip(_REFERENCE_WAVELENGTH, *film.covered_range))
@@ -158,17 +117,7 @@ def roughness_warnings(film: Film) -> list[str]:
 
 
 def thick_warnings(film: Film) -> list[str]:
-    """Coherent layers too thick for the wavelengths of an average, one line each.
-
-    Parameters
-    ----------
-    film : Film
-        With concrete numbers.
-
-    Returns
-    -------
-    list of str
-    """
+    """Coherent layers too thick for the wavelengths of an average, one line each."""
     wavelength = float(np.clip(_REFERENCE_WAVELENGTH, *film.covered_range))
     found = []
     for layer in film.layers:

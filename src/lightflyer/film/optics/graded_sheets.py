@@ -14,17 +14,7 @@ _OF_SECOND_ORDER = 4.0 / 3.0  # error over the difference to twice as many sheet
 
 
 def sheet_warnings(film: Film) -> list[str]:
-    """What a reader must know of a film's graded layers, one line each.
-
-    Parameters
-    ----------
-    film : Film
-
-    Returns
-    -------
-    list of str
-        Empty where no layer is graded.
-    """
+    """What a reader must know of a film's graded layers, one line each."""
     graded = [one.material for one in film.layers if isinstance(one.material, Graded)]
     if not graded:
         return []
@@ -38,19 +28,7 @@ def sheet_warnings(film: Film) -> list[str]:
 
 
 def sheet_error(film: Film) -> float | None:
-    """Largest error of reflectance and transmittance by the sheets of graded layers.
-
-    Parameters
-    ----------
-    film : Film
-        With concrete numbers.
-
-    Returns
-    -------
-    float or None
-        At normal incidence, between 0.25 µm and 25 µm as far as there are data [1]: from twice as
-        many sheets, as the error falls with the square of their number. None where there are no
-        data.
+    """Largest error of reflectance and transmittance by the sheets of graded layers [1].
 
     Examples
     --------

@@ -27,20 +27,11 @@ _WIDEST = (0.1e-6, 3e-3)  # [m]; outside lies less than 1e-5 of what any body fr
 
 
 class Grid(NamedTuple):
-    """Where an average is taken.
+    """Where an average is taken."""
 
-    Attributes
-    ----------
-    wavelength : array, shape (w,)
-        [m].
-    weight : array, shape (m, w)
-        Share of each spectrum's power at each wavelength [1].
-    cosine, share : array
-        Cosines of the directions to the film's normal, and their weights, whose sum is one.
-    """
-
-    wavelength: np.ndarray
-    weight: np.ndarray
+    wavelength: np.ndarray  # shape (w,); [m]
+    weight: np.ndarray  # shape (m, w); share of each spectrum's power at each wavelength [1]
+    # Cosines of the directions to the film's normal, and their weights, whose sum is one
     cosine: Numeric
     share: Numeric
 
@@ -51,32 +42,16 @@ class Grid(NamedTuple):
 
 
 class SpectralShares(NamedTuple):
-    """What becomes of light at each wavelength.
+    """What becomes of light at each wavelength."""
 
-    Attributes
-    ----------
-    absorptance, transmittance, reflectance, scattered : array, shape (w,)
-        [1]; their sum is one.
-    """
-
-    absorptance: Numeric
-    transmittance: Numeric
-    reflectance: Numeric
-    scattered: Numeric
+    absorptance: Numeric  # shape (w,); [1]; their sum is one
+    transmittance: Numeric  # shape (w,); [1]; their sum is one
+    reflectance: Numeric  # shape (w,); [1]; their sum is one
+    scattered: Numeric  # shape (w,); [1]; their sum is one
 
 
 def data_range(film: Film) -> tuple[float, float]:
-    """Wavelengths at which all materials of a film have data, whatever their policy [m].
-
-    Parameters
-    ----------
-    film : Film
-
-    Returns
-    -------
-    shortest, longest : float
-        Equal if the materials have no wavelength in common.
-    """
+    """Wavelengths at which all materials of a film have data, whatever their policy [m]."""
     ranges = [medium.wavelength_range for medium in film.media]
     shortest = max((ends[0] for ends in ranges), default=0.0)
     longest = min((ends[1] for ends in ranges), default=np.inf)
@@ -84,37 +59,13 @@ def data_range(film: Film) -> tuple[float, float]:
 
 
 def thermal_range(film: Film) -> tuple[float, float]:
-    """Wavelengths over which an emittance is averaged [m].
-
-    Parameters
-    ----------
-    film : Film
-
-    Returns
-    -------
-    shortest, longest : float
-    """
+    """Wavelengths over which an emittance is averaged [m]."""
     shortest, longest = film.covered_range
     return max(shortest, _WIDEST[0]), min(longest, _WIDEST[1])
 
 
 def light_grid(film: Film, spectrum: Spectrum, incidence: Numeric, diffuse: bool) -> Grid:
-    """Grid of an absorptance: the wavelengths of the light's table.
-
-    Parameters
-    ----------
-    film : Film
-    spectrum : Spectrum
-    incidence : float
-        [rad].
-    diffuse : bool
-        Whether the light comes from the whole half-space.
-
-    Returns
-    -------
-    Grid
-        With one spectrum.
-    """
+    """Grid of an absorptance: the wavelengths of the light's table; with one spectrum."""
     wavelength, weight = spectrum.between(*film.covered_range)
     beam = jnp.cos(incidence) if is_traced(incidence) else np.cos(incidence)
     cosine, share = _hemisphere() if diffuse else (beam, 1.0)
@@ -124,27 +75,7 @@ def light_grid(film: Film, spectrum: Spectrum, incidence: Numeric, diffuse: bool
 def thermal_grid(
     film: Film, temperatures: np.ndarray, *, normal: bool, points_per_e_fold: int
 ) -> Grid:
-    """Grid of an emittance: wavelengths even in their logarithm, and Planck's spectrum.
-
-    Parameters
-    ----------
-    film : Film
-    temperatures : array, shape (m,)
-        [K].
-    normal : bool
-        Whether only the direction of the normal counts.
-    points_per_e_fold : int
-
-    Returns
-    -------
-    Grid
-        With one spectrum a temperature.
-
-    Raises
-    ------
-    ParameterError
-        If a black body radiates nothing at these wavelengths.
-    """
+    """Grid of an emittance: wavelengths even in their logarithm, and Planck's spectrum."""
     shortest, longest = thermal_range(film)
     span = np.log(longest / shortest)
     count = int(np.ceil(points_per_e_fold * span)) + 1
@@ -171,20 +102,7 @@ def _hemisphere() -> tuple[np.ndarray, np.ndarray]:
 
 
 def spectral_shares(film: Film, side: Side, grid: Grid) -> SpectralShares:
-    """What becomes of unpolarised light at each wavelength, averaged over directions.
-
-    Parameters
-    ----------
-    film : Film
-    side : {"top", "bottom"}
-        Where the light comes from.
-    grid : Grid
-
-    Returns
-    -------
-    SpectralShares
-        Differentiable in the thicknesses, the media's parameters and the directions.
-    """
+    """What becomes of unpolarised light at each wavelength, averaged over directions."""
     pieces = spectral_pieces(film, side, grid.wavelength)
     cosines, shares = grid.cosine, grid.share
     if not is_traced(pieces, cosines):  # always of one length: one compilation serves all
@@ -209,24 +127,7 @@ def _with_holes(shares: SpectralShares, open_fraction: Numeric) -> SpectralShare
 def spectral_pieces(
     film: Film, side: Side, wavelength: np.ndarray, *weights: np.ndarray
 ) -> list[tuple[Any, ...]]:
-    """A lit film as numbers at wavelengths, in pieces to be computed one after another.
-
-    Parameters
-    ----------
-    film : Film
-    side : {"top", "bottom"}
-        Where the light comes from.
-    wavelength : array, shape (w,)
-        [m].
-    *weights : array, shape (m, w)
-
-    Returns
-    -------
-    list of tuple
-        n and k, shape (layers, v); thickness, shape (layers,); wavelength, shape (v,); weights,
-        shape (m, v); :class:`Structure`. Pieces of a film that is not traced all have one length:
-        the last one repeats its last wavelength, with weight zero.
-    """
+    """A lit film as numbers at wavelengths, in pieces to be computed one after another."""
     lit = (film if side == "top" else film.flipped()).homogeneous()
     n, k = lit.index(wavelength)
     structure = lit.structure(wavelength, axes=2)

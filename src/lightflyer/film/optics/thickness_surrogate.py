@@ -30,22 +30,12 @@ _ABSENT = 1e-16  # [m], thickness of a layer that is not there; its phase is los
 
 
 class Sampled(eqx.Module):
-    """Index of each layer at some wavelengths, and the weights of means over them.
+    """Index of each layer at some wavelengths, and the weights of means over them."""
 
-    Attributes
-    ----------
-    n, k : array, shape (layers, w)
-        [1].
-    wavelength : array, shape (w,)
-        [m].
-    weight : array, shape (m, w)
-        One row a mean; each row's sum is one [1].
-    """
-
-    n: Numeric
-    k: Numeric
-    wavelength: Numeric
-    weight: Numeric
+    n: Numeric  # shape (layers, w); [1]
+    k: Numeric  # shape (layers, w); [1]
+    wavelength: Numeric  # shape (w,); [m]
+    weight: Numeric  # shape (m, w); one row a mean; each row's sum is one [1]
 
     @property
     def optics(self) -> tuple[Numeric, Numeric, Numeric]:
@@ -54,20 +44,7 @@ class Sampled(eqx.Module):
 
     @classmethod
     def of(cls, film: Film, grid: Grid, points: int) -> "Sampled":
-        """The points of a fine grid that matter most, with the weights of those between them.
-
-        Parameters
-        ----------
-        film : Film
-            Of homogeneous layers.
-        grid : Grid
-        points : int
-
-        Returns
-        -------
-        Sampled
-            Means are exact for what is linear in the wavelength between the points.
-        """
+        """The points of a fine grid that matter most, with the weights of those between them."""
         n, k = film.index(grid.wavelength)
         chosen = _chosen(n, k, grid, points)
         left = np.searchsorted(chosen, np.arange(grid.wavelength.size), side="right") - 1
@@ -85,15 +62,10 @@ class Sampled(eqx.Module):
 
 
 class ThicknessSurrogate(eqx.Module):
-    """Films of the same media in the same order, whose thicknesses may be anything.
+    """Films of the same media in the same order, whose thicknesses may be anything."""
 
-    Attributes
-    ----------
-    light, heat : Sampled
-        Over the light, and over the radiation of black bodies at the nodes of an
-        :class:`~lightflyer.film.optics.curve.EmittanceCurve`.
-    """
-
+    # Over the light, and over the radiation of black bodies at the nodes of an
+    # :class:`~lightflyer.film.optics.curve.EmittanceCurve`
     light: Sampled
     heat: Sampled
 
@@ -101,26 +73,7 @@ class ThicknessSurrogate(eqx.Module):
     def of(
         cls, film: Film, spectrum: Spectrum | None = None, *, layers: int = 0
     ) -> "ThicknessSurrogate":
-        """The family of a film.
-
-        Parameters
-        ----------
-        film : Film
-        spectrum : Spectrum, optional
-            Spectrum of the light; by default sunlight above the atmosphere.
-        layers : int
-            Number of layers up to which layers that are not there are added below.
-
-        Returns
-        -------
-        ThicknessSurrogate
-            Of arrays that have the same shapes for all films of as many layers.
-
-        Raises
-        ------
-        ParameterError
-            If the film's media have no data in common with the light or with heat radiation.
-        """
+        """The family of a film."""
         film = film.homogeneous()
         light = light_grid(film, am0() if spectrum is None else spectrum, 0.0, diffuse=False)
         heat = thermal_grid(
@@ -135,23 +88,7 @@ class ThicknessSurrogate(eqx.Module):
     def properties(
         self, thickness: Numeric, incidence: Numeric = 0.0, *, passing: bool = True
     ) -> dict[str, Numeric | EmittanceCurve]:
-        """Optical properties of a film by name, to be traced.
-
-        Parameters
-        ----------
-        thickness : array, shape (layers,)
-            Of homogeneous layers, top to bottom; those that are not there have any, as small as
-            :func:`padded_thickness` makes it [m].
-        incidence : array, shape ()
-            Angle between the light and the film's normal [rad].
-        passing : bool
-            Whether transmittances matter; else they are zero.
-
-        Returns
-        -------
-        dict of str to object
-            See :class:`~lightflyer.film.properties.FilmProperties`.
-        """
+        """Optical properties of a film by name, to be traced; ``thickness`` (layers,)."""
         light, heat = self.light, self.heat
         beam = jnp.cos(jnp.minimum(incidence, GRAZING))
         n, k, wavelength = (
@@ -186,10 +123,8 @@ class ThicknessSurrogate(eqx.Module):
 def _shares(
     n: Numeric, k: Numeric, thickness: Numeric, wavelength: Numeric, cosine: Numeric, share: Numeric
 ) -> tuple[Array, Array]:
-    """Absorptance and transmittance of unpolarised light, as means over directions.
-
-    Arrays have the axes (layers, faces, wavelengths); the shares are of shape (faces, w).
-    """
+    """Absorptance and transmittance of unpolarised light, as means over directions."""
+    # Arrays have the axes (layers, faces, wavelengths); the shares are of shape (faces, w).
     n, k, thickness = (jnp.asarray(part)[:, :, None] for part in (n, k, thickness))
     incidence = jnp.arccos(cosine)[:, None]
     optics = transfer(n, k, thickness, jnp.asarray(wavelength), incidence, inside=False)
@@ -201,20 +136,7 @@ def _shares(
 
 
 def padded_thickness(thickness: np.ndarray, layers: int) -> np.ndarray:
-    """Thicknesses with those of layers that are not there below.
-
-    Parameters
-    ----------
-    thickness : array, shape (n,)
-        [m].
-    layers : int
-        At least n.
-
-    Returns
-    -------
-    array, shape (layers,)
-        [m].
-    """
+    """Thicknesses with those of layers that are not there below [m], shape (layers,)."""
     return np.pad(thickness, (0, layers - len(thickness)), constant_values=_ABSENT)
 
 

@@ -101,23 +101,14 @@ def _summed(groups: Numeric, parts: Numeric) -> Numeric:
 
 
 class Structure(eqx.Module):
-    """What a stack is besides its layers: by default free-standing, smooth and coherent.
+    """What a stack is besides its layers: by default free-standing, smooth and coherent."""
 
-    Attributes
-    ----------
-    above : array, shape (...)
-        Refractive index of the medium that the light comes from, which absorbs nothing [1].
-    below : pair of array, shape (...)
-        n and k of the endless medium below [1].
-    roughness : array, shape (layers + 1, ...), or None
-        Standard deviation of the height of each interface, top to bottom [m].
-    coherent : tuple of bool
-        Whether light interferes in each layer; empty where it does in all.
-    """
-
+    # Refractive index of the medium that the light comes from, which absorbs nothing [1]
     above: Numeric = 1.0
-    below: tuple[Numeric, Numeric] = (1.0, 0.0)
+    below: tuple[Numeric, Numeric] = (1.0, 0.0)  # n and k of the endless medium below [1]
+    # shape (layers + 1, ...); standard deviation of the height of each interface, top to bottom [m]
     roughness: Numeric | None = None
+    # Whether light interferes in each layer; empty where it does in all
     coherent: tuple[bool, ...] = eqx.field(static=True, default=())
 
 
@@ -218,11 +209,9 @@ def transfer(
     *,
     inside: bool = True,
 ) -> StackOptics:
-    """:func:`stack_optics` for use inside other compiled functions.
-
-    With ``inside`` false the absorptances of layers are left out, as an array without rows, unless
-    interfaces are rough: what is scattered is what is missing beside them.
-    """
+    """:func:`stack_optics` for use inside other compiled functions."""
+    # With ``inside`` false the absorptances of layers are left out, as an array without rows,
+    # unless interfaces are rough: what is scattered is what is missing beside them.
     structure = Structure() if structure is None else structure
     n, k, thickness, wavelength = (jnp.asarray(one) for one in (n, k, thickness, wavelength))
     above, (below_n, below_k) = jnp.asarray(structure.above), structure.below
@@ -300,11 +289,9 @@ def _shares_of_powers(
     decays: list[Array],
     inside: bool,
 ) -> tuple[Array, Array, Array]:
-    """Shares of one polarisation, by adding powers in the incoherent layers.
-
-    ``down`` and ``up`` are what groups of coherent layers do to waves from above and from below,
-    ``admittances`` those of the media between them, ``decays`` the falls of power in these.
-    """
+    """Shares of one polarisation, by adding powers in the incoherent layers."""
+    # ``down`` and ``up`` are what groups of coherent layers do to waves from above and from below,
+    # ``admittances`` those of the media between them, ``decays`` the falls of power in these.
     reflected = magnitude(down[-1].ratio)
     returns: list[Array] = []  # upward over downward power at the top of each incoherent layer
     gains: list[Array] = []

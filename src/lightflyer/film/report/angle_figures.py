@@ -42,17 +42,7 @@ def _angle_axis(ax: Axes, label: str) -> None:
 
 
 def draw_light(summary: "AngularSummary", ax: Axes) -> Axes:
-    """Draw shares of the light over the angle, by polarisation.
-
-    Parameters
-    ----------
-    summary : AngularSummary
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw shares of the light over the angle, by polarisation."""
     degrees = np.degrees(summary.incidence)
     colours = {"reflectance": BLUE, "transmittance": GREEN, "absorptance": VERMILION}
     if summary.film.is_rough:
@@ -68,17 +58,7 @@ def draw_light(summary: "AngularSummary", ax: Axes) -> Axes:
 
 
 def draw_emittance(summary: "AngularSummary", ax: Axes) -> Axes:
-    """Draw the directional emittance of the top over the angle, by polarisation.
-
-    Parameters
-    ----------
-    summary : AngularSummary
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw the directional emittance of the top over the angle, by polarisation."""
     degrees = np.degrees(summary.incidence)
     count = len(summary.temperatures)
     shown = np.unique(np.linspace(0, count - 1, min(count, _MOST_TEMPERATURES)).astype(int))
@@ -100,17 +80,7 @@ def _explain_lines(ax: Axes) -> None:
 
 
 def draw_map(summary: "AngularSummary", ax: Axes) -> Axes:
-    """Draw the absorptance of unpolarised light over wavelength and angle.
-
-    Parameters
-    ----------
-    summary : AngularSummary
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw the absorptance of unpolarised light over wavelength and angle."""
     degrees = np.degrees(summary.incidence)
     values = np.asarray(summary.spectral_shares.absorptance).mean(axis=0)
     order = np.argsort(degrees)
@@ -131,16 +101,7 @@ def draw_map(summary: "AngularSummary", ax: Axes) -> Axes:
 
 
 def draw_angles(summary: "AngularSummary") -> Figure:
-    """Draw shares of the light, and the emittance, side by side.
-
-    Parameters
-    ----------
-    summary : AngularSummary
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Draw shares of the light, and the emittance, side by side."""
     figure = new_figure(columns=2, height=_HEIGHT)
     draw_light(summary, figure.axes[0])
     draw_emittance(summary, figure.axes[1])
@@ -148,17 +109,7 @@ def draw_angles(summary: "AngularSummary") -> Figure:
 
 
 def angle_figures(summary: "AngularSummary") -> dict[str, Figure]:
-    """The figures of a film by angle, by file name without suffix.
-
-    Parameters
-    ----------
-    summary : AngularSummary
-
-    Returns
-    -------
-    dict of str to matplotlib.figure.Figure
-        With a map only where there are two angles or more.
-    """
+    """The figures of a film by angle, by file name without suffix."""
     found = {"film-angles": draw_angles(summary)}
     if np.unique(summary.incidence).size > 1:
         found["film-angles-map"] = new_figure(height=_HEIGHT)

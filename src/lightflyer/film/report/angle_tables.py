@@ -93,13 +93,7 @@ def write_csv(summary: "AngularSummary", path: Path) -> None:
 
 
 def write_spectral_csv(summary: "AngularSummary", path: Path) -> None:
-    """Write the spectra, one row a wavelength, angle and polarisation.
-
-    Parameters
-    ----------
-    summary : AngularSummary
-    path : Path
-    """
+    """Write the spectra, one row a wavelength, angle and polarisation."""
     table = table_of(summary.spectral_shares)
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)

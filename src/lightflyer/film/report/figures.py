@@ -148,18 +148,7 @@ def film_figures(summary: "FilmSummary") -> dict[str, Figure]:
 
 
 def plot_film(summary: "FilmSummary", ax: Axes | None = None) -> Figure:
-    """Draw a film.
-
-    Parameters
-    ----------
-    summary : FilmSummary
-    ax : matplotlib.axes.Axes, optional
-        Gets the spectra; by default a new figure has the layers too.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Draw a film."""
     if ax is None:
         figure = new_figure(columns=2, height=_HEIGHT)
         draw_layers(summary, figure.axes[1])

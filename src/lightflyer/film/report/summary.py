@@ -253,18 +253,7 @@ def _number(value: Any) -> float | None:
 
 
 def possible_interval(value: Numeric, uncertainty: Numeric, highest: float) -> np.ndarray:
-    """95 % interval of a normal variable, cut at zero and at the highest possible value.
-
-    Parameters
-    ----------
-    value, uncertainty : array, shape (...)
-        The variable and its standard uncertainty.
-    highest : float
-
-    Returns
-    -------
-    array, shape (2, ...)
-    """
+    """95 % interval of a normal variable, cut at zero and at the highest possible value."""
     half = NORMAL_HALF_WIDTH_95 * np.asarray(uncertainty)
     return np.clip(np.stack([value - half, value + half]), 0.0, highest)
 

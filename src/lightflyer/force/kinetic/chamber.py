@@ -57,14 +57,7 @@ class Chamber(NamedTuple):
 
 
 def chamber_of(state: EnvironmentState, radius: Numeric) -> Chamber | None:
-    """The chamber around a disk, or None without floor and lid.
-
-    Parameters
-    ----------
-    state : EnvironmentState
-    radius : array, shape (...)
-        Of the disk [m].
-    """
+    """The chamber around a disk, or None without floor and lid; ``radius``: of the disk."""
     ends = state.floor_distance, state.lid_distance
     if ends == (None, None):
         return None
@@ -81,16 +74,10 @@ _LEAST_RESISTANCE = 1e-12  # of free molecules; a share of nothing is any number
 
 
 class Reservoir(NamedTuple):
-    """What open surroundings do to a disk, by default nothing: they multiply.
+    """What open surroundings do to a disk, by default nothing: they multiply."""
 
-    Attributes
-    ----------
-    force, heat : array, shape (...)
-        Factors on force and heat loss [1].
-    """
-
-    force: Numeric = 1.0
-    heat: Numeric = 1.0
+    force: Numeric = 1.0  # Factors on force and heat loss [1]
+    heat: Numeric = 1.0  # Factors on force and heat loss [1]
 
     def force_ratio(self, opened: Numeric) -> Numeric:
         """Force over that of free molecules, from that in open space [1]."""
@@ -112,24 +99,17 @@ class Reservoir(NamedTuple):
 
 
 class SolidWalls(NamedTuple):
-    r"""What solid surfaces do to a disk.
+    r"""What solid surfaces do to a disk."""
 
-    The gas takes :math:`1/\hat F - 1` of the force that is left: what resists. Solid walls leave a
-    share of that, which a hot disk has in common with one that is hardly warmer than the gas; the
-    factors on force and heat themselves it has not.
+    # The gas takes :math:`1/\hat F - 1` of the force that is left: what resists. Solid walls leave
+    # a share of that, which a hot disk has in common with one that is hardly warmer than the gas;
+    # the factors on force and heat themselves it has not.
 
-    Attributes
-    ----------
-    force_kept, heat_kept : array, shape (...)
-        Share of the gas's resistance to force, by the difference of the TACs, and heat that the
-        surroundings leave [1].
-    lift : array, shape (...)
-        Push on a disk of like faces [p A per unit of the disk's T/T_c − 1].
-    """
-
+    # Share of the gas's resistance to force, by the difference of the TACs, and heat that the
+    # surroundings leave [1]
     force_kept: Numeric
     heat_kept: Numeric
-    lift: Numeric
+    lift: Numeric  # Push on a disk of like faces [p A per unit of the disk's T/T_c − 1]
 
     def force_ratio(self, opened: Numeric) -> Numeric:
         """As of :class:`Reservoir`."""
@@ -140,18 +120,9 @@ class SolidWalls(NamedTuple):
         return resisted(opened, self.heat_kept)
 
     def push(self, disk: Disk, state: EnvironmentState, excess: Numeric) -> Numeric:
-        """Push on a disk of like faces [N].
-
-        From small to large temperature differences it grows as the recoil of molecules does,
-        with the root of the temperature; solved at 1.8 and 2.34 times the gas's, within 7 %.
-
-        Parameters
-        ----------
-        disk : Disk
-        state : EnvironmentState
-        excess : array, shape (...)
-            T_h/T_c − 1 [1].
-        """
+        """Push on a disk of like faces [N]; ``excess``: T_h/T_c − 1."""
+        # From small to large temperature differences it grows as the recoil of molecules does, with
+        # the root of the temperature; solved at 1.8 and 2.34 times the gas's, within 7 %.
         growth = 2.0 * (jnp.sqrt(1.0 + excess) - 1.0)
         return state.pressure * disk.area * self.lift * growth
 
@@ -162,20 +133,7 @@ class SolidWalls(NamedTuple):
 
 
 def resisted(opened: Numeric, kept: Numeric) -> Array:
-    """Force or heat over that of free molecules where a share of the resistance is left.
-
-    Parameters
-    ----------
-    opened : array, shape (...)
-        The same in open space [1].
-    kept : array, shape (...)
-        Share [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-    """
+    """Force or heat over that of free molecules where a share of the resistance is left [1]."""
     return jnp.asarray(opened / (opened + kept * (1.0 - opened)))
 
 
@@ -186,45 +144,20 @@ def _kept(factor: Numeric, opened: Numeric) -> Array:
 
 @dataclass(frozen=True)
 class ChamberFit:
-    """Effects of a chamber as smooth functions.
+    """Effects of a chamber as smooth functions."""
 
-    Attributes
-    ----------
-    knudsen_range : tuple of float
-        Of the table; beyond it the factors stay what they are there, and in denser gas the push
-        falls as the square of the Knudsen number.
-    nearest : Chamber
-        Least distances in the table.
-    force, kept, lift : tuple of tuple of float
-        Coefficients of each term of inverse distances: powers of the Knudsen number.
-    """
-
+    # Of the table; beyond it the factors stay what they are there, and in denser gas the push falls
+    # as the square of the Knudsen number
     knudsen_range: tuple[float, float]
-    nearest: Chamber
-    force: Any
+    nearest: Chamber  # Least distances in the table
+    force: Any  # Coefficients of each term of inverse distances: powers of the Knudsen number
     kept: Any
     lift: Any
 
     def walls(
         self, knudsen: Numeric, chamber: Chamber, opened: tuple[Numeric, Numeric], tac: Numeric
     ) -> SolidWalls:
-        """Effect on a disk.
-
-        Parameters
-        ----------
-        knudsen : array, shape (...)
-        chamber : Chamber
-        opened : tuple of array, shape (...)
-            Force and heat loss in open space over those of free molecules, for small differences
-            [1].
-        tac : array, shape (...)
-            Mean of the faces [1]. The push on a disk of like faces is as good as proportional to
-            it.
-
-        Returns
-        -------
-        SolidWalls
-        """
+        """Effect on a disk."""
         place, dense = thinness(knudsen, self.knudsen_range), denseness(knudsen)
         # thermal stress, which pushes like faces in dense gas, is of second order
         beyond = jnp.minimum(knudsen / self.knudsen_range[0], 1.0) ** 2
@@ -280,22 +213,12 @@ def _terms(near: tuple[Any, ...], powers: Any, exchanged: float) -> list[Any]:
 
 @lru_cache
 def chamber_fit() -> ChamberFit:
-    """Effects of a chamber on a disk, fitted to the table, which is for a diatomic gas.
-
-    Returns
-    -------
-    ChamberFit
-    """
+    """Effects of a chamber on a disk, fitted to the table, which is for a diatomic gas."""
     return fitted(dict(shipped_table("kinetic_chamber.csv").numbers))
 
 
 def fitted(table: dict[str, np.ndarray]) -> ChamberFit:
-    """Smooth functions through a table's columns.
-
-    Parameters
-    ----------
-    table : dict of str to array, shape (n,)
-    """
+    """Smooth functions through a table's columns; ``table`` (n,)."""
     knudsen, opened = table["knudsen"], table["open_heat_ratio"]
     ends = float(knudsen.min()), float(knudsen.max())
     place, dense = scaled(np.log(knudsen), *np.log(ends)), denseness(knudsen)

@@ -99,38 +99,19 @@ _POWERS = {
 
 @dataclass(frozen=True)
 class CollisionFit:
-    """Factors of a kind of gas as smooth functions.
+    """Factors of a kind of gas as smooth functions."""
 
-    Attributes
-    ----------
-    knudsen_range, exponent_range : tuple of float
-        Of the table; beyond it the factors stay what they are there.
-    tac_range : tuple of float
-        TACs between which the factors change with it.
-    force, heat : nested tuple of float
-        Coefficients of the factors' logarithms: viscosity exponent less 0.74, TAC less 0.9,
-        Knudsen number.
-    """
-
+    # Of the table; beyond it the factors stay what they are there
     knudsen_range: tuple[float, float]
     exponent_range: tuple[float, float]
-    tac_range: tuple[float, float]
+    tac_range: tuple[float, float]  # TACs between which the factors change with it
+    # Coefficients of the factors' logarithms: viscosity exponent less 0.74, TAC less 0.9, Knudsen
+    # number
     force: Any
     heat: Any
 
     def factors(self, knudsen: Numeric, exponent: Numeric, tac: Numeric) -> tuple[Array, Array]:
-        """:math:`r_F` and :math:`r_Q` of small temperature differences [1].
-
-        Parameters
-        ----------
-        knudsen, exponent, tac : array, shape (...)
-            Knudsen number at the gas temperature, exponent of viscosity in temperature, and mean
-            TAC [1].
-
-        Returns
-        -------
-        force, heat : array, broadcast shape
-        """
+        """:math:`r_F` and :math:`r_Q` of small temperature differences [1]."""
         low, high = np.log(self.knudsen_range)
         place = scaled(jnp.clip(jnp.log(knudsen), low, high), low, high)
         stiff = held_within(exponent, *self.exponent_range) - _REFERENCE_EXPONENT
@@ -143,24 +124,13 @@ class CollisionFit:
 
 @dataclass(frozen=True)
 class HeatedGas:
-    """A gas around a flyer of another temperature.
-
-    Attributes
-    ----------
-    gas : AbstractGas
-    kind : {"diatomic", "monatomic"}
-        That of the tables that stands for it.
-    temperature, ratio : array, shape (...)
-        Of the gas [K], and of the flyer over it [1].
-    exponent : array, shape (...)
-        Exponent of the gas's viscosity between the two [1].
-    """
+    """A gas around a flyer of another temperature."""
 
     gas: AbstractGas
-    kind: str
-    temperature: Numeric
+    kind: str  # That of the tables that stands for it
+    temperature: Numeric  # Of the gas [K], and of the flyer over it [1]
     ratio: Numeric
-    exponent: Numeric
+    exponent: Numeric  # Exponent of the gas's viscosity between the two [1]
 
     @property
     def _simulated_conduction(self) -> Numeric:
@@ -171,26 +141,14 @@ class HeatedGas:
 
     @property
     def _conduction(self) -> Numeric:
-        """The same of the gas, at its temperature: a heat balance then looks it up once.
-
-        A polyatomic gas is scaled by its conductivity elsewhere.
-        """
+        """The same of the gas, at its temperature: a heat balance then looks it up once."""
+        # A polyatomic gas is scaled by its conductivity elsewhere.
         if self.gas.molecules != self.kind:
             return MODEL_CONDUCTION
         return self.gas.reduced_conductivity(self.temperature)
 
     def factors(self, knudsen: Numeric, tac: Numeric) -> tuple[Array, Array]:
-        """Factors of force and heat, :math:`r_F` and :math:`r_Q` [1].
-
-        Parameters
-        ----------
-        knudsen, tac : array, shape (...)
-            Knudsen number at the gas temperature and mean TAC [1].
-
-        Returns
-        -------
-        force, heat : array, broadcast shape
-        """
+        """Factors of force and heat, :math:`r_F` and :math:`r_Q` [1]."""
         force, heat = collision_fit(self.kind).factors(knudsen, self.exponent, tac)
         if self.kind == "diatomic":
             heat *= self._simulated_conduction / self._conduction
@@ -201,18 +159,7 @@ class HeatedGas:
 
 
 def force_error(of_table: Array, ratio: Array, collisions: Collisions) -> Array:
-    """Relative standard error of a force, with the table's [1].
-
-    Parameters
-    ----------
-    of_table, ratio : array, shape (...)
-        Relative standard error of table and fit, and force over that of free molecules [1].
-    collisions : {"vhs", "shakhov"}
-
-    Returns
-    -------
-    array, broadcast shape
-    """
+    """Relative standard error of a force, with the table's [1]."""
     taken = FORCE_ERROR if collisions == "vhs" else MODEL_FORCE_ERROR
     return jnp.hypot(of_table, taken * (1.0 - ratio))
 
@@ -224,50 +171,20 @@ def heat_error(of_table: Array, ratio: Array, collisions: Collisions) -> Array:
 
 
 def with_collisions(ratio: Numeric, factor: Numeric) -> Array:
-    """A ratio to free molecules where collisions take a factor more [1].
-
-    Parameters
-    ----------
-    ratio, factor : array, shape (...)
-        By the model equation, and :math:`r` [1].
-
-    Returns
-    -------
-    array, broadcast shape
-    """
+    """A ratio to free molecules where collisions take a factor more [1]."""
     return jnp.asarray(ratio / (ratio + factor * (1.0 - ratio)))
 
 
 @lru_cache
 def collision_fit(gas: str = "diatomic") -> CollisionFit:
-    """Factors of a kind of gas, fitted to the table.
-
-    Parameters
-    ----------
-    gas : {"diatomic", "monatomic"}
-
-    Returns
-    -------
-    CollisionFit
-    """
+    """Factors of a kind of gas, fitted to the table."""
     table = shipped_table("kinetic_collisions.csv")
     kept = np.array(table.texts["gas"]) == gas
     return fitted({name: column[kept] for name, column in table.numbers.items()}, _POWERS[gas])
 
 
 def fitted(table: dict[str, np.ndarray], powers: list[tuple[int, int, int]]) -> CollisionFit:
-    """Smooth functions through a table's columns.
-
-    Parameters
-    ----------
-    table : dict of str to array, shape (n,)
-    powers : list of tuple of int
-        Of the viscosity exponent, the TAC and the Knudsen number.
-
-    Returns
-    -------
-    CollisionFit
-    """
+    """Smooth functions through a table's columns; ``table`` (n,)."""
     knudsen, exponent = table["knudsen"], table["viscosity_exponent"]
     low, high = float(knudsen.min()), float(knudsen.max())
     variables = (

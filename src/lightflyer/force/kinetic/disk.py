@@ -202,29 +202,13 @@ def _where_heating_matters(ratio: Numeric, knudsen: Numeric, otherwise: float) -
 
 
 def scaled_heat_ratio(ratio: Numeric, resistance: Numeric) -> Array:
-    r"""Heat loss over the free-molecular one in a gas that conducts otherwise than the table's.
-
-    .. math:: \frac1{\hat Q'} = 1 + s\left(\frac1{\hat Q} - 1\right)
-
-    Parameters
-    ----------
-    ratio : array, shape (...)
-        Of the table's gas, :math:`\hat Q` [1].
-    resistance : array, shape (...)
-        What the gas's collisions resist over what the table's do, :math:`s` [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-
-    Notes
-    -----
-    Exact for free molecules and for conduction. From the monatomic to the diatomic table, where s
-    is 1.155, it is right to 1 % for small differences and to 3 % up to :math:`T_h/T_c = 2.4`. A
-    force that keeps its ratio to the heat is right to 2 % and 9 %. In carbon dioxide s is 1.10
-    times that of the diatomic table.
-    """
+    r"""Heat loss over the free-molecular one in a gas that conducts otherwise than the table's."""
+    # .. math:: \frac1{\hat Q'} = 1 + s\left(\frac1{\hat Q} - 1\right)
+    #
+    # Exact for free molecules and for conduction. From the monatomic to the diatomic table, where s
+    # is 1.155, it is right to 1 % for small differences and to 3 % up to :math:`T_h/T_c = 2.4`. A
+    # force that keeps its ratio to the heat is right to 2 % and 9 %. In carbon dioxide s is 1.10
+    # times that of the diatomic table.
     return jnp.asarray(1.0 / (1.0 + resistance * (1.0 / ratio - 1.0)))
 
 
@@ -236,25 +220,11 @@ def _place(disk: Disk, state: EnvironmentState, excess: Numeric) -> tuple[Any, .
 
 
 def viscosity_exponent(gas: AbstractGas, temperature: Numeric, ratio: Numeric) -> Array:
-    """Exponent of the viscosity between two temperatures [1].
-
-    On the line in the temperature's logarithm through two that do not depend on the ratio, so
-    that a heat balance does not look up the viscosity again and again. From 150 K to 500 K and
-    ratios of 0.7 to 2.4 it is within 0.03 of the slope between both temperatures for carbon
-    dioxide, 0.007 for other gases.
-
-    Parameters
-    ----------
-    gas : AbstractGas
-    temperature : array, shape (...)
-        Of the gas [K].
-    ratio : array, shape (...)
-        Of the flyer's temperature to it [1].
-
-    Returns
-    -------
-    array, broadcast shape
-    """
+    """Exponent of the viscosity between two temperatures [1]; ``temperature``: of the gas."""
+    # On the line in the temperature's logarithm through two that do not depend on the ratio, so
+    # that a heat balance does not look up the viscosity again and again. From 150 K to 500 K and
+    # ratios of 0.7 to 2.4 it is within 0.03 of the slope between both temperatures for carbon
+    # dioxide, 0.007 for other gases.
     cold, warm = (gas.viscosity_exponent(factor * temperature) for factor in (1.0, _WARM))
     share = 0.5 * heating_of(ratio) / math.log(_WARM)
     return jnp.asarray(cold + share * (warm - cold))

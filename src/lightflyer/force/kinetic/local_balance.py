@@ -59,18 +59,11 @@ class Kept(NamedTuple):
 
 @dataclass(frozen=True)
 class LocalBalanceFit:
-    """Shares that a film loses as smooth functions.
+    """Shares that a film loses as smooth functions."""
 
-    Attributes
-    ----------
-    knudsen_range : tuple of float
-        Of the table; beyond it the shares stay what they are there.
-    force, heat : tuple of float
-        Coefficients of the logarithms of :math:`D` for force and heat loss.
-    """
-
+    # Of the table; beyond it the shares stay what they are there
     knudsen_range: tuple[float, float]
-    force: Any
+    force: Any  # Coefficients of the logarithms of :math:`D` for force and heat loss
     heat: Any
 
     def caveats(self, knudsen: Numeric, pressure: Numeric, molecules: str) -> Iterator[str]:
@@ -89,21 +82,7 @@ class LocalBalanceFit:
         knudsen: Numeric,
         heat_ratio: Numeric,
     ) -> Kept:
-        """What is kept of the isothermal film's force and heat loss.
-
-        Parameters
-        ----------
-        disk : Disk
-        state : EnvironmentState
-        excess : array, shape (...)
-            T_h/T_c − 1 of the mean temperature [1].
-        knudsen, heat_ratio : array, shape (...)
-            Knudsen number, and heat loss over that of free molecules [1].
-
-        Returns
-        -------
-        Kept
-        """
+        """What is kept of the isothermal film's force and heat loss."""
         share = gas_share(disk, state, excess, heat_ratio)
         evened = share / (share + (1.0 - share) * knudsen / (knudsen + _KNUDSEN_0))
         scale = evened * jnp.exp(-_HEATING_EXPONENT * jnp.maximum(heating_of(1.0 + excess), 0.0))
@@ -124,12 +103,7 @@ def gas_share(disk: Disk, state: EnvironmentState, excess: Numeric, heat_ratio: 
 
 @lru_cache
 def local_balance_fit() -> LocalBalanceFit:
-    """Shares that a film loses, fitted to the table, which is for a diatomic gas.
-
-    Returns
-    -------
-    LocalBalanceFit
-    """
+    """Shares that a film loses, fitted to the table, which is for a diatomic gas."""
     columns = shipped_table("kinetic_local_balance.csv").numbers
     kept = 1.0 - columns["heat_factor"] > _LEAST
     knudsen = columns["knudsen"][kept]

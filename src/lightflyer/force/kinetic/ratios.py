@@ -63,20 +63,11 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True)
 class Resistance:
-    """Logarithm of the resistance that the gas adds, times the Knudsen number.
+    """Logarithm of the resistance that the gas adds, times the Knudsen number."""
 
-    Attributes
-    ----------
-    limit : nested tuple of float
-        Coefficients of the linear problem: TAC, Knudsen number.
-    heating : nested tuple of float
-        Coefficients of what heating adds: heating, TAC, Knudsen number.
-    exponent : nested tuple of float
-        Coefficients of what the viscosity exponent adds, per unit of it: heating, Knudsen number.
-    """
-
-    limit: Any
-    heating: Any
+    limit: Any  # Coefficients of the linear problem: TAC, Knudsen number
+    heating: Any  # Coefficients of what heating adds: heating, TAC, Knudsen number
+    # Coefficients of what the viscosity exponent adds, per unit of it: heating, Knudsen number
     exponent: Any
 
     def __call__(self, place: Place, exponent_difference: Numeric | None) -> Array:
@@ -91,33 +82,24 @@ class Resistance:
 
 @dataclass(frozen=True)
 class Unlikeness:
-    r"""What a difference of the faces' TACs adds.
+    r"""What a difference of the faces' TACs adds."""
 
-    With the share :math:`w=(\Delta\alpha/2\bar\alpha)^2`, the two faces' resistances to the
-    difference of their heat, :math:`R_o`, leave
+    # With the share :math:`w=(\Delta\alpha/2\bar\alpha)^2`, the two faces' resistances to the
+    # difference of their heat, :math:`R_o`, leave
+    #
+    # .. math::
+    #     \frac1{\hat Q(\Delta\alpha)} = \frac1{\hat Q} + \frac{gw}{1-gw}, \qquad
+    #     \frac1{\hat F(\Delta\alpha)} - 1 = (1-kgw)\left(\frac1{\hat F} - 1\right), \qquad
+    #     g = \frac{\bar\alpha R_o}{1+\bar\alpha R_o}
 
-    .. math::
-        \frac1{\hat Q(\Delta\alpha)} = \frac1{\hat Q} + \frac{gw}{1-gw}, \qquad
-        \frac1{\hat F(\Delta\alpha)} - 1 = (1-kgw)\left(\frac1{\hat F} - 1\right), \qquad
-        g = \frac{\bar\alpha R_o}{1+\bar\alpha R_o}
-
-    Attributes
-    ----------
-    resistance : nested tuple of float
-        Coefficients of the logarithm of :math:`R_o\,\mathrm{Kn}` for small temperature differences:
-        Knudsen number, TAC.
-    force : nested tuple of float
-        Coefficients of the logarithm of :math:`k`, likewise.
-    hot_resistance, hot_force : nested tuple of float
-        Coefficients of what heating adds to these logarithms, per unit of its own.
-    hot_knudsen_range : tuple of float
-        Of hot faces that are unlike; beyond it what heating adds stays what it is there.
-    """
-
+    # Coefficients of the logarithm of :math:`R_o\,\mathrm{Kn}` for small temperature differences:
+    # Knudsen number, TAC
     resistance: Any
-    force: Any
+    force: Any  # Coefficients of the logarithm of :math:`k`, likewise
+    # Coefficients of what heating adds to these logarithms, per unit of its own
     hot_resistance: Any
     hot_force: Any
+    # Of hot faces that are unlike; beyond it what heating adds stays what it is there
     hot_knudsen_range: tuple[float, float]
 
     def at(self, place: Place, knudsen: Numeric, tac_difference: Numeric) -> tuple[Array, Array]:
@@ -135,47 +117,28 @@ class Unlikeness:
 
 @dataclass(frozen=True)
 class KineticFit:
-    """Force and heat ratios as smooth functions, fitted to a table.
+    """Force and heat ratios as smooth functions, fitted to a table."""
 
-    Attributes
-    ----------
-    knudsen_range : tuple of float
-        Of the linear problem's table; beyond it the limits' power laws continue.
-    hot_knudsen_range, ratio_range, tac_range : tuple of float
-        Knudsen numbers of the non-linear problem, T_h/T_c and mean TACs of the table; what heat
-        does, and the ratios, stay beyond them what they are at their ends.
-    viscosity_exponent : float
-        Of the table's gas [1].
-    conduction : float
-        What the heat's resistance tends to for small differences in dense gas.
-    force, heat : Resistance
-    unlikeness : Unlikeness
-    force_error, heat_error : tuple of float
-        Coefficients, in the Knudsen number, of the logarithm of the relative standard error of
-        table and fit.
-    force_wall, heat_wall : nested tuple of float
-        Coefficients of the effect of walls: inverse distance, Knudsen number.
-    wall_knudsen_range : tuple of float
-        Knudsen numbers in the table of walls.
-    nearest_wall : float
-        Least distance in the table of walls, in radii [1].
-    """
-
+    # Of the linear problem's table; beyond it the limits' power laws continue
     knudsen_range: tuple[float, float]
+    # Knudsen numbers of the non-linear problem, T_h/T_c and mean TACs of the table; what heat does,
+    # and the ratios, stay beyond them what they are at their ends
     hot_knudsen_range: tuple[float, float]
     ratio_range: tuple[float, float]
     tac_range: tuple[float, float]
-    viscosity_exponent: float
-    conduction: float
+    viscosity_exponent: float  # Of the table's gas [1]
+    conduction: float  # What the heat's resistance tends to for small differences in dense gas
     force: Resistance
     heat: Resistance
     unlikeness: Unlikeness
+    # Coefficients, in the Knudsen number, of the logarithm of the relative standard error of table
+    # and fit
     force_error: tuple[float, ...]
     heat_error: tuple[float, ...]
-    force_wall: Any
+    force_wall: Any  # Coefficients of the effect of walls: inverse distance, Knudsen number
     heat_wall: Any
-    wall_knudsen_range: tuple[float, float]
-    nearest_wall: float
+    wall_knudsen_range: tuple[float, float]  # Knudsen numbers in the table of walls
+    nearest_wall: float  # Least distance in the table of walls, in radii [1]
 
     def force_ratio(
         self,
@@ -185,21 +148,7 @@ class KineticFit:
         tac_difference: Numeric | None = None,
         viscosity_exponent: Numeric | None = None,
     ) -> Array:
-        r"""Force over the free-molecular one, :math:`\hat F` [1].
-
-        Parameters
-        ----------
-        knudsen, ratio, tac : array, shape (...)
-            Knudsen number at the gas temperature, :math:`T_h/T_c` and mean TAC [1].
-        tac_difference : array, shape (...), optional
-            Of the faces [1]; by default small.
-        viscosity_exponent : array, shape (...), optional
-            Of the gas between the two temperatures [1]; by default the table's.
-
-        Returns
-        -------
-        array, broadcast shape
-        """
+        r"""Force over the free-molecular one, :math:`\hat F` [1]."""
         place = self._place(knudsen, ratio, tac)
         fitted = self.force(place, self._exponent_difference(viscosity_exponent))
         # below the table the force is that of the edge, ∝ Kn²
@@ -231,16 +180,7 @@ class KineticFit:
         return 1.0 / inverse
 
     def table_errors(self, knudsen: Numeric) -> tuple[Array, Array]:
-        """Relative standard errors of force and heat by the solver and the fit [1].
-
-        Parameters
-        ----------
-        knudsen : array, shape (...)
-
-        Returns
-        -------
-        force, heat : array, shape (...)
-        """
+        """Relative standard errors of force and heat by the solver and the fit [1]."""
         place = thinness(knudsen, self.knudsen_range)
         return (
             jnp.exp(polynomial(self.force_error, place)),
@@ -254,27 +194,9 @@ class KineticFit:
         tac: Numeric = BOUNDARY_TAC,
         tac_difference: Numeric | None = None,
     ) -> tuple[Array, Array]:
-        """Force and heat between walls over those in open space [1].
-
-        Parameters
-        ----------
-        knudsen : array, shape (...)
-        distance : array, shape (...)
-            Of the walls, in radii of the disk [1].
-        tac : array, shape (...)
-            Mean of the faces [1].
-        tac_difference : array, shape (...), optional
-            Of the faces [1]; by default small.
-
-        Returns
-        -------
-        force, heat : array, broadcast shape
-
-        Notes
-        -----
-        Walls take a share of the gas's resistance to heat that does not depend on the TAC to 1 %,
-        and raise the force over the heat by a factor that does not.
-        """
+        """Force and heat between walls over those in open space [1]; ``tac``: mean of the faces."""
+        # Walls take a share of the gas's resistance to heat that does not depend on the TAC to 1 %,
+        # and raise the force over the heat by a factor that does not.
         place = thinness(knudsen, self.wall_knudsen_range)
         nearness = 1.0 / jnp.maximum(distance, self.nearest_wall)
         opened = self.heat_ratio(knudsen, 1.0, tac)
@@ -304,43 +226,20 @@ class KineticFit:
 
 
 def conduction_growth(heating: Any, exponent: Any) -> Any:
-    r"""Logarithm of what a conductivity that grows with temperature adds to conduction.
-
-    .. math::
-        \ln\frac{\int_{T_c}^{T_h} T^\omega\,\mathrm dT}{T_c^\omega\,(T_h-T_c)}
-        = \frac{\omega t}2 + \ln\frac{\sinh\frac{(\omega+1)\,t}2}{(\omega+1)\sinh\frac t2},
-        \qquad t = \ln\frac{T_h}{T_c}
-
-    Parameters
-    ----------
-    heating, exponent : array, shape (...)
-        :math:`t` and :math:`\omega` [1].
-
-    Returns
-    -------
-    array, broadcast shape
-
-    Notes
-    -----
-    By its series to :math:`t^4`, which is right to 0.1 % for :math:`|t|` up to 1.25.
-    """
+    r"""Logarithm of what a conductivity that grows with temperature adds to conduction."""
+    # .. math::
+    #     \ln\frac{\int_{T_c}^{T_h} T^\omega\,\mathrm dT}{T_c^\omega\,(T_h-T_c)}
+    #     = \frac{\omega t}2 + \ln\frac{\sinh\frac{(\omega+1)\,t}2}{(\omega+1)\sinh\frac t2},
+    #     \qquad t = \ln\frac{T_h}{T_c}
+    #
+    # By its series to :math:`t^4`, which is right to 0.1 % for :math:`|t|` up to 1.25.
     square = heating**2
     second, fourth = (((exponent + 1.0) ** power - 1.0) for power in (2, 4))
     return 0.5 * exponent * heating + square * (second / 24.0 - square * fourth / 2880.0)
 
 
 def heating_of(ratio: Numeric) -> Array:
-    r""":math:`\ln(T_h/T_c)`, also of iterates of a heat balance that are no temperatures.
-
-    Parameters
-    ----------
-    ratio : array, shape (...)
-        :math:`T_h/T_c` [1]; below :data:`COLDEST` it counts as that.
-
-    Returns
-    -------
-    array, shape (...)
-    """
+    r""":math:`\ln(T_h/T_c)`, also of iterates of a heat balance that are no temperatures."""
     return jnp.log(jnp.maximum(ratio, COLDEST))
 
 

@@ -215,10 +215,8 @@ def _of_molecules(
     heated: tuple[Numeric, Numeric],
     passed: MembraneTransmission,
 ) -> Ratios:
-    """Ratios with the collisions of molecules around a disk without holes.
-
-    That holes change nothing in these is part of the sandwich's wider error.
-    """
+    """Ratios with the collisions of molecules around a disk without holes."""
+    # That holes change nothing in these is part of the sandwich's wider error.
     gas, cold = state.gas, state.temperature
     knudsen = knudsen_number(state.pressure, cold, flyer.radius, gas)
     of_force, of_heat = HeatedGas(gas, gas.molecules, cold, *heated).factors(knudsen, passed.tac)

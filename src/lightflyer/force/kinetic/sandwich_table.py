@@ -78,88 +78,50 @@ _SLOPES = (-1.0, 1.0)  # of the logarithm of a resistance that are believed beyo
 
 @dataclass(frozen=True)
 class SandwichTable:
-    r"""The solver's results for one gas, a row each.
+    r"""The solver's results for one gas, a row each."""
 
-    Attributes
-    ----------
-    rarefaction, open_fraction, tac : array, shape (n,)
-        :math:`\delta`, :math:`\beta` and mean TAC [1].
-    force_ratio, tac_force_ratio, heat_ratio, heat_difference_ratio, heat_cross_ratio : array
-        Over the free-molecular values, shape (n,) [1].
-    force_ratio_error, tac_force_ratio_error, heat_ratio_error : array, shape (n,)
-        Absolute 95 % bounds of the solver's error [1].
-    """
-
-    rarefaction: np.ndarray
+    rarefaction: np.ndarray  # shape (n,); :math:`\delta`, :math:`\beta` and mean TAC [1]
     open_fraction: np.ndarray
     tac: np.ndarray
-    force_ratio: np.ndarray
+    force_ratio: np.ndarray  # Over the free-molecular values, shape (n,) [1]
     tac_force_ratio: np.ndarray
     heat_ratio: np.ndarray
     heat_difference_ratio: np.ndarray
     heat_cross_ratio: np.ndarray
-    force_ratio_error: np.ndarray
+    force_ratio_error: np.ndarray  # shape (n,); absolute 95 % bounds of the solver's error [1]
     tac_force_ratio_error: np.ndarray
     heat_ratio_error: np.ndarray
 
 
 @dataclass(frozen=True)
 class SandwichWallTable:
-    """Effect of a chamber's walls, a row each: factors over open space.
+    """Effect of a chamber's walls, a row each: factors over open space."""
 
-    Attributes
-    ----------
-    rarefaction, boundary, open_fraction : array, shape (n,)
-        Distance of the wall in radii of the disk [1].
-    force_factor, tac_force_factor, heat_factor, heat_difference_factor : array, shape (n,)
-    """
-
-    rarefaction: np.ndarray
+    rarefaction: np.ndarray  # shape (n,); distance of the wall in radii of the disk [1]
     boundary: np.ndarray
     open_fraction: np.ndarray
-    force_factor: np.ndarray
-    tac_force_factor: np.ndarray
-    heat_factor: np.ndarray
-    heat_difference_factor: np.ndarray
+    force_factor: np.ndarray  # shape (n,)
+    tac_force_factor: np.ndarray  # shape (n,)
+    heat_factor: np.ndarray  # shape (n,)
+    heat_difference_factor: np.ndarray  # shape (n,)
 
 
 @dataclass(frozen=True)
 class SandwichHotTable:
-    """What heat does to the resistances, a row each: factors over the linear problem.
+    """What heat does to the resistances, a row each: factors over the linear problem."""
 
-    Attributes
-    ----------
-    rarefaction, open_fraction, temperature_ratio : array, shape (n,)
-        Mean T/T_c of the faces [1].
-    force_growth, tac_force_growth, heat_growth, heat_difference_growth : array, shape (n,)
-    """
-
-    rarefaction: np.ndarray
-    open_fraction: np.ndarray
-    temperature_ratio: np.ndarray
-    force_growth: np.ndarray
-    tac_force_growth: np.ndarray
-    heat_growth: np.ndarray
-    heat_difference_growth: np.ndarray
+    rarefaction: np.ndarray  # shape (n,); mean T/T_c of the faces [1]
+    open_fraction: np.ndarray  # shape (n,); mean T/T_c of the faces [1]
+    temperature_ratio: np.ndarray  # shape (n,); mean T/T_c of the faces [1]
+    force_growth: np.ndarray  # shape (n,)
+    tac_force_growth: np.ndarray  # shape (n,)
+    heat_growth: np.ndarray  # shape (n,)
+    heat_difference_growth: np.ndarray  # shape (n,)
 
 
 @lru_cache
 def sandwich_table(gas: str = "diatomic") -> SandwichTable:
-    """The solver's table for a gas.
-
-    Parameters
-    ----------
-    gas : {"diatomic", "monatomic"}
-
-    Returns
-    -------
-    SandwichTable
-
-    Raises
-    ------
-    ParameterError
-        For another gas.
-    """
+    """The solver's table for a gas."""
     if gas not in GASES:
         raise ParameterError(f"gas = {gas!r} is not one of {', '.join(GASES)}")
     table = shipped_table("kinetic_sandwich.csv")
@@ -180,36 +142,20 @@ def sandwich_hot_table() -> SandwichHotTable:
 
 
 class Ratios(NamedTuple):
-    """Over the free-molecular values [1].
+    """Over the free-molecular values [1]."""
 
-    Attributes
-    ----------
-    force, tac_force : array, shape (...)
-        Force by a temperature difference, and by a difference of TACs.
-    heat, heat_difference : array, shape (...)
-        Heat of both faces together, and its difference.
-    """
-
-    force: Array
+    force: Array  # Force by a temperature difference, and by a difference of TACs
     tac_force: Array
-    heat: Array
+    heat: Array  # Heat of both faces together, and its difference
     heat_difference: Array
 
 
 @dataclass(frozen=True)
 class Resistance:
-    """Logarithm of the resistance that the gas adds, over its factor in thin gas.
+    """Logarithm of the resistance that the gas adds, over its factor in thin gas."""
 
-    Attributes
-    ----------
-    inside : nested tuple of float
-        Coefficients: what it depends on, then the place in the table.
-    slope : nested tuple of float
-        Coefficients of its slope in the logarithm of the rarefaction at the dense end.
-    """
-
-    inside: Any
-    slope: Any
+    inside: Any  # Coefficients: what it depends on, then the place in the table
+    slope: Any  # Coefficients of its slope in the logarithm of the rarefaction at the dense end
 
     def __call__(self, place: Numeric, beyond: Numeric, *variables: Numeric) -> Array:
         """Value at a place in the table, and so far beyond it in the logarithm."""
@@ -219,51 +165,30 @@ class Resistance:
 
 @dataclass(frozen=True)
 class SandwichFit:
-    r"""Force and heat ratios of a disk with holes as smooth functions, fitted to a table.
+    r"""Force and heat ratios of a disk with holes as smooth functions, fitted to a table."""
 
-    Attributes
-    ----------
-    rarefaction_range, tac_range : tuple of float
-        Of the table.
-    force, tac_force, heat : Resistance
-        Over open fraction (the force's over :math:`\beta/(1+\beta)`) and mean TAC; the heat's over
-        :math:`s\bar\alpha`.
-    heat_difference : nested tuple of float
-        Coefficients: open fraction, mean TAC, place.
-    disk : KineticFit
-        Of the disk without holes.
-    hot : tuple of nested tuples of float
-        Coefficients of what heat does, in the order of :class:`Ratios`: heating, open fraction,
-        place.
-    heating_limit : float
-        Largest :math:`1 - T_c/T_h` of the table of hot disks; beyond it the ratios stay constant.
-    hot_range : tuple of float
-        Rarefactions in the table of hot disks; beyond it what heat does is held.
-    walls : tuple of nested tuples of float
-        Coefficients of the effect of walls, in the order of :class:`Ratios`: inverse distance,
-        open fraction, place.
-    wall_range : tuple of float
-        Rarefactions in the table of walls.
-    nearest_wall : float
-        Least distance in it, in radii [1].
-    force_error, heat_error : tuple of float
-        Coefficients, in the place, of the logarithm of the relative standard error of table and
-        fit together.
-    """
-
-    rarefaction_range: tuple[float, float]
-    tac_range: tuple[float, float]
+    rarefaction_range: tuple[float, float]  # Of the table
+    tac_range: tuple[float, float]  # Of the table
+    # Over open fraction (the force's over :math:`\beta/(1+\beta)`) and mean TAC; the heat's over
+    # :math:`s\bar\alpha`
     force: Resistance
     tac_force: Resistance
     heat: Resistance
-    heat_difference: Any
-    disk: KineticFit
+    heat_difference: Any  # Coefficients: open fraction, mean TAC, place
+    disk: KineticFit  # Of the disk without holes
+    # Coefficients of what heat does, in the order of :class:`Ratios`: heating, open fraction, place
     hot: tuple[Any, ...]
+    # Largest :math:`1 - T_c/T_h` of the table of hot disks; beyond it the ratios stay constant
     heating_limit: float
+    # Rarefactions in the table of hot disks; beyond it what heat does is held
     hot_range: tuple[float, float]
+    # Coefficients of the effect of walls, in the order of :class:`Ratios`: inverse distance, open
+    # fraction, place
     walls: tuple[Any, ...]
-    wall_range: tuple[float, float]
-    nearest_wall: float
+    wall_range: tuple[float, float]  # Rarefactions in the table of walls
+    nearest_wall: float  # Least distance in it, in radii [1]
+    # Coefficients, in the place, of the logarithm of the relative standard error of table and fit
+    # together
     force_error: tuple[float, ...]
     heat_error: tuple[float, ...]
 
@@ -276,26 +201,7 @@ class SandwichFit:
         temperature_ratio: Numeric,
         viscosity_exponent: Numeric | None = None,
     ) -> Ratios:
-        r"""Force and heat over their free-molecular values.
-
-        Parameters
-        ----------
-        rarefaction : array, shape (...)
-            :math:`\delta` at the gas temperature [1].
-        open_fraction, tac : array, shape (...)
-            :math:`\beta`, mean TAC [1].
-        share : array, shape (...)
-            Share of the molecules of an even field that are accommodated: :math:`s\bar\alpha`
-            where holes are aligned [1].
-        temperature_ratio : array, shape (...)
-            Mean temperature of the faces over that of the gas [1].
-        viscosity_exponent : array, shape (...), optional
-            Of the gas between the two temperatures [1]; by default the table's.
-
-        Returns
-        -------
-        Ratios
-        """
+        r"""Force and heat over their free-molecular values."""
         place, beyond = self._place(rarefaction)
         mean = jnp.clip(tac, *self.tac_range)
         heating = jnp.clip(1.0 - 1.0 / temperature_ratio, _COLDEST, self.heating_limit)
@@ -355,18 +261,8 @@ class SandwichFit:
         )
 
     def relative_force_error(self, rarefaction: Numeric, force_ratio: Numeric) -> Array:
-        """Relative standard error of the force: the table's and the equation's [1].
-
-        That of the equation stays for molecules, too: around holes they have not been compared.
-
-        Parameters
-        ----------
-        rarefaction, force_ratio : array, shape (...)
-
-        Returns
-        -------
-        array, broadcast shape
-        """
+        """Relative standard error of the force: the table's and the equation's [1]."""
+        # That of the equation stays for molecules, too: around holes they have not been compared.
         of_table = jnp.exp(polynomial(self.force_error, self._place(rarefaction)[0]))
         of_numbers = jnp.hypot(of_table, _FIT_ERROR[0])
         return jnp.hypot(of_numbers, MODEL_FORCE_ERROR * (1.0 - force_ratio))
@@ -379,18 +275,7 @@ class SandwichFit:
     def wall_factors(
         self, rarefaction: Numeric, open_fraction: Numeric, distance: Numeric
     ) -> Ratios:
-        """Between walls over open space [1].
-
-        Parameters
-        ----------
-        rarefaction, open_fraction : array, shape (...)
-        distance : array, shape (...)
-            Of the walls, in radii of the disk [1].
-
-        Returns
-        -------
-        Ratios
-        """
+        """Between walls over open space [1]; ``distance``: of the walls, in radii of the disk."""
         place = _place_of(rarefaction, self.wall_range)[0]
         near = 1.0 / jnp.maximum(distance, self.nearest_wall)
         return Ratios(
@@ -420,35 +305,14 @@ def _ends_and_places(rarefaction: np.ndarray) -> tuple[tuple[float, float], np.n
 
 @lru_cache
 def sandwich_fit(gas: str = "diatomic") -> SandwichFit:
-    """Smooth functions through the table for a gas.
-
-    Parameters
-    ----------
-    gas : {"diatomic", "monatomic"}
-
-    Returns
-    -------
-    SandwichFit
-    """
+    """Smooth functions through the table for a gas."""
     return fit(sandwich_table(gas), sandwich_hot_table(), sandwich_wall_table(), kinetic_fit(gas))
 
 
 def fit(
     table: SandwichTable, hot: SandwichHotTable, walls: SandwichWallTable, disk: KineticFit
 ) -> SandwichFit:
-    """Smooth functions through tables.
-
-    Parameters
-    ----------
-    table : SandwichTable
-    hot : SandwichHotTable
-    walls : SandwichWallTable
-    disk : KineticFit
-
-    Returns
-    -------
-    SandwichFit
-    """
+    """Smooth functions through tables."""
     ends, place = _ends_and_places(table.rarefaction)
     low, high = np.log(ends)
     delta, solid = table.rarefaction, 1.0 - table.open_fraction

@@ -44,39 +44,18 @@ class Table:
 
 @dataclass(frozen=True)
 class WallTable:
-    """Effect of a chamber's walls on the linear problem, for one gas, a row each.
+    """Effect of a chamber's walls on the linear problem, for one gas, a row each."""
 
-    Attributes
-    ----------
-    knudsen, boundary : array, shape (n,)
-        Knudsen number and distance of the wall in radii of the disk [1].
-    force_factor, heat_factor : array, shape (n,)
-        Over the values in open space, at a mean TAC of 0.85 [1].
-    """
-
+    # shape (n,); knudsen number and distance of the wall in radii of the disk [1]
     knudsen: np.ndarray
     boundary: np.ndarray
-    force_factor: np.ndarray
+    force_factor: np.ndarray  # shape (n,); over the values in open space, at a mean TAC of 0.85 [1]
     heat_factor: np.ndarray
 
 
 @lru_cache
 def kinetic_table(gas: str = "diatomic") -> Table:
-    """The solver's table for a gas.
-
-    Parameters
-    ----------
-    gas : {"diatomic", "monatomic"}
-
-    Returns
-    -------
-    Table
-
-    Raises
-    ------
-    ParameterError
-        For another gas.
-    """
+    """The solver's table for a gas."""
     return Table(**_columns("kinetic.csv", gas))
 
 

@@ -54,32 +54,12 @@ _ITERATIONS = 100  # of a contraction by a half at least
 
 @lru_cache
 def kinetic_fit(gas: str = "diatomic") -> KineticFit:
-    """Smooth functions through the table for a gas.
-
-    Parameters
-    ----------
-    gas : {"diatomic", "monatomic"}
-
-    Returns
-    -------
-    KineticFit
-    """
+    """Smooth functions through the table for a gas."""
     return fit(gas, kinetic_table(gas), wall_table(gas))
 
 
 def fit(gas: str, table: Table, walls: WallTable) -> KineticFit:
-    """Smooth functions through tables.
-
-    Parameters
-    ----------
-    gas : {"diatomic", "monatomic"}
-    table : Table
-    walls : WallTable
-
-    Returns
-    -------
-    KineticFit
-    """
+    """Smooth functions through tables."""
     model, ends = gas_model(gas), _ends(table.knudsen)
     hot_ends = _ends(table.knudsen[table.temperature_ratio != 1.0])
     where = _place(table.knudsen, ends)
@@ -149,11 +129,9 @@ def _place(knudsen: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
 
 
 def _conduction(gas: GasModel) -> float:
-    r"""Logarithm of the resistance to heat by conduction, times the Knudsen number over the TAC.
-
-    That of :math:`8r\kappa\,\Delta T`, the heat of an isothermal disk, is
-    :math:`\pi(4+j)/(32\,\kappa/\mu R)` with j degrees of freedom of rotation.
-    """
+    r"""Logarithm of the resistance to heat by conduction, times the Knudsen number over the TAC."""
+    # That of :math:`8r\kappa\,\Delta T`, the heat of an isothermal disk, is
+    # :math:`\pi(4+j)/(32\,\kappa/\mu R)` with j degrees of freedom of rotation.
     conductivity = 2.5 / gas.translational_rate
     modes = 4.0
     if gas.has_rotation:
@@ -250,10 +228,8 @@ def _of_like_faces(
 
 
 def _fit_error(table: Table, errors: np.ndarray, ends: tuple[float, float]) -> Any:
-    """Logarithm of the relative standard error: rows' root mean square at each Knudsen number.
-
-    Where there are hot rows it is theirs: their errors are larger.
-    """
+    """Logarithm of the relative standard error: rows' root mean square at each Knudsen number."""
+    # Where there are hot rows it is theirs: their errors are larger.
     hot = table.temperature_ratio != 1.0
     counted = hot | (table.knudsen < table.knudsen[hot].min())
     knudsen = np.unique(table.knudsen[counted])

@@ -63,32 +63,18 @@ _NO_WALL = "no wall has TAC and tangential_accommodation as given; it is held wi
 
 
 class Walls(NamedTuple):
-    """A choice of walls.
-
-    Attributes
-    ----------
-    wall : {"unknown", "maxwell", "accommodated", "cercignani-lampis"}
-    error : array or None
-        Deviation from what is assumed, in standard errors [1]; None stands for zero.
-    tangential : array or None
-        Accommodation of tangential momentum of both faces, for Cercignani–Lampis walls; without
-        it tangential energy is accommodated as well as the rest.
-    """
+    """A choice of walls."""
 
     wall: Wall = "maxwell"
+    # Deviation from what is assumed, in standard errors [1]; None stands for zero
     error: Numeric | None = None
+    # Accommodation of tangential momentum of both faces, for Cercignani–Lampis walls; without it
+    # tangential energy is accommodated as well as the rest
     tangential: Numeric | None = None
 
 
 def require_walls(walls: Walls) -> None:
-    """Raise unless a choice of walls is one.
-
-    Raises
-    ------
-    ParameterError
-        For an unknown wall, or a tangential accommodation of another wall than
-        Cercignani–Lampis'.
-    """
+    """Raise unless a choice of walls is one."""
     known = get_args(Wall)
     if walls.wall not in known:
         raise ParameterError(f'wall = "{walls.wall}" is not one of {", ".join(known)}')
@@ -106,22 +92,15 @@ def described(walls: Walls) -> str:
 
 @dataclass(frozen=True)
 class WallFit:
-    r"""Ratios to free molecules at accommodated walls over those at Maxwell's, for one gas.
+    r"""Ratios to free molecules at accommodated walls over those at Maxwell's, for one gas."""
 
-    Attributes
-    ----------
-    knudsen_range, heated_range, tac_range, heating_range : tuple of float
-        Of the table; beyond it the polynomials stay what they are there. Heating is
-        :math:`\ln(T_h/T_c)`; the second range is that of Knudsen numbers of its terms.
-    force, heat : nested tuple of float
-        Coefficients: heating, TAC, Knudsen number.
-    """
-
+    # Of the table; beyond it the polynomials stay what they are there. Heating is
+    # :math:`\ln(T_h/T_c)`; the second range is that of Knudsen numbers of its terms
     knudsen_range: tuple[float, float]
     heated_range: tuple[float, float]
     tac_range: tuple[float, float]
     heating_range: tuple[float, float]
-    force: Any
+    force: Any  # Coefficients: heating, TAC, Knudsen number
     heat: Any
 
     def _logarithm(self, coefficients: Any, knudsen: Numeric, ratio: Numeric, tac: Array) -> Array:
@@ -136,17 +115,7 @@ class WallFit:
         return jnp.asarray(found * _denseness(knudsen))
 
     def force_factor(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Array:
-        r""":math:`\hat F_a/\hat F` [1].
-
-        Parameters
-        ----------
-        knudsen, ratio, tac : array, shape (...)
-            Knudsen number at the gas temperature, :math:`T_h/T_c` and mean TAC [1].
-
-        Returns
-        -------
-        array, broadcast shape
-        """
+        r""":math:`\hat F_a/\hat F` [1]."""
         held = jnp.clip(tac, *self.tac_range)
         return jnp.exp(self._logarithm(self.force, knudsen, ratio, held))
 
@@ -162,32 +131,14 @@ def _denseness(knudsen: Any) -> Any:
 
 @lru_cache
 def wall_fit(gas: str = "diatomic") -> WallFit:
-    """Smooth functions through the table for a gas.
-
-    Parameters
-    ----------
-    gas : {"diatomic", "monatomic"}
-
-    Returns
-    -------
-    WallFit
-    """
+    """Smooth functions through the table for a gas."""
     table = shipped_table("kinetic_walls.csv")
     kept = np.array(table.texts["gas"]) == gas
     return fitted({name: column[kept] for name, column in table.numbers.items()})
 
 
 def fitted(table: dict[str, np.ndarray]) -> WallFit:
-    """Smooth functions through a table's columns.
-
-    Parameters
-    ----------
-    table : dict of str to array, shape (n,)
-
-    Returns
-    -------
-    WallFit
-    """
+    """Smooth functions through a table's columns; ``table`` (n,)."""
     knudsen, tac = table["knudsen"], table["tac"]
     heating = np.log(table["temperature_ratio"])
     low, high = float(knudsen.min()), float(knudsen.max())
@@ -298,21 +249,7 @@ def normal_accommodations(disk: Disk, walls: Walls) -> tuple[Numeric, Numeric]:
 def caveats(
     disk: Disk, walls: Walls, knudsen: Numeric, pressure: Numeric, covered: float
 ) -> tuple[str, ...]:
-    """Warnings where the table of walls ends, or where no wall accommodates as it is told to.
-
-    Parameters
-    ----------
-    disk : Disk
-    walls : Walls
-    knudsen, pressure : array, shape (...)
-        Knudsen number [1] and pressure [Pa], concrete.
-    covered : float
-        Least Knudsen number of the model's own table, which says by itself where that ends.
-
-    Returns
-    -------
-    tuple of str
-    """
+    """Warnings where the table of walls ends, or where no wall accommodates as it is told to."""
     if walls.wall == "maxwell":
         return ()
     looks: list[tuple[Validity, Any]] = []

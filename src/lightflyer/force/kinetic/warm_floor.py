@@ -34,21 +34,7 @@ _DENSEST = 0.03
 def push_of_floor(
     disk: Disk, state: EnvironmentState, knudsen: Numeric, error: Numeric | None
 ) -> Array:
-    """Force on a disk as warm as the gas, upwards positive [N].
-
-    Parameters
-    ----------
-    disk : Disk
-    state : EnvironmentState
-        With a floor of another temperature.
-    knudsen : array, shape (...)
-    error : array, shape (...) or None
-        In standard errors [1].
-
-    Returns
-    -------
-    array, broadcast shape
-    """
+    """Force on a disk as warm as the gas, upwards positive [N]; ``error``: in standard errors."""
     floor, lid, wall = (each / disk.radius for each in distances(state))
     numbers = _FIRST, _SECOND, _STEEPNESS
     push = joined_push(floor, lid, wall, knudsen, disk.film.tac_bottom, *numbers)

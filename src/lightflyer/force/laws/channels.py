@@ -55,16 +55,10 @@ _KNOTS = 4  # each fourth row of the table; tests look at the others
 
 
 class Coefficients(NamedTuple):
-    r"""Flow through a channel, :math:`j = \frac{p}{v}\frac AL(-G_P\,\Delta p/p + G_T\,\Delta T/T)`.
+    r"""Coefficients of :math:`j = \frac{p}{v}\frac AL(-G_P\,\Delta p/p + G_T\,\Delta T/T)`."""
 
-    Attributes
-    ----------
-    poiseuille, creep : array, shape (...)
-        :math:`G_P` and :math:`G_T` [1].
-    """
-
-    poiseuille: Array
-    creep: Array
+    poiseuille: Array  # :math:`G_P` and :math:`G_T` [1]
+    creep: Array  # :math:`G_P` and :math:`G_T` [1]
 
     @property
     def exponent(self) -> Array:
@@ -73,23 +67,13 @@ class Coefficients(NamedTuple):
 
 
 class ChannelShape(abc.ABC):
-    r"""Cross section of a channel; the two there are, are :data:`SLOT` and :data:`ROUND`.
-
-    Attributes
-    ----------
-    name : str
-    size : str
-        What length :math:`A` is.
-    viscous : float
-        Slope of :math:`G_P` over the rarefaction in dense gas [1].
-    entrance : float
-        How both entrances conduct in dense gas, over free molecules and the rarefaction:
-        :math:`\kappa` [1].
-    """
+    r"""Cross section of a channel; the two there are, are :data:`SLOT` and :data:`ROUND`."""
 
     name: ClassVar[str]
-    size: ClassVar[str]
-    viscous: ClassVar[float]
+    size: ClassVar[str]  # What length :math:`A` is
+    viscous: ClassVar[float]  # Slope of :math:`G_P` over the rarefaction in dense gas [1]
+    # How both entrances conduct in dense gas, over free molecules and the rarefaction:
+    # :math:`\kappa` [1]
     entrance: ClassVar[float]
 
     @abc.abstractmethod
@@ -162,10 +146,8 @@ def _end_stretch(length: Numeric) -> Array:
 
 @lru_cache
 def _slot_curves() -> Curves:
-    r"""What is left of the coefficients of a slot without their limits, over :math:`\ln\delta`.
-
-    Both grow as the logarithm of the mean free path in thin gas.
-    """
+    r"""What is left of the coefficients of a slot without their limits, over :math:`\ln\delta`."""
+    # Both grow as the logarithm of the mean free path in thin gas.
     table = channel_table()
     slipping = table["slot_poiseuille"] - SLOT.viscous * table["rarefaction"] - _SLIP
     paths = np.stack(
@@ -196,14 +178,7 @@ def _curves(rarefaction: np.ndarray, values: np.ndarray) -> Curves:
 
 
 def channel_table() -> dict[str, np.ndarray]:
-    r"""Coefficients of long channels with diffuse walls by the linearised Shakhov equation.
-
-    Returns
-    -------
-    dict of str to array, shape (n,)
-        ``rarefaction``, then :math:`G_P` and :math:`G_T` of a slot (``slot_poiseuille``,
-        ``slot_creep``) and of a tube (``round_poiseuille``, ``round_creep``) [1].
-    """
+    r"""Coefficients of long channels with diffuse walls by the linearised Shakhov equation [1]."""
     return shipped_table("channels.csv").numbers
 
 
@@ -211,34 +186,6 @@ def channel_coefficients(
     shape: ChannelShape, rarefaction: Numeric, length: Numeric | None = None
 ) -> Coefficients:
     r"""Poiseuille and thermal-creep coefficient of a channel with diffuse walls.
-
-    Parameters
-    ----------
-    shape : ChannelShape
-        :data:`SLOT` or :data:`ROUND`.
-    rarefaction : array, shape (...)
-        :math:`\delta = pA/(\mu v)` with the slot's width or the hole's radius; positive [1].
-    length : array, shape (...), optional
-        Of the channel over that width or radius; positive [1]. By default the channel is endless.
-
-    Returns
-    -------
-    Coefficients
-
-    Notes
-    -----
-    Smooth functions through a solution of the linearised Shakhov equation from a rarefaction of
-    10⁻⁴ to 30; within 0.2 % of it, exact in both limits. Other model equations and the
-    Boltzmann equation differ from it by up to 3 %.
-
-    A channel of finite length passes as many free molecules as Clausing's integral equation says,
-    within 0.4 % (slot) or 0.7 % (round), and is like an endless one where the mean free path is
-    shorter than the channel. :math:`G_T/G_P` for free molecules is ½. An endless slot gets there
-    only as the logarithm of the mean free path.
-
-    References
-    ----------
-    [Shakhov1968]_, [SharipovSeleznev1998]_, [Berman1965]_, [Santeler1986]_
 
     Examples
     --------
@@ -248,29 +195,24 @@ def channel_coefficients(
     slot: 1.55, 0.37
     round hole: 1.48, 0.40
     """
+    # Smooth functions through a solution of the linearised Shakhov equation from a rarefaction of
+    # 10⁻⁴ to 30; within 0.2 % of it, exact in both limits. Other model equations and the Boltzmann
+    # equation differ from it by up to 3 %.
+    #
+    # A channel of finite length passes as many free molecules as Clausing's integral equation says,
+    # within 0.4 % (slot) or 0.7 % (round), and is like an endless one where the mean free path is
+    # shorter than the channel. :math:`G_T/G_P` for free molecules is ½. An endless slot gets there
+    # only as the logarithm of the mean free path.
+    #
+    # Source: [Shakhov1968]_, [SharipovSeleznev1998]_, [Berman1965]_, [Santeler1986]_.
     return shape.coefficients(rarefaction, length)
 
 
 def direct_share(shape: ChannelShape, length: Numeric) -> Array:
-    """Share of straight paths through a channel's mouth that do not meet its wall.
-
-    Of diffuse light or heat radiation, or of free molecules; the view factor of the two mouths.
-
-    Parameters
-    ----------
-    shape : ChannelShape
-    length : array, shape (...)
-        Of the channel over its width or radius [1].
-
-    Returns
-    -------
-    array, shape (...)
-        [1].
-
-    References
-    ----------
-    [HowellMenguc2020]_: parallel strips, coaxial discs.
-    """
+    """Share of straight paths through a channel's mouth that do not meet its wall [1]."""
+    # Of diffuse light or heat radiation, or of free molecules; the view factor of the two mouths.
+    #
+    # Source: [HowellMenguc2020]_: parallel strips, coaxial discs.
     return shape.direct_share(length)
 
 
@@ -281,36 +223,16 @@ def channel_conductance(
     open_fraction: Numeric = 0.0,
     coefficients: Coefficients | None = None,
 ) -> Array:
-    r"""Conductance :math:`g` of a channel with its two entrances.
-
-    .. math::
-        \frac1g = \frac{L}{A\,G_P} + \frac{\sqrt\pi\,(1-\varphi)}{1+\kappa\,\delta}
-
-    Parameters
-    ----------
-    shape : ChannelShape
-    rarefaction, length : array, shape (...)
-        :math:`\delta` and :math:`L/A` [1].
-    open_fraction : array, shape (...)
-        Of the wall, :math:`\varphi`; by default one hole alone [1].
-    coefficients : Coefficients, optional
-        Those of the channel, where they are known already.
-
-    Returns
-    -------
-    array, broadcast shape
-        [1]. To free molecules :math:`W/\sqrt\pi` with the transmission probability :math:`W`,
-        where :math:`\varphi = 0`; of a hole in a thin wall :math:`(1+\kappa\delta)/\sqrt\pi`.
-
-    Notes
-    -----
-    In dense gas the resistance of the entrances is that of Stokes flow through a hole in a thin
-    wall, :math:`\kappa = 2/(3\sqrt\pi)` (round) or :math:`\pi^{3/2}/16` (slot), and Poiseuille's
-    in series is within 1 % [Dagan1982]_. The factor :math:`1-\varphi`: of gas that drifts towards
-    a wall more molecules arrive than of gas at rest, and a wall that is all hole does not resist.
-    The pressure difference :math:`\Delta p` is then the force on the wall per area, by what the
-    flow outside does.
-    """
+    r"""Conductance :math:`g` of a channel with its two entrances [1]."""
+    # .. math::
+    #     \frac1g = \frac{L}{A\,G_P} + \frac{\sqrt\pi\,(1-\varphi)}{1+\kappa\,\delta}
+    #
+    # In dense gas the resistance of the entrances is that of Stokes flow through a hole in a thin
+    # wall, :math:`\kappa = 2/(3\sqrt\pi)` (round) or :math:`\pi^{3/2}/16` (slot), and Poiseuille's
+    # in series is within 1 % [Dagan1982]_. The factor :math:`1-\varphi`: of gas that drifts towards
+    # a wall more molecules arrive than of gas at rest, and a wall that is all hole does not resist.
+    # The pressure difference :math:`\Delta p` is then the force on the wall per area, by what the
+    # flow outside does.
     if coefficients is None:
         coefficients = channel_coefficients(shape, rarefaction, length)
     entrances = entrance_resistance(shape, rarefaction, open_fraction)
@@ -320,76 +242,32 @@ def channel_conductance(
 def entrance_resistance(
     shape: ChannelShape, rarefaction: Numeric, open_fraction: Numeric = 0.0
 ) -> Array:
-    r"""Resistance of both entrances of a channel, the last term of :func:`channel_conductance`.
-
-    Parameters
-    ----------
-    shape, rarefaction, open_fraction
-        As for :func:`channel_conductance`.
-
-    Returns
-    -------
-    array, broadcast shape
-        [1]
-    """
+    r"""Resistance of both entrances of a channel, the last term of :func:`channel_conductance`."""
     return _ROOT_PI * (1.0 - open_fraction) / (1.0 + shape.entrance * rarefaction)
 
 
 def thermomolecular_exponent(
     shape: ChannelShape, rarefaction: Numeric, length: Numeric | None = None
 ) -> Array:
-    r"""Exponent :math:`\gamma = G_T/G_P` of :math:`p \propto T^\gamma` without flow.
-
-    Parameters
-    ----------
-    shape : ChannelShape
-    rarefaction : array, shape (...)
-        [1].
-    length : array, shape (...), optional
-        Of the channel over its width or radius [1]; by default endless.
-
-    Returns
-    -------
-    array, broadcast shape
-        [1]; ½ to free molecules, and falling as :math:`\delta^{-2}` in dense gas.
-    """
+    r"""Exponent :math:`\gamma = G_T/G_P` of :math:`p \propto T^\gamma` without flow [1]."""
     return channel_coefficients(shape, rarefaction, length).exponent
 
 
 def thermomolecular_pressure(
     exponent: Numeric, pressure: Numeric, excess_warm: Numeric, excess_cold: Numeric
 ) -> Array:
-    r"""Pressure of the warmer over the colder side at which no gas flows.
-
-    .. math::
-        \Delta p_0 = 2p\,\sinh\left[\frac\gamma2\ln\frac{1+\theta_w}{1+\theta_c}\right]
-        \approx \gamma\,p\,\frac{\Delta T}{\bar T}
-
-    Parameters
-    ----------
-    exponent : array, shape (...)
-        :func:`thermomolecular_exponent` [1].
-    pressure : array, shape (...)
-        Geometric mean of both sides [Pa].
-    excess_warm, excess_cold : array, shape (...)
-        Relative temperature excess of the gas that comes to the two mouths [1],
-        :func:`gas_at_faces`.
-
-    Returns
-    -------
-    array, broadcast shape
-        [Pa]; negative where the colder side is the warmer one.
-
-    Notes
-    -----
-    :math:`p_w/p_c = (T_w/T_c)^\gamma` between the temperatures of the gas. Three pumps are in
-    series: one along the wall of the channel, between the wall's temperatures at both ends, with
-    the exponent :math:`\gamma`; and one at each entrance, between gas and wall, with an exponent
-    that is ½ to free molecules too and vanishes in dense gas. Here it is taken for :math:`\gamma`,
-    so that the wall's temperatures cancel. That is exact for free molecules, of which as many pass
-    whatever the wall's temperature; for a hole in a thin wall; and where the gas is as warm as the
-    wall's faces, as it is at a wall much wider than the mean free path.
-    """
+    r"""Pressure of the warmer over the colder side at which no gas flows [Pa]."""
+    # .. math::
+    #     \Delta p_0 = 2p\,\sinh\left[\frac\gamma2\ln\frac{1+\theta_w}{1+\theta_c}\right]
+    #     \approx \gamma\,p\,\frac{\Delta T}{\bar T}
+    #
+    # :math:`p_w/p_c = (T_w/T_c)^\gamma` between the temperatures of the gas. Three pumps are in
+    # series: one along the wall of the channel, between the wall's temperatures at both ends, with
+    # the exponent :math:`\gamma`; and one at each entrance, between gas and wall, with an exponent
+    # that is ½ to free molecules too and vanishes in dense gas. Here it is taken for
+    # :math:`\gamma`, so that the wall's temperatures cancel. That is exact for free molecules, of
+    # which as many pass whatever the wall's temperature; for a hole in a thin wall; and where the
+    # gas is as warm as the wall's faces, as it is at a wall much wider than the mean free path.
     ratio = jnp.log1p(excess_warm) - jnp.log1p(excess_cold)
     return 2.0 * pressure * jnp.sinh(0.5 * exponent * ratio)
 
@@ -400,43 +278,20 @@ def pumped_flux(
     most_probable_speed: Numeric,
     pressure_difference: Numeric,
 ) -> Array:
-    r"""Mass flux of gas through a wall with channels, per area of the wall.
-
-    .. math:: j = \frac{\varphi\,g}{v}\,(\Delta p_0 - \Delta p)
-
-    Parameters
-    ----------
-    open_fraction, conductance : array, shape (...)
-        :math:`\varphi`, :math:`g` [1].
-    most_probable_speed : array, shape (...)
-        :math:`v = \sqrt{2RT}` of the gas in the channels [m/s].
-    pressure_difference : array, shape (...)
-        :math:`\Delta p_0 - \Delta p` [Pa].
-
-    Returns
-    -------
-    array, broadcast shape
-        Towards the warmer side [kg/(m² s)].
-    """
+    r"""Mass flux of gas through a wall with channels, per area of the wall [kg/(m² s)]."""
+    # .. math:: j = \frac{\varphi\,g}{v}\,(\Delta p_0 - \Delta p)
     return open_fraction * conductance * pressure_difference / most_probable_speed
 
 
 class Surroundings(NamedTuple):
-    r"""Heat that gas at the two faces of a wall gives to the gas far away.
+    r"""Heat that gas at the two faces of a wall gives to the gas far away."""
 
-    Over what free molecules would exchange with one face at complete accommodation, per
-    temperature difference. Conduction around a body in dense gas, infinite where the body is much
-    smaller than the mean free path.
+    # Over what free molecules would exchange with one face at complete accommodation, per
+    # temperature difference. Conduction around a body in dense gas, infinite where the body is much
+    # smaller than the mean free path.
 
-    Attributes
-    ----------
-    common : array, shape (...)
-        Of each side where the gas is equally warm at both faces [1].
-    difference : array, shape (...)
-        Of each side where it is as much warmer at one as it is colder at the other [1].
-    """
-
-    common: Numeric
+    common: Numeric  # Of each side where the gas is equally warm at both faces [1]
+    # Of each side where it is as much warmer at one as it is colder at the other [1]
     difference: Numeric
 
 
@@ -448,33 +303,14 @@ def gas_at_faces(
     passing: Numeric,
     surroundings: Surroundings,
 ) -> tuple[Array, Array]:
-    r"""Temperature of the gas that comes to the two faces of a wall with channels.
-
-    .. math::
-        e_1\,(\theta_1 - \vartheta_1) = \tau\,(\vartheta_1 - \vartheta_2)
-            + \tfrac12 c_+\,(\vartheta_1 + \vartheta_2)
-            + \tfrac12 c_-\,(\vartheta_1 - \vartheta_2)
-
-    and the same the other way round: what gas at temperature :math:`\vartheta` takes from a face,
-    it gives to the gas at the other face through the wall, and to the gas far away.
-
-    Parameters
-    ----------
-    excess_one, excess_other : array, shape (...)
-        Relative temperature excess of the faces over the gas far away, :math:`\theta` [1].
-    exchange_one, exchange_other : array, shape (...)
-        Share of the molecules that come to a face and take its temperature, :math:`e` [1].
-    passing : array, shape (...)
-        Share that passes the wall as warm as it came, :math:`\tau` [1], such as the open fraction
-        times :func:`direct_share`.
-    surroundings : Surroundings
-        :math:`c_+` and :math:`c_-`.
-
-    Returns
-    -------
-    one, other : array, broadcast shape
-        Relative temperature excess of the gas, :math:`\vartheta` [1].
-    """
+    r"""Temperature of the gas that comes to the two faces of a wall with channels [1]."""
+    # .. math::
+    #     e_1\,(\theta_1 - \vartheta_1) = \tau\,(\vartheta_1 - \vartheta_2)
+    #         + \tfrac12 c_+\,(\vartheta_1 + \vartheta_2)
+    #         + \tfrac12 c_-\,(\vartheta_1 - \vartheta_2)
+    #
+    # and the same the other way round: what gas at temperature :math:`\vartheta` takes from a face,
+    # it gives to the gas at the other face through the wall, and to the gas far away.
     common, difference = surroundings
     here = passing + 0.5 * (difference + common)
     there = passing + 0.5 * (difference - common)

@@ -31,29 +31,13 @@ simulated disk without holes of [Schafer2025]_ times 0.82, by which the two diff
 
 
 def disk_surroundings(rarefaction: Numeric, internal: Numeric = 1.0) -> Surroundings:
-    r"""How gas around a thin disk takes heat from the gas near its faces.
-
-    .. math::
-        c_+ = \frac{15}{2\sqrt\pi\,\delta}\left[1 + \frac{0.34}{1 + \delta/1.6}\right], \qquad
-        c_- = \frac1\delta\left[6.9 + \frac{15}{4\sqrt\pi}\ln\left(1 + \frac\delta7\right)\right]
-
-    Parameters
-    ----------
-    rarefaction : array, shape (...)
-        :math:`\delta = pa/(\mu v)` of the radius; positive [1].
-    internal : array, shape (...)
-        What the molecules' internal motion adds to conduction, over what it adds to the heat of
-        free molecules [1]; 1 for a monatomic gas.
-
-    Returns
-    -------
-    Surroundings
-
-    Notes
-    -----
-    In dense gas conduction around the disk and around its edge; fitted to the package's solution of
-    the kinetic equation (:math:`c_+`) and to simulations of [Schafer2025]_ (:math:`c_-`).
-    """
+    r"""How gas around a thin disk takes heat from the gas near its faces."""
+    # .. math::
+    #     c_+ = \frac{15}{2\sqrt\pi\,\delta}\left[1 + \frac{0.34}{1 + \delta/1.6}\right], \qquad
+    #     c_- = \frac1\delta\left[6.9 + \frac{15}{4\sqrt\pi}\ln\left(1 + \frac\delta7\right)\right]
+    #
+    # In dense gas conduction around the disk and around its edge; fitted to the package's solution
+    # of the kinetic equation (:math:`c_+`) and to simulations of [Schafer2025]_ (:math:`c_-`).
     common = 1.0 + _COMMON_EXCESS / (1.0 + rarefaction / _COMMON_ONSET)
     edge = _DIFFERENCE_CONDUCTION * jnp.log1p(rarefaction / _DIFFERENCE_ONSET)
     return Surroundings(
@@ -63,36 +47,19 @@ def disk_surroundings(rarefaction: Numeric, internal: Numeric = 1.0) -> Surround
 
 
 def recoil_ratio(rarefaction: Numeric, thickness: Numeric = 0.0) -> Array:
-    r"""Force on a disk whose faces molecules leave unequally warm, over that to free molecules.
-
-    .. math::
-        \hat F = \frac1{1 + \tfrac14\,\delta\,(1 + \delta^{0.42})}
-            \left(1 + \frac h\lambda\right)^{-1/2}
-
-    Parameters
-    ----------
-    rarefaction : array, shape (...)
-        :math:`\delta` of the radius; positive [1].
-    thickness : array, shape (...)
-        :math:`h` of the disk over its radius [1].
-
-    Returns
-    -------
-    array, shape (...)
-        [1].
-
-    Notes
-    -----
-    A fit to the package's solution of the kinetic equation for faces of unequal TAC,
-    :math:`\hat F/\hat Q`: what leaves them differs by
-    :math:`\Delta\alpha\,(\theta-\vartheta) = \Delta\alpha\,\hat Q\,\theta` with the excess
-    :math:`\vartheta` of the gas that comes.
-
-    In dense gas it is what creep around the edge leaves. Around a sharp edge the temperature
-    changes within a mean free path :math:`\lambda`, around one of the height :math:`h` within that.
-    Creep is :math:`h/\lambda` times slower then. The traction of a disk on gas near the edge goes
-    as the inverse root of the distance, so that :math:`\sqrt{h/\lambda}` times more of the creep
-    counts. The second factor is that estimate.
-    """
+    r"""Force on a disk whose faces molecules leave unequally warm, over that to free molecules."""
+    # .. math::
+    #     \hat F = \frac1{1 + \tfrac14\,\delta\,(1 + \delta^{0.42})}
+    #         \left(1 + \frac h\lambda\right)^{-1/2}
+    #
+    # A fit to the package's solution of the kinetic equation for faces of unequal TAC, :math:`\hat
+    # F/\hat Q`: what leaves them differs by :math:`\Delta\alpha\,(\theta-\vartheta) =
+    # \Delta\alpha\,\hat Q\,\theta` with the excess :math:`\vartheta` of the gas that comes.
+    #
+    # In dense gas it is what creep around the edge leaves. Around a sharp edge the temperature
+    # changes within a mean free path :math:`\lambda`, around one of the height :math:`h` within
+    # that. Creep is :math:`h/\lambda` times slower then. The traction of a disk on gas near the
+    # edge goes as the inverse root of the distance, so that :math:`\sqrt{h/\lambda}` times more of
+    # the creep counts. The second factor is that estimate.
     sharp = 1.0 + _RECOIL_SLOPE * rarefaction * (1.0 + rarefaction**_RECOIL_POWER)
     return 1.0 / (sharp * jnp.sqrt(1.0 + _PATH * rarefaction * thickness))

@@ -29,47 +29,28 @@ Transmission = Literal["aligned", "wide"]
 
 
 def require_transmission(value: str) -> None:
-    """Raise unless a value is a way of transmission.
-
-    Raises
-    ------
-    ParameterError
-        Naming the value and what is allowed.
-    """
+    """Raise unless a value is a way of transmission."""
     allowed = get_args(Transmission)
     if value not in allowed:
         raise ParameterError(f'transmission = "{value}" is not {" or ".join(allowed)}')
 
 
 class MembraneTransmission(NamedTuple):
-    r"""Shares of free molecules that meet two membranes.
+    r"""Shares of free molecules that meet two membranes."""
 
-    Attributes
-    ----------
-    open_fraction : array, shape (...)
-        Share of the arriving molecules that leaves on the other side [1].
-    top, bottom : array, shape (...)
-        Share of the molecules leaving the upper plane that the top membrane warmed,
-        :math:`E_{tt}`, and likewise below, :math:`E_{bb}` [1].
-    top_by_bottom, bottom_by_top : array, shape (...)
-        Share of those leaving the upper plane that the bottom membrane warmed, :math:`E_{tb}`, and
-        of those leaving the lower plane that the top membrane warmed, :math:`E_{bt}` [1].
-    facing : array, shape (...)
-        Share of the area where film faces film across the gap, as molecules see it [1].
-    facing_tac : array, shape (...)
-        Accommodation coefficient that the facing films have together [1].
-    meeting : array, shape (...)
-        Share of the arriving molecules that meets a membrane at all [1].
-    """
-
-    open_fraction: Numeric
+    open_fraction: Numeric  # Share of the arriving molecules that leaves on the other side [1]
+    # Share of the molecules leaving the upper plane that the top membrane warmed, :math:`E_{tt}`,
+    # and likewise below, :math:`E_{bb}` [1]
     top: Numeric
     bottom: Numeric
+    # Share of those leaving the upper plane that the bottom membrane warmed, :math:`E_{tb}`, and of
+    # those leaving the lower plane that the top membrane warmed, :math:`E_{bt}` [1]
     top_by_bottom: Numeric
     bottom_by_top: Numeric
+    # Share of the area where film faces film across the gap, as molecules see it [1]
     facing: Numeric
-    facing_tac: Numeric
-    meeting: Numeric
+    facing_tac: Numeric  # Accommodation coefficient that the facing films have together [1]
+    meeting: Numeric  # Share of the arriving molecules that meets a membrane at all [1]
 
     @property
     def even(self) -> Numeric:
@@ -97,39 +78,16 @@ class MembraneTransmission(NamedTuple):
         return (1.0 - self.open_fraction) * self.tac
 
     def emission(self, excess_top: Numeric, excess_bottom: Numeric) -> tuple[Numeric, Numeric]:
-        """Emissions of the upper and lower plane [1].
-
-        Parameters
-        ----------
-        excess_top, excess_bottom : array, shape (...)
-            Of the membranes [1].
-
-        Returns
-        -------
-        top, bottom : array, broadcast shape
-        """
+        """Emissions of the upper and lower plane [1]."""
         return (
             self.top * excess_top + self.top_by_bottom * excess_bottom,
             self.bottom * excess_bottom + self.bottom_by_top * excess_top,
         )
 
     def recoil(self, excess_top: Numeric, excess_bottom: Numeric) -> tuple[Array, Array]:
-        r"""Recoil of the molecules that leave the planes, over half the gas pressure.
-
-        Free molecules push with the difference of
-        :math:`\sum_i E_{pi}(\sqrt{1+\theta_i}-1)` below and above.
-
-        Parameters
-        ----------
-        excess_top, excess_bottom : array, shape (...)
-            Of the membranes [1].
-
-        Returns
-        -------
-        apart, unlike : array, broadcast shape
-            What of it is due to the difference of the temperatures, and what to that of the
-            planes at the mean of both [1]. Their sum is the force of free molecules.
-        """
+        r"""Recoil of the molecules that leave the planes, over half the gas pressure [1]."""
+        # Free molecules push with the difference of :math:`\sum_i E_{pi}(\sqrt{1+\theta_i}-1)`
+        # below and above.
         root_top, root_bottom = jnp.sqrt(1.0 + excess_top), jnp.sqrt(1.0 + excess_bottom)
         # differences of roots, written without cancellation
         apart = (excess_bottom - excess_top) / (root_bottom + root_top)
@@ -139,25 +97,11 @@ class MembraneTransmission(NamedTuple):
     def heat(
         self, excess: tuple[Numeric, Numeric], even_return: Numeric, odd_return: Numeric
     ) -> tuple[Array, Array]:
-        r"""Heat that the gas outside takes from the membranes.
-
-        The gas brings back :math:`e_p`: shares of what leaves the planes on average, and of half
-        the difference.
-
-        .. math:: Q_i = \sum_p E_{pi}\,(\theta_i - e_p)
-
-        Parameters
-        ----------
-        excess : tuple of array, shape (...)
-            Of the top and the bottom membrane [1].
-        even_return, odd_return : array, shape (...)
-            :math:`\bar e/\bar m` and :math:`\Delta e/\Delta m` [1].
-
-        Returns
-        -------
-        top, bottom : array, broadcast shape
-            Over that of free molecules per excess at a solid face of complete accommodation [1].
-        """
+        r"""Heat that the gas outside takes from the membranes [1]."""
+        # The gas brings back :math:`e_p`: shares of what leaves the planes on average, and of half
+        # the difference.
+        #
+        # .. math:: Q_i = \sum_p E_{pi}\,(\theta_i - e_p)
         top, bottom = excess
         above, below = self.emission(top, bottom)
         mean, half = 0.5 * (above + below), 0.5 * (below - above)
@@ -178,34 +122,7 @@ def passage(
     outer: tuple[Numeric, Numeric],
     inner: tuple[Numeric, Numeric],
 ) -> MembraneTransmission:
-    r"""Passage through two membranes.
-
-    Parameters
-    ----------
-    transmission : {"aligned", "wide"}
-    open_fraction : array, shape (...)
-        Of each membrane, :math:`\beta` [1].
-    outer : tuple of array, shape (...)
-        TACs of the outer faces, of the top and the bottom membrane [1].
-    inner : tuple of array, shape (...)
-        TACs of the inner faces, likewise [1].
-
-    Returns
-    -------
-    MembraneTransmission
-
-    Notes
-    -----
-    For a wide gap, with :math:`e = s\alpha` and :math:`r = s(1-\alpha)` of the inner faces, the
-    fluxes down and up in the gap are
-
-    .. math::
-        D = e_t\theta_t + r_t U + \beta\,m_\mathrm{above}, \qquad
-        U = e_b\theta_b + r_b D + \beta\,m_\mathrm{below}
-
-    For complete accommodation, what drives the force on free molecules is then
-    :math:`s^2(\theta_b-\theta_t)`, and not :math:`s`: molecules that leave through a hole come from
-    the other membrane as well.
+    r"""Passage through two membranes; ``open_fraction``: of each membrane, :math:`\beta`.
 
     Examples
     --------
@@ -213,6 +130,16 @@ def passage(
     >>> found.even, found.odd
     (0.75, 0.25)
     """
+    # For a wide gap, with :math:`e = s\alpha` and :math:`r = s(1-\alpha)` of the inner faces, the
+    # fluxes down and up in the gap are
+    #
+    # .. math::
+    #     D = e_t\theta_t + r_t U + \beta\,m_\mathrm{above}, \qquad
+    #     U = e_b\theta_b + r_b D + \beta\,m_\mathrm{below}
+    #
+    # For complete accommodation, what drives the force on free molecules is then
+    # :math:`s^2(\theta_b-\theta_t)`, and not :math:`s`: molecules that leave through a hole come
+    # from the other membrane as well.
     solid = 1.0 - open_fraction
     own = solid * outer[0], solid * outer[1]
     if transmission == "aligned":

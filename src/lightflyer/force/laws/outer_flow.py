@@ -38,19 +38,7 @@ FLOW_RANGE = Validity(
 
 
 def through_flow_coefficient(reynolds: Numeric, creeping: Numeric = CREEPING) -> Array:
-    r"""Force on a thin disk that gas streams through, over :math:`\mu a u`.
-
-    Parameters
-    ----------
-    reynolds : array, shape (...)
-        :math:`\rho\,a\,u/\mu`, of either sign [1].
-    creeping : array, shape (...), optional
-        Coefficient at zero Reynolds number; less than the default in rarefied gas [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
+    r"""Force on a thin disk that gas streams through, over :math:`\mu a u` [1].
 
     Examples
     --------
@@ -74,24 +62,7 @@ def through_flow_force(
     viscosity: Numeric,
     creeping: Numeric = CREEPING,
 ) -> Array:
-    """Force of dense gas on a thin disk that it streams through.
-
-    Parameters
-    ----------
-    radius : array, shape (...)
-        Of the disk [m].
-    velocity : array, shape (...)
-        Of the gas far from the holes, volume flow over area; downward positive [m/s].
-    density, viscosity : array, shape (...)
-        Of the gas [kg/m³], [Pa s].
-    creeping : array, shape (...), optional
-        See :func:`through_flow_coefficient` [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        Upward positive [N].
-    """
+    """Force of dense gas on a thin disk that it streams through [N]; upward positive."""
     reynolds = density * radius * velocity / viscosity
     return through_flow_coefficient(reynolds, creeping) * viscosity * radius * velocity
 
@@ -105,28 +76,10 @@ def pumped_velocity(
     viscosity: Numeric,
     creeping: Numeric = CREEPING,
 ) -> Array:
-    r"""Velocity at which a disk pumps gas that flows back around it to the other side.
-
-    .. math:: u = G\left(\Delta p_0 - \frac{F(u)}{\pi a^2}\right)
-
-    Parameters
-    ----------
-    conductance : array, shape (...)
-        Of the wall with its channels: :math:`G`, velocity per pressure difference [m/(s Pa)].
-    stopping_pressure : array, shape (...)
-        Pressure difference at which the wall pumps no more, :math:`\Delta p_0` [Pa].
-    radius, density, viscosity, creeping : array, shape (...)
-        As for :func:`through_flow_force`.
-
-    Returns
-    -------
-    array, broadcast shape
-        Downward positive [m/s].
-
-    Notes
-    -----
-    Exact to rounding for any resistance of wall and gas. First derivatives are exact.
-    """
+    r"""Velocity at which a disk pumps gas that flows back around it to the other side [m/s]."""
+    # .. math:: u = G\left(\Delta p_0 - \frac{F(u)}{\pi a^2}\right)
+    #
+    # Exact to rounding for any resistance of wall and gas. First derivatives are exact.
     scale = density * radius / viscosity
     free = scale * conductance * stopping_pressure  # Reynolds number without resistance outside
     outside = conductance * viscosity / (jnp.pi * radius)

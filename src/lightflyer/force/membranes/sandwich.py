@@ -28,21 +28,8 @@ _GAP = Validity(
 def rarefaction(
     radius: Numeric, pressure: Numeric, temperature: Numeric, gas: AbstractGas
 ) -> Array:
-    r"""Rarefaction parameter of a disk.
-
-    .. math:: \delta = \frac{p\,a}{\mu\sqrt{2RT}} = \frac{\sqrt\pi}{2}\,\frac{a}{\lambda}
-
-    Parameters
-    ----------
-    radius, pressure, temperature : array, shape (...)
-        Of the disk [m]; of the gas [Pa], [K].
-    gas : AbstractGas
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-    """
+    r"""Rarefaction parameter of a disk [1]."""
+    # .. math:: \delta = \frac{p\,a}{\mu\sqrt{2RT}} = \frac{\sqrt\pi}{2}\,\frac{a}{\lambda}
     speed = jnp.sqrt(2.0 * gas.specific_gas_constant * temperature)
     return pressure * radius / (gas.viscosity(temperature) * speed)
 
@@ -71,20 +58,7 @@ def between_membranes(
 def caveats_of_sandwich(
     flyer: Sandwich, state: EnvironmentState, transmission: Transmission
 ) -> Iterator[str]:
-    """Where holes and gap are not as models of a sandwich take them.
-
-    Parameters
-    ----------
-    flyer : Sandwich
-        Concrete numbers.
-    state : EnvironmentState
-        Concrete numbers, at one place or many.
-    transmission : {"aligned", "wide"}
-
-    Yields
-    ------
-    str
-    """
+    """Where holes and gap are not as models of a sandwich take them."""
     path = mean_free_path(state.pressure, state.temperature, state.gas)
     yield from _HOLES.caveats(np.asarray(flyer.hole_radius) / path, state.pressure)
     yield from _GAP.caveats(np.asarray(flyer.gap) / path, state.pressure)

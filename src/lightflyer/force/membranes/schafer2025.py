@@ -56,34 +56,8 @@ def perforated_disk_conductances(
     gas: AbstractGas,
     mean_temperature: Numeric | None = None,
 ) -> HeatRatios:
-    r"""Heat that the gas takes from the faces of a thin disk with holes.
-
-    .. math:: Q_i = G_\mathrm{own}\,\theta_i + G_\mathrm{cross}\,\theta_j
-
-    Parameters
-    ----------
-    area : array, shape (...)
-        Of the outline, holes included [m²].
-    open_fraction, rarefaction : array, shape (...)
-        [1].
-    pressure, temperature : array, shape (...)
-        Of the gas [Pa], [K].
-    mean_temperature : array, shape (...), optional
-        Of gas and faces, which decides the heat capacity of free molecules [K]; by default the
-        gas's.
-    gas : AbstractGas
-        Of any kind: the table is for gas without internal motion, to which
-        :func:`~lightflyer.force.membranes.schafer2025_table.internal_factors` adds it.
-
-    Returns
-    -------
-    HeatRatios
-        Own and cross conductance per relative temperature excess [W].
-
-    References
-    ----------
-    [Schafer2025]_
-    """
+    r"""Heat that the gas takes from the faces of a thin disk with holes [W]; [Schafer2025]_."""
+    # .. math:: Q_i = G_\mathrm{own}\,\theta_i + G_\mathrm{cross}\,\theta_j
     factors = internal_factors(
         gas.heat_capacity_ratio_at(temperature if mean_temperature is None else mean_temperature),
         gas.specific_gas_constant,

@@ -57,34 +57,20 @@ _STEPS = 30  # of Gauss and Newton; five suffice
 
 @dataclass(frozen=True)
 class PerforatedDiskTable:
-    """The simulations, a row for each open fraction and a column for each rarefaction.
+    """The simulations, a row for each open fraction and a column for each rarefaction."""
 
-    Attributes
-    ----------
-    open_fraction : array, shape (m,)
-    rarefaction : array, shape (n,)
-    force_ratio : array, shape (m, n)
-        Over the force of free molecules [1].
-    common_ratio, difference_ratio : array, shape (m, n)
-        Heat loss over that to free molecules, of two equally hot faces and of two faces that
-        are as hot as they are cold [1].
-    """
-
-    open_fraction: np.ndarray
-    rarefaction: np.ndarray
-    force_ratio: np.ndarray
+    open_fraction: np.ndarray  # shape (m,)
+    rarefaction: np.ndarray  # shape (n,)
+    force_ratio: np.ndarray  # shape (m, n); over the force of free molecules [1]
+    # shape (m, n); heat loss over that to free molecules, of two equally hot faces and of two faces
+    # that are as hot as they are cold [1]
     common_ratio: np.ndarray
     difference_ratio: np.ndarray
 
 
 @lru_cache
 def perforated_disk_table() -> PerforatedDiskTable:
-    """The table that comes with the package.
-
-    Returns
-    -------
-    PerforatedDiskTable
-    """
+    """The table that comes with the package."""
     numbers = shipped_table("schafer2025.csv").numbers
     open_fraction, rarefaction = np.unique(numbers["beta"]), np.unique(numbers["delta"])
     shape = (open_fraction.size, rarefaction.size)
@@ -103,45 +89,22 @@ def perforated_disk_table() -> PerforatedDiskTable:
 
 
 class HeatRatios(NamedTuple):
-    """Heat loss over that of a face without holes to free molecules without internal motion.
+    """Heat loss over that of a face without holes to free molecules without internal motion."""
 
-    Attributes
-    ----------
-    own, cross : array, shape (...)
-        Of a face by its own excess, and by that of the other face [1].
-    """
-
-    own: Array
+    own: Array  # Of a face by its own excess, and by that of the other face [1]
     cross: Array
 
 
 @dataclass(frozen=True)
 class PerforatedDiskFit:
-    r"""Force and heat ratios as smooth functions, fitted to a table.
+    r"""Force and heat ratios as smooth functions, fitted to a table."""
 
-    Attributes
-    ----------
-    force : Spline pieces
-        Of :math:`\ln a` and :math:`b`.
-    heat : Spline pieces
-        Of the three coefficients of :math:`g_c`, then :math:`g_d`, :math:`r_1` and :math:`r_2`.
-    """
-
-    force: Curves
+    force: Curves  # Of :math:`\ln a` and :math:`b`
+    # Of the three coefficients of :math:`g_c`, then :math:`g_d`, :math:`r_1` and :math:`r_2`
     heat: Curves
 
     def force_ratio(self, open_fraction: Numeric, rarefaction: Numeric) -> Array:
-        r"""Force over that of free molecules, :math:`\hat F` [1].
-
-        Parameters
-        ----------
-        open_fraction, rarefaction : array, shape (...)
-            [1].
-
-        Returns
-        -------
-        array, broadcast shape
-        """
+        r"""Force over that of free molecules, :math:`\hat F` [1]."""
         log_edge, flow = self.force(jnp.log(rarefaction))
         yielding = jnp.exp(log_edge) + flow * open_fraction / (1.0 + open_fraction)
         return yielding / (yielding + (1.0 - open_fraction) * rarefaction)
@@ -153,20 +116,7 @@ class PerforatedDiskFit:
         free_factor: Numeric = 1.0,
         dense_factor: Numeric = 1.0,
     ) -> HeatRatios:
-        r"""Heat loss of a face over :math:`p v A\theta/\sqrt\pi`.
-
-        Parameters
-        ----------
-        open_fraction, rarefaction : array, shape (...)
-            [1].
-        free_factor, dense_factor : array, shape (...)
-            What internal motion of the molecules does to the heat that free molecules and the
-            continuum take, see :func:`internal_factors` [1].
-
-        Returns
-        -------
-        HeatRatios
-        """
+        r"""Heat loss of a face over :math:`p v A\theta/\sqrt\pi`."""
         zero, one, two, difference, r1, r2 = self.heat(jnp.log(rarefaction))
         solid = 1.0 - open_fraction
         # resistances in series: that of the face changes by one factor, that of the gas by the
@@ -191,55 +141,22 @@ def internal_factors(
     viscosity: Numeric,
     conductivity: Numeric,
 ) -> tuple[Array, Array]:
-    r"""What internal motion of the molecules does to the heat that a gas takes.
-
-    .. math::
-        \Gamma_\mathrm{free} = \frac14\,\frac{\gamma+1}{\gamma-1}, \qquad
-        \Gamma_\mathrm{dense} = \frac4{15}\,\frac\kappa{\mu R}
-
-    Parameters
-    ----------
-    heat_capacity_ratio : array, shape (...)
-        [1].
-    specific_gas_constant : array, shape (...)
-        [J/(kg K)].
-    viscosity, conductivity : array, shape (...)
-        [Pa s], [W/(m K)].
-
-    Returns
-    -------
-    free, dense : array, broadcast shape
-        Heat to free molecules, and by conduction, over that of a gas of the same pressure,
-        temperature, molar mass and viscosity without internal motion [1]; 1 for monatomic gas.
-    """
+    r"""What internal motion of the molecules does to the heat that a gas takes [1]."""
+    # .. math::
+    #     \Gamma_\mathrm{free} = \frac14\,\frac{\gamma+1}{\gamma-1}, \qquad
+    #     \Gamma_\mathrm{dense} = \frac4{15}\,\frac\kappa{\mu R}
     free = 0.25 * (heat_capacity_ratio + 1.0) / (heat_capacity_ratio - 1.0)
     return free, conductivity / (_MONATOMIC_EUCKEN * viscosity * specific_gas_constant)
 
 
 @lru_cache
 def perforated_disk_fit() -> PerforatedDiskFit:
-    """Smooth functions through the table that comes with the package.
-
-    Returns
-    -------
-    PerforatedDiskFit
-    """
+    """Smooth functions through the table that comes with the package."""
     return fit(perforated_disk_table())
 
 
 def fit(table: PerforatedDiskTable, kept: np.ndarray | None = None) -> PerforatedDiskFit:
-    """Smooth functions through a table.
-
-    Parameters
-    ----------
-    table : PerforatedDiskTable
-    kept : bool array, shape (m, n), optional
-        Which entries count; by default all.
-
-    Returns
-    -------
-    PerforatedDiskFit
-    """
+    """Smooth functions through a table; ``kept`` (m, n)."""
     kept = np.ones(table.force_ratio.shape, bool) if kept is None else kept
     columns = [_fit_column(table, index, kept[:, index]) for index in range(kept.shape[1])]
     values, position = np.array(columns), np.log(table.rarefaction)
@@ -297,11 +214,9 @@ def _least_squares(
     ratio: np.ndarray,
     start: float,
 ) -> Any:
-    """Coefficients of a linear predictor by Gauss and Newton.
-
-    Relative deviations count, and with little weight the size of all coefficients but the first:
-    where the table is noise they are zero.
-    """
+    """Coefficients of a linear predictor by Gauss and Newton."""
+    # Relative deviations count, and with little weight the size of all coefficients but the first:
+    # where the table is noise they are zero.
     size = basis.shape[1]
     coefficients = np.concatenate([[start], np.zeros(size - 1)])
     ridge = np.eye(size)[1:]

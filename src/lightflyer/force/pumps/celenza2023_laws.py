@@ -46,16 +46,10 @@ _VISCOSITY, _REFERENCE, _SUTHERLAND = 1.8205e-5, 293.0, 110.4  # [Pa s], [K], [K
 
 
 class FormCoefficients(NamedTuple):
-    """Fits of the published force to simulations of the flow, by the shape.
+    """Fits of the published force to simulations of the flow, by the shape."""
 
-    Attributes
-    ----------
-    drag, jet : float
-        :math:`C_1` and :math:`C_2` [1].
-    """
-
-    drag: float
-    jet: float
+    drag: float  # :math:`C_1` and :math:`C_2` [1]
+    jet: float  # :math:`C_1` and :math:`C_2` [1]
 
 
 FORM_COEFFICIENTS = {
@@ -67,18 +61,7 @@ FORM_COEFFICIENTS = {
 
 
 def require_air(model: str, gas: AbstractGas) -> None:
-    """Raise unless the gas is air, whose published constants a model takes.
-
-    Parameters
-    ----------
-    model : str
-        Its name, and with which correction off.
-    gas : AbstractGas
-
-    Raises
-    ------
-    ParameterError
-    """
+    """Raise unless the gas is air, whose published constants a model takes."""
     if not isinstance(gas, AbstractAir):
         raise ParameterError(
             f"force model {model} is not for {gas.name}: its constants are those of air"
@@ -86,18 +69,7 @@ def require_air(model: str, gas: AbstractGas) -> None:
 
 
 def viscosity(temperature: Numeric) -> Array:
-    """Viscosity of air by Sutherland's law.
-
-    Parameters
-    ----------
-    temperature : array, shape (...)
-        [K].
-
-    Returns
-    -------
-    array, shape (...)
-        [Pa s].
-    """
+    """Viscosity of air by Sutherland's law [Pa s]."""
     ratio = temperature / _REFERENCE
     return (
         _VISCOSITY
@@ -109,58 +81,20 @@ def viscosity(temperature: Numeric) -> Array:
 
 
 def conductivity(thickness: Numeric, pressure: Numeric, temperature: Numeric) -> Array:
-    r"""Conductivity of the air in a wall.
-
-    .. math:: k = \frac{0.024}{1 + 3.116\,\lambda/L}
-
-    Parameters
-    ----------
-    thickness : array, shape (...)
-        Of the wall, :math:`L` [m].
-    pressure, temperature : array, shape (...)
-        Of the air around [Pa], [K].
-
-    Returns
-    -------
-    array, broadcast shape
-        [W/(m K)].
-    """
+    r"""Conductivity of the air in a wall [W/(m K)]; ``thickness``: of the wall, :math:`L`."""
+    # .. math:: k = \frac{0.024}{1 + 3.116\,\lambda/L}
     thermal = jnp.sqrt(0.5 * PI * SPEED_CONSTANT * temperature)
     path = viscosity(temperature) / pressure * thermal
     return CONDUCTIVITY / (1.0 + _JUMP * path / thickness)
 
 
 def poiseuille_coefficient(rarefaction: Numeric) -> Array:
-    r"""Coefficient of the flow that a pressure drives through a slot.
-
-    .. math:: G_P = (\delta/6 + 1)(1 + 0.25/\sqrt\delta)
-
-    Parameters
-    ----------
-    rarefaction : array, shape (...)
-        :math:`\delta` of the slot's width [1].
-
-    Returns
-    -------
-    array, shape (...)
-        [1]; from -11 % to +15 % off the kinetic equation for rarefactions from 0.01 to 20.
-    """
+    r"""Coefficient of the flow that a pressure drives through a slot [1]."""
+    # .. math:: G_P = (\delta/6 + 1)(1 + 0.25/\sqrt\delta)
     return (rarefaction / 6.0 + 1.0) * (1.0 + 0.25 / jnp.sqrt(rarefaction))
 
 
 def creep_coefficient(rarefaction: Numeric) -> Array:
-    r"""Coefficient of the flow that a temperature difference drives through a slot.
-
-    .. math:: G_T = \frac{1.1}{1.5 + \delta}
-
-    Parameters
-    ----------
-    rarefaction : array, shape (...)
-        :math:`\delta` of the slot's width [1].
-
-    Returns
-    -------
-    array, shape (...)
-        [1]; from -42 % to +20 % off the kinetic equation.
-    """
+    r"""Coefficient of the flow that a temperature difference drives through a slot [1]."""
+    # .. math:: G_T = \frac{1.1}{1.5 + \delta}
     return 1.1 / (1.5 + rarefaction)

@@ -72,57 +72,31 @@ _SLOW = Validity(
 
 
 class Inside(NamedTuple):
-    """Gas within a plate.
+    """Gas within a plate."""
 
-    Attributes
-    ----------
-    temperature : array, shape (...)
-        Mean of both faces [K].
-    rarefaction, length : array, shape (...)
-        Of a channel [1].
-    conductance : array, shape (...)
-        Heat through the gas between the faces and in the channels, per difference of the relative
-        temperature excesses [W].
-    """
-
-    temperature: Array
-    rarefaction: Array
-    length: Array
+    temperature: Array  # Mean of both faces [K]
+    rarefaction: Array  # Of a channel [1]
+    length: Array  # Of a channel [1]
+    # Heat through the gas between the faces and in the channels, per difference of the relative
+    # temperature excesses [W]
     conductance: Array
 
 
 class Outside(NamedTuple):
-    """Gas around a plate, where it conducts and flows.
+    """Gas around a plate, where it conducts and flows."""
 
-    Attributes
-    ----------
-    viscosity : array, shape (...)
-        At the mean temperature of plate and gas far away [Pa s].
-    rarefaction : array, shape (...)
-        Of the plate's radius, with it [1].
-    internal : array, shape (...)
-        What internal motion adds to conduction, over what it adds to free molecules' heat [1].
-    """
-
-    viscosity: Array
-    rarefaction: Array
+    viscosity: Array  # At the mean temperature of plate and gas far away [Pa s]
+    rarefaction: Array  # Of the plate's radius, with it [1]
+    # What internal motion adds to conduction, over what it adds to free molecules' heat [1]
     internal: Array
 
 
 class Exchange(NamedTuple):
-    """What becomes of molecules that come to a plate.
+    """What becomes of molecules that come to a plate."""
 
-    Attributes
-    ----------
-    top, bottom : array, shape (...)
-        Share that leaves as warm as that face [1].
-    passing : array, shape (...)
-        Share that passes the plate as warm as it came [1].
-    """
-
-    top: Array
+    top: Array  # Share that leaves as warm as that face [1]
     bottom: Array
-    passing: Array
+    passing: Array  # Share that passes the plate as warm as it came [1]
 
     def reflected(self, face: Array) -> Array:
         """Share that leaves a face as warm as it came [1]."""
@@ -130,18 +104,10 @@ class Exchange(NamedTuple):
 
 
 class ThroughFlow(NamedTuple):
-    """Flow through a plate.
+    """Flow through a plate."""
 
-    Attributes
-    ----------
-    velocity : array, shape (...)
-        Downward, in the gas outside and over the whole area [m/s].
-    stopping, difference : array, shape (...)
-        Pressure below over that above at which nothing flows, and that there is [Pa].
-    """
-
-    velocity: Array
-    stopping: Array
+    velocity: Array  # Downward, in the gas outside and over the whole area [m/s]
+    stopping: Array  # Pressure below over that above at which nothing flows, and that there is [Pa]
     difference: Array
 
 
@@ -154,26 +120,11 @@ def through_flow(
     density: Numeric,
     viscosity: Numeric,
 ) -> ThroughFlow:
-    r"""Velocity at which the pump of a wall and the gas outside are in balance.
-
-    .. math:: R_w u + \frac{F(u)}{\pi a^2} = \Delta p_0
-
-    with the force :math:`F` of the flow around a disk (:mod:`lightflyer.force.laws.outer_flow`),
-    whose creeping limit is that of the resistance outside.
-
-    Parameters
-    ----------
-    stopping : array, shape (...)
-        :math:`\Delta p_0` [Pa].
-    wall_resistance, outer_resistance : array, shape (...)
-        :math:`R_w` and, of slow flow, :math:`R_o` [Pa s/m].
-    radius, density, viscosity : array, shape (...)
-        Of the plate [m]; of the gas outside [kg/m³], [Pa s].
-
-    Returns
-    -------
-    ThroughFlow
-    """
+    r"""Velocity at which the pump of a wall and the gas outside are in balance."""
+    # .. math:: R_w u + \frac{F(u)}{\pi a^2} = \Delta p_0
+    #
+    # with the force :math:`F` of the flow around a disk (:mod:`lightflyer.force.laws.outer_flow`),
+    # whose creeping limit is that of the resistance outside.
     outside = {
         "radius": radius,
         "density": density,
@@ -188,27 +139,11 @@ def through_flow(
 def outer_resistance(
     radius: Numeric, pressure: Numeric, viscosity: Numeric, most_probable_speed: Numeric
 ) -> Array:
-    r"""Force on a disk that gas streams through evenly, per area and velocity.
-
-    .. math:: \frac1{R_o} = \frac{\pi a}{16\,\mu} + \frac{v}{2\sqrt\pi\,p}
-
-    Parameters
-    ----------
-    radius, pressure, viscosity : array, shape (...)
-        [m], [Pa], [Pa s].
-    most_probable_speed : array, shape (...)
-        :math:`v = \sqrt{2RT}` [m/s].
-
-    Returns
-    -------
-    array, broadcast shape
-        [Pa s/m].
-
-    Notes
-    -----
-    Stokes' law for a disk, and the recoil of the free molecules that one face emits more and the
-    other less. A disk that moves and does not pump meets 14 % more of it.
-    """
+    r"""Force on a disk that gas streams through evenly, per area and velocity [Pa s/m]."""
+    # .. math:: \frac1{R_o} = \frac{\pi a}{16\,\mu} + \frac{v}{2\sqrt\pi\,p}
+    #
+    # Stokes' law for a disk, and the recoil of the free molecules that one face emits more and the
+    # other less. A disk that moves and does not pump meets 14 % more of it.
     viscous = _DISK_DRAG * viscosity / radius
     return in_series(viscous, 2.0 * _RECOIL * pressure / most_probable_speed)
 
@@ -344,20 +279,12 @@ def _inside(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) 
 
 
 class PlateInGas(NamedTuple):
-    """All about the gas that temperatures decide, before anything flows.
-
-    Attributes
-    ----------
-    inside, outside : Inside, Outside
-    exchange : Exchange
-    gas_top, gas_bottom : array, shape (...)
-        Relative temperature excess of the gas that comes to the faces [1].
-    """
+    """All about the gas that temperatures decide, before anything flows."""
 
     inside: Inside
     outside: Outside
     exchange: Exchange
-    gas_top: Array
+    gas_top: Array  # Relative temperature excess of the gas that comes to the faces [1]
     gas_bottom: Array
 
 

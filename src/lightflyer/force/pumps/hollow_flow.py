@@ -45,55 +45,37 @@ _NO_LENGTH = 1e-9  # of a hole in a thin wall, over its width or radius
 
 
 class Corrections(NamedTuple):
-    """Corrections to the published model, each on or off.
+    """Corrections to the published model, each on or off."""
 
-    Attributes
-    ----------
-    short_channels : bool
-        (1) The entrances of the channels resist. Published: channels much longer than wide.
-    projected_light : bool
-        (2) Light falls on the area seen from its source, and is absorbed as the films do.
-        Published: everything on the whole wall at normal incidence.
-    energy_balance : bool
-        (3) Both films radiate, the outer one is cooled by the gas, and gas that flows takes heat.
-        Published: the outer film is as warm as the gas, half of the absorbed light passes the wall.
-    viscous_outlet : bool
-        (4) Slow and thin gas is held back at the outlet. Published: Bernoulli.
-    rarefied_force : bool
-        (5) The drag of thin gas, and the recoil of free molecules. Published: Stokes.
-    channel_coefficients : bool
-        (6) The flow in channels by the kinetic equation. Published: two fits.
-    gas_properties : bool
-        (7) Conductivity and viscosity at the temperature of the gas, temperature jumps by the TACs.
-        Published: one conductivity, Sutherland's law, rounded constants.
-    jet_density : bool
-        (8) The jet is as warm as the inner film. Published: as the gas outside.
-    buoyant_flow : bool
-        (9) Warm gas leaves by the upper part of the wall, and other gas comes in below. Published:
-        gas of the same pressure everywhere within.
-    """
-
+    # (1) The entrances of the channels resist. Published: channels much longer than wide
     short_channels: bool = True
+    # (2) Light falls on the area seen from its source, and is absorbed as the films do. Published:
+    # everything on the whole wall at normal incidence
     projected_light: bool = True
+    # (3) Both films radiate, the outer one is cooled by the gas, and gas that flows takes heat.
+    # Published: the outer film is as warm as the gas, half of the absorbed light passes the wall
     energy_balance: bool = True
+    # (4) Slow and thin gas is held back at the outlet. Published: Bernoulli
     viscous_outlet: bool = True
+    # (5) The drag of thin gas, and the recoil of free molecules. Published: Stokes
     rarefied_force: bool = True
+    # (6) The flow in channels by the kinetic equation. Published: two fits
     channel_coefficients: bool = True
+    # (7) Conductivity and viscosity at the temperature of the gas, temperature jumps by the TACs.
+    # Published: one conductivity, Sutherland's law, rounded constants
     gas_properties: bool = True
+    # (8) The jet is as warm as the inner film. Published: as the gas outside
     jet_density: bool = True
+    # (9) Warm gas leaves by the upper part of the wall, and other gas comes in below. Published:
+    # gas of the same pressure everywhere within
     buoyant_flow: bool = True
 
 
 class Errors(NamedTuple):
-    """Factors by which the truth may be off: see :class:`~lightflyer.HollowPump`.
+    """Factors by which the truth may be off: see :class:`~lightflyer.HollowPump`."""
 
-    Attributes
-    ----------
-    wall, outlet, force, heat : array, shape (...)
-        Of the pressure that the wall pumps up beyond what the outlet holds, of the resistance of
-        body and outlet, of drag and jet, and of the heat that the gas takes [1].
-    """
-
+    # Of the pressure that the wall pumps up beyond what the outlet holds, of the resistance of body
+    # and outlet, of drag and jet, and of the heat that the gas takes [1]
     wall: Numeric = 1.0
     outlet: Numeric = 1.0
     force: Numeric = 1.0
@@ -108,27 +90,14 @@ AS_PUBLISHED = Corrections(*(False,) * len(Corrections._fields))
 
 
 class PumpFlow(NamedTuple):
-    """Flow through a hollow body.
+    """Flow through a hollow body."""
 
-    Attributes
-    ----------
-    jet_velocity : array, shape (...)
-        Mean velocity at the outlet, outward positive [m/s].
-    wall_velocity : array, shape (...)
-        Velocity of the gas that comes to the wall, inward positive [m/s].
-    pressure_difference : array, shape (...)
-        Pressure within over that outside, the mean over the wall [Pa].
-    jet_density : array, shape (...)
-        [kg/m³].
-    exchange : array, shape (...)
-        What leaves by the upper part of the wall as other gas comes in below, beside the flow
-        through the outlet [kg/s].
-    """
-
-    jet_velocity: Array
-    wall_velocity: Array
-    pressure_difference: Array
-    jet_density: Array
+    jet_velocity: Array  # Mean velocity at the outlet, outward positive [m/s]
+    wall_velocity: Array  # Velocity of the gas that comes to the wall, inward positive [m/s]
+    pressure_difference: Array  # Pressure within over that outside, the mean over the wall [Pa]
+    jet_density: Array  # [kg/m³]
+    # What leaves by the upper part of the wall as other gas comes in below, beside the flow through
+    # the outlet [kg/s]
     exchange: Array
 
 
@@ -236,22 +205,7 @@ def pump_flow(
     corrections: Corrections,
     errors: Errors = EXACT,
 ) -> PumpFlow:
-    """Flow through a hollow body whose films have given temperatures.
-
-    Parameters
-    ----------
-    flyer : HollowBody
-    state : EnvironmentState
-    unknowns : tuple of array, shape (...)
-        Relative temperature excess of the inner and the outer film [1].
-    corrections : Corrections
-    errors : Errors
-
-    Returns
-    -------
-    PumpFlow
-        Of broadcast shape.
-    """
+    """Flow through a hollow body whose films have given temperatures; of broadcast shape."""
     inner, _ = unknowns
     areas = _areas(flyer, corrections)
     channels = _channels(flyer, state, unknowns, corrections)
@@ -279,10 +233,8 @@ def _lifted_by_warmth(
     inner: Array,
     corrections: Corrections,
 ) -> Numeric:
-    """How much the pressure within, over that outside, grows over half of the height [Pa].
-
-    It does not where molecules fly from wall to wall.
-    """
+    """How much the pressure within, over that outside, grows over half of the height [Pa]."""
+    # It does not where molecules fly from wall to wall.
     if not corrections.buoyant_flow:
         return 0.0
     height = flyer.geometry.height(flyer.size, flyer.outlet_radius)
@@ -294,11 +246,9 @@ def _lifted_by_warmth(
 
 
 def _exchange(inward: Array, lifted: Array) -> Array:
-    """Mean of what leaves, where the flow through a wall falls evenly by ``lifted`` either way.
-
-    That is (J − |j|)²/4J where some of the wall sends gas out and some lets it in. What leaves on
-    the whole is not part of it.
-    """
+    """Mean of what leaves, where the flow through a wall falls evenly by ``lifted`` either way."""
+    # That is (J − |j|)²/4J where some of the wall sends gas out and some lets it in. What leaves on
+    # the whole is not part of it.
     most, mean = jnp.abs(lifted), jnp.abs(inward)
     both = most > mean
     return jnp.where(both, (most - mean) ** 2 / (4.0 * jnp.where(both, most, 1.0)), 0.0)
@@ -353,33 +303,19 @@ def pump_force(
     corrections: Corrections,
     errors: Errors = EXACT,
 ) -> Array:
-    r"""Force on a hollow body.
-
-    .. math::
-        F = \frac{C_1\,8D\mu\,v_w}{1 + 1.264/\delta_D} + C_2\,\rho_j A_o v^2
-            + \chi\,\frac{pA_o}2\,(1-\varphi)\left[\sqrt{T_i/T_c} - \sqrt{T_o/T_c}\right]
-
-    with the velocity :math:`v_w` of the gas that comes to the wall, the rarefaction
-    :math:`\delta_D` of half the size, and the share :math:`\chi` of free molecules at the outlet.
-
-    Parameters
-    ----------
-    flyer, state, unknowns, corrections, errors
-        As for :func:`pump_flow`.
-
-    Returns
-    -------
-    array, broadcast shape
-        Towards the upper end positive [N].
-
-    Notes
-    -----
-    A body that pumps outward sucks gas in at its outlet from all sides, which leaves no jet.
-
-    Free molecules enter wall and outlet alike, so that theirs is the momentum of what leaves: from
-    the outer film, through the channels and through the outlet. The three have one vector area,
-    that of the outlet.
-    """
+    r"""Force on a hollow body [N]; towards the upper end positive."""
+    # .. math::
+    #     F = \frac{C_1\,8D\mu\,v_w}{1 + 1.264/\delta_D} + C_2\,\rho_j A_o v^2
+    #         + \chi\,\frac{pA_o}2\,(1-\varphi)\left[\sqrt{T_i/T_c} - \sqrt{T_o/T_c}\right]
+    #
+    # with the velocity :math:`v_w` of the gas that comes to the wall, the rarefaction
+    # :math:`\delta_D` of half the size, and the share :math:`\chi` of free molecules at the outlet.
+    #
+    # A body that pumps outward sucks gas in at its outlet from all sides, which leaves no jet.
+    #
+    # Free molecules enter wall and outlet alike, so that theirs is the momentum of what leaves:
+    # from the outer film, through the channels and through the outlet. The three have one vector
+    # area, that of the outlet.
     inner, outer = unknowns
     flow = pump_flow(flyer, state, unknowns, corrections, errors)
     areas = _areas(flyer, corrections)
@@ -416,17 +352,7 @@ def pump_results(
     corrections: Corrections,
     errors: Errors = EXACT,
 ) -> dict[str, Array]:
-    """Values of :data:`FLOW_RESULTS`.
-
-    Parameters
-    ----------
-    flyer, state, unknowns, corrections, errors
-        As for :func:`pump_flow`.
-
-    Returns
-    -------
-    dict of str to array, broadcast shape
-    """
+    """Values of :data:`FLOW_RESULTS`."""
     flow = pump_flow(flyer, state, unknowns, corrections, errors)
     hot = state.temperature * (1.0 + unknowns[0])
     _, viscosity, _ = _transport(state, hot, corrections)
@@ -458,19 +384,7 @@ _DEEP = Validity(
 def caveats_of_pump(
     flyer: HollowBody, state: EnvironmentState, corrections: Corrections
 ) -> tuple[str, ...]:
-    """Warnings where a body or its surroundings are outside the range of a model.
-
-    Parameters
-    ----------
-    flyer : HollowBody
-    state : EnvironmentState
-        Both of concrete numbers.
-    corrections : Corrections
-
-    Returns
-    -------
-    tuple of str
-    """
+    """Warnings where a body or its surroundings are outside the range of a model."""
     path = mean_free_path(state.pressure, state.temperature, state.gas)
     length = np.asarray(flyer.wall_thickness) / flyer.channel_width
     looks = [(_THIN_OUTLET, path / flyer.outlet_radius)]

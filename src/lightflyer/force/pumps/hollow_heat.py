@@ -86,24 +86,10 @@ def pump_heat(
     corrections: Corrections,
     errors: Errors = EXACT,
 ) -> tuple[Array, Array]:
-    """Heat that the gas takes from the inner and the outer film.
-
-    Parameters
-    ----------
-    flyer, state, unknowns, corrections, errors
-        As for :func:`~lightflyer.force.pumps.hollow_flow.pump_flow`.
-
-    Returns
-    -------
-    inner, outer : array, broadcast shape
-        [W].
-
-    Notes
-    -----
-    The published model has neither radiation nor a direction of light. What is added here in its
-    stead makes up for the flyer's own: the sum of the losses is that of the published balance, for
-    the light that the flyer absorbs.
-    """
+    """Heat that the gas takes from the inner and the outer film [W]."""
+    # The published model has neither radiation nor a direction of light. What is added here in its
+    # stead makes up for the flyer's own: the sum of the losses is that of the published balance,
+    # for the light that the flyer absorbs.
     inner, outer = unknowns
     wall = _wall_heat(flyer, state, unknowns, corrections)
     if not corrections.energy_balance:
@@ -143,11 +129,9 @@ def _heat_capacity(state: EnvironmentState) -> Array:
 def _outlet_heat(
     flyer: HollowBody, state: EnvironmentState, inner: Array, flow: PumpFlow, errors: Errors
 ) -> Array:
-    r"""Heat that leaves with the gas at the outlet, by flow and by diffusion against it [W].
-
-    .. math:: Q = \dot m c_p T_c\,\theta_i\,\left(1 - e^{-x}\right)^{-1},
-        \qquad x = \dot m c_p T_c/G
-    """
+    r"""Heat that leaves with the gas at the outlet, by flow and by diffusion against it [W]."""
+    # .. math:: Q = \dot m c_p T_c\,\theta_i\,\left(1 - e^{-x}\right)^{-1},
+    #     \qquad x = \dot m c_p T_c/G
     gas, temperature = state.gas, state.temperature
     still = errors.heat * in_series(
         free_molecular(state, flyer.outlet_area),

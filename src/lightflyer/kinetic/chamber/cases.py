@@ -32,23 +32,12 @@ def meshes(*, linear: bool) -> tuple[Resolution, Resolution]:
 
 @dataclass(frozen=True)
 class ChamberCase:
-    """A disk in a chamber; temperatures are perturbations, T/T_c − 1.
+    """A disk in a chamber; temperatures are perturbations, T/T_c − 1."""
 
-    Attributes
-    ----------
-    rarefaction : float
-        δ = √π/(4 Kn).
-    film : Film
-    gas : GasModel
-    chamber : Chamber or None
-        None is open space.
-    linear : bool
-    """
-
-    rarefaction: float
+    rarefaction: float  # δ = √π/(4 Kn)
     film: Film
     gas: GasModel
-    chamber: Chamber | None
+    chamber: Chamber | None  # None is open space
     linear: bool
 
     def meshes(self, resolution: Resolution) -> tuple[Mesh, Mesh]:
@@ -67,39 +56,24 @@ class ChamberCase:
 
 @dataclass(frozen=True)
 class ChamberOutcome:
-    """A solved case on one mesh.
-
-    Attributes
-    ----------
-    totals : Totals
-    fields : array, shape (2, n, 6 or 9)
-        At the nodes of the upper and the mirrored lower half.
-    iterations : int
-    meshes : tuple of Mesh
-    film : array, shape (2, e)
-        Perturbation of the film's temperature at the nodes of its top and bottom.
-    imbalance : float
-        Largest difference of the heat that a spot of the film absorbs and loses, over their mean;
-        0 where the film has a given temperature.
-    absorbed : float
-        Heat that the film loses per unit area, by gas and radiation [p √(2RT_c)].
-    unknowns : array, shape (size,)
-    """
+    """A solved case on one mesh."""
 
     totals: Totals
+    # shape (2, n, 6 or 9); at the nodes of the upper and the mirrored lower half
     fields: np.ndarray
     iterations: int
     meshes: tuple[Mesh, Mesh]
+    # shape (2, e); perturbation of the film's temperature at the nodes of its top and bottom
     film: np.ndarray
+    # Largest difference of the heat that a spot of the film absorbs and loses, over their mean; 0
+    # where the film has a given temperature
     imbalance: float
-    absorbed: float
-    unknowns: np.ndarray
+    absorbed: float  # Heat that the film loses per unit area, by gas and radiation [p √(2RT_c)]
+    unknowns: np.ndarray  # shape (size,)
 
     def film_at(self, radius: np.ndarray) -> np.ndarray:
-        """Perturbation of the film's temperature, its mean over both faces, shape (m,).
-
-        ``radius``, shape (m,), is the distance from its centre [disk radii].
-        """
+        """Perturbation of the film's temperature, its mean over both faces, shape (m,)."""
+        # ``radius``, shape (m,), is the distance from its centre [disk radii].
         mesh = self.meshes[0]
         panels = kernel_arguments(mesh, 1.0, Quadrature())[1]
         values, basis = self.film.mean(axis=0), np.empty(mesh.order)
@@ -124,28 +98,7 @@ def solve_chamber_case(
     tolerance: float = 3e-7,
     start: np.ndarray | None = None,
 ) -> ChamberOutcome:
-    """Solve a case on one mesh.
-
-    Parameters
-    ----------
-    case : ChamberCase
-    resolution : Resolution
-    halves : tuple of Half, optional
-        Of :func:`assembled`, for several cases with the same chamber and δ.
-    tolerance : float
-        Tolerance of the unknowns in the non-linear problem.
-    start : array, optional
-        Unknowns of a neighbouring non-linear case on the same mesh.
-
-    Returns
-    -------
-    ChamberOutcome
-
-    Raises
-    ------
-    ConvergenceError
-        If the iteration does not converge; the message has the last residual.
-    """
+    """Solve a case on one mesh."""
     halves = assembled(case, resolution) if halves is None else halves
     system = ChamberSystem(halves, case.gas, case.chamber, case.film)
     x, iterations = (system.solve() if start is None or case.linear else start), 1

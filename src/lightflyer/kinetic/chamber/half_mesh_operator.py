@@ -14,62 +14,40 @@ _FINER = 2  # Gauss nodes in directions at walls, of which there are few, over t
 
 @dataclass(frozen=True)
 class HalvesState:
-    """Gas at rest about which the equation is linearised, by default that at T_c.
+    """Gas at rest about which the equation is linearised, by default that at T_c."""
 
-    Attributes
-    ----------
-    excess : tuple of array, shape (n,), or None
-        θ − 1 at the nodes of the halves.
-    face : float
-        θ of the disk.
-    frequency_exponent : float
-        Exponent of the collision frequency in θ at uniform pressure.
-    """
-
+    # shape (n,); θ − 1 at the nodes of the halves
     excess: tuple[np.ndarray, np.ndarray] | None = None
-    face: float = 1.0
-    frequency_exponent: float = 0.0
+    face: float = 1.0  # θ of the disk
+    frequency_exponent: float = 0.0  # Exponent of the collision frequency in θ at uniform pressure
 
 
 @dataclass(frozen=True)
 class Rows:
-    """Moments at nodes, or fluxes that arrive at walls, as weighted sums of what sends molecules.
+    """Moments at nodes, or fluxes that arrive at walls, as weighted sums of what sends them."""
 
-    There are m points, n nodes of a half, e of a face, w of the walls of a half, and k moments or
-    fluxes.
+    # There are m points, n nodes of a half, e of a face, w of the walls of a half, and k moments or
+    # fluxes.
 
-    Attributes
-    ----------
-    own, other, reflected : array, shape (m, n, 6, k)
-        Of the fields at the nodes of the own half, of the other one, and of the own one as the disk
-        reflects it.
-    sigma, temperature : array, shape (m, e, k)
-        Of the face of the own half.
-    velocity : array, shape (m, k)
-        Of its velocity.
-    rim : array, shape (3, m, 2, w, k)
-        Of σ and temperature of the walls around the gas: seen in the own half, in the other one,
-        and by reflection.
-    theta : array, shape (m,)
-        Temperature at the points; 1 at walls.
-    """
-
+    # shape (m, n, 6, k); of the fields at the nodes of the own half, of the other one, and of the
+    # own one as the disk reflects it
     own: np.ndarray
     other: np.ndarray
     reflected: np.ndarray
-    sigma: np.ndarray
+    sigma: np.ndarray  # shape (m, e, k); of the face of the own half
     temperature: np.ndarray
-    velocity: np.ndarray
+    velocity: np.ndarray  # shape (m, k); of its velocity
+    # shape (3, m, 2, w, k); of σ and temperature of the walls around the gas: seen in the own half,
+    # in the other one, and by reflection
     rim: np.ndarray
-    theta: np.ndarray
+    theta: np.ndarray  # shape (m,); temperature at the points; 1 at walls
 
 
 @dataclass(frozen=True)
 class Half:
-    """Rows of one half: of its gas, of its face of the disk and of its walls.
+    """Rows of one half: of its gas, of its face of the disk and of its walls."""
 
-    ``corrections``, shape (n, 6, 6), are those of uniform fields, contained in ``gas``.
-    """
+    # ``corrections``, shape (n, 6, 6), are those of uniform fields, contained in ``gas``.
 
     mesh: Mesh
     rim: Rim
@@ -95,23 +73,7 @@ def assemble_halves(
     quadrature: Quadrature,
     about: HalvesState | None = None,
 ) -> tuple[Half, Half]:
-    """Trace all rays of the upper and of the lower half.
-
-    Parameters
-    ----------
-    meshes : tuple of Mesh
-        Upper and lower; they differ in height only.
-    rarefaction : float
-        δ of the gas at rest.
-    quadrature : Quadrature
-    about : HalvesState, optional
-        If given with a temperature, uniform fields are not corrected.
-
-    Returns
-    -------
-    upper, lower : Half
-        Equal objects where the halves are alike.
-    """
+    """Trace all rays of the upper and of the lower half; ``rarefaction``: δ of the gas at rest."""
     about = about or HalvesState()
     upper, lower = meshes
     first = _assemble(upper, lower, rarefaction, quadrature, about, 0)

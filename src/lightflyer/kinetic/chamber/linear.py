@@ -82,18 +82,7 @@ class Layout:
 
 
 class ChamberSystem:
-    """Equations of a disk in a chamber, or in open space, for one film.
-
-    Parameters
-    ----------
-    halves : tuple of Half
-    gas : GasModel
-    chamber : Chamber or None
-        None is open space, or a reservoir on all sides.
-    film : Film
-    face_theta : float
-        Temperature of the disk about which the rows are linearised.
-    """
+    """Equations of a disk in a chamber, or in open space, for one film."""
 
     def __init__(
         self,
@@ -131,10 +120,8 @@ class ChamberSystem:
     # ------------------------------------------------------------------ functionals
 
     def _functional(self, rows: Rows, half: int, outputs: int) -> np.ndarray:
-        """Rows as a matrix on all unknowns, shape (m, outputs, size).
-
-        The outputs of walls are their fluxes; those of the gas are its fields.
-        """
+        """Rows as a matrix on all unknowns, shape (m, outputs, size)."""
+        # The outputs of walls are their fluxes; those of the gas are its fields.
         layout, (translation, rotation) = self.layout, source_matrices(self.gas, self.fields)
         diffuse = self.film.diffuse_share(half)
         m, k = rows.velocity.shape
@@ -199,10 +186,8 @@ class ChamberSystem:
 
     @cached_property
     def wall_scales(self) -> tuple[np.ndarray, ...]:
-        """Factors by which a gas of uniform density arrives exactly at walls, (w, 3) each.
-
-        By them a closed chamber has one density. The rows are to be those of the linear problem.
-        """
+        """Factors by which a gas of uniform density arrives exactly at walls, (w, 3) each."""
+        # By them a closed chamber has one density. The rows are to be those of the linear problem.
         arrivals = (self._arrival(half.walls, k)[0] for k, half in enumerate(self.halves))
         return tuple(_UNIFORM / (matrix[:, :3] @ self.uniform) for matrix in arrivals)
 
@@ -363,19 +348,7 @@ class ChamberSystem:
         return lu_solve(self.factors, self.equations[1], check_finite=False)
 
     def respond(self, faces: tuple[float, float], surfaces: dict[str, float]) -> np.ndarray:
-        """Unknowns for other temperatures of the same film, at rest, and of the same chamber.
-
-        Parameters
-        ----------
-        faces : tuple of float
-            Perturbations of top and bottom; of a local film the first is its mean.
-        surfaces : dict of str to float
-            Those of ``floor``, ``lid`` and ``wall``; 0 for others.
-
-        Returns
-        -------
-        array, shape (size,)
-        """
+        """Unknowns for other temperatures of the same film, at rest, and of the same chamber."""
         layout, right = self.layout, np.zeros(self.layout.size)
         for half in (0, 1):
             if not self.film.local:

@@ -30,10 +30,9 @@ _ROTATIONAL, _AXIAL = 3, 4  # places of fluxes of the compiled kernel
 
 @dataclass(frozen=True)
 class Arrivals:
-    """Fluxes less those of the gas at rest at the disk and at walls, of the upper and lower half.
+    """Fluxes less those of the gas at rest at the disk and at walls, of both halves."""
 
-    ``emitted`` are density and temperature of what leaves the faces of the disk.
-    """
+    # ``emitted`` are density and temperature of what leaves the faces of the disk.
 
     faces: list[np.ndarray]
     emitted: list[tuple[np.ndarray, np.ndarray]]
@@ -41,17 +40,7 @@ class Arrivals:
 
 
 class HotChamber:
-    """Non-linear problem on the halves of a linear system.
-
-    Parameters
-    ----------
-    system : ChamberSystem
-        Of the same chamber and film; the film's temperatures are perturbations, T/T_c − 1.
-    rarefaction : float
-        δ of the gas at rest.
-    quadrature : Quadrature
-        With which the system was assembled.
-    """
+    """Non-linear problem on the halves of a linear system."""
 
     def __init__(self, system: ChamberSystem, rarefaction: float, quadrature: Quadrature) -> None:
         self.system, self.rarefaction, self.quadrature = system, rarefaction, quadrature
@@ -210,25 +199,7 @@ class HotChamber:
         return 1.0 if film.wall == "maxwell" else 0.5 * sum(film.tac)
 
     def solve(self, start: np.ndarray, tolerance: float) -> tuple[np.ndarray, Arrivals, int]:
-        """Iterate until nothing is missing.
-
-        Parameters
-        ----------
-        start : array, shape (size,)
-        tolerance : float
-            Largest preconditioned residual.
-
-        Returns
-        -------
-        x : array, shape (size,)
-        arrivals : Arrivals
-        iterations : int
-
-        Raises
-        ------
-        ConvergenceError
-            If the iteration diverges or does not converge; the message has the last residual.
-        """
+        """Iterate until nothing is missing; returns ``x`` (size,), ``arrivals``, ``iterations``."""
         arrivals: list[Arrivals] = []
 
         def missing(x: np.ndarray) -> np.ndarray:

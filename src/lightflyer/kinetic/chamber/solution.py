@@ -418,13 +418,7 @@ def _warnings(
 
 
 def require_balance(film: str, radiation: float, absorbed: float | None) -> bool:
-    """Whether a film balances its heat locally.
-
-    Raises
-    ------
-    ParameterError
-        If a parameter is out of range or does not belong to the film.
-    """
+    """Whether a film balances its heat locally."""
     if film not in BALANCES:
         raise ParameterError(f'film = "{film}" is not {" or ".join(BALANCES)}')
     require_range("radiation", radiation, 0.0)

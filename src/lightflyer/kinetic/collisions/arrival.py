@@ -45,17 +45,7 @@ def integrals(depth, table, scale, first, values):
 
 @kernel
 def harmonics(x, y, z, norms, out):
-    """Fill the real spherical harmonics of a direction that are even in y.
-
-    Parameters
-    ----------
-    x, y, z : float
-        Unit vector; z is the axis.
-    norms : array, shape (degrees, degrees)
-        Factors by which the mean of each square over the sphere is one.
-    out : array, shape (degrees (degrees + 1)/2,)
-        Filled, m from 0 to l within l from 0 up.
-    """
+    """Fill the real spherical harmonics of a direction that are even in y."""
     degrees = norms.shape[0]
     real, imaginary, leading = 1.0, 0.0, 1.0
     for m in range(degrees):
@@ -247,25 +237,7 @@ def _conserve(i, uniform, radial_scale, setup, own, out):
 
 @parallel_kernel
 def evaluate(points, on_face, rarefaction, setup, mesh, half, out):
-    """Fill the moments at the nodes of one half, or the fluxes on a face, that sources make.
-
-    Parameters
-    ----------
-    points : array, shape (m, 3)
-        Radius, height and √(1−η²) of the nodes.
-    on_face : bool
-        Whether to give the fluxes that arrive at a face, not moments.
-    rarefaction : float
-        δ [1].
-    setup, mesh : tuple
-        Of :func:`lightflyer.kinetic.collisions.problem.MolecularProblem`; panels.
-    half : tuple
-        Sources at the nodes of the own half, shape (n, components), and of the other (mirrored);
-        shares of the arriving molecules that leave the face diffusely and specularly; σ and
-        temperature of the former at the face's nodes; strength of what its velocity emits.
-    out : array, shape (m, components) or, on a face, (m, 4)
-        Filled; moments and sources are those of powers, not of orthonormal functions.
-    """
+    """Fill the moments at the nodes of one half, or the fluxes on a face, that sources make."""
     for i in prange(points.shape[0]):
         # numba counts in unsigned integers here, for which it would compile everything once more
         _collect(np.int64(i), points[i], on_face, rarefaction, setup, mesh, half, out[i])

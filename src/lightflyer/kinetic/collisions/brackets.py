@@ -31,22 +31,13 @@ _ENERGIES = 6
 
 @dataclass(frozen=True)
 class Molecule:
-    r"""A molecule with isotropic scattering at a cross-section :math:`\propto g^{1-2\omega}`.
+    r"""A molecule with isotropic scattering at a cross-section :math:`\propto g^{1-2\omega}`."""
 
-    Attributes
-    ----------
-    viscosity_exponent : float
-        ω of μ ∝ T^ω: 0.5 for hard spheres, 1 for Maxwell molecules.
-    exchange : float
-        Probability 1/Z that a molecule's rotation takes part in a collision, by Larsen and
-        Borgnakke's rule, for each of the two; 0 for molecules without rotation.
-    rotates : bool
-        Whether molecules have two rotational degrees of freedom.
-    """
-
-    viscosity_exponent: float
+    viscosity_exponent: float  # ω of μ ∝ T^ω: 0.5 for hard spheres, 1 for Maxwell molecules
+    # Probability 1/Z that a molecule's rotation takes part in a collision, by Larsen and
+    # Borgnakke's rule, for each of the two; 0 for molecules without rotation
     exchange: float = 0.0
-    rotates: bool = False
+    rotates: bool = False  # Whether molecules have two rotational degrees of freedom
 
     @property
     def speed_power(self) -> float:
@@ -99,23 +90,7 @@ def loss_bracket(molecule: Molecule, degree: int, powers: Powers) -> np.ndarray:
 def gain_bracket(
     molecule: Molecule, degree: int, powers: Powers, turning: Powers = ()
 ) -> np.ndarray:
-    """⟨g^γ φ (φ' + φ₁')⟩ of a molecule before and both after a collision.
-
-    Parameters
-    ----------
-    molecule : Molecule
-    degree : int
-        l.
-    powers : tuple of int
-    turning : tuple of int
-        Powers that rotational energy carries, for molecules with rotation: the first of
-        ``powers``.
-
-    Returns
-    -------
-    array, shape (m, m)
-        Before, and after; powers without, then with rotational energy.
-    """
+    """⟨g^γ φ (φ' + φ₁')⟩ of a molecule before and both after a collision, shape (m, m)."""
     elastic = _elastic(molecule, degree, powers)
     size, turned = len(powers), len(turning)
     found = np.zeros((size + turned, size + turned))
@@ -152,15 +127,9 @@ def _angles(number: int = _ANGLES) -> tuple[np.ndarray, np.ndarray]:
 
 
 def angular_mean(degree: int, powers: Powers, angle: np.ndarray) -> np.ndarray:
-    """Means of the functions over the directions of g, over Y(Ĝ) and a power of R.
-
-    The centre's speed is R cos(t)/2 and the relative speed R sin(t): each function's speed lies
-    between R |cos t − sin t|/2 and R (cos t + sin t)/2.
-
-    Returns
-    -------
-    array, shape (powers, angles)
-    """
+    """Means of the functions over the directions of g, over Y(Ĝ) and a power of R."""
+    # The centre's speed is R cos(t)/2 and the relative speed R sin(t): each function's speed lies
+    # between R |cos t − sin t|/2 and R (cos t + sin t)/2.
     centre, relative = 0.5 * np.cos(angle), 0.5 * np.sin(angle)
     low, high = np.abs(centre - relative), centre + relative
     nodes, weights = roots_legendre(_ACROSS)

@@ -19,17 +19,7 @@ _THIN_DEPTH = 1.5
 
 
 def solve_at_two_levels(case: Case, molecule: Molecule) -> tuple[Outcome, Outcome]:
-    """Solve a linear case, and once more with a coarser mesh and fewer moments for the error.
-
-    Parameters
-    ----------
-    case : Case
-    molecule : Molecule
-
-    Returns
-    -------
-    better, coarser : Outcome
-    """
+    """Solve a linear case, and once more with a coarser mesh and fewer moments for the error."""
     fine, coarse = (COARSE, _COARSER) if case.rarefaction < _THIN_DEPTH else (MEDIUM, COARSE)
     coarser = solve_molecules(case, coarse, molecule, moments=FEWER_MOMENTS)
     return solve_molecules(case, fine, molecule), coarser
@@ -43,27 +33,7 @@ def solve_molecules(
     moments: Moments = MOMENTS,
     operators: Operators | None = None,
 ) -> Outcome:
-    """Solve a linear case for molecules on one mesh.
-
-    Parameters
-    ----------
-    case : Case
-        Linear and without holes; its gas is not used.
-    resolution : Resolution
-    molecule : Molecule
-    moments : Moments
-    operators : Operators, optional
-        Of the model equation on this mesh, which else are made.
-
-    Returns
-    -------
-    Outcome
-
-    Raises
-    ------
-    ConvergenceError
-        If GMRES does not converge.
-    """
+    """Solve a linear case for molecules on one mesh."""
     mesh = resolution.mesh(case.rarefaction, case.boundary)
     problem = MolecularProblem(
         mesh,

@@ -12,12 +12,7 @@ from lightflyer.kinetic.collisions.operator import CollisionOperator
 
 @dataclass(frozen=True)
 class Components:
-    """What is known of the gas at a node: harmonics times powers of the speed.
-
-    Attributes
-    ----------
-    operator : CollisionOperator
-    """
+    """What is known of the gas at a node: harmonics times powers of the speed."""
 
     operator: CollisionOperator
 
@@ -81,17 +76,7 @@ class Components:
 
 
 def harmonic_arguments(components: Components) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Arguments of the kernels that say what the components are.
-
-    Returns
-    -------
-    norms : array, shape (degrees, degrees)
-        Of the harmonics.
-    odd : array of bool
-        Whether the order m of each harmonic is odd.
-    numbers : array of int, shape (2, size)
-        Harmonic and power of the speed of each component.
-    """
+    """Arguments of the kernels that say what the components are."""
     degrees = components.operator.moments.degrees
     odd = np.array([m % 2 == 1 for degree in range(degrees) for m in range(degree + 1)])
     norms = np.zeros((degrees, degrees))

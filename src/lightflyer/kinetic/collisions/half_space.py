@@ -35,22 +35,7 @@ class Slip:
 
 
 def slip(operator: CollisionOperator) -> Slip:
-    """Slip coefficients at a wall of complete diffuse reflection.
-
-    Parameters
-    ----------
-    operator : CollisionOperator
-        Of molecules without rotation.
-
-    Returns
-    -------
-    Slip
-
-    Raises
-    ------
-    ParameterError
-        For molecules that rotate.
-    """
+    """Slip coefficients at a wall of complete diffuse reflection."""
     if operator.molecule.rotates:
         raise ParameterError("slip coefficients are for molecules without rotation")
     layer = _Layer(operator)
@@ -130,18 +115,7 @@ class _Layer:
 
 
 def _paths(rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What upward molecules bring to nodes from the sources there, and from the wall.
-
-    Parameters
-    ----------
-    rate : array, shape (s, v)
-        Collisions per height [1/ℓ].
-
-    Returns
-    -------
-    paths : array, shape (s, v, n, n)
-    left : array, shape (s, v, n)
-    """
+    """What upward molecules bring to nodes from the sources there, and from the wall."""
     inner = _GROWTH ** np.arange(_PANELS // 2)
     widths = np.concatenate([inner, inner[::-1]])  # the same from both ends
     widths *= _DEPTH / widths.sum()

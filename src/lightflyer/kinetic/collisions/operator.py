@@ -33,17 +33,11 @@ def powers(degree: int, number: int) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class Moments:
-    """Functions on which the gain of collisions is projected.
+    """Functions on which the gain of collisions is projected."""
 
-    Attributes
-    ----------
-    translation : tuple of int
-        Number of powers of the speed with each degree l of spherical harmonics.
-    rotation : tuple of int
-        The same for functions that rotational energy carries.
-    """
-
+    # Number of powers of the speed with each degree l of spherical harmonics
     translation: tuple[int, ...] = (6, 6, 5, 5, 4, 4, 3)
+    # The same for functions that rotational energy carries
     rotation: tuple[int, ...] = (4, 4, 3, 2)
 
     def powers(self, degree: int) -> tuple[int, ...]:
@@ -70,19 +64,11 @@ FEWER_MOMENTS = Moments((6, 6, 5, 4, 3), (4, 4, 3))
 
 @dataclass(frozen=True)
 class CollisionOperator:
-    """Linearised collision operator of a molecule.
-
-    Attributes
-    ----------
-    molecule : Molecule
-    moments : Moments
-    scaled : bool
-        Whether rates are in units of p/μ, and not of mean :math:`g^γ`.
-    """
+    """Linearised collision operator of a molecule."""
 
     molecule: Molecule
     moments: Moments = MOMENTS
-    scaled: bool = True
+    scaled: bool = True  # Whether rates are in units of p/μ, and not of mean :math:`g^γ`
 
     def frequency(self, speed: np.ndarray) -> np.ndarray:
         """Collision frequency [p/μ] at a speed [√(2RT₀)]."""
@@ -95,17 +81,13 @@ class CollisionOperator:
         return self._scale * block_diag(whole, whole[:turning, :turning])
 
     def orthonormal(self, degree: int) -> np.ndarray:
-        """From powers of c² to functions that are orthonormal in ⟨ν φ φ⟩, shape (m, m).
-
-        It is lower triangular: the first functions are the same for any number of them.
-        """
+        """From powers of c² to functions that are orthonormal in ⟨ν φ φ⟩, shape (m, m)."""
+        # It is lower triangular: the first functions are the same for any number of them.
         return np.linalg.inv(np.linalg.cholesky(self.weights(degree)))
 
     def mixing(self, degree: int) -> np.ndarray:
-        """⟨φ K φ⟩ of the orthonormal functions of a degree, shape (m, m) [1].
-
-        Number, momentum and energy are conserved to rounding, which no quadrature would do.
-        """
+        """⟨φ K φ⟩ of the orthonormal functions of a degree, shape (m, m) [1]."""
+        # Number, momentum and energy are conserved to rounding, which no quadrature would do.
         change = self.orthonormal(degree)
         gain = change @ self._gain(degree) @ change.T
         gain = 0.5 * (gain + gain.T)
@@ -156,10 +138,8 @@ class CollisionOperator:
         return replace(self, scaled=False)._response(2, {2: 1.0}) / 3.75
 
     def _response(self, degree: int, function: dict[int, float]) -> float:
-        """Minus the bracket of a function, by its powers, with what L makes it from.
-
-        Of degree 1 rotational energy carries the function ε − 1 as well.
-        """
+        """Minus the bracket of a function, by its powers, with what L makes it from."""
+        # Of degree 1 rotational energy carries the function ε − 1 as well.
         speed, weight = maxwellian_nodes()
         frequency = self.frequency(speed)
         values = [sum(factor * speed**p for p, factor in function.items())]

@@ -37,23 +37,9 @@ _TOLERANCE = 1e-7  # of moments; the force is as good to 1e-5
 
 
 class MolecularProblem:
-    """Linear problem of a gas of molecules on a mesh, for any disk in it.
+    """Linear problem of a gas of molecules on a mesh, for any disk in it."""
 
-    The model equation, which has few fields and is factorised, preconditions it.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    rarefaction : float
-        δ = √π/(4 Kn).
-    quadrature : Quadrature
-    operator : CollisionOperator
-    mean_tac : float
-        TAC for which the preconditioner is made.
-    wall : {"maxwell", "accommodated"}
-    operators : Operators, optional
-        Of the model equation on this mesh, which else are made.
-    """
+    # The model equation, which has few fields and is factorised, preconditions it.
 
     def __init__(
         self,
@@ -89,23 +75,7 @@ class MolecularProblem:
         return 2, self.mesh.size, self.components.size
 
     def solve(self, walls: Walls) -> tuple[np.ndarray, int]:
-        """Moments of the upper and the mirrored lower half.
-
-        Parameters
-        ----------
-        walls : Walls
-            Without holes.
-
-        Returns
-        -------
-        fields : array, shape (2, n, fields)
-        iterations : int
-
-        Raises
-        ------
-        ConvergenceError
-            If GMRES does not converge.
-        """
+        """Moments of the upper and the mirrored lower half; returns ``fields``, ``iterations``."""
         cold = Walls(walls.tac, (0.0, 0.0))
         zero = np.zeros(self.size)
 
@@ -149,17 +119,7 @@ class MolecularProblem:
         return fluxes
 
     def face_results(self, walls: Walls, fields: np.ndarray) -> list[FaceResult]:
-        """Pressure on the top and bottom face and heat flux out of them.
-
-        Parameters
-        ----------
-        walls : Walls
-        fields : array, shape (2, n, fields)
-
-        Returns
-        -------
-        list of FaceResult
-        """
+        """Pressure on the top and bottom face and heat flux out of them."""
         sources = self._sources(fields)
         return [
             result_of_arriving(self.model, walls, self.arriving(sources, face), face)
@@ -167,17 +127,7 @@ class MolecularProblem:
         ]
 
     def gas_fields(self, fields: np.ndarray) -> np.ndarray:
-        """What moments say of the gas.
-
-        Parameters
-        ----------
-        fields : array, shape (2, n, fields)
-
-        Returns
-        -------
-        array, shape (2, n, 6 or 9)
-            As those of :class:`LinearSystem`.
-        """
+        """What moments say of the gas, shape (2, n, 6 or 9); ``fields`` (2, n, fields)."""
         return fields @ self._readings.T
 
     @cached_property

@@ -20,21 +20,7 @@ _LOGARITHM_OF_SPEED = np.linspace(-14.0, 2.0, 700)
 
 
 def ray_table(operator: CollisionOperator, highest: int) -> tuple[np.ndarray, float]:
-    """Spline coefficients of both integrals.
-
-    Parameters
-    ----------
-    operator : CollisionOperator
-    highest : int
-        Highest power p.
-
-    Returns
-    -------
-    coefficients : array, shape (intervals, 4, 2 (highest + 1))
-        Highest power of the distance from the lower end of an interval first; J, then I.
-    intervals_per_unit : float
-        Intervals per unit of √s.
-    """
+    """Spline coefficients of both integrals; returns ``coefficients``, ``intervals_per_unit``."""
     root = np.linspace(0.0, np.sqrt(LARGEST_DEPTH) * 1.001, _INTERVALS + 1)
     speed = np.exp(_LOGARITHM_OF_SPEED)
     frequency = operator.frequency(speed)

@@ -53,34 +53,18 @@ def meshes(knudsen: float, *, linear: bool) -> tuple[Resolution, Resolution]:
 
 @dataclass(frozen=True)
 class Case:
-    """A disk in a gas; pairs are top, bottom.
+    """A disk in a gas; pairs are top, bottom."""
 
-    Attributes
-    ----------
-    rarefaction : float
-        δ = √π/(4 Kn).
-    tac : tuple of float
-    temperature : tuple of float
-        Perturbations in the linear problem; T_h/T_c in the non-linear one.
-    linear : bool
-    gas : GasModel
-    boundary : float
-        Half-width of the cylindrical reservoir [disk radii], infinite in open space.
-    open_fraction : float
-        Share of the molecules arriving at a face that pass the disk.
-    wall : {"maxwell", "accommodated"}
-    molecule : Molecule or None
-        What collides by the real operator, in place of the gas's model equation.
-    """
-
-    rarefaction: float
+    rarefaction: float  # δ = √π/(4 Kn)
     tac: tuple[float, float]
+    # Perturbations in the linear problem; T_h/T_c in the non-linear one
     temperature: tuple[float, float]
     linear: bool
     gas: GasModel
-    boundary: float
-    open_fraction: float = 0.0
+    boundary: float  # Half-width of the cylindrical reservoir [disk radii], infinite in open space
+    open_fraction: float = 0.0  # Share of the molecules arriving at a face that pass the disk
     wall: Wall = "maxwell"
+    # What collides by the real operator, in place of the gas's model equation
     molecule: "Molecule | None" = None
 
     @property
@@ -103,22 +87,11 @@ class Case:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A solved case on one mesh.
+    """A solved case on one mesh."""
 
-    Attributes
-    ----------
-    force : float
-        Upwards [p·A].
-    heat : tuple of float
-        Out of each face [p √(2RT_c) A].
-    fields : array, shape (2, n, 6 or 9)
-        At the nodes of the upper and the mirrored lower half.
-    iterations : int
-    mesh : Mesh
-    """
-
-    force: float
-    heat: tuple[float, float]
+    force: float  # Upwards [p·A]
+    heat: tuple[float, float]  # Out of each face [p √(2RT_c) A]
+    # shape (2, n, 6 or 9); at the nodes of the upper and the mirrored lower half
     fields: np.ndarray
     iterations: int
     mesh: Mesh
@@ -131,27 +104,7 @@ def solve_case(
     tolerance: float = 1e-6,
     start: np.ndarray | None = None,
 ) -> Outcome:
-    """Solve a case on one mesh.
-
-    Parameters
-    ----------
-    case : Case
-    resolution : Resolution
-    tolerance : float
-        Tolerance of the fields in the non-linear problem.
-    start : array, optional
-        Fields of a neighbouring non-linear case on the same mesh to start from, by default those
-        of the linear problem.
-
-    Returns
-    -------
-    Outcome
-
-    Raises
-    ------
-    ConvergenceError
-        If the iteration does not converge; the message has the last residual.
-    """
+    """Solve a case on one mesh."""
     mesh = resolution.mesh(case.rarefaction, case.boundary)
     operators = assemble(mesh, case.rarefaction, resolution.quadrature)
     mean = 0.5 * sum(case.tac)

@@ -38,30 +38,7 @@ class Problem(NamedTuple):
 def iterate(
     problem: Problem, start: np.ndarray, tolerance: float, rarefaction: float
 ) -> tuple[np.ndarray, np.ndarray, int]:
-    """Iterate until nothing is missing.
-
-    Parameters
-    ----------
-    problem : Problem
-    start : array
-    tolerance : float
-        Largest element of a step that counts as nothing.
-    rarefaction : float
-        δ = √π/(4 Kn).
-
-    Returns
-    -------
-    state : array
-        The last of which it was asked what is missing.
-    step : array
-        Its step, within the tolerance.
-    iterations : int
-
-    Raises
-    ------
-    ConvergenceError
-        If the iteration diverges or does not converge; the message has the last residual.
-    """
+    """Iterate until nothing is missing; returns ``state``, ``step``, ``iterations``."""
     renewable = rarefaction > _THIN_GAS
     if renewable:
         problem.renew(start)

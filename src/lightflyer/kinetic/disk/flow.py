@@ -40,18 +40,7 @@ def _sample(points, halves, upper, lower, values):
 
 
 def sample(outcome: Outcome, radius: Any, height: Any) -> dict[str, np.ndarray]:
-    """Fields at points, by the solver's own interpolation.
-
-    Parameters
-    ----------
-    outcome : Outcome
-    radius, height : array, shape (...)
-        [disk radii].
-
-    Returns
-    -------
-    dict of str to array, shape (...)
-    """
+    """Fields at points, by the solver's own interpolation; ``radius``, ``height`` [disk radii]."""
     meshes = outcome.mesh, outcome.mesh
     return sample_halves(meshes, outcome.fields, np.asarray(radius), np.asarray(height))
 
@@ -59,22 +48,7 @@ def sample(outcome: Outcome, radius: Any, height: Any) -> dict[str, np.ndarray]:
 def sample_halves(
     meshes: tuple[Mesh, Mesh], halves: np.ndarray, radius: np.ndarray, height: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Fields at points in halves that need not be alike.
-
-    Parameters
-    ----------
-    meshes : tuple of Mesh
-        Upper and lower.
-    halves : array, shape (2, n, 6 or 9)
-        Fields at their nodes.
-    radius, height : array, shape (...)
-        [disk radii].
-
-    Returns
-    -------
-    dict of str to array, shape (...)
-        NaN beyond floor, lid and side wall.
-    """
+    """Fields at points in halves that need not be alike; ``halves`` (2, n, 6 or 9)."""
     radius, height = np.broadcast_arrays(radius, height)
     points = np.stack([radius.ravel(), height.ravel()], axis=1)
     upper, lower = (kernel_arguments(mesh, 1.0, COARSE.quadrature)[1] for mesh in meshes)

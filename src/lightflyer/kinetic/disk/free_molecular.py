@@ -9,38 +9,26 @@ from lightflyer.kinetic.walls import Wall
 
 @dataclass(frozen=True)
 class FreeMolecularDisk:
-    r"""Force and heat of a disk much smaller than the mean free path.
+    r"""Force and heat of a disk much smaller than the mean free path."""
 
-    .. math::
-        \frac{F}{pA} = \frac{1-\beta}2\left[\alpha_b\left(\sqrt{T_b/T_c}-1\right)
-            - \alpha_t\left(\sqrt{T_t/T_c}-1\right)\right], \qquad
-        \frac{Q}{p\sqrt{2RT_c}A} = \frac{(1-\beta)\,\alpha}{\sqrt\pi}
-            \left(\frac{T}{T_c}-1\right)
+    # .. math::
+    #     \frac{F}{pA} = \frac{1-\beta}2\left[\alpha_b\left(\sqrt{T_b/T_c}-1\right)
+    #         - \alpha_t\left(\sqrt{T_t/T_c}-1\right)\right], \qquad
+    #     \frac{Q}{p\sqrt{2RT_c}A} = \frac{(1-\beta)\,\alpha}{\sqrt\pi}
+    #         \left(\frac{T}{T_c}-1\right)
+    #
+    # for molecules that pass the disk, or leave a face either fully accommodated or specularly
+    # reflected (Maxwell). Where all leave at the temperature :math:`T_c + \alpha(T - T_c)`, the
+    # heat is the same and :math:`\alpha(\sqrt{T/T_c}-1)` becomes :math:`\sqrt{1+\alpha(T/T_c-1)} -
+    # 1`. With rotation the heat is 3/2 of that. The linear force has half the perturbation of the
+    # temperature in place of that of its root, for both walls.
 
-    for molecules that pass the disk, or leave a face either fully accommodated or specularly
-    reflected (Maxwell). Where all leave at the temperature :math:`T_c + \alpha(T - T_c)`, the heat
-    is the same and :math:`\alpha(\sqrt{T/T_c}-1)` becomes
-    :math:`\sqrt{1+\alpha(T/T_c-1)} - 1`. With rotation the heat is 3/2 of that. The linear force
-    has half the perturbation of the temperature in place of that of its root, for both walls.
-
-    Attributes
-    ----------
-    tac : tuple of float
-        Accommodation coefficients of the top and bottom face [1].
-    temperature : tuple of float
-        Their temperatures, as perturbations if ``linear``, else T_h/T_c.
-    linear : bool
-    rotation : bool
-    open_fraction : float
-        Share β of the molecules that pass the disk [1].
-    wall : {"maxwell", "accommodated"}
-    """
-
-    tac: tuple[float, float]
+    tac: tuple[float, float]  # Accommodation coefficients of the top and bottom face [1]
+    # Their temperatures, as perturbations if ``linear``, else T_h/T_c
     temperature: tuple[float, float]
     linear: bool
     rotation: bool
-    open_fraction: float = 0.0
+    open_fraction: float = 0.0  # Share β of the molecules that pass the disk [1]
     wall: Wall = "maxwell"
 
     def _recoil(self, tac: float, temperature: float) -> float:

@@ -20,11 +20,10 @@ _MOST_ITERATIONS = 200
 
 @dataclass(frozen=True)
 class Walls:
-    """The two faces, in pairs top, bottom; temperatures and velocity are perturbations.
+    """The two faces, in pairs top, bottom; temperatures and velocity are perturbations."""
 
-    TACs are those of the solid part; the share ``open_fraction`` of the molecules that arrive at a
-    face passes the disk.
-    """
+    # TACs are those of the solid part; the share ``open_fraction`` of the molecules that arrive at
+    # a face passes the disk.
 
     tac: tuple[float, float]
     temperature: tuple[float, float]
@@ -38,22 +37,11 @@ class Walls:
 
 
 class LinearSystem:
-    r"""Linear problem on a mesh for a gas, factorised for one disk and solved for any.
+    r"""Linear problem on a mesh for a gas, factorised for one disk and solved for any."""
 
-    A disk with holes lets a share of the molecules pass to its other side. To even fields that is
-    specular reflection, to odd ones the opposite of it. What else a wall does to arriving molecules
-    than reflect them is :math:`X_0 + \alpha X_1`.
-
-    Parameters
-    ----------
-    operators : Operators
-    gas : GasModel
-    mean_tac : float
-        TAC at which the factors, which precondition, are exact.
-    open_fraction : float
-        Open fraction at which they are.
-    wall : {"maxwell", "accommodated"}
-    """
+    # A disk with holes lets a share of the molecules pass to its other side. To even fields that is
+    # specular reflection, to odd ones the opposite of it. What else a wall does to arriving
+    # molecules than reflect them is :math:`X_0 + \alpha X_1`.
 
     def __init__(
         self,
@@ -111,11 +99,10 @@ class LinearSystem:
         return part
 
     def _exchange(self) -> tuple[np.ndarray | None, np.ndarray]:
-        """X₀, if there is any, and X₁ of a wall.
-
-        Maxwell's X₁ replaces specular by diffuse reflection. Where all molecules are accommodated,
-        X₀ replaces it by a diffuse one that keeps number and energy, and X₁ takes the energy away.
-        """
+        """X₀, if there is any, and X₁ of a wall."""
+        # Maxwell's X₁ replaces specular by diffuse reflection. Where all molecules are
+        # accommodated, X₀ replaces it by a diffuse one that keeps number and energy, and X₁ takes
+        # the energy away.
         diffuse = self._diffuse_instead()
         if self.wall == "maxwell":
             return None, diffuse
@@ -157,19 +144,7 @@ class LinearSystem:
     def emitted_temperature(
         self, tac: float, temperature: float, velocity: float, arriving: np.ndarray
     ) -> np.ndarray:
-        """Temperature at which molecules leave a face diffusely.
-
-        Parameters
-        ----------
-        tac, temperature, velocity : float
-            Of the face.
-        arriving : array, shape (e, 3 or 4)
-            Fluxes of :meth:`arriving`, or zeros for what the face emits by itself.
-
-        Returns
-        -------
-        array, shape (e,)
-        """
+        """Temperature at which molecules leave a face diffusely, shape (e,)."""
         if self.wall == "maxwell":
             return np.full(arriving.shape[0], temperature)
         # what a face runs into arrives with more energy: 5/4 of its velocity, less that of the
@@ -204,23 +179,7 @@ class LinearSystem:
         return emitted.ravel()
 
     def solve(self, walls: Walls) -> tuple[np.ndarray, int]:
-        """Fields of the upper and the mirrored lower half.
-
-        Parameters
-        ----------
-        walls : Walls
-
-        Returns
-        -------
-        fields : array, shape (2, n, fields)
-        iterations : int
-            Iterations of GMRES, preconditioned by the factors.
-
-        Raises
-        ------
-        ConvergenceError
-            If GMRES does not converge.
-        """
+        """Fields of the upper and the mirrored lower half; returns ``fields``, ``iterations``."""
         top, bottom = walls.tac
         mean, half = 0.5 * (top + bottom), 0.5 * walls.solid * (top - bottom)
         shift = walls.solid * mean - self.accommodated
@@ -266,10 +225,8 @@ class LinearSystem:
         return corrected(self.operators.corrections, self.gas, fields)
 
     def arriving(self, fields: np.ndarray) -> np.ndarray:
-        """Fluxes that arrive at the nodes of a face, shape (e, 3 or 4).
-
-        They are number, momentum, energy and, with rotation, rotational energy.
-        """
+        """Fluxes that arrive at the nodes of a face, shape (e, 3 or 4)."""
+        # They are number, momentum, energy and, with rotation, rotational energy.
         translation, rotation = self._sources()
         fluxes = self.operators.fluxes
         arriving = np.einsum("ejsk,sf,jf->ek", fluxes, translation, fields, optimize=True)
@@ -282,19 +239,7 @@ class LinearSystem:
 
 
 def source_matrices(gas: GasModel, fields: int) -> tuple[np.ndarray, np.ndarray]:
-    """Matrices from a node's fields to the six translational and three rotational sources.
-
-    Parameters
-    ----------
-    gas : GasModel
-    fields : int
-        6, or 9 with rotation.
-
-    Returns
-    -------
-    translation : array, shape (6, fields)
-    rotation : array, shape (3, fields)
-    """
+    """Matrices from a node's fields to the six translational and three rotational sources."""
     mix = np.zeros((9, fields))
     heat = 0.8 * (1.0 - gas.translational_rate)
     for source, factor in enumerate((1.0, 2.0, 2.0, 1.0, heat, heat)):
@@ -309,10 +254,8 @@ def source_matrices(gas: GasModel, fields: int) -> tuple[np.ndarray, np.ndarray]
 
 
 def corrected(corrections: np.ndarray, gas: GasModel, fields: np.ndarray) -> np.ndarray:
-    """Correction of given fields by which uniform ones are exact, shape (n, fields).
-
-    ``corrections``, shape (n, 6, 6), are those of a gas of one temperature.
-    """
+    """Correction of given fields by which uniform ones are exact, shape (n, fields)."""
+    # ``corrections``, shape (n, 6, 6), are those of a gas of one temperature.
     translation, rotation = source_matrices(gas, fields.shape[1])
     moments = np.einsum("nsm,sf,nf->nm", corrections, translation, fields, optimize=True)
     if gas.has_rotation:
@@ -326,13 +269,7 @@ def corrected(corrections: np.ndarray, gas: GasModel, fields: np.ndarray) -> np.
 def solve_by_gmres(
     apply: Callable[[np.ndarray], np.ndarray], right: np.ndarray, tolerance: float = _TOLERANCE
 ) -> tuple[np.ndarray, int]:
-    """Solution of a linear system given by its action, and the number of iterations.
-
-    Raises
-    ------
-    ConvergenceError
-        If it does not converge.
-    """
+    """Solution of a linear system given by its action, and the number of iterations."""
     residuals: list[float] = []
     operator = LinearOperator((right.size, right.size), matvec=apply, dtype=float)
     solution, info = gmres(
@@ -354,52 +291,23 @@ def solve_by_gmres(
 
 @dataclass(frozen=True)
 class FaceResult:
-    """Normal pressure on a face [p₀] and heat flux out of it [p₀√(2RT₀)], at its nodes.
+    """Normal pressure on a face [p₀] and heat flux out of it [p₀√(2RT₀)], at its nodes."""
 
-    They are over the whole area, holes included.
-    """
+    # They are over the whole area, holes included.
 
     pressure: np.ndarray
     heat: np.ndarray
 
 
 def face_result(system: LinearSystem, walls: Walls, fields: np.ndarray, face: int) -> FaceResult:
-    """Normal pressure on a face and heat flux out of it.
-
-    Parameters
-    ----------
-    system : LinearSystem
-    walls : Walls
-    fields : array, shape (n, fields)
-        In the half on the face's side, mirrored for the bottom.
-    face : int
-        0 top, 1 bottom.
-
-    Returns
-    -------
-    FaceResult
-    """
+    """Normal pressure on a face and heat flux out of it; ``fields`` (n, fields)."""
     return result_of_arriving(system, walls, system.arriving(fields), face)
 
 
 def result_of_arriving(
     system: LinearSystem, walls: Walls, arriving: np.ndarray, face: int
 ) -> FaceResult:
-    """Normal pressure and heat flux, as :func:`face_result`, from fluxes that arrive at a face.
-
-    Parameters
-    ----------
-    system : LinearSystem
-        Whose walls and gas are meant.
-    walls : Walls
-    arriving : array, shape (e, 3 or 4)
-        Fluxes of :meth:`LinearSystem.arriving`.
-    face : int
-
-    Returns
-    -------
-    FaceResult
-    """
+    """Normal pressure and heat flux, as :func:`face_result`, from fluxes that arrive at a face."""
     tac, diffuse = walls.tac[face], system.diffuse_share(walls.tac[face])
     velocity = walls.velocity * (1.0 if face == 0 else -1.0)
     number, momentum, energy = arriving[:, 0], arriving[:, 1], arriving[:, 2]

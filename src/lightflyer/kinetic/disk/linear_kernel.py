@@ -124,12 +124,10 @@ def _source_weights(j, first, on_face, row, source, theta, source_theta, weight,
 
 @kernel
 def _conserve(uniform, radial_scale, cell, correction):
-    """Correct the node's own weights so that uniform fields are reproduced exactly.
-
-    Far away the equation describes diffusion. Its terms are differences of integrals, and smaller
-    than these by the square of the optical depth. Without the correction, the quadrature's error
-    would act there as a sink of conserved quantities.
-    """
+    """Correct the node's own weights so that uniform fields are reproduced exactly."""
+    # Far away the equation describes diffusion. Its terms are differences of integrals, and smaller
+    # than these by the square of the optical depth. Without the correction, the quadrature's error
+    # would act there as a sink of conserved quantities.
     for field in range(FIELDS):
         factor = radial_scale if field == 1 or field == 4 else 1.0
         for moment in range(FIELDS):
@@ -325,37 +323,8 @@ def _rim(j, seen, eta, mesh, basis, target):
 def assemble(
     points, on_face, state, setup, mesh, beyond, own, other, reflected, walls, rim, corrections
 ):
-    """Fill the rows of all nodes of a half, or of all nodes on a wall.
-
-    One kernel does both, as compiling takes many seconds.
-
-    Parameters
-    ----------
-    points : array, shape (m, 5)
-        Radius, height and √(1−η²) of the nodes; on a wall the radial and axial component of its
-        normal, into the gas.
-    on_face : bool
-        Whether the rows are fluxes that arrive at a wall, not moments.
-    state : tuple
-        δ [1], exponent of the collision frequency in θ, θ − 1 at the nodes of the own and of the
-        other half, θ of the face, and whether all of them are 1.
-    setup : tuple
-        Quadratures and tables.
-    mesh, beyond : tuple
-        Panels of the own and of the other half.
-    own, other, reflected : array, shape (m, n, 36 or 24)
-        Zeros, filled: node of the row, node of the column, 6 × field + moment or 4 × field + flux.
-        On a face of the disk, which sees its own half only, all three may be the same array.
-    walls : array, shape (m, 2 e + 1, 6 or 4)
-        Zeros, filled: σ at the nodes of the face, then its temperature there and its velocity. Not
-        used on a face, which does not see itself.
-    rim : array, shape (3, m, 2 w, 6 or 4)
-        Zeros, filled: σ at the nodes of the walls around the gas, then their temperature there, in
-        the three ways by which they are seen. Without nodes, nothing comes from there.
-    corrections : array, shape (m, 6, 6)
-        Filled where θ is 1: additions to each node's own weights, field × moment. Not used on a
-        face.
-    """
+    """Fill the rows of all nodes of a half, or of all nodes on a wall; ``points`` (m, 5)."""
+    # One kernel does both, as compiling takes many seconds.
     for i in prange(points.shape[0]):
         rows = (own[i], other[i], reflected[i])
         # numba counts in unsigned integers here, for which it would compile everything once more

@@ -28,10 +28,9 @@ _SQRT_PI = np.sqrt(np.pi)
 
 @dataclass(frozen=True)
 class HotDisk:
-    """Two faces, top and bottom: TAC and temperature over the gas's far away.
+    """Two faces, top and bottom: TAC and temperature over the gas's far away."""
 
-    Of the molecules that arrive at a face, the share ``open_fraction`` passes the disk.
-    """
+    # Of the molecules that arrive at a face, the share ``open_fraction`` passes the disk.
 
     tac: tuple[float, float]
     temperature: tuple[float, float]
@@ -57,23 +56,7 @@ class HotDisk:
 def diffuse_emission(
     arriving: np.ndarray, tac: float, temperature: np.ndarray | float, wall: Wall, rotates: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Density and temperature of the molecules that leave a wall diffusely, as many as arrive.
-
-    Parameters
-    ----------
-    arriving : array, shape (e, 5)
-        Fluxes of number, momentum, energy and rotational energy less those of the gas at rest.
-    tac : float
-    temperature : array, shape (e,), or float
-        Of the wall [T_c].
-    wall : {"maxwell", "accommodated"}
-    rotates : bool
-        Whether molecules carry rotational energy.
-
-    Returns
-    -------
-    density, temperature : array, shape (e,)
-    """
+    """Density and temperature of the molecules that leave a wall diffusely, as many as arrive."""
     flux = 1.0 + 2.0 * _SQRT_PI * arriving[:, 0]
     emitted = np.broadcast_to(np.asarray(temperature, float), flux.shape)
     if wall == "accommodated":
@@ -86,17 +69,7 @@ def diffuse_emission(
 
 
 class NonlinearProblem:
-    """Non-linear problem on the mesh of a linear system.
-
-    Parameters
-    ----------
-    system : LinearSystem
-        Its factors precondition the iteration in thin gas.
-    rarefaction : float
-        δ of the gas far away.
-    quadrature : Quadrature
-        Quadrature with which the system was assembled.
-    """
+    """Non-linear problem on the mesh of a linear system."""
 
     def __init__(self, system: LinearSystem, rarefaction: float, quadrature: Quadrature) -> None:
         self.system, self.rarefaction = system, rarefaction
@@ -131,21 +104,7 @@ class NonlinearProblem:
     def emitted(
         self, arriving: np.ndarray, face: int, disk: HotDisk
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Density and temperature of the diffuse molecules: as many leave as arrive.
-
-        Parameters
-        ----------
-        arriving : array, shape (e, 5)
-            Fluxes of :meth:`arriving`.
-        face : int
-            0 top, 1 bottom.
-        disk : HotDisk
-
-        Returns
-        -------
-        density, temperature : array, shape (e,)
-            At the nodes of the face.
-        """
+        """Density and temperature of the diffuse molecules: as many leave as arrive, shape (e,)."""
         temperature, rotates = disk.temperature[face], self.system.gas.has_rotation
         return diffuse_emission(arriving, disk.tac[face], temperature, disk.wall, rotates)
 
@@ -182,25 +141,7 @@ class NonlinearProblem:
         start: np.ndarray,
         tolerance: float,
     ) -> tuple[np.ndarray, int]:
-        """Iterate to a fixed point.
-
-        Parameters
-        ----------
-        disk : HotDisk
-        start : array, shape (2, n, fields)
-        tolerance : float
-            Largest preconditioned residual of a field.
-
-        Returns
-        -------
-        fields : array, shape (2, n, fields)
-        iterations : int
-
-        Raises
-        ------
-        ConvergenceError
-            If the iteration diverges or does not converge; the message has the last residual.
-        """
+        """Iterate to a fixed point; returns ``fields`` (2, n, fields), ``iterations``."""
         problem = Problem(
             lambda fields: self.evaluate(fields, disk) - fields,
             self._precondition,

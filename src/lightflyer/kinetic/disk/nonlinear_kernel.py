@@ -40,11 +40,9 @@ LOWEST = 0.1  # temperature of an iterate between nodes; those of solutions stay
 
 @kernel
 def _local_source(state, gas, radial, vertical, coefficients):
-    """Model distribution along a direction, a Maxwellian times a polynomial in the speed.
-
-    Fills the coefficients of c⁰ to c³ for number and for rotational energy; returns the
-    temperature of the Maxwellian.
-    """
+    """Model distribution along a direction, a Maxwellian times a polynomial in the speed."""
+    # Fills the coefficients of c⁰ to c³ for number and for rotational energy; returns the
+    # temperature of the Maxwellian.
     heat, rotational_heat, exchange, _, rotates = gas
     temperature = max(LOWEST, 1.0 + state[3])
     density = (1.0 + state[0]) / temperature
@@ -261,33 +259,7 @@ def _central(raw, radial_scale, rotates, fields):
 
 @parallel_kernel
 def evaluate(points, on_face, rarefaction, setup, mesh, beyond, gas, half, out):
-    """Fill the fields at the nodes of one half, or the fluxes on a face, that follow from fields.
-
-    Parameters
-    ----------
-    points : array, shape (m, 5)
-        Radius, height and √(1−η²) of the nodes; on a wall the radial and axial component of its
-        normal, into the gas.
-    on_face : bool
-        Whether to give the fluxes that arrive at a wall, not fields.
-    rarefaction : float
-        δ of the gas far away.
-    setup : tuple
-        Quadratures and tables.
-    mesh, beyond : tuple
-        Panels of the own and of the other half.
-    gas : tuple
-        Factors of the two heat fluxes, exchange rate, −ω, whether molecules rotate.
-    half : tuple
-        Own fields, the other half's (mirrored), σ on the face; the shares of the arriving
-        molecules that leave it diffusely, specularly and on its other side; the temperature of the
-        diffuse ones at the nodes of the face; density and temperature of the molecules that leave
-        the walls around the gas, in the own and in the other half, shape (2, w), where w = 0 if
-        none do.
-    out : array, shape (m, 6 or 9) or, on a wall, (m, 5)
-        Filled with fields, or with number, normal momentum, energy, rotational energy and axial
-        momentum less those of the gas at rest.
-    """
+    """Fill the fields at the nodes of one half, or the fluxes on a face, from fields."""
     for i in prange(points.shape[0]):
         meshes = (mesh, beyond)
         if on_face:

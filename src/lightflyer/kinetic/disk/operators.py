@@ -62,57 +62,34 @@ def _partial_integrals(order: int) -> np.ndarray:
 
 @dataclass(frozen=True)
 class BaseState:
-    """Gas at rest about which the equation is linearised, by default that far away.
+    """Gas at rest about which the equation is linearised, by default that far away."""
 
-    Attributes
-    ----------
-    excess : array, shape (n,), or None
-        θ − 1 at the nodes of a half, the same in both.
-    face : float
-        θ of the faces.
-    frequency_exponent : float
-        Exponent of the collision frequency in θ at uniform pressure.
-    """
-
-    excess: np.ndarray | None = None
-    face: float = 1.0
-    frequency_exponent: float = 0.0
+    excess: np.ndarray | None = None  # shape (n,); θ − 1 at the nodes of a half, the same in both
+    face: float = 1.0  # θ of the faces
+    frequency_exponent: float = 0.0  # Exponent of the collision frequency in θ at uniform pressure
 
 
 @dataclass(frozen=True)
 class Operators:
-    """Assembled rows, with n nodes of a half and e of a face.
-
-    Attributes
-    ----------
-    mesh : Mesh
-    own, other, reflected : array, shape (n, n, 6, 6)
-        Node of the row, of the column, field, moment.
-    sigma, temperature : array, shape (n, e, 6)
-        Contribution of σ and of the temperature at the nodes of the face to each moment.
-    velocity : array, shape (n, 6)
-        Contribution of a velocity of the face.
-    fluxes : array, shape (e, n, 6, 3)
-        Node of the face, node, field, arriving flux of number, normal momentum, energy.
-    corrections : array, shape (n, 6, 6)
-        Additions to each node's own weights that make uniform fields exact, field and moment.
-    theta : array, shape (n,)
-        Temperature about which the equation is linearised.
-    face_theta : float
-        The same for the faces.
-    """
+    """Assembled rows, with n nodes of a half and e of a face."""
 
     mesh: Mesh
-    own: np.ndarray
+    own: np.ndarray  # shape (n, n, 6, 6); node of the row, of the column, field, moment
     other: np.ndarray
     reflected: np.ndarray
+    # shape (n, e, 6); contribution of σ and of the temperature at the nodes of the face to each
+    # moment
     sigma: np.ndarray
     temperature: np.ndarray
-    velocity: np.ndarray
+    velocity: np.ndarray  # shape (n, 6); contribution of a velocity of the face
+    # shape (e, n, 6, 3); node of the face, node, field, arriving flux of number, normal momentum,
+    # energy
     fluxes: np.ndarray
+    # shape (n, 6, 6); additions to each node's own weights that make uniform fields exact, field
+    # and moment
     corrections: np.ndarray
-    theta: np.ndarray
-    face_theta: float
+    theta: np.ndarray  # shape (n,); temperature about which the equation is linearised
+    face_theta: float  # The same for the faces
 
 
 def node_points(mesh: Mesh) -> np.ndarray:
@@ -130,21 +107,7 @@ def face_points(mesh: Mesh) -> np.ndarray:
 def assemble(
     mesh: Mesh, rarefaction: float, quadrature: Quadrature, base: BaseState | None = None
 ) -> Operators:
-    """Assemble the linear operators by tracing all rays of a mesh.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    rarefaction : float
-        δ of the gas far away.
-    quadrature : Quadrature
-    base : BaseState, optional
-        If given, uniform fields are not corrected: ``corrections`` are zero.
-
-    Returns
-    -------
-    Operators
-    """
+    """Assemble the linear operators by tracing all rays of a mesh."""
     setup, panels = kernel_arguments(mesh, rarefaction, quadrature)
     n, e = mesh.size, mesh.eta.size
     base = base or BaseState()

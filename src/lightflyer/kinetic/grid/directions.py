@@ -132,25 +132,7 @@ def _push_cone(directions, count, point, near, far, gauss_height, gauss_azimuth)
 
 @kernel
 def node_directions(radius, height, layer, gauss_height, gauss_azimuth, directions):
-    """Fill the directions for a point above the disk's plane; the azimuth covers half a turn.
-
-    Parameters
-    ----------
-    radius, height : float
-        Position of the point [disk radii]. At height 0 it is on the face, which sees upward
-        directions only, or beside the disk.
-    layer : float
-        Height of the panel next to the horizon.
-    gauss_height, gauss_azimuth : array, shape (2, n)
-        Nodes and weights on [0, 1].
-    directions : array, shape (most, 4)
-        Filled with ω_x, ω_y, ω_z and weight; weights sum to 2π (half the sphere), or π on a face.
-
-    Returns
-    -------
-    int
-        Number of directions.
-    """
+    """Fill the directions for a point above the disk's plane; the azimuth covers half a turn."""
     ring = np.empty(_MOST_EDGES)
     if radius > 1.0:
         half_angle = np.arcsin(1.0 / radius)

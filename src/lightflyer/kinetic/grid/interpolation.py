@@ -45,10 +45,8 @@ def eta_basis_at(eta, mesh, basis):
 
 @kernel
 def rim_basis_at(eta, mesh, basis):
-    """Fill the Lagrange basis in η on the walls around the gas; returns the first node's number.
-
-    Panels share no nodes there, since emission jumps at the edge between two walls.
-    """
+    """Fill the Lagrange basis in η on the walls around the gas; returns the first node's number."""
+    # Panels share no nodes there, since emission jumps at the edge between two walls.
     edges = mesh[2]
     panel = panel_of(edges, eta)
     v = (eta - edges[panel]) / (edges[panel + 1] - edges[panel])
@@ -58,20 +56,7 @@ def rim_basis_at(eta, mesh, basis):
 
 @kernel
 def bases_at(xi, eta, mesh, xi_basis, eta_basis):
-    """Fill the Lagrange bases in ξ and η at a point.
-
-    Parameters
-    ----------
-    xi, eta : float
-    mesh : tuple
-    xi_basis, eta_basis : array, shape (order,)
-        Filled.
-
-    Returns
-    -------
-    xi_first, eta_first : int
-        Numbers of the first node in ξ and in η.
-    """
+    """Fill the Lagrange bases in ξ and η at a point; ``xi_basis``, ``eta_basis`` (order,)."""
     xi_edges, xi_kinds, _, xi_nodes, _, boundary, ceiling, _ = mesh
     i = panel_of(xi_edges, xi)
     kind = xi_kinds[i]
@@ -99,21 +84,7 @@ def bases_at(xi, eta, mesh, xi_basis, eta_basis):
 
 @kernel
 def interpolate(fields, i, j, eta_size, xi_basis, eta_basis, values):
-    """Fill the values of fields at a point.
-
-    Parameters
-    ----------
-    fields : array, shape (n, m)
-        At the nodes.
-    i, j : int
-        Numbers of the point's first nodes, of :func:`bases_at`.
-    eta_size : int
-        Of :func:`nodes_in_eta`.
-    xi_basis, eta_basis : array, shape (order,)
-        Of :func:`bases_at`.
-    values : array, shape (m or more,)
-        The first m are filled.
-    """
+    """Fill the values of fields at a point; ``fields`` (n, m); ``values`` (m or more,)."""
     for f in range(fields.shape[1]):
         values[f] = 0.0
     for a in range(xi_basis.size):
@@ -136,16 +107,7 @@ def interpolate_on_face(values, eta, mesh, eta_basis):
 
 @kernel
 def scatter(target, weights, i, j, eta_size, xi_basis, eta_basis):
-    """Add the weights of fields at a point to those of the nodes around it.
-
-    Parameters
-    ----------
-    target : array, shape (n, m)
-        Added to.
-    weights : array, shape (m,)
-    i, j, eta_size, xi_basis, eta_basis
-        As for :func:`interpolate`, of which this is the transpose.
-    """
+    """Add the weights of fields at a point to those of the nodes around it; ``target`` (n, m)."""
     for a in range(xi_basis.size):
         for b in range(eta_basis.size):
             w = xi_basis[a] * eta_basis[b]

@@ -54,30 +54,17 @@ def panel_nodes(order: int, *, lower: bool, upper: bool) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Mesh:
-    """Panels and their nodes.
+    """Panels and their nodes."""
 
-    Attributes
-    ----------
-    xi_edges : array, shape (panels in ξ + 1,)
-        Starts at 0; the last is infinite in open space. Panels next to a cylinder divide the way
-        to it: their ends are :data:`BEYOND` times D, which no ray reaches, plus the share.
-    xi_kinds : array of int, shape (panels in ξ,)
-    eta_edges : array, shape (panels in η + 1,)
-        From 0 to 1.
-    order : int
-        Nodes per panel and direction.
-    boundary : float
-        Radius of the cylinder [disk radii], infinite in open space.
-    ceiling : float
-        Its height above the disk's plane [disk radii].
-    """
-
+    # shape (panels in ξ + 1,); starts at 0; the last is infinite in open space. Panels next to a
+    # cylinder divide the way to it: their ends are :data:`BEYOND` times D, which no ray reaches,
+    # plus the share
     xi_edges: np.ndarray
-    xi_kinds: np.ndarray
-    eta_edges: np.ndarray
-    order: int
-    boundary: float
-    ceiling: float
+    xi_kinds: np.ndarray  # shape (panels in ξ,)
+    eta_edges: np.ndarray  # shape (panels in η + 1,); from 0 to 1
+    order: int  # Nodes per panel and direction
+    boundary: float  # Radius of the cylinder [disk radii], infinite in open space
+    ceiling: float  # Its height above the disk's plane [disk radii]
 
     @cached_property
     def xi_nodes(self) -> np.ndarray:
@@ -199,11 +186,9 @@ def _outwards(inner: float, far: float, refinement: float) -> list[float]:
 
 
 def _shares_to_cylinder(depth: float, refinement: float) -> np.ndarray:
-    """Ends of the panels next to a cylinder, as shares of the way to it.
-
-    They get thinner towards the reservoir, so that the last panel sees it; ``depth`` is their
-    total optical depth.
-    """
+    """Ends of the panels next to a cylinder, as shares of the way to it."""
+    # They get thinner towards the reservoir, so that the last panel sees it; ``depth`` is their
+    # total optical depth.
     width, left = min(1.0, _RESERVOIR_LAYER / (depth * refinement)), [0.0]
     while left[-1] + width < 0.6:
         left.append(left[-1] + width)
@@ -218,23 +203,7 @@ def build_mesh(
     order: int = 4,
     refinement: float = 1.0,
 ) -> Mesh:
-    """Mesh for a rarefaction, with panels as thin as the Knudsen layer needs.
-
-    Parameters
-    ----------
-    rarefaction : float
-        δ = √π/(4 Kn) [1].
-    boundary : float
-        Half-width and half-height of a cylindrical reservoir [disk radii].
-    order : int
-        Nodes per panel and direction.
-    refinement : float
-        Divides the widths of the panels.
-
-    Returns
-    -------
-    Mesh
-    """
+    """Mesh for a rarefaction, with panels as thin as the Knudsen layer needs."""
     layer = min(1.0, 1.5 / rarefaction)
     growth = 1.0 + 1.4 / refinement
     far = 0.6 * boundary if np.isfinite(boundary) else max(3.0, 3.0 / rarefaction)
@@ -275,28 +244,9 @@ def build_chamber_meshes(
     order: int = 5,
     refinement: float = 1.0,
 ) -> tuple[Mesh, Mesh]:
-    """Meshes of the two halves of a cylinder around the disk.
-
-    They have the same panels, which end at different heights, so that their nodes in the plane of
-    the disk coincide.
-
-    Parameters
-    ----------
-    rarefaction : float
-        δ = √π/(4 Kn) [1].
-    radius : float
-        Of the side wall [disk radii].
-    ceilings : tuple of float
-        Heights of the upper and of the lower half [disk radii].
-    order : int
-        Nodes per panel and direction.
-    refinement : float
-        Divides the widths of the panels.
-
-    Returns
-    -------
-    upper, lower : Mesh
-    """
+    """Meshes of the two halves of a cylinder around the disk; ``radius`` [disk radii]."""
+    # They have the same panels, which end at different heights, so that their nodes in the plane of
+    # the disk coincide.
     nearest = min(*ceilings, float(np.sqrt(radius**2 - 1.0)))
     furthest = max(*ceilings, radius)
     inner, far = min(1.0, 0.5 * nearest), 0.6 * nearest
@@ -329,10 +279,8 @@ def build_chamber_meshes(
 
 
 def _shares_to_walls(ratio: float, depth: float, refinement: float) -> np.ndarray:
-    """Ends of the panels next to a chamber's walls, as shares of the way there in 1/ξ.
-
-    ``ratio`` is that of the longest way's ends and ``depth`` the optical depth of its start.
-    """
+    """Ends of the panels next to a chamber's walls, as shares of the way there in 1/ξ."""
+    # ``ratio`` is that of the longest way's ends and ``depth`` the optical depth of its start.
     count = max(1, int(np.ceil(refinement * np.log(ratio) / np.log(_GAP_GROWTH))))
     ends = ratio ** (np.arange(1, count + 1) / count)
     # the last panel is thin enough to see the wall

@@ -84,30 +84,7 @@ def exit_length(radius, height, direction, boundary, above, below):
 
 @kernel
 def cut_ray(radius, height, direction, length, optical_scale, xi_edges, eta_edges, cuts):
-    """Cut a ray at z = 0, at the edges of panels and at given optical depths.
-
-    Parameters
-    ----------
-    radius, height : float
-        Start of the ray [disk radii].
-    direction : array, shape (3,)
-        Unit vector.
-    length : float
-        Length of the ray [disk radii], finite.
-    optical_scale : float
-        Length of optical depth 1 [disk radii].
-    xi_edges, eta_edges : array
-        Edges of the panels of the mesh.
-    cuts : array, shape (MOST_CUTS,)
-        Filled with distances from 0 to ``length``, ascending.
-
-    Returns
-    -------
-    count : int
-        Number of distances.
-    hit : float
-        Distance at which the ray crosses z = 0, infinite if it does not.
-    """
+    """Cut a ray at z = 0, at the edges of panels and at given optical depths."""
     wx, wz = direction[0], direction[2]
     a_r = wx * wx + direction[1] * direction[1]
     b_r, c_r = radius * wx, radius * radius
@@ -154,30 +131,7 @@ def trace_ray(radius, height, direction, longest, optical_scale, mesh, cuts):
 
 @kernel
 def trace_between(radius, height, direction, longest, optical_scale, meshes, cuts):
-    """Cut a ray that ends at the cylinder around the gas or where nothing beyond is seen.
-
-    Parameters
-    ----------
-    radius, height, direction, optical_scale, cuts
-        As for :func:`cut_ray`.
-    longest : float
-        Largest length [disk radii].
-    meshes : tuple
-        Panels of the own and of the other half, of
-        :func:`lightflyer.kinetic.disk.operators.kernel_arguments`. They differ in the height of the
-        cylinder only.
-
-    Returns
-    -------
-    count : int
-        Number of distances in ``cuts``.
-    hit : float
-        Distance at which the ray crosses z = 0, infinite if it does not.
-    crossing : float
-        Squared radius of that point; 1 where the ray ends before.
-    leaves : bool
-        Whether the ray ends at the cylinder.
-    """
+    """Cut a ray that ends at the cylinder around the gas or where nothing beyond is seen."""
     own, other = meshes
     below, crossing = other[6], 1.0
     if direction[2] < 0.0:
@@ -221,31 +175,9 @@ def maxwellian_integrals(depth, temperature, table, scale, values):
 
 @kernel
 def piece_integrals(depth, width, temperatures, frequencies, setup, buffer, values):
-    """Fill the speed integrals at the points of one piece of a ray.
-
-    They are corrected for the error of the quadrature, so that a piece of uniform gas emits exactly
-    what follows from its optical depth: see Conservation in the documentation.
-
-    Parameters
-    ----------
-    depth : float
-        Optical depth at which the piece starts.
-    width : float
-        Length of the piece [disk radii].
-    temperatures, frequencies : array, shape (m,)
-        Temperature of the Maxwellian and collision frequency at its points.
-    setup : tuple
-        Quadrature along rays, its partial integrals, and the table.
-    buffer : array, shape (4, NUMBER)
-        Scratch.
-    values : array, shape (m, NUMBER)
-        Filled; the last power is not corrected.
-
-    Returns
-    -------
-    float
-        Optical depth at the end of the piece.
-    """
+    """Fill the speed integrals at the points of one piece of a ray; ``width`` [disk radii]."""
+    # They are corrected for the error of the quadrature, so that a piece of uniform gas emits
+    # exactly what follows from its optical depth: see Conservation in the documentation.
     gauss_ray, inside, table, scale = setup
     points = gauss_ray.shape[1]
     middle = temperatures[points // 2]

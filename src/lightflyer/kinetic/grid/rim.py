@@ -10,14 +10,9 @@ from lightflyer.kinetic.grid.mesh import Mesh, cylinder_corner, cylinder_xi, gau
 
 @dataclass(frozen=True)
 class Rim:
-    """Side wall and lid (or floor) of one half, seen as an upper half.
+    """Side wall and lid (or floor) of one half, seen as an upper half."""
 
-    Each panel in η has Gauss nodes of its own: nothing is shared at the edge between two walls.
-
-    Attributes
-    ----------
-    mesh : Mesh
-    """
+    # Each panel in η has Gauss nodes of its own: nothing is shared at the edge between two walls.
 
     mesh: Mesh
 

@@ -24,19 +24,7 @@ _LOGARITHM_OF_SPEED = np.linspace(-14.0, 2.2, 900)
 
 
 def speed_integral(power: int, depth: np.ndarray) -> np.ndarray:
-    r"""Speed integral by the trapezoidal rule in ln c, which converges exponentially.
-
-    Parameters
-    ----------
-    power : int
-        Power p of the speed, at least 0.
-    depth : array, shape (...)
-        Optical depth z [1], at least 0.
-
-    Returns
-    -------
-    array, shape (...)
-    """
+    r"""Speed integral by the trapezoidal rule in ln c, which converges exponentially."""
     speed = np.exp(_LOGARITHM_OF_SPEED)
     weight = speed ** (power + 1) * np.exp(-(speed**2))
     step = _LOGARITHM_OF_SPEED[1] - _LOGARITHM_OF_SPEED[0]
@@ -45,15 +33,7 @@ def speed_integral(power: int, depth: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=1)
 def spline_table() -> tuple[np.ndarray, float]:
-    """Spline coefficients for the compiled kernels.
-
-    Returns
-    -------
-    coefficients : array, shape (intervals, 4, NUMBER)
-        Highest power of the distance from the lower end of an interval first.
-    intervals_per_unit : float
-        Intervals per unit of √z.
-    """
+    """Spline coefficients for the compiled kernels."""
     root = np.linspace(0.0, np.sqrt(LARGEST_DEPTH) * 1.001, _INTERVALS + 1)
     depth = root**2
     columns = [

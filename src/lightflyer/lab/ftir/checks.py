@@ -83,20 +83,7 @@ def spectrum_warnings(
     band: tuple[float, float],
     accuracy: float,
 ) -> list[str]:
-    """What is suspicious about the spectra themselves.
-
-    Parameters
-    ----------
-    spectra, reflectances : sequence of MeasuredSpectrum
-    band : tuple of float
-        [1/m].
-    accuracy : float
-        Standard uncertainty of the ordinate [1].
-
-    Returns
-    -------
-    list of str
-    """
+    """What is suspicious about the spectra themselves; ``band`` [1/m]."""
     found: list[str] = []
     for one in (*spectra, *reflectances):
         found += _impossible_points(one, accuracy)
@@ -183,19 +170,7 @@ def _too_much_light(
 
 
 def accuracy_warnings(stated: float | None, used: float) -> list[str]:
-    """What a reader must know of the instrument's accuracy.
-
-    Parameters
-    ----------
-    stated : float or None
-        As the user states it.
-    used : float
-        [1].
-
-    Returns
-    -------
-    list of str
-    """
+    """What a reader must know of the instrument's accuracy; ``stated``: as the user states it."""
     if stated is None:
         return list(assumed_accuracies({"spectrometer": f"± {_PERCENT * used:g} % of full scale"}))
     if stated == 0.0:
@@ -210,22 +185,7 @@ def coverage_warnings(
     uncovered_band: float,
     uncovered: dict[float, float],
 ) -> list[str]:
-    """What lies outside the measured wavenumbers.
-
-    Parameters
-    ----------
-    source : str
-    band, measured : tuple of float
-        Lowest and highest wavenumber [1/m].
-    uncovered_band : float
-        Share of the band's width without data [1].
-    uncovered : dict of float to float
-        Share of a black body's power without data [1], by temperature [K].
-
-    Returns
-    -------
-    list of str
-    """
+    """What lies outside the measured wavenumbers; ``band``, ``measured`` [1/m]."""
     low, high = (end / PER_CENTIMETRE for end in measured)
     found = []
     if uncovered_band > 0.0:

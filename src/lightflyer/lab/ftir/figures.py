@@ -34,19 +34,7 @@ _MICROMETRES_TIMES_PER_CENTIMETRE = 1e4
 def spectra(
     result: "Ftir", ax: Axes, computed: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
 ) -> Axes:
-    """Draw spectra over wavenumber, the band, and the spectrum of a black body.
-
-    Parameters
-    ----------
-    result : Ftir
-    ax : matplotlib.axes.Axes
-    computed : mapping, optional
-        Wavenumber [1/m] and value [1] of a computed spectrum, by its quantity.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw spectra over wavenumber, the band, and the spectrum of a black body."""
     low, high = (end / PER_CENTIMETRE for end in result.band)
     ax.axvspan(
         low, high, color=ORANGE, alpha=0.15, lw=0, label=f"averaged over {low:g}–{high:g} cm⁻¹"
@@ -119,18 +107,7 @@ def ftir_figures(
 
 
 def plot_spectra(result: "Ftir", ax: Axes | None = None) -> Figure:
-    """Draw spectra.
-
-    Parameters
-    ----------
-    result : Ftir
-    ax : matplotlib.axes.Axes, optional
-        By default that of a new figure.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Draw spectra; ``ax``: by default that of a new figure."""
     figure, ax = figure_for(ax, height=_HEIGHT)
     spectra(result, ax)
     return figure

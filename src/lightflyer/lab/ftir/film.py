@@ -12,25 +12,7 @@ _WAVENUMBERS = 1000
 def computed_spectra(
     film: Film, measured: Ftir
 ) -> tuple[dict[str, tuple[np.ndarray, np.ndarray]], list[str]]:
-    """Spectra of a film over the measured wavenumbers that its materials' data cover.
-
-    Parameters
-    ----------
-    film : Film
-    measured : Ftir
-
-    Returns
-    -------
-    spectra : dict of str to (array, array)
-        Wavenumber [1/m], and transmittance [1] or, where it was measured, reflectance [1].
-    extrapolated : list of str
-        What is extrapolated.
-
-    Raises
-    ------
-    ParameterError
-        If the data cover none of them.
-    """
+    """Spectra of a film over the measured wavenumbers that its materials' data cover."""
     shortest, longest = film.covered_range
     ends = [one.wavenumber[[0, -1]] for one in measured.spectra]
     low = max(min(end[0] for end in ends), 1.0 / longest)

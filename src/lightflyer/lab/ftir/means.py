@@ -15,21 +15,11 @@ _FINE = 50_000  # points above which a spectrum is fine enough for few nodes
 
 
 class Share(NamedTuple):
-    """A mean share with its standard uncertainties, not yet cut at what is possible.
+    """A mean share with its standard uncertainties, not yet cut at what is possible."""
 
-    Attributes
-    ----------
-    value : float
-        [1].
-    random, accuracy : float
-        Standard uncertainties from noise or scatter, and of the instrument [1].
-    freedom : float
-        Degrees of freedom of the random one.
-    """
-
-    value: float
-    random: float
-    freedom: float
+    value: float  # [1]
+    random: float  # Standard uncertainties from noise or scatter, and of the instrument [1]
+    freedom: float  # Degrees of freedom of the random one
     accuracy: float
 
     def estimate(self) -> Estimate:
@@ -39,16 +29,7 @@ class Share(NamedTuple):
 
 
 def remainder(parts: Sequence[Share]) -> Share:
-    """One minus the parts, with independent errors; degrees of freedom after Welch.
-
-    Parameters
-    ----------
-    parts : sequence of Share
-
-    Returns
-    -------
-    Share
-    """
+    """One minus the parts, with independent errors; degrees of freedom after Welch."""
     variances = np.array([part.random**2 for part in parts])
     lost = sum(one**2 / part.freedom for one, part in zip(variances, parts, strict=True))
     return Share(
@@ -60,20 +41,7 @@ def remainder(parts: Sequence[Share]) -> Share:
 
 
 def uncovered_power(covered: tuple[float, float], temperature: float) -> float:
-    """Fraction of a black body's power outside a range of wavenumbers.
-
-    Parameters
-    ----------
-    covered : tuple of float
-        Lowest and highest wavenumber [1/m].
-    temperature : float
-        [K].
-
-    Returns
-    -------
-    float
-        [1].
-    """
+    """Fraction of a black body's power outside a range of wavenumbers [1]; ``covered`` [1/m]."""
     below = 1.0 - blackbody_fraction(1.0 / covered[0], temperature) if covered[0] > 0.0 else 0.0
     return below + blackbody_fraction(1.0 / covered[1], temperature)
 
@@ -99,21 +67,7 @@ def _mean(weights: np.ndarray, value: np.ndarray, density: np.ndarray) -> tuple[
 def band_mean(
     spectrum: MeasuredSpectrum, noise: np.ndarray, ends: tuple[float, float]
 ) -> tuple[float, float]:
-    """Mean over a band, linear between points, and its standard uncertainty from noise.
-
-    Parameters
-    ----------
-    spectrum : MeasuredSpectrum
-    noise : array, shape (n,)
-        Variance that each point contributes [1].
-    ends : tuple of float
-        Lowest and highest wavenumber [1/m].
-
-    Returns
-    -------
-    mean, uncertainty : float
-        [1].
-    """
+    """Mean over a band, linear between points, and its standard uncertainty from noise [1]."""
     wavenumber, value, density = _part(spectrum, noise, ends)
     width = np.diff(wavenumber)
     share = 0.5 * (np.append(width, 0.0) + np.append(0.0, width)) / (ends[1] - ends[0])
@@ -162,42 +116,14 @@ def planck_weights(wavenumber: np.ndarray, temperature: float, nodes: int = _NOD
 def planck_mean(
     spectrum: MeasuredSpectrum, noise: np.ndarray, ends: tuple[float, float], temperature: float
 ) -> tuple[float, float]:
-    """Planck-weighted mean and its standard uncertainty from noise.
-
-    Parameters
-    ----------
-    spectrum : MeasuredSpectrum
-    noise : array, shape (n,)
-        Variance that each point contributes [1].
-    ends : tuple of float
-        Lowest and highest wavenumber [1/m].
-    temperature : float
-        [K].
-
-    Returns
-    -------
-    mean, uncertainty : float
-        [1].
-    """
+    """Planck-weighted mean and its standard uncertainty from noise [1]; ``noise`` (n,)."""
     wavenumber, value, density = _part(spectrum, noise, ends)
     nodes = _FEW_NODES if len(wavenumber) > _FINE else _NODES
     return _mean(planck_weights(wavenumber, temperature, nodes), value, density)
 
 
 def combined(means: Sequence[tuple[float, float]], accuracy: float) -> Share:
-    """Mean of repeats, with the scatter of the means or the noise of the only one.
-
-    Parameters
-    ----------
-    means : sequence of (float, float)
-        Means and their standard uncertainties from noise [1].
-    accuracy : float
-        Standard uncertainty common to all [1].
-
-    Returns
-    -------
-    Share
-    """
+    """Mean of repeats, with the scatter of the means or the noise of the only one."""
     values = np.array([mean for mean, _ in means])
     if len(values) == 1:
         return Share(float(values[0]), means[0][1], np.inf, accuracy)

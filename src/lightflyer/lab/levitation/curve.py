@@ -304,16 +304,7 @@ def compare(curves: Sequence[LevitationCurve]) -> list[Comparison]:
 
 
 def summary(curves: Sequence[LevitationCurve]) -> dict[str, Any]:
-    """Samples and their comparisons as a JSON object.
-
-    Parameters
-    ----------
-    curves : sequence of LevitationCurve
-
-    Returns
-    -------
-    dict
-    """
+    """Samples and their comparisons as a JSON object."""
     return {
         "samples": {
             curve.points.name: {
@@ -335,16 +326,7 @@ def summary(curves: Sequence[LevitationCurve]) -> dict[str, Any]:
 
 
 def warnings_of(curves: Sequence[LevitationCurve]) -> list[str]:
-    """Warnings of all samples, each once.
-
-    Parameters
-    ----------
-    curves : sequence of LevitationCurve
-
-    Returns
-    -------
-    list of str
-    """
+    """Warnings of all samples, each once."""
     return joint_warnings([("", curve.warnings) for curve in curves])
 
 

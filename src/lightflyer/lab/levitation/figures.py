@@ -40,21 +40,7 @@ def levitation_curves(
     pressure_unit: str = "Pa",
     models: Mapping[str, ModelCurves] | None = None,
 ) -> Axes:
-    """Draw points, LOESS curves with their 99 % bands, and each minimum.
-
-    Parameters
-    ----------
-    curves : sequence of LevitationCurve
-    ax : matplotlib.axes.Axes
-    pressure_unit : str
-        Unit of the axis.
-    models : mapping, optional
-        Further curves by label, such as ``"model"``.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw points, LOESS curves with their 99 % bands, and each minimum."""
     models = models or {}
     per_pascal = 1.0 / scale_and_offset(pressure_unit, "Pa")[0]
     opacity = _OPACITY / max(1.0, len(curves) / _FEW)
@@ -129,18 +115,7 @@ def levitation_figures(
 
 
 def plot_curve(curve: "LevitationCurve", ax: Axes | None = None) -> Figure:
-    """Draw one sample's points and curve.
-
-    Parameters
-    ----------
-    curve : LevitationCurve
-    ax : matplotlib.axes.Axes, optional
-        By default that of a new figure.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Draw one sample's points and curve; ``ax``: by default that of a new figure."""
     figure, ax = figure_for(ax, height=_HEIGHT)
     levitation_curves([curve], ax)
     return figure

@@ -21,44 +21,18 @@ _TINY = 1e-9  # of a local fit's singular values
 
 @dataclass(frozen=True)
 class Minimum:
-    """Minimum of a curve of log-irradiance over log-pressure.
+    """Minimum of a curve of log-irradiance over log-pressure."""
 
-    Attributes
-    ----------
-    place, value : float
-        Logarithms of pressure and irradiance.
-    edge : int
-        -1 or 1 where it is at the first or last pressure, otherwise 0.
-    places, values : array, shape (b,)
-        Draws from the distribution of the true minimum.
-    edges : array of int, shape (b,)
-        The same as ``edge`` of each draw.
-    """
-
-    place: float
-    value: float
-    edge: int
-    places: np.ndarray
+    place: float  # Logarithms of pressure and irradiance
+    value: float  # Logarithms of pressure and irradiance
+    edge: int  # -1 or 1 where it is at the first or last pressure, otherwise 0
+    places: np.ndarray  # shape (b,); draws from the distribution of the true minimum
     values: np.ndarray
-    edges: np.ndarray
+    edges: np.ndarray  # shape (b,); the same as ``edge`` of each draw
 
 
 def smoother(x: np.ndarray, places: np.ndarray, span: float) -> np.ndarray:
-    """Matrix of local regression with LOESS' tricube weights.
-
-    Parameters
-    ----------
-    x : array, shape (n,)
-    places : array, shape (m,)
-        Where the curve is wanted.
-    span : float
-        Fraction of the points in each local fit, at most 1.
-
-    Returns
-    -------
-    array, shape (m, n)
-        It gives the curve from the data.
-    """
+    """Matrix of local regression with LOESS' tricube weights, shape (m, n); ``x`` (n,)."""
     count = max(int(span * x.size), DEGREE + 1)
     distance = np.abs(places[:, None] - x)
     reach = np.sort(distance, axis=1)[:, count - 1 : count]
@@ -77,32 +51,12 @@ def minimum(
     seed: int,
     step: float = 0.0,
 ) -> Minimum:
-    """Find the minimum of the curve through points, and simulate its error.
-
-    Parameters
-    ----------
-    x : array, shape (n,)
-        Log-pressures.
-    light : array, shape (n,)
-        First irradiances with levitation [W/m²].
-    span : float
-        Fraction of the points in each local fit.
-    draws, seed : int
-    step : float
-        Step in which the light was raised [W/m²], 0 for none.
-
-    Returns
-    -------
-    Minimum
-
-    Notes
-    -----
-    The curve is smoothed and its residuals are smoothed and added ("twicing"). Simulated
-    measurements have the curve found, normal scatter whose variance is drawn from the
-    distribution of the estimate, and, with steps, light raised in the same steps from a random
-    start. Their minima's errors are those of the result: taken off the irradiance, and added to
-    the pressure with another error as large as what twicing moves it by.
-    """
+    """Find the minimum of the curve through points, and simulate its error; ``x`` (n,)."""
+    # The curve is smoothed and its residuals are smoothed and added ("twicing"). Simulated
+    # measurements have the curve found, normal scatter whose variance is drawn from the
+    # distribution of the estimate, and, with steps, light raised in the same steps from a random
+    # start. Their minima's errors are those of the result: taken off the irradiance, and added to
+    # the pressure with another error as large as what twicing moves it by.
     rng = np.random.default_rng(seed)
     y = np.log(light - CENTRE * step)
     grid = np.linspace(x.min(), x.max(), _GRID)

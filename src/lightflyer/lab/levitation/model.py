@@ -110,19 +110,7 @@ def calibrate_curves(
 
 
 def measured_coefficients(fit: Calibration) -> dict[str, Estimate]:
-    """Fitted parameters with what is to be written into the flyer file that the fit started from.
-
-    Parameters
-    ----------
-    fit : Calibration
-
-    Returns
-    -------
-    dict of str to Estimate
-        By parameter. Standard uncertainties are by the points' scatter and the instruments alone:
-        the file states the ± of its other numbers itself, and a prediction from it would count them
-        twice. Intervals are the total ones.
-    """
+    """Fitted parameters with what goes into the flyer file that the fit started from."""
     found = {}
     meters = [fit.contributions[one] for one in INSTRUMENTS if one in fit.contributions]
     for row, name in enumerate(fit.names):

@@ -271,10 +271,8 @@ def read_sample(path: str | Path) -> OpticsSample:
 
 
 def _free_numbers(file: SampleFile) -> tuple[tuple[FreeNumber, ...], dict[str, tuple[str, ...]]]:
-    """Free numbers, and the names of all numbers that each stands for.
-
-    Numbers of optics with ± that are not asked for are free too, within what is known of them.
-    """
+    """Free numbers, and the names of all numbers that each stands for."""
+    # Numbers of optics with ± that are not asked for are free too, within what is known of them.
     known = {name: (kind, value) for name, kind, value in file.film.numbers()}
     free, same = [], {}
     taken: set[str] = set()

@@ -28,17 +28,7 @@ _MANTISSAS = (1.0, 2.0, 3.0, 5.0, 7.0)
 
 
 def spectra(result: "OpticsFit", ax: Axes) -> Axes:
-    """Draw spectra over wavelength with what the instruments read by the fit.
-
-    Parameters
-    ----------
-    result : OpticsFit
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw spectra over wavelength with what the instruments read by the fit."""
     for number, one in enumerate(result.spectra):
         x, measured = _drawn(one, one.measured.spectrum.value)
         colour = PALETTE[number % len(PALETTE)]
@@ -57,17 +47,7 @@ def spectra(result: "OpticsFit", ax: Axes) -> Axes:
 
 
 def residuals(result: "OpticsFit", ax: Axes) -> Axes:
-    """Draw measured less fitted ordinates over wavelength.
-
-    Parameters
-    ----------
-    result : OpticsFit
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw measured less fitted ordinates over wavelength."""
     ax.axhline(0.0, color="black", lw=0.6)
     for number, one in enumerate(result.spectra):
         x, residual = _drawn(one, one.residual)
@@ -81,13 +61,7 @@ def residuals(result: "OpticsFit", ax: Axes) -> Axes:
 
 
 def constants(result: "OpticsFit", n_ax: Axes, k_ax: Axes) -> None:
-    """Draw n and k of the layers whose constants have fitted numbers, with bands.
-
-    Parameters
-    ----------
-    result : OpticsFit
-    n_ax, k_ax : matplotlib.axes.Axes
-    """
+    """Draw n and k of the layers whose constants have fitted numbers, with bands."""
     for number, one in enumerate(result.indices):
         x, colour = one.wavelength / MICROMETRE, PALETTE[number % len(PALETTE)]
         pairs = ((n_ax, one.n, one.n_band), (k_ax, one.k, one.k_band))
@@ -143,18 +117,7 @@ def optics_figures(result: "OpticsFit") -> dict[str, Figure]:
 
 
 def plot_spectra(result: "OpticsFit", ax: Axes | None = None) -> Figure:
-    """Draw spectra with their fits.
-
-    Parameters
-    ----------
-    result : OpticsFit
-    ax : matplotlib.axes.Axes, optional
-        By default that of a new figure.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Draw spectra with their fits; ``ax``: by default that of a new figure."""
     figure, ax = figure_for(ax, height=_HEIGHT)
     spectra(result, ax)
     return figure

@@ -33,23 +33,7 @@ def findings(
     fit: Fit,
     film: Film,
 ) -> tuple[str, ...]:
-    """Warnings of a fit, one line each.
-
-    Parameters
-    ----------
-    sample : OpticsSample
-    numbers : mapping of str to Estimate
-    open_ends : mapping of str to (bool, bool)
-        Whether an interval ends at a bound.
-    correlation : array, shape (free, free)
-    fit : Fit
-    film : Film
-        With the fitted numbers.
-
-    Returns
-    -------
-    tuple of str
-    """
+    """Warnings of a fit, one line each; ``correlation`` (free, free)."""
     return (
         *_undetermined(sample, numbers, open_ends),
         *_tied(list(numbers), correlation),
@@ -183,34 +167,13 @@ def _rough(sample: OpticsSample, film: Film) -> list[str]:
 
 
 def shown(value: float, unit: str) -> str:
-    """A number with its unit, lengths in nanometres and energies in electronvolts.
-
-    Parameters
-    ----------
-    value : float
-        In the SI unit.
-    unit : str
-
-    Returns
-    -------
-    str
-    """
+    """A number with its unit, lengths in nanometres and energies in electronvolts."""
     scale, name = written(unit)
     return f"{value / scale:.4g} {name}".rstrip()
 
 
 def written(unit: str) -> tuple[float, str]:
-    """Unit that people write an SI unit's numbers of films in, with its size.
-
-    Parameters
-    ----------
-    unit : str
-
-    Returns
-    -------
-    scale : float
-    name : str
-    """
+    """Unit that people write an SI unit's numbers of films in, with its size."""
     return _WRITTEN.get(unit, (1.0, unit))
 
 

@@ -46,27 +46,15 @@ _WAVELENGTHS = 200
 
 @dataclass(frozen=True)
 class FittedSpectrum:
-    """A spectrum with its fit.
-
-    Attributes
-    ----------
-    measured : FilmSpectrum
-    reading : array, shape (n,)
-        What the instrument reads of the fitted film, by its fitted errors [1].
-    share : array, shape (n,)
-        What a perfect instrument would read [1].
-    scale_error, zero_error : float
-        Fitted errors of the ordinate: relative, and [1].
-    scatter : Scatter
-        Of the points about the fit.
-    """
+    """A spectrum with its fit."""
 
     measured: FilmSpectrum
+    # shape (n,); what the instrument reads of the fitted film, by its fitted errors [1]
     reading: np.ndarray
-    share: np.ndarray
-    scale_error: float
+    share: np.ndarray  # shape (n,); what a perfect instrument would read [1]
+    scale_error: float  # Fitted errors of the ordinate: relative, and [1]
     zero_error: float
-    scatter: Scatter
+    scatter: Scatter  # Of the points about the fit
 
     @property
     def residual(self) -> np.ndarray:
@@ -76,43 +64,23 @@ class FittedSpectrum:
 
 @dataclass(frozen=True)
 class LayerIndex:
-    """Optical constants of a layer with fitted numbers.
-
-    Attributes
-    ----------
-    name : str
-    wavelength : array, shape (m,)
-        [m].
-    n, k : array, shape (m,)
-    n_band, k_band : array, shape (2, m)
-        Ends of the 95 % bands at each wavelength.
-    """
+    """Optical constants of a layer with fitted numbers."""
 
     name: str
-    wavelength: np.ndarray
-    n: np.ndarray
-    k: np.ndarray
-    n_band: np.ndarray
+    wavelength: np.ndarray  # shape (m,); [m]
+    n: np.ndarray  # shape (m,)
+    k: np.ndarray  # shape (m,)
+    n_band: np.ndarray  # shape (2, m); ends of the 95 % bands at each wavelength
     k_band: np.ndarray
 
 
 @dataclass(frozen=True)
 class Rival:
-    """Another minimum.
+    """Another minimum."""
 
-    Attributes
-    ----------
-    values : dict of str to float
-        Free numbers [SI].
-    excess : float
-        Cost above that of the best minimum, in squared standard errors.
-    excluded : bool
-        Whether the spectra exclude it at 95 % confidence.
-    """
-
-    values: dict[str, float]
-    excess: float
-    excluded: bool
+    values: dict[str, float]  # Free numbers [SI]
+    excess: float  # Cost above that of the best minimum, in squared standard errors
+    excluded: bool  # Whether the spectra exclude it at 95 % confidence
 
 
 @dataclass(frozen=True)
@@ -292,11 +260,9 @@ def fit_optics(
 def _estimates(
     fit: Fit, ends: Sequence[tuple[float, float]]
 ) -> tuple[dict[str, Estimate], np.ndarray]:
-    """The free numbers, and their covariance.
-
-    The uncertainty is that of the normal distribution with the same 95 % interval, so that what
-    is computed from it is as sure as the interval.
-    """
+    """The free numbers, and their covariance."""
+    # The uncertainty is that of the normal distribution with the same 95 % interval, so that what
+    # is computed from it is as sure as the interval.
     model = fit.problem.model
     value = model.values(fit.best.position)
     low, high = (model.values(np.array(one)) for one in zip(*ends, strict=True))

@@ -24,30 +24,7 @@ _KEPT = 6  # digits of a correlation
 
 
 def update_layers(path: str | Path, fit: OpticsFit, origin: str) -> list[str]:
-    """Write fitted numbers of layers, their ± and their correlations into a flyer file.
-
-    Parameters
-    ----------
-    path : str or path
-        Flyer file whose ``[film]`` has the sample's layers in their order.
-    fit : OpticsFit
-        Of a sample that a file describes.
-    origin : str
-        What the numbers come from, for a comment.
-
-    Returns
-    -------
-    list of str
-        Written entries.
-
-    Raises
-    ------
-    ConfigurationError
-        If the flyer's film has other layers, a number does not belong to a layer, or one is not
-        told by the spectra; the file is not changed.
-    OutputError
-        If it cannot be written.
-    """
+    """Write fitted numbers of layers, their ± and their correlations into a flyer file."""
     path = Path(path)
     names = list(fit.numbers)
     require_same_layers(path, fit.sample)
@@ -70,18 +47,7 @@ def update_layers(path: str | Path, fit: OpticsFit, origin: str) -> list[str]:
 
 
 def require_same_layers(path: str | Path, sample: OpticsSample) -> None:
-    """Raise unless the numbers that are free in a sample are those of layers of a flyer's film.
-
-    Parameters
-    ----------
-    path : str or path
-        Flyer file.
-    sample : OpticsSample
-
-    Raises
-    ------
-    ConfigurationError
-    """
+    """Raise unless the numbers that are free in a sample are those of layers of a flyer's film."""
     from lightflyer.config.reader import read_flyer_file  # slow to import
 
     film, section = read_flyer_file(path).film, sample.section

@@ -112,10 +112,8 @@ class OpticalModel:
 
 
 def _shares(film: Film, spectra: Sequence[FilmSpectrum], side: Side) -> dict[int, Numeric]:
-    """Shares of the spectra with light from one side, by number.
-
-    All their points are computed together: one program compiles faster than several.
-    """
+    """Shares of the spectra with light from one side, by number."""
+    # All their points are computed together: one program compiles faster than several.
     mine = {number: one for number, one in enumerate(spectra) if one.side == side}
     wavelength = np.concatenate([one.spectrum.wavelength for one in mine.values()])
     incidence = np.concatenate(
@@ -340,22 +338,7 @@ class Problem:
 
 
 def covered(sample: OpticsSample) -> tuple[OpticsSample, tuple[str, ...]]:
-    """The sample with the points of its spectra that the materials' data cover.
-
-    Parameters
-    ----------
-    sample : OpticsSample
-
-    Returns
-    -------
-    sample : OpticsSample
-    warnings : tuple of str
-
-    Raises
-    ------
-    ParameterError
-        If a spectrum has fewer than two such points.
-    """
+    """The sample with the points of its spectra that the materials' data cover."""
     film = sample.build({one.name: one.start for one in sample.free})
     shortest, longest = film.covered_range
     kept, warnings = [], []

@@ -10,18 +10,7 @@ if TYPE_CHECKING:
 
 
 def tables(result: "OpticsFit") -> dict[str, str]:
-    """Text of the tables of a fit.
-
-    Parameters
-    ----------
-    result : OpticsFit
-
-    Returns
-    -------
-    dict of str to str
-        By file name: each spectrum with its fit, and n and k of each layer that has fitted
-        constants, which a layer of a flyer file can name as its material.
-    """
+    """Text of the tables of a fit."""
     found = {}
     for number, one in enumerate(result.spectra, start=1):
         spectrum = one.measured.spectrum

@@ -28,24 +28,12 @@ _BETTER = 0.5  # fall of the cost that makes another point the minimum
 
 @dataclass(frozen=True)
 class Scatter:
-    """How the points of a spectrum scatter about its fit.
+    """How the points of a spectrum scatter about its fit."""
 
-    Attributes
-    ----------
-    deviation : float
-        Standard deviation of the residuals [1].
-    length : float
-        Points in which they are alike: one if they are independent.
-    independent : float
-        Points that are independent of each other, in effect.
-    freedom : float
-        Degrees of freedom of the error of a point, whose length is itself estimated.
-    """
-
-    deviation: float
-    length: float
-    independent: float
-    freedom: float
+    deviation: float  # Standard deviation of the residuals [1]
+    length: float  # Points in which they are alike: one if they are independent
+    independent: float  # Points that are independent of each other, in effect
+    freedom: float  # Degrees of freedom of the error of a point, whose length is itself estimated
 
     @property
     def error(self) -> float:
@@ -55,26 +43,14 @@ class Scatter:
 
 @dataclass(frozen=True)
 class Fit:
-    """The best minimum with what else there is.
+    """The best minimum with what else there is."""
 
-    Attributes
-    ----------
-    problem : Problem
-        With the points' errors that the residuals show.
-    best : Solution
-    rivals : tuple of (Solution, float)
-        Other minima, and by how much their cost exceeds the best.
-    scatter : tuple of Scatter
-        One per spectrum.
-    freedom : float
-        Degrees of freedom.
-    """
-
-    problem: Problem
+    problem: Problem  # With the points' errors that the residuals show
     best: Solution
+    # Other minima, and by how much their cost exceeds the best
     rivals: tuple[tuple[Solution, float], ...]
-    scatter: tuple[Scatter, ...]
-    freedom: float
+    scatter: tuple[Scatter, ...]  # One per spectrum
+    freedom: float  # Degrees of freedom
 
     @property
     def factor(self) -> float:
@@ -83,29 +59,13 @@ class Fit:
 
 
 def correlation_length(residual: np.ndarray) -> tuple[float, float]:
-    r"""Number of points in which residuals are alike.
-
-    .. math:: \left(1+\frac{2W+1}{n}\right)\left(1 + 2\sum_{k=1}^W\rho_k\right)
-
-    with the autocorrelations up to where they are no longer positive. The first factor removes the
-    bias of a sum of few autocorrelations of few points.
-
-    Parameters
-    ----------
-    residual : array, shape (n,)
-        In order of wavenumber.
-
-    Returns
-    -------
-    length : float
-        One or more.
-    freedom : float
-        Degrees of freedom of the variance of a mean that has this length, n/(2W + 1).
-
-    References
-    ----------
-    [Geyer1992]_ for the end of the sum, [Wolff2004]_ for its bias and its variance.
-    """
+    r"""Number of points in which residuals are alike; returns ``length``, ``freedom``."""
+    # .. math:: \left(1+\frac{2W+1}{n}\right)\left(1 + 2\sum_{k=1}^W\rho_k\right)
+    #
+    # with the autocorrelations up to where they are no longer positive. The first factor removes
+    # the bias of a sum of few autocorrelations of few points.
+    #
+    # Source: [Geyer1992]_ for the end of the sum, [Wolff2004]_ for its bias and its variance.
     size = len(residual)
     power = np.abs(np.fft.rfft(residual, 2 * size)) ** 2
     auto = np.fft.irfft(power)[:size]
@@ -122,17 +82,7 @@ def correlation_length(residual: np.ndarray) -> tuple[float, float]:
 
 
 def scatter_of(problem: Problem, solution: Solution) -> tuple[Scatter, ...]:
-    """Scatter of each spectrum about a solution.
-
-    Parameters
-    ----------
-    problem : Problem
-    solution : Solution
-
-    Returns
-    -------
-    tuple of Scatter
-    """
+    """Scatter of each spectrum about a solution."""
     readings = problem.readings(solution)
     residuals = [
         one.spectrum.value - reading for reading, one in zip(readings, problem.spectra, strict=True)
@@ -234,19 +184,7 @@ def _distinct(minima: Sequence[Solution]) -> list[Solution]:
 
 
 def intervals(fit: Fit) -> tuple[Fit, list[tuple[float, float]]]:
-    """Ends of the 95 % intervals of the free numbers, where the profile of the cost tells.
-
-    Parameters
-    ----------
-    fit : Fit
-
-    Returns
-    -------
-    fit : Fit
-        Another one, if a profile finds a better minimum.
-    ends : list of (float, float)
-        Positions; 0 and 1 are the bounds.
-    """
+    """Ends of the 95 % intervals of the free numbers, where the profile of the cost tells."""
     for _ in range(_ROUNDS):
         spreads = np.sqrt(np.diag(fit.problem.covariance(fit.best)))
         profile = _Profile(fit)

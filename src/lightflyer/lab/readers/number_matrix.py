@@ -25,21 +25,11 @@ _SHOWN = 40  # characters of a cell or line in a message
 
 
 class NumberMatrix(NamedTuple):
-    """A matrix and what stands above it.
+    """A matrix and what stands above it."""
 
-    Attributes
-    ----------
-    values : array, shape (rows, columns)
-        NaN where the file has no number.
-    above : tuple of str
-        The lines above the matrix, comments included.
-    notes : tuple of str
-        What was left out of the matrix, one line each.
-    """
-
-    values: np.ndarray
-    above: tuple[str, ...]
-    notes: tuple[str, ...]
+    values: np.ndarray  # shape (rows, columns); naN where the file has no number
+    above: tuple[str, ...]  # The lines above the matrix, comments included
+    notes: tuple[str, ...]  # What was left out of the matrix, one line each
 
 
 class _Row(NamedTuple):
@@ -48,24 +38,7 @@ class _Row(NamedTuple):
 
 
 def read_number_matrix(path: str | Path, what: str) -> NumberMatrix:
-    """Read a matrix of numbers, with any delimiter, decimal points or decimal commas.
-
-    Parameters
-    ----------
-    path : str or path
-    what : str
-        What the numbers are, such as ``"heights"``, for messages.
-
-    Returns
-    -------
-    NumberMatrix
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names file and line: a cell that is not a number, a row of another length,
-        or marks that allow two readings.
-    """
+    """Read a matrix of numbers, with any delimiter, decimal points or decimal commas."""
     path = Path(path)
     lines = list(enumerate(read_text(path).splitlines(), start=1))
     written = [(number, line) for number, line in lines if line.strip() and not is_comment(line)]

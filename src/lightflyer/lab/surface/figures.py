@@ -33,19 +33,7 @@ _PERCENT = 100.0
 
 
 def colour_range(results: "Sequence[Roughness]", *, masked: bool) -> tuple[float, float]:
-    """Heights between which colours change, the same for maps that are compared.
-
-    Parameters
-    ----------
-    results : sequence of Roughness
-    masked : bool
-        For the surface alone, without particles and holes.
-
-    Returns
-    -------
-    low, high : float
-        [nm].
-    """
+    """Heights between which colours change, the same for maps that are compared [nm]."""
     if masked:
         rough = max(one.parameters["rms_height"].value for one in results)
         return -_SHOWN * rough, _SHOWN * rough
@@ -57,22 +45,7 @@ def colour_range(results: "Sequence[Roughness]", *, masked: bool) -> tuple[float
 def draw_height_map(
     result: "Roughness", ax: Axes, *, masked: bool, colours: tuple[float, float] | None = None
 ) -> AxesImage:
-    """Draw a levelled map, as it is or with its mask.
-
-    Parameters
-    ----------
-    result : Roughness
-    ax : matplotlib.axes.Axes
-    masked : bool
-        Show the mask of particles and holes, and scale the greys to the surface.
-    colours : tuple of float, optional
-        Heights between which the greys change [nm]; see :func:`colour_range`.
-
-    Returns
-    -------
-    matplotlib.image.AxesImage
-        For a colour bar.
-    """
+    """Draw a levelled map, as it is or with its mask; ``colours`` [nm]; for a colour bar."""
     step = max(1, max(result.height.shape) // _MOST_PIXELS)
     # levelling puts numbers where the file has no height; they are shown in the colour of holes
     ax.set_facecolor(SKY)
@@ -152,18 +125,7 @@ def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
 
 
 def plot_roughness(result: "Roughness", ax: Axes | None = None) -> Figure:
-    """Draw one map.
-
-    Parameters
-    ----------
-    result : Roughness
-    ax : matplotlib.axes.Axes, optional
-        Gets the map with its mask; by default a new figure has all of it too.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Draw one map."""
     if ax is None:
         return roughness_figures([result])["roughness"]
     figure, ax = figure_for(ax)

@@ -34,21 +34,11 @@ _LEAST_VARIANCE = 2.0  # of the square of one independent height
 
 
 class Spread(NamedTuple):
-    """What a map says of its surface.
+    """What a map says of its surface."""
 
-    Attributes
-    ----------
-    ratios : array, shape (2, draws)
-        Draws of Sq and Sa of the surface over those of the map.
-    lost : float
-        Power that levelling took, over the power left.
-    patches : float
-        Effective number of independent heights in the mean of squares.
-    """
-
-    ratios: np.ndarray
-    lost: float
-    patches: float
+    ratios: np.ndarray  # shape (2, draws); draws of Sq and Sa of the surface over those of the map
+    lost: float  # Power that levelling took, over the power left
+    patches: float  # Effective number of independent heights in the mean of squares
 
 
 def spread(
@@ -114,12 +104,10 @@ def _cosine_power(values: np.ndarray) -> np.ndarray:
 def _lost(
     scaled: np.ndarray, kept: np.ndarray, rng: np.random.Generator, pixel_aspect: float
 ) -> np.ndarray:
-    r"""Draws of the power that levelling took, over the power left.
-
-    The spectrum :math:`A (1 + b n^2/m)^{-m}` of the squared mode number is fitted to the modes
-    that levelling leaves; posterior of A for each b and m, with a prior flat in ln A and ln b
-    up to correlation lengths of a quarter of the map.
-    """
+    r"""Draws of the power that levelling took, over the power left."""
+    # The spectrum :math:`A (1 + b n^2/m)^{-m}` of the squared mode number is fitted to the modes
+    # that levelling leaves; posterior of A for each b and m, with a prior flat in ln A and ln b up
+    # to correlation lengths of a quarter of the map.
     power = _cosine_power(scaled)
     rows, columns = np.indices(power.shape)
     aspect = pixel_aspect * scaled.shape[1] / scaled.shape[0]  # width of the map over its length

@@ -10,22 +10,7 @@ Flatten = Literal["none", "rows"]
 
 
 def level(height: np.ndarray, mask: np.ndarray | None = None, order: int = 2) -> np.ndarray:
-    """Subtract the polynomial that fits a map best.
-
-    Parameters
-    ----------
-    height : array, shape (rows, columns)
-        [m].
-    mask : bool array, shape (rows, columns), optional
-        Pixels to exclude from the fit.
-    order : int
-        Total order of the polynomial: 1 is a plane, 2 adds curvature.
-
-    Returns
-    -------
-    array, shape (rows, columns)
-        [m].
-    """
+    """Subtract the polynomial that fits a map best [m], shape (rows, columns)."""
     # Legendre polynomials are nearly orthogonal on the pixels: well-conditioned normal equations
     rows, columns = (np.linspace(-1.0, 1.0, count) for count in height.shape)
     along = [np.polynomial.Legendre.basis(degree) for degree in range(order + 1)]
@@ -46,18 +31,7 @@ def level(height: np.ndarray, mask: np.ndarray | None = None, order: int = 2) ->
 
 
 def filled(height: np.ndarray) -> np.ndarray:
-    """Heights with each missing one replaced by the nearest that is there.
-
-    Parameters
-    ----------
-    height : array, shape (rows, columns)
-        [m]; NaN where there is none.
-
-    Returns
-    -------
-    array, shape (rows, columns)
-        [m].
-    """
+    """Heights with each missing one replaced by the nearest that is there [m]."""
     missing = np.isnan(height)
     if not missing.any():
         return height
@@ -68,26 +42,10 @@ def filled(height: np.ndarray) -> np.ndarray:
 
 
 def flatten_rows(height: np.ndarray, order: int = 0) -> np.ndarray:
-    """Shift each row so that the median of its differences from the row before is zero.
-
-    Parameters
-    ----------
-    height : array, shape (rows, columns)
-        [m]; rows are the fast scan direction.
-    order : int
-        0 shifts rows; 1 also tilts them.
-
-    Returns
-    -------
-    array, shape (rows, columns)
-        [m].
-
-    Notes
-    -----
-    A particle changes the median of the differences little, unlike the mean of a row. The tilt is
-    the median of the slopes between pixels half a row apart. Steps and drift between scan lines
-    vanish, and with them the part of the roughness that varies between rows only.
-    """
+    """Shift each row so that the median of its differences from the row before is zero [m]."""
+    # A particle changes the median of the differences little, unlike the mean of a row. The tilt is
+    # the median of the slopes between pixels half a row apart. Steps and drift between scan lines
+    # vanish, and with them the part of the roughness that varies between rows only.
     steps = np.diff(height, axis=0)
     columns = height.shape[1]
     place = np.arange(columns) - 0.5 * (columns - 1)
@@ -105,24 +63,7 @@ def flatten_rows(height: np.ndarray, order: int = 0) -> np.ndarray:
 def kept_power(
     shape: tuple[int, int], modes: int, order: int, rows: int | None = None
 ) -> np.ndarray:
-    """Share of the power of each cosine mode of a surface that levelling keeps.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        Rows and columns of the map.
-    modes : int
-        Number of modes along each side.
-    order : int
-        Order of the levelling polynomial.
-    rows : int, optional
-        Order of :func:`flatten_rows`, if the rows were flattened.
-
-    Returns
-    -------
-    array, shape (modes, modes)
-        Between 0 and 1; modes along the rows are the second index.
-    """
+    """Share of the power of each cosine mode of a surface that levelling keeps."""
     along = [_mode_shares(count, modes, max(order, rows or 0)) for count in shape]
     lost = sum(
         np.outer(along[0][i], along[1][j]) for i in range(order + 1) for j in range(order + 1 - i)

@@ -25,27 +25,7 @@ def warnings_of(
     *,
     flattened: bool,
 ) -> tuple[str, ...]:
-    """Warnings of one map.
-
-    Parameters
-    ----------
-    source : HeightMap
-    raw : array, shape (rows, columns)
-        Height after the rows are flattened, before levelling [m].
-    masked : bool array, shape (rows, columns)
-    skewness : float
-        Of the surface outside the mask.
-    lost : float
-        Power that levelling took, over the power left.
-    patches : float
-        Effective number of independent heights.
-    flattened : bool
-        Whether the rows were flattened.
-
-    Returns
-    -------
-    tuple of str
-    """
+    """Warnings of one map; ``raw`` (rows, columns); ``masked`` (rows, columns)."""
     said = [*source.notes, *_of_pixels(source)]
     share = float(masked.mean())
     if np.ptp(raw) == 0.0:

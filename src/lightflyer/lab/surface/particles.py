@@ -36,17 +36,12 @@ _EIGHT = np.ones((3, 3))
 
 
 class Objects(NamedTuple):
-    """A levelled map and what lies on it.
+    """A levelled map and what lies on it."""
 
-    Attributes
-    ----------
-    height : array, shape (rows, columns)
-        Levelled height [m]; its mean outside the masks is zero.
-    particles, holes : bool array, shape (rows, columns)
-        True where the map stands out above or below, with a margin of two pixels.
-    """
-
+    # shape (rows, columns); levelled height [m]; its mean outside the masks is zero
     height: np.ndarray
+    # shape (rows, columns); true where the map stands out above or below, with a margin of two
+    # pixels
     particles: np.ndarray
     holes: np.ndarray
 
@@ -100,19 +95,7 @@ def find_particles(height: np.ndarray, *, threshold: float = THRESHOLD, order: i
 
 
 def independent_patches(height: np.ndarray) -> tuple[float, float]:
-    """Correlation length of a map and its number of independent patches.
-
-    Parameters
-    ----------
-    height : array, shape (rows, columns)
-
-    Returns
-    -------
-    length : float
-        Distance at which the autocorrelation falls to 1/e [pixels], mean of both directions.
-    patches : float
-        Area of the map over that of a patch, for a Gaussian autocorrelation.
-    """
+    """Correlation length of a map and its number of independent patches."""
     centred = height - height.mean()
     if not centred.any():
         return 1.0, float(height.size)

@@ -145,16 +145,7 @@ class Roughness:
 
 
 def count_objects(mask: np.ndarray) -> int:
-    """Number of connected regions.
-
-    Parameters
-    ----------
-    mask : bool array, shape (rows, columns)
-
-    Returns
-    -------
-    int
-    """
+    """Number of connected regions; ``mask`` (rows, columns)."""
     return int(ndimage.label(mask, _EIGHT)[1])
 
 
@@ -287,16 +278,7 @@ def _estimates(
 
 
 def summary(results: Sequence[Roughness]) -> dict[str, Any]:
-    """One map, or the mean of several with each of them, as a JSON object.
-
-    Parameters
-    ----------
-    results : sequence of Roughness
-
-    Returns
-    -------
-    dict
-    """
+    """One map, or the mean of several with each of them, as a JSON object."""
     if len(results) == 1:
         return results[0].summary()
     everything = mean_parameters(results, masked=False)
@@ -311,30 +293,16 @@ def summary(results: Sequence[Roughness]) -> dict[str, Any]:
 
 
 def mean_parameters(results: Sequence[Roughness], *, masked: bool = True) -> dict[str, Estimate]:
-    """Means of the parameters over several maps of a surface.
-
-    Parameters
-    ----------
-    results : sequence of Roughness
-        Two or more.
-    masked : bool
-        Whether without particles and holes.
-
-    Returns
-    -------
-    dict of str to Estimate
-    """
+    """Means of the parameters over several maps of a surface; ``results``: two or more."""
     accuracy = max(one.height_accuracy for one in results)
     found = [one.parameters if masked else one.parameters_all for one in results]
     return {name: _mean_of_maps([one[name] for one in found], accuracy) for name in PARAMETERS}
 
 
 def _mean_of_maps(estimates: Sequence[Estimate], accuracy: float) -> Estimate:
-    """Mean over maps, with the scatter of the maps' logarithms and the common accuracy.
-
-    Each map counts at the middle of its own interval, which allows for the power that levelling
-    took.
-    """
+    """Mean over maps, with the scatter of the maps' logarithms and the common accuracy."""
+    # Each map counts at the middle of its own interval, which allows for the power that levelling
+    # took.
     values = np.array([one.value for one in estimates])
     mean, unit = float(values.mean()), estimates[0].unit
     if not all(math.isfinite(end) for one in estimates for end in one.interval):

@@ -11,20 +11,7 @@ TORR = scale_and_offset("Torr", "Pa")[0]
 
 
 def label(name: str, truth: str) -> list[str]:
-    """First lines of every synthetic file.
-
-    Parameters
-    ----------
-    name : str
-        Name of the measurement.
-    truth : str
-        True values.
-
-    Returns
-    -------
-    list of str
-        Comment lines.
-    """
+    """First lines of every synthetic file; comment lines; ``name``: name of the measurement."""
     return [f'# SYNTHETIC: made by "lightflyer lab example {name}", not measured', f"# {truth}"]
 
 
@@ -38,26 +25,7 @@ def faulty_table(
     decimal_comma: bool = False,
     shuffled: bool = False,
 ) -> str:
-    """Text of a table with the faults of real ones.
-
-    Parameters
-    ----------
-    lines : sequence of str
-        First lines.
-    header : sequence of str
-    rows : sequence of sequence of str
-    rng : numpy.random.Generator
-    delimiter : str
-    decimal_comma : bool
-        Write decimal commas and a byte-order mark, as some spreadsheets do.
-    shuffled : bool
-        Shuffle the rows.
-
-    Returns
-    -------
-    str
-        One row appears twice, one has an empty cell, one an overflow, and one is missing.
-    """
+    """Text of a table with the faults of real ones; ``lines``: first lines."""
     order = rng.permutation(len(rows)) if shuffled else np.arange(len(rows))
     texts = [list(rows[index]) for index in order]
     first, second, third, fourth = sorted(rng.choice(np.arange(2, len(rows) - 2), 4, replace=False))

@@ -14,18 +14,7 @@ _REFLECTANCE = 0.04
 
 
 def true_transmittance(wavenumber: np.ndarray) -> np.ndarray:
-    """True transmittance of the synthetic spectra.
-
-    Parameters
-    ----------
-    wavenumber : array, shape (n,)
-        [1/cm].
-
-    Returns
-    -------
-    array, shape (n,)
-        [1].
-    """
+    """True transmittance of the synthetic spectra [1], shape (n,); ``wavenumber`` (n,) [1/cm]."""
     value = np.full_like(wavenumber, _LEVEL)
     for centre, half_width, depth in _BANDS:
         value = value - _LEVEL * depth / (1.0 + ((wavenumber - centre) / half_width) ** 2)
@@ -33,17 +22,7 @@ def true_transmittance(wavenumber: np.ndarray) -> np.ndarray:
 
 
 def ftir_files(seed: int = 0) -> dict[str, str]:
-    """Spectra of transmittance as JCAMP-DX and as a table, and a spectrum of reflectance.
-
-    Parameters
-    ----------
-    seed : int
-
-    Returns
-    -------
-    dict of str to str
-        Text by file name.
-    """
+    """Spectra of transmittance as JCAMP-DX and as a table, and a spectrum of reflectance."""
     rng = np.random.default_rng(seed)
     wavenumber = np.arange(_FIRST, _LAST + 0.5 * _STEP, _STEP)
     truth = true_transmittance(wavenumber)

@@ -16,36 +16,14 @@ _NOISE = 0.05  # relative
 
 
 def lift_off_irradiance(pressure: np.ndarray, sample: str) -> np.ndarray:
-    """True irradiance at which a synthetic sample lifts off.
-
-    Parameters
-    ----------
-    pressure : array, shape (n,)
-        [Pa].
-    sample : str
-
-    Returns
-    -------
-    array, shape (n,)
-        [W/m²].
-    """
+    """True irradiance at which a synthetic sample lifts off [W/m²], shape (n,)."""
     emittance = _EMITTANCES[sample]
     film = FilmProperties(1e-3, 0.75, emittance, emittance, tac_top=0.8, tac_bottom=0.9)
     return levitate(Disk(film=film, radius=0.01), Chamber().state(pressure), Lu2023()).irradiance
 
 
 def levitation_files(seed: int = 0) -> dict[str, str]:
-    """Points of two samples, and points of one sample on two launchpads.
-
-    Parameters
-    ----------
-    seed : int
-
-    Returns
-    -------
-    dict of str to str
-        Text by file name.
-    """
+    """Points of two samples, and points of one sample on two launchpads; text by file name."""
     rng = np.random.default_rng(seed)
     fine = np.geomspace(*_PRESSURES, 2000)
     least = {name: lift_off_irradiance(fine, name) for name in _EMITTANCES}

@@ -58,17 +58,7 @@ def true_film() -> Film:
 
 
 def optics_files(seed: int = 0) -> dict[str, str]:
-    """Spectra of a film with noise and errors of their scales, and a sample file.
-
-    Parameters
-    ----------
-    seed : int
-
-    Returns
-    -------
-    dict of str to str
-        Text by file name.
-    """
+    """Spectra of a film with noise and errors of their scales, and a sample file."""
     rng = np.random.default_rng(seed)
     film = true_film()
     visible, infrared = film.optics(_VISIBLE * 1e-9), film.optics(0.01 / _INFRARED)

@@ -22,40 +22,13 @@ _PARTICLE_RADII = (160e-9, 320e-9)  # [m]
 def random_surface(
     rng: np.random.Generator, *, pixels: int = _PIXELS, rms_height: float = RMS_HEIGHT
 ) -> np.ndarray:
-    """Level surface with normally distributed heights.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-    pixels : int
-        Pixels along each side.
-    rms_height : float
-        [m].
-
-    Returns
-    -------
-    array, shape (pixels, pixels)
-        [m].
-    """
+    """Level surface with normally distributed heights [m], shape (pixels, pixels)."""
     height = level(ndimage.gaussian_filter(rng.normal(size=(pixels, pixels)), _CORRELATION))
     return height * rms_height / np.sqrt(np.mean((height - height.mean()) ** 2))
 
 
 def with_particles(height: np.ndarray, rng: np.random.Generator, count: int) -> np.ndarray:
-    """Surface with spherical particles half sunk into it.
-
-    Parameters
-    ----------
-    height : array, shape (n, n)
-        [m]; the map is as wide as the synthetic ones.
-    rng : numpy.random.Generator
-    count : int
-
-    Returns
-    -------
-    array, shape (n, n)
-        [m].
-    """
+    """Surface with spherical particles half sunk into it [m], shape (n, n); ``height`` (n, n)."""
     pixels = height.shape[0]
     pitch = _SIDE / pixels
     y, x = np.mgrid[0:pixels, 0:pixels] * pitch
@@ -69,17 +42,7 @@ def with_particles(height: np.ndarray, rng: np.random.Generator, count: int) -> 
 
 
 def roughness_files(seed: int = 0) -> dict[str, str | bytes]:
-    """Maps as an Igor wave, a Gwyddion file and a matrix.
-
-    Parameters
-    ----------
-    seed : int
-
-    Returns
-    -------
-    dict of str to (str or bytes)
-        Content by file name.
-    """
+    """Maps as an Igor wave, a Gwyddion file and a matrix; content by file name."""
     rng = np.random.default_rng(seed)
     y, x = np.mgrid[-1 : 1 : _PIXELS * 1j, -1 : 1 : _PIXELS * 1j]
     bowed = 400e-9 * x - 250e-9 * y + 120e-9 * x**2 + 60e-9 * x * y  # tilt, and bow of the scanner
@@ -93,24 +56,8 @@ def roughness_files(seed: int = 0) -> dict[str, str | bytes]:
 
 
 def igor_wave(height: np.ndarray, side: float, note: str) -> bytes:
-    """Igor binary wave of version 5 with the channels height and amplitude.
-
-    Parameters
-    ----------
-    height : array, shape (rows, columns)
-        [m].
-    side : float
-        Width of the map [m].
-    note : str
-
-    Returns
-    -------
-    bytes
-
-    References
-    ----------
-    WaveMetrics, Igor Pro Technical Note 003, *Igor binary format*.
-    """
+    """Igor binary wave of version 5 with the channels height and amplitude."""
+    # Source: WaveMetrics, Igor Pro Technical Note 003, *Igor binary format*.
     layers = np.stack([height.T, np.zeros_like(height.T)], axis=2).astype("<f4")
     data = layers.tobytes(order="F")
     names = [b"HeightRetrace", b"AmplitudeRetrace"]

@@ -37,18 +37,7 @@ _ZERO = 273.15
 
 
 def tac_files(seed: int = 0, truth: TacTruth = PLATINUM) -> dict[str, str]:
-    """A raw and a reduced run, and the calibration of the heater's resistance.
-
-    Parameters
-    ----------
-    seed : int
-    truth : TacTruth
-
-    Returns
-    -------
-    dict of str to str
-        Text by file name.
-    """
+    """A raw and a reduced run, and the calibration of the heater's resistance."""
     rng = np.random.default_rng(seed)
     said = (
         f"truth: tac {truth.tac}, area_ratio {truth.area_ratio}, offset {truth.offset} W/(m^2 K), "

@@ -27,51 +27,19 @@ _WAVELENGTH = np.linspace(*BAND, 400)
 
 
 def seen(temperature: float) -> float:
-    """Radiance of a black body that the synthetic camera sees.
-
-    Parameters
-    ----------
-    temperature : float
-        [K].
-
-    Returns
-    -------
-    float
-        [W/(m² sr)].
-    """
+    """Radiance of a black body that the synthetic camera sees [W/(m² sr)]."""
     x = PLANCK * SPEED_OF_LIGHT / (_WAVELENGTH * BOLTZMANN * temperature)
     spectral = 2.0 * PLANCK * SPEED_OF_LIGHT**2 / _WAVELENGTH**5 / np.expm1(x)
     return float(np.trapezoid(spectral, _WAVELENGTH))
 
 
 def shown(radiance: float) -> float:
-    """Apparent temperature that the synthetic camera shows.
-
-    Parameters
-    ----------
-    radiance : float
-        [W/(m² sr)].
-
-    Returns
-    -------
-    float
-        [K].
-    """
+    """Apparent temperature that the synthetic camera shows [K]; ``radiance`` [W/(m² sr)]."""
     return float(optimize.brentq(lambda kelvin: seen(kelvin) - radiance, 100.0, 2000.0))
 
 
 def thermography_files(seed: int = 0) -> dict[str, str]:
-    """A table of temperatures, and one of a light meter's readings.
-
-    Parameters
-    ----------
-    seed : int
-
-    Returns
-    -------
-    dict of str to str
-        Text by file name.
-    """
+    """A table of temperatures, and one of a light meter's readings; text by file name."""
     rng = np.random.default_rng(seed)
     emissivity = 1.0 - REFLECTANCE - TRANSMITTANCE
     said = (f"truth: r {REFLECTANCE}, t {TRANSMITTANCE}, emissivity {emissivity:.2f}, camera of "

@@ -108,15 +108,6 @@ class TacAccuracy:
 def unstated_accuracies(stated: Iterable[str]) -> list[str]:
     """A line that says which accuracies are assumed; none where all are stated.
 
-    Parameters
-    ----------
-    stated : iterable of str
-        Names of the attributes of :class:`TacAccuracy` that the user stated.
-
-    Returns
-    -------
-    list of str
-
     Examples
     --------
     >>> unstated_accuracies(["gauge", "gauge_zero", "power", "diameter", "plateau"])
@@ -137,25 +128,14 @@ EXACT = TacAccuracy(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class CommonErrors:
-    """Effects of errors that all rows have in common, a row per error of one standard error.
-
-    Attributes
-    ----------
-    names : tuple of str, length k
-    log_pressure : array, shape (k,)
-        Change of the logarithm of the pressure [1].
-    zero : array, shape (k,)
-        Change of the pressure [Pa].
-    log_continuum : array, shape (k,)
-        Change of the logarithm of the continuum conductance [1].
-    log_conductance : array, shape (k, m)
-        Change of the logarithm of the measured conductance [1].
-    """
+    """Effects of errors that all rows have in common, a row per error of one standard error."""
 
     names: tuple[str, ...]
-    log_pressure: np.ndarray
-    zero: np.ndarray
+    log_pressure: np.ndarray  # shape (k,); change of the logarithm of the pressure [1]
+    zero: np.ndarray  # shape (k,); change of the pressure [Pa]
+    # shape (k,); change of the logarithm of the continuum conductance [1]
     log_continuum: np.ndarray
+    # shape (k, m); change of the logarithm of the measured conductance [1]
     log_conductance: np.ndarray
 
     @classmethod

@@ -52,17 +52,7 @@ _WINDOW = 5  # rows of the running median
 
 
 def require_possible_temperatures(run: TacRun) -> None:
-    """Raise unless heater and gas are at temperatures that a bench can have.
-
-    Parameters
-    ----------
-    run : TacRun
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names the file, the row and the temperature.
-    """
+    """Raise unless heater and gas are at temperatures that a bench can have."""
     for name, values, (low, high) in (
         ("heater_temperature", run.heater_temperature, HEATER_TEMPERATURES),
         ("ambient_temperature", run.ambient_temperature, GAS_TEMPERATURES),
@@ -77,29 +67,10 @@ def require_possible_temperatures(run: TacRun) -> None:
 
 
 def rows_off_the_curve(problem: Problem, lines: np.ndarray) -> np.ndarray:
-    """Rows that belong to no curve through the others, such as one with a repeated fragment.
-
-    Parameters
-    ----------
-    problem : Problem
-    lines : array of int, shape (m,)
-        Lines of the file, for messages.
-
-    Returns
-    -------
-    bool array, shape (m,)
-
-    Raises
-    ------
-    ConfigurationError
-        If they are too many.
-
-    Notes
-    -----
-    A robust fit (soft L1 of the logarithms, from a running median) finds suspects. A suspect is off
-    if its deviation from the least-squares fit of the others is significant at 0.001 for the whole
-    run (Student's, Bonferroni's correction), and more than 3 %.
-    """
+    """Rows that belong to no curve through the others, such as one with a repeated fragment."""
+    # A robust fit (soft L1 of the logarithms, from a running median) finds suspects. A suspect is
+    # off if its deviation from the least-squares fit of the others is significant at 0.001 for the
+    # whole run (Student's, Bonferroni's correction), and more than 3 %.
     problem = problem.held([0.0] * len(problem.errors.names))
     robust = _robust_fit(problem)
     deviations = _log_deviations(problem, robust)
@@ -161,19 +132,7 @@ def _significant(problem: Problem, suspects: np.ndarray, near: np.ndarray) -> np
 
 
 def determining_pressures(problem: Problem, tac: float) -> tuple[float, float]:
-    """Range of pressures that would determine all parameters.
-
-    Parameters
-    ----------
-    problem : Problem
-    tac : float
-        Accommodation coefficient, roughly.
-
-    Returns
-    -------
-    low, high : float
-        A tenth and ten times the pressure at which both limits are equal [Pa].
-    """
+    """Range of pressures that would determine all parameters [Pa]."""
     tac = min(max(tac, 0.1), POSSIBLE_TAC)
     per_pressure = np.median(tac * problem.limits.free_molecular / problem.pressure)
     equal = float(np.median(problem.limits.continuum(tac)) / per_pressure)
@@ -181,20 +140,7 @@ def determining_pressures(problem: Problem, tac: float) -> tuple[float, float]:
 
 
 def why_undetermined(estimate: Estimate, problem: Problem, scatter: float) -> str | None:
-    """Why a run does not determine its coefficient, in one line; None if it does.
-
-    Parameters
-    ----------
-    estimate : Estimate
-        Coefficient with its total interval, not cut.
-    problem : Problem
-    scatter : float
-        Relative scatter of the rows [1].
-
-    Returns
-    -------
-    str or None
-    """
+    """Why a run does not determine its coefficient, in one line; None if it does."""
     low, high = estimate.interval
     spread = estimate.uncertainty or 0.0
     loose = spread > MOST_RELATIVE_UNCERTAINTY * estimate.value
@@ -216,22 +162,7 @@ def why_undetermined(estimate: Estimate, problem: Problem, scatter: float) -> st
 
 
 def require_possible(source: str, estimates: dict[str, Estimate], reading: str) -> None:
-    """Raise if a result is impossible beyond its uncertainty.
-
-    Parameters
-    ----------
-    source : str
-        Name of the file.
-    estimates : dict of str to Estimate
-        With total intervals, not cut.
-    reading : str
-        Name of the law of heat loss.
-
-    Raises
-    ------
-    ConfigurationError
-        One line that says what is impossible and what to check.
-    """
+    """Raise if a result is impossible beyond its uncertainty; ``source``: name of the file."""
     ratio, tac, offset = (estimates[name] for name in ("area_ratio", "tac", "offset"))
     check = "check the units of pressure and power, the temperatures and the diameter"
     low, high = AREA_RATIOS
@@ -253,17 +184,7 @@ def require_possible(source: str, estimates: dict[str, Estimate], reading: str) 
 
 
 def cut(estimates: dict[str, Estimate]) -> tuple[dict[str, Estimate], list[str]]:
-    """Intervals cut at what is possible, and a line for each that was cut.
-
-    Parameters
-    ----------
-    estimates : dict of str to Estimate
-
-    Returns
-    -------
-    estimates : dict of str to Estimate
-    warnings : list of str
-    """
+    """Intervals cut at what is possible, and a line for each that was cut."""
     said = {"tac": "accommodation coefficient", "area_ratio": "area ratio", "offset": "offset"}
     changed, texts = {}, []
     for name, one in estimates.items():
@@ -283,18 +204,7 @@ def cut(estimates: dict[str, Estimate]) -> tuple[dict[str, Estimate], list[str]]
 
 
 def result_warnings(estimates: dict[str, Estimate], reading: str) -> list[str]:
-    """Lines about results that are unlikely, though possible within their uncertainty.
-
-    Parameters
-    ----------
-    estimates : dict of str to Estimate
-    reading : str
-        Name of the law of heat loss.
-
-    Returns
-    -------
-    list of str
-    """
+    """Lines about results that are unlikely, though possible within their uncertainty."""
     texts: list[str] = []
     tac, ratio = estimates["tac"], estimates["area_ratio"]
     if tac.value > POSSIBLE_TAC:
@@ -321,21 +231,7 @@ def result_warnings(estimates: dict[str, Estimate], reading: str) -> list[str]:
 
 
 def model_warnings(tac: float, reading: str, kinetic: float | None) -> list[str]:
-    """A line about the error of the paper's formulas, where they were used.
-
-    Parameters
-    ----------
-    tac : float
-        Fitted coefficient.
-    reading : str
-        Name of the law of heat loss.
-    kinetic : float or None
-        Coefficient that the same rows give by the kinetic equation, if another law was used.
-
-    Returns
-    -------
-    list of str
-    """
+    """A line about the error of the paper's formulas, where they were used."""
     if kinetic is None:
         return []
     return [

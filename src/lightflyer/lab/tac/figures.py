@@ -34,17 +34,7 @@ def _ordered(fit: "TacFit", most: int = _MOST_POINTS) -> np.ndarray:
 
 
 def effective_conductance(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
-    """Draw the conductance per effective area against pressure, with the fit.
-
-    Parameters
-    ----------
-    fits : sequence of TacFit
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw the conductance per effective area against pressure, with the fit."""
     _shade(fits[0], ax, with_offset=True)
     for number, fit in enumerate(fits):
         rows, style = _ordered(fit), _style(number)
@@ -83,17 +73,7 @@ def _shade(fit: "TacFit", ax: Axes, *, with_offset: bool) -> None:
 
 
 def gas_part(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
-    """Draw the conductance of the gas against pressure, with both limits for the first run.
-
-    Parameters
-    ----------
-    fits : sequence of TacFit
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw the conductance of the gas against pressure, with both limits for the first run."""
     first = fits[0]
     _shade(first, ax, with_offset=False)
     noise = first.scatter * float(np.median(first.conductance)) / first.area_ratio.value
@@ -147,18 +127,7 @@ def tac_figures(fits: "Sequence[TacFit]") -> dict[str, Figure]:
 
 
 def plot_tac(fit: "TacFit", ax: Axes | None = None) -> Figure:
-    """Draw one run.
-
-    Parameters
-    ----------
-    fit : TacFit
-    ax : matplotlib.axes.Axes, optional
-        Gets the conductance with its fit; by default a new figure has that of the gas too.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Draw one run."""
     if ax is None:
         return tac_figures([fit])["tac"]
     figure, ax = figure_for(ax)

@@ -28,24 +28,15 @@ _LEAST_SHARE = 1e-3  # of the gas's resistance, that walls leave of it
 
 @dataclass(frozen=True)
 class Limits:
-    r"""Conductances of the gas in its two limits, a column per row of a run.
+    r"""Conductances of the gas in its two limits, a column per row of a run."""
 
-    Attributes
-    ----------
-    free_molecular : array, shape (m,)
-        Free-molecular conductance at a coefficient of one [W/(m² K)].
-    log_continuum : array, shape (3, m)
-        Coefficients of the logarithm of the continuum conductance, in powers of :math:`\alpha`
-        within ``tac_range``.
-    slope : array, shape (m,)
-        :math:`d\ln h_\mathrm{cont}/d\ln p` [1].
-    tac_range : tuple of float
-        Coefficients for which the law knows the continuum conductance; beyond it is constant.
-    """
-
+    # shape (m,); free-molecular conductance at a coefficient of one [W/(m² K)]
     free_molecular: np.ndarray
+    # shape (3, m); coefficients of the logarithm of the continuum conductance, in powers of
+    # :math:`\alpha` within ``tac_range``
     log_continuum: np.ndarray
-    slope: np.ndarray
+    slope: np.ndarray  # shape (m,); :math:`d\ln h_\mathrm{cont}/d\ln p` [1]
+    # Coefficients for which the law knows the continuum conductance; beyond it is constant
     tac_range: tuple[float, float]
 
     def continuum(self, tac: float) -> np.ndarray:

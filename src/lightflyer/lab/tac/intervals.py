@@ -136,10 +136,8 @@ def _minimise_both(
 
 
 def _row_error(problem: Problem, scatter: float) -> float:
-    """Relative error of a row, so large that the mean over a decade keeps the law's own error [1].
-
-    Without it very many rows would seem to measure the gauge's error by the shape of the curve.
-    """
+    """Relative error of a row such that the mean over a decade keeps the law's own error [1]."""
+    # Without it very many rows would seem to measure the gauge's error by the shape of the curve.
     decades = max(float(np.log10(problem.pressure.max() / problem.pressure.min())), 1.0)
     per_decade = len(problem.pressure) / decades
     return max(float(np.hypot(scatter, LAW_ERROR * np.sqrt(per_decade))), _LEAST_SCATTER)
@@ -172,20 +170,7 @@ def _normal(result: Any, freedoms: Mapping[str, float]) -> dict[str, Estimate]:
 def positive_estimate(
     value: float, uncertainty: float, unit: str = "", freedom: float = math.inf
 ) -> Estimate:
-    """An estimate of a positive number, with an interval symmetric in its logarithm.
-
-    Parameters
-    ----------
-    value, uncertainty : float
-        Estimate and its standard uncertainty.
-    unit : str
-    freedom : float
-        Degrees of freedom of the uncertainty.
-
-    Returns
-    -------
-    Estimate
-    """
+    """An estimate of a positive number, with an interval symmetric in its logarithm."""
     factor = math.exp(min(student_factor(freedom) * uncertainty / value, _LARGEST_EXPONENT))
     return Estimate(value, (value / factor, value * factor), unit, uncertainty)
 

@@ -202,16 +202,7 @@ class _Gas:
 
 
 def first_guess(problem: Problem) -> tuple[float, float, float]:
-    """Best of many coefficients; area ratio and offset by linear least squares for each.
-
-    Parameters
-    ----------
-    problem : Problem
-
-    Returns
-    -------
-    tac, area_ratio, offset : float
-    """
+    """Best of many coefficients; area ratio and offset by linear least squares for each."""
     weight = problem.weight
     best, least = (1.0, 1.0, 0.0), np.inf
     for tac in _STARTS:
@@ -225,19 +216,7 @@ def first_guess(problem: Problem) -> tuple[float, float, float]:
 
 
 def require_distinct(problem: Problem, values: Sequence[float]) -> None:
-    """Raise unless the pressures determine all three parameters.
-
-    Parameters
-    ----------
-    problem : Problem
-    values : sequence of float
-        Parameters near the solution.
-
-    Raises
-    ------
-    ConfigurationError
-        If two of the parameters have nearly the same effect.
-    """
+    """Raise unless the pressures determine all three parameters."""
     jacobian = problem.held([0.0] * len(problem.errors.names)).jacobian(*values)
     scaled = jacobian / np.maximum(np.linalg.norm(jacobian, axis=1, keepdims=True), 1e-300)
     singular = np.sqrt(np.maximum(np.linalg.eigvalsh(scaled @ scaled.T), 0.0))
@@ -249,27 +228,7 @@ def require_distinct(problem: Problem, values: Sequence[float]) -> None:
 
 
 def minimise(problem: Problem, start: Sequence[float], *, scale: bool = True) -> tuple[Any, Any]:
-    """Minimise the sum of squares.
-
-    Parameters
-    ----------
-    problem : Problem
-    start : sequence of float
-    scale : bool
-        Whether the covariance is scaled by the residuals; otherwise they are in standard errors.
-
-    Returns
-    -------
-    minimizer : lmfit.Minimizer
-    result : lmfit.minimizer.MinimizerResult
-
-    Raises
-    ------
-    ConvergenceError
-        If there is no minimum.
-    MissingExtraError
-        If lmfit is not installed.
-    """
+    """Minimise the sum of squares; returns ``minimizer``, ``result``."""
     lmfit = import_lmfit()
     parameters = lmfit.Parameters()
     bounds = (TAC_BOUNDS, (0.0, np.inf), (-np.inf, np.inf))

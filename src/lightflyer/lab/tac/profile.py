@@ -22,30 +22,8 @@ def profile_interval(
     spread: float,
     distance: float,
 ) -> tuple[float, float]:
-    r"""Interval within which the sum of squares rises by less than a square.
-
-    Parameters
-    ----------
-    problem : Problem
-        Residuals in standard errors.
-    values : sequence of float
-        Unknowns at the minimum.
-    name : str
-        One of :data:`~lightflyer.lab.tac.problem.PARAMETERS`.
-    spread : float
-        Its standard uncertainty, for the first step.
-    distance : float
-        Square root of the rise at the interval's ends, such as Student's 95 % point.
-
-    Returns
-    -------
-    low, high : float
-        Infinite where no end is found within what is numerically sensible.
-
-    Notes
-    -----
-    The root of the rise is nearly linear in the parameter, so few minimisations are needed.
-    """
+    r"""Interval within which the sum of squares rises by less than a square."""
+    # The root of the rise is nearly linear in the parameter, so few minimisations are needed.
     profile = _Profile(problem, values, PARAMETERS.index(name))
     lowest, highest = _FURTHEST[name]
     return (

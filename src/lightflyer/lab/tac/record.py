@@ -33,39 +33,14 @@ def mean_tac(fits: Sequence[TacFit]) -> Estimate:
 
 
 def correlation_between_samples(fits: Sequence[TacFit]) -> float:
-    """Correlation of the coefficients' errors between two samples measured on one bench.
-
-    Parameters
-    ----------
-    fits : sequence of TacFit
-        Runs of one of the samples; those of the other are taken to be as good.
-
-    Returns
-    -------
-    float
-        Share of the mean's variance that comes from errors all runs have in common [1].
-    """
+    """Correlation of the coefficients' errors between two samples measured on one bench [1]."""
     common = float(np.mean([_common_part(fit, "tac") for fit in fits]))
     total = mean_tac(fits).uncertainty or 0.0
     return min((common / total) ** 2, 1.0) if total else 0.0
 
 
 def mean_of(fits: Sequence[TacFit], name: str) -> Estimate:
-    """Mean of one parameter over runs on one bench.
-
-    Parameters
-    ----------
-    fits : sequence of TacFit
-    name : str
-        One of :data:`~lightflyer.lab.tac.problem.PARAMETERS`.
-
-    Returns
-    -------
-    Estimate
-        The weighted mean by the statistical uncertainties, see
-        :func:`~lightflyer.lab.estimate.weighted_mean`. The instruments' errors are the same in all
-        runs, and no mean makes them smaller.
-    """
+    """Mean of one parameter over runs on one bench."""
     if len(fits) == 1:
         return fits[0].estimates()[name]
     common = float(np.mean([_common_part(fit, name) for fit in fits]))
@@ -76,16 +51,7 @@ def mean_of(fits: Sequence[TacFit], name: str) -> Estimate:
 
 
 def why_no_property(fits: Sequence[TacFit]) -> str | None:
-    """Why the coefficient cannot be that of a film, in one line; None if it can.
-
-    Parameters
-    ----------
-    fits : sequence of TacFit
-
-    Returns
-    -------
-    str or None
-    """
+    """Why the coefficient cannot be that of a film, in one line; None if it can."""
     for fit in fits:
         if fit.undetermined:
             return fit.undetermined
@@ -117,30 +83,12 @@ def _with_spread(estimate: Estimate) -> Estimate:
 
 
 def warnings_of(fits: Sequence[TacFit]) -> list[str]:
-    """Warnings of all runs; see :func:`~lightflyer.lab.record.joint_warnings`.
-
-    Parameters
-    ----------
-    fits : sequence of TacFit
-
-    Returns
-    -------
-    list of str
-    """
+    """Warnings of all runs; see :func:`~lightflyer.lab.record.joint_warnings`."""
     return joint_warnings([(fit.run.source, fit.warnings) for fit in fits])
 
 
 def summary(fits: Sequence[TacFit]) -> dict[str, Any]:
-    """One run, or the mean of several with each of them, as a JSON object.
-
-    Parameters
-    ----------
-    fits : sequence of TacFit
-
-    Returns
-    -------
-    dict
-    """
+    """One run, or the mean of several with each of them, as a JSON object."""
     related = {"correlation_between_samples": correlation_between_samples(fits)}
     if len(fits) == 1:
         return fits[0].summary() | related

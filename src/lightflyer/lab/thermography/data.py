@@ -137,16 +137,7 @@ class Readings:
 
 
 def columns_of(method: Method) -> tuple[Column, ...]:
-    """Columns of a table of readings, each with its standard uncertainty.
-
-    Parameters
-    ----------
-    method : Method
-
-    Returns
-    -------
-    tuple of Column
-    """
+    """Columns of a table of readings, each with its standard uncertainty."""
     readings = [
         Column(name, quantity, _ALIASES.get(name, ()))
         for name, quantity in zip(method.readings, method.quantities, strict=True)
@@ -289,18 +280,7 @@ def standard_uncertainties(
 
 
 def accuracy_warnings(method: Method, accuracy: float | None) -> tuple[str, ...]:
-    """What a reader must know of the accuracy of readings that state none.
-
-    Parameters
-    ----------
-    method : Method
-    accuracy : float or None
-        As for :func:`read_readings`.
-
-    Returns
-    -------
-    tuple of str
-    """
+    """What a reader must know of the accuracy of readings that state none."""
     if accuracy is not None:
         return ()
     if method == LIGHT:
@@ -316,20 +296,7 @@ def accuracy_warnings(method: Method, accuracy: float | None) -> tuple[str, ...]
 def with_accuracy(
     found: Mapping[str, Measured], accuracy: float | None = None
 ) -> dict[str, Measured]:
-    """Temperatures of an image's regions with the camera's accuracy.
-
-    Parameters
-    ----------
-    found : mapping of str to Measured
-        With the scatter of their pixels.
-    accuracy : float, optional
-        As for :func:`read_readings`.
-
-    Returns
-    -------
-    dict of str to Measured
-        With both.
-    """
+    """Temperatures of an image's regions with the camera's accuracy; with both."""
 
     def total(one: Measured) -> float:
         camera = float(standard_uncertainties(THERMAL, np.array(one.value), accuracy))

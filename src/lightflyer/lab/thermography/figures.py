@@ -23,19 +23,7 @@ _SPREAD = 0.3  # half the width over which rows are drawn
 
 
 def draw_property(result: "RadiativeProperties", name: str, ax: Axes) -> Axes:
-    """Draw a property of every row, and both intervals of its mean, on a scale of their own.
-
-    Parameters
-    ----------
-    result : RadiativeProperties
-    name : str
-        A key of ``result.first_order``.
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw a property of every row, and both intervals of its mean, on a scale of their own."""
     each = result.rows[list(result.first_order).index(name)]
     # side by side, so that equal rows stay apart
     spread = np.linspace(-_SPREAD, _SPREAD, each.size) if each.size > 1 else np.zeros(1)
@@ -62,16 +50,7 @@ def draw_property(result: "RadiativeProperties", name: str, ax: Axes) -> Axes:
 
 
 def plot_properties(result: "RadiativeProperties") -> Figure:
-    """Figure of the properties, each on a scale of its own.
-
-    Parameters
-    ----------
-    result : RadiativeProperties
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Figure of the properties, each on a scale of its own."""
     figure = new_figure(columns=len(result.first_order), width=_WIDTH)
     for name, ax in zip(result.first_order, figure.axes, strict=True):
         draw_property(result, name, ax)

@@ -140,17 +140,7 @@ class RadiativeProperties:
 
 
 def properties_of(readings: Readings) -> np.ndarray:
-    """Reflectance, transmittance and remainder of each row of readings.
-
-    Parameters
-    ----------
-    readings : Readings
-
-    Returns
-    -------
-    array, shape (3, n)
-        [1].
-    """
+    """Reflectance, transmittance and remainder of each row of readings [1], shape (3, n)."""
     scene = readings.scene
     extra = [scene.hotplate_emissivity.value]
     if scene.film_temperature is not None:

@@ -194,18 +194,7 @@ def _require_plausible(image: ThermalImage) -> None:
 
 
 def setting_warnings(image: ThermalImage, ambient: float) -> tuple[str, ...]:
-    """What the camera's setting of emissivity does to readings that are compared.
-
-    Parameters
-    ----------
-    image : ThermalImage
-    ambient : float
-        Temperature of the surroundings [K].
-
-    Returns
-    -------
-    tuple of str
-    """
+    """What the camera's setting of emissivity does to readings that are compared."""
     said = list(image.notes)
     one = image.emissivity
     if one is None:

@@ -13,16 +13,7 @@ _LARGEST = 6.0  # longer side of the axes [inch]
 
 
 def plot_image(image: "ThermalImage") -> Figure:
-    """Figure of the temperatures, row by row and column by column.
-
-    Parameters
-    ----------
-    image : ThermalImage
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Figure of the temperatures, row by row and column by column."""
     rows, columns = image.temperature.shape
     scale = _LARGEST / max(rows, columns)
     figure = new_figure(width=max(scale * columns, 2.5), height=max(scale * rows, 2.5))

@@ -58,28 +58,9 @@ def track_with_inertia(
     accuracy: Accuracy,
     inertia: Inertia,
 ) -> Track:
-    """Trajectory of one flyer that is released at rest in the air, as warm as the gas.
-
-    Parameters
-    ----------
-    craft, start, limits, elapsed, accuracy
-        As for :func:`lightflyer.mission.path.integration.track`.
-    inertia : Inertia
-
-    Returns
-    -------
-    Track
-
-    Raises
-    ------
-    ParameterError
-        If the flyer has unknowns beside its temperatures.
-
-    Notes
-    -----
-    The mass of gas that moves with the flyer is left out, and so are the turning of the flyer and
-    the acceleration of the air.
-    """
+    """Trajectory of one flyer that is released at rest in the air, as warm as the gas."""
+    # The mass of gas that moves with the flyer is left out, and so are the turning of the flyer and
+    # the acceleration of the air.
     if craft.setup.flyer.flows:
         raise ParameterError(
             f"{type(craft.setup.flyer).__name__} has flows of gas, whose inertia is not known"

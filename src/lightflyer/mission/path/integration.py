@@ -38,16 +38,9 @@ _EVENT_TOLERANCE = 1e-10  # of the conditions below, which are altitudes in ALTI
 
 
 class Start(eqx.Module):
-    """Where and when a flyer is released.
+    """Where and when a flyer is released."""
 
-    Attributes
-    ----------
-    altitude : array, shape (...)
-        [m].
-    place : Place
-    """
-
-    altitude: Numeric
+    altitude: Numeric  # [m]
     place: Place
 
 
@@ -79,16 +72,10 @@ class Track(eqx.Module):
 
 
 class Limits(eqx.Module):
-    """Altitudes between which a mission goes on.
+    """Altitudes between which a mission goes on."""
 
-    Attributes
-    ----------
-    lowest, highest : float
-        [m].
-    """
-
-    lowest: Numeric
-    highest: Numeric
+    lowest: Numeric  # [m]
+    highest: Numeric  # [m]
 
     def inside(self, altitude: Array) -> Array:
         """The nearest altitude that the environment knows [m]."""
@@ -96,64 +83,27 @@ class Limits(eqx.Module):
 
 
 class Accuracy(eqx.Module):
-    """How a trajectory is integrated.
+    """How a trajectory is integrated."""
 
-    Attributes
-    ----------
-    steps : int
-        Limit of their number.
-    tolerance : float
-        Error of a step; see :data:`TOLERANCE`.
-    longest : float
-        Step that is not exceeded; see :data:`LONGEST_STEP`.
-    """
-
-    steps: int = eqx.field(static=True)
+    steps: int = eqx.field(static=True)  # Limit of their number
+    # Error of a step; see :data:`TOLERANCE`
     tolerance: float = eqx.field(static=True, default=TOLERANCE)
+    # Step that is not exceeded; see :data:`LONGEST_STEP`
     longest: float = eqx.field(static=True, default=LONGEST_STEP)
 
     @classmethod
     def lasting(
         cls, duration: float, tolerance: float = TOLERANCE, longest: float = LONGEST_STEP
     ) -> "Accuracy":
-        """For a mission of some duration.
-
-        Parameters
-        ----------
-        duration : float
-            [s].
-        tolerance, longest : float
-
-        Returns
-        -------
-        Accuracy
-        """
+        """For a mission of some duration."""
         steps = duration / _SECONDS_AN_HOUR * _STEPS_AN_HOUR + 2.0 * duration / longest
         return cls(max(_FEWEST_STEPS, math.ceil(steps)), tolerance, longest)
 
 
 def track(craft: Craft, start: Start, limits: Limits, elapsed: Array, accuracy: Accuracy) -> Track:
-    """Trajectory of one flyer in balance at each moment.
-
-    Parameters
-    ----------
-    craft : Craft
-    start : Start
-        Numbers are scalars.
-    limits : Limits
-    elapsed : array, shape (times,)
-        Times since the release to keep [s], increasing, the first zero; the last is the end.
-    accuracy : Accuracy
-
-    Returns
-    -------
-    Track
-
-    Notes
-    -----
-    Differentiable in every number of craft and start, backwards; see
-    :func:`lightflyer.mission.trajectory`.
-    """
+    """Trajectory of one flyer in balance at each moment; ``elapsed`` (times,)."""
+    # Differentiable in every number of craft and start, backwards; see
+    # :func:`lightflyer.mission.trajectory`.
 
     def rate(time: Any, flown: Array, _: Any) -> Array:
         return steady_rate(craft, start, limits, time, flown)
@@ -175,22 +125,7 @@ def track(craft: Craft, start: Start, limits: Limits, elapsed: Array, accuracy: 
 
 
 def steady_rate(craft: Craft, start: Start, limits: Limits, elapsed: Any, flown: Array) -> Array:
-    """Rate of a scaled state at which heat and forces are in balance.
-
-    Parameters
-    ----------
-    craft, start, limits
-        As for :func:`track`.
-    elapsed : array, shape ()
-        Since the release [s].
-    flown : array, shape (4,)
-        Unit vector, and the altitude in :data:`ALTITUDE_SCALE`.
-
-    Returns
-    -------
-    array, shape (4,)
-        [1/s].
-    """
+    """Rate of a scaled state at which heat and forces are in balance [1/s], shape (4,)."""
     altitude, place = where(start, flown, elapsed)
     around = craft.surroundings(limits.inside(altitude), place, elapsed)
     unknowns = craft.heat(around).unknowns
@@ -199,18 +134,7 @@ def steady_rate(craft: Craft, start: Start, limits: Limits, elapsed: Any, flown:
 
 
 def controller(accuracy: Accuracy, shortest: float = _SHORTEST_STEP) -> diffrax.PIDController:
-    """Controller of the steps' length.
-
-    Parameters
-    ----------
-    accuracy : Accuracy
-    shortest : float
-        Step [s] below which the integration is given up.
-
-    Returns
-    -------
-    diffrax.PIDController
-    """
+    """Controller of the steps' length."""
     return diffrax.PIDController(
         rtol=0.0,
         atol=accuracy.tolerance,
@@ -229,43 +153,13 @@ def scaled(start: Start) -> Array:
 
 
 def where(start: Start, flown: Array, elapsed: Array) -> tuple[Array, Place]:
-    """Altitude and place of a scaled state.
-
-    Parameters
-    ----------
-    start : Start
-    flown : array, shape (4, ...)
-        Unit vector, and the altitude in :data:`ALTITUDE_SCALE`.
-    elapsed : array, shape ()
-        Since the release [s].
-
-    Returns
-    -------
-    altitude : array, shape ()
-        [m].
-    place : Place
-    """
+    """Altitude and place of a scaled state; returns ``altitude`` [m], ``place``."""
     latitude, longitude = latitude_and_longitude(flown[:3])
     return flown[3] * ALTITUDE_SCALE, Place(latitude, longitude, start.place.time + elapsed)
 
 
 def rate_of(moving: Wind, place: Place, altitude: Array, planet: Planet) -> Array:
-    """Rate of a scaled state.
-
-    Parameters
-    ----------
-    moving : Wind
-        Velocity over ground [m/s].
-    place : Place
-    altitude : array, shape ()
-        [m].
-    planet : Planet
-
-    Returns
-    -------
-    array, shape (4,)
-        Of the normal on the ellipsoid, and of the altitude in :data:`ALTITUDE_SCALE` [1/s].
-    """
+    """Rate of a scaled state [1/s], shape (4,); ``moving``: velocity over ground."""
     to_east, to_north = directions(place.latitude, place.longitude)
     along = moving.north / (planet.curvature_radius(place.latitude, 0.0) + altitude)
     across = moving.east / (planet.curvature_radius(place.latitude, 0.5 * jnp.pi) + altitude)

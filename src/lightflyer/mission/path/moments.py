@@ -17,16 +17,9 @@ from lightflyer.program.entry_point import entry_point
 
 
 class Variable(NamedTuple):
-    """Unit and description of a result over time.
+    """Unit and description of a result over time."""
 
-    Attributes
-    ----------
-    unit : str
-        As datasets write it.
-    long_name : str
-    """
-
-    unit: str
+    unit: str  # As datasets write it
     long_name: str
 
 
@@ -66,38 +59,16 @@ _DEGREES = 180.0 / np.pi
 
 
 class Course(eqx.Module):
-    """Where a flyer is over time.
+    """Where a flyer is over time."""
 
-    Attributes
-    ----------
-    elapsed : array, shape (times,)
-        Since the release [s].
-    altitude : array, shape (times,)
-        [m].
-    position : array, shape (times, 3)
-        Unit vector in the planet's frame.
-    released : array, shape ()
-        Time of the release [s].
-    """
-
-    elapsed: Numeric
-    altitude: Numeric
-    position: Numeric
-    released: Numeric
+    elapsed: Numeric  # shape (times,); since the release [s]
+    altitude: Numeric  # shape (times,); [m]
+    position: Numeric  # shape (times, 3); unit vector in the planet's frame
+    released: Numeric  # Time of the release [s]
 
 
 def node_variables(nodes: tuple[str, ...]) -> dict[str, Variable]:
-    """Temperatures of the parts of a flyer of several.
-
-    Parameters
-    ----------
-    nodes : tuple of str
-
-    Returns
-    -------
-    dict of str to Variable
-        Empty for a flyer of one temperature.
-    """
+    """Temperatures of the parts of a flyer of several; empty for a flyer of one temperature."""
     if len(nodes) == 1:
         return {}
     return {
@@ -108,20 +79,7 @@ def node_variables(nodes: tuple[str, ...]) -> dict[str, Variable]:
 
 @entry_point
 def moments(craft: Craft, course: Course) -> dict[str, Any]:
-    """Results over time of a flyer in balance at each moment.
-
-    Parameters
-    ----------
-    craft : Craft
-    course : Course
-        Within the range of the environment.
-
-    Returns
-    -------
-    dict of str to array, shape (times,)
-        :data:`VARIABLES`, those of :func:`node_variables`, and ``residual``, the imbalance of heat
-        over the absorbed power [1].
-    """
+    """Results over time of a flyer in balance at each moment [1], shape (times,)."""
 
     def at(elapsed: Array, altitude: Array, position: Array) -> dict[str, Any]:
         return _moment(craft, course.released, elapsed, altitude, position)

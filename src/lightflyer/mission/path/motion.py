@@ -41,54 +41,29 @@ _SLOWEST, _FASTEST = 1e-4, 10.0
 
 
 class Surroundings(eqx.Module):
-    """A flyer as it lies at one moment, and what is around it.
+    """A flyer as it lies at one moment, and what is around it."""
 
-    Attributes
-    ----------
-    flyer : AbstractFlyer
-        With its attitude of the moment.
-    state : EnvironmentState
-    wind : Wind
-        With its error, if one is assumed [m/s].
-    """
-
-    flyer: AbstractFlyer
+    flyer: AbstractFlyer  # With its attitude of the moment
     state: EnvironmentState
-    wind: Wind
+    wind: Wind  # With its error, if one is assumed [m/s]
 
 
 class Forces(eqx.Module):
-    """Forces on a flyer.
+    """Forces on a flyer."""
 
-    Attributes
-    ----------
-    axial, slope : array, shape (...)
-        Force that drag has to balance, along the normal of the top face and down its slope [N].
-    lift : array, shape (...)
-        Vertical force of the gas on the flyer at rest, with buoyancy [N].
-    weight : array, shape (...)
-        [N].
-    """
-
+    # Force that drag has to balance, along the normal of the top face and down its slope [N]
     axial: Array
     slope: Array
-    lift: Array
-    weight: Array
+    lift: Array  # Vertical force of the gas on the flyer at rest, with buoyancy [N]
+    weight: Array  # [N]
 
 
 class Craft(eqx.Module):
-    """What flies, where, and by which rule it lies.
-
-    Attributes
-    ----------
-    setup : Setup
-    rule : AbstractAttitudeRule
-    wind_error : WindError or None
-        By how much the wind differs from the environment's; None for not at all.
-    """
+    """What flies, where, and by which rule it lies."""
 
     setup: Setup
     rule: AbstractAttitudeRule
+    # By how much the wind differs from the environment's; None for not at all
     wind_error: WindError | None = None
 
     @property
@@ -97,20 +72,7 @@ class Craft(eqx.Module):
         return planet_of(self.setup.environment)
 
     def surroundings(self, altitude: Numeric, place: Place, elapsed: Numeric) -> Surroundings:
-        """What surrounds the flyer, and how it lies there.
-
-        Parameters
-        ----------
-        altitude : array, shape (...)
-            [m].
-        place : Place
-        elapsed : array, shape (...)
-            Time since the release [s].
-
-        Returns
-        -------
-        Surroundings
-        """
+        """What surrounds the flyer, and how it lies there; ``elapsed``: time since the release."""
         state = self.setup.environment.state(altitude, place)
         flyer = self.setup.flyer
         attitude = self.rule.attitude(state.radiation, flyer.attitude)
@@ -120,31 +82,11 @@ class Craft(eqx.Module):
         return Surroundings(_lying(flyer, attitude), state, wind)
 
     def heat(self, around: Surroundings) -> Equilibrium:
-        """Heat balance in some surroundings.
-
-        Parameters
-        ----------
-        around : Surroundings
-
-        Returns
-        -------
-        Equilibrium
-        """
+        """Heat balance in some surroundings."""
         return equilibrium(around.flyer, around.state, self.setup.model, throw=False)
 
     def forces(self, around: Surroundings, unknowns: tuple[Array, ...]) -> Forces:
-        """Forces in some surroundings.
-
-        Parameters
-        ----------
-        around : Surroundings
-        unknowns : tuple of array, shape (...)
-            Relative temperature excess of each node [1], then the flyer's flows.
-
-        Returns
-        -------
-        Forces
-        """
+        """Forces in some surroundings."""
         flyer, state = around.flyer, around.state
         force = self.setup.model.force(flyer, state, unknowns)
         buoyancy = flyer.buoyancy(state, unknowns)
@@ -166,20 +108,7 @@ def _lying(flyer: AbstractFlyer, attitude: Attitude | None) -> AbstractFlyer:
 def steady_speeds(
     around: Surroundings, forces: Forces, unknowns: tuple[Array, ...]
 ) -> tuple[Array, Array]:
-    """Speeds through the air at which drag balances the other forces.
-
-    Parameters
-    ----------
-    around : Surroundings
-    forces : Forces
-    unknowns : tuple of array, shape (...)
-        As for :meth:`Craft.forces`.
-
-    Returns
-    -------
-    axial, slope : array, shape (...)
-        Along the normal of the top face and down its slope [m/s].
-    """
+    """Speeds through the air at which drag balances the other forces [m/s]."""
     flyer, state = around.flyer, around.state
     axial = _speed(lambda speed: flyer.drag(state, unknowns, speed, "broadside"), forces.axial)
     if flyer.attitude is None:
@@ -189,19 +118,7 @@ def steady_speeds(
 
 
 def velocity(around: Surroundings, axial: Array, slope: Array) -> Wind:
-    """Velocity over ground of a flyer that moves through the air.
-
-    Parameters
-    ----------
-    around : Surroundings
-    axial, slope : array, shape (...)
-        Speeds through the air along the normal of the top face and down its slope [m/s].
-
-    Returns
-    -------
-    Wind
-        East, north and up [m/s].
-    """
+    """Velocity over ground of a flyer that moves through the air [m/s]; east, north and up."""
     wind, attitude = around.wind, around.flyer.attitude
     if attitude is None:
         return Wind(wind.east, wind.north, wind.up + axial)
@@ -237,21 +154,7 @@ def _speed(drag: Callable[[Array], Array], force: Array) -> Array:
 
 
 def planet_of(environment: AbstractEnvironment) -> Planet:
-    """The planet that an environment is on.
-
-    Parameters
-    ----------
-    environment : AbstractEnvironment
-
-    Returns
-    -------
-    Planet
-
-    Raises
-    ------
-    ParameterError
-        If it is on none.
-    """
+    """The planet that an environment is on."""
     planet = environment.planet
     if planet is None:
         raise ParameterError(

@@ -16,30 +16,14 @@ _SMALLEST = sys.float_info.min
 
 
 class Directions(NamedTuple):
-    """Local directions as unit vectors in the planet's frame.
+    """Local directions as unit vectors in the planet's frame."""
 
-    Attributes
-    ----------
-    east, north : array, shape (..., 3)
-        At a pole those of the meridian of longitude 0.
-    """
-
-    east: Array
+    east: Array  # shape (..., 3); at a pole those of the meridian of longitude 0
     north: Array
 
 
 def unit_vector(latitude: Numeric, longitude: Numeric) -> Array:
-    """Unit vector of a place.
-
-    Parameters
-    ----------
-    latitude, longitude : array, shape (...)
-        [rad].
-
-    Returns
-    -------
-    array, shape (..., 3)
-    """
+    """Unit vector of a place, shape (..., 3)."""
     across = jnp.cos(latitude)
     return jnp.stack(
         jnp.broadcast_arrays(
@@ -50,18 +34,7 @@ def unit_vector(latitude: Numeric, longitude: Numeric) -> Array:
 
 
 def latitude_and_longitude(position: Any) -> tuple[Array, Array]:
-    """Place of a unit vector.
-
-    Parameters
-    ----------
-    position : array, shape (..., 3)
-        Its length does not matter.
-
-    Returns
-    -------
-    latitude, longitude : array, shape (...)
-        [rad]; the longitude of a pole is 0.
-    """
+    """Place of a unit vector [rad]; ``position`` (..., 3); the longitude of a pole is 0."""
     x, y, z = position[..., 0], position[..., 1], position[..., 2]
     square = x**2 + y**2
     at_pole = square <= _SMALLEST
@@ -72,17 +45,7 @@ def latitude_and_longitude(position: Any) -> tuple[Array, Array]:
 
 
 def directions(latitude: Numeric, longitude: Numeric) -> Directions:
-    """East and north at a place.
-
-    Parameters
-    ----------
-    latitude, longitude : array, shape (...)
-        [rad].
-
-    Returns
-    -------
-    Directions
-    """
+    """East and north at a place."""
     sine, cosine = jnp.sin(longitude), jnp.cos(longitude)
     up, across = jnp.sin(latitude), jnp.cos(latitude)
     east = jnp.broadcast_arrays(-sine, cosine, 0.0 * sine)

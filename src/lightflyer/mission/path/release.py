@@ -61,23 +61,7 @@ class Release(Checked):
 def limits_of(
     environment: AbstractEnvironment, lowest: float | None, highest: float | None
 ) -> Limits:
-    """Altitudes between which a mission goes on.
-
-    Parameters
-    ----------
-    environment : AbstractEnvironment
-    lowest, highest : float, optional
-        [m]; by default the ends of the environment.
-
-    Returns
-    -------
-    Limits
-
-    Raises
-    ------
-    ParameterError
-        If the environment knows no altitudes, or not these.
-    """
+    """Altitudes between which a mission goes on."""
     where = environment.coordinate
     if where.name != "altitude":
         raise ParameterError(f"a mission needs an environment over altitude, not over {where.name}")
@@ -95,17 +79,7 @@ def limits_of(
 
 
 def require_release_inside(release: Release, limits: Limits) -> None:
-    """Raise unless a flyer is released between the limits of the mission.
-
-    Parameters
-    ----------
-    release : Release
-    limits : Limits
-
-    Raises
-    ------
-    ParameterError
-    """
+    """Raise unless a flyer is released between the limits of the mission."""
     altitude = float(release.altitude)
     for beyond, what, end in (
         (altitude <= limits.lowest, "at or below the lowest", limits.lowest),

@@ -213,19 +213,8 @@ def modes_of(body: _Body, rod: float, string: float, payload_drag: float) -> np.
 
 
 def longest_rod(body: _Body) -> float:
-    r"""Longest rod that is stable by Routh's criterion, without string and drag of the payload.
-
-    .. math:: k_r(M k_r + I_d k_e + m_p\ell^2k_e) > (M I_d + m_d m_p\ell^2)\,m_p g\,\ell
-
-    Parameters
-    ----------
-    body : _Body
-
-    Returns
-    -------
-    float
-        [m].
-    """
+    r"""Longest rod that is stable by Routh's criterion, without string and drag of the payload."""
+    # .. math:: k_r(M k_r + I_d k_e + m_p\ell^2k_e) > (M I_d + m_d m_p\ell^2)\,m_p g\,\ell
     total, payload = body.own_mass + body.payload, body.payload
     heavy = payload * body.gravity
     turning, edgewise = body.turning_drag, body.edgewise_drag

@@ -19,34 +19,16 @@ _WAVES = 6
 
 
 class WindError(eqx.Module):
-    """Difference of the wind from the environment's, along one flight.
+    """Difference of the wind from the environment's, along one flight."""
 
-    Attributes
-    ----------
-    frequencies : array, shape (waves,)
-        [rad/s].
-    cosines, sines : array, shape (4, waves)
-        Amplitudes of the components along the axes of the planet's frame, and up [m/s].
-    """
-
-    frequencies: Numeric
+    frequencies: Numeric  # shape (waves,); [rad/s]
+    # shape (4, waves); amplitudes of the components along the axes of the planet's frame, and up
+    # [m/s]
     cosines: Numeric
     sines: Numeric
 
     def added(self, wind: Wind, place: Place, elapsed: Numeric) -> Wind:
-        """A wind with this error.
-
-        Parameters
-        ----------
-        wind : Wind
-        place : Place
-        elapsed : array, shape ()
-            Time since the release [s].
-
-        Returns
-        -------
-        Wind
-        """
+        """A wind with this error; ``elapsed``: time since the release."""
         phases = self.frequencies * elapsed
         waves = self.cosines * jnp.cos(phases) + self.sines * jnp.sin(phases)
         *along, up = jnp.sum(waves, axis=-1)
@@ -62,22 +44,7 @@ class WindError(eqx.Module):
 def draw_wind_errors(
     count: int, horizontal: float, vertical: float, correlation_time: float, seed: int
 ) -> WindError:
-    """Random errors of the wind, one for each flight.
-
-    Parameters
-    ----------
-    count : int
-    horizontal, vertical : float
-        Standard uncertainty of each horizontal component and of the vertical one [m/s].
-    correlation_time : float
-        [s]; infinite for an error that stays as it is.
-    seed : int
-
-    Returns
-    -------
-    WindError
-        Every field with a leading axis of length ``count``.
-    """
+    """Random errors of the wind, one for each flight."""
     generator = np.random.default_rng(seed)
     spread = np.array([horizontal] * 3 + [vertical])[:, None] / _WAVES**0.5
     return WindError(

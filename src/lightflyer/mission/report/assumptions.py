@@ -17,17 +17,7 @@ _SECONDS_AN_HOUR = 3600.0
 
 
 def described(part: Any) -> str:
-    """Class of an object and its numbers, such as a force model's.
-
-    Parameters
-    ----------
-    part : equinox.Module
-
-    Returns
-    -------
-    str
-        Tables are left out.
-    """
+    """Class of an object and its numbers, such as a force model's; tables are left out."""
     told = []
     for field in fields(part):
         value = getattr(part, field.name)
@@ -52,19 +42,7 @@ def assumptions_of(
     ensemble: Ensemble | None,
     inertia: Inertia | None,
 ) -> tuple[str, ...]:
-    """What is assumed, in short texts with units.
-
-    Parameters
-    ----------
-    setup : Setup
-    rule : AbstractAttitudeRule
-    ensemble : Ensemble or None
-    inertia : Inertia or None
-
-    Returns
-    -------
-    tuple of str
-    """
+    """What is assumed, in short texts with units."""
     environment = setup.environment
     wind = getattr(environment, "wind", None)
     told = [f"force model: {described(setup.model)}", *_of_light(environment)]

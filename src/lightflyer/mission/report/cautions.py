@@ -14,21 +14,7 @@ _AT_A_POLE = 0.5 * np.pi - 1e-3  # radians of latitude; a few kilometres around 
 
 
 def cautions_along(craft: Craft, place: Place, values: dict[str, Any]) -> tuple[str, ...]:
-    """Cautions about a flyer along its way.
-
-    Parameters
-    ----------
-    craft : Craft
-    place : Place
-        Where and when the flyer is, fields of shape (times,).
-    values : dict of str to array, shape (times,)
-        ``altitude``, and the results of :func:`lightflyer.mission.path.moments.moments`.
-
-    Returns
-    -------
-    tuple of str
-        One line each.
-    """
+    """Cautions about a flyer along its way; ``values`` (times,); one line each."""
     setup = craft.setup
     state = setup.environment.state(values["altitude"], place)
     flyer, temperature, slope = setup.flyer, values["temperature"], values["slope_speed"]
@@ -57,20 +43,7 @@ def _of_light(environment: AbstractEnvironment, irradiance: np.ndarray) -> tuple
 def why_ended(
     end: MissionEnd, environment: AbstractEnvironment, altitude: float, place: Place
 ) -> str:
-    """Why a mission ended, in words.
-
-    Parameters
-    ----------
-    end : MissionEnd
-    environment : AbstractEnvironment
-    altitude : float
-        [m].
-    place : Place
-
-    Returns
-    -------
-    str
-    """
+    """Why a mission ended, in words."""
     if end is MissionEnd.STEP_LIMIT and abs(float(place.latitude)) > _AT_A_POLE:
         return f"{end.describe()} at a pole, where its wind has no direction"
     if end is not MissionEnd.NO_DATA:

@@ -40,37 +40,16 @@ ENDS = {
 
 @dataclass(frozen=True)
 class Several:
-    """Flights along a dimension of the dataset.
+    """Flights along a dimension of the dataset."""
 
-    Attributes
-    ----------
-    prefix : str
-        Of the names of its variables.
-    dimension : str
-    labels : dict of str to (array, Variable)
-        Coordinates along the dimension.
-    track : Track
-        Fields have a leading axis.
-    """
-
-    prefix: str
+    prefix: str  # Of the names of its variables
     dimension: str
-    labels: dict[str, tuple[np.ndarray, Variable]]
-    track: Track
+    labels: dict[str, tuple[np.ndarray, Variable]]  # Coordinates along the dimension
+    track: Track  # Fields have a leading axis
 
 
 def degrees_of(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Latitude and longitude of unit vectors.
-
-    Parameters
-    ----------
-    position : array, shape (..., 3)
-
-    Returns
-    -------
-    latitude, longitude : array, shape (...)
-        [deg]; NaN after the end of a flight.
-    """
+    """Latitude and longitude of unit vectors [deg]; ``position`` (..., 3)."""
     known = np.isfinite(position).all(axis=-1)
     safe = np.where(known[..., None], position, [1.0, 0.0, 0.0])
     places = _places_of(safe)
@@ -85,25 +64,7 @@ def dataset_of(
     values: dict[str, np.ndarray],
     variables: dict[str, Variable],
 ) -> "xr.Dataset":
-    """A flight over time.
-
-    Parameters
-    ----------
-    elapsed : array, shape (times,)
-        [s].
-    released : float
-        Time of the release [s since 2000-01-01 12:00 UTC].
-    track : Track
-    values : dict of str to array, shape (times,)
-        NaN after the end.
-    variables : dict of str to Variable
-        Units and descriptions of the values.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over :data:`ELAPSED`, with the date as a further coordinate ``time``.
-    """
+    """A flight over time; ``elapsed`` (times,); ``released`` [s since 2000-01-01 12:00 UTC]."""
     import xarray as xr
 
     places = {**_places(track), **values}
@@ -121,13 +82,7 @@ def dataset_of(
 
 
 def add_several(dataset: "xr.Dataset", several: Several) -> None:
-    """Add the tracks and ends of further flights.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-    several : Several
-    """
+    """Add the tracks and ends of further flights."""
     size = len(several.track.end_altitude)
     dataset.coords[several.dimension] = (several.dimension, np.arange(size))
     for name, (label, variable) in several.labels.items():
@@ -141,13 +96,7 @@ def add_several(dataset: "xr.Dataset", several: Several) -> None:
 
 
 def add_survival(dataset: "xr.Dataset", several: Several) -> None:
-    """Add the share of an ensemble that still flies.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-    several : Several
-    """
+    """Add the share of an ensemble that still flies."""
     flying = np.isfinite(several.track.altitude).mean(axis=0)
     about = {"units": "1", "long_name": "share of the ensemble that is still flying"}
     dataset[several.prefix + "flying"] = (ELAPSED, flying, about)

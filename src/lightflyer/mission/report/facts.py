@@ -69,34 +69,12 @@ def facts_of(dataset: "xr.Dataset") -> dict[str, Any]:
 
 
 def date_after(dataset: "xr.Dataset", elapsed: float) -> str:
-    """Date some time after the release, in words.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-    elapsed : float
-        [s].
-
-    Returns
-    -------
-    str
-    """
+    """Date some time after the release, in words."""
     return written(seconds_of(dataset.time.values[0]) + elapsed)
 
 
 def day_and_night(dataset: "xr.Dataset") -> list[tuple[float, float, bool]]:
-    """Spans of light and of darkness.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-
-    Returns
-    -------
-    list of (float, float, bool)
-        Begin and end of each [s after the release], and whether it is day: more than half of the
-        strongest light of the mission.
-    """
+    """Spans of light and of darkness [s after the release]."""
     light = dataset.irradiance.values
     known = np.isfinite(light)
     elapsed, light = dataset[ELAPSED].values[known], light[known]

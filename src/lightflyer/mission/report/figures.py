@@ -45,18 +45,7 @@ _FLATTEST = 0.2  # cosine of the latitude beyond which a map is not stretched fu
 
 
 def mission_figures(dataset: "xr.Dataset") -> dict[str, Figure]:
-    """Figures of a mission.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From :func:`lightflyer.fly`.
-
-    Returns
-    -------
-    dict of str to matplotlib.figure.Figure
-        By file name without ending.
-    """
+    """Figures of a mission; by file name without ending."""
     figures = {
         "altitude": _altitude(dataset),
         "ground_track": _ground_track(dataset),
@@ -70,18 +59,7 @@ def mission_figures(dataset: "xr.Dataset") -> dict[str, Figure]:
 
 
 def plot_spread(dataset: "xr.Dataset") -> Figure:
-    """Shares of a swarm that still fly, and that are inside areas, over time.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From :func:`lightflyer.spread`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        With the 95 % intervals.
-    """
+    """Shares of a swarm that still fly, and that are inside areas, over time."""
     figure = new_figure(width=8.0)
     (axes,) = figure.axes
     shares = {"still flying": [dataset["flying" + end].values for end in _ENDS]}

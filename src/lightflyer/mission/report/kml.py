@@ -15,18 +15,8 @@ _MOST_MEMBERS = 200
 
 
 def write_kml(dataset: "xr.Dataset", path: Path) -> None:
-    """Write a mission as KML: the track with its times, release and end, and an ensemble's tracks.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From :func:`lightflyer.fly`.
-    path : Path
-
-    References
-    ----------
-    [OGC07147]_.
-    """
+    """Write a mission as KML: timed track, release and end, and an ensemble's tracks."""
+    # Source: [OGC07147]_.
     ET.register_namespace("", _KML)
     ET.register_namespace("gx", _EXTENSION)
     root = ET.Element(_name("kml"))

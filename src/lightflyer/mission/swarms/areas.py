@@ -143,14 +143,5 @@ def _described(latitude: float, longitude: float) -> str:
 
 
 def describe_all(areas: Sequence[AbstractArea]) -> list[str]:
-    """Areas in words.
-
-    Parameters
-    ----------
-    areas : sequence of AbstractArea
-
-    Returns
-    -------
-    list of str
-    """
+    """Areas in words."""
     return [area.describe() for area in areas]

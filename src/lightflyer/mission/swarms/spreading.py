@@ -55,31 +55,17 @@ _STUDY = "spread.json"
 
 
 class Counts(NamedTuple):
-    """Sums over members, which is all that is kept of them.
+    """Sums over members, which is all that is kept of them."""
 
-    Attributes
-    ----------
-    flying : array, shape (times,)
-        Members that still fly.
-    inside : array, shape (areas, times)
-        Those of them inside each area.
-    moved : array, shape (times, 3)
-        Sum of the differences of their unit vectors from that of the release.
-    moved_squared : array, shape (times,)
-        Sum of the squares of these.
-    climbed, climbed_squared : array, shape (times,)
-        Sums of their altitudes above the release's [m], and of the squares [m²].
-    ends : array, shape (reasons,)
-        Members by what ended their flight.
-    """
-
-    flying: np.ndarray
-    inside: np.ndarray
+    flying: np.ndarray  # shape (times,); members that still fly
+    inside: np.ndarray  # shape (areas, times); those of them inside each area
+    # shape (times, 3); sum of the differences of their unit vectors from that of the release
     moved: np.ndarray
-    moved_squared: np.ndarray
+    moved_squared: np.ndarray  # shape (times,); sum of the squares of these
+    # shape (times,); sums of their altitudes above the release's [m], and of the squares [m²]
     climbed: np.ndarray
     climbed_squared: np.ndarray
-    ends: np.ndarray
+    ends: np.ndarray  # shape (reasons,); members by what ended their flight
 
 
 @dataclass(frozen=True)
@@ -402,22 +388,7 @@ def _add_shares(
 def binomial_interval(
     counts: np.ndarray, trials: int, confidence: float = CONFIDENCE
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Interval of a share that was counted, by Clopper and Pearson.
-
-    Parameters
-    ----------
-    counts : int array, shape (...)
-    trials : int
-    confidence : float
-
-    Returns
-    -------
-    low, high : array, shape (...)
-        The interval covers the true share at least so often.
-
-    References
-    ----------
-    [ClopperPearson1934]_.
+    """Interval of a share that was counted, by Clopper and Pearson; [ClopperPearson1934]_.
 
     Examples
     --------

@@ -23,26 +23,14 @@ _NO_HEIGHT = re.compile(
 
 @dataclass(frozen=True)
 class Channel:
-    """A channel of a file, not read yet.
-
-    Attributes
-    ----------
-    name : str
-    unit : str
-        Of its values; empty where the file does not state it.
-    shape : (int, int)
-        Rows and columns.
-    width, length : float
-        Size along the rows and along the columns [m].
-    read : callable
-        Returns the heights [m], shape (rows, columns), NaN where the instrument has none.
-    """
+    """A channel of a file, not read yet."""
 
     name: str
-    unit: str
-    shape: tuple[int, int]
-    width: float
+    unit: str  # Of its values; empty where the file does not state it
+    shape: tuple[int, int]  # Rows and columns
+    width: float  # Size along the rows and along the columns [m]
     length: float
+    # Returns the heights [m], shape (rows, columns), NaN where the instrument has none
     read: Callable[[], np.ndarray]
 
     @property
@@ -57,16 +45,7 @@ class Channel:
 
 
 def metres(unit: str) -> float | None:
-    """A unit of length in metres.
-
-    Parameters
-    ----------
-    unit : str
-
-    Returns
-    -------
-    float or None
-        None if it is not a length.
+    """A unit of length in metres; none if it is not a length.
 
     Examples
     --------
@@ -80,27 +59,7 @@ def metres(unit: str) -> float | None:
 
 
 def chosen(path: Path, channels: Sequence[Channel], wanted: str | None) -> tuple[Channel, str]:
-    """The named channel, or the first with heights.
-
-    Parameters
-    ----------
-    path : Path
-        For messages.
-    channels : sequence of Channel
-    wanted : str or None
-        Name of a channel.
-
-    Returns
-    -------
-    channel : Channel
-    note : str
-        That the file has other heights too, or nothing.
-
-    Raises
-    ------
-    ConfigurationError
-        One line that lists the channels.
-    """
+    """The named channel, or the first with heights; returns ``channel``, ``note``."""
     named = _with_different_names(channels)
     listed = ", ".join(one.description for one in named)
     if wanted is not None:

@@ -14,23 +14,7 @@ _ITEM_SIZES = {"b": 1, "c": 1, "i": 4, "q": 8, "d": 8}  # of Gwyddion's types
 
 
 def read_channels(path: Path, content: bytes) -> list[Channel]:
-    """Channels of a Gwyddion file.
-
-    Parameters
-    ----------
-    path : Path
-        For messages.
-    content : bytes
-
-    Returns
-    -------
-    list of Channel
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names the file.
-    """
+    """Channels of a Gwyddion file; ``path``: for messages."""
     gwyfile = extra("gwyfile", "reading .gwy files", "lab")
     util = extra("gwyfile.util", "reading .gwy files", "lab")
     if content[:4] != b"GWYP":
@@ -63,10 +47,8 @@ def _channel(name: str, field: Any) -> Channel:
 
 
 def _require_sound(content: bytes, start: int) -> int:
-    """End of an object of a Gwyddion file; ValueError if its parts do not fit its size.
-
-    gwyfile does not return from some damaged files.
-    """
+    """End of an object of a Gwyddion file; ValueError if its parts do not fit its size."""
+    # gwyfile does not return from some damaged files.
     start = content.index(b"\0", start) + 1
     end = start + 4 + int.from_bytes(content[start : start + 4], "little")
     start += 4

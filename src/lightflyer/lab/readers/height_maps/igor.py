@@ -17,24 +17,7 @@ _SIZES, _DIMENSIONS, _HEADERS = (4, "14i"), (64 + 68, "4i"), 64 + 320
 
 
 def read_channels(path: Path, content: bytes) -> list[Channel]:
-    """Channels of an Igor wave.
-
-    Parameters
-    ----------
-    path : Path
-        For messages.
-    content : bytes
-
-    Returns
-    -------
-    list of Channel
-        Values of layers are taken in metres where the wave states no unit, as Asylum writes them.
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names the file.
-    """
+    """Channels of an Igor wave; ``path``: for messages."""
     binarywave = extra("igor2.binarywave", "reading .ibw files", "lab")
     try:
         _require_sound_wave(content)
@@ -80,10 +63,8 @@ def _text(field: Any) -> str:
 
 
 def _require_sound_wave(content: bytes) -> None:
-    """Raise ValueError if the sizes in the header of an Igor wave do not fit the file.
-
-    igor2 runs for very long on some damaged files.
-    """
+    """Raise ValueError if the sizes in the header of an Igor wave do not fit the file."""
+    # igor2 runs for very long on some damaged files.
     if len(content) < _HEADERS:
         raise ValueError("the file ends within its header")
     order = {b"\5\0": "<", b"\0\5": ">"}.get(content[:2])

@@ -43,24 +43,13 @@ def _of_surf(content: bytes) -> tuple[str, str]:
 
 
 class Format(NamedTuple):
-    """A format of height maps.
-
-    Attributes
-    ----------
-    name : str
-    suffixes : tuple of str
-    magic : bytes
-        Beginning of its files.
-    reader : str
-        Module and class in SurfaceTopography.IO.
-    single : callable or None
-        Name and unit of the channel of a file that has one, where the reader asks for neither.
-    """
+    """A format of height maps."""
 
     name: str
     suffixes: tuple[str, ...]
-    magic: bytes
-    reader: tuple[str, str]
+    magic: bytes  # Beginning of its files
+    reader: tuple[str, str]  # Module and class in SurfaceTopography.IO
+    # Name and unit of the channel of a file that has one, where the reader asks for neither
     single: Callable[[bytes], tuple[str, str]] | None = None
 
 
@@ -90,23 +79,7 @@ _SHOWN = 200  # characters of a parser's message
 
 
 def format_of(path: Path, content: bytes) -> Format | None:
-    """Format of a file by its beginning, or else by its suffix.
-
-    Parameters
-    ----------
-    path : Path
-    content : bytes
-
-    Returns
-    -------
-    Format or None
-        None for a format that is not among :data:`FORMATS`.
-
-    Raises
-    ------
-    ConfigurationError
-        If the file is of a kind that contains no map of heights, or is compressed.
-    """
+    """Format of a file by its beginning, or else by its suffix."""
     suffix = path.suffix.lower()
     if suffix in _CURVES:
         raise ConfigurationError(
@@ -130,27 +103,7 @@ def format_of(path: Path, content: bytes) -> Format | None:
 
 
 def read_channels(path: Path, content: bytes, kind: Format) -> list[Channel]:
-    """Channels of a microscope's file.
-
-    Parameters
-    ----------
-    path : Path
-        For messages.
-    content : bytes
-    kind : Format
-
-    Returns
-    -------
-    list of Channel
-        Channels that are no heights may be missing: some readers know heights only.
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names the file.
-    MissingExtraError
-        If SurfaceTopography is not installed.
-    """
+    """Channels of a microscope's file; ``path``: for messages."""
     module, name = kind.reader
     label, unit = ("", "") if kind.single is None else kind.single(content)
     if unit and metres(unit) is None:

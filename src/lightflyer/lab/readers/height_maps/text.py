@@ -14,27 +14,7 @@ _GWYDDION_LINE = re.compile(r"^#\s*(Channel|Width|Height|Value units)\s*:\s*(.+?
 def read_matrix(
     path: Path, size: float | None, unit: str | None
 ) -> tuple[Channel, tuple[str, ...]]:
-    """Read a matrix of heights.
-
-    Parameters
-    ----------
-    path : Path
-    size : float or None
-        Width [m], where the file does not state it; pixels are square.
-    unit : str or None
-        Unit of the heights, where the file does not state it.
-
-    Returns
-    -------
-    channel : Channel
-    notes : tuple of str
-        What was left out of the matrix.
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names the file and its line.
-    """
+    """Read a matrix of heights; returns ``channel``, ``notes``."""
     matrix = read_number_matrix(path, "heights")
     stated = {
         match[1]: match[2]

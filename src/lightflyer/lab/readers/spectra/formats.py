@@ -22,20 +22,11 @@ from lightflyer.lab.readers.spectra.raw import RawSpectrum, Source, one_line
 
 
 class Format(NamedTuple):
-    """A format of spectra.
-
-    Attributes
-    ----------
-    name : str
-    recognises : callable
-        Whether a Source is of this format.
-    read : callable
-        All spectra of a Source.
-    """
+    """A format of spectra."""
 
     name: str
-    recognises: Callable[[Source], bool]
-    read: Callable[[Source], list[RawSpectrum]]
+    recognises: Callable[[Source], bool]  # Whether a Source is of this format
+    read: Callable[[Source], list[RawSpectrum]]  # All spectra of a Source
 
 
 FORMATS = (
@@ -67,22 +58,7 @@ def opened(path: Path) -> Source:
 
 
 def format_of(source: Source) -> Format | None:
-    """Format of a file.
-
-    Parameters
-    ----------
-    source : Source
-
-    Returns
-    -------
-    Format or None
-        None if it is none of these: a table of delimited text, if anything.
-
-    Raises
-    ------
-    ConfigurationError
-        If its name is of a binary format and its content is not, or its format is not read.
-    """
+    """Format of a file."""
     found = next((one for one in FORMATS if one.recognises(source)), None)
     named = _BINARY.get(source.path.suffix.lower())
     if found is None and named is not None:
@@ -94,23 +70,7 @@ def format_of(source: Source) -> Format | None:
 
 
 def read_raw(source: Source, kind: Format, wanted: Wanted) -> RawSpectrum:
-    """The spectrum of a file, or the one of several that is wanted.
-
-    Parameters
-    ----------
-    source : Source
-    kind : Format
-    wanted : Wanted
-
-    Returns
-    -------
-    RawSpectrum
-
-    Raises
-    ------
-    ConfigurationError
-        If the file is damaged, or it is not known which of its spectra is wanted.
-    """
+    """The spectrum of a file, or the one of several that is wanted."""
     try:
         with np.errstate(all="ignore"):  # what is not finite is refused or left out later
             spectra = kind.read(source)

@@ -72,22 +72,13 @@ class MeasuredSpectrum:
 
 
 class Wanted(NamedTuple):
-    """What the user says of a file.
+    """What the user says of a file."""
 
-    Attributes
-    ----------
-    quantity : {"transmittance", "reflectance"} or None
-        What the ordinate shows where its name does not say, and the one to choose of several.
-    scale : {"%", "1"} or None
-        Whether the values are per cent or fractions, against name and values.
-    spectrum : str or None
-        Number, counted from 1, or title of one of several spectra.
-    collection : {"specular", "diffuse", "total"} or None
-    """
-
+    # What the ordinate shows where its name does not say, and the one to choose of several
     quantity: Ordinate | None = None
+    # Whether the values are per cent or fractions, against name and values
     scale: str | None = None
-    spectrum: str | None = None
+    spectrum: str | None = None  # Number, counted from 1, or title of one of several spectra
     collection: Collection | None = None
 
     def check(self) -> None:
@@ -102,23 +93,7 @@ class Wanted(NamedTuple):
 
 
 def measured(source: Source, raw: RawSpectrum, wanted: Wanted) -> MeasuredSpectrum:
-    """The spectrum in SI units, with what was decided on the way.
-
-    Parameters
-    ----------
-    source : Source
-    raw : RawSpectrum
-    wanted : Wanted
-
-    Returns
-    -------
-    MeasuredSpectrum
-
-    Raises
-    ------
-    ConfigurationError
-        If the axes are not known or values are impossible.
-    """
+    """The spectrum in SI units, with what was decided on the way."""
     notes = list(raw.notes)
     shown = _shown(source, raw, wanted)
     wavenumber, ordinate = _points(source, raw, notes)
@@ -256,11 +231,9 @@ def _fraction(
 def _possible(
     source: Source, quantity: Ordinate, wavenumber: np.ndarray, value: np.ndarray, notes: list[str]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The spectrum without ends that hold impossible values; others refuse the file.
-
-    Beyond the range of detector and beam splitter there is no light, and a ratio is noise. What is
-    left holds no impossible value, so that no part of it is chosen by its noise.
-    """
+    """The spectrum without ends that hold impossible values; others refuse the file."""
+    # Beyond the range of detector and beam splitter there is no light, and a ratio is noise. What
+    # is left holds no impossible value, so that no part of it is chosen by its noise.
     outside = ~((value >= SHARE.lowest) & (value <= SHARE.highest))
     if not outside.any():
         return wavenumber, value

@@ -48,24 +48,7 @@ def is_jws(source: Source) -> bool:
 
 
 def read_jws(source: Source) -> list[RawSpectrum]:
-    """Read a binary file of JASCO.
-
-    Parameters
-    ----------
-    source : Source
-
-    Returns
-    -------
-    list of RawSpectrum
-        One.
-
-    Raises
-    ------
-    ConfigurationError
-        If the file is damaged or holds several channels.
-    MissingExtraError
-        If the file is of Spectra Manager 1.x and olefile is not installed.
-    """
+    """Read a binary file of JASCO; one."""
     if source.content.startswith(_OLE_MAGIC):
         return [_from_container(source)]
     data = source.content

@@ -33,22 +33,7 @@ def is_jasco_text(source: Source) -> bool:
 
 
 def read_jasco_text(source: Source) -> list[RawSpectrum]:
-    """Read the spectrum of a text export.
-
-    Parameters
-    ----------
-    source : Source
-
-    Returns
-    -------
-    list of RawSpectrum
-        One.
-
-    Raises
-    ------
-    ConfigurationError
-        If a row is no pair of numbers, or the data do not fit the header.
-    """
+    """Read the spectrum of a text export; one."""
     lines = source.text.splitlines()
     start = next(at for at, line in enumerate(lines) if _TABLE.match(line))
     header = _labels(lines[:start])

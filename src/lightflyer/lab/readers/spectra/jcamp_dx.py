@@ -62,22 +62,7 @@ def is_jcamp(source: Source) -> bool:
 
 
 def read_jcamp(source: Source) -> list[RawSpectrum]:
-    """Read all spectra of a JCAMP-DX file.
-
-    Parameters
-    ----------
-    source : Source
-
-    Returns
-    -------
-    list of RawSpectrum
-        In the order of the file. What is no spectrum is named in their notes.
-
-    Raises
-    ------
-    ConfigurationError
-        If the file is damaged or holds no spectrum.
-    """
+    """Read all spectra of a JCAMP-DX file."""
     text = source.text
     if not _START.match(text):
         source.refuse("is not JCAMP-DX: does not start with ##TITLE=", 1)

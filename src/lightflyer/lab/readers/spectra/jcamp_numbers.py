@@ -35,23 +35,12 @@ class Fault(Exception):  # noqa: N818
 
 
 class Rows(NamedTuple):
-    """A table of ordinates.
+    """A table of ordinates."""
 
-    Attributes
-    ----------
-    ordinate : array, shape (n,)
-    abscissa : array, shape (m,)
-        First one of each line.
-    place : array of int, shape (m,)
-        Index of the ordinate at it.
-    digit : array, shape (m,)
-        Unit of the last digit of the abscissa.
-    """
-
-    ordinate: np.ndarray
-    abscissa: np.ndarray
-    place: np.ndarray
-    digit: np.ndarray
+    ordinate: np.ndarray  # shape (n,)
+    abscissa: np.ndarray  # shape (m,); first one of each line
+    place: np.ndarray  # shape (m,); index of the ordinate at it
+    digit: np.ndarray  # shape (m,); unit of the last digit of the abscissa
 
 
 class _State:
@@ -64,19 +53,6 @@ class _State:
 
 def read_rows(lines: Sequence[str]) -> Rows:
     """Read a table ``(X++(Y..Y))``.
-
-    Parameters
-    ----------
-    lines : sequence of str
-
-    Returns
-    -------
-    Rows
-
-    Raises
-    ------
-    Fault
-        If a line cannot be read, or its checksum fails.
 
     Examples
     --------
@@ -161,21 +137,7 @@ def _repeat(state: _State, count: int, row: int) -> None:
 
 
 def read_pairs(lines: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Read a table ``(XY..XY)``.
-
-    Parameters
-    ----------
-    lines : sequence of str
-
-    Returns
-    -------
-    x, y : array, shape (n,)
-
-    Raises
-    ------
-    Fault
-        If a line holds no whole number of pairs.
-    """
+    """Read a table ``(XY..XY)``, shape (n,)."""
     found: list[float] = []
     for row, line in enumerate(lines):
         at = 0

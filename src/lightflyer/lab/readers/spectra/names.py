@@ -45,46 +45,23 @@ _REFUSED = (
 
 
 class Axis(NamedTuple):
-    """Unit of an abscissa.
+    """Unit of an abscissa."""
 
-    Attributes
-    ----------
-    scale : float
-        To 1/m or m.
-    is_wavelength : bool
-    """
-
-    scale: float
+    scale: float  # To 1/m or m
     is_wavelength: bool
 
 
 class Shown(NamedTuple):
-    """Quantity of an ordinate.
+    """Quantity of an ordinate."""
 
-    Attributes
-    ----------
-    quantity : str
-        ``"transmittance"``, ``"reflectance"``, ``"absorbance"``, ``"log(1/R)"``, or empty where
-        the name tells none.
-    percent : bool
-        Whether the name says per cent.
-    """
-
+    # ``"transmittance"``, ``"reflectance"``, ``"absorbance"``, ``"log(1/R)"``, or empty where the
+    # name tells none
     quantity: str
-    percent: bool
+    percent: bool  # Whether the name says per cent
 
 
 def axis_of(name: str) -> Axis | None:
     """Unit that the name of an abscissa states.
-
-    Parameters
-    ----------
-    name : str
-
-    Returns
-    -------
-    Axis or None
-        None if it is not known as wavenumber or wavelength.
 
     Examples
     --------
@@ -104,15 +81,6 @@ def axis_of(name: str) -> Axis | None:
 
 def shown_by(name: str) -> Shown | str:
     """Quantity that the name of an ordinate states.
-
-    Parameters
-    ----------
-    name : str
-
-    Returns
-    -------
-    Shown or str
-        The reason if a spectrum with this ordinate is refused.
 
     Examples
     --------

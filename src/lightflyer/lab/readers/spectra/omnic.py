@@ -47,22 +47,7 @@ def is_omnic(source: Source) -> bool:
 
 
 def read_omnic(source: Source) -> list[RawSpectrum]:
-    """Read all spectra of an OMNIC file.
-
-    Parameters
-    ----------
-    source : Source
-
-    Returns
-    -------
-    list of RawSpectrum
-        In the order of the file.
-
-    Raises
-    ------
-    ConfigurationError
-        If the file is damaged or holds no spectrum.
-    """
+    """Read all spectra of an OMNIC file; in the order of the file."""
     entries = _entries(source.content)
     groups = {
         key: [entry for entry in entries if entry.key == key]

@@ -35,24 +35,7 @@ def is_opus(source: Source) -> bool:
 
 
 def read_opus(source: Source) -> list[RawSpectrum]:
-    """Read all spectra of an OPUS file.
-
-    Parameters
-    ----------
-    source : Source
-
-    Returns
-    -------
-    list of RawSpectrum
-        Results and raw channels, in the order of the file's directory.
-
-    Raises
-    ------
-    ConfigurationError
-        If the file is damaged or holds no spectrum.
-    MissingExtraError
-        If brukeropus is not installed.
-    """
+    """Read all spectra of an OPUS file."""
     with warnings.catch_warnings():  # of Python 3.12 about escapes in its docstrings
         warnings.simplefilter("ignore", SyntaxWarning)
         extra("brukeropus.file", "reading Bruker OPUS files", "lab")

@@ -39,22 +39,7 @@ def is_sp(source: Source) -> bool:
 
 
 def read_sp(source: Source) -> list[RawSpectrum]:
-    """Read a binary spectrum of PerkinElmer.
-
-    Parameters
-    ----------
-    source : Source
-
-    Returns
-    -------
-    list of RawSpectrum
-        One for each set of data.
-
-    Raises
-    ------
-    ConfigurationError
-        If the file is damaged or holds no spectrum.
-    """
+    """Read a binary spectrum of PerkinElmer; one for each set of data."""
     sets = [data for tag, data in _blocks(source, source.content[_HEADER:]) if tag == _DATA_SET]
     if not sets:
         source.refuse("holds no spectrum (no data set of PerkinElmer)")
@@ -123,22 +108,7 @@ def is_asc(source: Source) -> bool:
 
 
 def read_asc(source: Source) -> list[RawSpectrum]:
-    """Read a text export of PerkinElmer.
-
-    Parameters
-    ----------
-    source : Source
-
-    Returns
-    -------
-    list of RawSpectrum
-        One.
-
-    Raises
-    ------
-    ConfigurationError
-        If a row is no pair of numbers, or the file is cut.
-    """
+    """Read a text export of PerkinElmer; one."""
     lines = [line.strip() for line in source.text.splitlines()]
     technique = lines[0].split()[1]
     if technique == "FL":

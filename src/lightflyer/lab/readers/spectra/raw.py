@@ -20,23 +20,15 @@ MOST_POINTS = 20_000_000
 
 
 class Source(NamedTuple):
-    """A file with its content.
-
-    Attributes
-    ----------
-    path : Path
-    content : bytes
-    """
+    """A file with its content."""
 
     path: Path
     content: bytes
 
     @property
     def text(self) -> str:
-        """The content as text.
-
-        Unicode marked by a byte-order mark, UTF-8, Shift-JIS as JASCO writes it, else cp1252.
-        """
+        """The content as text."""
+        # Unicode marked by a byte-order mark, UTF-8, Shift-JIS as JASCO writes it, else cp1252.
         if self.content.startswith((b"\xff\xfe", b"\xfe\xff")):
             return self.content.decode("utf-16", "replace")
         for encoding in ("utf-8-sig", "cp932"):
@@ -47,20 +39,7 @@ class Source(NamedTuple):
         return self.content.decode("cp1252", "replace")
 
     def refuse(self, why: str, line: int | None = None) -> NoReturn:
-        """Refuse the file.
-
-        Parameters
-        ----------
-        why : str
-            What is wrong.
-        line : int, optional
-            Counted from 1.
-
-        Raises
-        ------
-        ConfigurationError
-            One line that names the file.
-        """
+        """Refuse the file; ``why``: what is wrong; ``line``: counted from 1."""
         place = f"{self.path}" if line is None else f"{self.path}:{line}"
         raise ConfigurationError(f"{place}: {one_line(why)}")
 
@@ -95,48 +74,22 @@ class SpectrumFacts:
 
 @dataclass(frozen=True)
 class RawSpectrum:
-    """A spectrum as it stands in its file.
+    """A spectrum as it stands in its file."""
 
-    Attributes
-    ----------
-    abscissa, ordinate : array, shape (n,)
-        In the file's units.
-    abscissa_name : str
-        Such as ``"1/CM"`` or ``"nm"``.
-    ordinate_name : str
-        Such as ``"%T"``.
-    facts : SpectrumFacts
-    percent : bool or None
-        Whether the format fixes the ordinate as per cent, or as a fraction; None if its name
-        and values must tell.
-    notes : tuple of str
-        What the reader decided.
-    rejected : tuple of Rejected
-        Rejected rows.
-    """
-
-    abscissa: np.ndarray
-    ordinate: np.ndarray
-    abscissa_name: str
-    ordinate_name: str
+    abscissa: np.ndarray  # shape (n,); in the file's units
+    ordinate: np.ndarray  # shape (n,); in the file's units
+    abscissa_name: str  # Such as ``"1/CM"`` or ``"nm"``
+    ordinate_name: str  # Such as ``"%T"``
     facts: SpectrumFacts
+    # Whether the format fixes the ordinate as per cent, or as a fraction; None if its name and
+    # values must tell
     percent: bool | None = None
-    notes: tuple[str, ...] = ()
-    rejected: tuple[Rejected, ...] = field(default=())
+    notes: tuple[str, ...] = ()  # What the reader decided
+    rejected: tuple[Rejected, ...] = field(default=())  # Rejected rows
 
 
 def plain(text: bytes, encoding: str = "utf-8") -> str:
     r"""Words from a field of fixed width: up to its first zero byte, on one line.
-
-    Parameters
-    ----------
-    text : bytes
-    encoding : str
-        Tried before cp1252.
-
-    Returns
-    -------
-    str
 
     Examples
     --------

@@ -64,22 +64,7 @@ def is_spc(source: Source) -> bool:
 
 
 def read_spc(source: Source) -> list[RawSpectrum]:
-    """Read all spectra of a GRAMS file.
-
-    Parameters
-    ----------
-    source : Source
-
-    Returns
-    -------
-    list of RawSpectrum
-        In the order of the file.
-
-    Raises
-    ------
-    ConfigurationError
-        If the file is damaged.
-    """
+    """Read all spectra of a GRAMS file; in the order of the file."""
     header = _old(source) if source.content[1] == _OLD else _new(source)
     if not 1 <= header.spectra <= len(source.content) // _SUB_SIZE:
         source.refuse(f"is damaged: it names {header.spectra} spectra")

@@ -29,29 +29,8 @@ class _WrongError(Exception):
 
 
 def read_flir(path: Path, content: bytes) -> tuple[np.ndarray, CameraSettings]:
-    """Read the signal of a FLIR camera and its settings.
-
-    Parameters
-    ----------
-    path : Path
-        For messages.
-    content : bytes
-
-    Returns
-    -------
-    counts : array, shape (rows, columns)
-        Signal.
-    settings : CameraSettings
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names the file.
-
-    References
-    ----------
-    [ExifTool]_.
-    """
+    """Read the signal of a FLIR camera and its settings; returns ``counts``, ``settings``."""
+    # Source: [ExifTool]_.
     try:
         if content[:2] == _JPEG:
             content = _records_of_jpeg(content)

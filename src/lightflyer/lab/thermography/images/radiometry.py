@@ -26,41 +26,23 @@ WATER = (1.5587, 0.06939, -2.7816e-4, 6.8455e-7)
 
 @dataclass(frozen=True)
 class CameraSettings:
-    """What a FLIR camera stores beside its signal.
+    """What a FLIR camera stores beside its signal."""
 
-    Attributes
-    ----------
-    emissivity : float
-        Of the object, as set in the camera [1].
-    distance : float
-        From camera to object [m].
-    reflected_temperature, air_temperature, window_temperature : float
-        [K].
-    window_transmittance, humidity : float
-        [1].
-    r1, b, f, o, r2 : float
-        Constants of the camera; b in kelvin.
-    alpha, beta : (float, float)
-        Attenuation by air [m^-1/2] and by water in it.
-    share : float
-        Weight of the first of the two attenuations [1].
-    """
-
-    emissivity: float
-    distance: float
-    reflected_temperature: float
-    air_temperature: float
-    window_temperature: float
-    window_transmittance: float
-    humidity: float
-    r1: float
-    b: float
-    f: float
-    o: float
-    r2: float
-    alpha: tuple[float, float]
+    emissivity: float  # Of the object, as set in the camera [1]
+    distance: float  # From camera to object [m]
+    reflected_temperature: float  # [K]
+    air_temperature: float  # [K]
+    window_temperature: float  # [K]
+    window_transmittance: float  # [1]
+    humidity: float  # [1]
+    r1: float  # Constants of the camera; b in kelvin
+    b: float  # Constants of the camera; b in kelvin
+    f: float  # Constants of the camera; b in kelvin
+    o: float  # Constants of the camera; b in kelvin
+    r2: float  # Constants of the camera; b in kelvin
+    alpha: tuple[float, float]  # Attenuation by air [m^-1/2] and by water in it
     beta: tuple[float, float]
-    share: float
+    share: float  # Weight of the first of the two attenuations [1]
 
     def problem(self) -> str:
         """What is impossible in them, or nothing."""
@@ -107,40 +89,13 @@ _MOST_EXPONENT = 50.0
 
 
 def signal(kelvin: float, camera: CameraSettings) -> float:
-    """Signal of a black body.
-
-    Parameters
-    ----------
-    kelvin : float
-        [K].
-    camera : CameraSettings
-
-    Returns
-    -------
-    float
-        [counts].
-    """
+    """Signal of a black body [counts]."""
     return camera.r1 / (camera.r2 * (math.exp(camera.b / kelvin) - camera.f)) - camera.o
 
 
 def temperatures(counts: np.ndarray, camera: CameraSettings) -> np.ndarray:
-    """Temperatures of an image.
-
-    Parameters
-    ----------
-    counts : array, shape (...)
-        Signal.
-    camera : CameraSettings
-
-    Returns
-    -------
-    array, shape (...)
-        [K]; NaN where the signal is below that of absolute zero.
-
-    References
-    ----------
-    [Thermimage]_.
-    """
+    """Temperatures of an image [K]; naN where the signal is below that of absolute zero."""
+    # Source: [Thermimage]_.
     half, window = camera.transmittance, camera.window_transmittance
     air = signal(camera.air_temperature, camera)
     at_window = (np.asarray(counts, float) - (1.0 - half) * air) / half

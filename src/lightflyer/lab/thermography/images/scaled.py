@@ -89,27 +89,7 @@ def parse_scale(unit: str, zero: str | None = None) -> Scale:
 def read_matrix(
     path: Path, scale: Scale | None
 ) -> tuple[np.ndarray, float | None, tuple[str, ...]]:
-    """Read a matrix of temperatures, as cameras' programs export it.
-
-    Parameters
-    ----------
-    path : Path
-    scale : Scale or None
-        None for the unit that the lines above the matrix state.
-
-    Returns
-    -------
-    temperature : array, shape (rows, columns)
-        [K].
-    emissivity : float or None
-        As the file states it.
-    notes : tuple of str
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names the file, and its line where there is one.
-    """
+    """Read a matrix of temperatures, as cameras' programs export it."""
     matrix = read_number_matrix(path, "temperatures")
     above = "\n".join(matrix.above)
     if scale is None:
@@ -131,27 +111,7 @@ def _spelled(text: str) -> str:
 def read_tiff(
     path: Path, content: bytes, scale: Scale | None
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Read a radiometric TIFF.
-
-    Parameters
-    ----------
-    path : Path
-        For messages.
-    content : bytes
-    scale : Scale or None
-        None for the scale that GDAL's tags of the file state.
-
-    Returns
-    -------
-    temperature : array, shape (rows, columns)
-        [K]; NaN where the file has no data.
-    notes : tuple of str
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names the file.
-    """
+    """Read a radiometric TIFF; returns ``temperature`` (rows, columns) [K], ``notes``."""
     try:
         require_sound_tiff(content)
         with warnings.catch_warnings():

@@ -20,9 +20,11 @@ from lightflyer.core.units import dataset_unit, scale_and_offset
 from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
+from lightflyer.flight.balance import require_converged
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel, ModelResult
-from lightflyer.program.entry_point import elementwise_entry_point
+from lightflyer.numerics.rootfind import Ending
+from lightflyer.program.entry_point import elementwise_entry_point, only
 
 _LARGER = {"mg": ("mg", "g", "kg"), "µN": ("µN", "mN", "N")}
 """Units for larger values, by the one that is shown otherwise."""
@@ -438,12 +440,27 @@ def tabulate(setup: Setup, coordinate: Numeric, irradiance: Numeric) -> dict[str
     """Everything a prediction tabulates, at each coordinate under its irradiance."""
     case, known = OperatingPoint(setup, coordinate, irradiance), outputs_of(setup)
     values = {name: known[name].value(case) for name in predicted_names(setup)}
+    # what needs no levitation is believed though that failed
+    values |= {"balanced": case.balance.converged, "imbalance": jnp.abs(case.balance.residual)}
     values |= {"converged": case.converged, "residual": case.residual}
     return {name: value + jnp.zeros_like(coordinate) for name, value in values.items()}
 
 
 tabulate_places = elementwise_entry_point(tabulate)
 """The same as an entry point."""
+
+
+def table_of(
+    setup: Setup, coordinates: np.ndarray, irradiance: np.ndarray, names: Sequence[str]
+) -> dict[str, np.ndarray]:
+    """Some outputs at coordinates (n,) under irradiances (n,); raises where they are not solved."""
+    levitates = any(name.startswith("levitation_") for name in names)
+    checks = ("converged", "residual") if levitates else ("balanced", "imbalance")
+    table = only(tabulate_places, (*names, *checks))(setup, coordinates, irradiance)
+    solved, residual = (table.pop(name) for name in checks)
+    ending = np.where(solved < 0.5, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
+    require_converged("prediction", ending, residual)
+    return {name: table[name] for name in names}
 
 
 def predicted_names(setup: Setup) -> tuple[str, ...]:

@@ -4,10 +4,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from lightflyer.design.outputs import predicted_names, tabulate_places
+from lightflyer.design.outputs import predicted_names, table_of
 from lightflyer.design.setup import Setup
-from lightflyer.flight.balance import require_converged
-from lightflyer.numerics.rootfind import Ending
 
 POINTS = 301
 """Places that a search looks at at a time."""
@@ -23,16 +21,17 @@ class Evaluator:
         self.setup = setup
         self.irradiance = float(setup.environment.radiation.irradiance)
 
-    def __call__(self, coordinates: np.ndarray, irradiance: np.ndarray | None = None) -> Table:
-        """Outputs at coordinates, shape (n,); ``coordinates`` (n,); ``irradiance`` (n,)."""
+    def __call__(
+        self,
+        coordinates: np.ndarray,
+        irradiance: np.ndarray | None = None,
+        names: tuple[str, ...] | None = None,
+    ) -> Table:
+        """Outputs, by default all, at coordinates, shape (n,); ``irradiance`` (n,)."""
         light = np.full(coordinates.shape, self.irradiance) if irradiance is None else irradiance
-        table = tabulate_places(self.setup, coordinates, light)
-        failed = table.pop("converged") < 0.5
-        ending = np.where(failed, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
-        require_converged("prediction", ending, table.pop("residual"))
         # in the order in which they are listed: JAX sorts them by name
-        return {name: table[name] for name in predicted_names(self.setup)}
+        return table_of(self.setup, coordinates, light, names or predicted_names(self.setup))
 
     def column(self, coordinates: np.ndarray, name: str) -> np.ndarray:
         """One output at coordinates of shape (n, 1), as the search wants it."""
-        return self(coordinates[:, 0])[name][:, None]
+        return self(coordinates[:, 0], names=(name,))[name][:, None]

@@ -341,13 +341,15 @@ def predict_design(
     coordinates = search_grid(setup, POINTS)
     asked = _asked(where, coordinates, at)
     table = evaluate(coordinates)
-    best = _optimum(evaluate, coordinates, "payload", +1.0)
+    best = _optimum(evaluate, coordinates, table, "payload", +1.0)
     bands = _bands(evaluate, coordinates, table, best)
     edges = np.array(bands).reshape(-1, 2)
-    pressures = evaluate(edges.ravel())["pressure"].reshape(-1, 2) if bands else edges
+    pressures = edges
+    if bands:
+        pressures = evaluate(edges.ravel(), names=("pressure",))["pressure"].reshape(-1, 2)
     easiest = None
     if np.isfinite(table["levitation_irradiance"]).any():
-        easiest = _optimum(evaluate, coordinates, "levitation_irradiance", -1.0)
+        easiest = _optimum(evaluate, coordinates, table, "levitation_irradiance", -1.0)
     flying = [coordinates[(coordinates >= low) & (coordinates <= high)] for low, high in bands]
     explicit = asked[:0] if at is None else asked
     reported = np.unique(np.concatenate([*flying, edges.ravel(), explicit, [best.coordinate]]))
@@ -365,7 +367,7 @@ def predict_design(
         warnings=(
             *design.warnings,
             *cautions_of_force(table),
-            *cautions(setup, reported, evaluate(reported)["temperature"]),
+            *cautions(setup, reported, evaluate(reported, names=("temperature",))["temperature"]),
         ),
     )
 
@@ -387,9 +389,11 @@ def _asked(where: Coordinate, searched: np.ndarray, at: Sequence[float] | None) 
     return asked
 
 
-def _optimum(evaluate: Evaluator, coordinates: np.ndarray, name: str, sign: float) -> Place:
+def _optimum(
+    evaluate: Evaluator, coordinates: np.ndarray, table: Table, name: str, sign: float
+) -> Place:
     """Coordinate of the largest ``sign * output``, and the outputs there."""
-    best = int(np.nanargmax(sign * evaluate(coordinates)[name]))
+    best = int(np.nanargmax(sign * table[name]))
     ends = coordinates[max(best - 1, 0)], coordinates[min(best + 1, coordinates.size - 1)]
     place, _ = peak(
         lambda points: sign * evaluate.column(points, name), *ends, points=POINTS, looks=_LOOKS
@@ -432,5 +436,6 @@ def _map(evaluate: Evaluator, coordinates: np.ndarray, easiest: Place | None) ->
     pressure = np.geomspace(coordinates[0], coordinates[-1], across)
     irradiance = np.linspace(0.0, _MAP_TOP * max(lamp, least), up)
     grid = np.meshgrid(pressure, irradiance, indexing="ij")
-    temperature = evaluate(grid[0].ravel(), grid[1].ravel())["temperature"]
+    names = ("temperature",)
+    temperature = evaluate(grid[0].ravel(), grid[1].ravel(), names)["temperature"]
     return TemperatureMap(pressure, irradiance, temperature.reshape(grid[0].shape))

@@ -45,6 +45,7 @@ from lightflyer.program.numpy_backend import (
 )
 from lightflyer.program.operations import UnsupportedError
 from lightflyer.program.program import Length, Program
+from lightflyer.program.pruning import with_outputs
 from lightflyer.program.structure import from_data
 from lightflyer.program.tracing import SYMBOLS, trace
 from lightflyer.program.widening import serves_many
@@ -117,6 +118,14 @@ def elementwise_entry_point(function: Callable[P, R]) -> Callable[P, R]:
     return _public(function, _Runner(function, elementwise=True))
 
 
+def only(
+    function: Callable[P, dict[str, Any]], names: Sequence[str]
+) -> Callable[P, dict[str, Any]]:
+    """Some of the outputs that an entry point returns by name; the others cost nothing."""
+    runner: _Runner = function.runner  # type: ignore[attr-defined]
+    return _public(function, runner.only(tuple(names)))
+
+
 def is_entry_point(function: Any) -> bool:
     """Whether a function was made public by one of the decorators here."""
     return getattr(function, "is_entry_point", False) is True
@@ -132,6 +141,7 @@ def _public(function: Callable[P, R], runner: "_Runner") -> Callable[P, R]:
         return result
 
     wrapper.is_entry_point = True  # type: ignore[attr-defined]
+    wrapper.runner = runner  # type: ignore[attr-defined]
     return wrapper
 
 
@@ -163,6 +173,12 @@ class _Traced(NamedTuple):
     program: Program
     assemble: Callable[[list[Any]], Any]
 
+    def only(self, names: tuple[str, ...]) -> "_Traced":
+        """The same for some outputs of a function that returns them by name."""
+        places = self.assemble(list(range(len(self.program.output_shapes))))
+        program = with_outputs(self.program, [places[name] for name in names])
+        return _Traced(program, lambda leaves: dict(zip(names, leaves, strict=True)))
+
 
 class _Runner:
     """Runs a function by the way that costs least."""
@@ -176,6 +192,22 @@ class _Runner:
         self._spent: dict[Any, float] = {}  # time that NumPy took, by the shapes of a call
         self._run: dict[Program, tuple[float, float]] = {}  # calls a piece, work an element
         self._compiled = jax.jit(self._promoted)
+        self._narrowed: dict[tuple[str, ...], _Runner] = {}
+        self._whole: _Runner | None = None
+        self._names: tuple[str, ...] = ()
+
+    def only(self, names: tuple[str, ...]) -> "_Runner":
+        """What runs the function for some of its outputs, from the same traces."""
+        if names not in self._narrowed:
+
+            def some(*args: Any, **kwargs: Any) -> dict[str, Any]:
+                found = self._function(*args, **kwargs)
+                return {name: found[name] for name in names}
+
+            narrowed = _Runner(some, elementwise=self._elementwise, way=self._way)
+            narrowed._whole, narrowed._names = self, names
+            self._narrowed[names] = narrowed
+        return self._narrowed[names]
 
     def __call__(self, args: list[Any], kwargs: dict[str, Any]) -> Any:
         leaves, structure = jax.tree.flatten((tuple(args), kwargs))
@@ -256,10 +288,7 @@ class _Runner:
         """The program for some arguments: known, kept or traced now; None where there is none."""
         types = tuple(array.dtype for array in arrays)
         for pattern, widened in self._patterns(structure, tuple(array.shape for array in arrays)):
-            key = structure, pattern, types
-            if key not in self._traced:
-                self._traced[key] = self._obtain(structure, pattern, types)
-            found = self._traced[key]
+            found = self._program(structure, pattern, types)
             if found is not None and (not any(widened) or serves_many(found.program, widened)):
                 return found
         return None
@@ -289,11 +318,22 @@ class _Runner:
             )
             yield pattern, [False] * len(shapes)
 
+    def _program(
+        self, structure: Any, pattern: tuple[tuple[Length, ...], ...], types: tuple[Any, ...]
+    ) -> _Traced | None:
+        key = structure, pattern, types
+        if key not in self._traced:
+            self._traced[key] = self._obtain(structure, pattern, types)
+        return self._traced[key]
+
     def _obtain(
         self, structure: Any, pattern: tuple[tuple[Length, ...], ...], types: Sequence[Any]
     ) -> _Traced | None:
         numbers = [kept.Number(shape, kind.str) for shape, kind in zip(pattern, types, strict=True)]
         form = jax.tree.unflatten(structure, numbers)
+        if self._whole is not None:
+            whole = self._whole._program(structure, pattern, types)
+            return None if whole is None else whole.only(self._names)
         found = kept.find(self._function, form)
         if found is not None:
             program, data = found

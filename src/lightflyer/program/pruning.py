@@ -1,8 +1,21 @@
 """Programs without what no output needs."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from lightflyer.program.program import Block, Operation
+from lightflyer.program.program import Block, Operation, Program
+
+
+def with_outputs(program: Program, places: Sequence[int]) -> Program:
+    """The program with some of its outputs, without what only the others need."""
+    body = program.body._replace(results=tuple(program.body.results[place] for place in places))
+    return replace(
+        program,
+        body=without_dead(body),
+        output_shapes=tuple(program.output_shapes[place] for place in places),
+        output_types=tuple(program.output_types[place] for place in places),
+        _prepared={},
+    )
 
 
 def without_dead(block: Block) -> Block:

@@ -451,12 +451,16 @@ tabulate_places = elementwise_entry_point(tabulate)
 
 
 def table_of(
-    setup: Setup, coordinates: np.ndarray, irradiance: np.ndarray, names: Sequence[str]
+    setup: Setup,
+    coordinates: np.ndarray,
+    irradiance: np.ndarray,
+    names: Sequence[str],
+    tabulated: Callable[..., dict[str, Any]] = tabulate_places,
 ) -> dict[str, np.ndarray]:
     """Some outputs at coordinates (n,) under irradiances (n,); raises where they are not solved."""
     levitates = any(name.startswith("levitation_") for name in names)
     checks = ("converged", "residual") if levitates else ("balanced", "imbalance")
-    table = only(tabulate_places, (*names, *checks))(setup, coordinates, irradiance)
+    table = only(tabulated, (*names, *checks))(setup, coordinates, irradiance)
     solved, residual = (table.pop(name) for name in checks)
     ending = np.where(solved < 0.5, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
     require_converged("prediction", ending, residual)

@@ -341,7 +341,7 @@ class _Runner:
 
         def flat(leaves: list[Any]) -> Any:
             args, kwargs = jax.tree.unflatten(structure, leaves)
-            return self._function(*args, **kwargs)
+            return self._compiled(*args, **kwargs)  # JAX keeps its trace, for derivatives of it
 
         symbolic = any(isinstance(length, str) for shape in pattern for length in shape)
         try:

@@ -91,12 +91,13 @@ class _Prepared:
         require_supported(program)
         self._body = program.body
         self._count = 1 + max(_numbers(program.body), default=0)
-        self._results = _without_filling(program).results
+        body = _without_filling(program)
+        self._results = body.results
         self._constants = [(number, array[()]) for number, array in program.constants.items()]
         fixed = {number for number, array in program.constants.items() if array.ndim}
         inputs = zip(program.body.arguments, program.input_shapes, strict=True)
         fixed |= {number for number, shape in inputs if shape and shape[0] != ROWS}
-        self._steps = _steps(_without_filling(program), frozenset(fixed), free=True)
+        self._steps = _steps(body, frozenset(fixed), free=True)
 
     def run(self, run: "_Run", inputs: Sequence[Any]) -> list[Any]:
         values: Values = [None] * self._count

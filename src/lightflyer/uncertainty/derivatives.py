@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.design.outputs import tabulate
+from lightflyer.design.outputs import predicted_names, tabulate_places
 from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import Inputs
 
@@ -22,8 +22,9 @@ def _along(setup: Any, coordinate: Any, change: Any, coordinate_change: Any) -> 
     """Outputs, and how they change with the setup and the coordinate in one direction."""
 
     def outputs(moved: Any, place: Any) -> dict[str, Any]:
-        table = tabulate(moved, place, moved.environment.radiation.irradiance)
-        return {name: table[name] for name in table if name not in ("converged", "residual")}
+        light = jnp.broadcast_to(moved.environment.radiation.irradiance, place.shape)
+        table = tabulate_places(moved, place, light)
+        return {name: table[name] for name in predicted_names(moved)}
 
     direction = change, coordinate_change * jnp.ones_like(coordinate)
     return jax.jvp(outputs, (setup, coordinate), direction)

@@ -1,45 +1,49 @@
 """Monte Carlo for predictions: many slightly different flyers at once, and their results.
 
 A table over the whole searched range shows between which coordinates each sample has its edges and
-optima. A second table, of coordinates of each sample's own, looks there closely.
+optima. Coordinates of each sample's own look there closely, at what is searched alone.
 """
 
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import jax
 import numpy as np
 
-from lightflyer.design.outputs import tabulate, tabulate_places
-from lightflyer.flight.balance import require_converged
-from lightflyer.numerics.rootfind import Ending
+from lightflyer.design.outputs import table_of, tabulate
 from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import Inputs
 
-_CLOSER = 25  # coordinates of each sample around each edge and optimum
+_CLOSER = 13  # coordinates of each sample around each edge and optimum
+_FEWER = (
+    4  # of the whole range, one in as many is looked at for the least light, which takes longest
+)
+
+LIFT, PAYLOAD, LIGHT = "lift_over_weight", "payload", "levitation_irradiance"
 
 Table = dict[str, np.ndarray]
+Look = Callable[[np.ndarray, Sequence[str]], Table]
+"""Some outputs of all samples, shape (samples, n), at coordinates (n,) or (samples, n)."""
 
 _tabulate_each = entry_point(tabulate)
 
 
-def tabulate_samples(inputs: Inputs, samples: np.ndarray, coordinate: np.ndarray) -> Table:
-    """Outputs of many flyers at the same coordinates, shape (samples, n); ``coordinate`` (n,)."""
+def tabulate_samples(
+    inputs: Inputs, samples: np.ndarray, coordinate: np.ndarray, names: Sequence[str]
+) -> Table:
+    """Outputs of many flyers, shape (samples, n); ``coordinate`` (n,) or (samples, n)."""
     setup = inputs.setup_of(samples)
     shape = len(samples), np.shape(coordinate)[-1]
     places = np.broadcast_to(coordinate, shape)
     light = setup.environment.radiation.irradiance
     if any(np.ndim(leaf) > 2 for leaf in jax.tree.leaves(setup)):  # tables for each sample
-        found = _tabulate_each(setup, places, light)
+        found = table_of(setup, places, light, names, _tabulate_each)
     else:
         rows = jax.tree.map(lambda leaf: _in_a_row(leaf, shape), setup)
-        found = tabulate_places(rows, places.ravel(), np.broadcast_to(light, shape).ravel())
-    table = {
+        found = table_of(rows, places.ravel(), np.broadcast_to(light, shape).ravel(), names)
+    return {
         name: np.broadcast_to(values.reshape(-1, shape[1]), shape) for name, values in found.items()
     }
-    failed = table.pop("converged") < 0.5
-    ending = np.where(failed, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
-    require_converged("Monte Carlo", ending, table.pop("residual"))
-    return table
 
 
 def _in_a_row(leaf: Any, shape: tuple[int, int]) -> Any:
@@ -47,95 +51,88 @@ def _in_a_row(leaf: Any, shape: tuple[int, int]) -> Any:
     return np.broadcast_to(leaf, shape).ravel() if np.ndim(leaf) == 2 else leaf
 
 
-class Found(NamedTuple):
-    """Where each sample has its edges and optima."""
-
-    # shape (samples,); of ``"lower"`` and ``"upper"`` edge and of the optima, which have the names
-    # of their objectives; NaN where a sample has none
-    coordinate: Table
-    table: dict[str, Table]  # shape (samples,); outputs at each optimum
-
-
 def search(
-    inputs: Inputs,
-    samples: np.ndarray,
-    coordinate: np.ndarray,
-    table: Table,
-    searched: tuple[float, float],
-    *,
-    logarithmic: bool,
-) -> Found:
-    """Find the edges and optima of each sample.
+    look: Look, coordinate: np.ndarray, table: Table, whole: np.ndarray, *, logarithmic: bool
+) -> Table:
+    """Find where each sample has its edges and optima, shape (samples,); NaN where it has none.
 
     Parameters
     ----------
-    inputs : Inputs
-    samples : array, shape (samples, k)
+    look : callable
     coordinate : array, shape (n,)
-        In any order; both ends of the searched range are among them.
+        In any order.
     table : dict of str to array, shape (samples, n)
-    searched : tuple of float
-        Ends of the searched range.
+        Lift over weight, payload and light needed there.
+    whole : array, shape (m,)
+        Coordinates over the whole searched range, increasing.
     logarithmic : bool
         Whether to search the logarithm of the coordinate.
 
     Returns
     -------
-    Found
+    dict of str to array, shape (samples,)
+        Coordinates of the edges ``"lower"`` and ``"upper"``, and of the optima, which have the
+        names of their objectives.
     """
-    increasing, order = np.unique(coordinate, return_index=True)
-    inside = (searched[0] <= increasing) & (increasing <= searched[1])
-    place = np.log(increasing[inside]) if logarithmic else increasing[inside]
-    brackets = _brackets(place, {name: rows[:, order[inside]] for name, rows in table.items()})
-    places = [_between(place, *ends, _CLOSER) for ends in brackets]
-    closer = np.concatenate(places, axis=1)
-    closer = np.exp(closer) if logarithmic else closer
-    parts = [slice(part * _CLOSER, (part + 1) * _CLOSER) for part in range(len(brackets))]
-    second = tabulate_samples(inputs, samples, closer)
-    lower, upper, payload, light = (
-        {name: rows[:, part] for name, rows in second.items()} for part in parts
-    )
-    lift = "lift_over_weight"
-    most, at_most = optimum(places[2], payload["payload"], payload)
-    least, at_least = least_light(places[3], light)
+
+    def known(names: Sequence[str], more: np.ndarray) -> tuple[np.ndarray, Table]:
+        """Places in order with what is known there, after a look at more of them."""
+        found = look(more, names)
+        places, order = np.unique(np.concatenate([coordinate, more]), return_index=True)
+        inside = (whole[0] <= places) & (places <= whole[-1])
+        return np.log(places[inside]) if logarithmic else places[inside], {
+            name: np.concatenate([table[name], found[name]], axis=1)[:, order[inside]]
+            for name in names
+        }
+
+    def closely(names: Sequence[str], *places: np.ndarray) -> list[Table]:
+        """What is found at places of each sample, array by array."""
+        every = np.concatenate(places, axis=1)
+        found = look(np.exp(every) if logarithmic else every, names)
+        ends = np.cumsum([part.shape[1] for part in places])[:-1]
+        parts = {name: np.split(rows, ends, axis=1) for name, rows in found.items()}
+        return [{name: parts[name][n] for name in names} for n in range(len(places))]
+
+    place, rows = known((LIFT, PAYLOAD), whole)
+    lower, upper = (_between(place, *ends) for ends in _around_edges(place, rows[LIFT]))
+    most = _between(place, *_around(rows[PAYLOAD]))
+    below, above, best = closely((LIFT, PAYLOAD), lower, upper, most)
+    place, rows = known((LIGHT,), whole[::_FEWER])
+    least = _between(place, *_around(-rows[LIGHT]))
+    (dim,) = closely((LIGHT,), least)
     found = {
-        "lower": crossing(places[0], lower[lift]),
-        "upper": crossing(places[1][:, ::-1], upper[lift][:, ::-1]),
-        "payload": most,
-        "levitation_irradiance": least,
+        "lower": crossing(lower, below[LIFT]),
+        "upper": crossing(upper[:, ::-1], above[LIFT][:, ::-1]),
+        PAYLOAD: optimum(most, best[PAYLOAD]),
+        LIGHT: least_light(least, dim[LIGHT]),
     }
-    return Found(
-        {name: np.exp(where) if logarithmic else where for name, where in found.items()},
-        {"payload": at_most, "levitation_irradiance": at_least},
-    )
+    return {name: np.exp(where) if logarithmic else where for name, where in found.items()}
 
 
-def _brackets(place: np.ndarray, table: Table) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Columns between which lower edge, upper edge, most payload and least light lie."""
-    lift, needed = table["lift_over_weight"], table["levitation_irradiance"]
-    last = lift.shape[1] - 1
+def _around(objective: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Columns on either side of the largest value of each row."""
+    best = np.argmax(np.where(np.isnan(objective), -np.inf, objective), axis=1)
+    return np.maximum(best - 1, 0), np.minimum(best + 1, objective.shape[1] - 1)
 
-    def around(objective: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        best = np.argmax(np.where(np.isnan(objective), -np.inf, objective), axis=1)
-        return np.maximum(best - 1, 0), np.minimum(best + 1, last)
 
-    flies = lift >= 1.0
+def _around_edges(place: np.ndarray, lift: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Columns between which the lower and the upper edge of each row lie."""
     # of a sample that sinks at every coordinate a narrow band may lie between two
-    below, above = around(lift)
-    first, final = widest_band(place, flies)
-    somewhere = np.any(flies, axis=1)
-    ends = (np.maximum(first - 1, 0), first, final, np.minimum(final + 1, last))
+    below, above = _around(lift)
+    first, final = widest_band(place, lift >= 1.0)
+    somewhere = np.any(lift >= 1.0, axis=1)
+    ends = (np.maximum(first - 1, 0), first, final, np.minimum(final + 1, lift.shape[1] - 1))
     outside, first, final, beyond = (
         np.where(somewhere, end, other)
         for end, other in zip(ends, (below, above, below, above), strict=True)
     )
-    return [(outside, first), (final, beyond), around(table["payload"]), around(-needed)]
+    return [(outside, first), (final, beyond)]
 
 
-def _between(place: np.ndarray, start: np.ndarray, stop: np.ndarray, count: int) -> np.ndarray:
-    """Evenly spaced places from one column to another, shape (samples, count)."""
+def _between(place: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:
+    """Evenly spaced places from one column to another, shape (samples, :data:`_CLOSER`)."""
     low, high = place[start][:, None], place[stop][:, None]
-    return low + (high - low) * np.linspace(0.0, 1.0, count)
+    return low + (high - low) * np.linspace(0.0, 1.0, _CLOSER)
 
 
 def widest_band(place: np.ndarray, flies: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -160,44 +157,27 @@ def crossing(place: np.ndarray, lift_over_weight: np.ndarray) -> np.ndarray:
     return np.where(np.any(flies, axis=1), found, np.nan)
 
 
-def optimum(place: np.ndarray, objective: np.ndarray, table: Table) -> tuple[np.ndarray, Table]:
-    """Find where an objective is largest, and the table there, by parabolas."""
+def optimum(place: np.ndarray, objective: np.ndarray) -> np.ndarray:
+    """Find where each row of an objective is largest, by parabolas; NaN where none is finite."""
     finite = np.where(np.isfinite(objective), objective, -np.inf)
     largest = np.argmax(finite, axis=1)
     index = np.clip(largest, 1, place.shape[1] - 2)
     rows = np.arange(len(objective))
-
-    def three(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return values[rows, index - 1], values[rows, index], values[rows, index + 1]
-
     with np.errstate(invalid="ignore", divide="ignore"):
-        left, middle, right = three(objective)
+        left, middle, right = (objective[rows, index + step] for step in (-1, 0, 1))
         way = np.clip(0.5 * (left - right) / (left - 2.0 * middle + right), -1.0, 1.0)
-    known = np.isfinite(finite).any(axis=1)
     way = np.where(np.isfinite(way), way, 0.0)
     # at an end of the row the three may bend upwards, and their parabola has a least value
     way = np.where(largest == index, way, np.sign(largest - index))
-
-    def interpolate(values: np.ndarray) -> np.ndarray:
-        left, middle, right = three(values)
-        with np.errstate(invalid="ignore"):
-            curved = 0.5 * (right - left) * way + 0.5 * (left - 2.0 * middle + right) * way**2
-        return np.where(known, middle + np.where(np.isfinite(curved), curved, 0.0), np.nan)
-
-    return interpolate(place), {name: interpolate(values) for name, values in table.items()}
+    step = np.where(way < 0.0, -1, 1)
+    found = place[rows, index] + np.abs(way) * (place[rows, index + step] - place[rows, index])
+    return np.where(np.isfinite(finite).any(axis=1), found, np.nan)
 
 
-def least_light(place: np.ndarray, table: Table) -> tuple[np.ndarray, Table]:
-    """Find where each sample needs the least light, and the table there; ``place`` (samples, n)."""
-    needed = table["levitation_irradiance"]
+def least_light(place: np.ndarray, needed: np.ndarray) -> np.ndarray:
+    """Find where each row needs the least light, the first place in the dark where there is one."""
     dark = needed == 0.0
     with np.errstate(divide="ignore"):
-        logarithm = np.where(dark, np.nan, np.log(needed))
-    found, there = optimum(place, -logarithm, table | {"levitation_irradiance": logarithm})
-    there["levitation_irradiance"] = np.exp(there["levitation_irradiance"])
+        found = optimum(place, -np.where(dark, np.nan, np.log(needed)))
     rows, first = np.arange(len(needed)), np.argmax(dark, axis=1)
-    in_the_dark = dark[rows, first]
-    return np.where(in_the_dark, place[rows, first], found), {
-        name: np.where(in_the_dark, table[name][rows, first], values)
-        for name, values in there.items()
-    }
+    return np.where(dark[rows, first], place[rows, first], found)

@@ -8,6 +8,7 @@ distributions, cut off where a value is impossible, and repeats the prediction.
 """
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,7 +38,7 @@ FEWEST_SAMPLES = 100
 COVERAGE = (2.5, 97.5)
 """Percentiles of the bands."""
 
-BAND_POINTS = 121
+BAND_POINTS = 61
 """Coordinates at which the bands of the figures are known."""
 
 BANDS = (
@@ -249,34 +250,25 @@ def propagate(
     targets, points = _targets(prediction)
     grid = _even_grid(prediction) if over is None else np.asarray(over, float)
     names = (*BANDS, *prediction.own_names)
-    coordinates = np.concatenate([grid, points])
     report("bands to first order")
-    slopes = derivatives(inputs, coordinates)
+    places = points if samples else np.concatenate([points, grid])
+    slopes = derivatives(inputs, places)
     sampled: dict[str, np.ndarray] = {}
     told: tuple[str, ...] = ()
     if samples:
         report("bands by Monte Carlo")
         drawn = draw_possible(inputs, samples, seed)
         told = _cautions(drawn)
-        coordinates = np.concatenate([coordinates, search_grid(prediction.setup, _SEARCHED_POINTS)])
-        table = monte_carlo.tabulate_samples(inputs, drawn.samples, coordinates)
-        found = monte_carlo.search(
-            inputs,
-            drawn.samples,
-            coordinates,
-            table,
-            (prediction.coordinates[0], prediction.coordinates[-1]),
-            logarithmic=prediction.coordinate.logarithmic,
-        )
-        sampled = {target.name: _sampled(target, found, table, grid.size) for target in targets}
-        bands = _quantiles({name: table[name][:, : grid.size] for name in names})
+        table, at_movers = _tables(prediction, inputs, drawn.samples, targets, (points, grid))
+        sampled = {target.name: _sampled(target, table, at_movers) for target in targets}
+        bands = _quantiles({name: table[name][:, points.size :] for name in names})
     else:
-        bands = _normal_bands(slopes, names, grid.size)
+        bands = _normal_bands(slopes, names, points.size)
     return PredictionUncertainty(
         prediction=prediction,
         inputs=inputs,
         nominal={target.name: target.nominal for target in targets},
-        first_order={target.name: _spread(target, slopes, grid.size) for target in targets},
+        first_order={target.name: _spread(target, slopes) for target in targets},
         sampled=sampled,
         samples=samples,
         seed=seed,
@@ -421,9 +413,9 @@ def _normal_ends(value: Any, spread: Any, *, positive: bool) -> tuple[Any, Any]:
     return low, high
 
 
-def _spread(target: _Target, slopes: Derivatives, before: int) -> float:
+def _spread(target: _Target, slopes: Derivatives) -> float:
     """Standard uncertainty of a result to first order."""
-    point = before + target.point
+    point = target.point
     if target.mover in ("lower", "upper"):
         moving = slopes.edge(point)
     elif target.mover and not target.at_end:
@@ -435,15 +427,42 @@ def _spread(target: _Target, slopes: Derivatives, before: int) -> float:
     return target.scale * slopes.spread(moving)
 
 
-def _sampled(target: _Target, found: monte_carlo.Found, table: Table, before: int) -> np.ndarray:
-    """One result in each sample, shape (samples,); fixed points follow ``before`` columns."""
-    if not target.mover:
-        values = table[target.quantity][:, before + target.point]
-    elif target.quantity:
-        values = found.table[target.mover][target.quantity]
-    else:
-        values = found.coordinate[target.mover]
-    return target.scale * values
+def _tables(
+    prediction: Prediction,
+    inputs: Inputs,
+    samples: np.ndarray,
+    targets: list[_Target],
+    where: tuple[np.ndarray, np.ndarray],
+) -> tuple[Table, dict[str, Table]]:
+    """Outputs of the samples at points and grid, and by mover, at the edges and optima of each."""
+    asked = {target.quantity for target in targets} - {""}
+    names = tuple(dict.fromkeys((*BANDS, *prediction.own_names, *sorted(asked))))
+    look = partial(monte_carlo.tabulate_samples, inputs, samples)
+    coordinates = np.concatenate(where)
+    table = look(coordinates, names)
+    found = monte_carlo.search(
+        look,
+        coordinates,
+        table,
+        search_grid(prediction.setup, _SEARCHED_POINTS),
+        logarithmic=prediction.coordinate.logarithmic,
+    )
+    at_movers = {}
+    for mover, places in found.items():
+        moved = tuple({target.quantity for target in targets if target.mover == mover} - {""})
+        known = np.isfinite(places)
+        there = look(np.where(known, places, coordinates[0])[:, None], moved) if moved else {}
+        at_movers[mover] = {"": places} | {
+            name: np.where(known, values[:, 0], np.nan) for name, values in there.items()
+        }
+    return table, at_movers
+
+
+def _sampled(target: _Target, table: Table, at_movers: dict[str, Table]) -> np.ndarray:
+    """One result in each sample, shape (samples,)."""
+    if target.mover:
+        return target.scale * at_movers[target.mover][target.quantity]
+    return target.scale * table[target.quantity][:, target.point]
 
 
 def _quantiles(table: Table) -> tuple[Table, Table]:
@@ -456,9 +475,9 @@ def _quantiles(table: Table) -> tuple[Table, Table]:
     return low, high
 
 
-def _normal_bands(slopes: Derivatives, names: tuple[str, ...], count: int) -> tuple[Table, Table]:
+def _normal_bands(slopes: Derivatives, names: tuple[str, ...], first: int) -> tuple[Table, Table]:
     low, high = {}, {}
     for name in names:
-        value, spread = slopes.value[name][:count], slopes.spreads(name)[:count]
+        value, spread = slopes.value[name][first:], slopes.spreads(name)[first:]
         low[name], high[name] = _normal_ends(value, spread, positive=name == _POSITIVE)
     return low, high

@@ -237,12 +237,13 @@ def balance_solver(
     state: EnvironmentState,
     model: AbstractForceModel,
     shape: tuple[int, ...],
+    guess: tuple[Array, ...] | None = None,
 ) -> Callable[[tuple[Array, ...]], tuple[tuple[Array, ...], RootStatus]]:
     """Make the function that finds the unknowns at which each node loses what it absorbs [W]."""
     balance = _balance(flyer, state, model, shape)
     if len(flyer.nodes) == 1 and not flyer.flows:
         return partial(_solve_one, flyer, state, balance, shape)
-    return partial(_solve_several, flyer, state, balance)
+    return partial(_solve_several, flyer, state, balance, guess)
 
 
 Balance: TypeAlias = Callable[..., tuple[tuple[Array, ...], tuple[Array, ...]]]
@@ -308,9 +309,10 @@ def _solve_several(
     flyer: AbstractFlyer,
     state: EnvironmentState,
     balance: Balance,
+    guess: tuple[Array, ...] | None,
     powers: tuple[Array, ...],
 ) -> tuple[tuple[Array, ...], RootStatus]:
-    def guess() -> tuple[Array, ...]:
+    def of_one_temperature() -> tuple[Array, ...]:
         excess, _ = uniform_excess(
             flyer, state, lambda unknowns: balance(*unknowns)[0], total(powers)
         )
@@ -318,7 +320,11 @@ def _solve_several(
 
     # no temperature falls to absolute zero; flows have no such bound
     lower = (-1.0,) * len(flyer.nodes) + (-math.inf,) * len(flyer.flows)
-    return solve_system(lambda unknowns: _imbalance(balance, unknowns, powers), guess, lower=lower)
+    return solve_system(
+        lambda unknowns: _imbalance(balance, unknowns, powers),
+        of_one_temperature if guess is None else guess,
+        lower=lower,
+    )
 
 
 def energy_scale(powers: tuple[Array, ...]) -> Array:

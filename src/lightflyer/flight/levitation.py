@@ -214,7 +214,8 @@ def _by_irradiance(
     shape = jnp.shape(brightest + load)
 
     still = jax.lax.stop_gradient((flyer, state, model, brightest, load))
-    found = dimmest_light(partial(_force_in, *still[:3], shape), *still[3:])
+    dark = still[0].first_guess(still[1], jnp.zeros(shape))
+    found = dimmest_light(partial(_force_in, *still[:3], shape), *still[3:], dark)
     share = found.light / still[3]
     held = ~found.carries | found.in_the_dark
     imbalance = imbalance_of(flyer, state, model, shape)
@@ -248,9 +249,10 @@ def _force_in(
     model: AbstractForceModel,
     shape: tuple[int, ...],
     light: Array,
+    guess: tuple[Array, ...],
 ) -> tuple[Array, Array, tuple[Array, ...]]:
-    """Force in a light [N], its slope [N m²/W] and the unknowns."""
-    solve = balance_solver(flyer, state, model, shape)
+    """Force in a light [N], its slope [N m²/W] and the unknowns; ``guess``: of those."""
+    solve = balance_solver(flyer, state, model, shape, guess)
 
     def force(light: Array) -> tuple[Array, tuple[Array, ...]]:
         unknowns, _ = solve(light_and_gains(flyer, state, light))

@@ -36,7 +36,8 @@ _AT_ROOT = _IN_BRACKET + 1
 _DONE = _AT_ROOT + 1
 
 T = TypeVar("T")
-Look = Callable[[Array], tuple[Array, Array, tuple[Array, ...]]]
+Look = Callable[[Array, tuple[Array, ...]], tuple[Array, Array, tuple[Array, ...]]]
+"""Force, slope and unknowns in a light, from the unknowns in another one."""
 
 
 class Dimmest(eqx.Module):
@@ -68,8 +69,10 @@ class Dimmest(eqx.Module):
         return jnp.where(searched, self.bracket.ending, jnp.int8(Ending.CONVERGED))
 
 
-def dimmest_light(look: Look, brightest: Array, load: Array) -> Dimmest:
-    """Find the dimmest light in which a force carries a load; ``brightest``: looked at."""
+def dimmest_light(
+    look: Look, brightest: Array, load: Array, unknowns: tuple[Array, ...]
+) -> Dimmest:
+    """Find the dimmest light in which a force carries a load; ``unknowns``: in darkness, about."""
     brightest, load = jnp.broadcast_arrays(brightest, load)
 
     def advance(at: tuple[Dimmest, Array]) -> tuple[Dimmest, Array]:
@@ -80,20 +83,19 @@ def dimmest_light(look: Look, brightest: Array, load: Array) -> Dimmest:
         search, steps = at
         return jnp.any(search.stage != _DONE) & (steps < MAXIMUM_STEPS + _DONE)
 
-    start = _start(look, brightest)
+    start = _start(brightest, unknowns)
     end, _ = jax.lax.while_loop(unfinished, advance, (start, jnp.zeros((), int)))
     return end
 
 
-def _start(look: Look, brightest: Array) -> Dimmest:
+def _start(brightest: Array, unknowns: tuple[Array, ...]) -> Dimmest:
     nothing = jnp.zeros_like(brightest)
-    _, _, unknowns = jax.eval_shape(look, nothing)
     return Dimmest(
         stage=jnp.zeros(brightest.shape, np.int32),
         light=nothing,
         force=nothing,
         carries=jnp.zeros(brightest.shape, bool),
-        unknowns=(nothing,) * len(unknowns),
+        unknowns=tuple(jnp.broadcast_to(one, brightest.shape) for one in unknowns),
         before=(nothing, nothing),
         peak=jnp.full_like(brightest, -jnp.inf),
         vertex=brightest,
@@ -103,7 +105,7 @@ def _start(look: Look, brightest: Array) -> Dimmest:
 
 def _advanced(at: Dimmest, look: Look, brightest: Array, load: Array) -> Dimmest:
     """The search after a look at its light."""
-    force, slope, unknowns = look(at.light)
+    force, slope, unknowns = look(at.light, at.unknowns)
     looking, searching = at.stage <= _AT_PEAK, at.stage == _IN_BRACKET
     carries = looking & (force >= load)
     begins = carries & (at.light > 0.0)

@@ -287,10 +287,15 @@ class _Runner:
     def _find(self, structure: Any, arrays: list[np.ndarray]) -> _Traced | None:
         """The program for some arguments: known, kept or traced now; None where there is none."""
         types = tuple(array.dtype for array in arrays)
-        for pattern, widened in self._patterns(structure, tuple(array.shape for array in arrays)):
-            found = self._program(structure, pattern, types)
-            if found is not None and (not any(widened) or serves_many(found.program, widened)):
-                return found
+        patterns = [*self._patterns(structure, tuple(array.shape for array in arrays))]
+        for may_trace in (False, True):  # a trace that fails takes as long as one that does not
+            for pattern, widened in patterns:
+                found = self._program(structure, pattern, types, may_trace=may_trace)
+                serves = found is not None and (
+                    not any(widened) or serves_many(found.program, widened)
+                )
+                if serves:
+                    return found
         return None
 
     def _patterns(
@@ -319,26 +324,39 @@ class _Runner:
             yield pattern, [False] * len(shapes)
 
     def _program(
-        self, structure: Any, pattern: tuple[tuple[Length, ...], ...], types: tuple[Any, ...]
+        self,
+        structure: Any,
+        pattern: tuple[tuple[Length, ...], ...],
+        types: tuple[Any, ...],
+        *,
+        may_trace: bool,
     ) -> _Traced | None:
+        """The program for some shapes; None where there is none, or none yet."""
         key = structure, pattern, types
-        if key not in self._traced:
-            self._traced[key] = self._obtain(structure, pattern, types)
-        return self._traced[key]
-
-    def _obtain(
-        self, structure: Any, pattern: tuple[tuple[Length, ...], ...], types: Sequence[Any]
-    ) -> _Traced | None:
-        numbers = [kept.Number(shape, kind.str) for shape, kind in zip(pattern, types, strict=True)]
-        form = jax.tree.unflatten(structure, numbers)
+        if key in self._traced:
+            return self._traced[key]
         if self._whole is not None:
-            whole = self._whole._program(structure, pattern, types)
-            return None if whole is None else whole.only(self._names)
-        found = kept.find(self._function, form)
-        if found is not None:
-            program, data = found
-            return _Traced(program, lambda leaves: from_data(data, leaves))
+            whole = self._whole._program(structure, pattern, types, may_trace=may_trace)
+            found = None if whole is None else whole.only(self._names)
+        else:
+            numbers = [
+                kept.Number(shape, kind.str) for shape, kind in zip(pattern, types, strict=True)
+            ]
+            form = jax.tree.unflatten(structure, numbers)
+            found = _kept(self._function, form)
+            if found is None and may_trace:
+                found = self._trace(structure, pattern, types, form)
+        if found is not None or may_trace:
+            self._traced[key] = found
+        return found
 
+    def _trace(
+        self,
+        structure: Any,
+        pattern: tuple[tuple[Length, ...], ...],
+        types: Sequence[Any],
+        form: Any,
+    ) -> _Traced | None:
         def flat(leaves: list[Any]) -> Any:
             args, kwargs = jax.tree.unflatten(structure, leaves)
             return self._compiled(*args, **kwargs)  # JAX keeps its trace, for derivatives of it
@@ -355,6 +373,15 @@ class _Runner:
             return None  # it needs to know a length: another pattern serves
         kept.keep(self._function, form, program, result)
         return _Traced(program, lambda leaves: jax.tree.unflatten(result, leaves))
+
+
+def _kept(function: Callable[..., Any], form: Any) -> _Traced | None:
+    """The program that an earlier process kept, if any."""
+    found = kept.find(function, form)
+    if found is None:
+        return None
+    program, data = found
+    return _Traced(program, lambda leaves: from_data(data, leaves))
 
 
 def _beside(structure: Any, count: int) -> set[int]:

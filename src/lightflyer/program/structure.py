@@ -35,6 +35,9 @@ def from_data(data: Any, leaves: list[Any]) -> Any:
             for field, part in fields.items():
                 object.__setattr__(found, field, from_data(part, leaves))
             return found
+        case "named":
+            name, parts = content
+            return _class_of(name)(*(from_data(part, leaves) for part in parts))
     raise ValueError(f"not a structure: {kind}")
 
 
@@ -48,7 +51,10 @@ def _encode(tree: Any) -> list[Any]:
     if type(tree) is dict and all(isinstance(name, str) for name in tree):
         return ["dict", {name: _encode(part) for name, part in tree.items()}]
     kind = type(tree)
-    if isinstance(tree, eqx.Module) and kind.__module__.split(".")[0] == _PACKAGE:
+    of_package = kind.__module__.split(".")[0] == _PACKAGE
+    if of_package and isinstance(tree, tuple):
+        return ["named", [f"{kind.__module__}:{kind.__qualname__}", [*map(_encode, tree)]]]
+    if of_package and isinstance(tree, eqx.Module):
         fields = {
             field.name: (_static if field.metadata.get("static") else _encode)(
                 getattr(tree, field.name)
@@ -68,13 +74,13 @@ def _static(value: Any) -> list[Any]:
     raise TypeError(f"{value!r} cannot be put as data")
 
 
-def _class_of(name: str) -> type[eqx.Module]:
+def _class_of(name: str) -> Any:
     module, _, qualified = name.partition(":")
     if module.split(".")[0] != _PACKAGE:
         raise ValueError(f"{module} is not part of {_PACKAGE}")
     found: Any = importlib.import_module(module)
     for part in qualified.split("."):
         found = getattr(found, part)
-    if not (isinstance(found, type) and issubclass(found, eqx.Module)):
-        raise ValueError(f"{name} is not a module of Equinox")
+    if not (isinstance(found, type) and issubclass(found, (eqx.Module, tuple))):
+        raise ValueError(f"{name} is neither a module of Equinox nor a tuple")
     return found

@@ -42,7 +42,7 @@ class Change(eqx.Module):
 
     def added(self, prepared: Any, shift: Any) -> Any:
         """The costly part after a shift of the input."""
-        bent = jnp.abs(shift) if self.bounded else shift * shift
+        bent = abs(shift) if self.bounded else shift * shift
         return jax.tree.map(
             lambda base, slope, bend: base + _beside(shift, slope) + _beside(bent, bend),
             prepared,

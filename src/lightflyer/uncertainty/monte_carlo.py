@@ -14,7 +14,7 @@ from lightflyer.design.outputs import table_of, tabulate
 from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import Inputs
 
-_CLOSER = 13  # coordinates of each sample around each edge and optimum
+_CLOSER = 25  # coordinates of each sample around each edge and optimum
 _FEWER = (
     4  # of the whole range, one in as many is looked at for the least light, which takes longest
 )

@@ -290,7 +290,7 @@ def _resistance(state: EnvironmentState, excess: Numeric) -> Numeric:
 
 def _fit_and_knudsen_number(disk: Disk, state: EnvironmentState) -> tuple[KineticFit, Any]:
     knudsen = knudsen_number(state.pressure, state.temperature, disk.radius, state.gas)
-    return kinetic_fit(_kind(state.gas)), jnp.asarray(knudsen)
+    return kinetic_fit(_kind(state.gas)), knudsen
 
 
 def _kind(gas: AbstractGas) -> str:

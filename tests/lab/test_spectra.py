@@ -12,10 +12,10 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
+from lightflyer.lab.readers.formats import Source, opened
 from lightflyer.lab.readers.spectra import jcamp_dx, omnic, opus, spc
-from lightflyer.lab.readers.spectra.formats import format_of, opened, read_raw
+from lightflyer.lab.readers.spectra.formats import format_of, read_raw
 from lightflyer.lab.readers.spectra.interpretation import Wanted, measured
-from lightflyer.lab.readers.spectra.raw import Source
 from lightflyer.lab.readers.spectrum_data import read_spectrum
 
 SAMPLES = Path(__file__).parent / "spectra"

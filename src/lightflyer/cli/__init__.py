@@ -9,6 +9,7 @@ import os
 import sys
 import warnings
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import cyclopts
@@ -111,6 +112,23 @@ app.command(
 )
 
 
+def _add_plugins(asked: str) -> None:
+    """Add the commands of plug-ins; only the one that is asked for is imported."""
+    # importlib.metadata takes ten times as long, which a list of commands need not wait for
+    files = (file for folder in sys.path for file in Path(folder).glob("*-info/entry_points.txt"))
+    if not any(b"[lightflyer]" in file.read_bytes() for file in files):
+        return
+    from lightflyer.core.extras import load_plugin, plugins
+
+    for entry in plugins():
+        if not entry.attr or entry.name in app:
+            continue
+        about = entry.dist and entry.dist.metadata["Summary"]
+        command = load_plugin(entry) if entry.name == asked else entry.value
+        if command is not None:
+            app.command(command, name=entry.name, help=about or f"Of the plug-in {entry.value}.")
+
+
 class _Warnings:
     """Prints each warning once, however often the same flyer is built."""
 
@@ -132,6 +150,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
         with working(next(iter(given), app.name[0])) as display, warnings.catch_warnings():
             warnings.simplefilter("always", ParameterWarning)
             warnings.showwarning = _Warnings(display)
+            asked = next(iter(given), "-")
+            if asked.startswith("-") or asked not in app:
+                _add_plugins(asked)
             with reporting(given):
                 app(given, exit_on_error=False, print_error=False)
             sys.stdout.flush()  # a full device says so here, not while Python ends

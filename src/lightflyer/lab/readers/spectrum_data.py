@@ -11,17 +11,12 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length, Quantity
 from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
-from lightflyer.lab.readers.spectra.formats import format_of, opened, read_raw
+from lightflyer.lab.readers.formats import Source, opened
+from lightflyer.lab.readers.spectra.formats import format_of, read_raw
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum as MeasuredSpectrum
 from lightflyer.lab.readers.spectra.interpretation import Wanted, measured
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE as PER_CENTIMETRE
-from lightflyer.lab.readers.spectra.raw import (
-    Collection,
-    Ordinate,
-    RawSpectrum,
-    Source,
-    SpectrumFacts,
-)
+from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumFacts
 
 # as fractions, or as per cent that the header does not mark
 _SHARE = Quantity("", -20.0, 150.0)

@@ -10,13 +10,8 @@ import struct
 import numpy as np
 
 from lightflyer.core.extras import extra
-from lightflyer.lab.readers.spectra.raw import (
-    MOST_POINTS,
-    RawSpectrum,
-    Source,
-    SpectrumFacts,
-    plain,
-)
+from lightflyer.lab.readers.formats import Source
+from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumFacts, plain
 
 FORMAT = "JASCO .jws"
 

@@ -123,10 +123,11 @@ def _add_plugins(asked: str) -> None:
     for entry in plugins():
         if not entry.attr or entry.name in app:
             continue
-        about = entry.dist and entry.dist.metadata["Summary"]
-        command = load_plugin(entry) if entry.name == asked else entry.value
-        if command is not None:
-            app.command(command, name=entry.name, help=about or f"Of the plug-in {entry.value}.")
+        if entry.name != asked:
+            about = entry.dist and entry.dist.metadata["Summary"]
+            app.command(entry.value, name=entry.name, help=about or f"Plug-in {entry.value}")
+        elif (command := load_plugin(entry)) is not None:
+            app.command(command, name=entry.name)
 
 
 class _Warnings:

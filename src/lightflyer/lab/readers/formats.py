@@ -66,12 +66,12 @@ class Format(NamedTuple):
     options: tuple[str, ...] = ()
 
 
-def named(*suffixes: str) -> Callable[[Source], bool]:
+def has_suffix(*suffixes: str) -> Callable[[Source], bool]:
     """How a format is recognised by the file's name."""
     return lambda source: source.suffix in suffixes
 
 
-def opened(path: Path) -> Source:
+def read_source(path: Path) -> Source:
     """A file with its content; ConfigurationError if it cannot be read."""
     try:
         return Source(path, path.read_bytes())
@@ -79,7 +79,7 @@ def opened(path: Path) -> Source:
         raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
 
 
-def recognised(source: Source, formats: Sequence[Format]) -> Format | None:
+def find_format(source: Source, formats: Sequence[Format]) -> Format | None:
     """The first format that knows a file; a plug-in puts its own before or behind the others."""
     load_plugins()
     return next((one for one in formats if one.recognises(source)), None)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.lab.readers.formats import Format, Source, named, opened, recognised
+from lightflyer.lab.readers.formats import Format, Source, find_format, has_suffix, read_source
 from lightflyer.lab.readers.height_maps import gwyddion, igor, instruments, text
 from lightflyer.lab.readers.height_maps.channel import Channel, chosen
 
@@ -17,8 +17,8 @@ MOST_MISSING = 0.25
 """Share of pixels without a height above which a map is refused; our choice."""
 
 HEIGHT_MAP_FORMATS = [
-    Format("Igor binary wave", named(".ibw"), igor.read_channels),
-    Format("Gwyddion", named(".gwy"), gwyddion.read_channels),
+    Format("Igor binary wave", has_suffix(".ibw"), igor.read_channels),
+    Format("Gwyddion", has_suffix(".gwy"), gwyddion.read_channels),
     Format(
         "microscope",
         lambda source: instruments.instrument_of(source) is not None,
@@ -104,8 +104,8 @@ def read_height_map(
     MissingExtraError
         If the package that reads the format is not installed.
     """
-    source = opened(Path(path))
-    kind = recognised(source, HEIGHT_MAP_FORMATS)
+    source = read_source(Path(path))
+    kind = find_format(source, HEIGHT_MAP_FORMATS)
     notes: tuple[str, ...] = ()
     if kind is None:
         if channel is not None:
@@ -142,8 +142,8 @@ def list_channels(path: str | Path) -> list[Channel]:
     MissingExtraError
         If the package that reads the format is not installed.
     """
-    source = opened(Path(path))
-    kind = recognised(source, HEIGHT_MAP_FORMATS)
+    source = read_source(Path(path))
+    kind = find_format(source, HEIGHT_MAP_FORMATS)
     if kind is None:
         source.refuse("a matrix in a text file has no channels")
     channels: list[Channel] = kind.read(source)

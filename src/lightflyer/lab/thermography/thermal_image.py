@@ -11,7 +11,7 @@ import numpy as np
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.units import Measured
-from lightflyer.lab.readers.formats import Format, Source, named, opened, recognised
+from lightflyer.lab.readers.formats import Format, Source, find_format, has_suffix, read_source
 from lightflyer.lab.thermography.data import THERMAL, ZERO_CELSIUS
 from lightflyer.lab.thermography.images import flir, radiometry, scaled
 from lightflyer.lab.thermography.images.scaled import Scale
@@ -133,8 +133,8 @@ def read_thermal_image(
     ConfigurationError
         One line that names the file.
     """
-    source = opened(Path(path))
-    kind = recognised(source, THERMAL_IMAGE_FORMATS)
+    source = read_source(Path(path))
+    kind = find_format(source, THERMAL_IMAGE_FORMATS)
     if kind is None and source.suffix in _OTHERS:
         source.refuse(f"is {_OTHERS[source.suffix]}")
     kind = kind or _MATRIX
@@ -152,7 +152,8 @@ def read_thermal_image(
 
 def is_thermal_image(path: Path) -> bool:
     """Whether a file is an image, whatever the options; a matrix in a text file may be a table."""
-    return path.is_file() and recognised(opened(path), THERMAL_IMAGE_FORMATS) is not None
+    source = Source(path, path.read_bytes() if path.is_file() else b"")  # a sheet of a workbook
+    return find_format(source, THERMAL_IMAGE_FORMATS) is not None
 
 
 def _of_matrix(source: Source, scale: Scale | None = None) -> ThermalImage:
@@ -193,9 +194,12 @@ def _of_flir(
 
 THERMAL_IMAGE_FORMATS = [
     Format(
-        "FLIR", named(".jpg", ".jpeg", ".fff"), _of_flir, ("emissivity", "reflected_temperature")
+        "FLIR",
+        has_suffix(".jpg", ".jpeg", ".fff"),
+        _of_flir,
+        ("emissivity", "reflected_temperature"),
     ),
-    Format("TIFF", named(".tif", ".tiff"), _of_tiff, ("scale",)),
+    Format("TIFF", has_suffix(".tif", ".tiff"), _of_tiff, ("scale",)),
 ]
 """All formats but matrices in text files. A plug-in adds its own."""
 

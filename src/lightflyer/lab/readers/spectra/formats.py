@@ -5,7 +5,7 @@ import struct
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError, MissingExtraError
-from lightflyer.lab.readers.formats import Format, Source, one_line, recognised
+from lightflyer.lab.readers.formats import Format, Source, find_format, one_line
 from lightflyer.lab.readers.spectra import (
     jasco_jws,
     jasco_text,
@@ -40,7 +40,7 @@ _LISTED, _TITLE = 8, 40  # spectra that a message names, and characters of a tit
 
 def format_of(source: Source) -> Format | None:
     """Format of a file."""
-    found = recognised(source, SPECTRUM_FORMATS)
+    found = find_format(source, SPECTRUM_FORMATS)
     named = _BINARY.get(source.suffix)
     if found is None and named is not None:
         source.refuse(f"is damaged or not {named}, which its name says")

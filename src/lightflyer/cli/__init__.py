@@ -108,7 +108,7 @@ app.command(
 app.command(
     "lightflyer.cli.commands.doctor:doctor_command",
     name="doctor",
-    help="Say what is installed: extras, devices, libraries, caches.",
+    help="Say what is installed: extras, devices, libraries, plug-ins, caches.",
 )
 
 

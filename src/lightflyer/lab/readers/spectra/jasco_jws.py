@@ -37,9 +37,7 @@ _RESOLUTION_TAG = 2
 def is_jws(source: Source) -> bool:
     """Whether a file is a binary one of JASCO."""
     ole = source.content.startswith(_OLE_MAGIC)
-    return source.content.startswith(_MAGIC) or (
-        ole and source.path.suffix.lower() in (".jws", ".jwb", ".jrs")
-    )
+    return source.content.startswith(_MAGIC) or (ole and source.suffix in (".jws", ".jwb", ".jrs"))
 
 
 def read_jws(source: Source) -> list[RawSpectrum]:

@@ -52,7 +52,7 @@ class _Block:
 
 def is_jcamp(source: Source) -> bool:
     """Whether a file is JCAMP-DX, by its name or its first label."""
-    named = source.path.suffix.lower() in (".jdx", ".dx", ".jcamp", ".jcm")
+    named = source.suffix in (".jdx", ".dx", ".jcamp", ".jcm")
     return named or bool(_START.match(source.text[:5000]))
 
 

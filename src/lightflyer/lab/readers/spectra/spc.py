@@ -52,7 +52,7 @@ class _Header(NamedTuple):
 def is_spc(source: Source) -> bool:
     """Whether a file is one of GRAMS."""
     return (
-        source.path.suffix.lower() == ".spc"
+        source.suffix == ".spc"
         and len(source.content) > _OLD_SIZE + _SUB_SIZE
         and source.content[1] in (_LITTLE, _BIG, _OLD)
     )

@@ -119,4 +119,4 @@ assert abs(slope / quotient - 1.0) < 1e-6
 
 # %%
 # Next: the equations (:doc:`/model`), the solver of the kinetic equation (:doc:`/kinetic`), and a
-# flyer of your own with two temperatures (:doc:`/own-flyer`).
+# flyer of your own (:doc:`/extending`).

@@ -20,6 +20,7 @@ from .calibration import calibrate as calibrate
 from .comparison import compare as compare
 from .config.flyer_file import FlyerFile as FlyerFile
 from .config.reader import read_flyer_file as read_flyer_file
+from .core import quantity as quantity
 from .core.errors import ConfigurationError as ConfigurationError
 from .core.errors import ConvergenceError as ConvergenceError
 from .core.errors import LightflyerError as LightflyerError

@@ -154,7 +154,8 @@ def require_readable(text):
         elif not set(content) & set(base):  # further sections of the same file
             path.write_text(f"{path.read_text(encoding='utf-8')}\n{text}", encoding="utf-8")
         return
-    base = tomllib.loads(templates()[fitting(content)].read())
+    kind = fitting(content)
+    base = tomllib.loads(templates()[kind].read()) if kind in templates() else {}  # a page's own
     if "mission" in content:
         path = Path("page.toml")
         path.write_text(tomlkit.dumps(base | content), encoding="utf-8")

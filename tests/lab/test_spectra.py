@@ -12,10 +12,10 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
+from lightflyer.lab.readers.formats import Source, read_source
 from lightflyer.lab.readers.spectra import jcamp_dx, omnic, opus, spc
-from lightflyer.lab.readers.spectra.formats import format_of, opened, read_raw
+from lightflyer.lab.readers.spectra.formats import format_of, read_raw
 from lightflyer.lab.readers.spectra.interpretation import Wanted, measured
-from lightflyer.lab.readers.spectra.raw import Source
 from lightflyer.lab.readers.spectrum_data import read_spectrum
 
 SAMPLES = Path(__file__).parent / "spectra"
@@ -93,7 +93,7 @@ def test_points_that_jasco_marks_as_empty_are_left_out():
 
 
 def test_opus_absorbance_is_that_of_its_single_beams():
-    beams = {one.ordinate_name: one for one in opus.read_opus(opened(SAMPLES / "opus.0"))}
+    beams = {one.ordinate_name: one for one in opus.read_opus(read_source(SAMPLES / "opus.0"))}
     ratio = beams["single channel"].ordinate / beams["single channel of the reference"].ordinate
     found = read_spectrum(SAMPLES / "opus.0")  # the only result among three spectra
     np.testing.assert_allclose(found.value, ratio[::-1], rtol=3e-7)
@@ -102,13 +102,13 @@ def test_opus_absorbance_is_that_of_its_single_beams():
 
 def test_raw_values_of_omnic_and_grams():
     """As spectrochempy-omnic 0.2.1 and spc-io 0.2.1 read them."""
-    (one,) = omnic.read_omnic(opened(SAMPLES / "omnic.spa"))
+    (one,) = omnic.read_omnic(read_source(SAMPLES / "omnic.spa"))
     np.testing.assert_array_equal(
         one.ordinate[[0, 1000, 3631]],
         [0.017102178186178207, 0.8031986951828003, 0.032076966017484665],
     )
     assert one.abscissa[[0, 1, -1]] == pytest.approx([3996.82324219, 3994.89463318, -3005.95605469])
-    (two,) = spc.read_spc(opened(SAMPLES / "grams.spc"))
+    (two,) = spc.read_spc(read_source(SAMPLES / "grams.spc"))
     np.testing.assert_array_equal(two.abscissa[[0, 50, 150]], [15590.0, 15585.0, 15575.0])
     np.testing.assert_array_equal(two.ordinate[[0, 50, 150]], [27.0, 30.0, 43.0])
 
@@ -119,7 +119,7 @@ def test_jcamp_against_another_reader(name):
     with contextlib.redirect_stdout(io.StringIO()):
         other = jcamp.readfile(path)
     blocks = other.get("children") or [other]
-    ours = jcamp_dx.read_jcamp(opened(path))
+    ours = jcamp_dx.read_jcamp(read_source(path))
     assert len(ours) == len(blocks)
     for one, block in zip(ours, blocks, strict=True):
         np.testing.assert_allclose(one.abscissa, block["x"], rtol=1e-12)

@@ -9,6 +9,7 @@ import os
 import sys
 import warnings
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import cyclopts
@@ -107,8 +108,26 @@ app.command(
 app.command(
     "lightflyer.cli.commands.doctor:doctor_command",
     name="doctor",
-    help="Say what is installed: extras, devices, libraries, caches.",
+    help="Say what is installed: extras, devices, libraries, plug-ins, caches.",
 )
+
+
+def _add_plugins(asked: str) -> None:
+    """Add the commands of plug-ins; only the one that is asked for is imported."""
+    # importlib.metadata takes ten times as long, which a list of commands need not wait for
+    files = (file for folder in sys.path for file in Path(folder).glob("*-info/entry_points.txt"))
+    if not any(b"[lightflyer]" in file.read_bytes() for file in files):
+        return
+    from lightflyer.core.extras import load_plugin, plugins
+
+    for entry in plugins():
+        if not entry.attr or entry.name in app:
+            continue
+        if entry.name != asked:
+            about = entry.dist and entry.dist.metadata["Summary"]
+            app.command(entry.value, name=entry.name, help=about or f"Plug-in {entry.value}")
+        elif (command := load_plugin(entry)) is not None:
+            app.command(command, name=entry.name)
 
 
 class _Warnings:
@@ -132,6 +151,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
         with working(next(iter(given), app.name[0])) as display, warnings.catch_warnings():
             warnings.simplefilter("always", ParameterWarning)
             warnings.showwarning = _Warnings(display)
+            asked = next(iter(given), "-")
+            if asked.startswith("-") or asked not in app:
+                _add_plugins(asked)
             with reporting(given):
                 app(given, exit_on_error=False, print_error=False)
             sys.stdout.flush()  # a full device says so here, not while Python ends

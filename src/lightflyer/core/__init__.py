@@ -1,1 +1,5 @@
 """What everybody stands on: errors, types, constants, quantities with units, checks, progress."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

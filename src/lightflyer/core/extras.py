@@ -1,9 +1,18 @@
-"""Optional dependencies, imported when first needed."""
+"""What other packages add: optional dependencies, and plug-ins."""
 
 import importlib
+import importlib.metadata
+import warnings
+from functools import cache
 from typing import Any
 
-from lightflyer.core.errors import MissingExtraError
+from lightflyer.core.errors import MissingExtraError, PluginWarning
+
+ENTRY_POINTS = "lightflyer"
+"""Group of the entry points of plug-ins."""
+
+# An entry that names a module declares whatever that module defines or registers when it is
+# imported. One that names something in a module, "module:function", is a command.
 
 
 def extra(module: str, what: str, extra_name: str) -> Any:
@@ -15,3 +24,34 @@ def extra(module: str, what: str, extra_name: str) -> Any:
         raise MissingExtraError(
             f"{what} needs {package}: pip install 'lightflyer[{extra_name}]'"
         ) from error
+
+
+def plugins() -> importlib.metadata.EntryPoints:
+    """All plug-ins that are installed; none is imported."""
+    return importlib.metadata.entry_points(group=ENTRY_POINTS)
+
+
+@cache
+def _waiting() -> list[importlib.metadata.EntryPoint]:
+    """Plug-ins that are still to be imported."""
+    return [entry for entry in plugins() if not entry.attr]
+
+
+def load_plugins() -> None:
+    """Import every plug-in that is no command, once; look nothing up by name before."""
+    while _waiting():
+        load_plugin(_waiting().pop(0))  # first removed: its module may come here again
+
+
+def load_plugin(entry: importlib.metadata.EntryPoint) -> Any:
+    """What an entry names; a warning and None where its author made a mistake."""
+    try:
+        return entry.load()
+    except Exception as error:
+        reason = " ".join(str(error).split())
+        warnings.warn(
+            f"plug-in {entry.name} ({entry.value}) cannot be imported and is left out: "
+            f"{type(error).__name__}: {reason}",
+            PluginWarning,
+            stacklevel=2,
+        )

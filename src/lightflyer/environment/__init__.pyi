@@ -1,4 +1,5 @@
 from .altitude import AltitudeSection as AltitudeSection
+from .altitude import altitude_coordinate as altitude_coordinate
 from .atmosphere.base import AbstractAtmosphere as AbstractAtmosphere
 from .atmosphere.global_nrlmsis import GlobalNRLMSIS as GlobalNRLMSIS
 from .atmosphere.lu2023 import Lu2023Atmosphere as Lu2023Atmosphere

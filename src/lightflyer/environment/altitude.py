@@ -18,7 +18,21 @@ _SPACING = 1000.0  # metres, which resolves the layers of every atmosphere
 def altitude_coordinate(
     altitude_range: tuple[float, float], highest_searched: float, points: tuple[float, ...]
 ) -> Coordinate:
-    """Geometric altitude, over the range of an atmosphere."""
+    """Geometric altitude, over the range of an atmosphere.
+
+    Parameters
+    ----------
+    altitude_range : tuple of float
+        Lowest and highest altitude with a state [m].
+    highest_searched : float
+        Altitude above which no search looks by itself [m].
+    points : tuple of float
+        Altitudes reported where none are asked for [m].
+
+    Returns
+    -------
+    Coordinate
+    """
     low, high = altitude_range
     return Coordinate(
         name="altitude",

@@ -2,7 +2,7 @@
 
 import abc
 from collections.abc import Mapping
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar
 
 from lightflyer.core import constants
 from lightflyer.core.errors import ParameterError
@@ -17,12 +17,12 @@ from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured, scale_and_offset
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.environment.radiation import Radiation
-from lightflyer.files.section import Alternative
+from lightflyer.files.section import Alternative, OneOf
 from lightflyer.gas.registry import GASES
 
 _SEARCH = "says where bands are searched"
 
-GasName = Literal[tuple(GASES)]  # type: ignore[valid-type]
+GasName = Annotated[str, OneOf(GASES)]
 """Names of gases in a flyer file."""
 
 
@@ -39,7 +39,7 @@ class EnvironmentSection(Alternative, abc.ABC):
     search_keys: ClassVar[tuple[str, str]]
     stefan_boltzmann: ClassVar[float] = constants.STEFAN_BOLTZMANN
 
-    gas: GasName | None = None  # type: ignore[valid-type]
+    gas: GasName | None = None
     gravity: Acceleration | None = None
     irradiance: Irradiance
     incidence: Incidence = Measured(0.0)

@@ -15,8 +15,8 @@ from lightflyer.core.quantity import Quantity
 from lightflyer.core.units import Measured
 from lightflyer.environment.section import EnvironmentSection
 from lightflyer.explorer.hints import base_of, hints
-from lightflyer.files.section import Alternative, Section
-from lightflyer.film.media.library import PAGES
+from lightflyer.files.section import Alternative, OneOf, Section
+from lightflyer.film.media.catalogue import material_names
 from lightflyer.film.section import FilmSection
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
@@ -58,7 +58,7 @@ def grammar() -> dict[str, Any]:
             for name, base in _bases().items()
         },
         "sections": sections,
-        "materials": sorted(PAGES),
+        "materials": sorted(material_names()),
     }
 
 
@@ -177,4 +177,8 @@ def _members(annotation: Any) -> tuple[Any, ...]:
 
 
 def _literals(annotation: Any) -> tuple[str, ...]:
-    return tuple(map(str, get_args(annotation))) if get_origin(annotation) is Literal else ()
+    """Words that a type allows, empty where it allows others."""
+    if get_origin(annotation) is Literal:
+        return tuple(map(str, get_args(annotation)))
+    named = (part for part in get_args(annotation) if isinstance(part, OneOf))
+    return next((tuple(one.registry) for one in named), ())

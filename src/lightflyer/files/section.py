@@ -17,6 +17,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_
 
 import pydantic
 from pydantic import ConfigDict
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Quantity, contradiction_in, quantity_of
@@ -35,6 +36,25 @@ class Spelling(NamedTuple):
 
 DIAMETER = Spelling("diameter", 0.5)
 """How a file gives a radius."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class OneOf:
+    """Annotation of a text that is a name in a registry, which may still grow."""
+
+    registry: Mapping[str, Any]
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: pydantic.GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Tell Pydantic to look the name up."""
+        return core_schema.no_info_after_validator_function(self._known, handler(source))
+
+    def _known(self, name: str) -> str:
+        if name in self.registry:
+            return name
+        known = ", ".join(f"'{known}'" for known in self.registry)
+        raise PydanticCustomError("literal_error", "not one of {expected}", {"expected": known})
 
 
 class Section(pydantic.BaseModel):

@@ -19,6 +19,7 @@ from .media.effective_media import maxwell_garnett as maxwell_garnett
 from .media.effective_media import parallel as parallel
 from .media.effective_media import series as series
 from .media.graded import Graded as Graded
+from .media.library import MEDIA as MEDIA
 from .media.materials import Material as Material
 from .media.materials import material_from_csv as material_from_csv
 from .media.materials import tabulated_material as tabulated_material

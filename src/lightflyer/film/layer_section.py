@@ -25,9 +25,9 @@ from lightflyer.film.media.database import database_page, looks_like_page
 from lightflyer.film.media.dispersion_section import DispersionSection
 from lightflyer.film.media.effective_media import Rule, Shape
 from lightflyer.film.media.graded import SHEETS, Graded
-from lightflyer.film.media.library import PAGES, VACUUM, Entry, canonical_name
+from lightflyer.film.media.library import MEDIA, PAGES, VACUUM, Entry, canonical_name
 from lightflyer.film.media.material_csv import names_file
-from lightflyer.film.media.materials import Material, material_from_csv, vacuum
+from lightflyer.film.media.materials import material_from_csv, vacuum
 from lightflyer.film.media.medium import Extrapolation, Medium
 from lightflyer.film.media.mixture import Mixture
 from lightflyer.film.media.temperature_dependent import TemperatureDependentMedium
@@ -67,8 +67,8 @@ class _Named(Section):
         return canonical_name(name)
 
 
-def _medium(name: str, policy: Extrapolation, density: Measured | None) -> Material:
-    found = material_from_csv(name) if names_file(name) else material(name)
+def _medium(name: str, policy: Extrapolation, density: Measured | None) -> Medium:
+    found: Medium = material_from_csv(name) if names_file(name) else material(name)
     if density is not None:
         found = found.with_density(density.value)
     return found.with_extrapolation(policy)
@@ -91,9 +91,8 @@ class TableSection(_Named):
 
     def temperature(self) -> float:
         """Of the sample: as the file has it, or as the material states it [K]."""
-        stated = self.at.value if self.at else _medium(
-            self.material, Extrapolation.ERROR, None
-        ).temperature  # fmt: skip
+        medium = _medium(self.material, Extrapolation.ERROR, None)
+        stated = self.at.value if self.at else getattr(medium, "temperature", None)
         if stated is None:
             raise ConfigurationError(
                 f'{self.material} states no temperature; give it, such as at = "300 K"'
@@ -225,8 +224,8 @@ class LayerSection(_Named):
     @property
     def library_tac(self) -> Measured | None:
         """TAC of the material, where the library has one [1]; of no mixture."""
-        known = self.material is not None and self.porosity is None and self.material in PAGES
-        return PAGES[str(self.material)].tac if known else None
+        known = self.porosity is None and {**MEDIA, **PAGES}.get(str(self.material))
+        return getattr(known, "tac", None)
 
     @property
     def surface_tac(self) -> Measured | None:

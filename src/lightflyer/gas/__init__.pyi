@@ -21,6 +21,7 @@ from .pure import Argon as Argon
 from .pure import Helium as Helium
 from .pure import Nitrogen as Nitrogen
 from .pure import Oxygen as Oxygen
+from .reference import GAS_CONSTANT as GAS_CONSTANT
 from .reference import AbstractReferenceGas as AbstractReferenceGas
 from .reference import Correlations as Correlations
 from .reference import IdealHeatCapacity as IdealHeatCapacity

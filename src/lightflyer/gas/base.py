@@ -1,8 +1,8 @@
 """Base class of gases, and the lengths and speeds derived from them.
 
 A gas is three correlations in temperature, two numbers and what its molecules are. What kinetic
-theory needs follows from them. A gas of your own is one file with one subclass of
-:class:`AbstractGas`.
+theory needs follows from them. A gas of your own is one subclass of :class:`AbstractGas`; files
+know it once it is in :data:`lightflyer.gas.GASES`.
 """
 
 import abc

@@ -18,4 +18,4 @@ GASES: dict[str, AbstractGas] = {
     **{gas.name: gas for gas in PURE_GASES},
     **CARBON_DIOXIDES,
 }
-"""All, as a chamber may hold them."""
+"""All, as a chamber may hold them; a plug-in adds its own."""

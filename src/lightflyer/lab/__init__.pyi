@@ -22,10 +22,16 @@ from .optics.figures import optics_figures as optics_figures
 from .optics.fit import OpticsFit as OpticsFit
 from .optics.fit import fit_optics as fit_optics
 from .optics.model import OpticalModel as OpticalModel
+from .readers.formats import Format as Format
+from .readers.formats import Source as Source
+from .readers.height_map import HEIGHT_MAP_FORMATS as HEIGHT_MAP_FORMATS
 from .readers.height_map import HeightMap as HeightMap
 from .readers.height_map import list_channels as list_channels
 from .readers.height_map import read_height_map as read_height_map
+from .readers.height_maps.channel import Channel as Channel
+from .readers.spectra.formats import SPECTRUM_FORMATS as SPECTRUM_FORMATS
 from .readers.spectra.interpretation import MeasuredSpectrum as MeasuredSpectrum
+from .readers.spectra.raw import RawSpectrum as RawSpectrum
 from .readers.spectra.raw import SpectrumFacts as SpectrumFacts
 from .readers.spectrum_data import read_spectrum as read_spectrum
 from .readers.tables import Column as Column
@@ -70,6 +76,7 @@ from .thermography.images.scaled import Scale as Scale
 from .thermography.images.scaled import parse_scale as parse_scale
 from .thermography.reduction import RadiativeProperties as RadiativeProperties
 from .thermography.reduction import reduce_readings as reduce_readings
+from .thermography.thermal_image import THERMAL_IMAGE_FORMATS as THERMAL_IMAGE_FORMATS
 from .thermography.thermal_image import ThermalImage as ThermalImage
 from .thermography.thermal_image import parse_regions as parse_regions
 from .thermography.thermal_image import read_thermal_image as read_thermal_image

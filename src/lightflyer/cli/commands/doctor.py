@@ -14,13 +14,14 @@ import lightflyer
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer
 from lightflyer.core.cache import SETTING, cache_folder
+from lightflyer.core.extras import load_plugins, plugins
 
 _MEGABYTE = 1e6
 _EVERY_EXTRA = "all"  # names the others
 
 
 def doctor_command(*, json_output: Json = False) -> None:
-    """Say which extras, devices, libraries and caches are there.
+    """Say which extras, devices, libraries, plug-ins and caches are there.
 
     Send its output with a report of a fault.
 
@@ -37,6 +38,7 @@ def doctor_command(*, json_output: Json = False) -> None:
         **_numerics(),
         "requirements": _requirements(None),
         "extras": {name: _requirements(name) for name in _extras()},
+        "plug_ins": _plug_ins(),
         "kept_programs": _cache(),
     }
     if json_output:
@@ -92,6 +94,12 @@ def _state(need: Requirement) -> dict[str, Any]:
     return {"package": need.name, "version": version, "problem": problem}
 
 
+def _plug_ins() -> list[str]:
+    """What other packages add; a warning for each one that is broken."""
+    load_plugins()
+    return [f"{entry.name} ({entry.value})" for entry in plugins()]
+
+
 def _cache() -> dict[str, Any]:
     """Where programs are kept, and how many."""
     folder = cache_folder()
@@ -111,6 +119,7 @@ def _overview(found: dict[str, Any]) -> Table:
         "system": f"{found['system']}, {found['cores']} cores",
         "JAX": f"{found['jax']} on {', '.join(found['devices'])}",
         "NumPy": f"{found['numpy']} with {found['blas']}",
+        "plug-ins": ", ".join(found["plug_ins"]) or "none",
         "kept programs": _in_words(found["kept_programs"]),
     }
     for name, text in rows.items():

@@ -10,7 +10,7 @@ from lightflyer.cli.output import print_json, printer
 
 if TYPE_CHECKING:
     from lightflyer.film.media.database import DatabasePage
-    from lightflyer.film.media.materials import Material
+    from lightflyer.film.media.medium import Medium
 
 _SHOWN = 40  # pages that a search prints
 
@@ -56,20 +56,21 @@ def materials_command(
     console.print('a CSV file works too: material = "mine.csv", columns wavelength [um],n,k')
 
 
-def _described(one: "Material") -> dict[str, Any]:
+def _described(one: "Medium") -> dict[str, Any]:
     from lightflyer.film.media.library import ALIASES
     from lightflyer.film.media.materials import MICROMETRE
 
+    tac = getattr(one, "tac", None)
     return {
         "name": one.name,
         "other_names": [alias for alias, target in ALIASES.items() if target == one.name],
-        "description": one.description,
+        "description": getattr(one, "description", ""),
         "wavelength_range_um": [end / MICROMETRE for end in one.wavelength_range],
         "density_kg_m3": one.density,
         "density_source": one.density_source,
-        "tac": None if one.tac is None else one.tac.value,
-        "tac_uncertainty": None if one.tac is None else one.tac.uncertainty,
-        "tac_source": one.tac_source,
+        "tac": None if tac is None else tac.value,
+        "tac_uncertainty": None if tac is None else tac.uncertainty,
+        "tac_source": getattr(one, "tac_source", ""),
         "source": one.source,
     }
 

@@ -225,13 +225,12 @@ def _image(
     """The image that the options name, if they name one."""
     from lightflyer.lab.thermography.images.scaled import parse_scale
     from lightflyer.lab.thermography.thermal_image import (
-        IMAGE_SUFFIXES,
+        is_thermal_image,
         parse_regions,
         read_thermal_image,
     )
 
-    is_image = file is not None and file.suffix.lower() in IMAGE_SUFFIXES
-    if file is None or not (is_image or regions):
+    if file is None or not (regions or is_thermal_image(file)):
         if regions or any(settings):
             raise ConfigurationError("--image-… are for an image; give its file and --regions")
         return None

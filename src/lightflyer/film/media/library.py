@@ -9,7 +9,9 @@ import difflib
 import numpy as np
 
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.extras import load_plugins
 from lightflyer.core.units import Measured
+from lightflyer.film.media.medium import Medium
 
 
 @dataclasses.dataclass(frozen=True)
@@ -186,6 +188,9 @@ PAGES: dict[str, Entry] = {
 }
 """Materials by their name in a flyer file."""
 
+MEDIA: dict[str, Medium] = {}
+"""Further ones, which plug-ins add."""
+
 VACUUM = "vacuum"
 """Name of empty space, as a part of mixtures."""
 
@@ -214,8 +219,9 @@ ALIASES = {
 def canonical_name(name: str) -> str:
     """Name of a material in the library, from any of its names in any case."""
     name = " ".join(name.split())
+    load_plugins()
     known = {alias.lower(): target for alias, target in ALIASES.items()}
-    known |= {target.lower(): target for target in (*PAGES, VACUUM)}
+    known |= {target.lower(): target for target in (*PAGES, VACUUM, *MEDIA)}
     if name.lower() in known:
         return known[name.lower()]
     near = difflib.get_close_matches(name.lower(), known, n=3, cutoff=0.5)

@@ -1,12 +1,12 @@
 """Height maps and their files, by format in :mod:`lightflyer.lab.readers.height_maps`."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.lab.readers.formats import Format, Source, find_format, has_suffix, read_source
 from lightflyer.lab.readers.height_maps import gwyddion, igor, instruments, text
 from lightflyer.lab.readers.height_maps.channel import Channel, chosen
 
@@ -15,6 +15,17 @@ NANOMETRE = 1e-9
 
 MOST_MISSING = 0.25
 """Share of pixels without a height above which a map is refused; our choice."""
+
+HEIGHT_MAP_FORMATS = [
+    Format("Igor binary wave", has_suffix(".ibw"), igor.read_channels),
+    Format("Gwyddion", has_suffix(".gwy"), gwyddion.read_channels),
+    Format(
+        "microscope",
+        lambda source: instruments.instrument_of(source) is not None,
+        instruments.read_channels,
+    ),
+]
+"""All formats but matrices in text files. A plug-in adds its own."""
 
 _LEAST_SIDE = 16  # pixels
 _FARTHEST = 0.1  # [m]; far more than any microscope's range
@@ -93,12 +104,21 @@ def read_height_map(
     MissingExtraError
         If the package that reads the format is not installed.
     """
-    path = Path(path)
-    channels, notes = _channels(path, size, unit, channel)
-    found, note = chosen(path, channels, channel)
+    source = read_source(Path(path))
+    kind = find_format(source, HEIGHT_MAP_FORMATS)
+    notes: tuple[str, ...] = ()
+    if kind is None:
+        if channel is not None:
+            source.refuse(f'channel "{channel}" has no effect: a matrix is one map; leave it out')
+        matrix, notes = text.read_matrix(source.path, size, unit)
+        channels = [matrix]
+    else:
+        _refuse_options(source, size, unit)
+        channels = kind.read(source)
+    found, note = chosen(source.path, channels, channel)
     if note:
         notes = (*notes, note)
-    one = HeightMap(str(path), found.read(), found.width, found.length, found.name, notes)
+    one = HeightMap(str(source.path), found.read(), found.width, found.length, found.name, notes)
     _require_usable(one)
     return one
 
@@ -122,40 +142,21 @@ def list_channels(path: str | Path) -> list[Channel]:
     MissingExtraError
         If the package that reads the format is not installed.
     """
-    path = Path(path)
-    content = _content(path)
-    if path.suffix.lower() == ".ibw":
-        return igor.read_channels(path, content)
-    if path.suffix.lower() == ".gwy":
-        return gwyddion.read_channels(path, content)
-    kind = instruments.format_of(path, content)
+    source = read_source(Path(path))
+    kind = find_format(source, HEIGHT_MAP_FORMATS)
     if kind is None:
-        raise ConfigurationError(f"{path}: a matrix in a text file has no channels")
-    return instruments.read_channels(path, content, kind)
+        source.refuse("a matrix in a text file has no channels")
+    channels: list[Channel] = kind.read(source)
+    return channels
 
 
-def _channels(
-    path: Path, size: float | None, unit: str | None, channel: str | None
-) -> tuple[Sequence[Channel], tuple[str, ...]]:
-    """Channels of a file and what is said of them."""
-    content = _content(path)
-    is_text = path.suffix.lower() not in (".ibw", ".gwy") and not instruments.format_of(
-        path, content
-    )
-    if not is_text:
-        for option, value in (("--size", size), ("--unit", unit)):
-            if value is not None:
-                raise ConfigurationError(
-                    f"{path}: states its sizes and units itself; {option} is for a matrix in a "
-                    "text file; leave it out"
-                )
-        return list_channels(path), ()
-    if channel is not None:
-        raise ConfigurationError(
-            f'{path}: channel "{channel}" has no effect: a matrix is one map; leave it out'
-        )
-    one, notes = text.read_matrix(path, size, unit)
-    return [one], notes
+def _refuse_options(source: Source, size: float | None, unit: str | None) -> None:
+    for option, value in (("--size", size), ("--unit", unit)):
+        if value is not None:
+            source.refuse(
+                f"states its sizes and units itself; {option} is for a matrix in a text file; "
+                "leave it out"
+            )
 
 
 def _require_usable(one: HeightMap) -> None:
@@ -182,10 +183,3 @@ def _require_usable(one: HeightMap) -> None:
             f"{one.source}: its size, {one.width:.3g} m x {one.length:.3g} m, is not between 0 and "
             f"{_WIDEST:g} m"
         )
-
-
-def _content(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None

@@ -11,17 +11,12 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length, Quantity
 from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
-from lightflyer.lab.readers.spectra.formats import format_of, opened, read_raw
+from lightflyer.lab.readers.formats import Source, read_source
+from lightflyer.lab.readers.spectra.formats import format_of, read_raw
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum as MeasuredSpectrum
 from lightflyer.lab.readers.spectra.interpretation import Wanted, measured
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE as PER_CENTIMETRE
-from lightflyer.lab.readers.spectra.raw import (
-    Collection,
-    Ordinate,
-    RawSpectrum,
-    Source,
-    SpectrumFacts,
-)
+from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumFacts
 
 # as fractions, or as per cent that the header does not mark
 _SHARE = Quantity("", -20.0, 150.0)
@@ -114,7 +109,7 @@ def read_spectrum(
     wanted = Wanted(quantity, scale, spectrum, collection)
     wanted.check()
     workbook = str(path).partition("#")[0].lower().endswith(_WORKBOOKS)
-    source = Source(Path(path), b"") if workbook else opened(Path(path))
+    source = Source(Path(path), b"") if workbook else read_source(Path(path))
     kind = None if workbook else format_of(source)
     if kind is None:
         if spectrum not in (None, "1"):

@@ -11,6 +11,7 @@ import numpy as np
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.units import Measured
+from lightflyer.lab.readers.formats import Format, Source, find_format, has_suffix, read_source
 from lightflyer.lab.thermography.data import THERMAL, ZERO_CELSIUS
 from lightflyer.lab.thermography.images import flir, radiometry, scaled
 from lightflyer.lab.thermography.images.scaled import Scale
@@ -21,11 +22,6 @@ if TYPE_CHECKING:
 UNIFORM = 2.0
 """Scatter of a region's pixels above which it is not called uniform [K]; an assumption."""
 
-FLIR_SUFFIXES = (".jpg", ".jpeg", ".fff")
-TIFF_SUFFIXES = (".tif", ".tiff")
-IMAGE_SUFFIXES = (*FLIR_SUFFIXES, *TIFF_SUFFIXES)
-"""Suffixes of files that are images, whatever the options."""
-
 _OTHERS = {
     ".seq": "a sequence of FLIR; export one image as .fff, JPEG or CSV",
     ".csq": "a sequence of FLIR; export one image as .fff, JPEG or CSV",
@@ -33,6 +29,14 @@ _OTHERS = {
     ".bmt": "testo's own format; export CSV from IRSoft",
     ".irb": "InfraTec's own format; export CSV from IRBIS",
     ".ravi": "Optris' own format; export CSV or TIFF from PIX Connect",
+}
+_NOT_TAKEN = {
+    "scale": "states its scale itself; leave --image-unit out",
+    **dict.fromkeys(
+        ("emissivity", "reflected_temperature"),
+        "holds temperatures and no signal, for which another emissivity or reflected temperature "
+        "could be set; set it in the camera's program",
+    ),
 }
 _AGREE = 0.5  # [K] by which reflected temperature and surroundings may differ
 _ALIKE = 0.1  # share of pixels at an end of the image's range that suggests saturation
@@ -129,38 +133,44 @@ def read_thermal_image(
     ConfigurationError
         One line that names the file.
     """
-    path = Path(path)
-    suffix = path.suffix.lower()
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
-    if suffix in _OTHERS:
-        raise ConfigurationError(f"{path}: is {_OTHERS[suffix]}")
-    if suffix in FLIR_SUFFIXES:
-        if scale is not None:
-            raise ConfigurationError(f"{path}: states its scale itself; leave --image-unit out")
-        image = _of_flir(path, content, emissivity, reflected_temperature)
-    else:
-        if emissivity is not None or reflected_temperature is not None:
-            raise ConfigurationError(
-                f"{path}: holds temperatures and no signal, for which another emissivity or "
-                "reflected temperature could be set; set it in the camera's program"
-            )
-        if suffix in TIFF_SUFFIXES:
-            kelvin, notes = scaled.read_tiff(path, content, scale)
-            image = ThermalImage(str(path), kelvin, notes=notes)
-        else:
-            kelvin, stated, notes = scaled.read_matrix(path, scale)
-            image = ThermalImage(str(path), kelvin, stated, notes=notes)
+    source = read_source(Path(path))
+    kind = find_format(source, THERMAL_IMAGE_FORMATS)
+    if kind is None and source.suffix in _OTHERS:
+        source.refuse(f"is {_OTHERS[source.suffix]}")
+    kind = kind or _MATRIX
+    options = {
+        "scale": scale, "emissivity": emissivity, "reflected_temperature": reflected_temperature
+    }  # fmt: skip
+    given = {name: value for name, value in options.items() if value is not None}
+    for name in given:
+        if name not in kind.options:
+            source.refuse(_NOT_TAKEN[name])
+    image: ThermalImage = kind.read(source, **given)
     _require_plausible(image)
     return image
 
 
+def is_thermal_image(path: Path) -> bool:
+    """Whether a file is an image, whatever the options; a matrix in a text file may be a table."""
+    source = Source(path, path.read_bytes() if path.is_file() else b"")  # a sheet of a workbook
+    return find_format(source, THERMAL_IMAGE_FORMATS) is not None
+
+
+def _of_matrix(source: Source, scale: Scale | None = None) -> ThermalImage:
+    kelvin, stated, notes = scaled.read_matrix(source.path, scale)
+    return ThermalImage(str(source.path), kelvin, stated, notes=notes)
+
+
+def _of_tiff(source: Source, scale: Scale | None = None) -> ThermalImage:
+    kelvin, notes = scaled.read_tiff(*source, scale)
+    return ThermalImage(str(source.path), kelvin, notes=notes)
+
+
 def _of_flir(
-    path: Path, content: bytes, emissivity: float | None, reflected: float | None
+    source: Source, emissivity: float | None = None, reflected_temperature: float | None = None
 ) -> ThermalImage:
-    counts, camera = flir.read_flir(path, content)
+    reflected = reflected_temperature
+    counts, camera = flir.read_flir(*source)
     notes: tuple[str, ...] = ()
     if emissivity is not None or reflected is not None:
         notes = (
@@ -175,9 +185,25 @@ def _of_flir(
         reflected_temperature=camera.reflected_temperature if reflected is None else reflected,
     )
     if wrong := camera.problem():
-        raise ConfigurationError(f"{path}: {wrong}")
+        source.refuse(wrong)
     kelvin = radiometry.temperatures(counts, camera)
-    return ThermalImage(str(path), kelvin, camera.emissivity, camera.reflected_temperature, notes)
+    return ThermalImage(
+        str(source.path), kelvin, camera.emissivity, camera.reflected_temperature, notes
+    )
+
+
+THERMAL_IMAGE_FORMATS = [
+    Format(
+        "FLIR",
+        has_suffix(".jpg", ".jpeg", ".fff"),
+        _of_flir,
+        ("emissivity", "reflected_temperature"),
+    ),
+    Format("TIFF", has_suffix(".tif", ".tiff"), _of_tiff, ("scale",)),
+]
+"""All formats but matrices in text files. A plug-in adds its own."""
+
+_MATRIX = Format("text", lambda _: True, _of_matrix, ("scale",))
 
 
 def _require_plausible(image: ThermalImage) -> None:

@@ -23,14 +23,26 @@ _NO_HEIGHT = re.compile(
 
 @dataclass(frozen=True)
 class Channel:
-    """A channel of a file, not read yet."""
+    """A channel of a file, not read yet.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+        Of its values; empty where the file does not state it.
+    shape : tuple of int
+        Rows and columns.
+    width, length : float
+        Size along the rows and along the columns [m].
+    read : callable
+        Returns the heights [m], shape (rows, columns), NaN where the instrument has none.
+    """
 
     name: str
-    unit: str  # Of its values; empty where the file does not state it
-    shape: tuple[int, int]  # Rows and columns
-    width: float  # Size along the rows and along the columns [m]
+    unit: str
+    shape: tuple[int, int]
+    width: float
     length: float
-    # Returns the heights [m], shape (rows, columns), NaN where the instrument has none
     read: Callable[[], np.ndarray]
 
     @property

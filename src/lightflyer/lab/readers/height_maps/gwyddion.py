@@ -1,20 +1,21 @@
 """Gwyddion's own format."""
 
 import io
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
+from lightflyer.lab.readers.formats import Source
 from lightflyer.lab.readers.height_maps.channel import Channel
 
 _ITEM_SIZES = {"b": 1, "c": 1, "i": 4, "q": 8, "d": 8}  # of Gwyddion's types
 
 
-def read_channels(path: Path, content: bytes) -> list[Channel]:
-    """Channels of a Gwyddion file; ``path``: for messages."""
+def read_channels(source: Source) -> list[Channel]:
+    """Channels of a Gwyddion file."""
+    path, content = source
     gwyfile = extra("gwyfile", "reading .gwy files", "lab")
     util = extra("gwyfile.util", "reading .gwy files", "lab")
     if content[:4] != b"GWYP":

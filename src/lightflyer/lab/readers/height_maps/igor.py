@@ -3,21 +3,22 @@
 import io
 import math
 import struct
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
+from lightflyer.lab.readers.formats import Source
 from lightflyer.lab.readers.height_maps.channel import Channel, metres
 
 # offsets in an Igor wave of version 5: sizes of its parts, numbers of points, end of the headers
 _SIZES, _DIMENSIONS, _HEADERS = (4, "14i"), (64 + 68, "4i"), 64 + 320
 
 
-def read_channels(path: Path, content: bytes) -> list[Channel]:
-    """Channels of an Igor wave; ``path``: for messages."""
+def read_channels(source: Source) -> list[Channel]:
+    """Channels of an Igor wave."""
+    path, content = source
     binarywave = extra("igor2.binarywave", "reading .ibw files", "lab")
     try:
         _require_sound_wave(content)

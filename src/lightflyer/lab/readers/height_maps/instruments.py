@@ -17,6 +17,7 @@ import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
+from lightflyer.lab.readers.formats import Source
 from lightflyer.lab.readers.height_maps.channel import Channel, metres
 from lightflyer.lab.readers.tiff_structure import require_sound_tiff
 
@@ -42,8 +43,8 @@ def _of_surf(content: bytes) -> tuple[str, str]:
     return name, unit
 
 
-class Format(NamedTuple):
-    """A format of height maps."""
+class Instrument(NamedTuple):
+    """A format that SurfaceTopography reads."""
 
     name: str
     suffixes: tuple[str, ...]
@@ -53,18 +54,16 @@ class Format(NamedTuple):
     single: Callable[[bytes], tuple[str, str]] | None = None
 
 
-FORMATS = (
-    Format("Nanoscope", (".spm", ".di"), b"\\*", ("DI", "DIReader")),
-    Format("Nanosurf", (".nid", ".ezd"), b"[DataSet]", ("EZD", "EZDReader")),
-    Format("JPK", (".jpk",), b"", ("JPK", "JPKReader")),
-    Format("Digital Surf", (".sur",), b"DIGITAL SURF", ("SUR", "SURReader"), _of_surf),
-    Format(
+INSTRUMENTS = (
+    Instrument("Nanoscope", (".spm", ".di"), b"\\*", ("DI", "DIReader")),
+    Instrument("Nanosurf", (".nid", ".ezd"), b"[DataSet]", ("EZD", "EZDReader")),
+    Instrument("JPK", (".jpk",), b"", ("JPK", "JPKReader")),
+    Instrument("Digital Surf", (".sur",), b"DIGITAL SURF", ("SUR", "SURReader"), _of_surf),
+    Instrument(
         "WSxM", (".stp", ".top", ".tom"), b"WSxM file copyright", ("WSXM", "WSXMReader"), _of_wsxm
     ),
-    Format("Agilent", (".mi",), b"fileType", ("MI", "MIReader")),
+    Instrument("Agilent", (".mi",), b"fileType", ("MI", "MIReader")),
 )
-"""Formats that SurfaceTopography reads."""
-
 _NUMBERED = re.compile(r"\.\d{3}")  # Nanoscope's older files: map.000, map.001
 _CURVES = {
     ".jpk-force": "force curves",
@@ -78,32 +77,30 @@ _TEXT = b"?*"
 _SHOWN = 200  # characters of a parser's message
 
 
-def format_of(path: Path, content: bytes) -> Format | None:
+def instrument_of(source: Source) -> Instrument | None:
     """Format of a file by its beginning, or else by its suffix."""
-    suffix = path.suffix.lower()
+    content, suffix = source.content, source.suffix
     if suffix in _CURVES:
-        raise ConfigurationError(
-            f"{path}: contains {_CURVES[suffix]}, not a map of heights; export the height as .jpk "
-            "or .gwy"
+        source.refuse(
+            f"contains {_CURVES[suffix]}, not a map of heights; export the height as .jpk or .gwy"
         )
     if content.startswith(_COMPRESSED):
-        raise ConfigurationError(
-            f"{path}: is compressed; save it in MountainsMap without compression"
-        )
+        source.refuse("is compressed; save it in MountainsMap without compression")
     if content.startswith(_TEXT):
-        raise ConfigurationError(
-            f"{path}: is a Nanoscope file with heights as text; save it in binary form"
-        )
-    found = next((one for one in FORMATS if one.magic and content.startswith(one.magic)), None)
+        source.refuse("is a Nanoscope file with heights as text; save it in binary form")
+    found = next((one for one in INSTRUMENTS if one.magic and content.startswith(one.magic)), None)
     if found is not None:
         return found
     if _NUMBERED.fullmatch(suffix):
-        return FORMATS[0]
-    return next((one for one in FORMATS if suffix in one.suffixes), None)
+        return INSTRUMENTS[0]
+    return next((one for one in INSTRUMENTS if suffix in one.suffixes), None)
 
 
-def read_channels(path: Path, content: bytes, kind: Format) -> list[Channel]:
-    """Channels of a microscope's file; ``path``: for messages."""
+def read_channels(source: Source) -> list[Channel]:
+    """Channels of a microscope's file."""
+    path, content = source
+    kind = instrument_of(source)
+    assert kind is not None  # as recognised
     module, name = kind.reader
     label, unit = ("", "") if kind.single is None else kind.single(content)
     if unit and metres(unit) is None:
@@ -127,7 +124,7 @@ def read_channels(path: Path, content: bytes, kind: Format) -> list[Channel]:
     return [replace(one, name=label) for one in channels] if label else channels
 
 
-def _channel(path: Path, kind: Format, reader: Any, info: Any, size: int) -> Channel:
+def _channel(path: Path, kind: Instrument, reader: Any, info: Any, size: int) -> Channel:
     columns, rows = (int(count) for count in info.nb_grid_pts)
     if min(rows, columns) <= 0 or rows * columns > size:
         raise ConfigurationError(
@@ -165,7 +162,7 @@ def _quiet() -> Iterator[None]:
         log.disabled = before
 
 
-def _refusal(path: Path, kind: Format, error: Exception) -> ConfigurationError:
+def _refusal(path: Path, kind: Instrument, error: Exception) -> ConfigurationError:
     text = "".join(one if one.isprintable() else " " for one in str(error))
     said = " ".join(text.split())[:_SHOWN]
     if not type(error).__module__.startswith("SurfaceTopography"):

@@ -1,13 +1,11 @@
 """All formats of spectra: how each is recognised, and what reads it."""
 
 import struct
-from collections.abc import Callable
-from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError, MissingExtraError
+from lightflyer.lab.readers.formats import Format, Source, find_format, one_line
 from lightflyer.lab.readers.spectra import (
     jasco_jws,
     jasco_text,
@@ -18,18 +16,9 @@ from lightflyer.lab.readers.spectra import (
     spc,
 )
 from lightflyer.lab.readers.spectra.interpretation import Wanted, readable, shows
-from lightflyer.lab.readers.spectra.raw import RawSpectrum, Source, one_line
+from lightflyer.lab.readers.spectra.raw import RawSpectrum
 
-
-class Format(NamedTuple):
-    """A format of spectra."""
-
-    name: str
-    recognises: Callable[[Source], bool]  # Whether a Source is of this format
-    read: Callable[[Source], list[RawSpectrum]]  # All spectra of a Source
-
-
-FORMATS = (
+SPECTRUM_FORMATS = [
     Format(opus.FORMAT, opus.is_opus, opus.read_opus),
     Format(omnic.FORMAT, omnic.is_omnic, omnic.read_omnic),
     Format(perkin_elmer.SP, perkin_elmer.is_sp, perkin_elmer.read_sp),
@@ -38,8 +27,8 @@ FORMATS = (
     Format(jcamp_dx.FORMAT, jcamp_dx.is_jcamp, jcamp_dx.read_jcamp),
     Format(perkin_elmer.ASC, perkin_elmer.is_asc, perkin_elmer.read_asc),
     Format(jasco_text.FORMAT, jasco_text.is_jasco_text, jasco_text.read_jasco_text),
-)
-"""All formats; binary ones, whose first bytes tell, before text."""
+]
+"""All formats; binary ones, whose first bytes tell, before text. A plug-in adds its own."""
 
 _BINARY = {".spa": omnic.FORMAT, ".spg": omnic.FORMAT, ".spc": spc.FORMAT, ".sp": perkin_elmer.SP,
            ".jws": jasco_jws.FORMAT, ".jrs": jasco_jws.FORMAT}  # fmt: skip
@@ -49,21 +38,13 @@ _NOT_READ = {".srs": "a series of OMNIC", ".map": "a map of OMNIC", ".jwb": "a b
 _LISTED, _TITLE = 8, 40  # spectra that a message names, and characters of a title
 
 
-def opened(path: Path) -> Source:
-    """A file with its content; ConfigurationError if it cannot be read."""
-    try:
-        return Source(path, path.read_bytes())
-    except OSError as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
-
-
 def format_of(source: Source) -> Format | None:
     """Format of a file."""
-    found = next((one for one in FORMATS if one.recognises(source)), None)
-    named = _BINARY.get(source.path.suffix.lower())
+    found = find_format(source, SPECTRUM_FORMATS)
+    named = _BINARY.get(source.suffix)
     if found is None and named is not None:
         source.refuse(f"is damaged or not {named}, which its name says")
-    other = _NOT_READ.get(source.path.suffix.lower())
+    other = _NOT_READ.get(source.suffix)
     if found is None and other is not None:
         source.refuse(f"is {other}, which is not read; export the spectrum as text or JCAMP-DX")
     return found

@@ -8,14 +8,9 @@ import numpy as np
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Quantity
 from lightflyer.files.table import Rejected
+from lightflyer.lab.readers.formats import Source
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE, Shown, axis_of, shown_by
-from lightflyer.lab.readers.spectra.raw import (
-    Collection,
-    Ordinate,
-    RawSpectrum,
-    Source,
-    SpectrumFacts,
-)
+from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumFacts
 
 # wider than zero to one for noise, and for detectors that are not quite linear
 SHARE = Quantity("", -0.2, 1.5)

@@ -10,13 +10,8 @@ import struct
 import numpy as np
 
 from lightflyer.core.extras import extra
-from lightflyer.lab.readers.spectra.raw import (
-    MOST_POINTS,
-    RawSpectrum,
-    Source,
-    SpectrumFacts,
-    plain,
-)
+from lightflyer.lab.readers.formats import Source
+from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumFacts, plain
 
 FORMAT = "JASCO .jws"
 
@@ -42,9 +37,7 @@ _RESOLUTION_TAG = 2
 def is_jws(source: Source) -> bool:
     """Whether a file is a binary one of JASCO."""
     ole = source.content.startswith(_OLE_MAGIC)
-    return source.content.startswith(_MAGIC) or (
-        ole and source.path.suffix.lower() in (".jws", ".jwb", ".jrs")
-    )
+    return source.content.startswith(_MAGIC) or (ole and source.suffix in (".jws", ".jwb", ".jrs"))
 
 
 def read_jws(source: Source) -> list[RawSpectrum]:

@@ -8,7 +8,8 @@ import re
 
 import numpy as np
 
-from lightflyer.lab.readers.spectra.raw import RawSpectrum, Source, SpectrumFacts, one_line
+from lightflyer.lab.readers.formats import Source, one_line
+from lightflyer.lab.readers.spectra.raw import RawSpectrum, SpectrumFacts
 
 FORMAT = "JASCO text"
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer.lab.readers.formats import Source, one_line
 from lightflyer.lab.readers.spectra.jcamp_numbers import (
     Fault,
     Rows,
@@ -17,13 +18,7 @@ from lightflyer.lab.readers.spectra.jcamp_numbers import (
     read_pairs,
     read_rows,
 )
-from lightflyer.lab.readers.spectra.raw import (
-    MOST_POINTS,
-    RawSpectrum,
-    Source,
-    SpectrumFacts,
-    one_line,
-)
+from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumFacts
 
 FORMAT = "JCAMP-DX"
 
@@ -57,7 +52,7 @@ class _Block:
 
 def is_jcamp(source: Source) -> bool:
     """Whether a file is JCAMP-DX, by its name or its first label."""
-    named = source.path.suffix.lower() in (".jdx", ".dx", ".jcamp", ".jcm")
+    named = source.suffix in (".jdx", ".dx", ".jcamp", ".jcm")
     return named or bool(_START.match(source.text[:5000]))
 
 

@@ -10,13 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.lab.readers.spectra.raw import (
-    MOST_POINTS,
-    RawSpectrum,
-    Source,
-    SpectrumFacts,
-    plain,
-)
+from lightflyer.lab.readers.formats import Source
+from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumFacts, plain
 
 FORMAT = "Thermo OMNIC"
 

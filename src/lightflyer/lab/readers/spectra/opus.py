@@ -8,13 +8,8 @@ from typing import Any
 import numpy as np
 
 from lightflyer.core.extras import extra
-from lightflyer.lab.readers.spectra.raw import (
-    MOST_POINTS,
-    RawSpectrum,
-    Source,
-    SpectrumFacts,
-    one_line,
-)
+from lightflyer.lab.readers.formats import Source, one_line
+from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumFacts
 
 FORMAT = "Bruker OPUS"
 

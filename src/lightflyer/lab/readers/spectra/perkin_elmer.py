@@ -9,7 +9,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from lightflyer.lab.readers.spectra.raw import RawSpectrum, Source, SpectrumFacts, one_line
+from lightflyer.lab.readers.formats import Source, one_line
+from lightflyer.lab.readers.spectra.raw import RawSpectrum, SpectrumFacts
 
 SP, ASC = "PerkinElmer .sp", "PerkinElmer .asc"
 

@@ -1,13 +1,12 @@
 """What a reader of spectra hands on: numbers and words as they stand in the file."""
 
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Literal, NamedTuple, NoReturn
+from typing import Literal
 
 import numpy as np
 
-from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.table import Rejected
+from lightflyer.lab.readers.formats import one_line
 
 Ordinate = Literal["transmittance", "reflectance"]
 """Quantity that a spectrum shows."""
@@ -17,31 +16,6 @@ Collection = Literal["specular", "diffuse", "total"]
 
 MOST_POINTS = 20_000_000
 """Points of a spectrum beyond which a file is taken as damaged."""
-
-
-class Source(NamedTuple):
-    """A file with its content."""
-
-    path: Path
-    content: bytes
-
-    @property
-    def text(self) -> str:
-        """The content as text."""
-        # Unicode marked by a byte-order mark, UTF-8, Shift-JIS as JASCO writes it, else cp1252.
-        if self.content.startswith((b"\xff\xfe", b"\xfe\xff")):
-            return self.content.decode("utf-16", "replace")
-        for encoding in ("utf-8-sig", "cp932"):
-            try:
-                return self.content.decode(encoding)
-            except UnicodeDecodeError:
-                continue
-        return self.content.decode("cp1252", "replace")
-
-    def refuse(self, why: str, line: int | None = None) -> NoReturn:
-        """Refuse the file; ``why``: what is wrong; ``line``: counted from 1."""
-        place = f"{self.path}" if line is None else f"{self.path}:{line}"
-        raise ConfigurationError(f"{place}: {one_line(why)}")
 
 
 @dataclass(frozen=True)
@@ -74,18 +48,34 @@ class SpectrumFacts:
 
 @dataclass(frozen=True)
 class RawSpectrum:
-    """A spectrum as it stands in its file."""
+    """A spectrum as it stands in its file.
 
-    abscissa: np.ndarray  # shape (n,); in the file's units
-    ordinate: np.ndarray  # shape (n,); in the file's units
-    abscissa_name: str  # Such as ``"1/CM"`` or ``"nm"``
-    ordinate_name: str  # Such as ``"%T"``
+    Attributes
+    ----------
+    abscissa, ordinate : array, shape (n,)
+        In the file's units.
+    abscissa_name : str
+        Such as ``"1/CM"`` or ``"nm"``.
+    ordinate_name : str
+        Such as ``"%T"``.
+    facts : SpectrumFacts
+    percent : bool or None
+        Whether the format fixes the ordinate as per cent, or as a fraction; None if its name and
+        values must tell.
+    notes : tuple of str
+        What the reader decided.
+    rejected : tuple of Rejected
+        Rejected rows.
+    """
+
+    abscissa: np.ndarray
+    ordinate: np.ndarray
+    abscissa_name: str
+    ordinate_name: str
     facts: SpectrumFacts
-    # Whether the format fixes the ordinate as per cent, or as a fraction; None if its name and
-    # values must tell
     percent: bool | None = None
-    notes: tuple[str, ...] = ()  # What the reader decided
-    rejected: tuple[Rejected, ...] = field(default=())  # Rejected rows
+    notes: tuple[str, ...] = ()
+    rejected: tuple[Rejected, ...] = field(default=())
 
 
 def plain(text: bytes, encoding: str = "utf-8") -> str:
@@ -101,8 +91,3 @@ def plain(text: bytes, encoding: str = "utf-8") -> str:
         return one_line(words.decode(encoding))
     except UnicodeDecodeError:
         return one_line(words.decode("cp1252", "replace"))
-
-
-def one_line(text: str) -> str:
-    """Words with single spaces and without characters that cannot be printed."""
-    return " ".join("".join(one if one.isprintable() else " " for one in text).split())

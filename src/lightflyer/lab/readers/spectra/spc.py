@@ -10,13 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.lab.readers.spectra.raw import (
-    MOST_POINTS,
-    RawSpectrum,
-    Source,
-    SpectrumFacts,
-    plain,
-)
+from lightflyer.lab.readers.formats import Source
+from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumFacts, plain
 
 FORMAT = "Galactic .spc"
 
@@ -57,7 +52,7 @@ class _Header(NamedTuple):
 def is_spc(source: Source) -> bool:
     """Whether a file is one of GRAMS."""
     return (
-        source.path.suffix.lower() == ".spc"
+        source.suffix == ".spc"
         and len(source.content) > _OLD_SIZE + _SUB_SIZE
         and source.content[1] in (_LITTLE, _BIG, _OLD)
     )

@@ -35,6 +35,7 @@ from lightflyer.explorer.maps import Choices
 from lightflyer.explorer.notices import noticing
 from lightflyer.explorer.panes import panes
 from lightflyer.explorer.state import Workplace
+from lightflyer.program.entry_point import run_by
 
 ADDRESS = "127.0.0.1"
 
@@ -218,8 +219,13 @@ class _Answer(_Handler):
         if answer is None:
             raise tornado.web.HTTPError(404)
         content, workplace = self.body(), self.service.workplace
+
+        def work() -> Any:
+            with run_by("numpy"):  # nobody who moves a slider waits for a compiler
+                return answer(workplace, content)
+
         try:
-            self.say(await self.in_thread(lambda: answer(workplace, content)))
+            self.say(await self.in_thread(work))
         except LightflyerError as error:
             self.say({"errors": pages.mistakes(str(error))})
 

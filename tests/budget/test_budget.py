@@ -11,11 +11,11 @@ from scipy.special import erfc
 import lightflyer as lf
 from lightflyer.budget import Budget, Item, RadioLink, SolarCells, free_space_loss
 from lightflyer.budget.link import REQUIRED_SIGNAL_DB
-from lightflyer.cli.commands.compare import needs_table
-from lightflyer.cli.prediction_tables import payload_line
+from lightflyer.comparison.text import needs_table
 from lightflyer.config.designs import as_design
 from lightflyer.design.cautions import cautions
 from lightflyer.design.outputs import evaluate, outputs_of
+from lightflyer.prediction.text import payload_line
 
 LINK = RadioLink(
     distance=30e3,

@@ -34,6 +34,7 @@ from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ConvergenceError, ParameterError
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.force.base import AbstractForceModel
 
 if TYPE_CHECKING:
@@ -50,8 +51,8 @@ _START_FACTORS = (2.0, 0.5, 5.0, 0.2, 20.0, 0.05, 100.0, 0.01)  # of starting va
 _AT_END = 1e-6  # distance of a log-parameter from the end of its range that counts as none
 
 
-@dataclass(frozen=True)
-class Calibration:
+@dataclass(frozen=True, repr=False)
+class Calibration(PrintedResult):
     """A fit of parameters to levitation points.
 
     Attributes
@@ -164,6 +165,13 @@ class Calibration:
         from lightflyer.calibration.figures import plot_calibration
 
         return plot_calibration(self, ax)
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.calibration.text import fit_parts
+
+        yield from fit_parts(self)
+        yield from warning_lines(self.warnings)
 
     def summary(self) -> dict[str, Any]:
         """The fit as a JSON object; what is infinite or unknown is null."""

@@ -23,6 +23,7 @@ from lightflyer.design.design import AbstractDesign
 from lightflyer.design.outputs import OUTPUTS, outputs_of
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
+from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.prediction.evaluator import Evaluator, Table
 from lightflyer.prediction.prediction import Prediction, predict_design
 from lightflyer.uncertainty.propagation import (
@@ -137,8 +138,8 @@ class Compared:
         return described
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(PrintedResult):
     """Several flyers side by side.
 
     Attributes
@@ -232,6 +233,12 @@ class Comparison:
         from lightflyer.comparison.figures import plot_comparison
 
         return plot_comparison(self, output, ax)
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.comparison.text import comparison_parts
+
+        return comparison_parts(self)
 
     def summary(self) -> dict[str, Any]:
         """The comparison as a JSON object, with a unit at the end of each name."""

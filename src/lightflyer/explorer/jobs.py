@@ -28,7 +28,7 @@ from lightflyer.files.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VER
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.film.optics.spectra import planck
 from lightflyer.film.report.summary import FilmSummary
-from lightflyer.mission.report.facts import day_and_night
+from lightflyer.mission.report.summary import day_and_night
 from lightflyer.prediction.evaluator import Evaluator
 from lightflyer.prediction.prediction import Prediction
 

@@ -18,7 +18,7 @@ flyer would have if all its nodes were equally warm; Newton's method for systems
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial, reduce
 from typing import Any, TypeAlias
 
@@ -28,11 +28,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.core.checks import is_traced
+from lightflyer.core.checks import is_concrete, is_traced
 from lightflyer.core.errors import ConvergenceError
 from lightflyer.core.quantity import require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
+from lightflyer.files.display_units import number_text
+from lightflyer.files.result_text import Parts, PrintedResult, rows_of
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import (
@@ -52,7 +54,7 @@ ENERGY_TOLERANCE = 1e-10
 """Largest imbalance of a converged equilibrium, over the absorbed power."""
 
 
-class Equilibrium(eqx.Module):
+class Equilibrium(PrintedResult, eqx.Module):
     r"""A flyer's thermal equilibrium. Fields have the broadcast shape of the inputs.
 
     Attributes
@@ -82,6 +84,19 @@ class Equilibrium(eqx.Module):
     radiated_power: Numeric
     residual: Numeric
     ending: Numeric
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        parts = zip(self.nodes, self.temperatures, strict=True)
+        yield rows_of(
+            {f"temperature of {node}": number_text(one, "K") for node, one in parts}
+            | {
+                "absorbed power": number_text(self.absorbed_power, "W"),
+                "heat to the gas": number_text(self.gas_power, "W"),
+                "radiated power": number_text(self.radiated_power, "W"),
+            }
+        )
+        yield from status_lines(self.ending)
 
     @property
     def temperature(self) -> Numeric:
@@ -375,6 +390,12 @@ def ending_within(ending: Array, residual: Array, tolerance: float) -> Array:
     kept = jnp.where(jnp.abs(residual) <= tolerance, ending, int(Ending.TOLERANCE_MISSED))
     kept = jnp.where(ending == int(Ending.CONVERGED), kept, ending)
     return jnp.where(jnp.isnan(residual), int(Ending.NOT_FINITE), kept)
+
+
+def status_lines(ending: Numeric) -> Iterator[str]:
+    """A warning where concrete searches have not converged."""
+    if is_concrete(ending) and np.any(np.asarray(ending) != int(Ending.CONVERGED)):
+        yield f"warning: not converged: {describe_endings(ending)}"
 
 
 def require_converged(what: str, ending: Numeric, residual: Numeric) -> None:

@@ -10,6 +10,8 @@ from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
+from lightflyer.files.display_units import number_text
+from lightflyer.files.result_text import Parts, PrintedResult, rows_of
 from lightflyer.flight.balance import (
     SMALLEST_SHARE,
     balance_solver,
@@ -19,6 +21,7 @@ from lightflyer.flight.balance import (
     node_losses,
     require_converged,
     require_suitable,
+    status_lines,
     total,
 )
 from lightflyer.flight.loads import upward_force, weight
@@ -42,7 +45,7 @@ LOAD_TOLERANCE = 1e-10
 """Largest difference of force and weight of a converged levitation, over the weight."""
 
 
-class Levitation(eqx.Module):
+class Levitation(PrintedResult, eqx.Module):
     """Light and temperature at which a flyer just levitates.
 
     Fields have the broadcast shape of the inputs.
@@ -68,6 +71,16 @@ class Levitation(eqx.Module):
     levitates: Numeric
     residual: Numeric
     ending: Numeric
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        yield rows_of(
+            {
+                "irradiance to levitate": number_text(self.irradiance, "W/m²"),
+                "temperature then": number_text(self.temperature, "K"),
+            }
+        )
+        yield from status_lines(self.ending)
 
     @property
     def converged(self) -> Numeric:

@@ -13,7 +13,8 @@ from .path.integration import Track as Track
 from .path.release import Release as Release
 from .path.stability import Hanging as Hanging
 from .path.stability import hanging_stability as hanging_stability
-from .report.facts import facts_of as facts_of
+from .report.summary import summarise as summarise
+from .report.text import describe as describe
 from .swarms.areas import AbstractArea as AbstractArea
 from .swarms.areas import Circle as Circle
 from .swarms.areas import Polygon as Polygon

@@ -24,6 +24,7 @@ from lightflyer.design.outputs import (
 )
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
+from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.flight.grid_refinement import bands_of, crossing, peak
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
@@ -96,8 +97,8 @@ class TemperatureMap:
     temperature: np.ndarray
 
 
-@dataclass(frozen=True)
-class Prediction:
+@dataclass(frozen=True, repr=False)
+class Prediction(PrintedResult):
     """Bands, tables and peaks of a flyer in its environment.
 
     Attributes
@@ -188,6 +189,13 @@ class Prediction:
     def own_names(self) -> tuple[str, ...]:
         """Names of the force model's own outputs, of the flyer's flows, and of the budget's."""
         return (*model_outputs(self.setup), *budget_outputs(self.setup))
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.prediction.text import flyer_lines, result_parts
+
+        yield from flyer_lines(self)
+        yield from result_parts(self)
 
     def summary(self) -> dict[str, Any]:
         """The prediction as a JSON object, with a unit at the end of each name."""

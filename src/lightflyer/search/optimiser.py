@@ -23,6 +23,7 @@ from lightflyer.core.errors import ConfigurationError, LightflyerError
 from lightflyer.core.progress import report
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.display_units import amount
+from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.prediction import Prediction, predict_design
 from lightflyer.search.local_search import AGREEMENT, FEASIBLE, Found, climb, climb_in_full
@@ -45,8 +46,8 @@ _AT_BOUND = 1e-6  # distance from a bound, in sides of the cube
 _LEAST_OF_FLYING = {"payload": 0.0, "relative_payload": 0.0, "lift_over_weight": 1.0}
 
 
-@dataclass(frozen=True)
-class Optimum:
+@dataclass(frozen=True, repr=False)
+class Optimum(PrintedResult):
     """The best design, and how it depends on limits and numbers.
 
     Attributes
@@ -112,6 +113,12 @@ class Optimum:
         from lightflyer.search.figures import elasticity_figure
 
         return elasticity_figure(self)
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.search.text import optimum_parts
+
+        return optimum_parts(self)
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""

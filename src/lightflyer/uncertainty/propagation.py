@@ -18,6 +18,7 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report
 from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.files.result_text import NARROW, Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.prediction import Place, Prediction, predict_design, search_grid
 from lightflyer.uncertainty import monte_carlo
@@ -76,8 +77,8 @@ class _Target:
     at_end: bool = False
 
 
-@dataclass(frozen=True)
-class PredictionUncertainty:
+@dataclass(frozen=True, repr=False)
+class PredictionUncertainty(PrintedResult):
     """Uncertainty of each result of a prediction.
 
     Attributes
@@ -140,6 +141,12 @@ class PredictionUncertainty:
         from lightflyer.uncertainty.figures import plot_uncertainty
 
         return plot_uncertainty(self, what, ax)
+
+    def text_parts(self, width: int = NARROW) -> Parts:
+        """Lines and tables of the text, for a terminal of some width."""
+        from lightflyer.uncertainty.text import band_parts
+
+        return band_parts(self.summary(), width)
 
     def summary(self) -> dict[str, Any]:
         """Everything as a JSON object; bands are 95 %."""

@@ -29,6 +29,8 @@ from lightflyer.design.cautions import cautions_in
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place, Wind
 from lightflyer.environment.radiation import Attitude
+from lightflyer.files.display_units import number_text
+from lightflyer.files.result_text import Parts, PrintedResult, rows_of, warning_lines
 from lightflyer.flight.balance import require_converged
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
@@ -37,7 +39,7 @@ from lightflyer.mission.path.motion import Craft, Surroundings, steady_speeds, v
 from lightflyer.program.entry_point import entry_point
 
 
-class Drift(NamedTuple):
+class Drift(PrintedResult, eqx.Module):
     """Steady motion of a flyer through the air.
 
     Attributes
@@ -58,7 +60,19 @@ class Drift(NamedTuple):
     climb: Array
     force: Array
     lift_over_weight: Array
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = eqx.field(static=True, default=())
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        yield rows_of(
+            {
+                "speed along the tilt": number_text(self.speed, "m/s"),
+                "climb": number_text(self.climb, "m/s"),
+                "force along the tilt": number_text(self.force, "N"),
+                "lift over weight": number_text(self.lift_over_weight, ""),
+            }
+        )
+        yield from warning_lines(self.warnings)
 
 
 def drift(
@@ -119,7 +133,7 @@ def drift(
     if not is_concrete(found.speed):
         return found
     require_converged("heat balance of the tilted flyer", moving.ending, moving.residual)
-    return found._replace(warnings=_warnings(setup, moving))
+    return replace(found, warnings=_warnings(setup, moving))
 
 
 class _Moving(NamedTuple):

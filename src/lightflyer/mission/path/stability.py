@@ -26,6 +26,8 @@ from lightflyer.core.quantity import Checked, Distance
 from lightflyer.core.types import Numeric
 from lightflyer.drag.turning import TURNING_CAVEAT, turning_disk_torque
 from lightflyer.environment.base import EnvironmentState
+from lightflyer.files.display_units import amount
+from lightflyer.files.result_text import Parts, PrintedResult, rows_of, warning_lines
 from lightflyer.flight.balance import equilibrium
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
@@ -37,8 +39,8 @@ _SLOW = 1e-6  # metres a second; drag is proportional to the speed there
 _NEUTRAL = 1e-9  # of the fastest mode: below, a rate is zero but for rounding
 
 
-@dataclass(frozen=True)
-class Hanging:
+@dataclass(frozen=True, repr=False)
+class Hanging(PrintedResult):
     """How a flyer with a payload below it answers a small disturbance.
 
     Attributes
@@ -61,6 +63,17 @@ class Hanging:
     turning_drag: float
     longest_rod: float
     warnings: tuple[str, ...]
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        yield rows_of(
+            {
+                "stable": "yes" if self.stable else "no",
+                "fastest growth": f"{self.growth_rate:.4g} 1/s",
+                "longest stable rod": amount(self.longest_rod, "m", 4),
+            }
+        )
+        yield from warning_lines(self.warnings)
 
     @property
     def growth_rate(self) -> float:

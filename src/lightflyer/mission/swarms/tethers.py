@@ -25,6 +25,8 @@ from lightflyer.core.quantity import Altitude, Checked, Distance, LinearDensity,
 from lightflyer.design.cautions import cautions_in
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place
+from lightflyer.files.display_units import amount
+from lightflyer.files.result_text import Parts, PrintedResult, rows_of, warning_lines
 from lightflyer.flight.balance import equilibrium
 from lightflyer.flight.loads import payload as payload_of
 from lightflyer.force.base import AbstractForceModel
@@ -62,8 +64,8 @@ class _Wanted(Checked):
     depth: Distance | None = None
 
 
-@dataclass(frozen=True)
-class Swarm:
+@dataclass(frozen=True, repr=False)
+class Swarm(PrintedResult):
     """Flyers that carry one payload on tethers.
 
     Attributes
@@ -94,6 +96,22 @@ class Swarm:
     tether_mass: float
     largest_tilt: float
     warnings: tuple[str, ...]
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        yield rows_of(
+            {
+                "flyers": str(self.count),
+                "altitude": amount(self.altitude, "m"),
+                "spare lift of one": amount(self.spare_lift, "N", 4),
+                "radius of the layer": amount(self.layer_radius, "m", 4),
+                "depth of the payload": amount(self.depth, "m", 4),
+                "longest tether": amount(self.longest_tether, "m", 4),
+                "mass of all tethers": amount(self.tether_mass, "kg", 4),
+                "largest tilt": f"{math.degrees(self.largest_tilt):.3g}°",
+            }
+        )
+        yield from warning_lines(self.warnings)
 
 
 def swarm(

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.special import chdtrc, chdtri, fdtri
 
-from lightflyer.calibration import findings
+from lightflyer.calibration.diagnostics import diagnose
 from lightflyer.calibration.inputs import instruments
 from lightflyer.calibration.least_squares import LeastSquares
 from lightflyer.calibration.points import Points
@@ -290,7 +290,7 @@ def calibrate(
     problem = problem_of(points, as_design(what, environment, model), free, meters)
     fit, best, spread = _solve_weighted(problem, _reachable_start(problem))
     found = _calibration(fit, best, spread, scale_errors=scale_errors)
-    return replace(found, warnings=(*points.warnings, *findings.of(found), *assumed))
+    return replace(found, warnings=(*points.warnings, *diagnose(found), *assumed))
 
 
 def _calibration(

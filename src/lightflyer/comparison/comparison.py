@@ -197,12 +197,12 @@ class Comparison(PrintedResult):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What a reader must know, one line each: a difference of footing, then each flyer's."""
-        footing = tuple(f"not on one footing: {found}" for found in self.differing_surroundings)
+        """What a reader must know, one line each: surroundings that differ, then each flyer's."""
+        unequal = tuple(f"not on one footing: {found}" for found in self.differing_surroundings)
         own = tuple(
             f"{found.name}: {text}" for found in self.flyers for text in found.prediction.warnings
         )
-        return footing + self._unequal_bands() + own
+        return unequal + self._unequal_bands() + own
 
     def _unequal_bands(self) -> tuple[str, ...]:
         without = [found.name for found in self.flyers if found.uncertainty is None]

@@ -96,7 +96,8 @@ def sinking_speed(
     Notes
     -----
     Force and heat balance are those of the flyer at rest. Differentiable in every number of flyer,
-    state and model. :meth:`AbstractFlyer.drag_caveats` says where the drag is outside its range.
+    state and model. :meth:`AbstractFlyer.drag_diagnostics` says where
+    the drag is outside its range.
 
     Examples
     --------

@@ -26,7 +26,7 @@ from .readers.height_map import HeightMap as HeightMap
 from .readers.height_map import list_channels as list_channels
 from .readers.height_map import read_height_map as read_height_map
 from .readers.spectra.interpretation import MeasuredSpectrum as MeasuredSpectrum
-from .readers.spectra.raw import SpectrumFacts as SpectrumFacts
+from .readers.spectra.raw import SpectrumMetadata as SpectrumMetadata
 from .readers.spectrum_data import read_spectrum as read_spectrum
 from .readers.tables import Column as Column
 from .readers.tables import Rejected as Rejected

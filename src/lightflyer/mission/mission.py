@@ -36,8 +36,8 @@ from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.path.release import Release, limits_of, require_release_inside
 from lightflyer.mission.report.assumptions import assumptions_of, described
-from lightflyer.mission.report.cautions import cautions_along, why_ended
 from lightflyer.mission.report.dataset import Several, add_several, add_survival, dataset_of
+from lightflyer.mission.report.diagnostics import diagnose_flight, why_ended
 from lightflyer.numerics.rootfind import Ending
 from lightflyer.program.entry_point import entry_point
 
@@ -305,7 +305,7 @@ def _flown(mission: _Mission, plan: _Plan, track: Track) -> "xr.Dataset":
     dataset = dataset_of(plan.elapsed, released, track, found, variables)
     dataset.attrs["end"] = _end(mission.setup.environment, released, track)
     dataset.attrs["warnings"] = "; ".join(
-        dict.fromkeys((*mission.design.warnings, *cautions_along(craft, place, shown)))
+        dict.fromkeys((*mission.design.warnings, *diagnose_flight(craft, place, shown)))
     )
     return dataset
 

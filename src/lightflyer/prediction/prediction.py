@@ -12,8 +12,8 @@ import numpy as np
 
 from lightflyer.config.designs import as_design
 from lightflyer.core.units import scale_and_offset
-from lightflyer.design.cautions import cautions, cautions_of_force
 from lightflyer.design.design import AbstractDesign
+from lightflyer.design.diagnostics import diagnose_at, diagnose_force
 from lightflyer.design.outputs import (
     budget_outputs,
     json_name,
@@ -372,8 +372,8 @@ def predict_design(
         map=_map(evaluate, coordinates, easiest) if setup.environment.dimmable_light else None,
         warnings=(
             *design.warnings,
-            *cautions_of_force(table),
-            *cautions(setup, reported, evaluate(reported)["temperature"]),
+            *diagnose_force(table),
+            *diagnose_at(setup, reported, evaluate(reported)["temperature"]),
         ),
     )
 

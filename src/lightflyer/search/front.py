@@ -13,9 +13,9 @@ from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.search.diagnostics import diagnose_solution
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import PROBABILITY, Problem, as_problem
-from lightflyer.search.range_check import cautions_about
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -179,7 +179,7 @@ def pareto(
 
 
 def _warnings(problem: Problem, designs: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """Cautions about the designs at both ends of a front."""
+    """Diagnostics of the designs at both ends of a front."""
     if problem.costly:
         yield (
             "the films of the front are computed on a coarse grid, within a few thousandths; in "
@@ -187,7 +187,7 @@ def _warnings(problem: Problem, designs: Mapping[str, np.ndarray]) -> Iterator[s
         )
     for word, row in (("first", 0), ("last", -1)):
         design = {name: float(column[row]) for name, column in designs.items()}
-        for text in cautions_about(problem, design):
+        for text in diagnose_solution(problem, design):
             yield f"{word} design: {text}"
 
 

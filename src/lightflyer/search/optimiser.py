@@ -26,10 +26,10 @@ from lightflyer.files.display_units import amount
 from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.prediction import Prediction, predict_design
+from lightflyer.search.diagnostics import diagnose_solution, require_within_range
 from lightflyer.search.local_search import AGREEMENT, FEASIBLE, Found, climb, climb_in_full
 from lightflyer.search.objectives import SCREENED, ObjectiveFunction
 from lightflyer.search.problem import Problem, as_problem
-from lightflyer.search.range_check import cautions_about, require_within_range
 from lightflyer.search.stacks import Ranking, choose_stack, merit
 from lightflyer.search.tolerance import AsMade, made
 
@@ -340,7 +340,7 @@ def _describe(
         for bounds, fraction in zip(problem.bounds, best.point, strict=True)
     }
     objective = problem.objectives[0]
-    warnings = cautions_about(problem, design)
+    warnings = diagnose_solution(problem, design)
     words = _in_words(problem, objective.sign * best.score, design)
     require_within_range(problem, warnings, design, words)
     multipliers = _multipliers(function, best.point)

@@ -264,7 +264,7 @@ def propagate(
     if samples:
         report("bands by Monte Carlo")
         drawn = draw_possible(inputs, samples, seed)
-        told = _cautions(drawn)
+        told = _diagnostics(drawn)
         coordinates = np.concatenate([coordinates, search_grid(prediction.setup, _SEARCHED_POINTS)])
         table = monte_carlo.tabulate_samples(inputs, drawn.samples, coordinates)
         found = monte_carlo.search(
@@ -307,7 +307,7 @@ def require_samples(samples: int, seed: int, prefix: str = "") -> None:
         raise ParameterError(f"{prefix}seed = {seed}: must be zero or positive")
 
 
-def _cautions(drawn: Drawn) -> tuple[str, ...]:
+def _diagnostics(drawn: Drawn) -> tuple[str, ...]:
     if not drawn.refused:
         return ()
     return (

@@ -66,11 +66,11 @@ class LocalBalanceFit:
     force: Any  # Coefficients of the logarithms of :math:`D` for force and heat loss
     heat: Any
 
-    def caveats(self, knudsen: Numeric, pressure: Numeric, molecules: str) -> Iterator[str]:
+    def diagnostics(self, knudsen: Numeric, pressure: Numeric, molecules: str) -> Iterator[str]:
         """Where the gas is denser or another than the table's."""
         if molecules == "monatomic":
             yield "what a film's local balance of heat does is taken from a diatomic gas"
-        yield from Validity("the Knudsen number", self.knudsen_range[0], np.inf, _HELD).caveats(
+        yield from Validity("the Knudsen number", self.knudsen_range[0], np.inf, _HELD).diagnostics(
             knudsen, pressure
         )
 

@@ -20,7 +20,7 @@ from lightflyer.lab.readers.spectra.raw import (
     Ordinate,
     RawSpectrum,
     Source,
-    SpectrumFacts,
+    SpectrumMetadata,
 )
 
 # as fractions, or as per cent that the header does not mark
@@ -148,6 +148,6 @@ def _from_table(table: Table, as_written: Table, wanted: Wanted) -> RawSpectrum:
     return RawSpectrum(
         _TO_WAVENUMBER[axes[0]](numbers[axes[0]]) / PER_CENTIMETRE,
         written if marked else value,
-        "cm-1", f"{chosen[0]} [%]" if marked else chosen[0], SpectrumFacts("table"),
+        "cm-1", f"{chosen[0]} [%]" if marked else chosen[0], SpectrumMetadata("table"),
         notes=tuple(table.notes), rejected=tuple(table.rejected),
     )  # fmt: skip

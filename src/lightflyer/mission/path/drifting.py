@@ -25,7 +25,7 @@ from jax import Array
 from lightflyer.config.designs import as_design
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.types import Numeric
-from lightflyer.design.cautions import cautions_in
+from lightflyer.design.diagnostics import diagnose
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place, Wind
 from lightflyer.environment.radiation import Attitude
@@ -167,10 +167,10 @@ def _drift(
 
 def _warnings(setup: Setup, moving: _Moving) -> tuple[str, ...]:
     flyer, state, temperature = setup.flyer, moving.state, moving.temperature
-    drags = flyer.drag_caveats(state, moving.axial, "broadside", temperature)
+    drags = flyer.drag_diagnostics(state, moving.axial, "broadside", temperature)
     if np.any(moving.slope != 0.0):
-        drags += flyer.drag_caveats(state, moving.slope, "edgewise", temperature)
-    return (*cautions_in(setup, state, temperature), *dict.fromkeys(drags))
+        drags += flyer.drag_diagnostics(state, moving.slope, "edgewise", temperature)
+    return (*diagnose(setup, state, temperature), *dict.fromkeys(drags))
 
 
 def _lying(flyer: AbstractFlyer, attitude: Attitude) -> AbstractFlyer:

@@ -16,27 +16,27 @@ _MOST_ROWS = 12  # of nights and of launches in a table; the summary has all
 
 def mission_parts(dataset: "xr.Dataset") -> Parts:
     """Release, end and extremes of a flight, its nights, and those flown beside it."""
-    facts, rows = summarise(dataset), {}
+    found, rows = summarise(dataset), {}
     names = ("latitude", "longitude", "altitude")
     begin = (dataset[name].values[0] for name in names)
     end = (dataset[f"end_{name}"] for name in names)
     rows["flyer"] = dataset.attrs["flyer"]
-    rows["released"] = f"{facts['released']}, {_place_text(*begin)}"
-    rows["ended"] = f"{facts['ended']}, {_place_text(*end)}"
-    rows["because"] = f"it {facts['end']}"
-    rows["aloft"] = f"{facts['duration_h']:.2f} h, {facts['light_h']:.2f} h in light"
+    rows["released"] = f"{found['released']}, {_place_text(*begin)}"
+    rows["ended"] = f"{found['ended']}, {_place_text(*end)}"
+    rows["because"] = f"it {found['end']}"
+    rows["aloft"] = f"{found['duration_h']:.2f} h, {found['light_h']:.2f} h in light"
     for name in ("lowest", "highest"):
-        altitude, when = facts[f"{name}_altitude_km"], facts[f"{name}_at_h"]
+        altitude, when = found[f"{name}_altitude_km"], found[f"{name}_at_h"]
         rows[name] = f"{altitude:.2f} km, {when:.2f} h after the release"
     yield rows_of(rows)
-    if facts["nights"]:
-        yield _nights(facts["nights"])
-    if "ensemble" in facts:
-        yield _ensemble(facts["ensemble"])
-    if "launches" in facts:
-        yield _launches(facts["launches"])
-    yield from facts["assumptions"]
-    yield from warning_lines(facts["warnings"])
+    if found["nights"]:
+        yield _nights(found["nights"])
+    if "ensemble" in found:
+        yield _ensemble(found["ensemble"])
+    if "launches" in found:
+        yield _launches(found["launches"])
+    yield from found["assumptions"]
+    yield from warning_lines(found["warnings"])
 
 
 def spread_parts(dataset: "xr.Dataset") -> Parts:

@@ -184,7 +184,7 @@ def spread(
         "flyer": setup.flyer.describe(),
         "areas": "; ".join(describe_all(areas)),
         "assumptions": "; ".join(assumptions_of(setup, rule, ensemble, None)),
-        "warnings": "; ".join((*design.warnings, *_cautions(counts))),
+        "warnings": "; ".join((*design.warnings, *_diagnostics(counts))),
     }
     return dataset
 
@@ -429,7 +429,7 @@ def _moments(swarm: _Swarm, counts: Counts) -> dict[str, tuple[np.ndarray, str, 
     }
 
 
-def _cautions(counts: Counts) -> Iterator[str]:
+def _diagnostics(counts: Counts) -> Iterator[str]:
     for end in (MissionEnd.NO_DATA, MissionEnd.STEP_LIMIT):
         number = int(counts.ends[int(end)])
         if number:

@@ -22,7 +22,7 @@ import numpy as np
 from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Altitude, Checked, Distance, LinearDensity, Mass
-from lightflyer.design.cautions import cautions_in
+from lightflyer.design.diagnostics import diagnose
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place
 from lightflyer.files.display_units import amount
@@ -197,7 +197,7 @@ def swarm(
         float(lengths.max()),
         float(thread) * float(lengths.sum()),
         float(tilts.max()),
-        tuple(_cautions(setup, state, between / diameter, float(tilts.max()))),
+        tuple(_diagnostics(setup, state, between / diameter, float(tilts.max()))),
     )
 
 
@@ -258,9 +258,9 @@ def _best_altitude(setup: Setup, place: Place | None) -> float:
     return float(altitudes[int(np.nanargmax(carried))])
 
 
-def _cautions(setup: Setup, state: EnvironmentState, apart: float, tilt: float) -> list[str]:
+def _diagnostics(setup: Setup, state: EnvironmentState, apart: float, tilt: float) -> list[str]:
     temperature = equilibrium(setup.flyer, state, setup.model).temperature
-    found = list(cautions_in(setup, state, temperature))
+    found = list(diagnose(setup, state, temperature))
     if apart < CLOSE:
         found.append(
             f"neighbours are {apart:.2g} diameters apart: they share gas and heat, not counted here"

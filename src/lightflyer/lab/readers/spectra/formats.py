@@ -109,7 +109,7 @@ def _chosen(source: Source, spectra: list[RawSpectrum], wanted: Wanted) -> RawSp
 
 def _listed(spectra: list[RawSpectrum], fit: list[RawSpectrum]) -> str:
     names = [
-        f"{number} {one.ordinate_name} of {one.facts.sample[:_TITLE] or 'no title'}"
+        f"{number} {one.ordinate_name} of {one.metadata.sample[:_TITLE] or 'no title'}"
         for number, one in enumerate(spectra, start=1)
         if any(one is other for other in fit)
     ]
@@ -121,7 +121,7 @@ def _named(source: Source, spectra: list[RawSpectrum], spectrum: str) -> RawSpec
     """The spectrum of this number or title."""
     if spectrum.isascii() and spectrum.isdigit() and 1 <= int(spectrum[:9]) <= len(spectra):
         return spectra[int(spectrum[:9]) - 1]
-    titled = [one for one in spectra if one.facts.sample == spectrum.strip()]
+    titled = [one for one in spectra if one.metadata.sample == spectrum.strip()]
     if len(titled) != 1:
         source.refuse(
             f'has {len(titled)} spectra "{spectrum[:40]}"; it holds {_listed(spectra, spectra)}'

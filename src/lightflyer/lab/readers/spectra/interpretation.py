@@ -14,7 +14,7 @@ from lightflyer.lab.readers.spectra.raw import (
     Ordinate,
     RawSpectrum,
     Source,
-    SpectrumFacts,
+    SpectrumMetadata,
 )
 
 # wider than zero to one for noise, and for detectors that are not quite linear
@@ -27,7 +27,7 @@ _DARK = 1.5  # per cent, nowhere exceeded if a fraction is taken for a percentag
 _KEPT = 2 / 3  # share of the points that is left without its ends, at least
 _LEAST_KEPT = 20
 _MOSTLY = 0.5  # share of the points above any fraction, from which an ordinate is in per cent
-_NO_FACTS = SpectrumFacts("")
+_NO_METADATA = SpectrumMetadata("")
 _SPHERE = ("sphere", "ulbricht", "isn-", "isv-", "ilv-", "iln-", "isr-")
 _SPECULAR = ("specular", "vw", "variable angle", "absolute reflect", "arn-", "arv-", "armn-",
              "universal reflectance", "ura")  # fmt: skip
@@ -48,7 +48,7 @@ class MeasuredSpectrum:
         [1].
     rejected : tuple of Rejected
         Rejected rows of its file.
-    facts : SpectrumFacts
+    metadata : SpectrumMetadata
         What the file says of instrument, resolution and sample.
     collection : {"specular", "diffuse", "total"} or None
         Light that was collected, by the file or the user; None if neither says.
@@ -61,7 +61,7 @@ class MeasuredSpectrum:
     wavenumber: np.ndarray
     value: np.ndarray
     rejected: tuple[Rejected, ...] = ()
-    facts: SpectrumFacts = _NO_FACTS
+    metadata: SpectrumMetadata = _NO_METADATA
     collection: Collection | None = None
     notes: tuple[str, ...] = ()
 
@@ -106,15 +106,15 @@ def measured(source: Source, raw: RawSpectrum, wanted: Wanted) -> MeasuredSpectr
         else:
             value = _fraction(source, ordinate, raw, shown, wanted, notes)
     wavenumber, value = _possible(source, quantity, wavenumber, value, notes)
-    facts = replace(raw.facts, ordinate=raw.ordinate_name)
-    collection = wanted.collection or _collected(facts)
-    notes += _accessory_notes(facts, shown, quantity, wanted)
+    metadata = replace(raw.metadata, ordinate=raw.ordinate_name)
+    collection = wanted.collection or _collected(metadata)
+    notes += _accessory_notes(metadata, shown, quantity, wanted)
     distinct, place, count = np.unique(wavenumber, return_inverse=True, return_counts=True)
     if distinct.size < 2:
         source.refuse(f"has {distinct.size} wavenumber; a spectrum needs two or more")
     mean = np.bincount(place, value) / count
     return MeasuredSpectrum(
-        str(source.path), quantity, distinct, mean, raw.rejected, facts, collection, tuple(notes)
+        str(source.path), quantity, distinct, mean, raw.rejected, metadata, collection, tuple(notes)
     )
 
 
@@ -144,10 +144,10 @@ def _shown(source: Source, raw: RawSpectrum, wanted: Wanted) -> Shown:
             f"does not name its ordinate{said}; if it is transmittance or reflectance, say which "
             '(quantity="reflectance"), and --scale % or --scale 1 (scale="%" or "1")'
         )
-    if shown.quantity == "absorbance" and wanted.quantity is None and _collected(raw.facts):
+    if shown.quantity == "absorbance" and wanted.quantity is None and _collected(raw.metadata):
         source.refuse(
-            f'shows absorbance, measured with "{raw.facts.accessory[:60]}": say whether it is that '
-            'of transmittance or reflectance (quantity="reflectance")'
+            f'shows absorbance, measured with "{raw.metadata.accessory[:60]}": say whether it is '
+            'that of transmittance or reflectance (quantity="reflectance")'
         )
     if wanted.quantity is not None and not shows(raw, wanted.quantity):
         source.refuse(f"shows {shown.quantity}, not {wanted.quantity}")
@@ -257,25 +257,25 @@ def _possible(
 
 
 def _accessory_notes(
-    facts: SpectrumFacts, shown: Shown, quantity: Ordinate, wanted: Wanted
+    metadata: SpectrumMetadata, shown: Shown, quantity: Ordinate, wanted: Wanted
 ) -> list[str]:
-    collection = _collected(facts)
+    collection = _collected(metadata)
     if shown.quantity == "absorbance" and quantity == "transmittance" and collection:
         return [
             "absorbance is taken as that of transmittance, but its accessory "
-            f'"{facts.accessory[:60]}" is one for reflectance'
+            f'"{metadata.accessory[:60]}" is one for reflectance'
         ]
     if quantity == "reflectance" and collection == "total" and wanted.collection is None:
         return [
-            f'its accessory "{facts.accessory[:60]}" is taken to collect all light; with an open '
-            "specular port it collects the diffuse part only"
+            f'its accessory "{metadata.accessory[:60]}" is taken to collect all light; with an '
+            "open specular port it collects the diffuse part only"
         ]
     return []
 
 
-def _collected(facts: SpectrumFacts) -> Collection | None:
+def _collected(metadata: SpectrumMetadata) -> Collection | None:
     """Collected light that the name of an accessory tells."""
-    said = facts.accessory.casefold()
+    said = metadata.accessory.casefold()
     if any(word in said for word in _SPHERE):
         return "total"
     if "diffuse" in said or "drift" in said:

@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 
-from lightflyer.lab.readers.spectra.raw import RawSpectrum, Source, SpectrumFacts, one_line
+from lightflyer.lab.readers.spectra.raw import RawSpectrum, Source, SpectrumMetadata, one_line
 
 FORMAT = "JASCO text"
 
@@ -53,7 +53,7 @@ def read_jasco_text(source: Source) -> list[RawSpectrum]:
             x, y, header.get("XUNITS", ""),
             # the axis tells %T from a bare "TRANSMITTANCE", but can be in any language
             ordinate if named.casefold() in _PER_CENT and "%" in ordinate else named,
-            SpectrumFacts(FORMAT, **{name: _first(said, keys) for name, keys in _KEYS.items()}),
+            SpectrumMetadata(FORMAT, **{name: _first(said, keys) for name, keys in _KEYS.items()}),
             percent=True if named.casefold() in _PER_CENT else None,
             notes=tuple(_extremes(header, y)),
         )

@@ -21,7 +21,7 @@ from lightflyer.lab.readers.spectra.raw import (
     MOST_POINTS,
     RawSpectrum,
     Source,
-    SpectrumFacts,
+    SpectrumMetadata,
     one_line,
 )
 
@@ -139,7 +139,7 @@ def _spectrum(source: Source, block: _Block) -> RawSpectrum:
         resolution += f" {unit}"
     return RawSpectrum(
         x, y, unit, block.said("YUNITS"),
-        SpectrumFacts(
+        SpectrumMetadata(
             FORMAT,
             instrument=(block.said("SPECTROMETERDATASYSTEM") or block.said("ORIGIN"))[:80],
             resolution=resolution,

@@ -45,7 +45,7 @@ class Source(NamedTuple):
 
 
 @dataclass(frozen=True)
-class SpectrumFacts:
+class SpectrumMetadata:
     """What a file says of its spectrum, in the file's own words; empty where it says nothing.
 
     Attributes
@@ -80,7 +80,7 @@ class RawSpectrum:
     ordinate: np.ndarray  # shape (n,); in the file's units
     abscissa_name: str  # Such as ``"1/CM"`` or ``"nm"``
     ordinate_name: str  # Such as ``"%T"``
-    facts: SpectrumFacts
+    metadata: SpectrumMetadata
     # Whether the format fixes the ordinate as per cent, or as a fraction; None if its name and
     # values must tell
     percent: bool | None = None

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.design.cautions import cautions_in
+from lightflyer.design.diagnostics import diagnose
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.mission.path.ending import MissionEnd
 from lightflyer.mission.path.motion import Craft
@@ -13,17 +13,19 @@ _OWN = object()  # an environment of a user's own may move its sun as it likes
 _AT_A_POLE = 0.5 * np.pi - 1e-3  # radians of latitude; a few kilometres around it
 
 
-def cautions_along(craft: Craft, place: Place, values: dict[str, Any]) -> tuple[str, ...]:
-    """Cautions about a flyer along its way; ``values`` (times,); one line each."""
+def diagnose_flight(craft: Craft, place: Place, values: dict[str, Any]) -> tuple[str, ...]:
+    """Diagnostics of a flyer along its way; ``values`` (times,); one line each."""
     setup = craft.setup
     state = setup.environment.state(values["altitude"], place)
     flyer, temperature, slope = setup.flyer, values["temperature"], values["slope_speed"]
-    broadside = flyer.drag_caveats(state, values["axial_speed"], "broadside", temperature)
+    broadside = flyer.drag_diagnostics(state, values["axial_speed"], "broadside", temperature)
     edgewise = (
-        flyer.drag_caveats(state, slope, "edgewise", temperature) if np.any(slope != 0.0) else ()
+        flyer.drag_diagnostics(state, slope, "edgewise", temperature)
+        if np.any(slope != 0.0)
+        else ()
     )
     return (
-        *cautions_in(setup, state, temperature),
+        *diagnose(setup, state, temperature),
         *dict.fromkeys((*broadside, *edgewise)),
         *_of_light(setup.environment, values["irradiance"]),
     )

@@ -14,7 +14,7 @@ import lightflyer as lf
 from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
 from lightflyer.lab.readers.spectra import jcamp_dx, omnic, opus, spc
 from lightflyer.lab.readers.spectra.formats import format_of, opened, read_raw
-from lightflyer.lab.readers.spectra.interpretation import Wanted, measured
+from lightflyer.lab.readers.spectra.interpretation import ReadOptions, measured
 from lightflyer.lab.readers.spectra.raw import Source
 from lightflyer.lab.readers.spectrum_data import read_spectrum
 
@@ -25,7 +25,7 @@ DAMAGES = 200
 def read(name, content, **wanted):
     """Read a file that is not written."""
     source = Source(Path(name), content if isinstance(content, bytes) else content.encode())
-    wants = Wanted(**wanted)
+    wants = ReadOptions(**wanted)
     kind = format_of(source)
     assert kind is not None
     return measured(source, read_raw(source, kind, wants), wants)
@@ -562,7 +562,7 @@ CONTENTS = dict(contents())
 def test_damage_gives_one_line_or_a_spectrum(name):
     content = CONTENTS[name]
     rng = np.random.default_rng(len(content))
-    wants = Wanted(quantity="transmittance")
+    wants = ReadOptions(quantity="transmittance")
     said: list[str] = []
     for number in range(DAMAGES):
         source = Source(Path(name), damaged(content, number, rng))

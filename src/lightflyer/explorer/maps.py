@@ -46,7 +46,7 @@ class Choices(NamedTuple):
 def variable_numbers(design: FileDesign) -> dict[str, Quantity]:
     """Positive numbers of a design that arithmetic varies, those of lengths of the flyer first."""
     known = design.quantities
-    costly = set(design.costly(list(known)))
+    costly = set(design.needs_recompute(list(known)))
     usable = {
         name: quantity
         for name, quantity in known.items()

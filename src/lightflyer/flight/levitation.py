@@ -15,22 +15,22 @@ from lightflyer.files.result_text import Parts, PrintedResult, rows_of
 from lightflyer.flight.balance import (
     SMALLEST_SHARE,
     balance_solver,
-    ending_within,
     imbalance_of,
     light_and_gains,
     node_losses,
     require_converged,
     require_suitable,
     status_lines,
+    status_within,
     total,
 )
 from lightflyer.flight.loads import upward_force, weight
-from lightflyer.flight.minimum_irradiance import dimmest_light
+from lightflyer.flight.minimum_irradiance import find_least_light
 from lightflyer.flyer.base import HIGHEST_TEMPERATURE, AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import (
-    Ending,
-    RootStatus,
+    RootOutcome,
+    SolverStatus,
     bracketed_power_newton,
     implicit_root,
 )
@@ -61,8 +61,8 @@ class Levitation(PrintedResult, eqx.Module):
         Whether any irradiance suffices.
     residual : array
         Force over weight, minus one [1].
-    ending : int array
-        Why the search ended, a :class:`~lightflyer.numerics.rootfind.Ending`. That no
+    status : int array
+        Why the search ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`. That no
         irradiance suffices is an answer: converged.
     """
 
@@ -70,7 +70,7 @@ class Levitation(PrintedResult, eqx.Module):
     temperature: Numeric
     levitates: Numeric
     residual: Numeric
-    ending: Numeric
+    status: Numeric
 
     def text_parts(self) -> Parts:
         """Lines and tables of the text."""
@@ -80,12 +80,12 @@ class Levitation(PrintedResult, eqx.Module):
                 "temperature then": number_text(self.temperature, "K"),
             }
         )
-        yield from status_lines(self.ending)
+        yield from status_lines(self.status)
 
     @property
     def converged(self) -> Numeric:
         """True where the root-find met its tolerance, or found that there is no root."""
-        return self.ending == Ending.CONVERGED
+        return self.status == SolverStatus.CONVERGED
 
 
 def levitate(
@@ -135,7 +135,7 @@ def levitate(
     require_suitable(flyer, state, model)
     result = _levitate(flyer, state, model)
     if throw:
-        require_converged("levitation", result.ending, result.residual)
+        require_converged("levitation", result.status, result.residual)
     return result
 
 
@@ -152,7 +152,7 @@ def _levitate(
 
 def _reach(
     function: Callable[[Array], Array], top: Array, strongest: Array, load: Array
-) -> tuple[Array, Array, RootStatus]:
+) -> tuple[Array, Array, RootOutcome]:
     """Find where an increasing force reaches the load; ``top``: upper end of the argument."""
     within = strongest >= load
     # Where no argument suffices, a load within reach stands in, to be discarded by the caller: so
@@ -165,7 +165,7 @@ def _reach(
         pushed = jnp.sign(strongest) * function(argument)
         return jnp.where(strongest == 0.0, argument / top, pushed)
 
-    def search() -> tuple[Array, RootStatus]:
+    def search() -> tuple[Array, RootOutcome]:
         return bracketed_power_newton(
             reached,
             target=target,
@@ -174,10 +174,10 @@ def _reach(
             guess=top * target / reached_at_top,
         )
 
-    argument, status = implicit_root(
+    argument, outcome = implicit_root(
         lambda argument: reached(argument) - target, search, jnp.shape(target)
     )
-    return argument, within, status
+    return argument, within, outcome
 
 
 def _by_temperature(
@@ -197,14 +197,14 @@ def _by_temperature(
         return traced(jnp.broadcast_to(excess, shape.shape))
 
     strongest = force(hottest)
-    excess, levitates, status = _reach(force, hottest, strongest, load)
+    excess, levitates, outcome = _reach(force, hottest, strongest, load)
     needed = total(node_losses(flyer, state, model, (excess,))) - total(flyer.heat_gains(state))
     collecting = total(flyer.beam_areas(state))
     irradiance = needed / jnp.where(collecting > 0.0, collecting, 1.0)
     temperature = state.temperature * (1.0 + excess)
     levitates &= collecting > 0.0
     return _answer(
-        levitates, irradiance, temperature, force(excess) / load - 1.0, status.ending, strongest
+        levitates, irradiance, temperature, force(excess) / load - 1.0, outcome.status, strongest
     )
 
 
@@ -227,7 +227,7 @@ def _by_irradiance(
     shape = jnp.shape(brightest + load)
 
     still = jax.lax.stop_gradient((flyer, state, model, brightest, load))
-    found = dimmest_light(partial(_force_in, *still[:3], shape), *still[3:])
+    found = find_least_light(partial(_force_in, *still[:3], shape), *still[3:])
     share = found.light / still[3]
     held = ~found.carries | found.in_the_dark
     imbalance = imbalance_of(flyer, state, model, shape)
@@ -250,7 +250,7 @@ def _by_irradiance(
         share * still[3],
         temperature,
         jnp.where(found.in_the_dark, 0.0, off),
-        found.ending,
+        found.status,
         found.force,
     )
 
@@ -281,18 +281,18 @@ def _answer(
     irradiance: Array,
     temperature: Array,
     residual: Array,
-    ending: Array,
+    status: Array,
     strongest: Array,
 ) -> Levitation:
     """The result, without what belongs to stand-ins."""
     levitates &= irradiance <= HIGHEST_IRRADIANCE
     residual = jnp.where(levitates, residual, 0.0)
-    ending = ending_within(ending, residual, LOAD_TOLERANCE)
-    ending = jnp.where(levitates, ending, int(Ending.CONVERGED))
+    status = status_within(status, residual, LOAD_TOLERANCE)
+    status = jnp.where(levitates, status, int(SolverStatus.CONVERGED))
     return Levitation(
         irradiance=jnp.where(levitates, jnp.maximum(irradiance, 0.0), jnp.inf),
         temperature=jnp.where(levitates, temperature, jnp.nan),
         levitates=levitates,
         residual=residual,
-        ending=jnp.where(jnp.isnan(strongest), int(Ending.NOT_FINITE), ending),
+        status=jnp.where(jnp.isnan(strongest), int(SolverStatus.NOT_FINITE), status),
     )

@@ -18,7 +18,7 @@ from jax import Array
 from lightflyer.numerics.rootfind import (
     MAXIMUM_STEPS,
     BracketSearch,
-    Ending,
+    SolverStatus,
     geometric_middle,
     power_step,
 )
@@ -39,7 +39,7 @@ T = TypeVar("T")
 Look = Callable[[Array], tuple[Array, Array, tuple[Array, ...]]]
 
 
-class Dimmest(eqx.Module):
+class LeastLight(eqx.Module):
     """A search for the dimmest light, or its result."""
 
     stage: Array  # What is looked at next
@@ -62,21 +62,21 @@ class Dimmest(eqx.Module):
         return self.carries & (self.light == 0.0)
 
     @property
-    def ending(self) -> Array:
+    def status(self) -> Array:
         """Why the search ended; that no light suffices is an answer."""
         searched = self.carries & (self.light > 0.0)
-        return jnp.where(searched, self.bracket.ending, jnp.int8(Ending.CONVERGED))
+        return jnp.where(searched, self.bracket.status, jnp.int8(SolverStatus.CONVERGED))
 
 
-def dimmest_light(look: Look, brightest: Array, load: Array) -> Dimmest:
+def find_least_light(look: Look, brightest: Array, load: Array) -> LeastLight:
     """Find the dimmest light in which a force carries a load; ``brightest``: looked at."""
     brightest, load = jnp.broadcast_arrays(brightest, load)
 
-    def advance(at: tuple[Dimmest, Array]) -> tuple[Dimmest, Array]:
+    def advance(at: tuple[LeastLight, Array]) -> tuple[LeastLight, Array]:
         search, steps = at
         return _advanced(search, look, brightest, load), steps + 1
 
-    def unfinished(at: tuple[Dimmest, Array]) -> Array:
+    def unfinished(at: tuple[LeastLight, Array]) -> Array:
         search, steps = at
         return jnp.any(search.stage != _DONE) & (steps < MAXIMUM_STEPS + _DONE)
 
@@ -85,10 +85,10 @@ def dimmest_light(look: Look, brightest: Array, load: Array) -> Dimmest:
     return end
 
 
-def _start(look: Look, brightest: Array) -> Dimmest:
+def _start(look: Look, brightest: Array) -> LeastLight:
     nothing = jnp.zeros_like(brightest)
     _, _, unknowns = jax.eval_shape(look, nothing)
-    return Dimmest(
+    return LeastLight(
         stage=jnp.zeros(brightest.shape, np.int32),
         light=nothing,
         force=nothing,
@@ -101,7 +101,7 @@ def _start(look: Look, brightest: Array) -> Dimmest:
     )
 
 
-def _advanced(at: Dimmest, look: Look, brightest: Array, load: Array) -> Dimmest:
+def _advanced(at: LeastLight, look: Look, brightest: Array, load: Array) -> LeastLight:
     """The search after a look at its light."""
     force, slope, unknowns = look(at.light)
     looking, searching = at.stage <= _AT_PEAK, at.stage == _IN_BRACKET
@@ -118,7 +118,7 @@ def _advanced(at: Dimmest, look: Look, brightest: Array, load: Array) -> Dimmest
     brighter = jnp.where(at.stage == 0, _DIMMEST * brightest, _RATIO * at.light)
     strongest = jnp.where(peak > force, vertex, at.light)
     brighter = jnp.where(at.stage == _AT_BRIGHTEST, strongest, brighter)
-    return Dimmest(
+    return LeastLight(
         stage=_next_stage(at, carries, begins, bracket.active),
         light=jnp.where(begins | searching, bracket.point, jnp.where(goes_on, brighter, at.light)),
         force=jnp.where(looking, force, at.force),
@@ -131,14 +131,14 @@ def _advanced(at: Dimmest, look: Look, brightest: Array, load: Array) -> Dimmest
     )
 
 
-def _next_stage(at: Dimmest, carries: Array, begins: Array, active: Array) -> Array:
+def _next_stage(at: LeastLight, carries: Array, begins: Array, active: Array) -> Array:
     after = jnp.minimum(at.stage + 1, _DONE)
     after = jnp.where((at.stage == _IN_BRACKET) & active, _IN_BRACKET, after)
     after = jnp.where((at.stage == _AT_PEAK) | carries, _DONE, after)
     return jnp.where(begins, _IN_BRACKET, after).astype(np.int32)
 
 
-def _peak(at: Dimmest, force: Array) -> tuple[Array, Array]:
+def _peak(at: LeastLight, force: Array) -> tuple[Array, Array]:
     """The largest force between two smaller ones so far, and the light of a parabola's vertex."""
     two_before, before = at.before
     bend = two_before - 2.0 * before + force

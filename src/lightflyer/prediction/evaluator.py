@@ -7,7 +7,7 @@ import numpy as np
 from lightflyer.design.outputs import predicted_names, tabulate_places
 from lightflyer.design.setup import Setup
 from lightflyer.flight.balance import require_converged
-from lightflyer.numerics.rootfind import Ending
+from lightflyer.numerics.rootfind import SolverStatus
 
 POINTS = 301
 """Places that a search looks at at a time."""
@@ -28,8 +28,8 @@ class Evaluator:
         light = np.full(coordinates.shape, self.irradiance) if irradiance is None else irradiance
         table = tabulate_places(self.setup, coordinates, light)
         failed = table.pop("converged") < 0.5
-        ending = np.where(failed, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
-        require_converged("prediction", ending, table.pop("residual"))
+        status = np.where(failed, int(SolverStatus.TOLERANCE_MISSED), int(SolverStatus.CONVERGED))
+        require_converged("prediction", status, table.pop("residual"))
         # in the order in which they are listed: JAX sorts them by name
         return {name: table[name] for name in predicted_names(self.setup)}
 

@@ -180,7 +180,7 @@ def pareto(
 
 def _warnings(problem: Problem, designs: Mapping[str, np.ndarray]) -> Iterator[str]:
     """Diagnostics of the designs at both ends of a front."""
-    if problem.costly:
+    if problem.needs_recompute:
         yield (
             "the films of the front are computed on a coarse grid, within a few thousandths; in "
             "full at its middle only"

@@ -27,7 +27,13 @@ from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.prediction import Prediction, predict_design
 from lightflyer.search.diagnostics import diagnose_solution, require_within_range
-from lightflyer.search.local_search import AGREEMENT, FEASIBLE, Found, climb, climb_in_full
+from lightflyer.search.local_search import (
+    AGREEMENT,
+    FEASIBLE,
+    LocalOptimum,
+    maximise_from,
+    maximise_in_full,
+)
 from lightflyer.search.objectives import SCREENED, ObjectiveFunction
 from lightflyer.search.problem import Problem, as_problem
 from lightflyer.search.stacks import Ranking, choose_stack, merit
@@ -249,10 +255,10 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
             "several objectives have no single optimum; call pareto for their front"
         )
     starts, scale = _screen(function)
-    searches: list[Found] = []
+    searches: list[LocalOptimum] = []
     for start in starts:
         report("climbing from several starts", len(searches), len(starts))
-        searches.append(climb(function, start, scale))
+        searches.append(maximise_from(function, start, scale))
     report("sensitivities of the optimum")
     satisfying = [found for found in searches if found.violation <= FEASIBLE]
     if not satisfying:
@@ -266,7 +272,7 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
     near = AGREEMENT * max(abs(best.score), scale)
     agreeing = sum(abs(found.score - best.score) <= near for found in satisfying)
     if function.is_quick:
-        best = climb_in_full(function, satisfying, scale)
+        best = maximise_in_full(function, satisfying, scale)
     return _describe(
         function,
         best,
@@ -326,7 +332,7 @@ def _best_nearby(
 
 
 def _describe(
-    function: ObjectiveFunction, best: Found, *, starts: int, agreeing: int, evaluations: int
+    function: ObjectiveFunction, best: LocalOptimum, *, starts: int, agreeing: int, evaluations: int
 ) -> Optimum:
     problem = function.problem
     names = [bounds.field.name for bounds in problem.bounds]
@@ -398,7 +404,7 @@ def _multipliers(function: ObjectiveFunction, point: np.ndarray) -> np.ndarray:
 
 
 def _elasticities(
-    function: ObjectiveFunction, best: Found, multipliers: np.ndarray
+    function: ObjectiveFunction, best: LocalOptimum, multipliers: np.ndarray
 ) -> dict[str, float]:
     """Elasticity of the optimum in every number that is not free, the largest first."""
     slopes = function.parameter_gradient(best.point, multipliers)

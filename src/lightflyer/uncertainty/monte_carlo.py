@@ -11,7 +11,7 @@ import numpy as np
 
 from lightflyer.design.outputs import tabulate, tabulate_places
 from lightflyer.flight.balance import require_converged
-from lightflyer.numerics.rootfind import Ending
+from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import Inputs
 
@@ -37,8 +37,8 @@ def tabulate_samples(inputs: Inputs, samples: np.ndarray, coordinate: np.ndarray
         name: np.broadcast_to(values.reshape(-1, shape[1]), shape) for name, values in found.items()
     }
     failed = table.pop("converged") < 0.5
-    ending = np.where(failed, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
-    require_converged("Monte Carlo", ending, table.pop("residual"))
+    status = np.where(failed, int(SolverStatus.TOLERANCE_MISSED), int(SolverStatus.CONVERGED))
+    require_converged("Monte Carlo", status, table.pop("residual"))
     return table
 
 
@@ -47,7 +47,7 @@ def _in_a_row(leaf: Any, shape: tuple[int, int]) -> Any:
     return np.broadcast_to(leaf, shape).ravel() if np.ndim(leaf) == 2 else leaf
 
 
-class Found(NamedTuple):
+class SampledPredictions(NamedTuple):
     """Where each sample has its edges and optima."""
 
     # shape (samples,); of ``"lower"`` and ``"upper"`` edge and of the optima, which have the names
@@ -64,7 +64,7 @@ def search(
     searched: tuple[float, float],
     *,
     logarithmic: bool,
-) -> Found:
+) -> SampledPredictions:
     """Find the edges and optima of each sample.
 
     Parameters
@@ -81,7 +81,7 @@ def search(
 
     Returns
     -------
-    Found
+    SampledPredictions
     """
     increasing, order = np.unique(coordinate, return_index=True)
     inside = (searched[0] <= increasing) & (increasing <= searched[1])
@@ -104,7 +104,7 @@ def search(
         "payload": most,
         "levitation_irradiance": least,
     }
-    return Found(
+    return SampledPredictions(
         {name: np.exp(where) if logarithmic else where for name, where in found.items()},
         {"payload": at_most, "levitation_irradiance": at_least},
     )

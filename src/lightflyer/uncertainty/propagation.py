@@ -442,7 +442,9 @@ def _spread(target: _Target, slopes: Derivatives, before: int) -> float:
     return target.scale * slopes.spread(moving)
 
 
-def _sampled(target: _Target, found: monte_carlo.Found, table: Table, before: int) -> np.ndarray:
+def _sampled(
+    target: _Target, found: monte_carlo.SampledPredictions, table: Table, before: int
+) -> np.ndarray:
     """One result in each sample, shape (samples,); fixed points follow ``before`` columns."""
     if not target.mover:
         values = table[target.quantity][:, before + target.point]

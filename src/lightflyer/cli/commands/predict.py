@@ -67,7 +67,7 @@ def predict_command(
 
     design = read_design(flyer_file)
     file = design.file
-    uncertain = bool(file.uncertainties() or design.open_parts())
+    uncertain = bool(file.uncertainties() or design.data_bounds())
     if uncertain:  # else nothing is imported or compiled for it
         from lightflyer.uncertainty.propagation import propagate, require_samples
 

@@ -35,7 +35,7 @@ from lightflyer.force.kinetic.collisions import (
 )
 from lightflyer.force.kinetic.local_balance import (
     FilmBalance,
-    Kept,
+    RemainingShares,
     local_balance_fit,
     require_film_balance,
 )
@@ -262,10 +262,10 @@ def _kept(
     knudsen: Numeric,
     heat_ratio: Numeric,
     balance: FilmBalance,
-) -> Kept:
+) -> RemainingShares:
     """What is kept of force and heat where the film is not isothermal [1]."""
     if balance == "isothermal":
-        return Kept()
+        return RemainingShares()
     fit = local_balance_fit()
     return fit.kept(disk, state, excess, knudsen, heat_ratio)
 

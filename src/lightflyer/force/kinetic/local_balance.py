@@ -50,7 +50,7 @@ def require_film_balance(balance: str) -> None:
         raise ParameterError(f'film_balance = "{balance}" is not one of {", ".join(known)}')
 
 
-class Kept(NamedTuple):
+class RemainingShares(NamedTuple):
     """Factors of force and heat loss at the same mean temperature [1]."""
 
     force: Numeric = 1.0
@@ -81,14 +81,14 @@ class LocalBalanceFit:
         excess: Numeric,
         knudsen: Numeric,
         heat_ratio: Numeric,
-    ) -> Kept:
+    ) -> RemainingShares:
         """What is kept of the isothermal film's force and heat loss."""
         share = gas_share(disk, state, excess, heat_ratio)
         evened = share / (share + (1.0 - share) * knudsen / (knudsen + _KNUDSEN_0))
         scale = evened * jnp.exp(-_HEATING_EXPONENT * jnp.maximum(heating_of(1.0 + excess), 0.0))
         place = thinness(knudsen, self.knudsen_range)
         force, heat = (jnp.exp(polynomial(own, place)) for own in (self.force, self.heat))
-        return Kept(1.0 - scale * force, 1.0 - scale * heat)
+        return RemainingShares(1.0 - scale * force, 1.0 - scale * heat)
 
 
 def gas_share(disk: Disk, state: EnvironmentState, excess: Numeric, heat_ratio: Numeric) -> Array:

@@ -132,7 +132,7 @@ def drift(
     found, moving = _drift(setup, height, Attitude(tilt, azimuth), place)
     if not is_concrete(found.speed):
         return found
-    require_converged("heat balance of the tilted flyer", moving.ending, moving.residual)
+    require_converged("heat balance of the tilted flyer", moving.status, moving.residual)
     return replace(found, warnings=_warnings(setup, moving))
 
 
@@ -143,7 +143,7 @@ class _Moving(NamedTuple):
     temperature: Array
     axial: Array
     slope: Array
-    ending: Array
+    status: Array
     residual: Array
 
 
@@ -162,7 +162,7 @@ def _drift(
     speed = moving.east * jnp.sin(attitude.azimuth) + moving.north * jnp.cos(attitude.azimuth)
     force = setup.model.force(around.flyer, state, heat.unknowns) * jnp.sin(attitude.tilt)
     found = Drift(speed, moving.up, force, forces.lift / forces.weight)
-    return found, _Moving(state, heat.temperature, axial, slope, heat.ending, heat.residual)
+    return found, _Moving(state, heat.temperature, axial, slope, heat.status, heat.residual)
 
 
 def _warnings(setup: Setup, moving: _Moving) -> tuple[str, ...]:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.core.clock import seconds_of, written
-from lightflyer.mission.path.ending import MissionEnd
 from lightflyer.mission.path.position import unit_vector
+from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.program.entry_point import entry_point
 
@@ -49,7 +49,7 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
         "released": date_after(dataset, 0.0),
         "ended": date_after(dataset, end),
         "end": dataset.attrs["end"],
-        "end_reason": MissionEnd(int(dataset.end_reason)).name.lower(),
+        "end_reason": TerminationReason(int(dataset.end_reason)).name.lower(),
         "duration_h": end / SECONDS_AN_HOUR,
         "end_altitude_km": float(dataset.end_altitude) / 1e3,
         "end_latitude_deg": float(dataset.end_latitude),
@@ -130,10 +130,10 @@ def _of_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
     reasons = dataset.ensemble_end_reason.values
     return {
         "members": int(dataset.sizes["member"]),
-        "still_flying": float(np.mean(reasons == MissionEnd.STILL_FLYING)),
+        "still_flying": float(np.mean(reasons == TerminationReason.STILL_FLYING)),
         "ends": {
             end.name.lower(): int(np.sum(reasons == end))
-            for end in MissionEnd
+            for end in TerminationReason
             if np.any(reasons == end)
         },
         "duration_h": _interval(dataset.ensemble_end_elapsed.values / SECONDS_AN_HOUR),
@@ -165,7 +165,7 @@ def _of_launches(dataset: "xr.Dataset") -> list[dict[str, Any]]:
         {
             "released": date_after(dataset, float(dataset.launch_delay[number])),
             "delay_h": float(dataset.launch_delay[number]) / SECONDS_AN_HOUR,
-            "end_reason": MissionEnd(int(dataset.launch_end_reason[number])).name.lower(),
+            "end_reason": TerminationReason(int(dataset.launch_end_reason[number])).name.lower(),
             "duration_h": float(dataset.launch_end_elapsed[number]) / SECONDS_AN_HOUR,
             "end_altitude_km": float(dataset.launch_end_altitude[number]) / 1e3,
             "lowest_altitude_km": float(lowest[number]) / 1e3,

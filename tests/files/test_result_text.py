@@ -94,7 +94,7 @@ def test_optimum_and_sensitivity(setup):
 
 def test_a_comparison(film, setup):
     heavy = lf.Setup(lf.Disk(film, 0.01, payload="0.1 mg"), setup.environment, setup.model)
-    found = lf.compare(setup, heavy, names=["bare", "loaded"], samples=0)
+    found = lf.compare({"bare": setup, "loaded": heavy}, samples=0)
     best = found.best.prediction.best.values["payload"] * 1e6
     assert f"{best:.4g} –" in words(found)
     assert "best payload 95 % band" in words(found).replace("[mg]", "")
@@ -105,7 +105,7 @@ def test_a_calibration(disk):
     light = lf.levitate(disk, chamber.state(pressure), lf.Lu2023(0.4, 3.0)).irradiance
     light = light * (1.0 + 0.01 * (-1.0) ** np.arange(8))
     points = Points("synthetic", ["disk"] * 8, {"pressure": pressure, "irradiance": light})
-    fit = lf.calibrate(points, disk, chamber, lf.Lu2023(0.5, 2.0))
+    fit = lf.calibrate(disk, chamber, lf.Lu2023(0.5, 2.0), points=points)
     low, high = fit.intervals[0]
     assert f" c_fm {fit.values[0]:.4g} {low:.4g} to {high:.4g}" in words(fit)
     assert "8 points of 1 samples" in words(fit)

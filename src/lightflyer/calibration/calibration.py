@@ -213,11 +213,11 @@ def _plain(numbers: Any) -> Any:
 
 
 def calibrate(
-    points: Points,
     what: Any,
     environment: AbstractEnvironment | None = None,
     model: AbstractForceModel | None = None,
     *,
+    points: Points,
     free: Sequence[str] = DEFAULT_FREE,
     pressure_accuracy: float | None = None,
     irradiance_accuracy: float | None = None,
@@ -227,15 +227,15 @@ def calibrate(
 
     Parameters
     ----------
-    points : Points
-        From :func:`read_points`. Columns such as ``diameter`` or ``emittance`` give the properties
-        in which samples differ from the flyer of the design, and ``emittance_uncertainty`` the
-        standard uncertainty of one.
     what : AbstractDesign, Setup, FlyerFile, path of a flyer file, or AbstractFlyer
         Gives everything that is not fitted, and the starting values. The coordinate of its
         environment must be the pressure.
     environment, model : optional
         Where ``what`` is a flyer.
+    points : Points
+        From :func:`read_points`. Columns such as ``diameter`` or ``emittance`` give the properties
+        in which samples differ from the flyer of the design, and ``emittance_uncertainty`` the
+        standard uncertainty of one.
     free : sequence of str
         Parameters: names of numbers in full, such as ``"force.c_fm"``, or their last parts, such
         as ``"c_fm"`` or ``"emittance"`` (of both faces), if only one number ends so. A name alone
@@ -281,7 +281,7 @@ def calibrate(
     >>> light = light * (1.0 + 0.01 * (-1.0) ** np.arange(8))  # synthetic scatter
     >>> numbers = {"pressure": pressure, "irradiance": light}
     >>> points = Points("synthetic", ["disk"] * 8, numbers)
-    >>> fit = calibrate(points, disk, chamber, lf.Lu2023(0.5, 2.0))
+    >>> fit = calibrate(disk, chamber, lf.Lu2023(0.5, 2.0), points=points)
     >>> print(f"{fit.values[0]:.2f} {fit.values[1]:.1f}")
     0.40 3.0
     """

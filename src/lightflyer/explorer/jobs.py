@@ -109,7 +109,7 @@ def force_models(workplace: Workplace, document: Document, choices: Choices) -> 
     del choices
     designs, left_out = designs_by_model(workplace, document)
     report("comparing")
-    found = compare(*designs.values(), names=list(designs), samples=0)
+    found = compare(designs, samples=0)
     return _models_data(found, left_out)
 
 

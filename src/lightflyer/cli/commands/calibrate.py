@@ -101,8 +101,8 @@ def calibrate_command(
         design = read_flyer_file(default if flyer is None else flyer)
     names = [name.strip() for name in free.split(",") if name.strip()]
     fit = calibrate(
-        points,
         design,
+        points=points,
         free=names,
         pressure_accuracy=optional_share("--pressure-accuracy", pressure_accuracy),
         irradiance_accuracy=optional_share("--irradiance-accuracy", irradiance_accuracy),

@@ -51,7 +51,7 @@ def compare_command(
     for path in flyer_files:
         read_flyer_file(path)  # every mistake in a file is told before anything is computed
     searched = _range(altitudes, pressures, flyer_files)
-    comparison = compare(*flyer_files, searched=searched, samples=samples, seed=seed)
+    comparison = compare(flyer_files, searched=searched, samples=samples, seed=seed)
     written = _write(out, comparison, figures) if out is not None else []
     if json_output:
         print_json(comparison.summary())

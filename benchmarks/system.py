@@ -146,9 +146,9 @@ def compare(count, repeats):
             repeats,
         )
     times["scipy"] *= count / SAMPLE
-    excess, status = results["two"]
+    excess, outcome = results["two"]
     difference = np.abs(results["scipy"] / np.array([row[:SAMPLE] for row in excess]) - 1.0)
-    return times, status, difference
+    return times, outcome, difference
 
 
 LABELS = {
@@ -166,12 +166,12 @@ def main():
     parser.add_argument("--designs", type=int, default=1_000_000)
     parser.add_argument("--repeats", type=int, default=5)
     options = parser.parse_args()
-    times, status, difference = compare(options.designs, options.repeats)
+    times, outcome, difference = compare(options.designs, options.repeats)
     print(f"{options.designs:,} designs, float64, medians of {options.repeats} alternating runs")
     print(f"{'':56}{'seconds':>9}{'ratio':>9}  to")
     for name, (label, base) in LABELS.items():
         print(f"{label:56}{times[name]:9.3f}{times[name] / times[base]:9.2f}  {LABELS[base][0]}")
-    print(f"not converged: {np.sum(~status.converged)} of the package, "
+    print(f"not converged: {np.sum(~outcome.converged)} of the package, "
           f"{np.mean(np.isnan(difference[0])):.1%} of SciPy's sample")  # fmt: skip
     print(f"99 % of relative differences from SciPy below {np.nanquantile(difference, 0.99):.1e}")
 

@@ -13,7 +13,7 @@ light = light * np.exp(0.03 * np.random.default_rng(0).standard_normal(pressure.
 
 numbers = {"pressure": pressure, "irradiance": light}
 points = lf.calibration.Points("synthetic", ["disk"] * 12, numbers)
-fit = lf.calibrate(points, disk, chamber, lf.Lu2023(c_fm=1.0, c_cont=1.0))
+fit = lf.calibrate(disk, chamber, lf.Lu2023(c_fm=1.0, c_cont=1.0), points=points)
 for name, value, (low, high) in zip(fit.names, fit.values, fit.intervals, strict=True):
     print(f"{name} = {value:.3f}, 95 % from {low:.3f} to {high:.3f}")
 assert abs(fit.values[0] - 0.4) < 0.02

@@ -157,7 +157,7 @@ def test_where_nothing_flies_the_light_and_the_best_are_in_view():
 
 
 def test_comparison(prediction):
-    found = lf.compare(SETUP, lf.Setup(lf.Disk(FILM, 0.02), SETUP.environment, SETUP.model))
+    found = lf.compare([SETUP, lf.Setup(lf.Disk(FILM, 0.02), SETUP.environment, SETUP.model)])
     figure = found.plot("payload")
     require_legible(figure)
     assert texts(figure.axes[0]) == ["disk of 2 cm, Lu2023", "disk of 4 cm, Lu2023"]
@@ -175,7 +175,7 @@ def fit():
     light = light * np.exp(0.03 * np.random.default_rng(3).standard_normal(54))
     samples = [f"synthetic no. {number // 6 + 1}" for number in range(54)]
     numbers = {"pressure": pressure, "irradiance": light, "diameter": diameter}
-    return lf.calibrate(Points("synthetic.csv", samples, numbers), SETUP)
+    return lf.calibrate(SETUP, points=Points("synthetic.csv", samples, numbers))
 
 
 @pytest.mark.parametrize("style", STYLES)

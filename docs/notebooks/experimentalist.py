@@ -61,7 +61,7 @@ film = lf.FilmProperties(
     tac_bottom=0.9,
 )
 disk, chamber = lf.Disk(film, radius=0.01), lf.Chamber()
-fit = lf.calibrate(points, disk, chamber, lf.Lu2023())
+fit = lf.calibrate(disk, chamber, lf.Lu2023(), points=points)
 for name, value, (low, high) in zip(fit.names, fit.values, fit.intervals, strict=True):
     print(f"{name} = {value:.3g}, 95 % from {low:.3g} to {high:.3g}")
 

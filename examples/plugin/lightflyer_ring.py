@@ -72,7 +72,7 @@ class ThinGas(lf.AbstractForceModel):
         tacs = flyer.film.tac_top, flyer.film.tac_bottom
         return accommodated_force(flyer.area, *tacs, state.pressure, excess)
 
-    def caveats(self, flyer, state, temperature):
+    def diagnostics(self, flyer, state, temperature):
         knudsen = lf.gas.knudsen_number(state.pressure, state.temperature, flyer.outer, state.gas)
         return ("thin-gas leaves collisions out",) if np.any(knudsen < 10.0) else ()
 
@@ -150,8 +150,8 @@ def is_ours(source):
 
 def read_ours(source):
     table = np.loadtxt(source.text.splitlines()[1:])
-    facts = lf.lab.SpectrumFacts("our lamp")
-    return [lf.lab.RawSpectrum(table[:, 0], table[:, 1], "nm", "%T", facts)]
+    metadata = lf.lab.SpectrumMetadata("our lamp")
+    return [lf.lab.RawSpectrum(table[:, 0], table[:, 1], "nm", "%T", metadata)]
 
 
 lf.lab.SPECTRUM_FORMATS.append(lf.lab.Format("our lamp", is_ours, read_ours))

@@ -59,7 +59,7 @@ def bounds(layers, altitude_km):
     """Payload where missing optical data let the film absorb nothing or everything [mg]."""
     design = flyer_with(layers).design()
     found = {}
-    for name, ends in design.open_parts().items():
+    for name, ends in design.data_bounds().items():
         pair = [payload(design.build({}, {"film": end["film"]}), altitude_km) for end in ends]
         found[name.removeprefix("film.")] = sorted(round(value, 4) for value in pair)
     return found

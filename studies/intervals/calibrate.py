@@ -117,7 +117,7 @@ def trials(seed):
             exact = kind == "given inputs"
             points = points_of(rng, count, span, exact_inputs=exact, stated=stated)
             try:
-                fit = lf.calibrate(points, design())
+                fit = lf.calibrate(design(), points=points)
             except lf.ParameterError as refused:
                 if exact or "no irradiance levitates" not in str(refused):
                     raise

@@ -19,7 +19,7 @@ from kinds import KINDS
 from scipy.stats import qmc
 
 import lightflyer as lf
-from lightflyer.design.cautions import cautions_at
+from lightflyer.design.diagnostics import diagnose_in_light
 from lightflyer.flight.loads import buoyancy, largest_payload, upward_force
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 
@@ -172,7 +172,7 @@ class Search:
     def row(self, index, case, design, unit, told):
         """One row, as :func:`study.best_of` makes it."""
         setup = study.flyer_file(self.kind, design).build()
-        warnings = list(cautions_at(setup, self.altitude[index]))
+        warnings = list(diagnose_in_light(setup, self.altitude[index]))
         if told["payload"][0] < 0.0:
             warnings.append(NO_LIFT)
         ends = {

@@ -11,11 +11,11 @@ from scipy.special import erfc
 import lightflyer as lf
 from lightflyer.budget import Budget, Item, RadioLink, SolarCells, free_space_loss
 from lightflyer.budget.link import REQUIRED_SIGNAL_DB
-from lightflyer.cli.commands.compare import needs_table
-from lightflyer.cli.prediction_tables import payload_line
+from lightflyer.comparison.text import needs_table
 from lightflyer.config.designs import as_design
-from lightflyer.design.cautions import cautions
+from lightflyer.design.diagnostics import diagnose_at
 from lightflyer.design.outputs import evaluate, outputs_of
+from lightflyer.prediction.text import payload_line
 
 LINK = RadioLink(
     distance=30e3,
@@ -136,13 +136,13 @@ def test_what_a_file_says_stands_beside_what_the_flyer_carries(read):
 
 def test_what_cells_cannot_do_is_said(read):
     setup = read(TEXT.replace('power = "20 uW"', 'power = "1 W"')).build()
-    assert any("times the area of the flyer" in text for text in cautions(setup, *WHERE))
+    assert any("times the area of the flyer" in text for text in diagnose_at(setup, *WHERE))
     night = dataclasses.replace(setup.environment.radiation, irradiance=0.0)
     dark = dataclasses.replace(
         setup, environment=dataclasses.replace(setup.environment, radiation=night)
     )
-    assert any("have no light" in text for text in cautions(dark, *WHERE))
-    assert not any("solar cells" in text for text in cautions(read(TEXT).build(), *WHERE))
+    assert any("have no light" in text for text in diagnose_at(dark, *WHERE))
+    assert not any("solar cells" in text for text in diagnose_at(read(TEXT).build(), *WHERE))
 
 
 @pytest.mark.parametrize(

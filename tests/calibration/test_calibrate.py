@@ -61,7 +61,7 @@ def points(irradiance, **more):
 
 
 def test_recovers_what_exact_points_were_made_with(setup, exact):
-    fit = lf.calibrate(points(exact), setup)
+    fit = lf.calibrate(setup, points=points(exact))
     assert fit.names == ["c_fm", "c_cont"]
     assert fit.values == pytest.approx(TRUTH, rel=1e-7)
     assert np.abs(fit.residuals).max() < 1e-7
@@ -72,7 +72,9 @@ def test_recovers_what_exact_points_were_made_with(setup, exact):
 def test_fits_film_properties_of_one_sample(setup, exact):
     one = np.array(SAMPLES) == "synthetic 2 cm"
     hotter = np.where(one, np.exp(log_light(emittance=0.12)), exact)
-    fit = lf.calibrate(points(hotter), setup, free=["c_fm", "c_cont", "emittance[synthetic 2 cm]"])
+    fit = lf.calibrate(
+        setup, points=points(hotter), free=["c_fm", "c_cont", "emittance[synthetic 2 cm]"]
+    )
     assert fit.values == pytest.approx([*TRUTH, 0.12], rel=1e-6)
     # what belongs to one sample alone is not the setup's
     assert fit.setup.flyer.film.emittance_top == 0.08
@@ -93,7 +95,7 @@ def test_takes_whatever_makes_a_design(what, setup, noisy):
             "path": (path,),
             "design": (lf.design.ObjectDesign(setup),),
         }[what]
-        fit = lf.calibrate(points(noisy), *design, free=["c_fm", "emittance"])
+        fit = lf.calibrate(*design, points=points(noisy), free=["c_fm", "emittance"])
     # the file's coefficients are the paper's
     c_cont = 3.0 if what in ("file", "path") else 2.0
     c_fm, emittance = fit.values
@@ -140,7 +142,7 @@ def unevenness(jacobian, residuals, covariance):
     ],
 )
 def test_covariance_is_that_of_finite_differences(setup, noisy, free):
-    fit = lf.calibrate(points(noisy), setup.flyer, CHAMBER, lf.Lu2023(*TRUTH), free=free)
+    fit = lf.calibrate(setup.flyer, CHAMBER, lf.Lu2023(*TRUTH), points=points(noisy), free=free)
     fitted = dict(zip(free, fit.values, strict=True))
     jacobian = derivatives(free, MADE_WITH | fitted)
     # least squares: the residuals are orthogonal to all derivatives
@@ -156,8 +158,8 @@ def test_covariance_is_that_of_finite_differences(setup, noisy, free):
 
 
 def test_stated_uncertainties_set_covariance_and_intervals(setup, noisy):
-    single = lf.calibrate(points(noisy, irradiance_uncertainty=0.04 * noisy), setup)
-    double = lf.calibrate(points(noisy, irradiance_uncertainty=0.08 * noisy), setup)
+    single = lf.calibrate(setup, points=points(noisy, irradiance_uncertainty=0.04 * noisy))
+    double = lf.calibrate(setup, points=points(noisy, irradiance_uncertainty=0.08 * noisy))
     assert not single.estimated_scatter
     assert double.values == pytest.approx(single.values, rel=1e-6)
     assert double.covariance == pytest.approx(4.0 * single.covariance, rel=1e-4)
@@ -169,7 +171,7 @@ def test_stated_uncertainties_set_covariance_and_intervals(setup, noisy):
 
 def test_uncertain_pressure_counts_by_the_slope_of_the_curve(setup, exact):
     data = points(exact, pressure_uncertainty=0.05 * PRESSURE, irradiance_uncertainty=0.01 * exact)
-    fit = lf.calibrate(data, setup)
+    fit = lf.calibrate(setup, points=data)
     fitted = dict(zip(fit.names, fit.values, strict=True))
     above, below = (log_light(PRESSURE * np.exp(d), **fitted) for d in (1e-4, -1e-4))
     slope = (above - below) / 2e-4
@@ -180,7 +182,7 @@ def test_uncertain_pressure_counts_by_the_slope_of_the_curve(setup, exact):
 @pytest.mark.parametrize("stated", [False, True], ids=["estimated scatter", "stated uncertainty"])
 def test_intervals_end_where_the_profile_reaches_its_threshold(setup, noisy, stated):
     uncertainty = {"irradiance_uncertainty": 0.05 * noisy} if stated else {}
-    fit = lf.calibrate(points(noisy, **uncertainty), setup)
+    fit = lf.calibrate(setup, points=points(noisy, **uncertainty))
     spread = 0.05 if stated else np.sqrt(np.sum(fit.residuals**2) / 12)
 
     def cost(c_fm, c_cont):
@@ -211,7 +213,7 @@ def test_intervals_cover_the_truth_as_often_as_they_claim(setup):
     for _ in range(120):
         light = np.exp(exact + 0.03 * generator.standard_normal(pressure.size))
         data = Points("synthetic", ["one"] * 5, {"pressure": pressure, "irradiance": light})
-        low, high = lf.calibrate(data, setup).intervals.T
+        low, high = lf.calibrate(setup, points=data).intervals.T
         held.append((low <= TRUTH) & (high >= TRUTH))
     share = np.mean(held, axis=0)
     assert np.all((share >= 0.91) & (share <= 0.99)), share  # two standard errors each way
@@ -247,7 +249,7 @@ def test_total_interval_of_a_coefficient_is_that_of_one_over_the_difference(
         design.uncertainties,
         design.correlations,
     )
-    fit = lf.calibrate(points, thin, free=["c_fm"], **EXACT)
+    fit = lf.calibrate(thin, points=points, free=["c_fm"], **EXACT)
     spread = 0.03 * np.sqrt(2.0 - 2.0 * correlation)
     expected = 0.04 / (0.1 + 1.96 * spread * np.array([1.0, -1.0]))
     # the mean TAC, which also cools, leaves a difference
@@ -259,13 +261,13 @@ def test_total_interval_of_a_coefficient_is_that_of_one_over_the_difference(
 def test_slopes_by_inputs_are_those_of_refits(setup, noisy):
     spreads = {"emittance_top": 0.01, "areal_density": 5e-5, "absorptance": 0.02}
     design = uncertain(setup, spreads)
-    fit = lf.calibrate(points(noisy), design, **EXACT)
+    fit = lf.calibrate(design, points=points(noisy), **EXACT)
     for name, spread in spreads.items():
         logs = []
         for sign in (1.0, -1.0):
             value = getattr(setup.flyer.film, name) + sign * 0.05 * spread
             moved = lf.design.ObjectDesign(setup).build({f"flyer.film.{name}": value})
-            logs.append(np.log(lf.calibrate(points(noisy), moved, **EXACT).values))
+            logs.append(np.log(lf.calibrate(moved, points=points(noisy), **EXACT).values))
         slope = (logs[0] - logs[1]) / 0.1
         # to first order residuals count as zero
         shares = fit.contributions[f"flyer.film.{name}"]
@@ -284,13 +286,13 @@ def test_total_intervals_hold_the_refits_of_drawn_inputs(setup, noisy):
         return Points("synthetic.csv", ["film"] * 14, numbers)
 
     nominal = {name: value for name, (value, _) in stated.items()}
-    fit = lf.calibrate(at(nominal, spread=1.0), setup, **EXACT)
+    fit = lf.calibrate(setup, points=at(nominal, spread=1.0), **EXACT)
     generator, found = np.random.default_rng(5), []
     for _ in range(150):
         drawn = {
             name: value + spread * generator.normal() for name, (value, spread) in stated.items()
         }
-        found.append(lf.calibrate(at(drawn), setup, **EXACT).values)
+        found.append(lf.calibrate(setup, points=at(drawn), **EXACT).values)
 
     def share(intervals):
         low, high = intervals.T
@@ -303,18 +305,20 @@ def test_total_intervals_hold_the_refits_of_drawn_inputs(setup, noisy):
 
 def test_instruments_move_all_points_together(setup, exact):
     """A meter that reads 5 % high is the same as points that are 5 % too high."""
-    fit = lf.calibrate(points(exact), setup, pressure_accuracy=0.0, irradiance_accuracy=0.05)
+    fit = lf.calibrate(setup, points=points(exact), pressure_accuracy=0.0, irradiance_accuracy=0.05)
     low, high = fit.total_intervals[0]
     above, below = (
-        lf.calibrate(points(exact * np.exp(sign * 1.96 * 0.05)), setup, **EXACT).values[0]
+        lf.calibrate(setup, points=points(exact * np.exp(sign * 1.96 * 0.05)), **EXACT).values[0]
         for sign in (1.0, -1.0)
     )
     assert (low, high) == (pytest.approx(above, rel=1e-3), pytest.approx(below, rel=1e-3))
-    gauge = lf.calibrate(points(exact), setup, pressure_accuracy=0.05, irradiance_accuracy=0.0)
+    gauge = lf.calibrate(
+        setup, points=points(exact), pressure_accuracy=0.05, irradiance_accuracy=0.0
+    )
     low, high = gauge.total_intervals[1]
     ends = [
         lf.calibrate(
-            points(exact, pressure=PRESSURE * np.exp(sign * 1.96 * 0.05)), setup, **EXACT
+            setup, points=points(exact, pressure=PRESSURE * np.exp(sign * 1.96 * 0.05)), **EXACT
         ).values[1]
         for sign in (-1.0, 1.0)
     ]
@@ -324,18 +328,19 @@ def test_instruments_move_all_points_together(setup, exact):
 def test_uncertainties_of_samples_stand_in_columns(setup, exact):
     spread = np.where(np.array(SAMPLES) == "synthetic 2 cm", 0.02, 0.0)
     numbers = {"emittance": np.full(14, 0.08), "emittance_uncertainty": spread}
-    fit = lf.calibrate(points(exact, **numbers), setup, free=["c_fm"], **EXACT)
+    fit = lf.calibrate(setup, points=points(exact, **numbers), free=["c_fm"], **EXACT)
     assert list(fit.contributions) == ["emittance[synthetic 2 cm]"]
     whole = lf.calibrate(
-        points(exact, emittance=np.full(14, 0.08), emittance_uncertainty=np.full(14, 0.02)),
-        setup, **EXACT,
-    )  # fmt: skip
+        setup,
+        points=points(exact, emittance=np.full(14, 0.08), emittance_uncertainty=np.full(14, 0.02)),
+        **EXACT,
+    )
     assert len(whole.contributions) == 2
 
 
 def test_what_vanishes_within_the_inputs_has_no_upper_bound(setup, exact):
     design = uncertain(setup, {"tac_top": 0.05, "tac_bottom": 0.05})
-    fit = lf.calibrate(points(exact), design, **EXACT)
+    fit = lf.calibrate(design, points=points(exact), **EXACT)
     assert fit.total_intervals[0, 1] == np.inf
     assert fit.intervals[0, 1] < 0.41
     said = " ".join(fit.warnings)
@@ -350,7 +355,7 @@ def test_points_in_thin_gas_do_not_determine_the_continuum(setup):
     light = np.exp(log_light(pressure, 0.02, c_cont=30.0))
     light = light * np.exp(0.03 * np.random.default_rng(2).standard_normal(8))
     thin = Points("thin", ["one"] * 8, {"pressure": pressure, "irradiance": light})
-    fit = lf.calibrate(thin, setup, **EXACT)
+    fit = lf.calibrate(setup, points=thin, **EXACT)
     assert fit.intervals[1, 1] == np.inf
     assert "c_cont has no upper bound: the points do not determine it there" in fit.warnings
 
@@ -363,7 +368,7 @@ def test_two_points_with_nothing_to_spare(setup):
         "irradiance_uncertainty": np.array([40.0, 50.0]),
         "diameter": np.array([0.02, 0.03]),
     }
-    fit = lf.calibrate(Points("two", ["a", "b"], numbers), setup)
+    fit = lf.calibrate(setup, points=Points("two", ["a", "b"], numbers))
     assert np.all(fit.intervals[:, 0] < fit.values)
     assert "as many parameters as points" in " ".join(fit.warnings)
     assert fit.summary()["reduced_chi_squared"] is None
@@ -379,18 +384,18 @@ def test_parameters_that_can_hardly_be_told_apart():
     lot = Points("few", ["one"] * 4, numbers)
     chamber = lf.Chamber(temperature=293.0)
     free = ["tac_bottom", "tac_top"]
-    fit = lf.calibrate(lot, lf.Disk(film, 0.01), chamber, lf.Lu2023(), free=free)
+    fit = lf.calibrate(lf.Disk(film, 0.01), chamber, lf.Lu2023(), points=lot, free=free)
     assert np.all(fit.intervals[:, 0] <= fit.values)
     assert np.all(fit.values <= fit.intervals[:, 1])
 
 
 def test_stated_errors_far_below_the_scatter(setup, exact, noisy):
     small = points(noisy, irradiance_uncertainty=0.002 * noisy)
-    fit = lf.calibrate(small, setup, **EXACT)
+    fit = lf.calibrate(setup, points=small, **EXACT)
     assert fit.reduced_chi_squared > 100.0
     assert fit.chi_squared_probability < 1e-6
     assert "times as much as their stated uncertainties say" in " ".join(fit.warnings)
-    scaled = lf.calibrate(small, setup, scale_errors=True, **EXACT)
+    scaled = lf.calibrate(setup, points=small, scale_errors=True, **EXACT)
     grown = fit.reduced_chi_squared * fit.covariance
     assert scaled.covariance == pytest.approx(grown, rel=1e-4)
     half = 0.5 * np.log(scaled.intervals[:, 1] / scaled.intervals[:, 0]) * scaled.values
@@ -399,7 +404,7 @@ def test_stated_errors_far_below_the_scatter(setup, exact, noisy):
     assert scaled.error_scale == pytest.approx(np.sqrt(fit.reduced_chi_squared), rel=1e-6)
     assert not any("stated uncertainties" in text for text in scaled.warnings)
     large = points(noisy, irradiance_uncertainty=0.5 * noisy)
-    assert "may be too wide" in " ".join(lf.calibrate(large, setup, **EXACT).warnings)
+    assert "may be too wide" in " ".join(lf.calibrate(setup, points=large, **EXACT).warnings)
 
 
 def test_steps_of_the_light(setup, exact):
@@ -408,9 +413,9 @@ def test_steps_of_the_light(setup, exact):
     light = np.exp(log_light(pressure, 0.02))
     noted = 100.0 * np.ceil(light / 100.0)
     lot = Points("steps", ["one"] * 40, {"pressure": pressure, "irradiance": noted})
-    plain = lf.calibrate(lot, setup, **EXACT)
+    plain = lf.calibrate(setup, points=lot, **EXACT)
     assert "lie on steps of 100 W/m^2" in " ".join(plain.warnings)
-    stepped = lf.calibrate(lot.stepped(100.0), setup, **EXACT)
+    stepped = lf.calibrate(setup, points=lot.stepped(100.0), **EXACT)
     assert not any("lie on steps" in text for text in stepped.warnings)
     assert abs(np.log(stepped.values[0] / 0.4)) < 0.3 * abs(np.log(plain.values[0] / 0.4))
     low, high = stepped.intervals[0]
@@ -440,7 +445,7 @@ def test_a_users_own_model():
     flyer, pressure = lf.Disk(film, 0.01), np.geomspace(0.2, 2.0, 9)
     light = lf.levitate(flyer, CHAMBER.state(pressure), Slow(0.8, 0.02)).irradiance
     data = Points("own", ["disk"] * 9, {"pressure": pressure, "irradiance": light})
-    fit = lf.calibrate(data, flyer, CHAMBER, Slow(0.7, 0.03), free=["weakness", "reach"])
+    fit = lf.calibrate(flyer, CHAMBER, Slow(0.7, 0.03), points=data, free=["weakness", "reach"])
     assert fit.values == pytest.approx([0.8, 0.02], rel=1e-6)
     assert fit.setup.model.weakness == pytest.approx(0.8, rel=1e-6)
 
@@ -495,7 +500,7 @@ def test_a_flyer_of_two_temperatures():
     light = 1e-3 * 9.80665 / (0.25 * pressure * split)
     numbers = {"pressure": pressure, "irradiance": light, "diameter": diameter}
     data = Points("own", ["plates"] * 8, numbers)
-    fit = lf.calibrate(data, Plates(0.01, 0.2), CHAMBER, Push(), free=["flyer.conductance"])
+    fit = lf.calibrate(Plates(0.01, 0.2), CHAMBER, Push(), points=data, free=["flyer.conductance"])
     assert fit.values == pytest.approx([0.3], rel=1e-6)
 
 
@@ -503,7 +508,7 @@ def test_payload_counts(setup):
     heavier = lf.Setup(lf.Disk(setup.flyer.film, 0.01, payload=1e-7), CHAMBER, setup.model)
     disk = lf.Disk(setup.flyer.film, 0.5 * DIAMETER, payload=1e-7)
     light = lf.levitate(disk, CHAMBER.state(PRESSURE), lf.Lu2023(*TRUTH)).irradiance
-    assert lf.calibrate(points(light), heavier).values == pytest.approx(TRUTH, rel=1e-6)
+    assert lf.calibrate(heavier, points=points(light)).values == pytest.approx(TRUTH, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -539,10 +544,12 @@ def test_a_layered_film_starts_from_what_its_layers_give(flyer_file, setup, exac
     assert target_of(design, "absorptance").value == film.absorptance
     assert film.areal_density == pytest.approx(20e-9 * 5323.0 + 500e-9 * 1390.0, rel=0.02)
     with pytest.raises(lf.ParameterError, match="too costly to fit"):
-        lf.calibrate(points(exact), design, free=["film.layers.0.thickness"])
+        lf.calibrate(design, points=points(exact), free=["film.layers.0.thickness"])
     other = lf.Setup(lf.Disk(film, 0.01), CHAMBER, lf.Lu2023())
     free = ["c_fm", "absorptance"]
-    by_file, by_objects = (lf.calibrate(points(exact), what, free=free) for what in (design, other))
+    by_file, by_objects = (
+        lf.calibrate(what, points=points(exact), free=free) for what in (design, other)
+    )
     assert by_file.values == pytest.approx(by_objects.values, rel=1e-6)
 
 
@@ -569,7 +576,7 @@ def test_one_emittance_where_the_file_gives_two(flyer_file):
 )
 def test_clear_errors(setup, exact, free, says):
     with pytest.raises(lf.ParameterError) as raised:
-        lf.calibrate(points(exact), setup, free=free)
+        lf.calibrate(setup, points=points(exact), free=free)
     assert says in str(raised.value)
     assert "\n" not in str(raised.value)
 
@@ -577,35 +584,35 @@ def test_clear_errors(setup, exact, free, says):
 def test_a_name_that_two_numbers_have(exact, setup):
     walls = lf.Setup(setup.flyer, lf.Chamber(radius=0.2), setup.model)
     with pytest.raises(lf.ParameterError, match=r'"radius" is ambiguous: flyer.radius, '):
-        lf.calibrate(points(exact), walls, free=["radius"])
+        lf.calibrate(walls, points=points(exact), free=["radius"])
     # a column describes the flyer
-    assert lf.calibrate(points(exact), walls).values == pytest.approx(TRUTH, rel=1e-6)
+    assert lf.calibrate(walls, points=points(exact)).values == pytest.approx(TRUTH, rel=1e-6)
 
 
 def test_a_column_that_is_no_number_of_the_flyer(setup, exact):
     with pytest.raises(lf.ParameterError, match="conductance is not a number of the design"):
-        lf.calibrate(points(exact, conductance=np.ones(14)), setup)
+        lf.calibrate(setup, points=points(exact, conductance=np.ones(14)))
 
 
 def test_only_where_the_coordinate_is_the_pressure(setup, exact):
     with pytest.raises(lf.ParameterError, match="coordinate of this environment is altitude"):
-        lf.calibrate(points(exact), setup.flyer, lf.Earth(), setup.model)
+        lf.calibrate(setup.flyer, lf.Earth(), setup.model, points=points(exact))
 
 
 def test_fewer_points_than_parameters(setup, exact):
     few = Points("few.csv", SAMPLES[:2], {"pressure": PRESSURE[:2], "irradiance": exact[:2]})
     with pytest.raises(lf.ParameterError, match=r"few.csv: 2 points cannot determine 2 parameters"):
-        lf.calibrate(few, setup)
+        lf.calibrate(setup, points=few)
 
 
 def test_points_out_of_reach(setup, exact):
     thin = points(exact, pressure=np.where(np.arange(14) == 3, 1e-6, PRESSURE))
     says = r"no irradiance levitates synthetic 2 cm at 1e-06 Pa \(1 of 14 points\)"
     with pytest.raises(lf.ParameterError, match=says):
-        lf.calibrate(thin, setup)
+        lf.calibrate(setup, points=thin)
 
 
 def test_an_uncertainty_that_is_missing_for_one_point(setup, exact):
     some = np.where(np.arange(14) == 3, 0.0, 0.01 * exact)
     with pytest.raises(lf.ParameterError, match="point 4 has no uncertainty"):
-        lf.calibrate(points(exact, irradiance_uncertainty=some), setup)
+        lf.calibrate(setup, points=points(exact, irradiance_uncertainty=some))

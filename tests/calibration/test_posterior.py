@@ -42,7 +42,7 @@ def fit_of(file, *, stated):
     numbers = {"pressure": PRESSURE, "irradiance": light, "diameter": DIAMETER}
     if stated:
         numbers["irradiance_uncertainty"] = SCATTER_MADE * light
-    return lf.calibrate(Points("synthetic.csv", ["synthetic"] * light.size, numbers), file)
+    return lf.calibrate(file, points=Points("synthetic.csv", ["synthetic"] * light.size, numbers))
 
 
 @pytest.fixture(scope="module")

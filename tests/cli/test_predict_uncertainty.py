@@ -3,8 +3,8 @@ import json
 import pytest
 import xarray as xr
 
-from lightflyer.cli.commands.predict import _show_bands
-from lightflyer.cli.output import printer
+from lightflyer.files.result_text import as_text
+from lightflyer.uncertainty.text import band_parts
 
 FILE = """\
 [flyer]
@@ -59,17 +59,16 @@ def test_bands_for_a_file_with_uncertainties(run, folder):
         assert float((dataset["payload_low"] < dataset["payload_high"]).all())
 
 
-def test_errors_of_the_force_model_are_told_from_those_of_the_file(capsys):
+def test_errors_of_the_force_model_are_told_from_those_of_the_file():
     """A file without any ± has bands where the force model is uncertain by itself."""
     told = {
         "inputs": {"film.tac_top": 0.01, "force.force_error": 1.0, "force.c_fm": 0.1},
         "between_bounds": [], "tac_correlation": None, "samples": 0, "warnings": [],
         "share_that_levitates": None, "results": {},
     }  # fmt: skip
-    _show_bands(printer(), told)
-    assert capsys.readouterr().out.endswith(
+    assert as_text(band_parts(told)).endswith(
         "from the ± of film.tac_top, force.c_fm, and the force model's own errors "
-        "(force.force_error)\n"
+        "(force.force_error)"
     )
 
 

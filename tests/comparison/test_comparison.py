@@ -33,7 +33,7 @@ def designs():
 
 @pytest.fixture(scope="module")
 def found(designs):
-    return lf.compare(*designs, names=["small", "wide"], samples=0)
+    return lf.compare(dict(zip(("small", "wide"), designs, strict=True)), samples=0)
 
 
 def test_each_flyer_is_as_it_is_alone(designs, found):
@@ -74,7 +74,7 @@ def test_bands_are_those_of_shifted_flyers(found):
 
 def test_what_is_not_on_one_footing_is_named(designs):
     dim = over_earth(disk(), radiation=lf.environment.sunlight(1000.0), gravity=9.0)
-    found = lf.compare(designs[0], dim, names=["a", "b"])
+    found = lf.compare({"a": designs[0], "b": dim})
     told = [text for text in found.warnings if text.startswith("not on one footing: ")]
     assert told[0].endswith(
         "light: 1361 W/m², 0° from the vertical (a); 1000 W/m², 0° from the vertical (b)"
@@ -82,7 +82,7 @@ def test_what_is_not_on_one_footing_is_named(designs):
     assert told[1:] == ["not on one footing: gravity: not given (a); 9 m/s^2 (b)"]
     assert not found.differing_models
     paper = lf.Setup(disk(), lf.lu2023_earth(), lf.Lu2023(reading=lf.force.PRINTED))
-    found = lf.compare(designs[0], paper, names=["a", "b"], searched=(60e3, 80e3))
+    found = lf.compare({"a": designs[0], "b": paper}, searched=(60e3, 80e3))
     topics = [difference.what for difference in found.differing_surroundings]
     assert {"light", "atmosphere", "gravity", "infrared", "reflected light"} <= set(topics)
     assert "searched" not in topics
@@ -121,7 +121,7 @@ def test_chambers_are_compared_over_pressure():
         lf.Setup(disk(), lf.Chamber(radiation=lf.environment.Radiation(light)), lf.Lu2023())
         for light in (1000.0, 2000.0)
     ]
-    found = lf.compare(*setups)
+    found = lf.compare(setups)
     assert [flyer.name for flyer in found.flyers] == ["disk of 2 cm", "disk of 2 cm (2)"]
     ratios = found.coordinates[1:] / found.coordinates[:-1]
     np.testing.assert_allclose(ratios, ratios[0])
@@ -133,7 +133,7 @@ def test_figure_tells_nine_flyers_apart(designs):
     from lightflyer.comparison.figures import comparison_figure
 
     setups = [over_earth(disk(mass)) for mass in np.geomspace(2e-4, 2e-3, 8)]
-    found = lf.compare(*setups, designs[1], samples=0, searched=(60e3, 90e3))
+    found = lf.compare([*setups, designs[1]], samples=0, searched=(60e3, 90e3))
     figure = comparison_figure(found)
     (legend,) = figure.legends
     labels = [text.get_text() for text in legend.get_texts()]
@@ -155,21 +155,36 @@ def test_figure_tells_nine_flyers_apart(designs):
     [
         (1, {}, "compare takes 2 to 9 flyers, and here are 1"),
         (10, {}, "and here are 10"),
-        (2, {"names": ["a", "a"]}, "give one for each of the 2 flyers, all different"),
         (2, {"searched": (8e4, 6e4)}, "80 km to 60 km is no range"),
-        (2, {"searched": (0.0, 2e6), "names": ["a", "b"]}, "^a: searched altitude"),
+        (2, {"searched": (0.0, 2e6)}, "^disk of 2 cm: searched altitude"),
         (2, {"samples": 5}, "samples = 5"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(designs, arguments, options, message):
     with pytest.raises(lf.ParameterError, match=message):
-        lf.compare(*[designs[0]] * arguments, **options)
+        lf.compare([designs[0]] * arguments, **options)
+
+
+def test_one_flyer_is_no_comparison(designs):
+    for one in (designs[0], "flyer.toml", designs[0].setup.flyer):
+        with pytest.raises(lf.ParameterError, match="here are 1"):
+            lf.compare(one)
+
+
+def test_flyers_share_surroundings_and_model():
+    disks = {"light": disk(5e-4), "heavy": disk(1e-3)}
+    found = lf.compare(disks, lf.Earth(), lf.Lu2023(), samples=0)
+    assert [flyer.name for flyer in found.flyers] == ["light", "heavy"]
+    one = lf.predict(disks["heavy"], lf.Earth(), lf.Lu2023())
+    assert found.flyers[1].prediction.bands == one.bands
+    with pytest.raises(lf.ParameterError, match="stand beside a flyer"):
+        lf.compare([over_earth(one) for one in disks.values()], lf.Earth(), lf.Lu2023())
 
 
 def test_altitude_and_pressure_are_not_mixed(designs):
     chamber = lf.Setup(disk(), lf.Chamber(), lf.Lu2023())
     with pytest.raises(lf.ConfigurationError, match="a is described over altitude and b over pres"):
-        lf.compare(designs[0], chamber, names=["a", "b"])
+        lf.compare({"a": designs[0], "b": chamber})
 
 
 def test_one_name_for_two_things_in_one_unit():

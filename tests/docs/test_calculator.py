@@ -10,7 +10,7 @@ import lightflyer as lf
 from lightflyer.cli.commands.init import templates
 from lightflyer.config.flyer_file import flyer_file_type
 from lightflyer.config.reader import read_design
-from lightflyer.design.cautions import cautions, cautions_of_force
+from lightflyer.design.diagnostics import diagnose_at, diagnose_force
 from lightflyer.design.outputs import tabulate
 from lightflyer.program.entry_point import entry_point
 
@@ -233,10 +233,10 @@ def test_warnings_are_those_of_the_package(name, computed, expected, designs):
         number_of = {one.name: x for one, x in zip(model.COMPUTED, _si(row), strict=True)}
         setup = model.design(name).build(number_of)
         hot = np.atleast_1d(table["temperature"][index])
-        told = {*cautions(setup, _si(row)[ALTITUDE : ALTITUDE + 1], hot)}
+        told = {*diagnose_at(setup, _si(row)[ALTITUDE : ALTITUDE + 1], hot)}
         lift = table["lift"][index : index + 1]
         if lift[0] <= 0.0:
-            told |= {*cautions_of_force({"lift": lift})}
+            told |= {*diagnose_force({"lift": lift})}
         assert set(computed[name, "warnings"][index]) == told
         kinds |= {text.split(" is ")[0] for text in told}
     assert len(kinds) > 1

@@ -90,12 +90,12 @@ def _root(x):
 
 def _system(x, y):
     """Two equations by the package's own solver, whose loops are Equinox's."""
-    found, status = solve_system(
+    found, outcome = solve_system(
         lambda at: (at[0] ** 3 + at[1] - x, at[1] ** 3 + 2.0 * at[0] - y),
         lambda: (x, y),
         lower=(-1e3, -1e3),
     )
-    return *found, status.ending
+    return *found, outcome.status
 
 
 FUNCTIONS = {

@@ -40,7 +40,7 @@ def test_drag_is_odd_grows_and_is_differentiable(kind):
             assert np.all(np.diff(found) > 0.0)
             slope = jax.grad(drag)(0.0, direction)
             assert slope == pytest.approx(found[2] / 1e-5, rel=0.01)
-    assert isinstance(flyer.drag_caveats(state, 1.0), tuple)
+    assert isinstance(flyer.drag_diagnostics(state, 1.0), tuple)
 
 
 def test_a_flyer_without_a_law_says_so(disk):
@@ -114,5 +114,5 @@ def test_double_precision_without_asking(film):
 def test_wide_holes_are_said_where_they_matter(film):
     dense = lf.Earth().state(0.0)
     narrow, wide = (lf.Sandwich(film, film, 0.01, 1e-4, 0.5, a, 0.0, 0.0) for a in (1e-5, 1e-3))
-    assert narrow.drag_caveats(dense, 0.1) == ()
-    assert any("passes the holes is 0.027" in said for said in wide.drag_caveats(dense, 0.1))
+    assert narrow.drag_diagnostics(dense, 0.1) == ()
+    assert any("passes the holes is 0.027" in said for said in wide.drag_diagnostics(dense, 0.1))

@@ -183,10 +183,10 @@ def test_dense_gas_is_warmed_by_a_hot_sphere():
 
 
 def test_out_of_range_is_said():
-    from lightflyer.drag.disk import disk_caveats
+    from lightflyer.drag.disk import disk_diagnostics
 
     def said(speed, pressure, **options):
-        return " ".join(disk_caveats(speed, 0.01, pressure, TEMPERATURE, AIR, **options))
+        return " ".join(disk_diagnostics(speed, 0.01, pressure, TEMPERATURE, AIR, **options))
 
     assert said(1.0, 5.0) == ""
     assert "compression" in said(200.0, 5.0)

@@ -8,7 +8,7 @@ from importlib import resources
 import pytest
 
 from lightflyer.explorer import jobs, server
-from lightflyer.explorer.notices import noticing
+from lightflyer.explorer.diagnostics import keeping_warnings
 from lightflyer.explorer.state import Workplace
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -76,7 +76,7 @@ def site(workplace):
         service.quick.shutdown()
         service.slow.shutdown()
 
-    with jobs.listening(), noticing():
+    with jobs.listening(), keeping_warnings():
         thread = threading.Thread(target=lambda: asyncio.run(run()))
         thread.start()
         assert ready.wait(30)

@@ -15,10 +15,10 @@ from lightflyer.config.flyer_file import flyer_file_type
 from lightflyer.config.reader import FLYER_FILE
 from lightflyer.explorer import jobs, pages, view
 from lightflyer.explorer.compute import prediction_of, quick
+from lightflyer.explorer.diagnostics import keeping_warnings
 from lightflyer.explorer.downloads import download, python_lines
 from lightflyer.explorer.hints import templates
 from lightflyer.explorer.maps import Choices
-from lightflyer.explorer.notices import noticing
 from lightflyer.explorer.panes import panes
 from lightflyer.explorer.state import View, plain, to_toml
 from lightflyer.files.toml_file import parsed, validate
@@ -102,7 +102,7 @@ def test_mistakes_are_told_at_their_fields(workplace, document):
 
 def test_warnings_about_parameters_are_in_the_result(workplace, document):
     document["film"]["tac_top"] = "1.05"
-    with noticing():
+    with keeping_warnings():
         found = pages.ANSWERS["predict"](workplace, {"document": document})
     assert any("tac_top = 1.05 exceeds 1" in text for text in found["warnings"])
 

@@ -36,16 +36,18 @@ def test_a_formula_gives_the_published_index():
     n, k = silica.index(0.58929e-6)
     assert n == pytest.approx(1.4584, abs=1e-4)
     assert k == 0.0
-    assert silica.caveats == (
+    assert silica.diagnostics == (
         "main/SiO2/Malitson has n only: k is taken as zero, so the layer absorbs nothing",
     )
 
 
 def test_what_is_unusual_is_said():
-    assert material("main/Si/Franta-100K").caveats == ("main/Si/Franta-100K has n and k at 100 K",)
-    assert "ordinary ray" in material("main/C/Djurisic-o").caveats[0]
+    assert material("main/Si/Franta-100K").diagnostics == (
+        "main/Si/Franta-100K has n and k at 100 K",
+    )
+    assert "ordinary ray" in material("main/C/Djurisic-o").diagnostics[0]
     noisy = material("main/GaP/Jellison")
-    assert "k down to -0.003: negative k is taken as zero" in noisy.caveats[0]
+    assert "k down to -0.003: negative k is taken as zero" in noisy.diagnostics[0]
     assert noisy.index(np.linspace(0.5e-6, 0.8e-6, 300))[1].min() == 0.0
 
 

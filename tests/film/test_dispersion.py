@@ -92,7 +92,7 @@ def test_cauchy_of_units_in_texts():
     n, k = glass.index(0.5e-6)
     assert n == pytest.approx(1.5 + 0.016 + 0.0016, rel=1e-12)
     assert k == 0.0
-    assert any("k = 0" in text for text in glass.caveats)
+    assert any("k = 0" in text for text in glass.diagnostics)
 
 
 def test_formula_keeps_to_its_range_and_says_what_it_does_beyond():
@@ -103,7 +103,7 @@ def test_formula_keeps_to_its_range_and_says_what_it_does_beyond():
     assert held.extrapolated(1e-6, 3e-6) == ("x: hold beyond 1 µm to 2 µm",)
     assert fitted.with_extrapolation("lossless").index(3e-6)[1] == 0.0
     unlimited = Formula("x", (Lorentz(1.0, "2 eV", "1 eV"),))
-    assert "states no range" in unlimited.caveats[0]
+    assert "states no range" in unlimited.diagnostics[0]
 
 
 @pytest.mark.parametrize(

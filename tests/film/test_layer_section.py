@@ -32,7 +32,7 @@ def test_a_porous_layer(layer):
     section = layer('material = "Ge", porosity = "30 %", grain = "3 nm", thickness = "20 nm"')
     same = Mixture((material("Ge"), material("vacuum")), 0.3)
     np.testing.assert_array_equal(medium(section).index(6e-7), same.index(6e-7))
-    assert medium(section).caveats == ()
+    assert medium(section).diagnostics == ()
     assert section.limit() == 1211.0
     assert "of porous Ge is known" in section.lacking()
 

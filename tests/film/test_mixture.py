@@ -26,7 +26,7 @@ from lightflyer.film import (
     tabulated_material,
     vacuum,
 )
-from lightflyer.film.optics.findings import film_warnings
+from lightflyer.film.optics.diagnostics import film_warnings
 from lightflyer.film.optics.graded_sheets import sheet_error, sheet_warnings
 
 WAVELENGTH = np.array([0.5e-6, 1e-6])
@@ -132,7 +132,7 @@ def test_constants_between_temperatures():
     pages = [material(f"main/Si/Franta-{kelvin}K") for kelvin in (400, 300)]
     film = Film((Layer(at_temperature(pages, 400.0), 1e-7),))
     np.testing.assert_array_equal(film.index(WAVELENGTH)[0][0], pages[0].index(WAVELENGTH)[0])
-    assert at_temperature(pages, 350.0).caveats == (
+    assert at_temperature(pages, 350.0).diagnostics == (
         "main/Si/Franta-300K / main/Si/Franta-400K has n and k at 350 K, linear between tables at "
         "300, 400 K",
     )
@@ -193,4 +193,4 @@ def test_the_nanotube_mat_absorbs_and_emits_as_measured():
     infrared = 1.0 - window.reflectance.mean() - window.transmittance.mean()
     assert visible == pytest.approx(0.75, abs=0.02)
     assert infrared == pytest.approx(0.48, abs=0.03)
-    assert any("is a model" in text for text in material("CNT-mat").caveats)
+    assert any("is a model" in text for text in material("CNT-mat").diagnostics)

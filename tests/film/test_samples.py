@@ -23,7 +23,7 @@ from lightflyer.film import (
     stack_optics,
     tabulated_material,
 )
-from lightflyer.film.optics.findings import property_warnings, thick_warnings
+from lightflyer.film.optics.diagnostics import property_warnings, thick_warnings
 
 WAVELENGTH = 7e-7
 NOTHING = np.zeros(0)

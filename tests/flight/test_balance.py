@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 import lightflyer as lf
 from lightflyer.flight.balance import require_converged
-from lightflyer.numerics.rootfind import Ending
+from lightflyer.numerics.rootfind import SolverStatus
 
 
 def state(pressure, temperature=220.0, **radiation):
@@ -114,7 +114,7 @@ def test_non_convergence_raises_unless_asked_not_to(disk):
         lf.equilibrium(disk, state(1.0), Broken())
     result = lf.equilibrium(disk, state(1.0), Broken(), throw=False)
     assert not result.converged
-    assert result.ending == Ending.TOLERANCE_MISSED
+    assert result.status == SolverStatus.TOLERANCE_MISSED
 
 
 def test_nan_input_is_flagged_not_returned_in_silence(disk):
@@ -123,7 +123,7 @@ def test_nan_input_is_flagged_not_returned_in_silence(disk):
         lf.equilibrium(disk, poisoned, lf.Lu2023())
     result = lf.equilibrium(disk, poisoned, lf.Lu2023(), throw=False)
     np.testing.assert_array_equal(result.converged, [True, False])
-    np.testing.assert_array_equal(result.ending, [Ending.CONVERGED, Ending.NOT_FINITE])
+    np.testing.assert_array_equal(result.status, [SolverStatus.CONVERGED, SolverStatus.NOT_FINITE])
 
 
 def test_under_jit_the_flag_is_the_only_word(disk):
@@ -132,7 +132,7 @@ def test_under_jit_the_flag_is_the_only_word(disk):
 
 
 def test_only_concrete_failures_raise_and_say_why():
-    endings = np.array([Ending.CONVERGED, Ending.STEP_LIMIT])
+    status = np.array([SolverStatus.CONVERGED, SolverStatus.STEP_LIMIT])
     with pytest.raises(lf.ConvergenceError, match=r"search: 1 of 2 not converged \(.*limit"):
-        require_converged("search", endings, np.array([0.0, 0.5]))
-    assert require_converged("search", endings[:1], np.array([0.0])) is None
+        require_converged("search", status, np.array([0.0, 0.5]))
+    assert require_converged("search", status[:1], np.array([0.0])) is None

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.design.cautions import cautions_at
+from lightflyer.design.diagnostics import diagnose_in_light
 from lightflyer.design.setup import Setup
 from lightflyer.film import am0, blackbody_fraction
 from lightflyer.film.optics.diffraction import (
@@ -59,7 +59,7 @@ def narrow_bodies():
 @pytest.mark.parametrize("name", ["plate", "sphere"])
 def test_channels_of_a_wall_that_are_narrow(name):
     flyer = narrow_bodies()[name]
-    (text,) = flyer.caveats(lf.Earth().state(np.array([60e3, 75e3])), 300.0)
+    (text,) = flyer.diagnostics(lf.Earth().state(np.array([60e3, 75e3])), 300.0)
     assert text.startswith("channels of 10 µm are narrow for heat radiation")
 
 
@@ -68,7 +68,7 @@ def test_channels_of_a_wall_that_are_narrow(name):
 def test_a_sandwich_says_where_its_holes_are_narrow(radius, said):
     film = lf.FilmProperties(3e-4, 0.3, 0.1, 0.1, 0.8, 0.8, transmittance=0.5)
     sandwich = lf.Sandwich(film, film, 0.01, 1e-4, 0.5, radius, 1e-4, 1.8)
-    found = cautions_at(Setup(sandwich, lf.Earth(), lf.Schafer2025()), np.array([60e3, 75e3]))
+    found = diagnose_in_light(Setup(sandwich, lf.Earth(), lf.Schafer2025()), np.array([60e3, 75e3]))
     narrow = [text for text in found if text.startswith("holes of")]
     assert len(narrow) == len(said)
     for text, kind in zip(narrow, said, strict=True):

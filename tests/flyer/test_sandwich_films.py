@@ -76,13 +76,13 @@ def test_all_films_are_warned_of_left_open_and_prepared(design):
     assert any("infrared_transmittance is computed from data" in text for text in design.warnings)
     names = {f"flyer.bottom.{what}_without_data" for what in (
         "absorptance", "transmittance", "emittance", "infrared_transmittance")}  # fmt: skip
-    assert set(design.open_parts()) == names
+    assert set(design.data_bounds()) == names
     costly = ["flyer.bottom.layers.1.thickness", "environment.incidence"]
-    assert design.costly(["flyer.gap", "flyer.top.emittance", *costly]) == costly
+    assert design.needs_recompute(["flyer.gap", "flyer.top.emittance", *costly]) == costly
     assert design.why_not_varied("flyer.top.tac_correlation").startswith("is about uncertainties")
     assert "flyer.top.tac_correlation" not in design.quantities
     assert design.number("flyer.bottom.tac_top") == pytest.approx(0.79)  # alumina's
-    thinner = design.prepare({"flyer.bottom.layers.1.thickness": 5e-9})
+    thinner = design.precompute({"flyer.bottom.layers.1.thickness": 5e-9})
     moved = design.build({"flyer.bottom.layers.1.thickness": 5e-9}, thinner).flyer.bottom
     assert moved.transmittance > design.setup.flyer.bottom.transmittance
     own = design.build({"flyer.bottom.tac_bottom": 0.6, "flyer.top.absorptance": 0.03}).flyer
@@ -108,9 +108,9 @@ def test_a_disk_has_no_concern_with_what_passes():
     film = {"layers": [{"material": "Ge", "thickness": "20 nm"}], "absorptance": 0.5}
     file = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film)
     design = file.design()
-    assert set(design.open_parts()) == {"film.emittance_without_data"}
+    assert set(design.data_bounds()) == {"film.emittance_without_data"}
     assert not any("transmittance" in text for text in design.warnings)
-    assert design.costly(["environment.incidence"]) == []
+    assert design.needs_recompute(["environment.incidence"]) == []
     assert design.setup.flyer.film.transmittance == 0.0
 
 

@@ -200,14 +200,14 @@ def test_own_results():
 
 def test_what_is_outside_the_models_range():
     air = state_at(5500.0, 220.0)
-    assert MODEL.caveats(balloon_of(), air, 300.0) == ()
-    (large,) = MODEL.caveats(balloon_of(radius=30.0), air, 300.0)
+    assert MODEL.diagnostics(balloon_of(), air, 300.0) == ()
+    (large,) = MODEL.diagnostics(balloon_of(radius=30.0), air, 300.0)
     assert re.match(r"the Rayleigh number outside is \S+ at 5.5e\+03 Pa, above 1e\+12", large)
     slack = balloon_of(gas_mass=0.3, molar_mass=4.0026e-3)
-    (told,) = MODEL.caveats(slack, state_at(np.array([3e3, 5e4]), 220.0), np.full(2, 250.0))
+    (told,) = MODEL.diagnostics(slack, state_at(np.array([3e3, 5e4]), 220.0), np.full(2, 250.0))
     assert re.match(r"the gas fills 0.03\d* of the envelope at 5e\+04 Pa: light and heat", told)
     weak = balloon_of(gas_mass=2.0, molar_mass=4.0026e-3, film_strength=50.0)
-    (told,) = MODEL.caveats(weak, air, 300.0)
+    (told,) = MODEL.diagnostics(weak, air, 300.0)
     assert re.match(r"the film must bear \S+ N/m at 5.5e\+03 Pa, and its film_strength is 50", told)
 
 

@@ -395,16 +395,16 @@ def test_derivatives_jit_and_vmap():
 
 def test_what_is_outside_the_models_range():
     state = state_at(30.0, irradiance=5000.0)
-    assert MODEL.caveats(make(), state, 400.0) == ()
+    assert MODEL.diagnostics(make(), state, 400.0) == ()
     short, slots = sorted(
-        MODEL.caveats(make(height=20e-6, channel_length=100e-6), state, 400.0), reverse=True
+        MODEL.diagnostics(make(height=20e-6, channel_length=100e-6), state, 400.0), reverse=True
     )
     assert short.startswith("height over channel_width is 0.4 at 30 Pa, below 0.5: channel-pump")
     assert slots.startswith("channel_length over channel_width is 2 at 30 Pa, below 10: channel")
     wide = make(radius=0.3, height=500e-6)
-    (fast,) = MODEL.caveats(wide, state_at(np.array([1.0, 300.0]), irradiance=5000.0), 400.0)
+    (fast,) = MODEL.diagnostics(wide, state_at(np.array([1.0, 300.0]), irradiance=5000.0), 400.0)
     assert re.match(r"the Reynolds number of the flow \(radius\) is \S+ at 300 Pa, above 1", fast)
     huge = make(radius=50.0, height=2e-3, channel_width=400e-6, channel_length=4e-3)
-    (*_, extrapolated) = MODEL.caveats(huge, state_at(3e3, irradiance=5000.0), 400.0)
+    (*_, extrapolated) = MODEL.diagnostics(huge, state_at(3e3, irradiance=5000.0), 400.0)
     assert "the flow through the disk is" in extrapolated
     assert extrapolated.endswith("above 1e+03: the force of the flow is extrapolated")

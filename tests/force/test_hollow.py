@@ -516,12 +516,12 @@ def test_derivatives_jit_and_vmap(function):
 
 def test_what_is_outside_the_models_range():
     thin, dense = state_at(0.5), state_at(np.array([30.0, 100.0]))
-    assert MODEL.caveats(make(), dense, 300.0) == ()
-    (outlet,) = MODEL.caveats(make(), thin, 300.0)
+    assert MODEL.diagnostics(make(), dense, 300.0) == ()
+    (outlet,) = MODEL.diagnostics(make(), thin, 300.0)
     assert re.match(r"the mean free path over outlet_radius is \S+ at 0.5 Pa, above 0.1", outlet)
-    (long,) = MODEL.caveats(make(wall_thickness=8e-4), dense, 300.0)
+    (long,) = MODEL.diagnostics(make(wall_thickness=8e-4), dense, 300.0)
     assert "light and heat radiation" in long
-    (short,) = lf.Celenza2023().caveats(make(), dense, 300.0)
+    (short,) = lf.Celenza2023().diagnostics(make(), dense, 300.0)
     assert "below 1: celenza2023 takes channels that are longer than wide" in short
 
 

@@ -118,18 +118,20 @@ def test_a_disk_as_cold_as_the_gas_is_not_pushed():
 def test_what_is_nearer_than_the_table_is_said():
     state = state_at(0.1, floor=0.2, wall=3.0)
     (said,) = [
-        text for text in lf.Kinetic().caveats(disk(), state, 400.0) if text.startswith("the floor")
+        text
+        for text in lf.Kinetic().diagnostics(disk(), state, 400.0)
+        if text.startswith("the floor")
     ]
     assert "0.2" in said
-    assert not [t for t in lf.Kinetic().caveats(disk(), state_at(0.1), 400.0) if "floor" in t]
+    assert not [t for t in lf.Kinetic().diagnostics(disk(), state_at(0.1), 400.0) if "floor" in t]
 
 
 def test_denser_gas_and_atoms_are_said():
-    dense = lf.Kinetic().caveats(disk(), state_at(0.01, floor=2.0), 400.0)
+    dense = lf.Kinetic().diagnostics(disk(), state_at(0.01, floor=2.0), 400.0)
     assert [text for text in dense if "table of chambers" in text and "0.01" in text]
     atoms = replace(state_at(0.1, floor=2.0), gas=lf.gas.ARGON)
-    assert [t for t in lf.Kinetic().caveats(disk(), atoms, 400.0) if "diatomic" in t]
-    local = lf.Kinetic(film_balance="local").caveats(disk(), state_at(0.01), 400.0)
+    assert [t for t in lf.Kinetic().diagnostics(disk(), atoms, 400.0) if "diatomic" in t]
+    local = lf.Kinetic(film_balance="local").diagnostics(disk(), state_at(0.01), 400.0)
     assert [text for text in local if "locally" in text]
 
 

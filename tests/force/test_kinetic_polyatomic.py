@@ -48,8 +48,8 @@ def test_refused_unless_asked_for_and_then_said(disk):
     mars = lf.Mars().state(60e3)
     with pytest.raises(lf.ParameterError, match="Kinetic is not for co2"):
         lf.lift(disk, mars, lf.Kinetic())
-    assert any("taken for a diatomic gas" in text for text in SCALED.caveats(disk, mars, 200.0))
-    assert not lf.Kinetic().caveats(disk, lf.Earth().state(75e3), 260.0)
+    assert any("taken for a diatomic gas" in text for text in SCALED.diagnostics(disk, mars, 200.0))
+    assert not lf.Kinetic().diagnostics(disk, lf.Earth().state(75e3), 260.0)
     uncertain = lf.Kinetic(0.0, 1.0, polyatomic="scaled")
     (off,), (heat,) = (model.heat_loss(disk, mars, (0.5,)) for model in (uncertain, SCALED))
     assert 0.015 < off / heat - 1.0 < 0.05

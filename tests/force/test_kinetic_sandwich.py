@@ -226,8 +226,8 @@ def test_error_of_the_model():
 
 def test_what_is_outside_the_models_range():
     flyer = make()
-    assert ALIGNED.caveats(flyer, state_at(1.0), 300.0) == ()
-    told = ALIGNED.caveats(make((0.3, 0.9)), state_at(500.0), 700.0)
+    assert ALIGNED.diagnostics(flyer, state_at(1.0), 300.0) == ()
+    told = ALIGNED.diagnostics(make((0.3, 0.9)), state_at(500.0), 700.0)
     for words in (
         "rarefaction parameter",
         "T_h/T_c",
@@ -238,14 +238,15 @@ def test_what_is_outside_the_models_range():
     held = "what heat does to force or heat loss outside its table, rarefactions 0.6 to 7"
     warm, hot = 1.02 * COLD, 1.6 * COLD
     for delta, temperature, is_told in ((3.0, hot, 0), (20.0, warm, 0), (20.0, hot, 1)):
-        found = ALIGNED.caveats(flyer, state_at(pressure_of(delta)), temperature)
+        found = ALIGNED.diagnostics(flyer, state_at(pressure_of(delta)), temperature)
         assert sum(text.startswith(held) for text in found) == is_told
     chamber = state_at(pressure_of(30.0), wall_distance=0.05)
     assert any(
-        "the table of walls ends there" in text for text in ALIGNED.caveats(flyer, chamber, warm)
+        "the table of walls ends there" in text
+        for text in ALIGNED.diagnostics(flyer, chamber, warm)
     )
     disk = lf.Disk(lf.FilmProperties(1e-3, 0.7, 0.1, 0.1, 0.8, 0.9), 0.01)
-    assert WIDE.caveats(disk, state_at(1.0), 300.0) == (
+    assert WIDE.diagnostics(disk, state_at(1.0), 300.0) == (
         "transmission = wide has no effect: a disk has no holes",
     )
 

@@ -227,7 +227,7 @@ def test_what_is_assumed_and_where_it_ends_is_said(disk):
     state = state_at(0.2)
 
     def said(**more):
-        return lf.Kinetic(**more).caveats(disk, state, COLD)
+        return lf.Kinetic(**more).diagnostics(disk, state, COLD)
 
     assert said() == said(wall=CL, tangential_accommodation=0.8) == ()
     (text,) = said(wall=CL, tangential_accommodation=0.4)
@@ -282,6 +282,8 @@ def test_a_sandwich_has_maxwell_walls_and_says_so():
     )
     state = state_at(0.2)
     plain, asked = lf.Kinetic(), lf.Kinetic(wall="accommodated")
-    more = set(asked.caveats(sandwich, state, 250.0)) - set(plain.caveats(sandwich, state, 250.0))
+    more = set(asked.diagnostics(sandwich, state, 250.0)) - set(
+        plain.diagnostics(sandwich, state, 250.0)
+    )
     assert [text for text in more if text.startswith("wall = accommodated has no effect")]
     assert plain.assumptions(sandwich)[0].startswith("walls: Maxwell's for a sandwich")

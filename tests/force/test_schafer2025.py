@@ -467,18 +467,18 @@ def test_bands_over_earth():
 
 def test_what_is_outside_the_models_range():
     flyer = make(gap=5e-5, hole_radius=3e-5)
-    assert MODEL.caveats(flyer, state_at(3.0), 300.0) == ()
-    (dense, holes, gap) = MODEL.caveats(flyer, state_at(np.array([3.0, 200.0, 500.0])), 300.0)
+    assert MODEL.diagnostics(flyer, state_at(3.0), 300.0) == ()
+    (dense, holes, gap) = MODEL.diagnostics(flyer, state_at(np.array([3.0, 200.0, 500.0])), 300.0)
     assert re.match(r"the rarefaction parameter is \S+ at 500 Pa, above 200: the sim", dense)
     assert re.match(r"hole_radius over the mean free path is \S+ at 500 Pa, above 1", holes)
     assert re.match(r"gap over the mean free path is \S+ at 500 Pa, above 1", gap)
-    assert len(MODEL.caveats(flyer, state_at(110.0), 300.0)) == 2  # but for the holes
+    assert len(MODEL.diagnostics(flyer, state_at(110.0), 300.0)) == 2  # but for the holes
     flyer = make(gap=3e-4, open_fraction=0.97)
-    open_, wide = MODEL.caveats(flyer, state_at(3.0), 300.0)
+    open_, wide = MODEL.diagnostics(flyer, state_at(3.0), 300.0)
     assert open_.startswith("open_fraction is 0.97 at 3 Pa, above 0.95")
     assert wide.startswith("gap is 10 times hole_radius: fewer molecules pass both membranes")
-    assert WIDE.caveats(flyer, state_at(3.0), 300.0) == (open_,)
-    (narrow,) = WIDE.caveats(make(gap=5e-5, hole_radius=3e-5), state_at(3.0), 300.0)
+    assert WIDE.diagnostics(flyer, state_at(3.0), 300.0) == (open_,)
+    (narrow,) = WIDE.diagnostics(make(gap=5e-5, hole_radius=3e-5), state_at(3.0), 300.0)
     assert narrow.startswith("gap is 1.67 times hole_radius: transmission = wide is for")
 
 

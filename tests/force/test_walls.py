@@ -7,7 +7,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.core.precision import float64
-from lightflyer.design.cautions import cautions_in
+from lightflyer.design.diagnostics import diagnose
 from lightflyer.design.setup import Setup
 from lightflyer.force.free_molecular import FreeMolecular, LinearFreeMolecular
 
@@ -38,7 +38,7 @@ def test_it_is_said(model):
     state = lf.Chamber(radius=0.04).state(3.0)
     said = [
         text
-        for text in cautions_in(Setup(DISK, lf.Chamber(), model), state, 320.0)
+        for text in diagnose(Setup(DISK, lf.Chamber(), model), state, 320.0)
         if text.startswith("the walls around the flyer have no effect")
     ]
     assert bool(said) != type(model).feels_walls

@@ -88,8 +88,8 @@ def test_followed_formulas_and_their_gentle_continuation():
 
 
 def test_temperatures_beyond_the_correlations_are_said():
-    assert CO2.caveats(np.array([130.0, 300.0]), 1.0) == ()
-    (cold,), (hot,) = CO2.caveats(90.0, 1.0), FROZEN.caveats(1200.0, 1.0)
+    assert CO2.diagnostics(np.array([130.0, 300.0]), 1.0) == ()
+    (cold,), (hot,) = CO2.diagnostics(90.0, 1.0), FROZEN.diagnostics(1200.0, 1.0)
     assert "temperature of carbon dioxide is 90" in cold
     assert "above 1.1e+03" in hot
 

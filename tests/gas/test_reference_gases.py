@@ -90,8 +90,8 @@ def test_published_formulas_are_followed_and_continued_as_for_hard_spheres(gas):
     half = gas.conductivity(beyond) / gas.conductivity(np.array(ends))
     np.testing.assert_allclose(half, [0.5, 2.0], rtol=1e-12)
     np.testing.assert_allclose(gas.viscosity_exponent(beyond), 0.5, rtol=1e-9)
-    assert gas.caveats(np.array(ends), 1.0) == ()
-    (cold,), (hot,) = (gas.caveats(end, 1.0) for end in beyond)
+    assert gas.diagnostics(np.array(ends), 1.0) == ()
+    (cold,), (hot,) = (gas.diagnostics(end, 1.0) for end in beyond)
     assert f"the temperature of {gas.name} is" in cold
     assert "hard spheres" in hot
 
@@ -196,7 +196,7 @@ def test_coefficients_fitted_in_air_are_said_to_be():
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     disk = lf.Disk(film, radius=0.01)
     for gas, count in ((lf.gas.US1976_AIR, 0), (NITROGEN, 1), (ARGON, 1)):
-        found = lf.Lu2023().caveats(disk, lf.Chamber(gas=gas).state(3.0), 350.0)
+        found = lf.Lu2023().diagnostics(disk, lf.Chamber(gas=gas).state(3.0), 350.0)
         assert sum("fitted in air, and the gas is" in text for text in found) == count
 
 

@@ -15,7 +15,7 @@ from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
 from lightflyer.lab.readers.formats import Source, read_source
 from lightflyer.lab.readers.spectra import jcamp_dx, omnic, opus, spc
 from lightflyer.lab.readers.spectra.formats import format_of, read_raw
-from lightflyer.lab.readers.spectra.interpretation import Wanted, measured
+from lightflyer.lab.readers.spectra.interpretation import ReadOptions, measured
 from lightflyer.lab.readers.spectrum_data import read_spectrum
 
 SAMPLES = Path(__file__).parent / "spectra"
@@ -25,7 +25,7 @@ DAMAGES = 200
 def read(name, content, **wanted):
     """Read a file that is not written."""
     source = Source(Path(name), content if isinstance(content, bytes) else content.encode())
-    wants = Wanted(**wanted)
+    wants = ReadOptions(**wanted)
     kind = format_of(source)
     assert kind is not None
     return measured(source, read_raw(source, kind, wants), wants)
@@ -70,17 +70,17 @@ def test_samples_have_the_values_of_other_readers(name):
 
 
 def test_samples_tell_their_facts():
-    facts = {name: read_spectrum(SAMPLES / name).facts for name in SHOWN}
-    assert facts["jasco-ftir.jws"].instrument == "FT/IR-4600typeA"
-    assert facts["jasco-ftir.jws"].resolution == "4 cm-1"
-    text = facts["jasco-v730.txt"]
+    metadata = {name: read_spectrum(SAMPLES / name).metadata for name in SHOWN}
+    assert metadata["jasco-ftir.jws"].instrument == "FT/IR-4600typeA"
+    assert metadata["jasco-ftir.jws"].resolution == "4 cm-1"
+    text = metadata["jasco-v730.txt"]
     assert (text.format, text.ordinate, text.resolution, text.accessory) == (
         "JASCO text", "ABSORBANCE", "1.0 nm", "USE-753"
     )  # fmt: skip
-    assert facts["perkin-elmer-t.sp"].sample.startswith("BEV68 NG11")
-    assert facts["perkin-elmer-r.sp"].instrument == "Lambda 1050+"
+    assert metadata["perkin-elmer-t.sp"].sample.startswith("BEV68 NG11")
+    assert metadata["perkin-elmer-r.sp"].instrument == "Lambda 1050+"
     assert read_spectrum(SAMPLES / "perkin-elmer-r.sp").collection == "total"  # 150 mm sphere
-    assert read_spectrum(SAMPLES / "opus.0").facts.resolution == "4 cm-1"
+    assert read_spectrum(SAMPLES / "opus.0").metadata.resolution == "4 cm-1"
 
 
 def test_points_that_jasco_marks_as_empty_are_left_out():
@@ -183,8 +183,12 @@ def test_grams_of_other_axes():
     same(read("s.spc", old_spc_file()))
     same(read("s.spc", spc_file(x=1, own_x=True)))
     same(read("s.spc", spc_file(x=0, labels=b"Wavenumber (cm-1)\0% T\0"), scale="1"))
-    facts = read("s.spc", spc_file(x=1)).facts
-    assert (facts.instrument, facts.resolution, facts.sample) == ("FTS", "4 cm-1", "a film")
+    metadata = read("s.spc", spc_file(x=1)).metadata
+    assert (metadata.instrument, metadata.resolution, metadata.sample) == (
+        "FTS",
+        "4 cm-1",
+        "a film",
+    )
     assert 'abscissa "Raman shift" is not known' in fault("s.spc", spc_file(x=13))
     assert "shows Kubelka-Munk units" in fault("s.spc", spc_file(x=1, y=3))
     assert "shows an interferogram" in fault("s.spc", spc_file(x=1, y=1))
@@ -237,7 +241,7 @@ def asc_file(ordinate="%T", values=100 * SHARES, count=None, technique="IR"):
 def test_perkin_elmer_text():
     found = read("s.asc", asc_file())
     same(found)
-    assert (found.facts.sample, found.facts.instrument) == ("a film", "Spectrum Two")
+    assert (found.metadata.sample, found.metadata.instrument) == ("a film", "Spectrum Two")
     assert read("s.asc", asc_file("%R")).quantity == "reflectance"
     same(read("s.asc", asc_file("A", -np.log10(SHARES))))
     assert ":54: has 25 points; its header says 26" in fault("s.asc", asc_file(count=26))
@@ -269,8 +273,8 @@ def jasco_file(unit="TRANSMITTANCE", axis="%T", values=100 * SHARES, mark=",", *
 def test_jasco_text():
     found = read("s.csv", jasco_file())
     same(found)
-    assert found.facts.instrument == "FT/IR-4600typeA"
-    assert (found.facts.resolution, found.facts.ordinate) == ("4 cm-1", "%T")
+    assert found.metadata.instrument == "FT/IR-4600typeA"
+    assert (found.metadata.resolution, found.metadata.ordinate) == ("4 cm-1", "%T")
     assert found.notes == ()
     mirror = read("s.txt", jasco_file("REFLECTANCE", "%R", mark="\t"))
     same(mirror)
@@ -558,7 +562,7 @@ CONTENTS = dict(contents())
 def test_damage_gives_one_line_or_a_spectrum(name):
     content = CONTENTS[name]
     rng = np.random.default_rng(len(content))
-    wants = Wanted(quantity="transmittance")
+    wants = ReadOptions(quantity="transmittance")
     said: list[str] = []
     for number in range(DAMAGES):
         source = Source(Path(name), damaged(content, number, rng))

@@ -14,8 +14,8 @@ from lightflyer.lab.estimate import student_factor
 from lightflyer.lab.tac import fit as tac
 from lightflyer.lab.tac import problem as tac_problem
 from lightflyer.lab.tac.accuracy import EXACT, TacAccuracy
-from lightflyer.lab.tac.checks import rows_off_the_curve
 from lightflyer.lab.tac.data import TacRun
+from lightflyer.lab.tac.diagnostics import rows_off_the_curve
 from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC_LAW, KineticLaw
 from lightflyer.lab.tac.record import mean_tac, summary
 

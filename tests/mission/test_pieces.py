@@ -13,7 +13,7 @@ from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
 from lightflyer.mission.report.coastline import coastline
-from lightflyer.mission.report.facts import day_and_night
+from lightflyer.mission.report.summary import day_and_night
 
 
 def test_positions_come_back_and_directions_are_at_right_angles(rng):

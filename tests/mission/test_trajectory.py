@@ -13,10 +13,10 @@ from lightflyer.environment import Place
 from lightflyer.mission.mission import trajectory
 from lightflyer.mission.path.attitude import FollowSun, Level
 from lightflyer.mission.path.dynamics import Inertia, track_with_inertia
-from lightflyer.mission.path.ending import MissionEnd
 from lightflyer.mission.path.integration import Accuracy, Limits, Start, scaled, steady_rate, track
 from lightflyer.mission.path.motion import Craft
 from lightflyer.mission.path.position import unit_vector
+from lightflyer.mission.path.termination import TerminationReason
 
 HALF_DAY = 43_200.0
 SIZES = {1e-3: 65.3, 2e-3: 63.3, 5e-3: 57.0, 1e-2: 46.7, 2e-2: 31.4, 3e-2: 24.9}
@@ -78,7 +78,7 @@ def flown(sky, closed_form_disk):
 @pytest.mark.parametrize("size", SIZES)
 def test_a_night_takes_a_disk_from_75_km_to_where_others_computed(flown, size):
     found = flown["night", size]
-    assert found.ending == MissionEnd.STILL_FLYING
+    assert found.termination == TerminationReason.STILL_FLYING
     assert found.end_altitude / 1e3 == pytest.approx(SIZES[size], abs=0.5)
 
 
@@ -216,6 +216,6 @@ def test_velocity_and_temperature_follow_at_once(afternoon):
             Accuracy.lasting(afternoon.duration),
             Inertia(),
         )
-    assert int(found.ending) == MissionEnd.STILL_FLYING
+    assert int(found.termination) == TerminationReason.STILL_FLYING
     assert abs(float(steady) - altitude) > 200.0
     assert 1e-3 < abs(float(found.end_altitude - steady)) < 1.0

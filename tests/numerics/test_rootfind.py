@@ -6,21 +6,21 @@ import pytest
 import lightflyer as lf
 from lightflyer.numerics.rootfind import (
     MAXIMUM_STEPS,
-    Ending,
-    RootStatus,
+    RootOutcome,
+    SolverStatus,
     bracketed_newton,
     bracketed_power_newton,
-    describe_endings,
+    describe_status,
     implicit_root,
 )
 
 
 def solve(residual, lower, upper, guess):
     with lf.float64():
-        root, status = bracketed_newton(
+        root, outcome = bracketed_newton(
             residual, *(jnp.asarray(end, float) for end in (lower, upper, guess))
         )
-    return np.asarray(root), status
+    return np.asarray(root), outcome
 
 
 @pytest.mark.parametrize(
@@ -35,8 +35,8 @@ def solve(residual, lower, upper, guess):
 )
 @pytest.mark.parametrize("guess", [-20.0, 0.0, 20.0])
 def test_finds_the_root_of_awkward_functions(residual, root, guess):
-    found, status = solve(residual, -20.0, 20.0, guess)
-    assert bool(status.converged)
+    found, outcome = solve(residual, -20.0, 20.0, guess)
+    assert bool(outcome.converged)
     assert abs(float(residual(jnp.asarray(found)))) < 1e-6
     # a residual of 1e-12 leaves a ninth-order root uncertain by 0.05
     assert float(found) == pytest.approx(root, rel=1e-9 if root != 1.0 else 0.06)
@@ -44,38 +44,38 @@ def test_finds_the_root_of_awkward_functions(residual, root, guess):
 
 def test_elements_are_independent():
     targets = np.array([1e-6, 1.0, 1e6])
-    found, status = solve(lambda x: jnp.exp(x) / targets - 1.0, -30.0, 30.0, np.zeros(3))
-    assert np.all(status.converged)
+    found, outcome = solve(lambda x: jnp.exp(x) / targets - 1.0, -30.0, 30.0, np.zeros(3))
+    assert np.all(outcome.converged)
     np.testing.assert_allclose(found, np.log(targets), rtol=1e-12)
 
 
 def test_what_cannot_converge_is_flagged_and_ends():
-    found, status = solve(lambda x: x * jnp.nan, -1.0, 1.0, 0.0)
-    assert not bool(status.converged)
-    assert int(status.steps) == MAXIMUM_STEPS
+    found, outcome = solve(lambda x: x * jnp.nan, -1.0, 1.0, 0.0)
+    assert not bool(outcome.converged)
+    assert int(outcome.steps) == MAXIMUM_STEPS
     assert np.all(np.abs(found) <= 1.0)
 
 
 def test_says_why_each_search_ended():
     root = np.array([0.7, np.nan, -1.0, 0.0, 0.7])
     guess = np.array([0.9, 0.9, 0.9, 0.5, np.nan])
-    found, status = solve(lambda x: x - root, 0.0, 1.0, guess)
+    found, outcome = solve(lambda x: x - root, 0.0, 1.0, guess)
     # a bracket that begins at zero can be halved for ever
     why = [
-        Ending.CONVERGED,
-        Ending.NOT_FINITE,
-        Ending.STEP_LIMIT,
-        Ending.CONVERGED,
-        Ending.CONVERGED,
+        SolverStatus.CONVERGED,
+        SolverStatus.NOT_FINITE,
+        SolverStatus.STEP_LIMIT,
+        SolverStatus.CONVERGED,
+        SolverStatus.CONVERGED,
     ]
-    np.testing.assert_array_equal(status.ending, why)
-    np.testing.assert_array_equal(status.converged, [True, False, False, True, True])
+    np.testing.assert_array_equal(outcome.status, why)
+    np.testing.assert_array_equal(outcome.converged, [True, False, False, True, True])
     np.testing.assert_allclose(found[[0, 3, 4]], root[[0, 3, 4]], atol=1e-12)
 
 
 def test_a_bracket_with_nothing_left_in_it_counts_as_converged():
-    found, status = solve(lambda x: x + 1.0, 1.0, 2.0, 1.5)
-    assert Ending(int(status.ending)) is Ending.CONVERGED
+    found, outcome = solve(lambda x: x + 1.0, 1.0, 2.0, 1.5)
+    assert SolverStatus(int(outcome.status)) is SolverStatus.CONVERGED
     assert float(found) == pytest.approx(1.0, rel=1e-15)
 
 
@@ -84,10 +84,10 @@ def test_nan_inputs_end_as_not_finite(bad):
     inputs = {"target": np.full(2, 8.0), "lower": np.full(2, 1e-3), "upper": np.full(2, 1e3)}
     inputs[bad][1] = np.nan
     with lf.float64():
-        found, status = bracketed_power_newton(
+        found, outcome = bracketed_power_newton(
             lambda x: x**3, **{name: jnp.asarray(end) for name, end in inputs.items()}, guess=1.0
         )
-    np.testing.assert_array_equal(status.ending, [Ending.CONVERGED, Ending.NOT_FINITE])
+    np.testing.assert_array_equal(outcome.status, [SolverStatus.CONVERGED, SolverStatus.NOT_FINITE])
     assert float(found[0]) == pytest.approx(2.0, rel=1e-12)
 
 
@@ -100,23 +100,23 @@ def test_steps_without_asking_end_at_the_same_bits(monkeypatch):
             high = jnp.full(target.shape, 1e9)
             return bracketed_newton(lambda x: x**3 / target - 1.0, 0.0 * high, high, 0.5 * high)
 
-    root, status = found()
+    root, outcome = found()
     monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
     same, again = found()
     np.testing.assert_array_equal(root, same)
-    assert np.all(status.converged)
+    assert np.all(outcome.converged)
     assert np.all(again.converged)
-    assert int(again.steps) == int(status.steps) > 4
+    assert int(again.steps) == int(outcome.steps) > 4
 
 
 def test_saturating_laws_take_two_steps_however_near_the_asymptote():
     targets = np.array([1e-3, 0.5, 0.999, 1.0 - 1e-6])
     with lf.float64():
-        found, status = bracketed_power_newton(
+        found, outcome = bracketed_power_newton(
             lambda x: x / (1.0 + x), targets, 1e-9 * np.ones(4), 1e9 * np.ones(4), guess=1.0
         )
     np.testing.assert_allclose(found, targets / (1.0 - targets), rtol=1e-9)
-    assert int(status.steps) <= 2
+    assert int(outcome.steps) <= 2
 
 
 def cube_root(value):
@@ -128,29 +128,34 @@ def cube_root(value):
 
 def test_the_ending_passes_through_every_transformation():
     values = np.array([8.0, np.nan, 27.0])
-    expected = [Ending.CONVERGED, Ending.NOT_FINITE, Ending.CONVERGED]
+    expected = [SolverStatus.CONVERGED, SolverStatus.NOT_FINITE, SolverStatus.CONVERGED]
     with lf.float64():
         plain = cube_root(jnp.asarray(values))[1]
         compiled = jax.jit(cube_root)(values)[1]
         mapped = jax.vmap(cube_root)(values)[1]
-        slopes, status = jax.grad(
+        slopes, outcome = jax.grad(
             lambda v: (jnp.nansum(cube_root(v)[0]), cube_root(v)[1]), has_aux=True
         )(values)
-    for found in (plain, compiled, mapped, status):
-        assert isinstance(found, RootStatus)
-        assert jnp.issubdtype(found.ending.dtype, jnp.integer)
-        np.testing.assert_array_equal(found.ending, expected)
+    for found in (plain, compiled, mapped, outcome):
+        assert isinstance(found, RootOutcome)
+        assert jnp.issubdtype(found.status.dtype, jnp.integer)
+        np.testing.assert_array_equal(found.status, expected)
     np.testing.assert_allclose(np.asarray(slopes)[[0, 2]], [1.0 / 12.0, 1.0 / 27.0], rtol=1e-12)
 
 
 def test_endings_in_words():
-    assert describe_endings(np.array(Ending.NOT_FINITE)) == "met a number that is not finite"
-    several = [Ending.STALLED, Ending.SINGULAR, Ending.STALLED, Ending.STEP_LIMIT]
-    assert describe_endings(np.array(several)) == (
+    assert describe_status(np.array(SolverStatus.NOT_FINITE)) == "met a number that is not finite"
+    several = [
+        SolverStatus.STALLED,
+        SolverStatus.SINGULAR,
+        SolverStatus.STALLED,
+        SolverStatus.STEP_LIMIT,
+    ]
+    assert describe_status(np.array(several)) == (
         "2 stalled where no step reduces the residual, 1 met a singular Jacobian, "
         "1 reached the limit of steps"
     )
-    assert len({ending.describe() for ending in Ending}) == len(Ending)
+    assert len({status.describe() for status in SolverStatus}) == len(SolverStatus)
 
 
 def test_derivatives_to_second_order_do_not_unroll_the_loop():

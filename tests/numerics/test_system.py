@@ -10,7 +10,7 @@ from scipy.optimize import brentq, root
 
 import lightflyer as lf
 from lightflyer.numerics.linear import solve_linear
-from lightflyer.numerics.rootfind import Ending
+from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.numerics.system import solve_system
 
 COUNT = 200
@@ -92,8 +92,8 @@ def compiled(nodes, guess):
 def find(nodes, guess=None):
     guess = guess_from_vacuum(nodes) if guess is None else guess
     with lf.float64():
-        excess, status = compiled(*jax.tree.map(jnp.asarray, (nodes, tuple(guess))))
-    return np.array(excess), status
+        excess, outcome = compiled(*jax.tree.map(jnp.asarray, (nodes, tuple(guess))))
+    return np.array(excess), outcome
 
 
 def of_one(nodes, one):
@@ -142,8 +142,8 @@ def chain_by_bisection(nodes):
 @pytest.mark.parametrize("bodies", [2, 3])
 def test_chains_of_bodies_agree_with_nested_bisection(bodies, conductance):
     nodes = designs(bodies, bodies - 1, conductance)
-    found, status = find(nodes)
-    assert np.all(status.ending == Ending.CONVERGED)
+    found, outcome = find(nodes)
+    assert np.all(outcome.status == SolverStatus.CONVERGED)
     expected = [chain_by_bisection(of_one(nodes, one)) for one in range(COUNT)]
     np.testing.assert_allclose(found, np.transpose(expected), rtol=2e-10)
 
@@ -152,8 +152,8 @@ def test_chains_of_bodies_agree_with_nested_bisection(bodies, conductance):
 @pytest.mark.parametrize("bodies", [2, 3])
 def test_every_design_converges_to_its_one_root_from_anywhere(bodies, first):
     nodes = designs(bodies, bodies if bodies == 3 else 1, (1e-6, 1e3), count=2000)
-    found, status = find(nodes, first(nodes))
-    assert np.all(status.converged)
+    found, outcome = find(nodes, first(nodes))
+    assert np.all(outcome.converged)
     assert np.all(found > 0.0)
     np.testing.assert_allclose(found, find(nodes)[0], rtol=1e-9)
     np.testing.assert_allclose(np.sum(losses(nodes, found), 0), np.sum(nodes.power, 0), rtol=1e-9)
@@ -181,8 +181,8 @@ def test_strong_links_make_one_body_of_all(bodies):
     nodes = nodes._replace(
         gas=np.maximum(nodes.gas, 1e-3), conduction=np.full_like(nodes.conduction, 1e9)
     )
-    found, status = find(nodes)
-    assert np.all(status.converged)
+    found, outcome = find(nodes)
+    assert np.all(outcome.converged)
     gas, radiation, _, power = (np.sum(row, axis=0) for row in nodes)
     together = [
         increasing_root(lambda x, a=a, b=b, p=p: a * x + b * growth(x) - p, 2.0 * high)
@@ -207,8 +207,8 @@ def test_without_links_each_body_is_by_itself():
 def test_microkelvin_differences_are_those_of_the_linear_network():
     nodes = designs(3, 3, (1e-2, 1e2))
     nodes = nodes._replace(power=1e-12 * nodes.power)
-    found, status = find(nodes)
-    assert np.all(status.converged)
+    found, outcome = find(nodes)
+    assert np.all(outcome.converged)
     matrix = np.zeros((COUNT, 3, 3))
     for body in range(3):
         following = (body + 1) % 3
@@ -236,8 +236,8 @@ def test_a_body_that_hardly_matters_to_the_residual_is_accurate(first):
         return tuple((a - b) for a, b in zip(losses(nodes, excess), nodes.power, strict=True))
 
     with lf.float64():
-        found, status = solve_system(of_total, first(nodes), lower=-1.0)
-    assert np.all(status.converged)
+        found, outcome = solve_system(of_total, first(nodes), lower=-1.0)
+    assert np.all(outcome.converged)
     np.testing.assert_allclose(found, find(nodes)[0], rtol=1e-6)
 
 
@@ -309,11 +309,11 @@ def test_vmap_and_shapes():
         return solve_system(residual(nodes._replace(power=power)), (1.0, 1.0), lower=-1.0)
 
     with lf.float64():
-        plain, status = of_power(jnp.asarray(powers)[:, :, None])
+        plain, outcome = of_power(jnp.asarray(powers)[:, :, None])
         mapped, statuses = jax.jit(jax.vmap(of_power, in_axes=1))(jnp.asarray(powers))
-    assert plain[0].shape == mapped[0].shape == status.ending.shape == (4, 5)
+    assert plain[0].shape == mapped[0].shape == outcome.status.shape == (4, 5)
     np.testing.assert_allclose(mapped, plain, rtol=1e-13)
-    np.testing.assert_array_equal(statuses.ending, status.ending)
+    np.testing.assert_array_equal(statuses.status, outcome.status)
 
 
 def test_elements_do_not_see_their_neighbours():
@@ -331,37 +331,39 @@ def test_elements_do_not_see_their_neighbours():
     troubled.power[0, 1] = -1e3
     guess = np.array(guess_from_vacuum(nodes))
     guess[:, 2] = 1e9
-    beside, status = find(troubled, tuple(guess))
+    beside, outcome = find(troubled, tuple(guess))
     np.testing.assert_array_equal(beside[:, 3:], together[:, 3:])
-    np.testing.assert_array_equal(status.ending[:2], [Ending.NOT_FINITE, Ending.STALLED])
-    assert np.all(status.converged[2:])
+    np.testing.assert_array_equal(
+        outcome.status[:2], [SolverStatus.NOT_FINITE, SolverStatus.STALLED]
+    )
+    assert np.all(outcome.converged[2:])
 
 
-def ending_of(equations, guess, **options):
+def status_of(equations, guess, **options):
     with lf.float64():
-        found, status = solve_system(equations, guess, **options)
-    return Ending(int(status.ending)), [float(entry) for entry in found]
+        found, outcome = solve_system(equations, guess, **options)
+    return SolverStatus(int(outcome.status)), [float(entry) for entry in found]
 
 
 def test_no_root_is_a_reason():
     """A loss that saturates below the power; unknowns that would have to leave their bounds."""
-    ending, _ = ending_of(lambda u: (jnp.arctan(u[0]) - 2.0, u[1] - u[0]), (1.0, 1.0))
-    assert ending is Ending.STALLED
-    ending, found = ending_of(lambda u: (u[0] + 3.0, u[1] - u[0]), (1.0, 1.0), lower=-1.0)
-    assert ending is Ending.STALLED
+    status, _ = status_of(lambda u: (jnp.arctan(u[0]) - 2.0, u[1] - u[0]), (1.0, 1.0))
+    assert status is SolverStatus.STALLED
+    status, found = status_of(lambda u: (u[0] + 3.0, u[1] - u[0]), (1.0, 1.0), lower=-1.0)
+    assert status is SolverStatus.STALLED
     assert min(found) >= -1.0
 
 
 def test_dependent_equations_are_a_reason():
-    ending, found = ending_of(lambda u: (u[0] + u[1], u[0] + u[1] - 1.0), (3.0, 2.0))
-    assert ending is Ending.SINGULAR
+    status, found = status_of(lambda u: (u[0] + u[1], u[0] + u[1] - 1.0), (3.0, 2.0))
+    assert status is SolverStatus.SINGULAR
     assert found == [3.0, 2.0]
 
 
 def test_the_limit_of_steps_is_a_reason():
     equations = (lambda u: (u[0] ** 9 - 1.0, u[1] - u[0]), (1e2, 1.0))
-    assert ending_of(*equations, maximum_steps=3)[0] is Ending.STEP_LIMIT
-    assert ending_of(*equations)[0] is Ending.CONVERGED
+    assert status_of(*equations, maximum_steps=3)[0] is SolverStatus.STEP_LIMIT
+    assert status_of(*equations)[0] is SolverStatus.CONVERGED
 
 
 @pytest.mark.parametrize("place", ["gas", "radiation", "conduction", "power", "guess"])
@@ -369,12 +371,12 @@ def test_what_is_not_a_number_is_flagged(place):
     nodes = designs(2, 1, (1e-3, 1e3), count=3)
     guess = np.array(guess_from_vacuum(nodes))
     (guess if place == "guess" else getattr(nodes, place))[0, 1] = np.nan
-    found, status = find(nodes, tuple(guess))
+    found, outcome = find(nodes, tuple(guess))
     if place == "guess":  # no reason to fail: another point will do
-        assert np.all(status.converged)
+        assert np.all(outcome.converged)
     else:
-        expected = [Ending.CONVERGED, Ending.NOT_FINITE, Ending.CONVERGED]
-        np.testing.assert_array_equal(status.ending, expected)
+        expected = [SolverStatus.CONVERGED, SolverStatus.NOT_FINITE, SolverStatus.CONVERGED]
+        np.testing.assert_array_equal(outcome.status, expected)
     assert np.all(np.isfinite(found[:, [0, 2]]))
 
 
@@ -388,8 +390,8 @@ def test_what_is_not_a_number_is_flagged(place):
     ],
 )
 def test_where_newton_alone_goes_astray(equations, guess, expected):
-    ending, found = ending_of(equations, guess)
-    assert ending is Ending.CONVERGED
+    status, found = status_of(equations, guess)
+    assert status is SolverStatus.CONVERGED
     assert found == pytest.approx(expected, rel=1e-11, abs=1e-11)
 
 

@@ -64,9 +64,9 @@ def test_the_fitted_coefficients_hold_where_they_were_fitted():
 def test_a_flyer_colder_than_the_gas_does_not_melt():
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
     state = lf.Earth().state(80e3)
-    (cold,) = lf.Lu2023().caveats(lf.Disk(film, 0.01), state, 0.9 * state.temperature)
+    (cold,) = lf.Lu2023().diagnostics(lf.Disk(film, 0.01), state, 0.9 * state.temperature)
     assert "below 1: c_fm and c_cont of lu2023 were fitted to films warmer than the gas" in cold
-    (hot,) = lf.Lu2023().caveats(lf.Disk(film, 0.01), state, 1.8004 * state.temperature)
+    (hot,) = lf.Lu2023().diagnostics(lf.Disk(film, 0.01), state, 1.8004 * state.temperature)
     assert hot.startswith("T_h/T_c is 1.8004 at")  # and not "1.8, above 1.8"
 
 
@@ -74,7 +74,7 @@ def test_the_kinetic_table_says_where_it_ends():
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.04, tac_bottom=0.06)
     disk, model = lf.Disk(film, 0.01), lf.Kinetic()
     state = lf.Earth().state(np.array([40e3, 80e3]))
-    texts = model.caveats(disk, state, np.array([300.0, 700.0]))
+    texts = model.diagnostics(disk, state, np.array([300.0, 700.0]))
     dense, hot_dense, hot, tac, *_ = texts
     assert dense.startswith("the Knudsen number is 0.00")
     assert "below 0.006: the kinetic table ends there" in dense
@@ -83,14 +83,14 @@ def test_the_kinetic_table_says_where_it_ends():
     assert "above 3.5" in hot
     assert tac.startswith("the mean TAC is 0.05")
     # at the gas's temperature the linear table alone is used
-    (dense,) = lf.Kinetic(wall="maxwell").caveats(
+    (dense,) = lf.Kinetic(wall="maxwell").diagnostics(
         lf.Disk(lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.2, 0.9), 0.01),
         lf.Earth().state(40e3),
         lf.Earth().state(40e3).temperature,
     )
     assert "below 0.006" in dense
     inside = lf.Disk(lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9), 0.01)
-    assert model.caveats(inside, lf.Earth().state(80e3), 400.0) == ()
+    assert model.diagnostics(inside, lf.Earth().state(80e3), 400.0) == ()
 
 
 def index_csv(path, longest_um):

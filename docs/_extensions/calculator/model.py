@@ -22,7 +22,7 @@ from lightflyer.core.precision import float64
 from lightflyer.core.quantity import quantities_of
 from lightflyer.core.units import scale_and_offset
 from lightflyer.core.validity import Validity
-from lightflyer.design.cautions import cautions_of_force
+from lightflyer.design.diagnostics import diagnose_force
 from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.outputs import OUTPUTS
 from lightflyer.film.properties import FilmProperties
@@ -164,7 +164,7 @@ def _recorded() -> Iterator[list[tuple[Validity, Any]]]:
         found.append((self, values))
         return ()
 
-    with patch.object(Validity, "caveats", keep):
+    with patch.object(Validity, "diagnostics", keep):
         yield found
 
 
@@ -184,10 +184,10 @@ def ranges_of(one: OperatingPoint) -> tuple[list[tuple[Validity, Any]], tuple[st
     flyer, state, hot = one.flyer, one.state, one.balance.temperature
     with _recorded() as found:
         notes = (
-            *one.setup.model.caveats(flyer, state, hot),
-            *flyer.caveats(state, hot),
-            *state.gas.caveats(state.temperature, state.pressure),
-            *state.gas.caveats(hot, state.pressure),
+            *one.setup.model.diagnostics(flyer, state, hot),
+            *flyer.diagnostics(state, hot),
+            *state.gas.diagnostics(state.temperature, state.pressure),
+            *state.gas.diagnostics(hot, state.pressure),
         )
     return found, notes
 
@@ -283,7 +283,7 @@ def _about(compiled: list[Compiled]) -> str:
             for one in compiled
         },
         "pushed": {
-            sign: next(cautions_of_force({"lift": np.array([lift])}))
+            sign: next(diagnose_force({"lift": np.array([lift])}))
             for sign, lift in (("down", -1.0), ("not", 0.0))
         },
         "template": _fixed(),

@@ -25,6 +25,7 @@ from lightflyer.calibration.calibration import Calibration
 from lightflyer.core.errors import ConvergenceError, MissingExtraError, ParameterError
 from lightflyer.core.precision import float64
 from lightflyer.core.progress import report
+from lightflyer.files.result_text import Parts, PrintedResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,8 +48,8 @@ _INSIDE = 1e-3  # distance of a chain's start from a bound, of the log-parameter
 _TAILS = (0.025, 0.975)  # of a 95 % interval
 
 
-@dataclass(frozen=True)
-class Posterior:
+@dataclass(frozen=True, repr=False)
+class Posterior(PrintedResult):
     """Draws from the posterior of a calibration.
 
     Attributes
@@ -115,6 +116,12 @@ class Posterior:
             raise ConvergenceError(
                 f"posterior: {self.divergences} of {count} draws diverged; fit fewer parameters"
             )
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.calibration.text import posterior_parts
+
+        return posterior_parts(self)
 
     def summary(self) -> dict[str, Any]:
         """The posterior as a JSON object, without its draws."""

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.special import chdtrc, chdtri, fdtri
 
-from lightflyer.calibration import findings
+from lightflyer.calibration.diagnostics import diagnose
 from lightflyer.calibration.inputs import instruments
 from lightflyer.calibration.least_squares import LeastSquares
 from lightflyer.calibration.points import Points
@@ -34,6 +34,7 @@ from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ConvergenceError, ParameterError
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.force.base import AbstractForceModel
 
 if TYPE_CHECKING:
@@ -50,8 +51,8 @@ _START_FACTORS = (2.0, 0.5, 5.0, 0.2, 20.0, 0.05, 100.0, 0.01)  # of starting va
 _AT_END = 1e-6  # distance of a log-parameter from the end of its range that counts as none
 
 
-@dataclass(frozen=True)
-class Calibration:
+@dataclass(frozen=True, repr=False)
+class Calibration(PrintedResult):
     """A fit of parameters to levitation points.
 
     Attributes
@@ -165,6 +166,13 @@ class Calibration:
 
         return plot_calibration(self, ax)
 
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.calibration.text import fit_parts
+
+        yield from fit_parts(self)
+        yield from warning_lines(self.warnings)
+
     def summary(self) -> dict[str, Any]:
         """The fit as a JSON object; what is infinite or unknown is null."""
         return {
@@ -205,11 +213,11 @@ def _plain(numbers: Any) -> Any:
 
 
 def calibrate(
-    points: Points,
     what: Any,
     environment: AbstractEnvironment | None = None,
     model: AbstractForceModel | None = None,
     *,
+    points: Points,
     free: Sequence[str] = DEFAULT_FREE,
     pressure_accuracy: float | None = None,
     irradiance_accuracy: float | None = None,
@@ -219,15 +227,15 @@ def calibrate(
 
     Parameters
     ----------
-    points : Points
-        From :func:`read_points`. Columns such as ``diameter`` or ``emittance`` give the properties
-        in which samples differ from the flyer of the design, and ``emittance_uncertainty`` the
-        standard uncertainty of one.
     what : AbstractDesign, Setup, FlyerFile, path of a flyer file, or AbstractFlyer
         Gives everything that is not fitted, and the starting values. The coordinate of its
         environment must be the pressure.
     environment, model : optional
         Where ``what`` is a flyer.
+    points : Points
+        From :func:`read_points`. Columns such as ``diameter`` or ``emittance`` give the properties
+        in which samples differ from the flyer of the design, and ``emittance_uncertainty`` the
+        standard uncertainty of one.
     free : sequence of str
         Parameters: names of numbers in full, such as ``"force.c_fm"``, or their last parts, such
         as ``"c_fm"`` or ``"emittance"`` (of both faces), if only one number ends so. A name alone
@@ -273,7 +281,7 @@ def calibrate(
     >>> light = light * (1.0 + 0.01 * (-1.0) ** np.arange(8))  # synthetic scatter
     >>> numbers = {"pressure": pressure, "irradiance": light}
     >>> points = Points("synthetic", ["disk"] * 8, numbers)
-    >>> fit = calibrate(points, disk, chamber, lf.Lu2023(0.5, 2.0))
+    >>> fit = calibrate(disk, chamber, lf.Lu2023(0.5, 2.0), points=points)
     >>> print(f"{fit.values[0]:.2f} {fit.values[1]:.1f}")
     0.40 3.0
     """
@@ -282,7 +290,7 @@ def calibrate(
     problem = problem_of(points, as_design(what, environment, model), free, meters)
     fit, best, spread = _solve_weighted(problem, _reachable_start(problem))
     found = _calibration(fit, best, spread, scale_errors=scale_errors)
-    return replace(found, warnings=(*points.warnings, *findings.of(found), *assumed))
+    return replace(found, warnings=(*points.warnings, *diagnose(found), *assumed))
 
 
 def _calibration(

@@ -38,7 +38,7 @@ class LevitationModel(eqx.Module):
     """Irradiance to levitate of a design at points, as a function of the fitted parameters."""
 
     design: AbstractDesign = eqx.field(static=True)
-    prepared: Any  # From :meth:`~lightflyer.design.design.AbstractDesign.prepare`
+    prepared: Any  # From :meth:`~lightflyer.design.design.AbstractDesign.precompute`
     # For each row of ``stated``, the numbers of the design that have its values, and the factor
     # from the values to the numbers
     targets: tuple[tuple[Fields, float], ...] = eqx.field(static=True)
@@ -225,7 +225,7 @@ def problem_of(
     every = list(design.quantities)
     model = LevitationModel(
         design=design,
-        prepared=design.prepare({}) if design.costly(every) else None,
+        prepared=design.precompute({}) if design.needs_recompute(every) else None,
         targets=tuple((target.fields, target.factor) for target in targets.values()),
         stated=np.stack([_row(target, points, stated) for target in targets.values()]),
         index=np.stack([index.get(fields, nowhere) for fields in targets]),
@@ -260,7 +260,7 @@ def _parameter(
     name, _, sample = text.partition("[")
     name, sample = name.strip(), sample.removesuffix("]").strip()
     target = target_of(design, name)
-    costly = design.costly(list(target.fields))
+    costly = design.needs_recompute(list(target.fields))
     if costly:
         raise ParameterError(f"{name} changes the optics of layers: too costly to fit")
     chosen = points.of(sample) if sample else np.ones(len(points), bool)

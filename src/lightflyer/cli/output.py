@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.measure import Measurement
 from rich.table import Table
 
-_UNBOUNDED = 1000  # columns of a pipe or file, in which nothing is wrapped
+from lightflyer.files.result_text import UNBOUNDED, Parts, width_of
 
 BEFORE_RESULTS: list[Callable[[], None]] = []
 """What is called before anything is printed to the standard output stream."""
@@ -32,19 +31,14 @@ class _Results(Console):
 
     def print(self, *objects: Any, **settings: Any) -> None:
         _clear()
-        wanted = max((_width_of(part) for part in objects if isinstance(part, Table)), default=0)
+        tables = (part for part in objects if isinstance(part, Table))
+        wanted = max((width_of(table).maximum for table in tables), default=0)
         if wanted > self.width:
             settings |= {"width": wanted, "crop": False}
         super().print(*objects, **settings)
         for part in objects:
             for call in AFTER_PRINT:
                 call(part)
-
-
-def _width_of(table: Table) -> int:
-    """Width of a table on an unbounded terminal."""
-    console = Console(width=_UNBOUNDED)
-    return Measurement.get(console, console.options, table).maximum
 
 
 def printer(*, stderr: bool = False, width: int | None = None) -> Console:
@@ -54,8 +48,14 @@ def printer(*, stderr: bool = False, width: int | None = None) -> Console:
     kind = Console if stderr else _Results
     console = kind(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)
     if width is None and not console.is_terminal and "COLUMNS" not in os.environ:
-        console.width = _UNBOUNDED
+        console.width = UNBOUNDED
     return console
+
+
+def show(console: Console, parts: Parts) -> None:
+    """Print the lines and tables of a result."""
+    for part in parts:
+        console.print(part, soft_wrap=isinstance(part, str))
 
 
 def say(console: Console, text: str) -> None:

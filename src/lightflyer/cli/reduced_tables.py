@@ -96,15 +96,15 @@ def _show_distributions(console: Console, tree: "xr.DataTree") -> None:
 
 
 def _warnings(study: "Study", tree: "xr.DataTree") -> list[str]:
-    """Cautions about the best design of each output; of the study itself where there is none."""
-    from lightflyer.design.cautions import cautions_of_design
+    """Diagnostics of the best design of each output; of the study itself where there is none."""
+    from lightflyer.design.diagnostics import diagnose_design
 
     found: list[str] = []
     for _, group in _groups(tree, "best"):
         if group.sizes["rank"]:
             best = group.isel(rank=0)
             there = {str(name): float(value) for name, value in best.coords.items()}
-            found += (f"best design: {text}" for text in cautions_of_design(study.design, there))
+            found += (f"best design: {text}" for text in diagnose_design(study.design, there))
     return list(dict.fromkeys(found or study.design.warnings))
 
 

@@ -4,7 +4,7 @@ Each flyer is predicted in its own surroundings, with the bands of its own ±; a
 tabulated on one grid.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,7 +22,9 @@ from lightflyer.core.units import scale_and_offset
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.outputs import OUTPUTS, outputs_of
 from lightflyer.design.setup import Setup
-from lightflyer.environment.base import Coordinate
+from lightflyer.environment.base import AbstractEnvironment, Coordinate
+from lightflyer.files.result_text import Parts, PrintedResult
+from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.evaluator import Evaluator, Table
 from lightflyer.prediction.prediction import Prediction, predict_design
 from lightflyer.uncertainty.propagation import (
@@ -137,8 +139,8 @@ class Compared:
         return described
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(PrintedResult):
     """Several flyers side by side.
 
     Attributes
@@ -196,12 +198,12 @@ class Comparison:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What a reader must know, one line each: a difference of footing, then each flyer's."""
-        footing = tuple(f"not on one footing: {found}" for found in self.differing_surroundings)
+        """What a reader must know, one line each: surroundings that differ, then each flyer's."""
+        unequal = tuple(f"not on one footing: {found}" for found in self.differing_surroundings)
         own = tuple(
             f"{found.name}: {text}" for found in self.flyers for text in found.prediction.warnings
         )
-        return footing + self._unequal_bands() + own
+        return unequal + self._unequal_bands() + own
 
     def _unequal_bands(self) -> tuple[str, ...]:
         without = [found.name for found in self.flyers if found.uncertainty is None]
@@ -233,6 +235,12 @@ class Comparison:
 
         return plot_comparison(self, output, ax)
 
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.comparison.text import comparison_parts
+
+        return comparison_parts(self)
+
     def summary(self) -> dict[str, Any]:
         """The comparison as a JSON object, with a unit at the end of each name."""
         key, factor = self.flyers[0].prediction.coordinate_key
@@ -260,8 +268,10 @@ def _as_json(differences: Sequence[Difference]) -> dict[str, dict[str, str]]:
 
 
 def compare(
-    *what: Any,
-    names: Sequence[str] | None = None,
+    what: Collection[Any],
+    environment: AbstractEnvironment | None = None,
+    model: AbstractForceModel | None = None,
+    *,
     searched: tuple[float, float] | None = None,
     samples: int = DEFAULT_SAMPLES,
     seed: int = 0,
@@ -270,10 +280,11 @@ def compare(
 
     Parameters
     ----------
-    *what : path of a flyer file, FlyerFile, Setup or AbstractDesign
-        Two to nine of them.
-    names : sequence of str, optional
-        One for each; by default the names of files without ending, and descriptions.
+    what : sequence or dict of AbstractFlyer, Setup, FlyerFile, path or AbstractDesign
+        Two to nine of them, in a dict by their names; by default these are the names of files
+        without ending, and descriptions.
+    environment, model : optional
+        Where ``what`` has flyers: those of all of them.
     searched : tuple of float, optional
         Altitudes [m] or pressures [Pa] between which all are compared, in place of what the files
         say; by default the grid reaches as far as any of them comes near to flying.
@@ -303,15 +314,13 @@ def compare(
     ...     lf.FilmProperties(mass, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     ...     for mass in (1e-3, 2e-3)
     ... )
-    >>> setups = [
-    ...     lf.Setup(lf.Disk(film, 0.01), lf.Earth(), lf.Lu2023()) for film in (light, heavy)
-    ... ]
-    >>> found = lf.compare(*setups, names=["light", "heavy"])
+    >>> disks = {"light": lf.Disk(light, 0.01), "heavy": lf.Disk(heavy, 0.01)}
+    >>> found = lf.compare(disks, lf.Earth(), lf.Lu2023())
     >>> found.best.name
     'light'
     """
     require_samples(samples, seed)
-    designs = _named(what, names)
+    designs = _designs_by_name(what, environment, model)
     where = _common_coordinate(designs)
     require_comparable(design.setup for design in designs.values())
     if searched is not None:
@@ -346,19 +355,21 @@ def _about(name: str) -> Iterator[None]:
         raise type(error)(f"{name}: {error}") from None
 
 
-def _named(what: Sequence[Any], names: Sequence[str] | None) -> dict[str, AbstractDesign]:
+def _designs_by_name(
+    what: Any, environment: AbstractEnvironment | None, model: AbstractForceModel | None
+) -> dict[str, AbstractDesign]:
     """Designs by names that differ."""
-    if not FEWEST <= len(what) <= MOST:
-        raise ParameterError(f"compare takes {FEWEST} to {MOST} flyers, and here are {len(what)}")
-    designs = [as_design(one) for one in what]
-    if names is None:
-        names = [_name(one, design) for one, design in zip(what, designs, strict=True)]
-    elif len(names) != len(what) or len(set(names)) != len(names):
-        raise ParameterError(
-            f"names = {list(names)}: give one for each of the {len(what)} flyers, all different"
-        )
+    if isinstance(what, str) or not isinstance(what, Collection):
+        what = [what]
+    parts = list(what.values() if isinstance(what, Mapping) else what)
+    if not FEWEST <= len(parts) <= MOST:
+        raise ParameterError(f"compare takes {FEWEST} to {MOST} flyers, and here are {len(parts)}")
+    designs = [as_design(one, environment, model) for one in parts]
+    if isinstance(what, Mapping):
+        return dict(zip(what, designs, strict=True))
     found: dict[str, AbstractDesign] = {}
-    for name, design in zip(names, designs, strict=True):
+    for one, design in zip(parts, designs, strict=True):
+        name = _name(one, design)
         same = sum(other.rpartition(" (")[0] == name or other == name for other in found)
         found[f"{name} ({same + 1})" if same else name] = design
     return found

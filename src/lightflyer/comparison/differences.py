@@ -1,4 +1,4 @@
-"""Footing of a comparison: in what the surroundings and the force models of flyers differ."""
+"""In what the surroundings and the force models of compared flyers differ."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields

@@ -176,8 +176,8 @@ def _kernel(
 def _prepare(study: Study) -> tuple[Any, list[int]]:
     """All different films of layers of a study, stacked, and the strides of their numbers."""
     design = study.design
-    changing = [design.costly(list(dimension.values)) for dimension in study.dimensions]
-    fixed = {name: study.fixed[name] for name in design.costly(list(study.fixed))}
+    changing = [design.needs_recompute(list(dimension.values)) for dimension in study.dimensions]
+    fixed = {name: study.fixed[name] for name in design.needs_recompute(list(study.fixed))}
     if not any(changing) and not fixed:
         return None, []
     lengths = [
@@ -197,7 +197,7 @@ def _prepare(study: Study) -> tuple[Any, list[int]]:
             for dimension, names, place in zip(study.dimensions, changing, places, strict=True)
             for name in names
         }
-        found.append(design.prepare(values))
+        found.append(design.precompute(values))
         counted.add()
     stacked = jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *found)
     strides = [

@@ -300,8 +300,8 @@ class FileDesign(AbstractDesign):
                         return face, name
         return None
 
-    def open_parts(self) -> dict[str, tuple[Any, Any]]:
-        """See :meth:`AbstractDesign.open_parts`: films where optical data are missing."""
+    def data_bounds(self) -> dict[str, tuple[Any, Any]]:
+        """See :meth:`AbstractDesign.data_bounds`: films where optical data are missing."""
         found = {}
         for name, film in self.file.films().items():
             for what, (lower, upper) in film.bounds(self._incidence, passing=self._passing).items():
@@ -316,7 +316,9 @@ class FileDesign(AbstractDesign):
 
     def warnings_for(self, values: Mapping[str, float]) -> tuple[str, ...]:
         """See :meth:`AbstractDesign.warnings_for`."""
-        costly = self.costly(list(values))  # others leave the optics, and their warnings, alone
+        costly = self.needs_recompute(
+            list(values)
+        )  # others leave the optics, and their warnings, alone
         parts = self._replaced({name: values[name] for name in costly})
         incidence = float(parts["environment"].light_incidence)
         return tuple(
@@ -333,8 +335,8 @@ class FileDesign(AbstractDesign):
     def _incidence(self) -> float:
         return float(self.file.environment.light_incidence)
 
-    def costly(self, names: list[str]) -> list[str]:
-        """See :meth:`AbstractDesign.costly`: what changes the optics of layers."""
+    def needs_recompute(self, names: list[str]) -> list[str]:
+        """See :meth:`AbstractDesign.needs_recompute`: what changes the optics of layers."""
         films = self.file.films()
         directions = [f"environment.{key}" for key in self.file.environment.incidence_keys]
         return [
@@ -349,8 +351,8 @@ class FileDesign(AbstractDesign):
             )
         ]
 
-    def prepare(self, values: Mapping[str, float]) -> Any:
-        """See :meth:`AbstractDesign.prepare`: properties of the films of layers, by their name."""
+    def precompute(self, values: Mapping[str, float]) -> Any:
+        """See :meth:`AbstractDesign.precompute`: properties of the films of layers, by name."""
         parts = self._replaced(values)
         incidence = parts["environment"].light_incidence
         return {
@@ -359,8 +361,8 @@ class FileDesign(AbstractDesign):
             if film.layered
         }
 
-    def quick_parts(self, names: Sequence[str]) -> SurrogateFilms:
-        """See :meth:`AbstractDesign.quick_parts`: films whose thicknesses change."""
+    def surrogate(self, names: Sequence[str]) -> SurrogateFilms:
+        """See :meth:`AbstractDesign.surrogate`: films whose thicknesses change."""
         return SurrogateFilms(self.file, self._replaced, names)
 
     def stacks(self, asked: Any, folder: Path | None = None) -> AbstractStacks:
@@ -372,7 +374,7 @@ class FileDesign(AbstractDesign):
     def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:
         """See :meth:`AbstractDesign.build`."""
         values = values or {}
-        if prepared is None and not self.costly(list(values)):
+        if prepared is None and not self.needs_recompute(list(values)):
             prepared = self._own_films  # measured numbers may be traced, layers stay as they are
         parts = self._replaced(values)
         for name, properties in (prepared or {}).items():
@@ -384,7 +386,7 @@ class FileDesign(AbstractDesign):
     @cached_property
     def _own_films(self) -> dict[str, Any]:
         with jax.ensure_compile_time_eval():  # it stays, so it must not belong to a trace
-            return dict(self.prepare({}))
+            return dict(self.precompute({}))
 
     def _replaced(self, values: Mapping[str, Numeric]) -> dict[str, Any]:
         parts: dict[str, Section] = self.file.parts()

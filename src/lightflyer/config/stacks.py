@@ -287,7 +287,10 @@ class AnyStack(AbstractDesign):
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
         """See :attr:`AbstractDesign.quantities`: those that leave the film alone, and shares."""
-        own, costly = f"{self._stacks.film}.", self._base.costly(list(self._base.quantities))
+        own, costly = (
+            f"{self._stacks.film}.",
+            self._base.needs_recompute(list(self._base.quantities)),
+        )
         others = {
             name: quantity
             for name, quantity in self._base.quantities.items()
@@ -313,12 +316,12 @@ class AnyStack(AbstractDesign):
         """See :meth:`AbstractDesign.description`."""
         return self._base.description()
 
-    def costly(self, names: list[str]) -> list[str]:
-        """See :meth:`AbstractDesign.costly`."""
+    def needs_recompute(self, names: list[str]) -> list[str]:
+        """See :meth:`AbstractDesign.needs_recompute`."""
         return [name for name in names if name in self._stacks.shares]
 
-    def quick_parts(self, names: Sequence[str]) -> "AnyStack":
-        """See :meth:`AbstractDesign.quick_parts`."""
+    def surrogate(self, names: Sequence[str]) -> "AnyStack":
+        """See :meth:`AbstractDesign.surrogate`."""
         del names
         return self
 

@@ -19,7 +19,7 @@ _MEASURED = 1.0  # in place of a number that the section always replaces
 class SurrogateFilms:
     """Properties of a flyer file's films of layers, for other thicknesses or another incidence."""
 
-    # Implements :class:`~lightflyer.design.design.QuickParts`.
+    # Implements :class:`~lightflyer.design.design.Surrogate`.
 
     def __init__(
         self,

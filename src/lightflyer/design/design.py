@@ -53,8 +53,8 @@ class Field(NamedTuple):
         return {"units": dataset_unit(self.quantity.unit), "long_name": words}
 
 
-class QuickParts(Protocol):
-    """What :meth:`AbstractDesign.prepare` computes, within a few thousandths and to be traced."""
+class Surrogate(Protocol):
+    """What :meth:`AbstractDesign.precompute` computes, to a few thousandths, and traceable."""
 
     tables: Any  # Whatever it needs that is the same for all values
 
@@ -62,7 +62,7 @@ class QuickParts(Protocol):
         """Whether a costly number may have other values."""
 
     def __call__(self, values: Mapping[str, Numeric], tables: Any) -> Any:
-        """The same pytree as from :meth:`AbstractDesign.prepare`, for one design."""
+        """The same pytree as from :meth:`AbstractDesign.precompute`, for one design."""
 
 
 class AbstractStacks(abc.ABC):
@@ -80,7 +80,7 @@ class AbstractStacks(abc.ABC):
 
     @abc.abstractmethod
     def tables(self, sequence: Sequence[int]) -> Any:
-        """Tables of :meth:`AbstractDesign.quick_parts` of :attr:`design` for a stack."""
+        """Tables of :meth:`AbstractDesign.surrogate` of :attr:`design` for a stack."""
 
     @abc.abstractmethod
     def limit(self, sequence: Sequence[int]) -> float:
@@ -88,7 +88,7 @@ class AbstractStacks(abc.ABC):
 
     @abc.abstractmethod
     def exact(self, sequence: Sequence[int], values: Mapping[str, float]) -> Any:
-        """:meth:`AbstractDesign.prepare` of :attr:`design` for a stack."""
+        """:meth:`AbstractDesign.precompute` of :attr:`design` for a stack."""
 
     @abc.abstractmethod
     def thicknesses(self, sequence: Sequence[int], shares: np.ndarray) -> np.ndarray:
@@ -115,7 +115,7 @@ class AbstractDesign(abc.ABC):
             By the name of the field, in its unit; they broadcast and may be traced. They are not
             checked. A coordinate among them has no effect.
         prepared : object, optional
-            From :meth:`prepare`.
+            From :meth:`precompute`.
 
         Returns
         -------
@@ -145,17 +145,17 @@ class AbstractDesign(abc.ABC):
     def description(self) -> dict[str, str]:
         """Everything that decides results, in words that can be compared and shown."""
 
-    def costly(self, names: list[str]) -> list[str]:
-        """Those of some numbers whose change takes more than arithmetic; see :meth:`prepare`."""
+    def needs_recompute(self, names: list[str]) -> list[str]:
+        """Those of some numbers whose change takes more than arithmetic; see :meth:`precompute`."""
         del names
         return []
 
-    def prepare(self, values: Mapping[str, float]) -> Any:
+    def precompute(self, values: Mapping[str, float]) -> Any:
         """Whatever :meth:`build` needs for other values of costly numbers: arrays in a pytree."""
         del values
 
-    def quick_parts(self, names: Sequence[str]) -> "QuickParts":
-        """A quick stand-in of :meth:`prepare`, for searches over costly numbers.
+    def surrogate(self, names: Sequence[str]) -> "Surrogate":
+        """A quick stand-in of :meth:`precompute`, for searches over costly numbers.
 
         Parameters
         ----------
@@ -164,7 +164,7 @@ class AbstractDesign(abc.ABC):
 
         Returns
         -------
-        QuickParts
+        Surrogate
 
         Raises
         ------
@@ -195,13 +195,13 @@ class AbstractDesign(abc.ABC):
         del asked, folder
         raise ConfigurationError("needs a flyer file whose film has layers")
 
-    def open_parts(self) -> dict[str, tuple[Any, Any]]:
+    def data_bounds(self) -> dict[str, tuple[Any, Any]]:
         """What missing data leave open between bounds.
 
         Returns
         -------
         dict of str to (object, object)
-            By a name: :meth:`prepare` at the lower and at the upper bound.
+            By a name: :meth:`precompute` at the lower and at the upper bound.
         """
         return {}
 
@@ -229,7 +229,7 @@ class AbstractDesign(abc.ABC):
     def sampling_warnings(self) -> tuple[str, ...]:
         """The same for results over samples of the numbers that have a ±."""
         left_out = (
-            f"{name} is not sampled: it has its nominal value" for name in self.open_parts()
+            f"{name} is not sampled: it has its nominal value" for name in self.data_bounds()
         )
         return (*self.warnings, *left_out)
 

@@ -23,7 +23,7 @@ from lightflyer.environment.base import Coordinate
 from lightflyer.flight.balance import require_converged
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel, ModelResult
-from lightflyer.numerics.rootfind import Ending
+from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import elementwise_entry_point, only
 
 _LARGER = {"mg": ("mg", "g", "kg"), "µN": ("µN", "mN", "N")}
@@ -133,8 +133,8 @@ def json_name(name: str, unit: str) -> str:
     >>> json_name("levitation_irradiance", "W/m^2")
     'levitation_irradiance_w_m2'
     """
-    ending = re.sub(r"[^a-z0-9]+", "_", unit.lower().replace("^", "")).strip("_")
-    return f"{name}_{ending}" if ending else name
+    status = re.sub(r"[^a-z0-9]+", "_", unit.lower().replace("^", "")).strip("_")
+    return f"{name}_{status}" if status else name
 
 
 def _factor(unit: str, shown: str) -> float:
@@ -462,8 +462,8 @@ def table_of(
     checks = ("converged", "residual") if levitates else ("balanced", "imbalance")
     table = only(tabulated, (*names, *checks))(setup, coordinates, irradiance)
     solved, residual = (table.pop(name) for name in checks)
-    ending = np.where(solved < 0.5, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
-    require_converged("prediction", ending, residual)
+    status = np.where(solved < 0.5, int(SolverStatus.TOLERANCE_MISSED), int(SolverStatus.CONVERGED))
+    require_converged("prediction", status, residual)
     return {name: table[name] for name in names}
 
 

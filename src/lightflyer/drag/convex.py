@@ -179,7 +179,7 @@ def _thin(speed_ratio: Array, outline: Outline, tac: Numeric, root_ratio: Array)
     return 2.0 / _SQRT_PI * arriving * faster + leaving
 
 
-def convex_caveats(
+def convex_diagnostics(
     speed: Numeric,
     outline: Outline,
     pressure: Numeric,
@@ -191,8 +191,8 @@ def convex_caveats(
     """Where the drag of a convex body is outside its range, in words."""
     delta = rarefaction_parameter(pressure, temperature, outline.radius, gas)
     speed_ratio = np.abs(speed) / molecular_speed(temperature, gas)
-    yield from SLOW.caveats(np.where(delta > THIN, speed_ratio, 0.0), pressure)
-    yield from SPHERE_REYNOLDS.caveats(reynolds_number(speed_ratio, delta), pressure)
+    yield from SLOW.diagnostics(np.where(delta > THIN, speed_ratio, 0.0), pressure)
+    yield from SPHERE_REYNOLDS.diagnostics(reynolds_number(speed_ratio, delta), pressure)
     if body_temperature is not None:
         excess = body_temperature / np.asarray(temperature) - 1.0
-        yield from WARMTH.caveats(_growth(excess, tac, delta, temperature, gas), pressure)
+        yield from WARMTH.diagnostics(_growth(excess, tac, delta, temperature, gas), pressure)

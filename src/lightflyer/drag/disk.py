@@ -194,7 +194,7 @@ def _joined(thin: Array, dense: Array, met: Array, radius: Numeric) -> Array:
     return math.pi * radius**2 / (1.0 / thin + math.pi * met / dense)
 
 
-def disk_caveats(
+def disk_diagnostics(
     speed: Numeric,
     radius: Numeric,
     pressure: Numeric,
@@ -207,20 +207,20 @@ def disk_caveats(
     """Where the drag of a disk is outside its range or an estimate, in words."""
     delta = rarefaction_parameter(pressure, temperature, radius, gas)
     speed_ratio = np.abs(speed) / molecular_speed(temperature, gas)
-    yield from SLOW.caveats(np.where(delta > THIN, speed_ratio, 0.0), pressure)
+    yield from SLOW.diagnostics(np.where(delta > THIN, speed_ratio, 0.0), pressure)
     if direction == "edgewise":
         yield _EDGEWISE
     else:
-        yield from DISK_REYNOLDS.caveats(reynolds_number(speed_ratio, delta), pressure)
+        yield from DISK_REYNOLDS.diagnostics(reynolds_number(speed_ratio, delta), pressure)
     mean_tac = 0.5 * (np.asarray(tac[0]) + tac[1])
-    yield from TAC_RANGE.caveats(mean_tac, pressure)
+    yield from TAC_RANGE.diagnostics(mean_tac, pressure)
     if body_temperature is not None:
         excess = body_temperature / np.asarray(temperature) - 1.0
         growth = _growth((excess, excess), mean_tac, delta, temperature, gas)
-        yield from WARMTH.caveats(growth, pressure)
+        yield from WARMTH.diagnostics(growth, pressure)
 
 
-def wide_hole_caveats(
+def wide_hole_diagnostics(
     hole_radius: Numeric,
     radius: Numeric,
     open_fraction: Numeric,
@@ -235,4 +235,4 @@ def wide_hole_caveats(
     path = mean_free_path(pressure, temperature, gas)
     wide = np.asarray(hole_radius) > path
     passing = BROADSIDE / (3.0 * math.pi**2) * np.asarray(open_fraction) * hole_radius / radius
-    yield from _HOLES.caveats(np.where(wide, passing, 0.0), pressure)
+    yield from _HOLES.diagnostics(np.where(wide, passing, 0.0), pressure)

@@ -23,7 +23,7 @@ TURNING = 32.0 / 3.0
 MEAN_SQUARE = 0.25
 """Mean square distance of a disk's parts from a diameter, over the square of its radius."""
 
-TURNING_CAVEAT = (
+TURNING_DIAGNOSTIC = (
     "damping of turning adds the resistances of thin and of dense gas: within about 10 %"
 )
 """As adding those broadside gives up to 9 % too little drag."""

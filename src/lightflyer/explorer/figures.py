@@ -62,7 +62,7 @@ def _film(workplace: Workplace, document: Document, _: Choices) -> "Figure":
 
 def _models(workplace: Workplace, document: Document, _: Choices) -> "Figure":
     designs, _left_out = jobs.designs_by_model(workplace, document)
-    return compare(*designs.values(), names=list(designs), samples=0).plot()
+    return compare(designs, samples=0).plot()
 
 
 def _mission(workplace: Workplace, document: Document, _: Choices) -> "Figure":

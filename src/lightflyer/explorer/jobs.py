@@ -28,7 +28,7 @@ from lightflyer.files.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VER
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.film.optics.spectra import planck
 from lightflyer.film.report.summary import FilmSummary
-from lightflyer.mission.report.facts import day_and_night
+from lightflyer.mission.report.summary import day_and_night
 from lightflyer.prediction.evaluator import Evaluator
 from lightflyer.prediction.prediction import Prediction
 
@@ -109,7 +109,7 @@ def force_models(workplace: Workplace, document: Document, choices: Choices) -> 
     del choices
     designs, left_out = designs_by_model(workplace, document)
     report("comparing")
-    found = compare(*designs.values(), names=list(designs), samples=0)
+    found = compare(designs, samples=0)
     return _models_data(found, left_out)
 
 

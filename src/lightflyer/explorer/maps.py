@@ -10,7 +10,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.progress import report
 from lightflyer.core.quantity import Quantity
 from lightflyer.core.units import scale_and_offset
-from lightflyer.design.cautions import cautions, cautions_of_force
+from lightflyer.design.diagnostics import diagnose_at, diagnose_force
 from lightflyer.design.outputs import OUTPUTS
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
@@ -46,7 +46,7 @@ class Choices(NamedTuple):
 def variable_numbers(design: FileDesign) -> dict[str, Quantity]:
     """Positive numbers of a design that arithmetic varies, those of lengths of the flyer first."""
     known = design.quantities
-    costly = set(design.costly(list(known)))
+    costly = set(design.needs_recompute(list(known)))
     usable = {
         name: quantity
         for name, quantity in known.items()
@@ -215,7 +215,7 @@ def _words_of_optimum(
 def _warnings_at(setup: Setup, place: float) -> list[str]:
     """What the optimum's reader must know; elsewhere on the map nobody has looked."""
     table = Evaluator(setup)(np.array([place]))
-    found = (*cautions_of_force(table), *cautions(setup, np.array([place]), table["temperature"]))
+    found = (*diagnose_force(table), *diagnose_at(setup, np.array([place]), table["temperature"]))
     return [
         *(f"at the optimum: {text}" for text in found),
         "whether models are within their range is checked at the optimum only",

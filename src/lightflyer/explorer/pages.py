@@ -214,7 +214,7 @@ def _predict(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
         "place": _place(design, prediction.best.coordinate),
         "rows": view.rows(found),
         "assumptions": list(prediction.assumptions),
-        "warnings": [*workplace.notices(document), *prediction.warnings],
+        "warnings": [*workplace.diagnostics(document), *prediction.warnings],
         "description": f"{prediction.setup.flyer.describe()}, "
         f"{type(prediction.setup.model).__name__}",
         "python": python_lines(document),

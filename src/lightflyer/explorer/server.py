@@ -30,9 +30,9 @@ import lightflyer
 from lightflyer.core.errors import ConfigurationError, LightflyerError, OutputError
 from lightflyer.core.progress import Step
 from lightflyer.explorer import jobs, pages
+from lightflyer.explorer.diagnostics import keeping_warnings
 from lightflyer.explorer.downloads import download
 from lightflyer.explorer.maps import Choices
-from lightflyer.explorer.notices import noticing
 from lightflyer.explorer.panes import panes
 from lightflyer.explorer.state import Workplace
 from lightflyer.program.entry_point import run_by
@@ -410,5 +410,5 @@ def serve(workplace: Workplace, port: int, opened: Callable[[str], Awaitable[Non
         await asyncio.Event().wait()
 
     _LOG.info("lightflyer %s", lightflyer.__version__)
-    with jobs.listening(), noticing():
+    with jobs.listening(), keeping_warnings():
         asyncio.run(run())

@@ -19,9 +19,9 @@ from lightflyer.config.reader import FLYER_FILE, design_of_text
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
 from lightflyer.core.text import read_text
+from lightflyer.explorer.diagnostics import gathering_warnings
 from lightflyer.explorer.grammar import MISSION
 from lightflyer.explorer.hints import templates
-from lightflyer.explorer.notices import gathering
 from lightflyer.files.section import Alternative
 from lightflyer.files.toml_file import parsed
 from lightflyer.mission.mission_file import MissionFile, mission_of_text
@@ -55,7 +55,7 @@ class _Described(NamedTuple):
     """A design, and the warnings that came up when it was read."""
 
     design: FileDesign
-    notices: tuple[str, ...]
+    diagnostics: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -85,9 +85,9 @@ class Workplace:
         """What a document describes, without its mission."""
         return self._described(document).design
 
-    def notices(self, document: Document) -> tuple[str, ...]:
+    def diagnostics(self, document: Document) -> tuple[str, ...]:
         """Warnings about the numbers of a document, such as a TAC above one."""
-        return self._described(document).notices
+        return self._described(document).diagnostics
 
     def _described(self, document: Document) -> "_Described":
         content = {name: entry for name, entry in document.items() if name != MISSION}
@@ -101,10 +101,10 @@ class Workplace:
     @cached_property
     def _designs(self) -> Any:
         def described(text: str) -> _Described:
-            with gathering() as notices:
+            with gathering_warnings() as diagnostics:
                 design = self._read(design_of_text, text)
                 design.setup  # noqa: B018  # built here, where its warnings are gathered
-            return _Described(design, tuple(notices))
+            return _Described(design, tuple(diagnostics))
 
         return lru_cache(KEPT)(described)
 

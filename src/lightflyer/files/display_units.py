@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.core.checks import is_concrete
 from lightflyer.core.units import dataset_unit, file_unit, scale_and_offset
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ _SCALES = {
 }
 """By the unit of a dataset: from which largest value on, which factor leads to which unit."""
 
+_SHOWN_NUMBERS = 8  # of an array; a longer one is shown by its ends
 _FACES = ("top", "bottom")
 _SHORT = {"tac": "TAC"}
 
@@ -91,6 +93,16 @@ def amount(value: float, unit: str, digits: int = 6) -> str:
     """
     factor, shown = suitable(unit, value)
     return f"{value * factor:.{digits}g} {shown}".rstrip()
+
+
+def number_text(values: Any, unit: str) -> str:
+    """A number, or an array by its ends, with its unit; what is traced as JAX has it."""
+    if not is_concrete(values):
+        return f"{values} {unit}"
+    text = np.array2string(
+        np.asarray(values), threshold=_SHOWN_NUMBERS, formatter={"float_kind": "{:.6g}".format}
+    )
+    return f"{text} {unit}".rstrip()
 
 
 def _shown(unit: str, values: np.ndarray) -> tuple[float, str]:

@@ -19,7 +19,7 @@ from lightflyer.film.optics.averages import (
     thermal_coverage,
 )
 from lightflyer.film.optics.curve import NODES, EmittanceCurve, node_temperatures
-from lightflyer.film.optics.findings import (
+from lightflyer.film.optics.diagnostics import (
     medium_warnings,
     property_warnings,
     roughness_warnings,

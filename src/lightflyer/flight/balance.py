@@ -18,7 +18,7 @@ flyer would have if all its nodes were equally warm; Newton's method for systems
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial, reduce
 from typing import Any, TypeAlias
 
@@ -28,18 +28,20 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.core.checks import is_traced
+from lightflyer.core.checks import is_concrete, is_traced
 from lightflyer.core.errors import ConvergenceError
 from lightflyer.core.quantity import require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
+from lightflyer.files.display_units import number_text
+from lightflyer.files.result_text import Parts, PrintedResult, rows_of
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import (
-    Ending,
-    RootStatus,
+    RootOutcome,
+    SolverStatus,
     bracketed_power_newton,
-    describe_endings,
+    describe_status,
     implicit_root,
 )
 from lightflyer.numerics.system import solve_system
@@ -52,7 +54,7 @@ ENERGY_TOLERANCE = 1e-10
 """Largest imbalance of a converged equilibrium, over the absorbed power."""
 
 
-class Equilibrium(eqx.Module):
+class Equilibrium(PrintedResult, eqx.Module):
     r"""A flyer's thermal equilibrium. Fields have the broadcast shape of the inputs.
 
     Attributes
@@ -70,8 +72,8 @@ class Equilibrium(eqx.Module):
         Net loss to the gas and by radiation, of all nodes [W].
     residual : array
         Largest imbalance of a node, over the absorbed power [1].
-    ending : int array
-        Why the search ended, a :class:`~lightflyer.numerics.rootfind.Ending`.
+    status : int array
+        Why the search ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`.
     """
 
     nodes: tuple[str, ...] = eqx.field(static=True)
@@ -81,7 +83,20 @@ class Equilibrium(eqx.Module):
     gas_power: Numeric
     radiated_power: Numeric
     residual: Numeric
-    ending: Numeric
+    status: Numeric
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        parts = zip(self.nodes, self.temperatures, strict=True)
+        yield rows_of(
+            {f"temperature of {node}": number_text(one, "K") for node, one in parts}
+            | {
+                "absorbed power": number_text(self.absorbed_power, "W"),
+                "heat to the gas": number_text(self.gas_power, "W"),
+                "radiated power": number_text(self.radiated_power, "W"),
+            }
+        )
+        yield from status_lines(self.status)
 
     @property
     def temperature(self) -> Numeric:
@@ -96,7 +111,7 @@ class Equilibrium(eqx.Module):
     @property
     def converged(self) -> Numeric:
         """True where the search ended at a root and every node's imbalance is within tolerance."""
-        return self.ending == Ending.CONVERGED
+        return self.status == SolverStatus.CONVERGED
 
     def temperature_of(self, node: str) -> Numeric:
         """Temperature of a node by its name [K].
@@ -166,7 +181,7 @@ def equilibrium(
     require_suitable(flyer, state, model)
     result = _equilibrium(flyer, state, model)
     if throw:
-        require_converged("heat balance", result.ending, result.residual)
+        require_converged("heat balance", result.status, result.residual)
     return result
 
 
@@ -203,7 +218,7 @@ def uniform_excess(
     state: EnvironmentState,
     losses: Callable[[tuple[Array, ...]], tuple[Array, ...]],
     power: Array,
-) -> tuple[Array, RootStatus]:
+) -> tuple[Array, RootOutcome]:
     """Excess at which the flyer loses a power if all its nodes are equally warm."""
 
     def loss(excess: Array) -> Array:
@@ -217,14 +232,14 @@ def uniform_excess(
     highest = flyer.highest_excess(state, target)
     # the secant from zero through the highest: close where gas dominates too
     secant = highest * jnp.abs(target / loss(sign * highest))
-    size, status = bracketed_power_newton(
+    size, outcome = bracketed_power_newton(
         lambda size: sign * loss(sign * size),
         target=jnp.abs(target),
         lower=highest * SMALLEST_SHARE,
         upper=highest,
         guess=secant,
     )
-    return jnp.where(dark, 0.0, sign * size), status
+    return jnp.where(dark, 0.0, sign * size), outcome
 
 
 def _stand_in(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
@@ -238,7 +253,7 @@ def balance_solver(
     model: AbstractForceModel,
     shape: tuple[int, ...],
     guess: tuple[Array, ...] | None = None,
-) -> Callable[[tuple[Array, ...]], tuple[tuple[Array, ...], RootStatus]]:
+) -> Callable[[tuple[Array, ...]], tuple[tuple[Array, ...], RootOutcome]]:
     """Make the function that finds the unknowns at which each node loses what it absorbs [W]."""
     balance = _balance(flyer, state, model, shape)
     if len(flyer.nodes) == 1 and not flyer.flows:
@@ -291,18 +306,18 @@ def _solve_one(
     balance: Balance,
     shape: tuple[int, ...],
     powers: tuple[Array, ...],
-) -> tuple[tuple[Array, ...], RootStatus]:
+) -> tuple[tuple[Array, ...], RootOutcome]:
     (power,) = powers
 
     def losses(unknowns: tuple[Array, ...]) -> tuple[Array, ...]:
         return balance(*unknowns)[0]
 
-    excess, status = implicit_root(
+    excess, outcome = implicit_root(
         lambda excess: losses((excess,))[0] - power,
         lambda: uniform_excess(flyer, state, losses, power),
         shape,
     )
-    return (excess,), status
+    return (excess,), outcome
 
 
 def _solve_several(
@@ -311,7 +326,7 @@ def _solve_several(
     balance: Balance,
     guess: tuple[Array, ...] | None,
     powers: tuple[Array, ...],
-) -> tuple[tuple[Array, ...], RootStatus]:
+) -> tuple[tuple[Array, ...], RootOutcome]:
     def of_one_temperature() -> tuple[Array, ...]:
         excess, _ = uniform_excess(
             flyer, state, lambda unknowns: balance(*unknowns)[0], total(powers)
@@ -348,7 +363,7 @@ def _equilibrium(
     powers = light_and_gains(flyer, state, state.radiation.irradiance)
     nothing = (jnp.zeros(()),) * (len(flyer.nodes) + len(flyer.flows))
     shape = jax.eval_shape(lambda: total(powers) + total(node_losses(flyer, state, model, nothing)))
-    unknowns, status = balance_solver(flyer, state, model, shape.shape)(powers)
+    unknowns, outcome = balance_solver(flyer, state, model, shape.shape)(powers)
     gas = model.heat_loss(flyer, state, unknowns)
     own = flyer.heat_losses(state, unknowns)
     imbalances = tuple(
@@ -367,7 +382,7 @@ def _equilibrium(
         gas_power=total(gas),
         radiated_power=total(own),
         residual=worst,
-        ending=ending_within(status.ending, worst, ENERGY_TOLERANCE),
+        status=status_within(outcome.status, worst, ENERGY_TOLERANCE),
     )
 
 
@@ -376,23 +391,29 @@ def _furthest(values: tuple[Array, ...]) -> Array:
     return reduce(lambda a, b: jnp.where(jnp.abs(b) > jnp.abs(a), b, a), values)
 
 
-def ending_within(ending: Array, residual: Array, tolerance: float) -> Array:
-    """An ending, corrected where the residual does not bear it out."""
-    kept = jnp.where(jnp.abs(residual) <= tolerance, ending, int(Ending.TOLERANCE_MISSED))
-    kept = jnp.where(ending == int(Ending.CONVERGED), kept, ending)
-    return jnp.where(jnp.isnan(residual), int(Ending.NOT_FINITE), kept)
+def status_within(status: Array, residual: Array, tolerance: float) -> Array:
+    """A status, corrected where the residual does not bear it out."""
+    kept = jnp.where(jnp.abs(residual) <= tolerance, status, int(SolverStatus.TOLERANCE_MISSED))
+    kept = jnp.where(status == int(SolverStatus.CONVERGED), kept, status)
+    return jnp.where(jnp.isnan(residual), int(SolverStatus.NOT_FINITE), kept)
 
 
-def require_converged(what: str, ending: Numeric, residual: Numeric) -> None:
-    """Raise unless every concrete element converged; ``ending``: why each search ended."""
-    if is_traced(ending):
+def status_lines(status: Numeric) -> Iterator[str]:
+    """A warning where concrete searches have not converged."""
+    if is_concrete(status) and np.any(np.asarray(status) != int(SolverStatus.CONVERGED)):
+        yield f"warning: not converged: {describe_status(status)}"
+
+
+def require_converged(what: str, status: Numeric, residual: Numeric) -> None:
+    """Raise unless every concrete element converged; ``status``: why each search ended."""
+    if is_traced(status):
         return
-    failed = np.asarray(ending) != int(Ending.CONVERGED)
+    failed = np.asarray(status) != int(SolverStatus.CONVERGED)
     if not np.any(failed):
         return
     residuals = np.abs(np.broadcast_to(residual, failed.shape)[failed])
     worst = np.nanmax(residuals) if np.any(np.isfinite(residuals)) else math.nan
-    why = describe_endings(np.asarray(ending)[failed])
+    why = describe_status(np.asarray(status)[failed])
     raise ConvergenceError(
         f"{what}: {failed.sum()} of {failed.size} not converged ({why}), largest relative residual "
         f"{worst:.2g}; check that inputs are finite and that the force model's heat loss "

@@ -23,8 +23,8 @@ from lightflyer.flight.loads import lift, weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import (
-    Ending,
-    RootStatus,
+    RootOutcome,
+    SolverStatus,
     bracketed_newton,
     implicit_root,
 )
@@ -49,8 +49,8 @@ class Band(eqx.Module):
         Whether it levitates anywhere in the searched range.
     lower_open, upper_open : bool array
         Whether the edge is the end of the searched range, not of the flyer's ability.
-    ending : int array
-        Why the search for the edges ended, a :class:`~lightflyer.numerics.rootfind.Ending`.
+    status : int array
+        Why the search for the edges ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`.
     """
 
     lower: Numeric
@@ -58,12 +58,12 @@ class Band(eqx.Module):
     exists: Numeric
     lower_open: Numeric
     upper_open: Numeric
-    ending: Numeric
+    status: Numeric
 
     @property
     def converged(self) -> Numeric:
         """True where both edges met their tolerance."""
-        return self.ending == Ending.CONVERGED
+        return self.status == SolverStatus.CONVERGED
 
 
 def levitation_band(
@@ -158,7 +158,7 @@ def levitation_bands(
     searched = _Searched(flyer, environment, model, coordinate.logarithmic)
     bands = _levitation_bands(searched, grid)
     if throw:
-        require_converged("levitation band", bands.ending, jnp.zeros(()))
+        require_converged("levitation band", bands.status, jnp.zeros(()))
     return bands
 
 
@@ -189,7 +189,7 @@ def _levitation_bands(searched: _Searched, grid: Array) -> Band:
     outside, inside, exists, is_open = (
         jnp.stack(part, axis=1) for part in zip(*found, strict=True)
     )
-    edges, status = _edges(searched.margin, outside, inside, exists & ~is_open)
+    edges, outcome = _edges(searched.margin, outside, inside, exists & ~is_open)
     edges = jnp.where(is_open, inside, edges)
     edges = jnp.exp(edges) if searched.logarithmic else edges
     edges = jnp.where(exists, edges, jnp.nan)
@@ -199,7 +199,7 @@ def _levitation_bands(searched: _Searched, grid: Array) -> Band:
         exists=exists[0],
         lower_open=is_open[0],
         upper_open=is_open[1],
-        ending=jnp.max(status.ending, axis=0),
+        status=jnp.max(outcome.status, axis=0),
     )
 
 
@@ -274,7 +274,7 @@ def _band(places: Array, flies: Array, number: int) -> tuple[Array, Array, Array
 
 def _edges(
     margin: Callable[[Array], Array], outside: Array, inside: Array, wanted: Array
-) -> tuple[Array, RootStatus]:
+) -> tuple[Array, RootOutcome]:
     """Places at which lift equals weight, between points outside and inside the band."""
     # The unknown is the way from outside (0) to inside (1), along which the margin rises. Elements
     # that are not wanted get a stand-in equation with its root half way.
@@ -285,11 +285,11 @@ def _edges(
 
     half = jnp.full(width.shape, 0.5)
 
-    def search() -> tuple[Array, RootStatus]:
+    def search() -> tuple[Array, RootOutcome]:
         return bracketed_newton(residual, half - 0.5, half + 0.5, half, _EDGE_TOLERANCE)
 
-    way, status = implicit_root(residual, search, width.shape)
-    return outside + way * width, status
+    way, outcome = implicit_root(residual, search, width.shape)
+    return outside + way * width, outcome
 
 
 @entry_point

@@ -10,24 +10,27 @@ from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
+from lightflyer.files.display_units import number_text
+from lightflyer.files.result_text import Parts, PrintedResult, rows_of
 from lightflyer.flight.balance import (
     SMALLEST_SHARE,
     balance_solver,
-    ending_within,
     imbalance_of,
     light_and_gains,
     node_losses,
     require_converged,
     require_suitable,
+    status_lines,
+    status_within,
     total,
 )
 from lightflyer.flight.loads import upward_force, weight
-from lightflyer.flight.minimum_irradiance import dimmest_light
+from lightflyer.flight.minimum_irradiance import find_least_light
 from lightflyer.flyer.base import HIGHEST_TEMPERATURE, AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import (
-    Ending,
-    RootStatus,
+    RootOutcome,
+    SolverStatus,
     bracketed_power_newton,
     implicit_root,
 )
@@ -42,7 +45,7 @@ LOAD_TOLERANCE = 1e-10
 """Largest difference of force and weight of a converged levitation, over the weight."""
 
 
-class Levitation(eqx.Module):
+class Levitation(PrintedResult, eqx.Module):
     """Light and temperature at which a flyer just levitates.
 
     Fields have the broadcast shape of the inputs.
@@ -58,8 +61,8 @@ class Levitation(eqx.Module):
         Whether any irradiance suffices.
     residual : array
         Force over weight, minus one [1].
-    ending : int array
-        Why the search ended, a :class:`~lightflyer.numerics.rootfind.Ending`. That no
+    status : int array
+        Why the search ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`. That no
         irradiance suffices is an answer: converged.
     """
 
@@ -67,12 +70,22 @@ class Levitation(eqx.Module):
     temperature: Numeric
     levitates: Numeric
     residual: Numeric
-    ending: Numeric
+    status: Numeric
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        yield rows_of(
+            {
+                "irradiance to levitate": number_text(self.irradiance, "W/m²"),
+                "temperature then": number_text(self.temperature, "K"),
+            }
+        )
+        yield from status_lines(self.status)
 
     @property
     def converged(self) -> Numeric:
         """True where the root-find met its tolerance, or found that there is no root."""
-        return self.ending == Ending.CONVERGED
+        return self.status == SolverStatus.CONVERGED
 
 
 def levitate(
@@ -122,7 +135,7 @@ def levitate(
     require_suitable(flyer, state, model)
     result = _levitate(flyer, state, model)
     if throw:
-        require_converged("levitation", result.ending, result.residual)
+        require_converged("levitation", result.status, result.residual)
     return result
 
 
@@ -139,7 +152,7 @@ def _levitate(
 
 def _reach(
     function: Callable[[Array], Array], top: Array, strongest: Array, load: Array
-) -> tuple[Array, Array, RootStatus]:
+) -> tuple[Array, Array, RootOutcome]:
     """Find where an increasing force reaches the load; ``top``: upper end of the argument."""
     within = strongest >= load
     # Where no argument suffices, a load within reach stands in, to be discarded by the caller: so
@@ -152,7 +165,7 @@ def _reach(
         pushed = jnp.sign(strongest) * function(argument)
         return jnp.where(strongest == 0.0, argument / top, pushed)
 
-    def search() -> tuple[Array, RootStatus]:
+    def search() -> tuple[Array, RootOutcome]:
         return bracketed_power_newton(
             reached,
             target=target,
@@ -161,10 +174,10 @@ def _reach(
             guess=top * target / reached_at_top,
         )
 
-    argument, status = implicit_root(
+    argument, outcome = implicit_root(
         lambda argument: reached(argument) - target, search, jnp.shape(target)
     )
-    return argument, within, status
+    return argument, within, outcome
 
 
 def _by_temperature(
@@ -184,14 +197,14 @@ def _by_temperature(
         return traced(jnp.broadcast_to(excess, shape.shape))
 
     strongest = force(hottest)
-    excess, levitates, status = _reach(force, hottest, strongest, load)
+    excess, levitates, outcome = _reach(force, hottest, strongest, load)
     needed = total(node_losses(flyer, state, model, (excess,))) - total(flyer.heat_gains(state))
     collecting = total(flyer.beam_areas(state))
     irradiance = needed / jnp.where(collecting > 0.0, collecting, 1.0)
     temperature = state.temperature * (1.0 + excess)
     levitates &= collecting > 0.0
     return _answer(
-        levitates, irradiance, temperature, force(excess) / load - 1.0, status.ending, strongest
+        levitates, irradiance, temperature, force(excess) / load - 1.0, outcome.status, strongest
     )
 
 
@@ -215,7 +228,7 @@ def _by_irradiance(
 
     still = jax.lax.stop_gradient((flyer, state, model, brightest, load))
     dark = still[0].first_guess(still[1], jnp.zeros(shape))
-    found = dimmest_light(partial(_force_in, *still[:3], shape), *still[3:], dark)
+    found = find_least_light(partial(_force_in, *still[:3], shape), *still[3:], dark)
     share = found.light / still[3]
     held = ~found.carries | found.in_the_dark
     imbalance = imbalance_of(flyer, state, model, shape)
@@ -238,7 +251,7 @@ def _by_irradiance(
         share * still[3],
         temperature,
         jnp.where(found.in_the_dark, 0.0, off),
-        found.ending,
+        found.status,
         found.force,
     )
 
@@ -270,18 +283,18 @@ def _answer(
     irradiance: Array,
     temperature: Array,
     residual: Array,
-    ending: Array,
+    status: Array,
     strongest: Array,
 ) -> Levitation:
     """The result, without what belongs to stand-ins."""
     levitates &= irradiance <= HIGHEST_IRRADIANCE
     residual = jnp.where(levitates, residual, 0.0)
-    ending = ending_within(ending, residual, LOAD_TOLERANCE)
-    ending = jnp.where(levitates, ending, int(Ending.CONVERGED))
+    status = status_within(status, residual, LOAD_TOLERANCE)
+    status = jnp.where(levitates, status, int(SolverStatus.CONVERGED))
     return Levitation(
         irradiance=jnp.where(levitates, jnp.maximum(irradiance, 0.0), jnp.inf),
         temperature=jnp.where(levitates, temperature, jnp.nan),
         levitates=levitates,
         residual=residual,
-        ending=jnp.where(jnp.isnan(strongest), int(Ending.NOT_FINITE), ending),
+        status=jnp.where(jnp.isnan(strongest), int(SolverStatus.NOT_FINITE), status),
     )

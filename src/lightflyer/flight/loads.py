@@ -106,7 +106,7 @@ def lift(
     require_suitable(flyer, state, model)
     force, _, balance = _lift_and_payload(flyer, state, model)
     if throw:
-        require_converged("heat balance", balance.ending, balance.residual)
+        require_converged("heat balance", balance.status, balance.residual)
     return force
 
 
@@ -147,7 +147,7 @@ def force_vector(
     require_suitable(flyer, state, model)
     *components, balance = _force_vector(flyer, state, model)
     if throw:
-        require_converged("heat balance", balance.ending, balance.residual)
+        require_converged("heat balance", balance.status, balance.residual)
     x, y, z = components
     return x, y, z
 
@@ -202,5 +202,5 @@ def payload(
     require_suitable(flyer, state, model)
     _, mass, balance = _lift_and_payload(flyer, state, model)
     if throw:
-        require_converged("heat balance", balance.ending, balance.residual)
+        require_converged("heat balance", balance.status, balance.residual)
     return mass

@@ -18,7 +18,7 @@ from jax import Array
 from lightflyer.numerics.rootfind import (
     MAXIMUM_STEPS,
     BracketSearch,
-    Ending,
+    SolverStatus,
     geometric_middle,
     power_step,
 )
@@ -40,7 +40,7 @@ Look = Callable[[Array, tuple[Array, ...]], tuple[Array, Array, tuple[Array, ...
 """Force, slope and unknowns in a light, from the unknowns in another one."""
 
 
-class Dimmest(eqx.Module):
+class LeastLight(eqx.Module):
     """A search for the dimmest light, or its result."""
 
     stage: Array  # What is looked at next
@@ -63,23 +63,23 @@ class Dimmest(eqx.Module):
         return self.carries & (self.light == 0.0)
 
     @property
-    def ending(self) -> Array:
+    def status(self) -> Array:
         """Why the search ended; that no light suffices is an answer."""
         searched = self.carries & (self.light > 0.0)
-        return jnp.where(searched, self.bracket.ending, jnp.int8(Ending.CONVERGED))
+        return jnp.where(searched, self.bracket.status, jnp.int8(SolverStatus.CONVERGED))
 
 
-def dimmest_light(
+def find_least_light(
     look: Look, brightest: Array, load: Array, unknowns: tuple[Array, ...]
-) -> Dimmest:
+) -> LeastLight:
     """Find the dimmest light in which a force carries a load; ``unknowns``: in darkness, about."""
     brightest, load = jnp.broadcast_arrays(brightest, load)
 
-    def advance(at: tuple[Dimmest, Array]) -> tuple[Dimmest, Array]:
+    def advance(at: tuple[LeastLight, Array]) -> tuple[LeastLight, Array]:
         search, steps = at
         return _advanced(search, look, brightest, load), steps + 1
 
-    def unfinished(at: tuple[Dimmest, Array]) -> Array:
+    def unfinished(at: tuple[LeastLight, Array]) -> Array:
         search, steps = at
         return jnp.any(search.stage != _DONE) & (steps < MAXIMUM_STEPS + _DONE)
 
@@ -88,9 +88,9 @@ def dimmest_light(
     return end
 
 
-def _start(brightest: Array, unknowns: tuple[Array, ...]) -> Dimmest:
+def _start(brightest: Array, unknowns: tuple[Array, ...]) -> LeastLight:
     nothing = jnp.zeros_like(brightest)
-    return Dimmest(
+    return LeastLight(
         stage=jnp.zeros(brightest.shape, np.int32),
         light=nothing,
         force=nothing,
@@ -103,7 +103,7 @@ def _start(brightest: Array, unknowns: tuple[Array, ...]) -> Dimmest:
     )
 
 
-def _advanced(at: Dimmest, look: Look, brightest: Array, load: Array) -> Dimmest:
+def _advanced(at: LeastLight, look: Look, brightest: Array, load: Array) -> LeastLight:
     """The search after a look at its light."""
     force, slope, unknowns = look(at.light, at.unknowns)
     looking, searching = at.stage <= _AT_PEAK, at.stage == _IN_BRACKET
@@ -120,7 +120,7 @@ def _advanced(at: Dimmest, look: Look, brightest: Array, load: Array) -> Dimmest
     brighter = jnp.where(at.stage == 0, _DIMMEST * brightest, _RATIO * at.light)
     strongest = jnp.where(peak > force, vertex, at.light)
     brighter = jnp.where(at.stage == _AT_BRIGHTEST, strongest, brighter)
-    return Dimmest(
+    return LeastLight(
         stage=_next_stage(at, carries, begins, bracket.active),
         light=jnp.where(begins | searching, bracket.point, jnp.where(goes_on, brighter, at.light)),
         force=jnp.where(looking, force, at.force),
@@ -133,14 +133,14 @@ def _advanced(at: Dimmest, look: Look, brightest: Array, load: Array) -> Dimmest
     )
 
 
-def _next_stage(at: Dimmest, carries: Array, begins: Array, active: Array) -> Array:
+def _next_stage(at: LeastLight, carries: Array, begins: Array, active: Array) -> Array:
     after = jnp.minimum(at.stage + 1, _DONE)
     after = jnp.where((at.stage == _IN_BRACKET) & active, _IN_BRACKET, after)
     after = jnp.where((at.stage == _AT_PEAK) | carries, _DONE, after)
     return jnp.where(begins, _IN_BRACKET, after).astype(np.int32)
 
 
-def _peak(at: Dimmest, force: Array) -> tuple[Array, Array]:
+def _peak(at: LeastLight, force: Array) -> tuple[Array, Array]:
     """The largest force between two smaller ones so far, and the light of a parabola's vertex."""
     two_before, before = at.before
     bend = two_before - 2.0 * before + force

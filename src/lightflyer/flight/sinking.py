@@ -16,7 +16,7 @@ from lightflyer.flight.balance import equilibrium, require_converged, require_su
 from lightflyer.flight.loads import upward_force, weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.numerics.rootfind import RootStatus, bracketed_power_newton, implicit_root
+from lightflyer.numerics.rootfind import RootOutcome, bracketed_power_newton, implicit_root
 from lightflyer.program.entry_point import elementwise_entry_point
 
 _SLOW = 1e-6
@@ -29,7 +29,7 @@ _NODES = 64
 """Points of Gauss's quadrature over the altitude, for the time of a descent."""
 
 
-def steady_speed(drag: Callable[[Array], Array], force: Array) -> tuple[Array, RootStatus]:
+def steady_speed(drag: Callable[[Array], Array], force: Array) -> tuple[Array, RootOutcome]:
     """Speed at which a drag balances a force.
 
     Parameters
@@ -43,7 +43,7 @@ def steady_speed(drag: Callable[[Array], Array], force: Array) -> tuple[Array, R
     -------
     speed : array, shape (...)
         Of the sign of the force [m/s]. Differentiable in all that ``drag`` and ``force`` use.
-    status : RootStatus
+    outcome : RootOutcome
     """
     size = jnp.abs(force)
     at_rest = size == 0.0
@@ -51,10 +51,10 @@ def steady_speed(drag: Callable[[Array], Array], force: Array) -> tuple[Array, R
     target = jnp.where(at_rest, slope * _SLOW, size)
     fastest = target / slope
 
-    def search() -> tuple[Array, RootStatus]:
+    def search() -> tuple[Array, RootOutcome]:
         lower, upper = (share * fastest for share in _BRACKET)
-        found, status = bracketed_power_newton(drag, target, lower, upper, guess=fastest)
-        return jnp.where(at_rest, 0.0, jnp.sign(force) * found), status
+        found, outcome = bracketed_power_newton(drag, target, lower, upper, guess=fastest)
+        return jnp.where(at_rest, 0.0, jnp.sign(force) * found), outcome
 
     return implicit_root(lambda speed: drag(speed) - force, search, jnp.shape(force))
 
@@ -96,7 +96,8 @@ def sinking_speed(
     Notes
     -----
     Force and heat balance are those of the flyer at rest. Differentiable in every number of flyer,
-    state and model. :meth:`AbstractFlyer.drag_caveats` says where the drag is outside its range.
+    state and model. :meth:`AbstractFlyer.drag_diagnostics` says where
+    the drag is outside its range.
 
     Examples
     --------
@@ -110,13 +111,13 @@ def sinking_speed(
     if model is None:
         require_record("flyer", (AbstractFlyer,), flyer)
         require_record("state", (EnvironmentState,), state)
-        speed, ending = _sinking_cold(flyer, state)
+        speed, status = _sinking_cold(flyer, state)
         residual: Numeric = 0.0
     else:
         require_suitable(flyer, state, model)
-        speed, ending, residual = _sinking(flyer, state, model)
+        speed, status, residual = _sinking(flyer, state, model)
     if throw:
-        require_converged("sinking speed", ending, residual)
+        require_converged("sinking speed", status, residual)
     return speed
 
 
@@ -138,8 +139,8 @@ def _sinking(
 ) -> tuple[Array, Array, Array]:
     balance = equilibrium(flyer, state, model, throw=False)
     lift = upward_force(flyer, state, model, balance.unknowns)
-    speed, ending = _steady(flyer, state, balance.unknowns, lift)
-    return speed, jnp.maximum(ending, balance.ending), balance.residual
+    speed, status = _steady(flyer, state, balance.unknowns, lift)
+    return speed, jnp.maximum(status, balance.status), balance.residual
 
 
 def _steady(
@@ -147,8 +148,8 @@ def _steady(
 ) -> tuple[Array, Array]:
     slow = flyer.drag(state, unknowns, jnp.asarray(_SLOW))
     force = weight(flyer, state) - lift + jnp.zeros_like(slow)
-    speed, status = steady_speed(lambda speed: flyer.drag(state, unknowns, speed), force)
-    return speed, status.ending
+    speed, outcome = steady_speed(lambda speed: flyer.drag(state, unknowns, speed), force)
+    return speed, outcome.status
 
 
 def in_the_dark(state: EnvironmentState) -> EnvironmentState:

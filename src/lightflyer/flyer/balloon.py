@@ -11,7 +11,7 @@ from jax import Array
 from lightflyer.core import constants
 from lightflyer.core.quantity import Distance, Length, Mass, MolarMass, Tension
 from lightflyer.core.types import Numeric
-from lightflyer.drag.convex import convex_caveats, convex_drag, sphere_outline
+from lightflyer.drag.convex import convex_diagnostics, convex_drag, sphere_outline
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
@@ -230,18 +230,20 @@ class Balloon(AbstractFlyer):
             unknowns[0],
         )
 
-    def drag_caveats(
+    def drag_diagnostics(
         self,
         state: EnvironmentState,
         speed: Numeric,
         direction: Direction = "broadside",
         temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.drag_caveats`."""
+        """See :meth:`AbstractFlyer.drag_diagnostics`."""
         del direction
         gas = (state.pressure, state.temperature, state.gas)
         return tuple(
-            convex_caveats(speed, sphere_outline(self.radius), *gas, self.film.tac_top, temperature)
+            convex_diagnostics(
+                speed, sphere_outline(self.radius), *gas, self.film.tac_top, temperature
+            )
         )
 
     def describe(self) -> str:

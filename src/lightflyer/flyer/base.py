@@ -189,7 +189,7 @@ class AbstractFlyer(Checked):
             f"{type(self).__name__} has no law of drag: give its class a method drag()"
         )
 
-    def drag_caveats(
+    def drag_diagnostics(
         self,
         state: EnvironmentState,
         speed: Numeric,
@@ -215,7 +215,7 @@ class AbstractFlyer(Checked):
         del state, speed, direction, temperature
         return ()
 
-    def caveats(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+    def diagnostics(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
         """Warnings, in words, where the flyer's own description does not hold, such as its optics.
 
         Parameters

@@ -9,7 +9,7 @@ from jax import Array
 
 from lightflyer.core.quantity import Length, Mass
 from lightflyer.core.types import Numeric
-from lightflyer.drag.disk import Direction, disk_caveats, disk_drag, edgewise_disk_drag
+from lightflyer.drag.disk import Direction, disk_diagnostics, disk_drag, edgewise_disk_drag
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
@@ -122,17 +122,17 @@ class Disk(AbstractFlyer):
             (excess, excess),
         )
 
-    def drag_caveats(
+    def drag_diagnostics(
         self,
         state: EnvironmentState,
         speed: Numeric,
         direction: Direction = "broadside",
         temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.drag_caveats`."""
+        """See :meth:`AbstractFlyer.drag_diagnostics`."""
         faces = (self.film.tac_top, self.film.tac_bottom)
         gas = (state.pressure, state.temperature, state.gas)
-        return tuple(disk_caveats(speed, self.radius, *gas, faces, direction, temperature))
+        return tuple(disk_diagnostics(speed, self.radius, *gas, faces, direction, temperature))
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

@@ -19,7 +19,7 @@ from lightflyer.core.quantity import (
     OpenFraction,
 )
 from lightflyer.core.types import Numeric
-from lightflyer.drag.convex import Outline, convex_caveats, convex_drag
+from lightflyer.drag.convex import Outline, convex_diagnostics, convex_drag
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude, Exitances, Radiation
@@ -272,8 +272,8 @@ class HollowBody(AbstractFlyer):
         outward = self.surface * per_kelvin * difference
         return -black * inner + outward, -black * outer - outward
 
-    def caveats(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.caveats`: channels too narrow for geometric optics."""
+    def diagnostics(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+        """See :meth:`AbstractFlyer.diagnostics`: channels too narrow for geometric optics."""
         coldest = np.minimum(np.min(state.temperature), np.min(temperature))
         length = self.channel_aspect * self.channel_width
         return tuple(narrow_channels(self.channel_width, length, coldest))
@@ -296,17 +296,19 @@ class HollowBody(AbstractFlyer):
             unknowns[1],
         )
 
-    def drag_caveats(
+    def drag_diagnostics(
         self,
         state: EnvironmentState,
         speed: Numeric,
         direction: Direction = "broadside",
         temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.drag_caveats`."""
+        """See :meth:`AbstractFlyer.drag_diagnostics`."""
         gas = (state.pressure, state.temperature, state.gas)
         return (
-            *convex_caveats(speed, self._outline(direction), *gas, self.outer.tac_top, temperature),
+            *convex_diagnostics(
+                speed, self._outline(direction), *gas, self.outer.tac_top, temperature
+            ),
             "drag is that of a closed body: what flows through its wall and outlet is left out",
             *(() if self.form == "sphere" else (f"drag of a {self.form} is an estimate",)),
         )

@@ -11,10 +11,10 @@ from lightflyer.core.quantity import ArealDensity, Conductivity, Density, Length
 from lightflyer.core.types import Numeric
 from lightflyer.drag.disk import (
     Direction,
-    disk_caveats,
+    disk_diagnostics,
     disk_drag,
     edgewise_disk_drag,
-    wide_hole_caveats,
+    wide_hole_diagnostics,
 )
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
@@ -203,8 +203,8 @@ class Plate(AbstractFlyer):
         """See :meth:`AbstractFlyer.highest_excess`: the excess in vacuum by the outer faces."""
         return self.sheets.highest_excess(state, power)
 
-    def caveats(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.caveats`: channels too narrow for geometric optics."""
+    def diagnostics(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+        """See :meth:`AbstractFlyer.diagnostics`: channels too narrow for geometric optics."""
         coldest = np.minimum(np.min(state.temperature), np.min(temperature))
         return tuple(narrow_channels(self.channel_width, self.channel_length, coldest))
 
@@ -234,19 +234,19 @@ class Plate(AbstractFlyer):
             self.passing_share,
         )
 
-    def drag_caveats(
+    def drag_diagnostics(
         self,
         state: EnvironmentState,
         speed: Numeric,
         direction: Direction = "broadside",
         temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.drag_caveats`."""
+        """See :meth:`AbstractFlyer.drag_diagnostics`."""
         faces = (self.top.tac_top, self.bottom.tac_bottom)
         gas = (state.pressure, state.temperature, state.gas)
         return (
-            *disk_caveats(speed, self.radius, *gas, faces, direction, temperature),
-            *wide_hole_caveats(0.5 * self.channel_width, self.radius, self.open_fraction, *gas),
+            *disk_diagnostics(speed, self.radius, *gas, faces, direction, temperature),
+            *wide_hole_diagnostics(0.5 * self.channel_width, self.radius, self.open_fraction, *gas),
         )
 
     def describe(self) -> str:

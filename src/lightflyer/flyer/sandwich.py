@@ -19,10 +19,10 @@ from lightflyer.core.quantity import (
 from lightflyer.core.types import Numeric
 from lightflyer.drag.disk import (
     Direction,
-    disk_caveats,
+    disk_diagnostics,
     disk_drag,
     edgewise_disk_drag,
-    wide_hole_caveats,
+    wide_hole_diagnostics,
 )
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
@@ -189,8 +189,8 @@ class Sandwich(AbstractFlyer):
         emitted = power / (self.area * self.solid_fraction * black)
         return jnp.abs(excess_of_growth(outer.emission_bound(state.temperature, emitted)))
 
-    def caveats(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.caveats`: holes that are too narrow for geometric optics."""
+    def diagnostics(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+        """See :meth:`AbstractFlyer.diagnostics`: holes that are too narrow for geometric optics."""
         coldest = np.minimum(np.min(state.temperature), np.min(temperature))
         return tuple(narrow_holes(self.hole_radius, coldest))
 
@@ -226,19 +226,19 @@ class Sandwich(AbstractFlyer):
             self.passing_share,
         )
 
-    def drag_caveats(
+    def drag_diagnostics(
         self,
         state: EnvironmentState,
         speed: Numeric,
         direction: Direction = "broadside",
         temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.drag_caveats`."""
+        """See :meth:`AbstractFlyer.drag_diagnostics`."""
         faces = (self.top.tac_top, self.bottom.tac_bottom)
         gas = (state.pressure, state.temperature, state.gas)
         return (
-            *disk_caveats(speed, self.radius, *gas, faces, direction, temperature),
-            *wide_hole_caveats(self.hole_radius, self.radius, self.open_fraction, *gas),
+            *disk_diagnostics(speed, self.radius, *gas, faces, direction, temperature),
+            *wide_hole_diagnostics(self.hole_radius, self.radius, self.open_fraction, *gas),
         )
 
     def describe(self) -> str:

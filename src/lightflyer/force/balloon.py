@@ -108,10 +108,10 @@ class BalloonConvection(AbstractForceModel):
             "film_tension": 0.5 * overpressure * flyer.radius,
         }
 
-    def caveats(
+    def diagnostics(
         self, flyer: Balloon, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.caveats`."""
+        """See :meth:`AbstractForceModel.diagnostics`."""
         excess = np.asarray(temperature) / state.temperature - 1.0
         rayleigh = rayleigh_number(
             excess,
@@ -122,7 +122,7 @@ class BalloonConvection(AbstractForceModel):
             gas=state.gas,
         )
         return (
-            *OUTER_RAYLEIGH.caveats(rayleigh, state.pressure),
+            *OUTER_RAYLEIGH.diagnostics(rayleigh, state.pressure),
             *_of_filling(flyer, state, self.own_results(flyer, state, (excess,))),
         )
 

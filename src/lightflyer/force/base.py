@@ -168,7 +168,9 @@ class AbstractForceModel(Checked):
         del flyer, state, unknowns
         return {}
 
-    def caveats(self, flyer: Any, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+    def diagnostics(
+        self, flyer: Any, state: EnvironmentState, temperature: Numeric
+    ) -> tuple[str, ...]:
         """Warnings, in words, where a flyer or its surroundings are outside the model's range.
 
         Parameters

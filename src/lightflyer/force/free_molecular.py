@@ -72,14 +72,14 @@ class FreeMolecular(AbstractForceModel):
         faces = (film.tac_top, film.tac_bottom)
         return accommodated_force(flyer.area, *faces, state.pressure, excess)
 
-    def caveats(
+    def diagnostics(
         self,
         flyer: Disk,
         state: EnvironmentState,
         temperature: Numeric,  # noqa: ARG002
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.caveats`."""
-        return _caveats_of_collisions(flyer, state)
+        """See :meth:`AbstractForceModel.diagnostics`."""
+        return _collision_diagnostics(flyer, state)
 
 
 class LinearFreeMolecular(AbstractForceModel):
@@ -112,20 +112,20 @@ class LinearFreeMolecular(AbstractForceModel):
         (excess,) = unknowns
         return linear_force(flyer.area, flyer.film.tac_difference, state.pressure, excess)
 
-    def caveats(
+    def diagnostics(
         self, flyer: Disk, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.caveats`."""
+        """See :meth:`AbstractForceModel.diagnostics`."""
         ratio = temperature / state.temperature
         return (
-            *_caveats_of_collisions(flyer, state),
-            *_SMALL_DIFFERENCES.caveats(ratio, state.pressure),
+            *_collision_diagnostics(flyer, state),
+            *_SMALL_DIFFERENCES.diagnostics(ratio, state.pressure),
         )
 
 
-def _caveats_of_collisions(disk: Disk, state: EnvironmentState) -> tuple[str, ...]:
+def _collision_diagnostics(disk: Disk, state: EnvironmentState) -> tuple[str, ...]:
     knudsen = knudsen_number(state.pressure, state.temperature, disk.radius, state.gas)
-    return tuple(_THIN.caveats(knudsen, state.pressure))
+    return tuple(_THIN.diagnostics(knudsen, state.pressure))
 
 
 class FreeMolecularSection(ForceSection, of=FreeMolecular):

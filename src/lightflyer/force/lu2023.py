@@ -236,10 +236,10 @@ class Lu2023(AbstractForceModel):
         per_difference = in_series(self.c_fm * free_molecular, self.c_cont * continuum)
         return flyer.film.tac_difference * excess * per_difference
 
-    def caveats(
+    def diagnostics(
         self, flyer: Disk, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.caveats`: the paper's coefficients, beyond its experiments.
+        """See :meth:`AbstractForceModel.diagnostics`: the paper's coefficients beyond its tests.
 
         Other coefficients hold where those who fitted them say.
         """
@@ -247,9 +247,9 @@ class Lu2023(AbstractForceModel):
             return ()
         diameter, ratio = 2.0 * flyer.radius, temperature / state.temperature
         return (
-            *_FITTED_DIAMETERS.caveats(diameter, state.pressure),
-            *_FITTED_WARMER.caveats(ratio, state.pressure),
-            *_FITTED_HEATING.caveats(ratio, state.pressure),
+            *_FITTED_DIAMETERS.diagnostics(diameter, state.pressure),
+            *_FITTED_WARMER.diagnostics(ratio, state.pressure),
+            *_FITTED_HEATING.diagnostics(ratio, state.pressure),
             *_of_gas(state.gas),
         )
 

@@ -89,7 +89,7 @@ class Air(AbstractAir, AbstractReferenceGas):
     -----
     The sources hold from 60 K to 2000 K; there the published formulas are followed to 1e-5. Beyond,
     viscosity and conductivity grow with the root of the temperature, as those of hard spheres do,
-    and the heat capacity stays as it is at the end; :meth:`caveats` says so.
+    and the heat capacity stays as it is at the end; :meth:`diagnostics` says so.
 
     The rotation of its nitrogen and its oxygen relaxes at the mean of their rates.
 

@@ -180,7 +180,7 @@ class AbstractGas(eqx.Module):
         """
         return ()
 
-    def caveats(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
+    def diagnostics(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
         """Warnings, in words, where the gas is outside the range in which it is known.
 
         Parameters

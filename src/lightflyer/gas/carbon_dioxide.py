@@ -135,9 +135,9 @@ class _Correlated(AbstractGas):
         """Isobaric heat capacity of the ideal gas, vibrations included [J/(kg K)]."""
         return self.specific_gas_constant * _HEAT_CAPACITY_FIT(temperature)
 
-    def caveats(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractGas.caveats`."""
-        return tuple(_KNOWN.caveats(temperature, pressure))
+    def diagnostics(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
+        """See :meth:`AbstractGas.diagnostics`."""
+        return tuple(_KNOWN.diagnostics(temperature, pressure))
 
 
 class CarbonDioxide(_Correlated):  # type: ignore[misc]  # the ratio below is no field
@@ -154,7 +154,7 @@ class CarbonDioxide(_Correlated):  # type: ignore[misc]  # the ratio below is no
     The published formulas are followed to 1e-5 from 100 K to 1100 K; conductivity rests on
     published values from 150 K, see :func:`reference_conductivity`. Beyond, viscosity and
     conductivity grow with the root of the temperature, as those of hard spheres do, and the heat
-    capacity stays as it is at the end; :meth:`caveats` says so.
+    capacity stays as it is at the end; :meth:`diagnostics` says so.
 
     Vibration adds 0.07 of the gas constant to the heat capacity at 130 K and 0.98 at 300 K, so
     that the ratio of heat capacities is a function of temperature and no number:

@@ -82,7 +82,7 @@ class AbstractReferenceGas(AbstractGas):
     """A gas whose transport and heat capacity follow published correlations.
 
     Beyond their range viscosity and conductivity grow with the root of the temperature, as those of
-    hard spheres do, and the heat capacity stays as it is at the end; :meth:`caveats` says so.
+    hard spheres do, and the heat capacity stays as it is at the end; :meth:`diagnostics` says so.
 
     Attributes
     ----------
@@ -106,11 +106,11 @@ class AbstractReferenceGas(AbstractGas):
         """Isobaric heat capacity of the ideal gas, vibrations included [J/(kg K)]."""
         return self.specific_gas_constant * self.correlations.followed_heat_capacity(temperature)
 
-    def caveats(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractGas.caveats`."""
+    def diagnostics(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
+        """See :meth:`AbstractGas.diagnostics`."""
         name = f"the temperature of {self.name}"
         known = Validity(name, *self.correlations.ends, BEYOND)
-        return tuple(known.caveats(temperature, pressure))
+        return tuple(known.diagnostics(temperature, pressure))
 
 
 def vibration(temperature: np.ndarray, characteristic: float) -> np.ndarray:

@@ -32,7 +32,7 @@ from .readers.height_maps.channel import Channel as Channel
 from .readers.spectra.formats import SPECTRUM_FORMATS as SPECTRUM_FORMATS
 from .readers.spectra.interpretation import MeasuredSpectrum as MeasuredSpectrum
 from .readers.spectra.raw import RawSpectrum as RawSpectrum
-from .readers.spectra.raw import SpectrumFacts as SpectrumFacts
+from .readers.spectra.raw import SpectrumMetadata as SpectrumMetadata
 from .readers.spectrum_data import read_spectrum as read_spectrum
 from .readers.tables import Column as Column
 from .readers.tables import Rejected as Rejected

@@ -8,12 +8,13 @@ from .path.attitude import Own as Own
 from .path.drifting import Drift as Drift
 from .path.drifting import drift as drift
 from .path.dynamics import Inertia as Inertia
-from .path.ending import MissionEnd as MissionEnd
 from .path.integration import Track as Track
 from .path.release import Release as Release
 from .path.stability import Hanging as Hanging
 from .path.stability import hanging_stability as hanging_stability
-from .report.facts import facts_of as facts_of
+from .path.termination import TerminationReason as TerminationReason
+from .report.summary import summarise as summarise
+from .report.text import describe as describe
 from .swarms.areas import AbstractArea as AbstractArea
 from .swarms.areas import Circle as Circle
 from .swarms.areas import Polygon as Polygon

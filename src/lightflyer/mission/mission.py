@@ -21,7 +21,6 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.fleet import Ensemble, flights_of, fly_all
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
 from lightflyer.mission.path.dynamics import Inertia, track_with_inertia
-from lightflyer.mission.path.ending import MissionEnd
 from lightflyer.mission.path.integration import (
     LONGEST_STEP,
     TOLERANCE,
@@ -35,10 +34,11 @@ from lightflyer.mission.path.moments import VARIABLES, Course, Variable, moments
 from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.path.release import Release, limits_of, require_release_inside
+from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.assumptions import assumptions_of, described
-from lightflyer.mission.report.cautions import cautions_along, why_ended
 from lightflyer.mission.report.dataset import Several, add_several, add_survival, dataset_of
-from lightflyer.numerics.rootfind import Ending
+from lightflyer.mission.report.diagnostics import diagnose_flight, termination_text
+from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import entry_point
 
 if TYPE_CHECKING:
@@ -293,8 +293,8 @@ def _flown(mission: _Mission, plan: _Plan, track: Track) -> "xr.Dataset":
     values = moments(craft, course)
     residual = values.pop("residual")[known]
     missed = residual > ENERGY_TOLERANCE
-    ending = np.where(missed, int(Ending.TOLERANCE_MISSED), int(Ending.CONVERGED))
-    require_converged("heat balance along the way", ending, residual)
+    status = np.where(missed, int(SolverStatus.TOLERANCE_MISSED), int(SolverStatus.CONVERGED))
+    require_converged("heat balance along the way", status, residual)
     latitude, longitude = _places(course.position[known])
     place = Place(latitude, longitude, released + plan.elapsed[known])
     shown = {name: value[known] for name, value in values.items()} | {
@@ -305,7 +305,7 @@ def _flown(mission: _Mission, plan: _Plan, track: Track) -> "xr.Dataset":
     dataset = dataset_of(plan.elapsed, released, track, found, variables)
     dataset.attrs["end"] = _end(mission.setup.environment, released, track)
     dataset.attrs["warnings"] = "; ".join(
-        dict.fromkeys((*mission.design.warnings, *cautions_along(craft, place, shown)))
+        dict.fromkeys((*mission.design.warnings, *diagnose_flight(craft, place, shown)))
     )
     return dataset
 
@@ -314,8 +314,8 @@ def _end(environment: AbstractEnvironment, released: float, track: Track) -> str
     """Why the flight ended, in words."""
     latitude, longitude = _places(track.end_position)
     place = Place(latitude, longitude, released + float(track.end_elapsed))
-    end = MissionEnd(int(track.ending))
-    return why_ended(end, environment, float(track.end_altitude), place)
+    end = TerminationReason(int(track.termination))
+    return termination_text(end, environment, float(track.end_altitude), place)
 
 
 def _record(

@@ -20,8 +20,8 @@ from lightflyer.numerics.rootfind import (
     MAXIMUM_STEPS,
     RELATIVE_TOLERANCE,
     ROUNDING,
-    Ending,
-    RootStatus,
+    RootOutcome,
+    SolverStatus,
 )
 
 Unknowns: TypeAlias = tuple[Array, ...]
@@ -87,7 +87,7 @@ class _State(eqx.Module):
     point: Unknowns
     is_careful: Array
     careful: _Careful
-    ending: Array
+    status: Array
     steps: Array
 
 
@@ -110,7 +110,7 @@ class SafeNewton:
 
     def search(
         self, function: Callable[[Unknowns], Unknowns], start: Unknowns
-    ) -> tuple[Unknowns, RootStatus]:
+    ) -> tuple[Unknowns, RootOutcome]:
         """Roots of all elements, or the best points of those that have not ended."""
         scale = tuple(jnp.ones_like(entry) for entry in start)
         state = _State(
@@ -118,23 +118,23 @@ class SafeNewton:
             point=start,
             is_careful=jnp.zeros(start[0].shape, bool),
             careful=_Careful(start, scale, jnp.full_like(start[0], jnp.inf)),
-            ending=jnp.full(start[0].shape, Ending.STEP_LIMIT, jnp.int8),
+            status=jnp.full(start[0].shape, SolverStatus.STEP_LIMIT, jnp.int8),
             steps=jnp.zeros((), int),
         )
         most = self.plain_steps + self.careful_steps
         end = jax.lax.while_loop(
-            lambda at: jnp.any(_searching(at.ending)) & (at.steps < most),
+            lambda at: jnp.any(_searching(at.status)) & (at.steps < most),
             lambda at: self._moved(function, at),
             state,
         )
-        unfinished = _searching(end.ending) & end.is_careful
-        return _select(unfinished, end.careful.base, end.point), RootStatus(end.ending, end.steps)
+        unfinished = _searching(end.status) & end.is_careful
+        return _select(unfinished, end.careful.base, end.point), RootOutcome(end.status, end.steps)
 
     def _moved(self, function: Callable[[Unknowns], Unknowns], state: _State) -> _State:
         """The state after a step of every element that is still searching."""
         newton = _newton(function, state.point)
         plain, plain_verdict, fails = self._plain(newton, state.point, state)
-        searching, is_careful = _searching(state.ending), state.is_careful
+        searching, is_careful = _searching(state.status), state.is_careful
 
         def with_careful() -> tuple[Unknowns, Array, _Careful]:
             point, verdict, memory = self._careful(newton, state.point, state.careful)
@@ -153,7 +153,7 @@ class SafeNewton:
             point=_select(searching, point, state.point),
             is_careful=is_careful | (searching & fails),
             careful=memory,
-            ending=jnp.where(searching, verdict, state.ending),
+            status=jnp.where(searching, verdict, state.status),
             steps=state.steps + 1,
         )
 
@@ -176,10 +176,10 @@ class SafeNewton:
         finite = _all_finite(target)
         near = jnp.where(state.steps < _PATIENCE, _NEAR, _NEAR_AT_LAST)
         verdict = _choose(
-            (self._is_root(newton) | _is_short(newton.step, point, near), Ending.CONVERGED),
-            (finite | (state.steps > 0), Ending.STEP_LIMIT),
-            (_all_finite(newton.value), Ending.SINGULAR),
-            otherwise=Ending.NOT_FINITE,
+            (self._is_root(newton) | _is_short(newton.step, point, near), SolverStatus.CONVERGED),
+            (finite | (state.steps > 0), SolverStatus.STEP_LIMIT),
+            (_all_finite(newton.value), SolverStatus.SINGULAR),
+            otherwise=SolverStatus.NOT_FINITE,
         )
         fails = _searching(verdict) & (~finite | (state.steps + 1 >= self.plain_steps))
         moving = finite & self._may_move(newton, point)
@@ -194,7 +194,7 @@ class SafeNewton:
         backward, retreat = self._backward(memory, point)
         verdict = jnp.where(better, onward, backward)
         base = _select(better, point, memory.base)
-        failed = verdict > Ending.STEP_LIMIT
+        failed = verdict > SolverStatus.STEP_LIMIT
         ahead = _select(failed, base, _select(better, advance, retreat))
         scale = _select(better, _scale(newton, point), memory.scale)
         level = jnp.where(better, _level(newton.value, scale), memory.level)
@@ -206,10 +206,10 @@ class SafeNewton:
         moving = _all_finite(target) & self._may_move(newton, point)
         arrived = self._is_root(newton) | _is_short(newton.step, point, _NEAR_AT_LAST)
         verdict = _choose(
-            (arrived, Ending.CONVERGED),
-            (~_all_finite(target), Ending.SINGULAR),
-            (_is_still(target, point), Ending.STALLED),
-            otherwise=Ending.STEP_LIMIT,
+            (arrived, SolverStatus.CONVERGED),
+            (~_all_finite(target), SolverStatus.SINGULAR),
+            (_is_still(target, point), SolverStatus.STALLED),
+            otherwise=SolverStatus.STEP_LIMIT,
         )
         return verdict, _select(moving, target, point)
 
@@ -219,7 +219,7 @@ class SafeNewton:
             old + _SHRINKAGE * (new - old) for old, new in zip(memory.base, point, strict=True)
         )
         nowhere = _is_still(retreat, memory.base)
-        return _choose((nowhere, Ending.STALLED), otherwise=Ending.STEP_LIMIT), retreat
+        return _choose((nowhere, SolverStatus.STALLED), otherwise=SolverStatus.STEP_LIMIT), retreat
 
     def _in_bounds(self, point: Unknowns, step: Unknowns) -> Unknowns:
         """Where a step leads if all of it is shortened so as to keep above the bounds."""
@@ -230,15 +230,15 @@ class SafeNewton:
         return tuple(old + share * change for old, change in zip(point, step, strict=True))
 
 
-def _searching(ending: Array) -> Array:
-    return ending == Ending.STEP_LIMIT
+def _searching(status: Array) -> Array:
+    return status == SolverStatus.STEP_LIMIT
 
 
-def _choose(*cases: tuple[Array, Ending], otherwise: Ending) -> Array:
-    """Ending of the first case that holds, element by element."""
+def _choose(*cases: tuple[Array, SolverStatus], otherwise: SolverStatus) -> Array:
+    """SolverStatus of the first case that holds, element by element."""
     chosen = jnp.int8(otherwise)
-    for holds, ending in reversed(cases):
-        chosen = jnp.where(holds, jnp.int8(ending), chosen)
+    for holds, status in reversed(cases):
+        chosen = jnp.where(holds, jnp.int8(status), chosen)
     return chosen
 
 

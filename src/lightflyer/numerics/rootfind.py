@@ -38,7 +38,7 @@ balances of random disks in ``benchmarks/solver.py``. On processors this loses.
 """
 
 
-class Ending(enum.IntEnum):
+class SolverStatus(enum.IntEnum):
     """Why a search ended."""
 
     CONVERGED = 0
@@ -53,49 +53,51 @@ class Ending(enum.IntEnum):
 
         Examples
         --------
-        >>> Ending.STEP_LIMIT.describe()
+        >>> SolverStatus.STEP_LIMIT.describe()
         'reached the limit of steps'
         """
         return _REASONS[self]
 
 
 _REASONS = {
-    Ending.CONVERGED: "converged",
-    Ending.STEP_LIMIT: "reached the limit of steps",
-    Ending.NOT_FINITE: "met a number that is not finite",
-    Ending.TOLERANCE_MISSED: "missed the tolerance",
-    Ending.SINGULAR: "met a singular Jacobian",
-    Ending.STALLED: "stalled where no step reduces the residual",
+    SolverStatus.CONVERGED: "converged",
+    SolverStatus.STEP_LIMIT: "reached the limit of steps",
+    SolverStatus.NOT_FINITE: "met a number that is not finite",
+    SolverStatus.TOLERANCE_MISSED: "missed the tolerance",
+    SolverStatus.SINGULAR: "met a singular Jacobian",
+    SolverStatus.STALLED: "stalled where no step reduces the residual",
 }
 
 
-def describe_endings(endings: ArrayLike) -> str:
-    """Why searches ended, in words; ``endings``: values of :class:`Ending`.
+def describe_status(status: ArrayLike) -> str:
+    """Why searches ended, in words; ``status``: values of :class:`SolverStatus`.
 
     Examples
     --------
-    >>> describe_endings([Ending.STEP_LIMIT, Ending.STEP_LIMIT])
+    >>> describe_status([SolverStatus.STEP_LIMIT, SolverStatus.STEP_LIMIT])
     'reached the limit of steps'
-    >>> describe_endings([Ending.STEP_LIMIT, Ending.NOT_FINITE, Ending.NOT_FINITE])
+    >>> describe_status([SolverStatus.STEP_LIMIT, SolverStatus.NOT_FINITE, SolverStatus.NOT_FINITE])
     '2 met a number that is not finite, 1 reached the limit of steps'
     """
-    counts = Counter(np.ravel(np.asarray(endings)).tolist()).most_common()
+    counts = Counter(np.ravel(np.asarray(status)).tolist()).most_common()
     return ", ".join(
-        Ending(code).describe() if len(counts) == 1 else f"{count} {Ending(code).describe()}"
+        SolverStatus(code).describe()
+        if len(counts) == 1
+        else f"{count} {SolverStatus(code).describe()}"
         for code, count in counts
     )
 
 
-class RootStatus(eqx.Module):
+class RootOutcome(eqx.Module):
     """Result of a root-find, element by element."""
 
-    ending: Array  # Why it ended, values of :class:`Ending`
+    status: Array  # Why it ended, values of :class:`SolverStatus`
     steps: Array  # Steps taken by the slowest element
 
     @property
     def converged(self) -> Array:
         """True where the search found a root: bool array."""
-        return self.ending == Ending.CONVERGED
+        return self.status == SolverStatus.CONVERGED
 
 
 class BracketSearch(eqx.Module):
@@ -120,12 +122,14 @@ class BracketSearch(eqx.Module):
         )
 
     @property
-    def ending(self) -> Array:
+    def status(self) -> Array:
         """Why the search ended, by the last state alone, which costs its loop nothing."""
         # a residual of NaN leaves the bracket as it is, so that bisection proposes the same again
         stuck = ~jnp.isfinite(self.last_step) | (self.last_step == 0.0)
-        unfinished = jnp.where(stuck, jnp.int8(Ending.NOT_FINITE), jnp.int8(Ending.STEP_LIMIT))
-        return jnp.where(self.active, unfinished, jnp.int8(Ending.CONVERGED))
+        unfinished = jnp.where(
+            stuck, jnp.int8(SolverStatus.NOT_FINITE), jnp.int8(SolverStatus.STEP_LIMIT)
+        )
+        return jnp.where(self.active, unfinished, jnp.int8(SolverStatus.CONVERGED))
 
     def advanced(
         self,
@@ -161,7 +165,7 @@ def bracketed_newton(
     upper: Array,
     guess: Array,
     tolerance: float = RELATIVE_TOLERANCE,
-) -> tuple[Array, RootStatus]:
+) -> tuple[Array, RootOutcome]:
     r"""Find the root of an increasing function in a bracket, element by element."""
     # Newton steps that leave the bracket, or that shrink by less than half, are replaced by
     # bisection (the safeguard of [Press2007]_ ch. 9.4), so it cannot diverge or stall.
@@ -184,7 +188,7 @@ def bracketed_power_newton(
     upper: Array,
     guess: Array,
     tolerance: float = RELATIVE_TOLERANCE,
-) -> tuple[Array, RootStatus]:
+) -> tuple[Array, RootOutcome]:
     r"""Find where a positive, increasing function of a positive unknown reaches a target."""
     # For functions that are nearly power laws, :math:`f \propto x^s`, over many decades: Newton's
     # step is taken in logarithms, :math:`x \leftarrow x\,(f/f_0)^{-1/s}`, with the local exponent
@@ -227,7 +231,7 @@ def _search(
     middle: Callable[[Array, Array], Array],
     bracket_and_guess: tuple[Array, Array, Array],
     tolerance: float,
-) -> tuple[Array, RootStatus]:
+) -> tuple[Array, RootOutcome]:
     """Search with a rule that gives, at a point, the residual and where Newton would go."""
 
     def advance(at: tuple[BracketSearch, Array]) -> tuple[BracketSearch, Array]:
@@ -242,19 +246,19 @@ def _search(
     for _ in range(STEPS_ON_GPU if jax.default_backend() == "gpu" else 0):
         at = advance(at)
     end, steps = jax.lax.while_loop(unfinished, advance, at)
-    return end.point, RootStatus(ending=end.ending, steps=steps)
+    return end.point, RootOutcome(status=end.status, steps=steps)
 
 
 def implicit_root(
     residual: Callable[[Array], Array],
-    solve: Callable[[], tuple[Array, RootStatus]],
+    solve: Callable[[], tuple[Array, RootOutcome]],
     shape: tuple[int, ...],
-) -> tuple[Array, RootStatus]:
+) -> tuple[Array, RootOutcome]:
     """Attach the derivative of a root to its value, however it was found."""
     equation, parameters = with_parameters(residual, jnp.zeros(shape))
     search, around = with_parameters(solve)
-    root, status = search(*map(jax.lax.stop_gradient, around))
-    return _attached(equation, jnp.broadcast_to(root, shape), *parameters), status
+    root, outcome = search(*map(jax.lax.stop_gradient, around))
+    return _attached(equation, jnp.broadcast_to(root, shape), *parameters), outcome
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))

@@ -20,7 +20,7 @@ from lightflyer.numerics.newton import SafeNewton
 from lightflyer.numerics.rootfind import (
     MAXIMUM_STEPS,
     RELATIVE_TOLERANCE,
-    RootStatus,
+    RootOutcome,
 )
 from lightflyer.program.tracing import with_parameters
 
@@ -37,16 +37,16 @@ def solve_system(
     lower: float | tuple[float, ...] = -math.inf,
     tolerance: float = RELATIVE_TOLERANCE,
     maximum_steps: int = MAXIMUM_STEPS,
-) -> tuple[Unknowns, RootStatus]:
+) -> tuple[Unknowns, RootOutcome]:
     """Find where several functions of as many unknowns vanish, element by element.
 
     Examples
     --------
     >>> import lightflyer as lf
-    >>> from lightflyer.numerics.rootfind import Ending
+    >>> from lightflyer.numerics.rootfind import SolverStatus
     >>> with lf.float64():
-    ...     (x, y), status = solve_system(lambda u: (u[0] * u[1] - 6, u[0] - u[1] - 1), (1.0, 1.0))
-    >>> print(f"{x:.6f} {y:.6f}", Ending(int(status.ending)).describe())
+    ...     (x, y), outcome = solve_system(lambda u: (u[0] * u[1] - 6, u[0] - u[1] - 1), (1.0, 1.0))
+    >>> print(f"{x:.6f} {y:.6f}", SolverStatus(int(outcome.status)).describe())
     3.000000 2.000000 converged
     """
     # Newton's method in all elements at once; each stops by itself. Where that fails, the search
@@ -63,7 +63,7 @@ def solve_system(
     def equations(point: Unknowns) -> Unknowns:
         return tuple(jnp.broadcast_to(entry, zeros[0].shape) for entry in residual(point))
 
-    def search() -> tuple[Unknowns, RootStatus]:
+    def search() -> tuple[Unknowns, RootOutcome]:
         start = tuple(
             jnp.broadcast_to(_usable(jnp.asarray(entry, float), bound), zeros[0].shape)
             for entry, bound in zip(first(), bounds, strict=True)
@@ -74,8 +74,8 @@ def solve_system(
         return finder.search(equations, start)
 
     plain, around = with_parameters(search)
-    root, status = plain(*map(jax.lax.stop_gradient, around))
-    return implicit_system(equations, root), status
+    root, outcome = plain(*map(jax.lax.stop_gradient, around))
+    return implicit_system(equations, root), outcome
 
 
 def implicit_system(residual: Callable[[Unknowns], Unknowns], root: Unknowns) -> Unknowns:

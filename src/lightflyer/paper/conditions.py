@@ -27,7 +27,7 @@ from lightflyer.force.kinetic.model import Kinetic
 from lightflyer.force.lu2023 import PRINTED, REPORTED, Lu2023, Reading
 from lightflyer.gas.air import LU2023_AIR
 from lightflyer.numerics.batches import in_batches
-from lightflyer.numerics.rootfind import Ending
+from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import entry_point
 
 REPORTED_MEAN = Reading(
@@ -170,8 +170,8 @@ def behaviour(
     arrays = np.broadcast_arrays(*(np.asarray(value, float) for value in given))
     table = in_batches(batch, [array.ravel() for array in arrays], POINTS)
     converged = table.pop("converged") > 0.5
-    ending = np.where(converged, int(Ending.CONVERGED), int(Ending.TOLERANCE_MISSED))
-    require_converged("the paper's model", ending, table.pop("residual"))
+    status = np.where(converged, int(SolverStatus.CONVERGED), int(SolverStatus.TOLERANCE_MISSED))
+    require_converged("the paper's model", status, table.pop("residual"))
     return {name: values.reshape(arrays[0].shape) for name, values in table.items()}
 
 

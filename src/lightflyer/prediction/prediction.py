@@ -12,8 +12,8 @@ import numpy as np
 
 from lightflyer.config.designs import as_design
 from lightflyer.core.units import scale_and_offset
-from lightflyer.design.cautions import cautions, cautions_of_force
 from lightflyer.design.design import AbstractDesign
+from lightflyer.design.diagnostics import diagnose_at, diagnose_force
 from lightflyer.design.outputs import (
     budget_outputs,
     json_name,
@@ -24,6 +24,7 @@ from lightflyer.design.outputs import (
 )
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
+from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.flight.grid_refinement import bands_of, crossing, peak
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
@@ -96,8 +97,8 @@ class TemperatureMap:
     temperature: np.ndarray
 
 
-@dataclass(frozen=True)
-class Prediction:
+@dataclass(frozen=True, repr=False)
+class Prediction(PrintedResult):
     """Bands, tables and peaks of a flyer in its environment.
 
     Attributes
@@ -188,6 +189,13 @@ class Prediction:
     def own_names(self) -> tuple[str, ...]:
         """Names of the force model's own outputs, of the flyer's flows, and of the budget's."""
         return (*model_outputs(self.setup), *budget_outputs(self.setup))
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.prediction.text import flyer_lines, result_parts
+
+        yield from flyer_lines(self)
+        yield from result_parts(self)
 
     def summary(self) -> dict[str, Any]:
         """The prediction as a JSON object, with a unit at the end of each name."""
@@ -353,6 +361,7 @@ def predict_design(
     flying = [coordinates[(coordinates >= low) & (coordinates <= high)] for low, high in bands]
     explicit = asked[:0] if at is None else asked
     reported = np.unique(np.concatenate([*flying, edges.ravel(), explicit, [best.coordinate]]))
+    temperature = evaluate(reported, names=("temperature",))["temperature"]
     return Prediction(
         setup=setup,
         coordinates=coordinates,
@@ -366,8 +375,8 @@ def predict_design(
         map=_map(evaluate, coordinates, easiest) if setup.environment.dimmable_light else None,
         warnings=(
             *design.warnings,
-            *cautions_of_force(table),
-            *cautions(setup, reported, evaluate(reported, names=("temperature",))["temperature"]),
+            *diagnose_force(table),
+            *diagnose_at(setup, reported, temperature),
         ),
     )
 

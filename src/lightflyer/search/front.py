@@ -11,10 +11,11 @@ from lightflyer.core.extras import extra
 from lightflyer.core.progress import Counted
 from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.search.diagnostics import diagnose_solution
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import PROBABILITY, Problem, as_problem
-from lightflyer.search.range_check import cautions_about
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,8 +27,8 @@ POPULATION, GENERATIONS = 100, 150
 _NO_VALUE = np.finfo(float).max ** 0.5  # loss of a design that has no value
 
 
-@dataclass(frozen=True)
-class Front:
+@dataclass(frozen=True, repr=False)
+class Front(PrintedResult):
     """Designs that no other beats in all objectives at once.
 
     Attributes
@@ -77,6 +78,12 @@ class Front:
         from lightflyer.search.figures import front_figure
 
         return front_figure(self)
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.search.text import front_parts
+
+        return front_parts(self)
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""
@@ -172,15 +179,15 @@ def pareto(
 
 
 def _warnings(problem: Problem, designs: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """Cautions about the designs at both ends of a front."""
-    if problem.costly:
+    """Diagnostics of the designs at both ends of a front."""
+    if problem.needs_recompute:
         yield (
             "the films of the front are computed on a coarse grid, within a few thousandths; in "
             "full at its middle only"
         )
     for word, row in (("first", 0), ("last", -1)):
         design = {name: float(column[row]) for name, column in designs.items()}
-        for text in cautions_about(problem, design):
+        for text in diagnose_solution(problem, design):
             yield f"{word} design: {text}"
 
 

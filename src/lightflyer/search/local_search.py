@@ -27,7 +27,7 @@ _AT_REST = 1e-5  # change of the best design at which it repeats itself, in side
 
 
 @dataclass(frozen=True)
-class Found:
+class LocalOptimum:
     """Where a search ended."""
 
     point: np.ndarray
@@ -37,29 +37,29 @@ class Found:
     evaluations: int
 
 
-def climb(function: ObjectiveFunction, start: np.ndarray, scale: float) -> Found:
+def maximise_from(function: ObjectiveFunction, start: np.ndarray, scale: float) -> LocalOptimum:
     """Follow gradients from a start to an optimum; ``start`` (k,); ``scale``: of the objective."""
-    seen: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
+    evaluations: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
-    def look(point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         key = point.tobytes()
-        if key not in seen:
+        if key not in evaluations:
             scores, slopes = function.scores_and_jacobian(point)
             known = np.isfinite(scores)[:, None] & np.isfinite(slopes)
             scores = np.where(np.isfinite(scores), scores, -INFEASIBLE * scale)
-            seen[key] = scores, np.where(known, slopes, 0.0)
-        return seen[key]
+            evaluations[key] = scores, np.where(known, slopes, 0.0)
+        return evaluations[key]
 
     constraints = [
         {
             "type": "ineq",
-            "fun": lambda point, row=row: look(point)[0][row],
-            "jac": lambda point, row=row: look(point)[1][row],
+            "fun": lambda point, row=row: evaluate(point)[0][row],
+            "jac": lambda point, row=row: evaluate(point)[1][row],
         }
         for row in range(1, 1 + len(function.problem.constraints))
     ]
     found = minimize(
-        lambda point: (-look(point)[0][0] / scale, -look(point)[1][0] / scale),
+        lambda point: (-evaluate(point)[0][0] / scale, -evaluate(point)[1][0] / scale),
         start,
         jac=True,
         method="SLSQP",
@@ -68,21 +68,23 @@ def climb(function: ObjectiveFunction, start: np.ndarray, scale: float) -> Found
         options={"ftol": _STOP, "maxiter": _STEPS},
     )
     point = np.clip(found.x, 0.0, 1.0)
-    scores, _ = look(point)
+    scores, _ = evaluate(point)
     violation = float(np.maximum(-scores[1:], 0.0).max(initial=0.0))
     if not np.isfinite(scores).all() or scores[0] <= -INFEASIBLE * scale:
         violation = np.inf
     names = [one.name for one in function.problem.constraints]
     violated = names[int(np.argmin(scores[1:]))] if names else ""
-    return Found(point, float(scores[0]), violation, violated, len(seen))
+    return LocalOptimum(point, float(scores[0]), violation, violated, len(evaluations))
 
 
-def climb_in_full(function: ObjectiveFunction, searches: Sequence[Found], scale: float) -> Found:
+def maximise_in_full(
+    function: ObjectiveFunction, searches: Sequence[LocalOptimum], scale: float
+) -> LocalOptimum:
     """The best optimum with films computed in full, from optima with films on a coarse grid."""
     # The search goes on from the best of them with all films shifted by what the coarse grid lacks
     # there, until the optimum repeats itself.
     ranked = sorted(searches, key=lambda found: -found.score)
-    rivals: list[Found] = []
+    rivals: list[LocalOptimum] = []
     for found in ranked:
         apart = all(abs(found.score - one.score) > AGREEMENT * scale for one in rivals)
         if apart and ranked[0].score - found.score <= _COARSE * scale:
@@ -98,10 +100,10 @@ def climb_in_full(function: ObjectiveFunction, searches: Sequence[Found], scale:
     return best
 
 
-def _repeated(function: ObjectiveFunction, found: Found, scale: float) -> Found:
+def _repeated(function: ObjectiveFunction, found: LocalOptimum, scale: float) -> LocalOptimum:
     for _ in range(_REPEATS):
         function.match(found.point)
-        again = climb(function, found.point, scale)
+        again = maximise_from(function, found.point, scale)
         moved = float(np.abs(again.point - found.point).max())
         found = again
         if moved <= _AT_REST:

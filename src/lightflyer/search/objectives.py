@@ -27,7 +27,7 @@ _SILVERMAN = 1.06  # width of a kernel over the spread, times n^(1/5)
 class Context(eqx.Module):
     """What the films of layers of a search are computed with."""
 
-    tables: Any  # See :class:`~lightflyer.design.design.QuickParts`; None where no film changes
+    tables: Any  # See :class:`~lightflyer.design.design.Surrogate`; None where no film changes
     # Films computed in full less those on a coarse grid, where the two were last compared; zero
     # before. None where no film changes
     shift: Any
@@ -66,14 +66,14 @@ class ObjectiveFunction:
 
     def __init__(self, problem: Problem):
         self.problem = problem
-        costly = problem.costly
-        self._quick = problem.design.quick_parts(costly) if costly else None
+        costly = problem.needs_recompute
+        self._quick = problem.design.surrogate(costly) if costly else None
         limits = np.array([part.limit for part in problem.constraints])
         self._context = Context(None if self._quick is None else self._quick.tables, None, limits)
         if self._quick is not None:
             # zeros of the same structure, or the first match would compile everything anew
             self._context = Context(self._context.tables, self._nothing(), limits)
-        self._exact: Callable[[Mapping[str, float]], Any] = problem.design.prepare
+        self._exact: Callable[[Mapping[str, float]], Any] = problem.design.precompute
 
     @property
     def is_quick(self) -> bool:
@@ -143,7 +143,7 @@ class ObjectiveFunction:
         if self._quick is None:
             return None
         quick, problem = self._quick, self.problem
-        uncertain = problem.design.costly(list(problem.samples))
+        uncertain = problem.design.needs_recompute(list(problem.samples))
         rows = [dict(given)]
         for name in uncertain:
             step = self._spread(name, given)
@@ -318,7 +318,7 @@ class ObjectiveFunction:
         """Numbers of the design that are neither free nor zero nor costly, by dotted name."""
         problem, design = self.problem, self.problem.design
         means = problem.means()
-        costly = design.costly(list(design.quantities))
+        costly = design.needs_recompute(list(design.quantities))
         if self._quick is not None:
             costly = [name for name in costly if not self._quick.knows(name)]
         stated = {

@@ -23,12 +23,19 @@ from lightflyer.core.errors import ConfigurationError, LightflyerError
 from lightflyer.core.progress import report
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.display_units import amount
+from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.prediction import Prediction, predict_design
-from lightflyer.search.local_search import AGREEMENT, FEASIBLE, Found, climb, climb_in_full
+from lightflyer.search.diagnostics import diagnose_solution, require_within_range
+from lightflyer.search.local_search import (
+    AGREEMENT,
+    FEASIBLE,
+    LocalOptimum,
+    maximise_from,
+    maximise_in_full,
+)
 from lightflyer.search.objectives import SCREENED, ObjectiveFunction
 from lightflyer.search.problem import Problem, as_problem
-from lightflyer.search.range_check import cautions_about, require_within_range
 from lightflyer.search.stacks import Ranking, choose_stack, merit
 from lightflyer.search.tolerance import AsMade, made
 
@@ -45,8 +52,8 @@ _AT_BOUND = 1e-6  # distance from a bound, in sides of the cube
 _LEAST_OF_FLYING = {"payload": 0.0, "relative_payload": 0.0, "lift_over_weight": 1.0}
 
 
-@dataclass(frozen=True)
-class Optimum:
+@dataclass(frozen=True, repr=False)
+class Optimum(PrintedResult):
     """The best design, and how it depends on limits and numbers.
 
     Attributes
@@ -112,6 +119,12 @@ class Optimum:
         from lightflyer.search.figures import elasticity_figure
 
         return elasticity_figure(self)
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.search.text import optimum_parts
+
+        return optimum_parts(self)
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""
@@ -242,10 +255,10 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
             "several objectives have no single optimum; call pareto for their front"
         )
     starts, scale = _screen(function)
-    searches: list[Found] = []
+    searches: list[LocalOptimum] = []
     for start in starts:
         report("climbing from several starts", len(searches), len(starts))
-        searches.append(climb(function, start, scale))
+        searches.append(maximise_from(function, start, scale))
     report("sensitivities of the optimum")
     satisfying = [found for found in searches if found.violation <= FEASIBLE]
     if not satisfying:
@@ -259,7 +272,7 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
     near = AGREEMENT * max(abs(best.score), scale)
     agreeing = sum(abs(found.score - best.score) <= near for found in satisfying)
     if function.is_quick:
-        best = climb_in_full(function, satisfying, scale)
+        best = maximise_in_full(function, satisfying, scale)
     return _describe(
         function,
         best,
@@ -319,7 +332,7 @@ def _best_nearby(
 
 
 def _describe(
-    function: ObjectiveFunction, best: Found, *, starts: int, agreeing: int, evaluations: int
+    function: ObjectiveFunction, best: LocalOptimum, *, starts: int, agreeing: int, evaluations: int
 ) -> Optimum:
     problem = function.problem
     names = [bounds.field.name for bounds in problem.bounds]
@@ -333,7 +346,7 @@ def _describe(
         for bounds, fraction in zip(problem.bounds, best.point, strict=True)
     }
     objective = problem.objectives[0]
-    warnings = cautions_about(problem, design)
+    warnings = diagnose_solution(problem, design)
     words = _in_words(problem, objective.sign * best.score, design)
     require_within_range(problem, warnings, design, words)
     multipliers = _multipliers(function, best.point)
@@ -391,7 +404,7 @@ def _multipliers(function: ObjectiveFunction, point: np.ndarray) -> np.ndarray:
 
 
 def _elasticities(
-    function: ObjectiveFunction, best: Found, multipliers: np.ndarray
+    function: ObjectiveFunction, best: LocalOptimum, multipliers: np.ndarray
 ) -> dict[str, float]:
     """Elasticity of the optimum in every number that is not free, the largest first."""
     slopes = function.parameter_gradient(best.point, multipliers)

@@ -151,10 +151,12 @@ class Problem:
         return {one.field.name: one.tolerance for one in self.bounds if one.tolerance}
 
     @property
-    def costly(self) -> list[str]:
+    def needs_recompute(self) -> list[str]:
         """Numbers that have other values than the design's own and change the optics of layers."""
         names = [bounds.field.name for bounds in self.bounds]
-        return self.design.costly(list(dict.fromkeys([*names, *self.fixed, *self.samples])))
+        return self.design.needs_recompute(
+            list(dict.fromkeys([*names, *self.fixed, *self.samples]))
+        )
 
     def means(self) -> dict[str, float]:
         """Means of the uncertain numbers that are not free, by name."""
@@ -351,9 +353,9 @@ def _read_free(entry: Any, known: Field) -> Bounds | Axis | Distribution:
 
 def _require_quick(design: AbstractDesign, names: list[str], source: Source | None) -> None:
     """Raise where the optics of a film of layers would have to be computed in full every time."""
-    for name in design.costly(names):
+    for name in design.needs_recompute(names):
         with errors_at(source, "optimise", "over", name):
-            design.quick_parts([name])
+            design.surrogate([name])
 
 
 def _objectives(

@@ -27,6 +27,7 @@ from lightflyer.core.units import file_unit
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.outputs import check_outputs, outputs_of
 from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.search.sobol_estimates import REPLICATES, indices_with_intervals
 from lightflyer.study.axes import Axis, read_entry
@@ -96,8 +97,8 @@ class SensitivityStudy:
         }
 
 
-@dataclass(frozen=True)
-class Indices:
+@dataclass(frozen=True, repr=False)
+class Indices(PrintedResult):
     """Effect of the uncertainty of each input on an output.
 
     Attributes
@@ -201,6 +202,12 @@ class Indices:
             {"input": ("input", list(self.names))},
             {"title": f"lightflyer sensitivity of {self.output}"},
         )
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.search.text import indices_parts
+
+        return indices_parts(self)
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""

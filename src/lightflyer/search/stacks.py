@@ -15,7 +15,13 @@ from scipy.stats import qmc
 
 from lightflyer.core.errors import LightflyerError
 from lightflyer.core.progress import report
-from lightflyer.search.local_search import FEASIBLE, INFEASIBLE, Found, climb, climb_in_full
+from lightflyer.search.local_search import (
+    FEASIBLE,
+    INFEASIBLE,
+    LocalOptimum,
+    maximise_from,
+    maximise_in_full,
+)
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import Choice, Problem
 
@@ -94,7 +100,7 @@ class _Entry:
     sequence: tuple[int, ...]
     points: np.ndarray  # the best first
     merit: float
-    found: Found | None = None
+    found: LocalOptimum | None = None
     in_full: bool = False
 
 
@@ -179,7 +185,7 @@ def _improved(
             return
         report("improving thicknesses", number, len(entries), "stacks")
         _turn(function, choice, entry.sequence)
-        searches = [climb(function, point, scale) for point in entry.points]
+        searches = [maximise_from(function, point, scale) for point in entry.points]
         entry.found = max(searches, key=lambda found: _merit_of(found, scale))
         entry.merit = _merit_of(entry.found, scale)
         yield entry
@@ -195,12 +201,12 @@ def _computed_in_full(
         report("computing stacks in full", number, len(entries), "stacks")
         _turn(function, choice, entry.sequence)
         assert entry.found is not None  # as improved
-        entry.found = climb_in_full(function, [entry.found], scale)
+        entry.found = maximise_in_full(function, [entry.found], scale)
         entry.merit, entry.in_full = _merit_of(entry.found, scale), True
         yield entry
 
 
-def _merit_of(found: Found, scale: float) -> float:
+def _merit_of(found: LocalOptimum, scale: float) -> float:
     penalty = INFEASIBLE * found.violation if found.violation > FEASIBLE else 0.0
     return found.score / scale - penalty
 

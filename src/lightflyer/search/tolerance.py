@@ -107,7 +107,9 @@ def made(function: ObjectiveFunction, point: np.ndarray) -> AsMade | None:
 def tolerances_of(problem: Problem) -> dict[str, Tolerance]:
     """Stated tolerances of free numbers by name, and assumed ones of free thicknesses."""
     names = [bounds.field.name for bounds in problem.bounds]
-    thicknesses = problem.design.costly([name for name in names if name.endswith(".thickness")])
+    thicknesses = problem.design.needs_recompute(
+        [name for name in names if name.endswith(".thickness")]
+    )
     return dict.fromkeys(thicknesses, ASSUMED) | problem.tolerances
 
 

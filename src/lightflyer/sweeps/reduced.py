@@ -35,7 +35,7 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.study.sections import ReduceSection, SamplingSection, from_arguments
 from lightflyer.study.study import Study, make_study
 from lightflyer.sweeps.outcome import SweepReport
-from lightflyer.sweeps.reduced_tree import as_tree
+from lightflyer.sweeps.reduced_tree import to_datatree
 from lightflyer.sweeps.reducers import (
     CHUNK_ON_GPU,
     DeviceReducer,
@@ -245,7 +245,7 @@ def reduce_into(
                     counted.add(blocks.count(block))
         finally:
             progress.save()
-        tree = as_tree(study, own, kept, progress.partials, progress.failures)
+        tree = to_datatree(study, own, kept, progress.partials, progress.failures)
         tree.attrs[_DESCRIPTION] = json.dumps(description)
         _write(tree, folder, path)
         return SweepReport(

@@ -25,7 +25,7 @@ _MOST_OF_THEM = (
 )  # between these quantiles bins are even; the outer ones hold the rest
 
 
-def as_tree(
+def to_datatree(
     study: Study,
     evaluator: Any,
     kept: list[ReductionSpec],

@@ -190,27 +190,27 @@ def uncertain_inputs(design: AbstractDesign) -> Inputs | None:
         for name, spread in design.uncertainties.items()
         if spread > 0.0 and name in design.fields
     }
-    open_parts = design.open_parts()
-    if not stated and not open_parts:
+    data_bounds = design.data_bounds()
+    if not stated and not data_bounds:
         return None
-    names = [*stated, *open_parts]
+    names = [*stated, *data_bounds]
     correlation = correlation_matrix(names, design.correlations)
-    values = [design.number(name) or 0.0 for name in stated] + [0.0] * len(open_parts)
+    values = [design.number(name) or 0.0 for name in stated] + [0.0] * len(data_bounds)
     quantities = [design.fields[name].quantity for name in stated]
     ranges = [(quantity.lowest, quantity.highest) for quantity in quantities]
-    ranges += [(-0.5, 0.5)] * len(open_parts)
-    costly = design.costly(list(stated))
-    prepared = design.prepare({}) if costly or open_parts else None
+    ranges += [(-0.5, 0.5)] * len(data_bounds)
+    costly = design.needs_recompute(list(stated))
+    prepared = design.precompute({}) if costly or data_bounds else None
     changes = {
         name: _change(design, prepared, name, stated[name], ranges[names.index(name)])
         for name in costly
     }
-    changes |= {name: _between(prepared, *ends) for name, ends in open_parts.items()}
+    changes |= {name: _between(prepared, *ends) for name, ends in data_bounds.items()}
     return Inputs(
         design=design,
         names=names,
         values=np.array(values, float),
-        spreads=np.array([*stated.values(), *[_EVEN] * len(open_parts)]),
+        spreads=np.array([*stated.values(), *[_EVEN] * len(data_bounds)]),
         correlation=correlation,
         ranges=np.array(ranges),
         prepared=prepared,
@@ -240,13 +240,13 @@ def _change(
     both = ends[0] < value - spread and value + spread < ends[1]
     # else a line towards zero, which no upper limit forbids; from zero upwards
     step = spread if both else (-_STEP * value if value else _STEP * spread)
-    there = design.prepare({name: value + step})
+    there = design.precompute({name: value + step})
     if not both:
         slope = jax.tree.map(
             lambda moved, here: (np.asarray(moved) - np.asarray(here)) / step, there, prepared
         )
         return Change(slope, jax.tree.map(np.zeros_like, slope), bounded=False)
-    parabola = _between(prepared, design.prepare({name: value - step}), there)
+    parabola = _between(prepared, design.precompute({name: value - step}), there)
     slope = jax.tree.map(lambda change: change / (2.0 * step), parabola.slope)
     bend = jax.tree.map(lambda change: change / (2.0 * step**2), parabola.bend)
     return Change(slope, bend, bounded=False)

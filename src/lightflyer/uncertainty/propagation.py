@@ -19,6 +19,7 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report
 from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.files.result_text import NARROW, Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.prediction import Place, Prediction, predict_design, search_grid
 from lightflyer.uncertainty import monte_carlo
@@ -77,8 +78,8 @@ class _Target:
     at_end: bool = False
 
 
-@dataclass(frozen=True)
-class PredictionUncertainty:
+@dataclass(frozen=True, repr=False)
+class PredictionUncertainty(PrintedResult):
     """Uncertainty of each result of a prediction.
 
     Attributes
@@ -141,6 +142,12 @@ class PredictionUncertainty:
         from lightflyer.uncertainty.figures import plot_uncertainty
 
         return plot_uncertainty(self, what, ax)
+
+    def text_parts(self, width: int = NARROW) -> Parts:
+        """Lines and tables of the text, for a terminal of some width."""
+        from lightflyer.uncertainty.text import band_parts
+
+        return band_parts(self.summary(), width)
 
     def summary(self) -> dict[str, Any]:
         """Everything as a JSON object; bands are 95 %."""
@@ -258,7 +265,7 @@ def propagate(
     if samples:
         report("bands by Monte Carlo")
         drawn = draw_possible(inputs, samples, seed)
-        told = _cautions(drawn)
+        told = _diagnostics(drawn)
         table, at_movers = _tables(prediction, inputs, drawn.samples, targets, (points, grid))
         sampled = {target.name: _sampled(target, table, at_movers) for target in targets}
         bands = _quantiles({name: table[name][:, points.size :] for name in names})
@@ -292,7 +299,7 @@ def require_samples(samples: int, seed: int, prefix: str = "") -> None:
         raise ParameterError(f"{prefix}seed = {seed}: must be zero or positive")
 
 
-def _cautions(drawn: Drawn) -> tuple[str, ...]:
+def _diagnostics(drawn: Drawn) -> tuple[str, ...]:
     if not drawn.refused:
         return ()
     return (

@@ -1,19 +1,16 @@
 """``lightflyer calibrate``: force coefficients from measured levitation points."""
 
-import math
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
-from rich.console import Console
-from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
-from lightflyer.cli.lab.points import open_interval_text
-from lightflyer.cli.lab.shared import optional_share, quantity, show_warnings
+from lightflyer.cli.lab.shared import optional_share, quantity
 from lightflyer.cli.options import Json, Samples, Seed
-from lightflyer.cli.output import print_json, printer, write_json
+from lightflyer.cli.output import print_json, printer, show, write_json
+from lightflyer.files.result_text import warning_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -93,6 +90,7 @@ def calibrate_command(
     out = figures.folder(out)
     from lightflyer.calibration.calibration import calibrate
     from lightflyer.calibration.points import read_points
+    from lightflyer.calibration.text import fit_parts
     from lightflyer.config.reader import read_flyer_file
 
     points = read_points(points_file, columns=columns)
@@ -103,8 +101,8 @@ def calibrate_command(
         design = read_flyer_file(default if flyer is None else flyer)
     names = [name.strip() for name in free.split(",") if name.strip()]
     fit = calibrate(
-        points,
         design,
+        points=points,
         free=names,
         pressure_accuracy=optional_share("--pressure-accuracy", pressure_accuracy),
         irradiance_accuracy=optional_share("--irradiance-accuracy", irradiance_accuracy),
@@ -121,7 +119,10 @@ def calibrate_command(
         console.print(
             f"flyer: the paper's 2-cm disk in a chamber at {warmth:g} K; use --flyer for yours"
         )
-    _show(console, fit, drawn)
+    show(console, fit_parts(fit))
+    if drawn is not None:
+        show(console, drawn.text_parts())
+    show(console, warning_lines(fit.warnings))
     hint = "add --out FOLDER to write the fit and a figure of the residuals"
     figures.tell(console, written, hint)
 
@@ -185,77 +186,3 @@ def _residuals_csv(fit: "Calibration") -> str:
         for sample, *values in zip(fit.points.samples, *columns, strict=True)
     ]
     return "\n".join([header, *rows]) + "\n"
-
-
-def _show(console: Console, fit: "Calibration", drawn: "Posterior | None") -> None:
-    table = Table(box=None, padding=(0, 1))
-    headings = ("parameter", "value", "given inputs\n95 %", "total\n95 %", "total\n±")
-    for heading in headings:
-        table.add_column(heading, justify="left" if heading == "parameter" else "right")
-    for row, name in enumerate(fit.names):
-        table.add_row(
-            name,
-            f"{fit.values[row]:.4g}",
-            open_interval_text(*fit.intervals[row]),
-            open_interval_text(*fit.total_intervals[row]),
-            f"{fit.total_standard_uncertainties[row]:.2g}",
-        )
-    console.print(table)
-    for text in _explained(fit):
-        console.print(text, soft_wrap=True)
-    if drawn is not None:
-        _show_posterior(console, drawn)
-    show_warnings(console, fit.warnings)
-
-
-def _explained(fit: "Calibration") -> list[str]:
-    """What the intervals of the table contain, in words."""
-    kind = "estimated from the scatter" if fit.estimated_scatter else "as stated in the file"
-    if fit.error_scale != 1.0:
-        kind = f"as stated in the file, times {fit.error_scale:.3g}"
-    chi_squared = (
-        f"; reduced chi-squared {fit.reduced_chi_squared:.3g}"
-        if math.isfinite(fit.reduced_chi_squared)
-        else ""
-    )
-    shares = ", ".join(
-        f"{name} ({_percentages(values)})" for name, values in fit.contributions.items()
-    )
-    return [
-        f"{len(fit.points)} points of {len(set(fit.points.samples))} samples scatter by "
-        f"{100.0 * fit.scatter:.2g} % of the irradiance; their uncertainty is {kind}{chi_squared}",
-        "given inputs: the points' scatter alone, everything else exactly as stated",
-        f"total: also the ± of {shares or 'nothing else, since nothing has one'}",
-    ]
-
-
-def _percentages(shares: Any) -> str:
-    """Relative standard uncertainty of each parameter by one input."""
-    return ", ".join(f"{100.0 * share:.2g} %" for share in shares)
-
-
-def _show_posterior(console: Console, drawn: "Posterior") -> None:
-    table = Table(box=None, padding=(0, 1))
-    headings = (
-        "posterior\nat given inputs",
-        "mean",
-        "standard\ndeviation",
-        "95 % interval",
-        "R-hat",
-        "effective",
-    )
-    for heading in headings:
-        table.add_column(heading, justify="left" if heading.startswith("posterior") else "right")
-    for name, found in drawn.summary()["parameters"].items():
-        low, high = found["interval_95"]
-        table.add_row(
-            name,
-            f"{found['mean']:.4g}",
-            f"{found['standard_deviation']:.2g}",
-            f"{low:.4g} to {high:.4g}",
-            f"{found['r_hat']:.3f}",
-            f"{found['effective_draws']:.0f}",
-        )
-    console.print(table)
-    chains, draws = drawn.draws.shape[:2]
-    console.print(f"{chains * draws} draws in {chains} chains, {drawn.divergences} divergent")

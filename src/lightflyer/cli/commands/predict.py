@@ -2,30 +2,25 @@
 
 import gc
 import json
-import re
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
-from rich.console import Console
-from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.options import Json, Samples, Seed
-from lightflyer.cli.output import print_json, printer, write_json
-from lightflyer.cli.prediction_tables import NARROW, measure, show_flyer, show_results
+from lightflyer.cli.output import print_json, printer, show, write_json
 from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from rich.console import Console
 
     from lightflyer.config.flyer_file import FlyerFile
     from lightflyer.environment.base import Coordinate
     from lightflyer.prediction.prediction import Prediction
     from lightflyer.uncertainty.propagation import PredictionUncertainty
-
-_OF_MODEL = re.compile(r"force\.\w+_error")  # inputs that are errors of the force model itself
 
 
 def predict_command(
@@ -72,7 +67,7 @@ def predict_command(
 
     design = read_design(flyer_file)
     file = design.file
-    uncertain = bool(file.uncertainties() or design.open_parts())
+    uncertain = bool(file.uncertainties() or design.data_bounds())
     if uncertain:  # else nothing is imported or compiled for it
         from lightflyer.uncertainty.propagation import propagate, require_samples
 
@@ -86,16 +81,14 @@ def predict_command(
     summary = prediction.summary() | _film_origins(file)
     if uncertainty is not None:
         summary["uncertainty"] = uncertainty.summary()
-    written = []
+    written, results = [], (prediction, summary, uncertainty)
     if out is not None and loading is not None:
         loading.join()
-        results = prediction, summary, uncertainty
         written = _write(out, file, flyer_file, results, figures, csv=csv)
     if json_output:
         print_json(summary)
         return
-    console = printer()
-    _show(console, file, prediction, summary)
+    console = _show(file, results)
     figures.tell(console, written, "add --out FOLDER to write figures and data")
 
 
@@ -176,82 +169,21 @@ def _write(
 
 
 def _show(
-    console: Console, file: "FlyerFile", prediction: "Prediction", summary: dict[str, Any]
-) -> None:
-    show_flyer(console, prediction)
+    file: "FlyerFile", results: "tuple[Prediction, dict[str, Any], PredictionUncertainty | None]"
+) -> "Console":
+    from lightflyer.prediction.text import flyer_lines, result_parts
+
+    (prediction, summary, uncertainty), console = results, printer()
+    show(console, flyer_lines(prediction))
     for name in filter(summary.__contains__, file.films()):
         console.print(_origins_line(name, summary[name]), soft_wrap=True)
-    show_results(console, prediction)
-    if "uncertainty" in summary:
-        _show_bands(console, summary["uncertainty"])
+    show(console, result_parts(prediction, console.width))
+    if uncertainty is not None:
+        show(console, uncertainty.text_parts(console.width))
     elif file.uncertainties():
         uncertain = ", ".join(file.uncertainties())
         console.print(f"uncertainties of {uncertain} are kept with the data, not propagated")
-
-
-def _show_bands(console: Console, uncertainty: dict[str, Any]) -> None:
-    """The 95 % bands of all results but those asked for one by one."""
-    results, width = uncertainty["results"], min(console.width, NARROW)
-    share = uncertainty["share_that_levitates"]
-    if share is not None:
-        samples = uncertainty["samples"]
-        console.print(f"levitates in {100.0 * share:.0f} % of {samples} samples of the ± below")
-    both = ["first order", "Monte Carlo"]
-    kept = [*both, "samples"], both, ["Monte Carlo" if uncertainty["samples"] else "first order"]
-    tables = [_bands_table(results, columns) for columns in kept]
-    fitting = (table for table in tables if measure(table).maximum <= width)
-    console.print(next(fitting, tables[-1]))
-    correlation = uncertainty["tac_correlation"]
-    note = "" if correlation is None else f", TAC errors correlated by {correlation:g}"
-    sources = []
-    own = [name for name in uncertainty["inputs"] if _OF_MODEL.fullmatch(name)]
-    stated = [name for name in uncertainty["inputs"] if name not in own]
-    if stated:
-        sources.append(f"the ± of {', '.join(stated)}{note}")
-    if own:
-        sources.append(f"the force model's own errors ({', '.join(own)})")
-    if uncertainty["between_bounds"]:
-        names = ", ".join(uncertainty["between_bounds"])
-        sources.append(f"the bounds of {names}")
-    console.print(f"from {', and '.join(sources)}", soft_wrap=True)
-    for warning in uncertainty["warnings"]:
-        console.print(f"warning: {warning}", soft_wrap=True)
-
-
-def _bands_table(results: dict[str, Any], columns: list[str]) -> Table:
-    """Table of bands by some methods, and of the samples that have such a result."""
-    table = Table(box=None, padding=(0, 1, 0, 0))  # so that it fits into 80 columns
-    table.add_column("95 % band of", no_wrap=True)
-    for heading in ("value", *columns):
-        table.add_column(heading, justify="right", no_wrap=True)
-    shown = ""
-    for name, result in results.items():
-        group, _, entry = name.rpartition(".")
-        if name.startswith("at["):
-            continue
-        if group != shown:
-            table.add_row(group)
-            shown = group
-        sampled = result.get("monte_carlo")
-        share = f"{100.0 * sampled['share_of_samples']:.0f} %" if sampled else "–"
-        spans = {
-            "first order": _span(result["first_order"]),
-            "Monte Carlo": _span(sampled),
-            "samples": share,
-        }
-        cells = [f"{result['value']:.4g}", *(spans[column] for column in columns)]
-        table.add_row(f"  {entry}" if group else entry, *cells)
-    return table
-
-
-def _span(band: dict[str, Any] | None) -> str:
-    if band is None:
-        return "–"
-    if band["low"] is None:
-        spread = band.get("standard_uncertainty")
-        return "–" if spread is None else f"± {spread:.3g}"
-    high = "∞" if band["high"] is None else f"{band['high']:.4g}"
-    return f"{band['low']:.4g} to {high}"
+    return console
 
 
 def _origins_line(section: str, film: dict[str, Any]) -> str:

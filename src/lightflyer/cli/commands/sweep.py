@@ -161,12 +161,12 @@ def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.
 
 def _warnings(study: "Study", best: "BestDesign | None") -> tuple[str, ...]:
     """What a reader of the best design must know; of the design itself where there is none."""
-    from lightflyer.design.cautions import cautions_of_design
+    from lightflyer.design.diagnostics import diagnose_design
 
     if best is None:
         return study.design.warnings
     there = {field: number for field, (number, _) in best.where.items()}
-    return tuple(f"best design: {text}" for text in cautions_of_design(study.design, there))
+    return tuple(f"best design: {text}" for text in diagnose_design(study.design, there))
 
 
 def report_line(report: "SweepReport") -> str:

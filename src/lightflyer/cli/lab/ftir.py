@@ -167,7 +167,7 @@ def _read(spectrum: "MeasuredSpectrum") -> dict[str, Any]:
     return {
         "file": spectrum.source,
         "quantity": spectrum.quantity,
-        **asdict(spectrum.facts),
+        **asdict(spectrum.metadata),
         "collection": spectrum.collection,
         "points": len(spectrum.wavenumber),
         "rejected": [{"line": row.line, "reason": row.reason} for row in spectrum.rejected],
@@ -210,15 +210,15 @@ def _show_read(console: Console, spectra: "Sequence[MeasuredSpectrum]") -> None:
 
 def _facts(spectrum: "MeasuredSpectrum") -> str:
     """What the file says of its spectrum, as it says it."""
-    facts = spectrum.facts
+    metadata = spectrum.metadata
     words = [
-        f'{facts.format} with "{facts.ordinate}"',
-        facts.instrument,
-        f"resolution {facts.resolution}" if facts.resolution else "resolution not stated",
-        facts.accessory,
+        f'{metadata.format} with "{metadata.ordinate}"',
+        metadata.instrument,
+        f"resolution {metadata.resolution}" if metadata.resolution else "resolution not stated",
+        metadata.accessory,
         f"{spectrum.collection} light" if spectrum.collection else "",
-        f'sample "{facts.sample}"' if facts.sample else "",
-        f"of {facts.measured}" if facts.measured else "",
+        f'sample "{metadata.sample}"' if metadata.sample else "",
+        f"of {metadata.measured}" if metadata.measured else "",
     ]
     return ", ".join(filter(None, words))
 

@@ -9,7 +9,6 @@ from rich.console import Console
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab.points import open_interval_text
 from lightflyer.cli.lab.shared import (
     Files,
     finish,
@@ -24,6 +23,7 @@ from lightflyer.cli.lab.shared import (
 from lightflyer.cli.options import Json, Seed
 from lightflyer.cli.output import print_json, printer
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.result_text import open_interval_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -71,7 +71,7 @@ def optics_command(
         require_same_layers(update, sample)
     result = fit_optics(sample, starts=starts, seed=seed)
     document = result.summary() | {"read": [
-        {"file": one.spectrum.source, "format": one.spectrum.facts.format,
+        {"file": one.spectrum.source, "format": one.spectrum.metadata.format,
          "rejected": [{"line": row.line, "reason": row.reason} for row in one.spectrum.rejected]}
         for one in sample.spectra
     ]}  # fmt: skip
@@ -115,7 +115,7 @@ def _show_read(console: Console, result: "OpticsFit") -> None:
 
 
 def _show(console: Console, result: "OpticsFit") -> None:
-    from lightflyer.lab.optics.findings import written
+    from lightflyer.lab.optics.diagnostics import written
 
     rows: list[tuple[str, Any, float, str]] = [
         (name, one, *written(one.unit)) for name, one in result.numbers.items()

@@ -351,8 +351,8 @@ class Formula(Medium):
         return self.origin
 
     @property
-    def caveats(self) -> tuple[str, ...]:
-        """See :attr:`Medium.caveats`: a formula without a range, or one that absorbs nothing."""
+    def diagnostics(self) -> tuple[str, ...]:
+        """See :attr:`Medium.diagnostics`: a formula without a range or without absorption."""
         found = []
         if self.wavelength_range == (0.0, np.inf):
             found.append(

@@ -96,9 +96,9 @@ class Graded(Compound):
         return self._at(0.5).index(wavelength)
 
     @property
-    def caveats(self) -> tuple[str, ...]:
-        """See :attr:`Medium.caveats`: those of the mixtures at both ends."""
-        return tuple(dict.fromkeys((*self._at(0.0).caveats, *self._at(1.0).caveats)))
+    def diagnostics(self) -> tuple[str, ...]:
+        """See :attr:`Medium.diagnostics`: those of the mixtures at both ends."""
+        return tuple(dict.fromkeys((*self._at(0.0).diagnostics, *self._at(1.0).diagnostics)))
 
 
 @entry_point

@@ -113,8 +113,8 @@ class Material(Medium):
         return tuple(gap for gap in found if gap[1] > gap[0] * (1.0 + _WIDEST_STEP))
 
     @property
-    def caveats(self) -> tuple[str, ...]:
-        """See :attr:`Medium.caveats`: gaps between sources, an unusual temperature, the remarks."""
+    def diagnostics(self) -> tuple[str, ...]:
+        """See :attr:`Medium.diagnostics`: gaps between sources, an unusual temperature, remarks."""
         gaps = (
             f"{self.name} has no optical data from {gap[0] / MICROMETRE:.4g} µm to "
             f"{gap[1] / MICROMETRE:.4g} µm; n and k are linear between these"

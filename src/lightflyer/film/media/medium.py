@@ -164,7 +164,7 @@ class Medium(eqx.Module):
         """
 
     @property
-    def caveats(self) -> tuple[str, ...]:
+    def diagnostics(self) -> tuple[str, ...]:
         """What a reader of results must know of n and k, one line each."""
         return ()
 

@@ -156,9 +156,9 @@ class Mixture(Compound):
         return factors[0] if len(factors) == 1 else np.array(factors)
 
     @property
-    def caveats(self) -> tuple[str, ...]:
-        """See :attr:`Medium.caveats`: those of the parts, and where the rule does not hold."""
-        found = [text for part in self.parts for text in part.caveats]
+    def diagnostics(self) -> tuple[str, ...]:
+        """See :attr:`Medium.diagnostics`: those of the parts, and where the rule does not hold."""
+        found = [text for part in self.parts for text in part.diagnostics]
         if self.rule is Rule.MAXWELL_GARNETT and is_concrete(self.fractions):
             share = float(np.sum(self.fractions))
             if share > MOST_INCLUSIONS:

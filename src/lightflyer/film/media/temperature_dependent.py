@@ -85,13 +85,16 @@ class TemperatureDependentMedium(Compound):
         return _interpolated(n, k, np.array(self.temperatures), self.temperature)
 
     @property
-    def caveats(self) -> tuple[str, ...]:
-        """See :attr:`Medium.caveats`: the temperature, and those of the parts."""
+    def diagnostics(self) -> tuple[str, ...]:
+        """See :attr:`Medium.diagnostics`: the temperature, and those of the parts."""
         at = f"{float(self.temperature):g} K" if is_concrete(self.temperature) else "a temperature"
         tables = ", ".join(f"{one:g}" for one in self.temperatures)
         own = f"{self.name} has n and k at {at}, linear between tables at {tables} K"
         parts = [
-            text for part in self.parts for text in part.caveats if " has n and k at " not in text
+            text
+            for part in self.parts
+            for text in part.diagnostics
+            if " has n and k at " not in text
         ]
         return (own, *dict.fromkeys(parts))
 

@@ -40,7 +40,7 @@ from lightflyer.numerics.trigonometry import sine_and_cosine
 Complex: TypeAlias = tuple[Array, Array]
 
 
-class Half(NamedTuple):
+class HalfSpace(NamedTuple):
     """A medium as waves meet it at an interface."""
 
     normal: Complex  # Relative normal wave number
@@ -55,7 +55,7 @@ class Half(NamedTuple):
 class Sheets(NamedTuple):
     """Layers as waves meet them; the first axis of each array is the layer."""
 
-    half: Half
+    half: HalfSpace
     exponent: Complex  # Of the field's factor, down through the layer and up again
 
     @property
@@ -97,18 +97,18 @@ class Beam(NamedTuple):
     cosine: Array  # Of the wave's angle to the normal [1]
 
     @property
-    def half(self) -> Half:
+    def half(self) -> HalfSpace:
         """The medium as the wave meets its interface."""
         normal, magnetic = self.n * self.cosine, self.n / self.cosine
-        return Half((normal, jnp.zeros_like(normal)), (magnetic, jnp.zeros_like(magnetic)))
+        return HalfSpace((normal, jnp.zeros_like(normal)), (magnetic, jnp.zeros_like(magnetic)))
 
-    def into(self, n: Numeric, k: Numeric) -> Half:
+    def into(self, n: Numeric, k: Numeric) -> HalfSpace:
         """Another medium as the wave meets it from inside, by its index."""
         imaginary = 2.0 * n * k
         # as the difference of the media: near grazing incidence the sine would lose the cosine
         excess = (n - self.n) * (n + self.n) - k * k
         normal = _root(excess + (self.n * self.cosine) ** 2, imaginary)
-        return Half(normal, _quotient((n * n - k * k, imaginary), normal))
+        return HalfSpace(normal, _quotient((n * n - k * k, imaginary), normal))
 
 
 def sheets(beam: Beam, n: Numeric, k: Numeric, phase: Numeric) -> Sheets:
@@ -118,9 +118,9 @@ def sheets(beam: Beam, n: Numeric, k: Numeric, phase: Numeric) -> Sheets:
 
 
 def respond(
-    above: Half,
+    above: HalfSpace,
     layers: Sheets,
-    below: Half,
+    below: HalfSpace,
     roughness: Numeric | None,
     shape: tuple[int, ...],
     *,
@@ -182,9 +182,9 @@ _Pair: TypeAlias = tuple[_Risen, _Risen]
 def _sweep(
     shape: tuple[int, ...],
     inside: bool,
-    above: Half,
+    above: HalfSpace,
     layers: Sheets,
-    below: Half,
+    below: HalfSpace,
     roughness: Numeric | None = None,
 ) -> tuple[_Pair, Any]:
     """The recursion from the bottom up, and the ratios below each interface, top to bottom."""
@@ -209,7 +209,7 @@ def _sweep(
         widened = jax.tree.map(lambda part: part + full, (half, risen))
         return widened, (met if inside else None, tuple(wave.ratio for wave in widened[1]))
 
-    under: Half = lowest
+    under: HalfSpace = lowest
     met: Any = None
     empty = jnp.zeros((0, *shape))
     ratios: Any = ((empty, empty), (empty, empty))
@@ -231,7 +231,7 @@ def _sweep(
 
 
 def _smooth_sweep(
-    shape: tuple[int, ...], inside: bool, above: Half, layers: Sheets, below: Half
+    shape: tuple[int, ...], inside: bool, above: HalfSpace, layers: Sheets, below: HalfSpace
 ) -> _Pair:
     """The recursion where all interfaces are smooth."""
     return _sweep(shape, inside, above, layers, below)[0]
@@ -240,8 +240,8 @@ def _smooth_sweep(
 def _slopes(
     shape: tuple[int, ...],
     inside: bool,
-    primals: tuple[Half, Sheets, Half],
-    tangents: tuple[Half, Sheets, Half],
+    primals: tuple[HalfSpace, Sheets, HalfSpace],
+    tangents: tuple[HalfSpace, Sheets, HalfSpace],
 ) -> tuple[_Pair, _Pair]:
     """Derivatives by a recursion of changes, written out."""
     # In those that JAX finds by itself, each intermediate result has a loop of its own, which
@@ -282,8 +282,8 @@ _smooth.defjvp(_slopes)
 def _rows(
     shape: tuple[int, ...],
     ratios: tuple[Complex, Complex],
-    primals: tuple[Half, Sheets, Half],
-    tangents: tuple[Half, Sheets, Half],
+    primals: tuple[HalfSpace, Sheets, HalfSpace],
+    tangents: tuple[HalfSpace, Sheets, HalfSpace],
 ) -> Any:
     """What the recursion of changes needs of each interface and the layer above it."""
     (tops, bottoms), (top_changes, bottom_changes) = (
@@ -303,7 +303,7 @@ def _rows(
 
 
 def _faces(
-    shape: tuple[int, ...], above: Half, layers: Sheets, below: Half
+    shape: tuple[int, ...], above: HalfSpace, layers: Sheets, below: HalfSpace
 ) -> tuple[tuple[Complex, Complex], tuple[Complex, Complex]]:
     """Admittances above each interface, and below each, for s and p polarisation."""
     first, last = (jax.tree.map(lambda part: part[None], one) for one in (above, below))
@@ -408,7 +408,7 @@ class _Damping(NamedTuple):
     passing: Array  # where it passes, squared: down and up again
 
 
-def _damping(above: Half, below: Half, kappa: Numeric) -> _Damping:
+def _damping(above: HalfSpace, below: HalfSpace, kappa: Numeric) -> _Damping:
     """Factors of a rough interface."""
     a, b = above.normal[0], below.normal[0]
     power = kappa * kappa

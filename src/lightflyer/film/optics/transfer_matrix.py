@@ -20,7 +20,7 @@ from lightflyer.film.optics.coherent import (
     Beam,
     Complex,
     Fields,
-    Half,
+    HalfSpace,
     Sheets,
     magnitude,
     net_power,
@@ -237,9 +237,9 @@ def transfer(
 class _Grouped(NamedTuple):
     """Layers, cut where light does not interfere."""
 
-    outside: Half
+    outside: HalfSpace
     layers: Sheets
-    substrate: Half
+    substrate: HalfSpace
     kappa: Array | None
     coherent: tuple[bool, ...]
     shape: tuple[int, ...]
@@ -277,8 +277,8 @@ class _Grouped(NamedTuple):
             for number in (0, 1)
         ]
 
-    def _medium(self, number: int) -> Half:
-        one: Half = jax.tree.map(lambda part: part[number], self.layers.half)
+    def _medium(self, number: int) -> HalfSpace:
+        one: HalfSpace = jax.tree.map(lambda part: part[number], self.layers.half)
         return one
 
 

@@ -17,7 +17,7 @@ from lightflyer.film.optics.averages import (
     heat_shares,
     light_shares,
 )
-from lightflyer.film.optics.findings import film_warnings
+from lightflyer.film.optics.diagnostics import film_warnings
 from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum, am0
 from lightflyer.film.optics.stack import Film
 from lightflyer.film.optics.thickness import COARSE_POINTS_PER_E_FOLD, thickness_uncertainty

@@ -175,20 +175,20 @@ class ChamberFit:
         lift *= beyond * dense * tac / REFERENCE_TAC
         return SolidWalls(_kept(factor, force), heat_kept, lift)
 
-    def caveats(
+    def diagnostics(
         self, chamber: Chamber, knudsen: Numeric, pressure: Numeric, molecules: str
     ) -> Iterator[str]:
         """Where surfaces are nearer, or the gas denser or another, than the table's."""
         if molecules == "monatomic":
             yield _OF_DIATOMIC
         dense = Validity("the Knudsen number", self.knudsen_range[0], np.inf, _DENSE)
-        yield from dense.caveats(knudsen, pressure)
+        yield from dense.diagnostics(knudsen, pressure)
         names = ("the floor's", "the lid's", "the side wall's")
         for name, least, distance in zip(names, self.nearest, chamber, strict=True):
             if np.all(np.isinf(distance)):
                 continue
             range_ = Validity(f"{name} distance over the radius", float(least), np.inf, _HELD)
-            yield from range_.caveats(distance, pressure)
+            yield from range_.diagnostics(distance, pressure)
 
 
 def nearness(chamber: Chamber, nearest: Chamber | None = None) -> tuple[Any, ...]:

@@ -35,7 +35,7 @@ from lightflyer.force.kinetic.collisions import (
 )
 from lightflyer.force.kinetic.local_balance import (
     FilmBalance,
-    Kept,
+    RemainingShares,
     local_balance_fit,
     require_film_balance,
 )
@@ -167,10 +167,10 @@ class KineticDisk(AbstractForceModel):
             push *= jnp.cos(flyer.attitude.tilt)
         return found + push
 
-    def caveats(
+    def diagnostics(
         self, flyer: Disk, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.caveats`."""
+        """See :meth:`AbstractForceModel.diagnostics`."""
         fit, knudsen = _fit_and_knudsen_number(flyer, state)
         pressure, ratio = state.pressure, temperature / state.temperature
         lowest, lowest_hot = fit.knudsen_range[0], fit.hot_knudsen_range[0]
@@ -185,15 +185,15 @@ class KineticDisk(AbstractForceModel):
         if chamber is None and state.wall_distance is not None:
             near = Validity("the walls' distance over the radius", fit.nearest_wall, math.inf, WALL)
             looks.append((near, state.wall_distance / flyer.radius))
-        found = [text for range_, value in looks for text in range_.caveats(value, pressure)]
+        found = [text for range_, value in looks for text in range_.diagnostics(value, pressure)]
         if chamber is not None:
-            found += chamber_fit().caveats(chamber, knudsen, pressure, state.gas.molecules)
+            found += chamber_fit().diagnostics(chamber, knudsen, pressure, state.gas.molecules)
         if self.film_balance == "local":
-            found += local_balance_fit().caveats(knudsen, pressure, state.gas.molecules)
+            found += local_balance_fit().diagnostics(knudsen, pressure, state.gas.molecules)
         if state.gas.molecules not in GASES:
             found.append(f"{state.gas.name} {_SCALED}")
         covered = fit.knudsen_range[0]
-        return (*found, *kinetic_walls.caveats(flyer, self.walls, knudsen, pressure, covered))
+        return (*found, *kinetic_walls.diagnostics(flyer, self.walls, knudsen, pressure, covered))
 
 
 @entry_point
@@ -262,10 +262,10 @@ def _kept(
     knudsen: Numeric,
     heat_ratio: Numeric,
     balance: FilmBalance,
-) -> Kept:
+) -> RemainingShares:
     """What is kept of force and heat where the film is not isothermal [1]."""
     if balance == "isothermal":
-        return Kept()
+        return RemainingShares()
     fit = local_balance_fit()
     return fit.kept(disk, state, excess, knudsen, heat_ratio)
 

@@ -50,7 +50,7 @@ def require_film_balance(balance: str) -> None:
         raise ParameterError(f'film_balance = "{balance}" is not one of {", ".join(known)}')
 
 
-class Kept(NamedTuple):
+class RemainingShares(NamedTuple):
     """Factors of force and heat loss at the same mean temperature [1]."""
 
     force: Numeric = 1.0
@@ -66,11 +66,11 @@ class LocalBalanceFit:
     force: Any  # Coefficients of the logarithms of :math:`D` for force and heat loss
     heat: Any
 
-    def caveats(self, knudsen: Numeric, pressure: Numeric, molecules: str) -> Iterator[str]:
+    def diagnostics(self, knudsen: Numeric, pressure: Numeric, molecules: str) -> Iterator[str]:
         """Where the gas is denser or another than the table's."""
         if molecules == "monatomic":
             yield "what a film's local balance of heat does is taken from a diatomic gas"
-        yield from Validity("the Knudsen number", self.knudsen_range[0], np.inf, _HELD).caveats(
+        yield from Validity("the Knudsen number", self.knudsen_range[0], np.inf, _HELD).diagnostics(
             knudsen, pressure
         )
 
@@ -81,14 +81,14 @@ class LocalBalanceFit:
         excess: Numeric,
         knudsen: Numeric,
         heat_ratio: Numeric,
-    ) -> Kept:
+    ) -> RemainingShares:
         """What is kept of the isothermal film's force and heat loss."""
         share = gas_share(disk, state, excess, heat_ratio)
         evened = share / (share + (1.0 - share) * knudsen / (knudsen + _KNUDSEN_0))
         scale = evened * jnp.exp(-_HEATING_EXPONENT * jnp.maximum(heating_of(1.0 + excess), 0.0))
         place = thinness(knudsen, self.knudsen_range)
         force, heat = (jnp.exp(polynomial(own, place)) for own in (self.force, self.heat))
-        return Kept(1.0 - scale * force, 1.0 - scale * heat)
+        return RemainingShares(1.0 - scale * force, 1.0 - scale * heat)
 
 
 def gas_share(disk: Disk, state: EnvironmentState, excess: Numeric, heat_ratio: Numeric) -> Array:

@@ -166,10 +166,12 @@ class Kinetic(AbstractForceModel):
         """See :meth:`AbstractForceModel.pushes_unheated`: a disk over a warm floor is."""
         return self.model_of(flyer).pushes_unheated(flyer, state)
 
-    def caveats(self, flyer: Any, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.caveats`; options of the other model have no effect."""
+    def diagnostics(
+        self, flyer: Any, state: EnvironmentState, temperature: Numeric
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractForceModel.diagnostics`; options of the other model have no effect."""
         model = self.model_of(flyer)
-        found = model.caveats(flyer, state, temperature)
+        found = model.diagnostics(flyer, state, temperature)
         if isinstance(model, KineticDisk):
             idle = {"transmission": self.transmission != "aligned"}
         else:

@@ -38,8 +38,8 @@ from lightflyer.force.laws.membrane_transmission import (
 )
 from lightflyer.force.membranes.sandwich import (
     between_membranes,
-    caveats_of_sandwich,
     rarefaction_of,
+    sandwich_diagnostics,
 )
 from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.program.entry_point import entry_point
@@ -123,10 +123,10 @@ class KineticSandwich(AbstractForceModel):
         driven = by_temperature * apart + by_tac * unlike
         return 0.5 * state.pressure * flyer.area * driven
 
-    def caveats(
+    def diagnostics(
         self, flyer: Sandwich, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.caveats`."""
+        """See :meth:`AbstractForceModel.diagnostics`."""
         fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
         passed, pressure = passage_of(flyer, self.transmission), state.pressure
         hottest = 1.0 / (1.0 - fit.heating_limit)
@@ -146,8 +146,8 @@ class KineticSandwich(AbstractForceModel):
             looks.append((Validity("the rarefaction parameter", *fit.wall_range, WALL), delta))
         solid = state.floor_distance is not None or state.lid_distance is not None
         return (
-            *(text for range_, value in looks for text in range_.caveats(value, pressure)),
-            *caveats_of_sandwich(flyer, state, self.transmission),
+            *(text for range_, value in looks for text in range_.diagnostics(value, pressure)),
+            *sandwich_diagnostics(flyer, state, self.transmission),
             *(("floor and lid have no effect: their table is for a disk",) if solid else ()),
         )
 

@@ -246,7 +246,7 @@ def normal_accommodations(disk: Disk, walls: Walls) -> tuple[Numeric, Numeric]:
     return held[0], held[1]
 
 
-def caveats(
+def diagnostics(
     disk: Disk, walls: Walls, knudsen: Numeric, pressure: Numeric, covered: float
 ) -> tuple[str, ...]:
     """Warnings where the table of walls ends, or where no wall accommodates as it is told to."""
@@ -262,4 +262,4 @@ def caveats(
              normal_accommodation(tac, walls.tangential))
             for face, tac in (("on top", disk.film.tac_top), ("below", disk.film.tac_bottom))
         ]  # fmt: skip
-    return tuple(text for range_, value in looks for text in range_.caveats(value, pressure))
+    return tuple(text for range_, value in looks for text in range_.diagnostics(value, pressure))

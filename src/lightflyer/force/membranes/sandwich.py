@@ -55,13 +55,13 @@ def between_membranes(
     )
 
 
-def caveats_of_sandwich(
+def sandwich_diagnostics(
     flyer: Sandwich, state: EnvironmentState, transmission: Transmission
 ) -> Iterator[str]:
     """Where holes and gap are not as models of a sandwich take them."""
     path = mean_free_path(state.pressure, state.temperature, state.gas)
-    yield from _HOLES.caveats(np.asarray(flyer.hole_radius) / path, state.pressure)
-    yield from _GAP.caveats(np.asarray(flyer.gap) / path, state.pressure)
+    yield from _HOLES.diagnostics(np.asarray(flyer.hole_radius) / path, state.pressure)
+    yield from _GAP.diagnostics(np.asarray(flyer.gap) / path, state.pressure)
     ratio = np.asarray(flyer.gap) / flyer.hole_radius
     if transmission == "aligned" and np.max(ratio) > WIDE_GAP:
         yield (

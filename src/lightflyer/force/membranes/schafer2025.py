@@ -20,8 +20,8 @@ from lightflyer.force.laws.membrane_transmission import (
 )
 from lightflyer.force.membranes.sandwich import (
     between_membranes,
-    caveats_of_sandwich,
     rarefaction_of,
+    sandwich_diagnostics,
 )
 from lightflyer.force.membranes.sandwich import rarefaction as rarefaction
 from lightflyer.force.membranes.schafer2025_table import (
@@ -84,7 +84,7 @@ class Schafer2025(AbstractForceModel):
 
     They are for a disk of no thickness whose holes let a molecule through or not, at random: holes
     and gap much narrower than the mean free path, the holes of both membranes above each other.
-    :meth:`caveats` says where that does not hold. For a gap much wider than the holes,
+    :meth:`diagnostics` says where that does not hold. For a gap much wider than the holes,
     ``transmission="wide"`` takes the disk through which as many molecules pass as through both
     membranes, with the temperatures at which they leave:
     :func:`~lightflyer.force.laws.membrane_transmission.passage`.
@@ -160,17 +160,17 @@ class Schafer2025(AbstractForceModel):
         )
         return 0.5 * state.pressure * flyer.area * ratio * sum(passed.recoil(*unknowns))
 
-    def caveats(
+    def diagnostics(
         self,
         flyer: Sandwich,
         state: EnvironmentState,
         temperature: Numeric,  # noqa: ARG002
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.caveats`."""
+        """See :meth:`AbstractForceModel.diagnostics`."""
         return (
-            *_DENSE.caveats(rarefaction_of(flyer, state), state.pressure),
-            *_OPEN.caveats(flyer.open_fraction, state.pressure),
-            *caveats_of_sandwich(flyer, state, self.transmission),
+            *_DENSE.diagnostics(rarefaction_of(flyer, state), state.pressure),
+            *_OPEN.diagnostics(flyer.open_fraction, state.pressure),
+            *sandwich_diagnostics(flyer, state, self.transmission),
         )
 
     def _passage(self, flyer: Sandwich) -> MembraneTransmission:

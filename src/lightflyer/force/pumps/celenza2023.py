@@ -14,7 +14,7 @@ from lightflyer.force.pumps.celenza2023_laws import require_air
 from lightflyer.force.pumps.hollow_flow import (
     AS_PUBLISHED,
     FLOW_RESULTS,
-    caveats_of_pump,
+    pump_diagnostics,
     pump_force,
     pump_results,
 )
@@ -82,14 +82,14 @@ class Celenza2023(AbstractForceModel):
         """See :meth:`AbstractForceModel.own_results`."""
         return pump_results(flyer, state, unknowns, AS_PUBLISHED)
 
-    def caveats(
+    def diagnostics(
         self,
         flyer: HollowBody,
         state: EnvironmentState,
         temperature: Numeric,  # noqa: ARG002
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.caveats`."""
-        return caveats_of_pump(flyer, state, AS_PUBLISHED)
+        """See :meth:`AbstractForceModel.diagnostics`."""
+        return pump_diagnostics(flyer, state, AS_PUBLISHED)
 
 
 class Celenza2023Section(ForceSection, of=Celenza2023):

@@ -168,7 +168,7 @@ class ChannelPump(AbstractForceModel):
     The gas in the channels and between the films has the properties at the plate's mean
     temperature; the gas outside conducts and flows as at the mean of plate and surroundings.
 
-    :meth:`caveats` says where channels are not slots or too short, and where the flow is fast.
+    :meth:`diagnostics` says where channels are not slots or too short, and where the flow is fast.
     """
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Plate,)
@@ -240,14 +240,14 @@ class ChannelPump(AbstractForceModel):
             "reynolds_number": _reynolds_number(flyer, state, plate, flow),
         }
 
-    def caveats(
+    def diagnostics(
         self,
         flyer: Plate,
         state: EnvironmentState,
         temperature: Numeric,
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.caveats`."""
-        return tuple(_caveats(flyer, state, temperature))
+        """See :meth:`AbstractForceModel.diagnostics`."""
+        return tuple(_diagnostics(flyer, state, temperature))
 
 
 def _inside(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Inside:
@@ -373,14 +373,14 @@ def _reynolds_number(
     return density * flyer.radius * jnp.abs(flow.velocity) / plate.outside.viscosity
 
 
-def _caveats(flyer: Plate, state: EnvironmentState, temperature: Numeric) -> Iterator[str]:
+def _diagnostics(flyer: Plate, state: EnvironmentState, temperature: Numeric) -> Iterator[str]:
     width = np.asarray(flyer.channel_width)
-    yield from _SLOTS.caveats(flyer.channel_length / width, state.pressure)
-    yield from _SHORT.caveats(flyer.height / width, state.pressure)
+    yield from _SLOTS.diagnostics(flyer.channel_length / width, state.pressure)
+    yield from _SHORT.diagnostics(flyer.height / width, state.pressure)
     hottest = jnp.asarray(temperature) / state.temperature - 1.0
     reynolds = _highest_reynolds_number(flyer, state, hottest)
     for range_ in (_SLOW, FLOW_RANGE):
-        yield from range_.caveats(reynolds, state.pressure)
+        yield from range_.diagnostics(reynolds, state.pressure)
 
 
 @entry_point

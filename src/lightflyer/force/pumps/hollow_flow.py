@@ -381,7 +381,7 @@ _DEEP = Validity(
 )
 
 
-def caveats_of_pump(
+def pump_diagnostics(
     flyer: HollowBody, state: EnvironmentState, corrections: Corrections
 ) -> tuple[str, ...]:
     """Warnings where a body or its surroundings are outside the range of a model."""
@@ -392,4 +392,6 @@ def caveats_of_pump(
         looks.append((_LONG, length))
     if corrections.energy_balance or corrections.projected_light:
         looks.append((_DEEP, length))
-    return tuple(text for range_, value in looks for text in range_.caveats(value, state.pressure))
+    return tuple(
+        text for range_, value in looks for text in range_.diagnostics(value, state.pressure)
+    )

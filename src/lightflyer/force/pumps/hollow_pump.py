@@ -18,7 +18,7 @@ from lightflyer.force.pumps.hollow_flow import (
     FLOW_RESULTS,
     Corrections,
     Errors,
-    caveats_of_pump,
+    pump_diagnostics,
     pump_force,
     pump_results,
 )
@@ -83,7 +83,7 @@ class HollowPump(AbstractForceModel):
     recoil is exact.
 
     The gas within has the temperature of the inner film. The drag and jet coefficients were fitted
-    to simulations of dense gas; :meth:`caveats` says where it is not.
+    to simulations of dense gas; :meth:`diagnostics` says where it is not.
 
     References
     ----------
@@ -150,14 +150,14 @@ class HollowPump(AbstractForceModel):
         """See :meth:`AbstractForceModel.own_results`."""
         return pump_results(flyer, state, unknowns, self.corrections, self.errors)
 
-    def caveats(
+    def diagnostics(
         self,
         flyer: HollowBody,
         state: EnvironmentState,
         temperature: Numeric,  # noqa: ARG002
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.caveats`."""
-        return caveats_of_pump(flyer, state, self.corrections)
+        """See :meth:`AbstractForceModel.diagnostics`."""
+        return pump_diagnostics(flyer, state, self.corrections)
 
 
 class HollowPumpSection(ForceSection, of=HollowPump):

@@ -7,7 +7,7 @@ import numpy as np
 
 from lightflyer.core.errors import ConvergenceError
 from lightflyer.kinetic.chamber.enclosure import Chamber, Film
-from lightflyer.kinetic.chamber.half_mesh_operator import Half, assemble_halves
+from lightflyer.kinetic.chamber.half_mesh_operator import HalfOperator, assemble_halves
 from lightflyer.kinetic.chamber.linear import ChamberSystem, Totals
 from lightflyer.kinetic.chamber.nonlinear import HotChamber
 from lightflyer.kinetic.disk.cases import Resolution
@@ -85,7 +85,7 @@ class ChamberOutcome:
         )
 
 
-def assembled(case: ChamberCase, resolution: Resolution) -> tuple[Half, Half]:
+def assembled(case: ChamberCase, resolution: Resolution) -> tuple[HalfOperator, HalfOperator]:
     """Trace the rays of a case, which serve any gas, TAC and temperature."""
     return assemble_halves(case.meshes(resolution), case.rarefaction, resolution.quadrature)
 
@@ -94,7 +94,7 @@ def solve_chamber_case(
     case: ChamberCase,
     resolution: Resolution,
     *,
-    halves: tuple[Half, Half] | None = None,
+    halves: tuple[HalfOperator, HalfOperator] | None = None,
     tolerance: float = 3e-7,
     start: np.ndarray | None = None,
 ) -> ChamberOutcome:

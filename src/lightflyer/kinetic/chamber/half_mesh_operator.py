@@ -23,7 +23,7 @@ class HalvesState:
 
 
 @dataclass(frozen=True)
-class Rows:
+class OperatorRows:
     """Moments at nodes, or fluxes that arrive at walls, as weighted sums of what sends them."""
 
     # There are m points, n nodes of a half, e of a face, w of the walls of a half, and k moments or
@@ -44,16 +44,16 @@ class Rows:
 
 
 @dataclass(frozen=True)
-class Half:
+class HalfOperator:
     """Rows of one half: of its gas, of its face of the disk and of its walls."""
 
     # ``corrections``, shape (n, 6, 6), are those of uniform fields, contained in ``gas``.
 
     mesh: Mesh
     rim: Rim
-    gas: Rows
-    face: Rows
-    walls: Rows
+    gas: OperatorRows
+    face: OperatorRows
+    walls: OperatorRows
     corrections: np.ndarray
 
     @property
@@ -72,7 +72,7 @@ def assemble_halves(
     rarefaction: float,
     quadrature: Quadrature,
     about: HalvesState | None = None,
-) -> tuple[Half, Half]:
+) -> tuple[HalfOperator, HalfOperator]:
     """Trace all rays of the upper and of the lower half; ``rarefaction``: δ of the gas at rest."""
     about = about or HalvesState()
     upper, lower = meshes
@@ -84,7 +84,7 @@ def assemble_halves(
 
 def _assemble(
     mesh: Mesh, beyond: Mesh, rarefaction: float, quadrature: Quadrature, about: HalvesState, k: int
-) -> Half:
+) -> HalfOperator:
     setup, panels = kernel_arguments(mesh, rarefaction, quadrature)
     wall_setup = kernel_arguments(mesh, rarefaction, wall_quadrature(quadrature))[0]
     others = kernel_arguments(beyond, rarefaction, quadrature)[1]
@@ -96,7 +96,7 @@ def _assemble(
     wall_nodes = rim.eta.size if np.isfinite(mesh.boundary) else 0
     corrections = np.zeros((mesh.size, linear_kernel.FIELDS, linear_kernel.FIELDS))
 
-    def traced(points: np.ndarray, on_wall: bool) -> Rows:
+    def traced(points: np.ndarray, on_wall: bool) -> OperatorRows:
         n, m, e = mesh.size, points.shape[0], mesh.eta.size
         count = linear_kernel.WALL_FLUXES if on_wall else linear_kernel.FIELDS
         own, other, reflected = (np.zeros((m, n, 6 * count)) for _ in range(3))
@@ -117,7 +117,7 @@ def _assemble(
             walls,
             unused if on_wall else corrections,
         )
-        return Rows(
+        return OperatorRows(
             own=own.reshape(m, n, 6, count),
             other=other.reshape(m, n, 6, count),
             reflected=reflected.reshape(m, n, 6, count),
@@ -128,7 +128,7 @@ def _assemble(
             theta=np.ones(m) if on_wall else 1.0 + excess[k][:, 0],
         )
 
-    return Half(
+    return HalfOperator(
         mesh,
         rim,
         traced(node_points(mesh), False),

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from lightflyer.kinetic.chamber.enclosure import Chamber, Film, Surface
-from lightflyer.kinetic.chamber.half_mesh_operator import Half, Rows
+from lightflyer.kinetic.chamber.half_mesh_operator import HalfOperator, OperatorRows
 from lightflyer.kinetic.disk.linear import corrected, source_matrices
 from lightflyer.kinetic.model_gases import GasModel
 
@@ -86,7 +86,7 @@ class ChamberSystem:
 
     def __init__(
         self,
-        halves: tuple[Half, Half],
+        halves: tuple[HalfOperator, HalfOperator],
         gas: GasModel,
         chamber: Chamber | None,
         film: Film,
@@ -119,7 +119,7 @@ class ChamberSystem:
 
     # ------------------------------------------------------------------ functionals
 
-    def _functional(self, rows: Rows, half: int, outputs: int) -> np.ndarray:
+    def _functional(self, rows: OperatorRows, half: int, outputs: int) -> np.ndarray:
         """Rows as a matrix on all unknowns, shape (m, outputs, size)."""
         # The outputs of walls are their fluxes; those of the gas are its fields.
         layout, (translation, rotation) = self.layout, source_matrices(self.gas, self.fields)
@@ -147,7 +147,7 @@ class ChamberSystem:
     def _add_emission(
         self,
         matrix: np.ndarray,
-        rows: Rows,
+        rows: OperatorRows,
         emission: tuple[np.ndarray, np.ndarray],
         share: float,
         places: tuple[slice, slice],
@@ -168,7 +168,7 @@ class ChamberSystem:
             turning = number[:, :1]
         matrix[:, k:, places[1]] += share * turning / theta
 
-    def _motion(self, rows: Rows, half: int, outputs: int) -> np.ndarray:
+    def _motion(self, rows: OperatorRows, half: int, outputs: int) -> np.ndarray:
         """What the motion of the disk sends, besides molecules that it meets, (m, outputs)."""
         velocity = self._velocity(half)
         sent = np.zeros((rows.velocity.shape[0], outputs))
@@ -179,7 +179,7 @@ class ChamberSystem:
     def _velocity(self, half: int) -> float:
         return self.film.velocity if half == 0 else -self.film.velocity
 
-    def _arrival(self, rows: Rows, half: int) -> tuple[np.ndarray, np.ndarray]:
+    def _arrival(self, rows: OperatorRows, half: int) -> tuple[np.ndarray, np.ndarray]:
         """Fluxes at walls: matrix, shape (m, 4 or 5, size), and what motion adds."""
         outputs = 5 if self.gas.has_rotation else 4
         return self._functional(rows, half, outputs), self._motion(rows, half, outputs)

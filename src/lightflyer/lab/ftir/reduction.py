@@ -19,7 +19,7 @@ from scipy.special import ndtri
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ParameterError
 from lightflyer.lab.estimate import CONFIDENCE, Estimate
-from lightflyer.lab.ftir.checks import (
+from lightflyer.lab.ftir.diagnostics import (
     Bounds,
     accuracy_warnings,
     coverage_warnings,
@@ -365,8 +365,8 @@ def _uncovered_band(band: tuple[float, float], low: float, high: float, source: 
 
 def _said(spectrum: MeasuredSpectrum) -> dict[str, str]:
     """What the file says of its spectrum, without what it leaves open."""
-    facts = {name: text for name, text in asdict(spectrum.facts).items() if text}
-    return facts | ({"collection": spectrum.collection} if spectrum.collection else {})
+    metadata = {name: text for name, text in asdict(spectrum.metadata).items() if text}
+    return metadata | ({"collection": spectrum.collection} if spectrum.collection else {})
 
 
 def to_dataset(result: Ftir) -> "xr.Dataset":

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.calibration.findings import step_warning
+from lightflyer.calibration.diagnostics import step_warning
 from lightflyer.calibration.inputs import instruments
 from lightflyer.calibration.steps import CENTRE, found_step, require_step
 from lightflyer.core.checks import require_range
@@ -195,7 +195,7 @@ def levitation_curve(
         upper=np.exp(band.upper),
         draws=np.stack([least.places, least.values], axis=1),
         step=step,
-        warnings=(*_findings(points, least, pressure, step), *assumed),
+        warnings=(*_diagnostics(points, least, pressure, step), *assumed),
     )
 
 
@@ -219,7 +219,9 @@ def _estimates(
     return pressure, irradiance
 
 
-def _findings(points: LiftOffs, least: Minimum, pressure: Estimate, step: float) -> tuple[str, ...]:
+def _diagnostics(
+    points: LiftOffs, least: Minimum, pressure: Estimate, step: float
+) -> tuple[str, ...]:
     """What a reader of the result must know."""
     said = []
     if least.edge:

@@ -102,8 +102,8 @@ def calibrate_curves(
         step=max(curve.step for curve in curves),
     )
     return calibrate(
-        whole.without_ground_effect(),
         what,
+        points=whole.without_ground_effect(),
         pressure_accuracy=pressure_accuracy,
         irradiance_accuracy=irradiance_accuracy,
     )

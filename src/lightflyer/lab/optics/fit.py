@@ -23,7 +23,7 @@ from lightflyer.film.optics.averages import absorptance, emittance
 from lightflyer.film.optics.stack import Film
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.optics.data import FilmSpectrum, OpticsSample
-from lightflyer.lab.optics.findings import findings
+from lightflyer.lab.optics.diagnostics import diagnose
 from lightflyer.lab.optics.model import OpticalModel, Problem, covered
 from lightflyer.lab.optics.search import STARTS, Fit, Scatter, intervals, search
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
@@ -236,7 +236,7 @@ def fit_optics(
         for one, (low, high) in zip(sample.free, ends, strict=True)
     }
     film = fit.problem.model.film(fit.best.position)
-    predictions, cautions = _predictions(fit, covariance)
+    predictions, diagnostics = _predictions(fit, covariance)
     return OpticsFit(
         sample=sample,
         numbers=numbers,
@@ -251,8 +251,8 @@ def fit_optics(
         freedom=fit.freedom,
         warnings=(
             *left_out,
-            *findings(sample, numbers, open_ends, correlation, fit, film),
-            *cautions,
+            *diagnose(sample, numbers, open_ends, correlation, fit, film),
+            *diagnostics,
         ),
     )
 
@@ -308,7 +308,7 @@ def _predictions(fit: Fit, covariance: np.ndarray) -> tuple[dict[str, Estimate],
     film = model.film(fit.best.position)
     if film.below is not None or film.above is not None:
         return {}, []
-    found, cautions = {}, []
+    found, diagnostics = {}, []
     for name, average in (
         ("absorptance, AM0", absorptance),
         (f"emittance at {TEMPERATURE:g} K, top", _emittance),
@@ -316,7 +316,7 @@ def _predictions(fit: Fit, covariance: np.ndarray) -> tuple[dict[str, Estimate],
         try:
             middle = average(film)
         except ParameterError as error:
-            cautions.append(f"no {name}: {error}")
+            diagnostics.append(f"no {name}: {error}")
             continue
         slopes = _slopes(lambda at, of=average: float(of(model.film(at)).value), fit, covariance)
         spread = float(np.sqrt(slopes @ covariance @ slopes))
@@ -324,12 +324,12 @@ def _predictions(fit: Fit, covariance: np.ndarray) -> tuple[dict[str, Estimate],
         low, high = Estimate.normal(value, spread).interval
         found[name] = Estimate(value, (max(low, 0.0), min(high, 1.0)), "", spread)
         if middle.covered < 1.0 - _NEARLY_ALL:
-            cautions.append(
+            diagnostics.append(
                 f"{name} is that of the {100.0 * float(middle.covered):.0f} % of the radiation for "
                 f"which the materials have data; with the rest it is {float(middle.lower):.3f} to "
                 f"{float(middle.upper):.3f}"
             )
-    return found, cautions
+    return found, diagnostics
 
 
 _NEARLY_ALL = 0.005

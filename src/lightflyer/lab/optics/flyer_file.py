@@ -15,7 +15,7 @@ from lightflyer.core.text import read_text
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.optics.data import OpticsSample, names_of_layers
-from lightflyer.lab.optics.findings import written
+from lightflyer.lab.optics.diagnostics import written
 from lightflyer.lab.optics.fit import OpticsFit
 
 _DIGITS = 3  # of an uncertainty: correlated numbers round less

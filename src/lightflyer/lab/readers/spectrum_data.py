@@ -14,9 +14,9 @@ from lightflyer.files.table_layout import Column
 from lightflyer.lab.readers.formats import Source, read_source
 from lightflyer.lab.readers.spectra.formats import format_of, read_raw
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum as MeasuredSpectrum
-from lightflyer.lab.readers.spectra.interpretation import Wanted, measured
+from lightflyer.lab.readers.spectra.interpretation import ReadOptions, measured
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE as PER_CENTIMETRE
-from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumFacts
+from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumMetadata
 
 # as fractions, or as per cent that the header does not mark
 _SHARE = Quantity("", -20.0, 150.0)
@@ -106,8 +106,8 @@ def read_spectrum(
     >>> found.quantity, found.wavelength, found.value
     ('reflectance', array([1.e-06, 5.e-07]), array([0.35, 0.4 ]))
     """
-    wanted = Wanted(quantity, scale, spectrum, collection)
-    wanted.check()
+    options = ReadOptions(quantity, scale, spectrum, collection)
+    options.check()
     workbook = str(path).partition("#")[0].lower().endswith(_WORKBOOKS)
     source = Source(Path(path), b"") if workbook else read_source(Path(path))
     kind = None if workbook else format_of(source)
@@ -116,15 +116,15 @@ def read_spectrum(
             source.refuse(f'is a table of one spectrum, not of "{spectrum}"')
         table = read_table(path, COLUMNS, layout=columns)
         as_written = read_table(path, _AS_WRITTEN, layout=columns)
-        raw = _from_table(table, as_written, wanted)
+        raw = _from_table(table, as_written, options)
     else:
-        raw = read_raw(source, kind, wanted)
+        raw = read_raw(source, kind, options)
         if columns is not None:
             raw = replace(raw, notes=(*raw.notes, f"columns are not used: it is {kind.name}"))
-    return measured(source, raw, wanted)
+    return measured(source, raw, options)
 
 
-def _from_table(table: Table, as_written: Table, wanted: Wanted) -> RawSpectrum:
+def _from_table(table: Table, as_written: Table, options: ReadOptions) -> RawSpectrum:
     """Spectrum of a table, whose header may mark the ordinate as per cent."""
     numbers = table.numbers
     axes = [name for name in _TO_WAVENUMBER if name in numbers]
@@ -133,7 +133,7 @@ def _from_table(table: Table, as_written: Table, wanted: Wanted) -> RawSpectrum:
             f"{table.source}: needs one column wavenumber, wavelength or photon_energy"
         )
     given = [name for name in ("transmittance", "reflectance", "absorbance") if name in numbers]
-    chosen = [name for name in given if name == wanted.quantity] or given
+    chosen = [name for name in given if name == options.quantity] or given
     if len(chosen) != 1:
         raise ConfigurationError(
             f"{table.source}: needs one of the columns transmittance, reflectance, absorbance"
@@ -143,6 +143,6 @@ def _from_table(table: Table, as_written: Table, wanted: Wanted) -> RawSpectrum:
     return RawSpectrum(
         _TO_WAVENUMBER[axes[0]](numbers[axes[0]]) / PER_CENTIMETRE,
         written if marked else value,
-        "cm-1", f"{chosen[0]} [%]" if marked else chosen[0], SpectrumFacts("table"),
+        "cm-1", f"{chosen[0]} [%]" if marked else chosen[0], SpectrumMetadata("table"),
         notes=tuple(table.notes), rejected=tuple(table.rejected),
     )  # fmt: skip

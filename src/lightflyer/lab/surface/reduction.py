@@ -21,9 +21,9 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
 from lightflyer.lab.readers.height_map import NANOMETRE, HeightMap
 from lightflyer.lab.record import dataset, joint_warnings
+from lightflyer.lab.surface.diagnostics import warnings_of
 from lightflyer.lab.surface.intervals import DRAWS, SPECTRUM, spread
 from lightflyer.lab.surface.levelling import Flatten, filled, flatten_rows, kept_power, level
-from lightflyer.lab.surface.map_warnings import warnings_of
 from lightflyer.lab.surface.particles import THRESHOLD, Objects, find_particles
 
 if TYPE_CHECKING:

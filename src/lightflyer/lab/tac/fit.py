@@ -27,7 +27,8 @@ from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.tac.accuracy import TacAccuracy
-from lightflyer.lab.tac.checks import (
+from lightflyer.lab.tac.data import TacRun
+from lightflyer.lab.tac.diagnostics import (
     cut,
     listed,
     model_warnings,
@@ -37,7 +38,6 @@ from lightflyer.lab.tac.checks import (
     rows_off_the_curve,
     why_undetermined,
 )
-from lightflyer.lab.tac.data import TacRun
 from lightflyer.lab.tac.heat_law import (
     HEAT_LAWS,
     KINETIC,

@@ -8,7 +8,7 @@ import numpy as np
 
 from lightflyer.lab.estimate import Estimate, weighted_mean
 from lightflyer.lab.record import dataset, joint_warnings
-from lightflyer.lab.tac.checks import BOUNDS, LEAST_LIKELY_TAC, POSSIBLE_TAC
+from lightflyer.lab.tac.diagnostics import BOUNDS, LEAST_LIKELY_TAC, POSSIBLE_TAC
 from lightflyer.lab.tac.fit import TacFit
 from lightflyer.lab.tac.problem import PARAMETERS
 

@@ -25,10 +25,12 @@ from jax import Array
 from lightflyer.config.designs import as_design
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.types import Numeric
-from lightflyer.design.cautions import cautions_in
+from lightflyer.design.diagnostics import diagnose
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place, Wind
 from lightflyer.environment.radiation import Attitude
+from lightflyer.files.display_units import number_text
+from lightflyer.files.result_text import Parts, PrintedResult, rows_of, warning_lines
 from lightflyer.flight.balance import require_converged
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
@@ -37,7 +39,7 @@ from lightflyer.mission.path.motion import Craft, Surroundings, steady_speeds, v
 from lightflyer.program.entry_point import entry_point
 
 
-class Drift(NamedTuple):
+class Drift(PrintedResult, eqx.Module):
     """Steady motion of a flyer through the air.
 
     Attributes
@@ -58,7 +60,19 @@ class Drift(NamedTuple):
     climb: Array
     force: Array
     lift_over_weight: Array
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = eqx.field(static=True, default=())
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        yield rows_of(
+            {
+                "speed along the tilt": number_text(self.speed, "m/s"),
+                "climb": number_text(self.climb, "m/s"),
+                "force along the tilt": number_text(self.force, "N"),
+                "lift over weight": number_text(self.lift_over_weight, ""),
+            }
+        )
+        yield from warning_lines(self.warnings)
 
 
 def drift(
@@ -118,8 +132,8 @@ def drift(
     found, moving = _drift(setup, height, Attitude(tilt, azimuth), place)
     if not is_concrete(found.speed):
         return found
-    require_converged("heat balance of the tilted flyer", moving.ending, moving.residual)
-    return found._replace(warnings=_warnings(setup, moving))
+    require_converged("heat balance of the tilted flyer", moving.status, moving.residual)
+    return replace(found, warnings=_warnings(setup, moving))
 
 
 class _Moving(NamedTuple):
@@ -129,7 +143,7 @@ class _Moving(NamedTuple):
     temperature: Array
     axial: Array
     slope: Array
-    ending: Array
+    status: Array
     residual: Array
 
 
@@ -148,15 +162,15 @@ def _drift(
     speed = moving.east * jnp.sin(attitude.azimuth) + moving.north * jnp.cos(attitude.azimuth)
     force = setup.model.force(around.flyer, state, heat.unknowns) * jnp.sin(attitude.tilt)
     found = Drift(speed, moving.up, force, forces.lift / forces.weight)
-    return found, _Moving(state, heat.temperature, axial, slope, heat.ending, heat.residual)
+    return found, _Moving(state, heat.temperature, axial, slope, heat.status, heat.residual)
 
 
 def _warnings(setup: Setup, moving: _Moving) -> tuple[str, ...]:
     flyer, state, temperature = setup.flyer, moving.state, moving.temperature
-    drags = flyer.drag_caveats(state, moving.axial, "broadside", temperature)
+    drags = flyer.drag_diagnostics(state, moving.axial, "broadside", temperature)
     if np.any(moving.slope != 0.0):
-        drags += flyer.drag_caveats(state, moving.slope, "edgewise", temperature)
-    return (*cautions_in(setup, state, temperature), *dict.fromkeys(drags))
+        drags += flyer.drag_diagnostics(state, moving.slope, "edgewise", temperature)
+    return (*diagnose(setup, state, temperature), *dict.fromkeys(drags))
 
 
 def _lying(flyer: AbstractFlyer, attitude: Attitude) -> AbstractFlyer:

@@ -16,9 +16,9 @@ from jax import Array
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.planet import Planet
-from lightflyer.mission.path.ending import MissionEnd
 from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
+from lightflyer.mission.path.termination import TerminationReason
 
 ALTITUDE_SCALE = 100e3
 """Altitude that counts as much as one radian along the ground [m]."""
@@ -56,8 +56,8 @@ class Track(eqx.Module):
     end_elapsed, end_altitude : array, shape ()
         Time since the release [s] and altitude [m] at the end.
     end_position : array, shape (3,)
-    ending : int array, shape ()
-        A :class:`~lightflyer.mission.path.ending.MissionEnd`.
+    termination : int array, shape ()
+        A :class:`~lightflyer.mission.path.termination.TerminationReason`.
     steps : int array, shape ()
         Steps taken, the rejected ones included.
     """
@@ -67,7 +67,7 @@ class Track(eqx.Module):
     end_elapsed: Array
     end_altitude: Array
     end_position: Array
-    ending: Array
+    termination: Array
     steps: Array
 
 
@@ -192,14 +192,14 @@ def track_of(solution: diffrax.Solution) -> Track:
     (kept, last), (fell, rose) = results.ys, results.event_mask
     over = solution.result == diffrax.RESULTS.successful
     limited = solution.result == diffrax.RESULTS.max_steps_reached
-    ending = jnp.asarray(int(MissionEnd.NO_DATA))
+    termination = jnp.asarray(int(TerminationReason.NO_DATA))
     for holds, reason in (
-        (limited, MissionEnd.STEP_LIMIT),
-        (over, MissionEnd.STILL_FLYING),
-        (rose, MissionEnd.HIGHEST_ALTITUDE),
-        (fell, MissionEnd.LOWEST_ALTITUDE),
+        (limited, TerminationReason.STEP_LIMIT),
+        (over, TerminationReason.STILL_FLYING),
+        (rose, TerminationReason.HIGHEST_ALTITUDE),
+        (fell, TerminationReason.LOWEST_ALTITUDE),
     ):
-        ending = jnp.where(holds, int(reason), ending)
+        termination = jnp.where(holds, int(reason), termination)
     length = jnp.linalg.norm(kept[:, :3], axis=1, keepdims=True)
     end = last[0]
     return Track(
@@ -208,6 +208,6 @@ def track_of(solution: diffrax.Solution) -> Track:
         end_elapsed=results.ts[1][0],
         end_altitude=end[3] * ALTITUDE_SCALE,
         end_position=end[:3] / jnp.linalg.norm(end[:3]),
-        ending=ending,
+        termination=termination,
         steps=solution.stats["num_steps"],
     )

@@ -31,7 +31,7 @@ from lightflyer.flight.loads import weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.mission.path.attitude import AbstractAttitudeRule
 from lightflyer.mission.path.wind_error import WindError
-from lightflyer.numerics.rootfind import RootStatus, bracketed_power_newton, implicit_root
+from lightflyer.numerics.rootfind import RootOutcome, bracketed_power_newton, implicit_root
 
 _SLOW = 1e-3
 """Speed at which drag is taken to be proportional to it, for the first guess [m/s]."""
@@ -139,15 +139,15 @@ def _speed(drag: Callable[[Array], Array], force: Array) -> Array:
     target = jnp.where(at_rest, slope * _SLOW, size)
     proportional = target / slope
 
-    def search() -> tuple[Array, RootStatus]:
-        found, status = bracketed_power_newton(
+    def search() -> tuple[Array, RootOutcome]:
+        found, outcome = bracketed_power_newton(
             drag,
             target=target,
             lower=_SLOWEST * proportional,
             upper=_FASTEST * proportional,
             guess=proportional,
         )
-        return jnp.where(at_rest, 0.0, sign * found), status
+        return jnp.where(at_rest, 0.0, sign * found), outcome
 
     speed, _ = implicit_root(lambda speed: drag(speed) - force, search, force.shape)
     return speed

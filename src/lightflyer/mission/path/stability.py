@@ -24,8 +24,10 @@ import numpy as np
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Checked, Distance
 from lightflyer.core.types import Numeric
-from lightflyer.drag.turning import TURNING_CAVEAT, turning_disk_torque
+from lightflyer.drag.turning import TURNING_DIAGNOSTIC, turning_disk_torque
 from lightflyer.environment.base import EnvironmentState
+from lightflyer.files.display_units import amount
+from lightflyer.files.result_text import Parts, PrintedResult, rows_of, warning_lines
 from lightflyer.flight.balance import equilibrium
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
@@ -37,8 +39,8 @@ _SLOW = 1e-6  # metres a second; drag is proportional to the speed there
 _NEUTRAL = 1e-9  # of the fastest mode: below, a rate is zero but for rounding
 
 
-@dataclass(frozen=True)
-class Hanging:
+@dataclass(frozen=True, repr=False)
+class Hanging(PrintedResult):
     """How a flyer with a payload below it answers a small disturbance.
 
     Attributes
@@ -61,6 +63,17 @@ class Hanging:
     turning_drag: float
     longest_rod: float
     warnings: tuple[str, ...]
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        yield rows_of(
+            {
+                "stable": "yes" if self.stable else "no",
+                "fastest growth": f"{self.growth_rate:.4g} 1/s",
+                "longest stable rod": amount(self.longest_rod, "m", 4),
+            }
+        )
+        yield from warning_lines(self.warnings)
 
     @property
     def growth_rate(self) -> float:
@@ -149,11 +162,11 @@ def hanging_stability(
         raise ParameterError("the payload hangs at no distance: give a rod or a string")
     if not payload_drag >= 0.0:
         raise ParameterError(f"payload_drag = {payload_drag:g} N s/m must not be negative")
-    edgewise, turning, caveats = _drags(flyer, state, model)
+    edgewise, turning, diagnostics = _drags(flyer, state, model)
     own = float(flyer.own_mass)
     body = _Body(own, 0.25 * own * float(flyer.radius) ** 2, payload, gravity, edgewise, turning)
     return Hanging(
-        modes_of(body, rod, string, payload_drag), edgewise, turning, longest_rod(body), caveats
+        modes_of(body, rod, string, payload_drag), edgewise, turning, longest_rod(body), diagnostics
     )
 
 
@@ -172,13 +185,13 @@ class _Body:
 def _drags(
     flyer: Disk | Plate | Sandwich, state: EnvironmentState, model: AbstractForceModel | None
 ) -> tuple[float, float, tuple[str, ...]]:
-    """Drag over speed edgewise, torque over rate, and caveats."""
+    """Drag over speed edgewise, torque over rate, and diagnostics."""
     unknowns: Any = (np.zeros(()),) * (len(flyer.nodes) + len(flyer.flows))
     found: list[str] = []
     if model is not None:
         balance = equilibrium(flyer, state, model)
         unknowns = balance.unknowns
-        found += model.caveats(flyer, state, np.asarray(balance.temperature))
+        found += model.diagnostics(flyer, state, np.asarray(balance.temperature))
     tac: tuple[Numeric, Numeric]
     if isinstance(flyer, Disk):
         tac, excess = (flyer.film.tac_top, flyer.film.tac_bottom), (unknowns[0], unknowns[0])
@@ -189,7 +202,7 @@ def _drags(
     gas = (state.pressure, state.temperature, state.gas)
     torque = turning_disk_torque(1.0, flyer.radius, *gas, tac, excess, transmission)
     edgewise = float(flyer.drag(state, unknowns, _SLOW, "edgewise")) / _SLOW
-    found += (*flyer.drag_caveats(state, _SLOW, "edgewise"), TURNING_CAVEAT)
+    found += (*flyer.drag_diagnostics(state, _SLOW, "edgewise"), TURNING_DIAGNOSTIC)
     return edgewise, float(torque), tuple(found)
 
 

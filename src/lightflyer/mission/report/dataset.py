@@ -7,10 +7,10 @@ import numpy as np
 
 from lightflyer.core.clock import dates_of
 from lightflyer.core.quantity import RADIANS_PER_DEGREE
-from lightflyer.mission.path.ending import MissionEnd
 from lightflyer.mission.path.integration import Track
 from lightflyer.mission.path.moments import Variable
 from lightflyer.mission.path.position import latitude_and_longitude
+from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.program.entry_point import entry_point
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def _ends(track: Track) -> dict[str, Any]:
         "end_altitude": np.asarray(track.end_altitude),
         "end_latitude": latitude,
         "end_longitude": longitude,
-        "end_reason": np.asarray(track.ending).astype(np.int8),
+        "end_reason": np.asarray(track.termination).astype(np.int8),
     }
 
 
@@ -132,6 +132,6 @@ def _flags(name: str) -> dict[str, Any]:
     if name != "end_reason":
         return {}
     return {
-        "flag_values": np.array([int(end) for end in MissionEnd], np.int8),
-        "flag_meanings": " ".join(end.name.lower() for end in MissionEnd),
+        "flag_values": np.array([int(end) for end in TerminationReason], np.int8),
+        "flag_meanings": " ".join(end.name.lower() for end in TerminationReason),
     }

@@ -24,7 +24,7 @@ from lightflyer.files.drawing import (
 )
 from lightflyer.mission.report.coastline import coastline
 from lightflyer.mission.report.dataset import ELAPSED
-from lightflyer.mission.report.facts import day_and_night
+from lightflyer.mission.report.summary import day_and_night
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -28,11 +28,11 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.fleet import BATCH, Ensemble, flights_of, fly_all
 from lightflyer.mission.mission import times_of
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
-from lightflyer.mission.path.ending import MissionEnd
 from lightflyer.mission.path.integration import TOLERANCE, Accuracy, Limits, Start, Track
 from lightflyer.mission.path.motion import planet_of
 from lightflyer.mission.path.position import unit_vector
 from lightflyer.mission.path.release import Release, limits_of, require_release_inside
+from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.assumptions import assumptions_of
 from lightflyer.mission.report.dataset import ELAPSED, degrees_of
 from lightflyer.mission.swarms.areas import AbstractArea, describe_all
@@ -184,7 +184,7 @@ def spread(
         "flyer": setup.flyer.describe(),
         "areas": "; ".join(describe_all(areas)),
         "assumptions": "; ".join(assumptions_of(setup, rule, ensemble, None)),
-        "warnings": "; ".join((*design.warnings, *_cautions(counts))),
+        "warnings": "; ".join((*design.warnings, *_diagnostics(counts))),
     }
     return dataset
 
@@ -227,7 +227,7 @@ def _counts_of(tracks: Track, swarm: _Swarm) -> Counts:
         np.square(moved).sum(axis=(0, 2)),
         climbed.sum(axis=0),
         np.square(climbed).sum(axis=0),
-        np.bincount(np.asarray(tracks.ending), minlength=len(MissionEnd)),
+        np.bincount(np.asarray(tracks.termination), minlength=len(TerminationReason)),
     )
 
 
@@ -362,7 +362,7 @@ def _dataset(swarm: _Swarm, counts: Counts) -> "xr.Dataset":
         _add_shares(dataset, "inside", ("area", ELAPSED), counts.inside, members, text)
     for name, (values, unit, text) in _moments(swarm, counts).items():
         dataset[name] = (ELAPSED, values, {"units": unit, "long_name": text})
-    reasons = [end.name.lower() for end in MissionEnd]
+    reasons = [end.name.lower() for end in TerminationReason]
     dataset.coords["reason"] = ("reason", reasons)
     text = "members by what ended their flight"
     dataset["ends"] = ("reason", counts.ends, {"units": "1", "long_name": text})
@@ -429,8 +429,8 @@ def _moments(swarm: _Swarm, counts: Counts) -> dict[str, tuple[np.ndarray, str, 
     }
 
 
-def _cautions(counts: Counts) -> Iterator[str]:
-    for end in (MissionEnd.NO_DATA, MissionEnd.STEP_LIMIT):
+def _diagnostics(counts: Counts) -> Iterator[str]:
+    for end in (TerminationReason.NO_DATA, TerminationReason.STEP_LIMIT):
         number = int(counts.ends[int(end)])
         if number:
             yield f"{number} members {end.describe()}; they count as not flying from there on"

@@ -22,9 +22,11 @@ import numpy as np
 from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Altitude, Checked, Distance, LinearDensity, Mass
-from lightflyer.design.cautions import cautions_in
+from lightflyer.design.diagnostics import diagnose
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place
+from lightflyer.files.display_units import amount
+from lightflyer.files.result_text import Parts, PrintedResult, rows_of, warning_lines
 from lightflyer.flight.balance import equilibrium
 from lightflyer.flight.loads import payload as payload_of
 from lightflyer.force.base import AbstractForceModel
@@ -62,8 +64,8 @@ class _Wanted(Checked):
     depth: Distance | None = None
 
 
-@dataclass(frozen=True)
-class Swarm:
+@dataclass(frozen=True, repr=False)
+class Swarm(PrintedResult):
     """Flyers that carry one payload on tethers.
 
     Attributes
@@ -94,6 +96,22 @@ class Swarm:
     tether_mass: float
     largest_tilt: float
     warnings: tuple[str, ...]
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        yield rows_of(
+            {
+                "flyers": str(self.count),
+                "altitude": amount(self.altitude, "m"),
+                "spare lift of one": amount(self.spare_lift, "N", 4),
+                "radius of the layer": amount(self.layer_radius, "m", 4),
+                "depth of the payload": amount(self.depth, "m", 4),
+                "longest tether": amount(self.longest_tether, "m", 4),
+                "mass of all tethers": amount(self.tether_mass, "kg", 4),
+                "largest tilt": f"{math.degrees(self.largest_tilt):.3g}°",
+            }
+        )
+        yield from warning_lines(self.warnings)
 
 
 def swarm(
@@ -179,7 +197,7 @@ def swarm(
         float(lengths.max()),
         float(thread) * float(lengths.sum()),
         float(tilts.max()),
-        tuple(_cautions(setup, state, between / diameter, float(tilts.max()))),
+        tuple(_diagnostics(setup, state, between / diameter, float(tilts.max()))),
     )
 
 
@@ -240,9 +258,9 @@ def _best_altitude(setup: Setup, place: Place | None) -> float:
     return float(altitudes[int(np.nanargmax(carried))])
 
 
-def _cautions(setup: Setup, state: EnvironmentState, apart: float, tilt: float) -> list[str]:
+def _diagnostics(setup: Setup, state: EnvironmentState, apart: float, tilt: float) -> list[str]:
     temperature = equilibrium(setup.flyer, state, setup.model).temperature
-    found = list(cautions_in(setup, state, temperature))
+    found = list(diagnose(setup, state, temperature))
     if apart < CLOSE:
         found.append(
             f"neighbours are {apart:.2g} diameters apart: they share gas and heat, not counted here"

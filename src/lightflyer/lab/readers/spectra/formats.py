@@ -15,7 +15,7 @@ from lightflyer.lab.readers.spectra import (
     perkin_elmer,
     spc,
 )
-from lightflyer.lab.readers.spectra.interpretation import Wanted, readable, shows
+from lightflyer.lab.readers.spectra.interpretation import ReadOptions, readable, shows
 from lightflyer.lab.readers.spectra.raw import RawSpectrum
 
 SPECTRUM_FORMATS = [
@@ -50,8 +50,8 @@ def format_of(source: Source) -> Format | None:
     return found
 
 
-def read_raw(source: Source, kind: Format, wanted: Wanted) -> RawSpectrum:
-    """The spectrum of a file, or the one of several that is wanted."""
+def read_raw(source: Source, kind: Format, options: ReadOptions) -> RawSpectrum:
+    """The spectrum of a file, or the one of several that is asked for."""
     try:
         with np.errstate(all="ignore"):  # what is not finite is refused or left out later
             spectra = kind.read(source)
@@ -63,15 +63,15 @@ def read_raw(source: Source, kind: Format, wanted: Wanted) -> RawSpectrum:
         raise ConfigurationError(
             f"{source.path}: is damaged and cannot be read as {kind.name}: {said}"
         ) from None
-    return _chosen(source, spectra, wanted)
+    return _chosen(source, spectra, options)
 
 
-def _chosen(source: Source, spectra: list[RawSpectrum], wanted: Wanted) -> RawSpectrum:
+def _chosen(source: Source, spectra: list[RawSpectrum], options: ReadOptions) -> RawSpectrum:
     fit = [one for one in spectra if readable(one)]
-    if wanted.quantity is not None:
-        fit = [one for one in fit if shows(one, wanted.quantity)] or fit
-    if wanted.spectrum is not None:
-        return _named(source, spectra, wanted.spectrum)
+    if options.quantity is not None:
+        fit = [one for one in fit if shows(one, options.quantity)] or fit
+    if options.spectrum is not None:
+        return _named(source, spectra, options.spectrum)
     if len(spectra) == 1:
         return spectra[0]
     if not fit:
@@ -90,7 +90,7 @@ def _chosen(source: Source, spectra: list[RawSpectrum], wanted: Wanted) -> RawSp
 
 def _listed(spectra: list[RawSpectrum], fit: list[RawSpectrum]) -> str:
     names = [
-        f"{number} {one.ordinate_name} of {one.facts.sample[:_TITLE] or 'no title'}"
+        f"{number} {one.ordinate_name} of {one.metadata.sample[:_TITLE] or 'no title'}"
         for number, one in enumerate(spectra, start=1)
         if any(one is other for other in fit)
     ]
@@ -102,7 +102,7 @@ def _named(source: Source, spectra: list[RawSpectrum], spectrum: str) -> RawSpec
     """The spectrum of this number or title."""
     if spectrum.isascii() and spectrum.isdigit() and 1 <= int(spectrum[:9]) <= len(spectra):
         return spectra[int(spectrum[:9]) - 1]
-    titled = [one for one in spectra if one.facts.sample == spectrum.strip()]
+    titled = [one for one in spectra if one.metadata.sample == spectrum.strip()]
     if len(titled) != 1:
         source.refuse(
             f'has {len(titled)} spectra "{spectrum[:40]}"; it holds {_listed(spectra, spectra)}'

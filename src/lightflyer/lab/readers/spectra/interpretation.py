@@ -9,8 +9,13 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Quantity
 from lightflyer.files.table import Rejected
 from lightflyer.lab.readers.formats import Source
-from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE, Shown, axis_of, shown_by
-from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumFacts
+from lightflyer.lab.readers.spectra.names import (
+    PER_CENTIMETRE,
+    OrdinateUnit,
+    axis_of,
+    parse_ordinate,
+)
+from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumMetadata
 
 # wider than zero to one for noise, and for detectors that are not quite linear
 SHARE = Quantity("", -0.2, 1.5)
@@ -22,7 +27,7 @@ _DARK = 1.5  # per cent, nowhere exceeded if a fraction is taken for a percentag
 _KEPT = 2 / 3  # share of the points that is left without its ends, at least
 _LEAST_KEPT = 20
 _MOSTLY = 0.5  # share of the points above any fraction, from which an ordinate is in per cent
-_NO_FACTS = SpectrumFacts("")
+_NO_METADATA = SpectrumMetadata("")
 _SPHERE = ("sphere", "ulbricht", "isn-", "isv-", "ilv-", "iln-", "isr-")
 _SPECULAR = ("specular", "vw", "variable angle", "absolute reflect", "arn-", "arv-", "armn-",
              "universal reflectance", "ura")  # fmt: skip
@@ -43,7 +48,7 @@ class MeasuredSpectrum:
         [1].
     rejected : tuple of Rejected
         Rejected rows of its file.
-    facts : SpectrumFacts
+    metadata : SpectrumMetadata
         What the file says of instrument, resolution and sample.
     collection : {"specular", "diffuse", "total"} or None
         Light that was collected, by the file or the user; None if neither says.
@@ -56,7 +61,7 @@ class MeasuredSpectrum:
     wavenumber: np.ndarray
     value: np.ndarray
     rejected: tuple[Rejected, ...] = ()
-    facts: SpectrumFacts = _NO_FACTS
+    metadata: SpectrumMetadata = _NO_METADATA
     collection: Collection | None = None
     notes: tuple[str, ...] = ()
 
@@ -66,7 +71,7 @@ class MeasuredSpectrum:
         return 1.0 / self.wavenumber
 
 
-class Wanted(NamedTuple):
+class ReadOptions(NamedTuple):
     """What the user says of a file."""
 
     # What the ordinate shows where its name does not say, and the one to choose of several
@@ -87,40 +92,43 @@ class Wanted(NamedTuple):
                 raise ParameterError(f'{name} "{value}" is not one of {", ".join(allowed)}')
 
 
-def measured(source: Source, raw: RawSpectrum, wanted: Wanted) -> MeasuredSpectrum:
+def measured(source: Source, raw: RawSpectrum, options: ReadOptions) -> MeasuredSpectrum:
     """The spectrum in SI units, with what was decided on the way."""
     notes = list(raw.notes)
-    shown = _shown(source, raw, wanted)
+    shown = _shown(source, raw, options)
     wavenumber, ordinate = _points(source, raw, notes)
-    quantity = _quantity(shown, wanted, notes)
+    quantity = _quantity(shown, options, notes)
     with np.errstate(over="ignore"):
         if shown.quantity in ("absorbance", "log(1/R)"):
             value = 10.0**-ordinate
-            if wanted.scale is not None:
-                notes.append(f"the scale {wanted.scale} is not used: the file shows absorbance")
+            if options.scale is not None:
+                notes.append(f"the scale {options.scale} is not used: the file shows absorbance")
         else:
-            value = _fraction(source, ordinate, raw, shown, wanted, notes)
+            value = _fraction(source, ordinate, raw, shown, options, notes)
     wavenumber, value = _possible(source, quantity, wavenumber, value, notes)
-    facts = replace(raw.facts, ordinate=raw.ordinate_name)
-    collection = wanted.collection or _collected(facts)
-    notes += _accessory_notes(facts, shown, quantity, wanted)
+    metadata = replace(raw.metadata, ordinate=raw.ordinate_name)
+    collection = options.collection or _collected(metadata)
+    notes += _accessory_notes(metadata, shown, quantity, options)
     distinct, place, count = np.unique(wavenumber, return_inverse=True, return_counts=True)
     if distinct.size < 2:
         source.refuse(f"has {distinct.size} wavenumber; a spectrum needs two or more")
     mean = np.bincount(place, value) / count
     return MeasuredSpectrum(
-        str(source.path), quantity, distinct, mean, raw.rejected, facts, collection, tuple(notes)
+        str(source.path), quantity, distinct, mean, raw.rejected, metadata, collection, tuple(notes)
     )
 
 
 def readable(raw: RawSpectrum) -> bool:
     """Whether transmittance or reflectance may follow from a spectrum."""
-    return isinstance(shown_by(raw.ordinate_name), Shown) and axis_of(raw.abscissa_name) is not None
+    return (
+        isinstance(parse_ordinate(raw.ordinate_name), OrdinateUnit)
+        and axis_of(raw.abscissa_name) is not None
+    )
 
 
 def shows(raw: RawSpectrum, quantity: Ordinate) -> bool:
     """Whether a spectrum may show this quantity."""
-    shown = shown_by(raw.ordinate_name)
+    shown = parse_ordinate(raw.ordinate_name)
     if isinstance(shown, str):
         return False
     return shown.quantity in (quantity, "", "absorbance") or (
@@ -128,34 +136,34 @@ def shows(raw: RawSpectrum, quantity: Ordinate) -> bool:
     )
 
 
-def _shown(source: Source, raw: RawSpectrum, wanted: Wanted) -> Shown:
-    shown = shown_by(raw.ordinate_name)
+def _shown(source: Source, raw: RawSpectrum, options: ReadOptions) -> OrdinateUnit:
+    shown = parse_ordinate(raw.ordinate_name)
     if isinstance(shown, str):
         source.refuse(shown)
-    known = shown.percent or wanted.scale is not None  # that it is a share of light
-    if not shown.quantity and (wanted.quantity is None or not known):
+    known = shown.percent or options.scale is not None  # that it is a share of light
+    if not shown.quantity and (options.quantity is None or not known):
         said = f' but "{raw.ordinate_name}"' if raw.ordinate_name else ""
         source.refuse(
             f"does not name its ordinate{said}; if it is transmittance or reflectance, say which "
             '(quantity="reflectance"), and --scale % or --scale 1 (scale="%" or "1")'
         )
-    if shown.quantity == "absorbance" and wanted.quantity is None and _collected(raw.facts):
+    if shown.quantity == "absorbance" and options.quantity is None and _collected(raw.metadata):
         source.refuse(
-            f'shows absorbance, measured with "{raw.facts.accessory[:60]}": say whether it is that '
-            'of transmittance or reflectance (quantity="reflectance")'
+            f'shows absorbance, measured with "{raw.metadata.accessory[:60]}": say whether it is '
+            'that of transmittance or reflectance (quantity="reflectance")'
         )
-    if wanted.quantity is not None and not shows(raw, wanted.quantity):
-        source.refuse(f"shows {shown.quantity}, not {wanted.quantity}")
+    if options.quantity is not None and not shows(raw, options.quantity):
+        source.refuse(f"shows {shown.quantity}, not {options.quantity}")
     return shown
 
 
-def _quantity(shown: Shown, wanted: Wanted, notes: list[str]) -> Ordinate:
+def _quantity(shown: OrdinateUnit, options: ReadOptions, notes: list[str]) -> Ordinate:
     if shown.quantity == "transmittance":
         return "transmittance"
     if shown.quantity in ("reflectance", "log(1/R)"):
         return "reflectance"
-    quantity: Ordinate = wanted.quantity or "transmittance"
-    if shown.quantity == "absorbance" and wanted.quantity is None:
+    quantity: Ordinate = options.quantity or "transmittance"
+    if shown.quantity == "absorbance" and options.quantity is None:
         notes.append("absorbance is taken as log10(1/T), of transmittance")
     elif shown.quantity == "absorbance" and quantity == "reflectance":
         notes.append("absorbance is taken as log10(1/R): it is said to be of reflectance")
@@ -191,12 +199,16 @@ def _points(source: Source, raw: RawSpectrum, notes: list[str]) -> tuple[np.ndar
 
 
 def _fraction(
-    source: Source, ordinate: np.ndarray, raw: RawSpectrum, shown: Shown, wanted: Wanted,
+    source: Source,
+    ordinate: np.ndarray,
+    raw: RawSpectrum,
+    shown: OrdinateUnit,
+    options: ReadOptions,
     notes: list[str],
-) -> np.ndarray:  # fmt: skip
+) -> np.ndarray:
     """Values as fractions, by the user's word, the format, the name, or the values themselves."""
-    if wanted.scale is not None:
-        return ordinate / _PERCENT if wanted.scale == "%" else ordinate
+    if options.scale is not None:
+        return ordinate / _PERCENT if options.scale == "%" else ordinate
     percent = shown.percent if raw.percent is None else raw.percent
     highest = float(ordinate.max(initial=-np.inf))
     if percent:
@@ -252,25 +264,25 @@ def _possible(
 
 
 def _accessory_notes(
-    facts: SpectrumFacts, shown: Shown, quantity: Ordinate, wanted: Wanted
+    metadata: SpectrumMetadata, shown: OrdinateUnit, quantity: Ordinate, options: ReadOptions
 ) -> list[str]:
-    collection = _collected(facts)
+    collection = _collected(metadata)
     if shown.quantity == "absorbance" and quantity == "transmittance" and collection:
         return [
             "absorbance is taken as that of transmittance, but its accessory "
-            f'"{facts.accessory[:60]}" is one for reflectance'
+            f'"{metadata.accessory[:60]}" is one for reflectance'
         ]
-    if quantity == "reflectance" and collection == "total" and wanted.collection is None:
+    if quantity == "reflectance" and collection == "total" and options.collection is None:
         return [
-            f'its accessory "{facts.accessory[:60]}" is taken to collect all light; with an open '
-            "specular port it collects the diffuse part only"
+            f'its accessory "{metadata.accessory[:60]}" is taken to collect all light; with an '
+            "open specular port it collects the diffuse part only"
         ]
     return []
 
 
-def _collected(facts: SpectrumFacts) -> Collection | None:
+def _collected(metadata: SpectrumMetadata) -> Collection | None:
     """Collected light that the name of an accessory tells."""
-    said = facts.accessory.casefold()
+    said = metadata.accessory.casefold()
     if any(word in said for word in _SPHERE):
         return "total"
     if "diffuse" in said or "drift" in said:

@@ -11,7 +11,7 @@ import numpy as np
 
 from lightflyer.core.extras import extra
 from lightflyer.lab.readers.formats import Source
-from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumFacts, plain
+from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumMetadata, plain
 
 FORMAT = "JASCO .jws"
 
@@ -51,17 +51,17 @@ def read_jws(source: Source) -> list[RawSpectrum]:
     if length != _FLOAT * count or len(data) - length != _AT_DATA:
         source.refuse(f"is damaged: its {len(data)} bytes do not hold the {count} points it names")
     y = np.frombuffer(data[_AT_DATA:], "<f4")
-    facts = SpectrumFacts(
+    metadata = SpectrumMetadata(
         FORMAT,
         instrument=plain(data[_AT_INSTRUMENT : _AT_INSTRUMENT + _WORDS]),
         sample=plain(data[_AT_TITLE : _AT_TITLE + 2 * _WORDS], "cp932"),
     )
-    return [_spectrum(source, y, (count, first, last, step), (unit, mode), facts)]
+    return [_spectrum(source, y, (count, first, last, step), (unit, mode), metadata)]
 
 
 def _spectrum(
     source: Source, y: np.ndarray, grid: tuple[int, float, float, float], codes: tuple[int, int],
-    facts: SpectrumFacts,
+    metadata: SpectrumMetadata,
 ) -> RawSpectrum:  # fmt: skip
     count, first, last, step = grid
     if not 2 <= count <= MOST_POINTS or len(y) != count:
@@ -79,7 +79,7 @@ def _spectrum(
         source.refuse(f"its axes have the unknown codes {unit} and {mode}; export text")
     ordinate = _ORDINATES[mode]
     return RawSpectrum(
-        first + step * np.arange(count), y.astype(float), _ABSCISSAE[unit], ordinate, facts,
+        first + step * np.arange(count), y.astype(float), _ABSCISSAE[unit], ordinate, metadata,
         percent=ordinate.startswith("%"), notes=notes,
     )  # fmt: skip
 
@@ -106,14 +106,14 @@ def _from_container(source: Source) -> RawSpectrum:
         source.refuse(f"holds {channels} channels; export the one you want as text")
     if len(streams["Y-Data"]) != _FLOAT * count:
         source.refuse(f"is damaged: it names {count} points and holds other data")
-    facts = SpectrumFacts(
+    metadata = SpectrumMetadata(
         FORMAT,
         instrument=_words(streams.get("ModuleInfo", b""), which=1),
         resolution=_resolution(streams),
         sample=_words(streams.get("SampleInfo", b""), which=0),
     )
     y = np.frombuffer(streams["Y-Data"], "<f4")
-    return _spectrum(source, y, (count, first, last, step), (axis & 0xFF, mode), facts)
+    return _spectrum(source, y, (count, first, last, step), (axis & 0xFF, mode), metadata)
 
 
 def _text(data: bytes, at: int) -> tuple[str, int]:

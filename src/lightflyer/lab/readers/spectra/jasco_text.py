@@ -9,7 +9,7 @@ import re
 import numpy as np
 
 from lightflyer.lab.readers.formats import Source, one_line
-from lightflyer.lab.readers.spectra.raw import RawSpectrum, SpectrumFacts
+from lightflyer.lab.readers.spectra.raw import RawSpectrum, SpectrumMetadata
 
 FORMAT = "JASCO text"
 
@@ -54,7 +54,7 @@ def read_jasco_text(source: Source) -> list[RawSpectrum]:
             x, y, header.get("XUNITS", ""),
             # the axis tells %T from a bare "TRANSMITTANCE", but can be in any language
             ordinate if named.casefold() in _PER_CENT and "%" in ordinate else named,
-            SpectrumFacts(FORMAT, **{name: _first(said, keys) for name, keys in _KEYS.items()}),
+            SpectrumMetadata(FORMAT, **{name: _first(said, keys) for name, keys in _KEYS.items()}),
             percent=True if named.casefold() in _PER_CENT else None,
             notes=tuple(_extremes(header, y)),
         )

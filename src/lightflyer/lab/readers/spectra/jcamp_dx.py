@@ -18,7 +18,7 @@ from lightflyer.lab.readers.spectra.jcamp_numbers import (
     read_pairs,
     read_rows,
 )
-from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumFacts
+from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumMetadata
 
 FORMAT = "JCAMP-DX"
 
@@ -134,7 +134,7 @@ def _spectrum(source: Source, block: _Block) -> RawSpectrum:
         resolution += f" {unit}"
     return RawSpectrum(
         x, y, unit, block.said("YUNITS"),
-        SpectrumFacts(
+        SpectrumMetadata(
             FORMAT,
             instrument=(block.said("SPECTROMETERDATASYSTEM") or block.said("ORIGIN"))[:80],
             resolution=resolution,

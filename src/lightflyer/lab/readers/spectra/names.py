@@ -51,7 +51,7 @@ class Axis(NamedTuple):
     is_wavelength: bool
 
 
-class Shown(NamedTuple):
+class OrdinateUnit(NamedTuple):
     """Quantity of an ordinate."""
 
     # ``"transmittance"``, ``"reflectance"``, ``"absorbance"``, ``"log(1/R)"``, or empty where the
@@ -79,14 +79,14 @@ def axis_of(name: str) -> Axis | None:
     return None if scale is None else Axis(scale, is_wavelength=True)
 
 
-def shown_by(name: str) -> Shown | str:
+def parse_ordinate(name: str) -> OrdinateUnit | str:
     """Quantity that the name of an ordinate states.
 
     Examples
     --------
-    >>> shown_by("%T"), shown_by("Abs")
-    (Shown(quantity='transmittance', percent=True), Shown(quantity='absorbance', percent=False))
-    >>> shown_by("Single Beam")
+    >>> parse_ordinate("%T")
+    OrdinateUnit(quantity='transmittance', percent=True)
+    >>> parse_ordinate("Single Beam")
     'shows a single beam; divide it by its background and export %T or %R'
     """
     text = " ".join(name.casefold().split())
@@ -96,7 +96,7 @@ def shown_by(name: str) -> Shown | str:
     core = core[1:-1] if core.startswith("(") and core.endswith(")") else core
     quantity = _QUANTITIES.get(core)
     if quantity is not None:
-        return Shown(quantity, percent)
+        return OrdinateUnit(quantity, percent)
     for pattern, what in _REFUSED:
         if re.search(pattern, text):
             return f"shows {what}"

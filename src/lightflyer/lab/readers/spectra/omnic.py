@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lightflyer.lab.readers.formats import Source
-from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumFacts, plain
+from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumMetadata, plain
 
 FORMAT = "Thermo OMNIC"
 
@@ -59,7 +59,9 @@ def read_omnic(source: Source) -> list[RawSpectrum]:
         titles = [name if len(headers) == 1 else ""] * len(headers)
     resolution = _resolution(source.content, groups[_HISTORY])
     return [
-        _spectrum(source, header, value, SpectrumFacts(FORMAT, sample=title, resolution=resolution))
+        _spectrum(
+            source, header, value, SpectrumMetadata(FORMAT, sample=title, resolution=resolution)
+        )
         for header, value, title in zip(headers, values, titles, strict=True)
     ]
 
@@ -78,7 +80,9 @@ def _entries(content: bytes) -> list[_Entry]:
     return found
 
 
-def _spectrum(source: Source, header: _Entry, values: _Entry, facts: SpectrumFacts) -> RawSpectrum:
+def _spectrum(
+    source: Source, header: _Entry, values: _Entry, metadata: SpectrumMetadata
+) -> RawSpectrum:
     count, unit, ordinate, first, last = _AXIS.unpack_from(source.content, header.place)
     data = source.content[values.place : values.place + values.size]
     if not 2 <= count <= MOST_POINTS or len(data) != values.size or values.size != 4 * count:
@@ -88,7 +92,7 @@ def _spectrum(source: Source, header: _Entry, values: _Entry, facts: SpectrumFac
     return RawSpectrum(
         np.linspace(first, last, count), np.frombuffer(data, "<f4").astype(float),
         _ABSCISSAE.get(unit, f"unit {unit}"), _ORDINATES.get(ordinate, f"ordinate {ordinate}"),
-        facts,
+        metadata,
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from lightflyer.core.extras import extra
 from lightflyer.lab.readers.formats import Source, one_line
-from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumFacts
+from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumMetadata
 
 FORMAT = "Bruker OPUS"
 
@@ -41,7 +41,7 @@ def read_opus(source: Source) -> list[RawSpectrum]:
     for block in blocks:
         if block.is_sm_param() and isinstance(block.data, dict):
             said.update(block.data)
-    facts = SpectrumFacts(
+    metadata = SpectrumMetadata(
         FORMAT,
         instrument=one_line(str(said.get("ins", ""))),
         resolution=f"{said['res']:g} cm-1" if isinstance(said.get("res"), float) else "",
@@ -50,7 +50,7 @@ def read_opus(source: Source) -> list[RawSpectrum]:
     )
     pairs = pair_data_and_status_blocks(blocks)
     found = [
-        _spectrum(source, data, status.data, facts)
+        _spectrum(source, data, status.data, metadata)
         for data, status in sorted(pairs, key=lambda pair: pair[0].start)
         if data.is_data() and data.get_data_key().rstrip("_2345678") in _KINDS
     ]
@@ -94,7 +94,7 @@ def _ends(parameters: bytes) -> bool:
 
 
 def _spectrum(
-    source: Source, block: Any, said: dict[str, Any], facts: SpectrumFacts
+    source: Source, block: Any, said: dict[str, Any], metadata: SpectrumMetadata
 ) -> RawSpectrum:
     for key in ("npt", "fxv", "lxv"):
         if not isinstance(said.get(key), int | float):
@@ -112,7 +112,7 @@ def _spectrum(
     return RawSpectrum(
         np.linspace(said["fxv"], said["lxv"], count), y,
         _ABSCISSAE.get(str(said.get("dxu")), str(said.get("dxu"))), name,
-        _dated(facts, said), percent=False if name in ("transmittance", "reflectance") else None,
+        _dated(metadata, said), percent=False if name in ("transmittance", "reflectance") else None,
     )  # fmt: skip
 
 
@@ -126,6 +126,6 @@ def _require_extremes(source: Source, name: str, y: np.ndarray, said: dict[str, 
             )
 
 
-def _dated(facts: SpectrumFacts, said: dict[str, Any]) -> SpectrumFacts:
+def _dated(metadata: SpectrumMetadata, said: dict[str, Any]) -> SpectrumMetadata:
     words = [str(said[key]) for key in ("dat", "tim") if key in said]
-    return replace(facts, measured=one_line(" ".join(words)))
+    return replace(metadata, measured=one_line(" ".join(words)))

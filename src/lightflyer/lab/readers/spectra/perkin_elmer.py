@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from lightflyer.lab.readers.formats import Source, one_line
-from lightflyer.lab.readers.spectra.raw import RawSpectrum, SpectrumFacts
+from lightflyer.lab.readers.spectra.raw import RawSpectrum, SpectrumMetadata
 
 SP, ASC = "PerkinElmer .sp", "PerkinElmer .asc"
 
@@ -27,7 +27,7 @@ _DOUBLES = 29974
 _DOUBLE = 8
 _TEXT = b"#u"  # before a text in the history: tag, size, 0; then the text's length
 _FIRST_TAG = 29839  # of the history, less than zero in the file
-_FACTS = {5: "sample", 140: "instrument", 218: "accessory", 210: "resolution"}
+_METADATA = {5: "sample", 140: "instrument", 218: "accessory", 210: "resolution"}
 
 _ASC_START = "PE "
 _ASC_LINES = {"sample": 8, "instrument": 11, "measured": 3}
@@ -78,7 +78,7 @@ def _from_set(source: Source, members: dict[int, bytes]) -> RawSpectrum:
     return RawSpectrum(
         np.linspace(first, last, count), np.frombuffer(values, "<f8"),
         _label(members[_X_LABEL]), _label(members[_Y_LABEL]),
-        SpectrumFacts(SP, **_history(members.get(_HISTORY, b""))),
+        SpectrumMetadata(SP, **_history(members.get(_HISTORY, b""))),
     )  # fmt: skip
 
 
@@ -88,13 +88,13 @@ def _label(member: bytes) -> str:
 
 
 def _history(data: bytes) -> dict[str, str]:
-    """Facts in the history, whose records are found by their mark."""
+    """Metadata in the history, whose records are found by their mark."""
     found: dict[str, str] = {}
     at = data.find(_TEXT, 6)
     while at >= 0 and at + 4 <= len(data):
         tag, size, zero = struct.unpack_from("<3h", data, at - 6)
         (length,) = struct.unpack_from("<h", data, at + 2)
-        name = _FACTS.get(tag + _FIRST_TAG)
+        name = _METADATA.get(tag + _FIRST_TAG)
         if zero == 0 and size - length == 4 and length > 0 and name:
             text = one_line(data[at + 4 : at + 4 + length].decode("cp1252", "replace"))
             found.setdefault(name, f"slit {text}" if name == "resolution" else text)
@@ -126,8 +126,10 @@ def read_asc(source: Source) -> list[RawSpectrum]:
         if count != len(x):
             source.refuse(f"has {len(x)} points; its header says {count}", len(lines))
     said = {name: lines[at] for name, at in _ASC_LINES.items() if at < axes}
-    facts = {name: one_line(text)[:80] for name, text in said.items() if not text.startswith("#")}
-    return [RawSpectrum(x, y, grid[0], grid[1], SpectrumFacts(ASC, **facts))]
+    metadata = {
+        name: one_line(text)[:80] for name, text in said.items() if not text.startswith("#")
+    }
+    return [RawSpectrum(x, y, grid[0], grid[1], SpectrumMetadata(ASC, **metadata))]
 
 
 def _pair(source: Source, line: str, number: int) -> tuple[float, float]:

@@ -19,7 +19,7 @@ MOST_POINTS = 20_000_000
 
 
 @dataclass(frozen=True)
-class SpectrumFacts:
+class SpectrumMetadata:
     """What a file says of its spectrum, in the file's own words; empty where it says nothing.
 
     Attributes
@@ -58,7 +58,7 @@ class RawSpectrum:
         Such as ``"1/CM"`` or ``"nm"``.
     ordinate_name : str
         Such as ``"%T"``.
-    facts : SpectrumFacts
+    facts : SpectrumMetadata
     percent : bool or None
         Whether the format fixes the ordinate as per cent, or as a fraction; None if its name and
         values must tell.
@@ -72,7 +72,7 @@ class RawSpectrum:
     ordinate: np.ndarray
     abscissa_name: str
     ordinate_name: str
-    facts: SpectrumFacts
+    metadata: SpectrumMetadata
     percent: bool | None = None
     notes: tuple[str, ...] = ()
     rejected: tuple[Rejected, ...] = field(default=())

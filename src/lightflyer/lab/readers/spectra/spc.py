@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lightflyer.lab.readers.formats import Source
-from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumFacts, plain
+from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumMetadata, plain
 
 FORMAT = "Galactic .spc"
 
@@ -46,7 +46,7 @@ class _Header(NamedTuple):
     order: str  # of bytes
     size: int
     log: int  # where the log behind the spectra starts, 0 without one
-    facts: SpectrumFacts
+    metadata: SpectrumMetadata
 
 
 def is_spc(source: Source) -> bool:
@@ -71,7 +71,7 @@ def read_spc(source: Source) -> list[RawSpectrum]:
         else (f"{end - curves[-1][2]} bytes behind its values are not read: is it damaged?",)
     )
     return [
-        RawSpectrum(x, y, header.abscissa, header.ordinate, header.facts, notes=notes)
+        RawSpectrum(x, y, header.abscissa, header.ordinate, header.metadata, notes=notes)
         for x, y, _ in curves
     ]
 
@@ -82,7 +82,7 @@ def _new(source: Source) -> _Header:
     (flags, _, _, exponent, points, first, last, spectra, x, y, _) = struct.unpack_from(
         order + _NEW_HEADER, data
     )
-    facts = SpectrumFacts(
+    metadata = SpectrumMetadata(
         FORMAT,
         instrument=plain(data[_NEW_SOURCE : _NEW_SOURCE + 9]),
         resolution=plain(data[_NEW_RESOLUTION : _NEW_RESOLUTION + 9]),
@@ -91,7 +91,7 @@ def _new(source: Source) -> _Header:
     (log,) = struct.unpack_from(order + "I", data, _NEW_LOG)
     named = _names(flags, x, y, data[_NEW_LABELS : _NEW_LABELS + _LABEL_TEXT])
     return _Header(flags, exponent, points, first, last, spectra if flags & _SEVERAL else 1,
-                   *named, order, _NEW_SIZE, log, facts)  # fmt: skip
+                   *named, order, _NEW_SIZE, log, metadata)  # fmt: skip
 
 
 def _old(source: Source) -> _Header:
@@ -101,14 +101,14 @@ def _old(source: Source) -> _Header:
         source.refuse("holds several spectra in the old version 4Dh; save it in a newer version")
     if not 2 <= points <= MOST_POINTS:
         source.refuse(f"is damaged: it names {points:g} points")
-    facts = SpectrumFacts(
+    metadata = SpectrumMetadata(
         FORMAT,
         resolution=plain(data[_OLD_RESOLUTION : _OLD_RESOLUTION + 8]),
         sample=plain(data[_OLD_COMMENT : _OLD_COMMENT + _COMMENT]),
     )
     named = _names(flags, x & 0x7F, y, data[_OLD_LABELS : _OLD_LABELS + _LABEL_TEXT])
     return _Header(flags & ~(_X | _OWN_X), exponent, int(points), first, last, 1, *named, "old",
-                   _OLD_SIZE, 0, facts)  # fmt: skip
+                   _OLD_SIZE, 0, metadata)  # fmt: skip
 
 
 def _names(flags: int, x: int, y: int, labels: bytes) -> tuple[str, str]:

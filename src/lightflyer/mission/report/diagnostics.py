@@ -4,26 +4,28 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.design.cautions import cautions_in
+from lightflyer.design.diagnostics import diagnose
 from lightflyer.environment.base import AbstractEnvironment, Place
-from lightflyer.mission.path.ending import MissionEnd
 from lightflyer.mission.path.motion import Craft
+from lightflyer.mission.path.termination import TerminationReason
 
 _OWN = object()  # an environment of a user's own may move its sun as it likes
 _AT_A_POLE = 0.5 * np.pi - 1e-3  # radians of latitude; a few kilometres around it
 
 
-def cautions_along(craft: Craft, place: Place, values: dict[str, Any]) -> tuple[str, ...]:
-    """Cautions about a flyer along its way; ``values`` (times,); one line each."""
+def diagnose_flight(craft: Craft, place: Place, values: dict[str, Any]) -> tuple[str, ...]:
+    """Diagnostics of a flyer along its way; ``values`` (times,); one line each."""
     setup = craft.setup
     state = setup.environment.state(values["altitude"], place)
     flyer, temperature, slope = setup.flyer, values["temperature"], values["slope_speed"]
-    broadside = flyer.drag_caveats(state, values["axial_speed"], "broadside", temperature)
+    broadside = flyer.drag_diagnostics(state, values["axial_speed"], "broadside", temperature)
     edgewise = (
-        flyer.drag_caveats(state, slope, "edgewise", temperature) if np.any(slope != 0.0) else ()
+        flyer.drag_diagnostics(state, slope, "edgewise", temperature)
+        if np.any(slope != 0.0)
+        else ()
     )
     return (
-        *cautions_in(setup, state, temperature),
+        *diagnose(setup, state, temperature),
         *dict.fromkeys((*broadside, *edgewise)),
         *_of_light(setup.environment, values["irradiance"]),
     )
@@ -40,17 +42,17 @@ def _of_light(environment: AbstractEnvironment, irradiance: np.ndarray) -> tuple
     return ("the mission never finds light: the sun is below the horizon throughout",)
 
 
-def why_ended(
-    end: MissionEnd, environment: AbstractEnvironment, altitude: float, place: Place
+def termination_text(
+    end: TerminationReason, environment: AbstractEnvironment, altitude: float, place: Place
 ) -> str:
     """Why a mission ended, in words."""
-    if end is MissionEnd.STEP_LIMIT and abs(float(place.latitude)) > _AT_A_POLE:
+    if end is TerminationReason.STEP_LIMIT and abs(float(place.latitude)) > _AT_A_POLE:
         return f"{end.describe()} at a pole, where its wind has no direction"
-    if end is not MissionEnd.NO_DATA:
+    if end is not TerminationReason.NO_DATA:
         return end.describe()
     wind = getattr(environment, "wind", None)
     margins = {} if wind is None else wind.margins(altitude, place)
     if not margins:
-        return MissionEnd.NO_DATA.describe()
+        return TerminationReason.NO_DATA.describe()
     nearest = min(margins, key=lambda name: float(margins[name]))
     return f"met the end of its data: {nearest}"

@@ -16,7 +16,7 @@ _HERE = threading.local()
 
 
 @contextmanager
-def noticing() -> Iterator[None]:
+def keeping_warnings() -> Iterator[None]:
     """Gather warnings about parameters for as long as the server runs."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", ParameterWarning)
@@ -34,7 +34,7 @@ def noticing() -> Iterator[None]:
 
 
 @contextmanager
-def gathering() -> Iterator[list[str]]:
+def gathering_warnings() -> Iterator[list[str]]:
     """Texts of the warnings that come up in this thread within the block."""
     before = getattr(_HERE, "gathered", None)
     found: list[str] = []

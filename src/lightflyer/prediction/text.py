@@ -1,45 +1,31 @@
-"""Tables of a prediction on a terminal."""
+"""A prediction in words: lines and tables."""
 
 import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-from rich.measure import Measurement
 from rich.table import Table
 
-from lightflyer.cli.output import printer
+from lightflyer.design.outputs import BUDGET_OUTPUTS, OUTPUTS, node_outputs, outputs_of
+from lightflyer.files.result_text import NARROW, Parts, rows_of, warning_lines, width_of
 
 if TYPE_CHECKING:
     from lightflyer.prediction.prediction import Prediction
 
-NARROW = 80
-"""Columns of a narrow terminal."""
 
-
-def show_flyer(console: Console, prediction: "Prediction") -> None:
-    """Print what flies, and in what surroundings."""
+def flyer_lines(prediction: "Prediction") -> Iterator[str]:
+    """What flies, and in what surroundings."""
     flyer = prediction.setup.flyer
     own_mass, payload = _mass(float(flyer.own_mass)), _mass(float(flyer.payload), "g")
-    console.print(f"{flyer.describe()}, {own_mass}, payload {payload}")
-    console.print("; ".join(prediction.assumptions), soft_wrap=True)
+    yield f"{flyer.describe()}, {own_mass}, payload {payload}"
+    yield "; ".join(prediction.assumptions)
 
 
-def show_results(console: Console, prediction: "Prediction") -> None:
-    """Print where it levitates, what it carries, and the results at each coordinate asked for."""
-    console.print(_results(prediction, prediction.summary()))
-    for table in _points_tables(prediction, min(console.width, NARROW)):
-        console.print(table)
-    for text in prediction.warnings:
-        console.print(f"warning: {text}", soft_wrap=True)
-
-
-_UNBOUNDED = printer(width=1000)  # on which tables are measured
-
-
-def measure(table: Table) -> Measurement:
-    """Width of a table on an unbounded terminal."""
-    return Measurement.get(_UNBOUNDED, _UNBOUNDED.options, table)
+def result_parts(prediction: "Prediction", width: int = NARROW) -> Parts:
+    """Where it levitates, what it carries, and the results at each coordinate asked for."""
+    yield _results(prediction, prediction.summary())
+    yield from _points_tables(prediction, min(width, NARROW))
+    yield from warning_lines(prediction.warnings)
 
 
 def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
@@ -48,31 +34,30 @@ def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
     key, factor = prediction.coordinate_key
     unit, digits = where.shown_unit, ".3g" if where.logarithmic else ".2f"
     best, easiest = prediction.best, prediction.easiest
-    rows = Table.grid(padding=(0, 2))
+    rows: dict[str, str] = {}
     if not prediction.bands:
         lift = round(float(best.values["lift_over_weight"]), 2) + 0.0  # and never -0.00
         shortfall = f"lift is at most {lift:.2f} of its weight, at "
         shortfall += f"{best.coordinate * factor:{digits}} {unit}"
-        rows.add_row("levitates", f"nowhere at {light:g} W/m²: {shortfall}")
+        rows["levitates"] = f"nowhere at {light:g} W/m²: {shortfall}"
     else:
         edge = ".4g" if where.logarithmic else ".3f"
         bands = summary[f"{where.name}_bands{key.removeprefix(where.name)}"]
         shown = ", ".join(f"{low:{edge}} {unit} to {high:{edge}} {unit}" for low, high in bands)
-        rows.add_row("levitates", shown + _pressures(prediction, summary, len(bands)))
+        rows["levitates"] = shown + _pressures(prediction, summary, len(bands))
     if easiest is None:
-        rows.add_row("least irradiance", f"none: no irradiance lifts it at any {where.name}")
+        rows["least irradiance"] = f"none: no irradiance lifts it at any {where.name}"
     else:
-        rows.add_row(
-            "least irradiance",
+        rows["least irradiance"] = (
             f"{easiest.values['levitation_irradiance']:.1f} W/m² at "
             f"{easiest.coordinate * factor:{digits}} {unit} "
-            f"({easiest.values['levitation_temperature']:.1f} K)",
+            f"({easiest.values['levitation_temperature']:.1f} K)"
         )
     place = f"at {best.coordinate * factor:{digits}} {unit} ({best.values['temperature']:.1f} K)"
-    rows.add_row("best payload", _payload(best.values, place))
+    rows["best payload"] = _payload(best.values, place)
     if prediction.setup.budget is not None:
-        rows.add_row("payload needs", payload_line(best.values))
-    return rows
+        rows["payload needs"] = payload_line(best.values)
+    return rows_of(rows)
 
 
 def _pressures(prediction: "Prediction", summary: dict[str, Any], bands: int) -> str:
@@ -85,8 +70,6 @@ def _pressures(prediction: "Prediction", summary: dict[str, Any], bands: int) ->
 
 def _mass(kilograms: float, form: str = ".4g") -> str:
     """A mass with a unit that suits it."""
-    from lightflyer.design.outputs import OUTPUTS
-
     factor, unit = OUTPUTS["own_mass"].shown_for(kilograms)
     return f"{kilograms * factor:{form}} {unit}"
 
@@ -100,7 +83,6 @@ def _payload(best: dict[str, float], place: str) -> str:
 
 def payload_line(best: dict[str, float]) -> str:
     """What the payload needs where the flyer carries most, and what is left."""
-    from lightflyer.design.outputs import BUDGET_OUTPUTS
 
     def shown(name: str, form: str = ".4g") -> str:
         output = BUDGET_OUTPUTS[name]
@@ -137,8 +119,6 @@ _OWN = 5  # results of the flyer's or the force model's own that fit beside the 
 def _points_tables(prediction: "Prediction", width: int) -> Iterator[Table]:
     """Tables of the results at each coordinate asked for, those that every flyer has first."""
     # What does not fit the width goes into further tables.
-    from lightflyer.design.outputs import node_outputs
-
     if not prediction.asked.size:
         return
     nodes = {
@@ -148,11 +128,11 @@ def _points_tables(prediction: "Prediction", width: int) -> Iterator[Table]:
     names = prediction.point_names
     first = [name for name in names if name in _COLUMNS or name in nodes]
     table = _points_table(prediction, {name: (_COLUMNS | nodes)[name] for name in first})
-    if measure(table).minimum > width:
+    if width_of(table).minimum > width:
         first = [name for name in names if name in _COLUMNS]
         table = _points_table(prediction, {name: _COLUMNS[name] for name in first})
     for name in _DISPENSABLE:
-        if measure(table).minimum > width and name in first:
+        if width_of(table).minimum > width and name in first:
             first.remove(name)
             table = _points_table(prediction, {name: _COLUMNS[name] for name in first})
     yield table
@@ -164,16 +144,12 @@ def _points_tables(prediction: "Prediction", width: int) -> Iterator[Table]:
 
 
 def _own_heading(prediction: "Prediction", name: str) -> str:
-    from lightflyer.design.outputs import outputs_of
-
     words, known = name.replace("_", " "), outputs_of(prediction.setup)[name]
     return f"{words}\n[{{}}]" if known.shown[1] else words
 
 
 def _points_table(prediction: "Prediction", headings: dict[str, tuple[str, str]]) -> Table:
     """Table of some results, each with its heading and format."""
-    from lightflyer.design.outputs import outputs_of
-
     where, (_, factor) = prediction.coordinate, prediction.coordinate_key
     known = outputs_of(prediction.setup)
     columns = {

@@ -19,8 +19,8 @@ _LARGE_SHARE = 0.1  # of the inputs' variance, for an input to be named
 _AT_END = 1e-3  # relative distance of a value from the end of its range
 
 
-def of(fit: Calibration) -> list[str]:
-    """Findings about a fit, one line each."""
+def diagnose(fit: Calibration) -> list[str]:
+    """Diagnostics of a fit, one line each."""
     return [
         *fit.problem.model.design.warnings,
         *_about_errors(fit),

@@ -25,7 +25,7 @@ _VISIBLE_MISFIT = 0.005  # [1]; smaller ones are those of any photometer
 _SHOWN = 3  # other minima
 
 
-def findings(
+def diagnose(
     sample: OpticsSample,
     numbers: Mapping[str, Estimate],
     open_ends: Mapping[str, tuple[bool, bool]],
@@ -42,7 +42,7 @@ def findings(
         *_misfits(sample, fit),
         *_instruments(sample, fit),
         *_rough(sample, film),
-        *dict.fromkeys(text for medium in film.media for text in medium.caveats),
+        *dict.fromkeys(text for medium in film.media for text in medium.diagnostics),
         *(
             f"{one.spectrum.source}: {note}"
             for one in sample.spectra

@@ -15,7 +15,7 @@ from lightflyer.flight.bands import levitation_band
 from lightflyer.program.entry_point import entry_point
 
 UNSTATED_LIMIT = 500.0
-"""Temperature above which a film without a stated highest temperature is worth a caution [K]:
+"""Temperature above which a film without a stated highest temperature is worth a diagnostic [K]:
 polymer films shrink and melt near it."""
 
 _LOOKS = 31  # places within a band that are looked at
@@ -23,12 +23,12 @@ _AT_ONCE = 320  # places: a prediction's table and what is reported beside it
 _ROUNDING = 1e-5  # relative, within which a search meets a limit
 
 
-def cautions(setup: Setup, coordinate: Numeric, temperature: Numeric) -> tuple[str, ...]:
-    """Cautions about a flyer at some places; ``coordinate`` (n,); ``temperature`` (n,)."""
+def diagnose_at(setup: Setup, coordinate: Numeric, temperature: Numeric) -> tuple[str, ...]:
+    """Diagnostics of a flyer at some places; ``coordinate`` (n,); ``temperature`` (n,)."""
     coordinate = np.asarray(coordinate, float)
     repeats = (0, -coordinate.size % _AT_ONCE)  # of the last place, so that one program serves all
     places, hottest = (np.pad(row, repeats, mode="edge") for row in (coordinate, temperature))
-    return cautions_in(setup, _state(setup.environment, places), hottest)
+    return diagnose(setup, _state(setup.environment, places), hottest)
 
 
 @entry_point
@@ -36,27 +36,27 @@ def _state(environment: AbstractEnvironment, coordinate: Numeric) -> Environment
     return environment.state(coordinate)
 
 
-def cautions_in(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-    """Cautions about a flyer in some surroundings; ``temperature`` (n,)."""
+def diagnose(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+    """Diagnostics of a flyer in some surroundings; ``temperature`` (n,)."""
     return (
         *_of_walls(setup, state),
-        *setup.model.caveats(setup.flyer, state, temperature),
-        *setup.flyer.caveats(state, temperature),
+        *setup.model.diagnostics(setup.flyer, state, temperature),
+        *setup.flyer.diagnostics(state, temperature),
         *_of_gas(state, temperature),
         *_of_cells(setup, state),
         *_of_heat(setup.flyer.highest_temperature, temperature),
     )
 
 
-def cautions_at(setup: Setup, coordinate: Numeric) -> tuple[str, ...]:
-    """Cautions about a flyer at one place, or at some, in the available light."""
+def diagnose_in_light(setup: Setup, coordinate: Numeric) -> tuple[str, ...]:
+    """Diagnostics of a flyer at one place, or at some, in the available light."""
     state = setup.environment.state(coordinate)
     found = equilibrium(setup.flyer, state, setup.model, throw=False)
-    return cautions(setup, np.atleast_1d(coordinate), np.atleast_1d(found.temperature))
+    return diagnose_at(setup, np.atleast_1d(coordinate), np.atleast_1d(found.temperature))
 
 
-def cautions_of_design(design: AbstractDesign, values: Mapping[str, float]) -> tuple[str, ...]:
-    """Cautions about a design with some numbers replaced; those of the design itself first."""
+def diagnose_design(design: AbstractDesign, values: Mapping[str, float]) -> tuple[str, ...]:
+    """Diagnostics of a design with some numbers replaced; those of the design itself first."""
     setup = design.build(values)
     coordinate = values.get(design.coordinate_name)
     places: Numeric = np.empty(0) if coordinate is None else coordinate
@@ -66,7 +66,7 @@ def cautions_of_design(design: AbstractDesign, values: Mapping[str, float]) -> t
         )
         if band.exists:
             places = np.linspace(band.lower, band.upper, _LOOKS)
-    found = cautions_at(setup, places) if np.size(places) else ()
+    found = diagnose_in_light(setup, places) if np.size(places) else ()
     return (*design.warnings_for(values), *found)
 
 
@@ -84,7 +84,7 @@ def _of_walls(setup: Setup, state: EnvironmentState) -> tuple[str, ...]:
 
 
 def _of_cells(setup: Setup, state: EnvironmentState) -> Iterator[str]:
-    """Cautions about solar cells that a flyer has no room for, or that have no light."""
+    """Diagnostics of solar cells that a flyer has no room for, or that have no light."""
     if setup.budget is None or setup.budget.cells is None:
         return
     needs = setup.budget.needs(light_on_cells(state.radiation, setup.flyer.attitude))
@@ -99,9 +99,9 @@ def _of_cells(setup: Setup, state: EnvironmentState) -> Iterator[str]:
 
 
 def _of_gas(state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-    """Cautions about the gas, from its own temperature to that of the flyer."""
+    """Diagnostics of the gas, from its own temperature to that of the flyer."""
     ends = np.stack(np.broadcast_arrays(state.temperature, temperature))
-    return state.gas.caveats(ends, state.pressure)
+    return state.gas.diagnostics(ends, state.pressure)
 
 
 def _of_heat(highest: Numeric | None, temperature: Numeric) -> Iterator[str]:
@@ -116,8 +116,8 @@ def _of_heat(highest: Numeric | None, temperature: Numeric) -> Iterator[str]:
         yield f"the flyer reaches {hottest:.0f} K, and its film bears {float(highest):.0f} K"
 
 
-def cautions_of_force(table: dict[str, Any]) -> Iterator[str]:
-    """Cautions about a flyer that the gas does not push up where it pushes hardest."""
+def diagnose_force(table: dict[str, Any]) -> Iterator[str]:
+    """Diagnostics of a flyer that the gas does not push up where it pushes hardest."""
     lift = np.nan_to_num(table["lift"])
     strongest = float(lift[np.argmax(np.abs(lift))])
     if strongest < 0.0:

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 
 from lightflyer.core.errors import LightflyerError
-from lightflyer.design.cautions import cautions_of_design
+from lightflyer.design.diagnostics import diagnose_design
 from lightflyer.search.problem import Problem
 
 
-def cautions_about(problem: Problem, design: Mapping[str, float]) -> tuple[str, ...]:
+def diagnose_solution(problem: Problem, design: Mapping[str, float]) -> tuple[str, ...]:
     """What a reader must know of a design, with uncertain numbers at their means."""
-    return cautions_of_design(problem.design, _values(problem, design))
+    return diagnose_design(problem.design, _values(problem, design))
 
 
 def _values(problem: Problem, design: Mapping[str, float]) -> dict[str, float]:

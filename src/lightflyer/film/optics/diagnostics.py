@@ -179,7 +179,7 @@ def _range(values: np.ndarray, form: str) -> str:
 
 def medium_warnings(film: Film) -> list[str]:
     """What a reader must know of the optical data of a film's media, one line each."""
-    said = [text for one in film.media for text in one.caveats]
+    said = [text for one in film.media for text in one.diagnostics]
     return [*dict.fromkeys(said), *sheet_warnings(film)]
 
 

@@ -1,4 +1,4 @@
-"""What one wants to know of a mission, from its dataset."""
+"""A mission in numbers, from its dataset."""
 
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.core.clock import seconds_of, written
-from lightflyer.mission.path.ending import MissionEnd
 from lightflyer.mission.path.position import unit_vector
+from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.program.entry_point import entry_point
 
@@ -21,10 +21,10 @@ _HALF = 0.5
 _INTERVAL = (2.5, 50.0, 97.5)
 """Percentiles of a 95 % interval and its median."""
 
-_SECONDS_AN_HOUR = 3600.0
+SECONDS_AN_HOUR = 3600.0
 
 
-def facts_of(dataset: "xr.Dataset") -> dict[str, Any]:
+def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
     """A mission in numbers.
 
     Parameters
@@ -45,27 +45,32 @@ def facts_of(dataset: "xr.Dataset") -> dict[str, Any]:
     when = np.append(elapsed[flying], end)
     lowest, highest = int(np.argmin(ends)), int(np.argmax(ends))
     hours, nights = _light(dataset)
-    facts: dict[str, Any] = {
+    found: dict[str, Any] = {
         "released": date_after(dataset, 0.0),
         "ended": date_after(dataset, end),
         "end": dataset.attrs["end"],
-        "end_reason": MissionEnd(int(dataset.end_reason)).name.lower(),
-        "duration_h": end / _SECONDS_AN_HOUR,
+        "end_reason": TerminationReason(int(dataset.end_reason)).name.lower(),
+        "duration_h": end / SECONDS_AN_HOUR,
         "end_altitude_km": float(dataset.end_altitude) / 1e3,
         "end_latitude_deg": float(dataset.end_latitude),
         "end_longitude_deg": float(dataset.end_longitude),
         "lowest_altitude_km": ends[lowest] / 1e3,
-        "lowest_at_h": when[lowest] / _SECONDS_AN_HOUR,
+        "lowest_at_h": when[lowest] / SECONDS_AN_HOUR,
         "highest_altitude_km": ends[highest] / 1e3,
-        "highest_at_h": when[highest] / _SECONDS_AN_HOUR,
+        "highest_at_h": when[highest] / SECONDS_AN_HOUR,
         "light_h": hours,
         "nights": nights,
     }
     if "ensemble_flying" in dataset:
-        facts["ensemble"] = _of_ensemble(dataset)
+        found["ensemble"] = _of_ensemble(dataset)
     if "launch_end_reason" in dataset:
-        facts["launches"] = _of_launches(dataset)
-    return facts
+        found["launches"] = _of_launches(dataset)
+    return found | {name: texts_of(dataset, name) for name in ("assumptions", "warnings")}
+
+
+def texts_of(dataset: "xr.Dataset", name: str) -> list[str]:
+    """Short texts of an attribute."""
+    return [text for text in dataset.attrs[name].split("; ") if text]
 
 
 def date_after(dataset: "xr.Dataset", elapsed: float) -> str:
@@ -97,7 +102,7 @@ def day_and_night(dataset: "xr.Dataset") -> list[tuple[float, float, bool]]:
 def _light(dataset: "xr.Dataset") -> tuple[float, list[dict[str, Any]]]:
     """Hours of light, and each night with the altitudes at its begin and end."""
     spans = day_and_night(dataset)
-    hours = sum(end - begin for begin, end, is_day in spans if is_day) / _SECONDS_AN_HOUR
+    hours = sum(end - begin for begin, end, is_day in spans if is_day) / SECONDS_AN_HOUR
     altitude, elapsed = dataset.altitude.values, dataset[ELAPSED].values
     known = np.isfinite(altitude)
     elapsed = np.append(elapsed[known], float(dataset.end_elapsed))
@@ -111,7 +116,7 @@ def _light(dataset: "xr.Dataset") -> tuple[float, list[dict[str, Any]]]:
             {
                 "begins": date_after(dataset, begin),
                 "ends": date_after(dataset, end),
-                "duration_h": (end - begin) / _SECONDS_AN_HOUR,
+                "duration_h": (end - begin) / SECONDS_AN_HOUR,
                 "altitude_at_begin_km": float(at[0]),
                 "altitude_at_end_km": float(at[1]),
                 "whole": begin > 0.0 and end < float(dataset.end_elapsed),
@@ -125,13 +130,13 @@ def _of_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
     reasons = dataset.ensemble_end_reason.values
     return {
         "members": int(dataset.sizes["member"]),
-        "still_flying": float(np.mean(reasons == MissionEnd.STILL_FLYING)),
+        "still_flying": float(np.mean(reasons == TerminationReason.STILL_FLYING)),
         "ends": {
             end.name.lower(): int(np.sum(reasons == end))
-            for end in MissionEnd
+            for end in TerminationReason
             if np.any(reasons == end)
         },
-        "duration_h": _interval(dataset.ensemble_end_elapsed.values / _SECONDS_AN_HOUR),
+        "duration_h": _interval(dataset.ensemble_end_elapsed.values / SECONDS_AN_HOUR),
         "end_altitude_km": _interval(dataset.ensemble_end_altitude.values / 1e3),
         "distance_from_nominal_end_km": _interval(_distances(dataset)),
     }
@@ -159,9 +164,9 @@ def _of_launches(dataset: "xr.Dataset") -> list[dict[str, Any]]:
     return [
         {
             "released": date_after(dataset, float(dataset.launch_delay[number])),
-            "delay_h": float(dataset.launch_delay[number]) / _SECONDS_AN_HOUR,
-            "end_reason": MissionEnd(int(dataset.launch_end_reason[number])).name.lower(),
-            "duration_h": float(dataset.launch_end_elapsed[number]) / _SECONDS_AN_HOUR,
+            "delay_h": float(dataset.launch_delay[number]) / SECONDS_AN_HOUR,
+            "end_reason": TerminationReason(int(dataset.launch_end_reason[number])).name.lower(),
+            "duration_h": float(dataset.launch_end_elapsed[number]) / SECONDS_AN_HOUR,
             "end_altitude_km": float(dataset.launch_end_altitude[number]) / 1e3,
             "lowest_altitude_km": float(lowest[number]) / 1e3,
         }

@@ -1,0 +1,84 @@
+"""A calibration in words: lines and tables."""
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from rich.table import Table
+
+from lightflyer.files.result_text import Parts, open_interval_text
+
+if TYPE_CHECKING:
+    from lightflyer.calibration.bayes import Posterior
+    from lightflyer.calibration.calibration import Calibration
+
+
+def fit_parts(fit: "Calibration") -> Parts:
+    """The parameters with both intervals, and what these contain."""
+    table = Table(box=None, padding=(0, 1))
+    headings = ("parameter", "value", "given inputs\n95 %", "total\n95 %", "total\n±")
+    for heading in headings:
+        table.add_column(heading, justify="left" if heading == "parameter" else "right")
+    for row, name in enumerate(fit.names):
+        table.add_row(
+            name,
+            f"{fit.values[row]:.4g}",
+            open_interval_text(*fit.intervals[row]),
+            open_interval_text(*fit.total_intervals[row]),
+            f"{fit.total_standard_uncertainties[row]:.2g}",
+        )
+    yield table
+    yield from _explained(fit)
+
+
+def _explained(fit: "Calibration") -> list[str]:
+    """What the intervals of the table contain, in words."""
+    kind = "estimated from the scatter" if fit.estimated_scatter else "as stated in the file"
+    if fit.error_scale != 1.0:
+        kind = f"as stated in the file, times {fit.error_scale:.3g}"
+    chi_squared = (
+        f"; reduced chi-squared {fit.reduced_chi_squared:.3g}"
+        if math.isfinite(fit.reduced_chi_squared)
+        else ""
+    )
+    shares = ", ".join(
+        f"{name} ({_percentages(values)})" for name, values in fit.contributions.items()
+    )
+    return [
+        f"{len(fit.points)} points of {len(set(fit.points.samples))} samples scatter by "
+        f"{100.0 * fit.scatter:.2g} % of the irradiance; their uncertainty is {kind}{chi_squared}",
+        "given inputs: the points' scatter alone, everything else exactly as stated",
+        f"total: also the ± of {shares or 'nothing else, since nothing has one'}",
+    ]
+
+
+def _percentages(shares: Any) -> str:
+    """Relative standard uncertainty of each parameter by one input."""
+    return ", ".join(f"{100.0 * share:.2g} %" for share in shares)
+
+
+def posterior_parts(drawn: "Posterior") -> Parts:
+    """Mean, interval and convergence of each parameter."""
+    table = Table(box=None, padding=(0, 1))
+    headings = (
+        "posterior\nat given inputs",
+        "mean",
+        "standard\ndeviation",
+        "95 % interval",
+        "R-hat",
+        "effective",
+    )
+    for heading in headings:
+        table.add_column(heading, justify="left" if heading.startswith("posterior") else "right")
+    for name, found in drawn.summary()["parameters"].items():
+        low, high = found["interval_95"]
+        table.add_row(
+            name,
+            f"{found['mean']:.4g}",
+            f"{found['standard_deviation']:.2g}",
+            f"{low:.4g} to {high:.4g}",
+            f"{found['r_hat']:.3f}",
+            f"{found['effective_draws']:.0f}",
+        )
+    yield table
+    chains, draws = drawn.draws.shape[:2]
+    yield f"{chains * draws} draws in {chains} chains, {drawn.divergences} divergent"

@@ -1,0 +1,108 @@
+"""A comparison in words: lines and tables."""
+
+import math
+from typing import TYPE_CHECKING
+
+from rich.table import Table
+
+from lightflyer.design.outputs import BUDGET_OUTPUTS, OUTPUTS, budget_outputs
+from lightflyer.files.result_text import Parts, warning_lines
+
+if TYPE_CHECKING:
+    from lightflyer.comparison.comparison import Compared, Comparison
+
+_LETTERS = "ABCDEFGHI"
+
+
+def comparison_parts(comparison: "Comparison") -> Parts:
+    """The flyers, what each carries at best and over the coordinate, and in what they differ."""
+    for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
+        yield f"{letter}  {found.name}: {found.description}"
+    yield _best_table(comparison)
+    yield _payloads_table(comparison)
+    if any(found.setup.budget is not None for found in comparison.flyers):
+        yield needs_table(comparison)
+    yield from map(str, comparison.differing_models)
+    yield from warning_lines(comparison.warnings)
+
+
+def _best_table(comparison: "Comparison") -> Table:
+    """Largest payload of each flyer; the best of all is marked."""
+    unit, (scale, mass) = comparison.coordinate.shown_unit, comparison.shown("payload")
+    table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
+    table.add_column("")
+    headings = (f"best payload\n[{mass}]", f"95 % band\n[{mass}]", f"at\n[{unit}]",
+                "per area\n[g/m²]", "of own\nmass", "hottest\n[K]",
+                f"levitates\n[{unit}]")  # fmt: skip
+    for heading in headings:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
+        mark = "*" if found is comparison.best and found.prediction.bands else " "
+        table.add_row(f"{letter}{mark}", *_best_cells(found, scale))
+    return table
+
+
+def _best_cells(found: "Compared", scale: float) -> tuple[str, ...]:
+    prediction, digits = found.prediction, _digits(found)
+    values, (_, factor) = prediction.best.values, prediction.coordinate_key
+    band = found.best_band("payload")
+    shown = {name: values[name] * OUTPUTS[name].shown[0] for name in values if name in OUTPUTS}
+    widest = prediction.widest
+    flies = "nowhere"
+    if widest is not None:
+        low, high = (format(edge * factor, digits) for edge in prediction.bands[widest])
+        flies = f"{low} to {high}" + (" …" if len(prediction.bands) > 1 else "")
+    return (
+        format(values["payload"] * scale, ".4g"),
+        "–" if band is None else f"{band[0] * scale:.3g} to {band[1] * scale:.3g}",
+        format(prediction.best.coordinate * factor, digits),
+        format(shown["payload_per_area"], ".3g"),
+        format(shown["relative_payload"], ".3g"),
+        format(shown["temperature"], ".0f"),
+        flies,
+    )
+
+
+def needs_table(comparison: "Comparison") -> Table:
+    """What each flyer's payload needs where it carries most, and what is left."""
+    table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
+    table.add_column("")
+    having = [found for found in comparison.flyers if found.setup.budget is not None]
+    scales = {}
+    for name, output in BUDGET_OUTPUTS.items():
+        values = [found.prediction.best.values.get(name, math.nan) for found in having]
+        scales[name], unit = output.shown_for(values)
+        heading = f"{name.replace('_', ' ')}\n[{unit.replace('^2', '²')}]"
+        table.add_column(heading, justify="right", no_wrap=True)
+    for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
+        known, best = budget_outputs(found.setup), found.prediction.best.values
+        cells = [
+            format(best[name] * scale, ".4g") if name in known else "–"
+            for name, scale in scales.items()
+        ]
+        table.add_row(letter, *cells)
+    return table
+
+
+def _digits(found: "Compared") -> str:
+    return ".3g" if found.prediction.coordinate.logarithmic else ".1f"
+
+
+def _payloads_table(comparison: "Comparison") -> Table:
+    """Payload of each flyer at round coordinates; the largest is marked."""
+    where, (scale, mass) = comparison.coordinate, comparison.shown("payload")
+    _, factor = comparison.flyers[0].prediction.coordinate_key
+    table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
+    heading = f"{where.name} [{where.shown_unit}]; payload [{mass}]"
+    table.add_column(heading, justify="right", no_wrap=True)
+    for letter, _ in zip(_LETTERS, comparison.flyers, strict=False):
+        table.add_column(letter, justify="right")
+    for index, coordinate in enumerate(comparison.listed):
+        payloads = [found.listed["payload"][index] * scale for found in comparison.flyers]
+        best = max(payloads)
+        cells = [
+            f"{payload:.3g}{'*' if payload == best > 0.0 else ' '}" if payload > 0.0 else "– "
+            for payload in payloads
+        ]
+        table.add_row(f"{coordinate * factor:.6g}", *cells)
+    return table

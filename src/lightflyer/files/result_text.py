@@ -1,0 +1,77 @@
+"""Results as text: lines and tables that ``print``, notebooks and the command line share."""
+
+import io
+import math
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from rich.measure import Measurement
+    from rich.table import Table
+
+NARROW = 80
+"""Columns of a narrow terminal."""
+
+Parts: TypeAlias = "Iterable[str | Table]"
+
+UNBOUNDED = 1000
+"""Columns in which nothing is wrapped."""
+
+
+class PrintedResult:
+    """A result that prints as a short text with numbers, units and bands."""
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        return as_text(self.text_parts())
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
+def as_text(parts: Parts) -> str:
+    """Lines and tables as one text, of which no line is wrapped."""
+    from rich.console import Console
+
+    file = io.StringIO()
+    console = Console(
+        file=file, width=UNBOUNDED, markup=False, emoji=False, highlight=False, no_color=True,
+        force_terminal=False, force_jupyter=False,
+    )  # fmt: skip
+    for part in parts:
+        console.print(part, soft_wrap=isinstance(part, str))
+    return "\n".join(line.rstrip() for line in file.getvalue().splitlines())
+
+
+def rows_of(texts: dict[str, str]) -> "Table":
+    """Table of labelled texts."""
+    from rich.table import Table
+
+    rows = Table.grid(padding=(0, 2))
+    for label, text in texts.items():
+        rows.add_row(label, text)
+    return rows
+
+
+def width_of(table: "Table") -> "Measurement":
+    """Width of a table on an unbounded terminal."""
+    from rich.console import Console
+    from rich.measure import Measurement
+
+    console = Console(width=UNBOUNDED)
+    return Measurement.get(console, console.options, table)
+
+
+def warning_lines(warnings: Iterable[str]) -> list[str]:
+    """A line for each warning."""
+    return [f"warning: {text}" for text in warnings]
+
+
+def open_interval_text(low: float, high: float) -> str:
+    """An interval of a positive number; an end that is zero or infinite is open."""
+    if math.isinf(high):
+        return f"above {low:.4g}" if low > 0.0 else "unknown"
+    return f"{low:.4g} to {high:.4g}" if low > 0.0 else f"below {high:.4g}"

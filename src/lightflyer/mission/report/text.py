@@ -1,0 +1,148 @@
+"""Missions and swarms in words: lines and tables."""
+
+from typing import TYPE_CHECKING, Any
+
+from rich.table import Table
+
+from lightflyer.files.result_text import Parts, as_text, rows_of, warning_lines
+from lightflyer.mission.report.dataset import ELAPSED
+from lightflyer.mission.report.summary import SECONDS_AN_HOUR, summarise, texts_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_MOST_ROWS = 12  # of nights and of launches in a table; the summary has all
+
+
+def mission_parts(dataset: "xr.Dataset") -> Parts:
+    """Release, end and extremes of a flight, its nights, and those flown beside it."""
+    found, rows = summarise(dataset), {}
+    names = ("latitude", "longitude", "altitude")
+    begin = (dataset[name].values[0] for name in names)
+    end = (dataset[f"end_{name}"] for name in names)
+    rows["flyer"] = dataset.attrs["flyer"]
+    rows["released"] = f"{found['released']}, {_place_text(*begin)}"
+    rows["ended"] = f"{found['ended']}, {_place_text(*end)}"
+    rows["because"] = f"it {found['end']}"
+    rows["aloft"] = f"{found['duration_h']:.2f} h, {found['light_h']:.2f} h in light"
+    for name in ("lowest", "highest"):
+        altitude, when = found[f"{name}_altitude_km"], found[f"{name}_at_h"]
+        rows[name] = f"{altitude:.2f} km, {when:.2f} h after the release"
+    yield rows_of(rows)
+    if found["nights"]:
+        yield _nights(found["nights"])
+    if "ensemble" in found:
+        yield _ensemble(found["ensemble"])
+    if "launches" in found:
+        yield _launches(found["launches"])
+    yield from found["assumptions"]
+    yield from warning_lines(found["warnings"])
+
+
+def spread_parts(dataset: "xr.Dataset") -> Parts:
+    """The shares of a swarm that still fly, and that are inside each area, at the end."""
+    last = dataset.isel({ELAPSED: -1})
+    yield f"{dataset.attrs['flyer']}, {int(dataset.members)} members"
+    table = _table(f"after {float(last[ELAPSED]) / SECONDS_AN_HOUR:.4g} h", "", "share", "95 %")
+    shares = [("still flying", last, "flying")]
+    for area in dataset.get("area", ()):
+        shares.append((str(area.item()), last.sel(area=area), "inside"))
+    for label, place, name in shares:
+        share, low, high = (
+            f"{100.0 * float(place[name + end]):.3g}" for end in ("", "_low", "_high")
+        )
+        table.add_row(label, f"{share} %", f"{low} % to {high} %")
+    yield table
+    if float(last.flying) > 0.0:
+        yield (
+            f"middle {_place_text(last.latitude, last.longitude, last.altitude)}, "
+            f"root mean square distance from it {float(last.distance) / 1e3:.4g} km"
+        )
+    yield from warning_lines(texts_of(dataset, "warnings"))
+
+
+def describe(dataset: "xr.Dataset") -> str:
+    """A mission or the spread of a swarm as a short text.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From :func:`lightflyer.fly` or :func:`lightflyer.spread`.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import lightflyer as lf
+    >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    >>> flown = lf.fly(
+    ...     lf.Disk(film, radius=0.005), lf.Earth(), lf.FreeMolecular(), duration="6 h",
+    ...     release=lf.Release("75 km", latitude=45.0, longitude=0.0, time="2026-06-21T12:00Z"),
+    ... )
+    >>> print(describe(flown).splitlines()[3])
+    because   it is still flying at the end of its time
+    """
+    return as_text(spread_parts(dataset) if "flying" in dataset else mission_parts(dataset))
+
+
+def _place_text(latitude: Any, longitude: Any, altitude: Any) -> str:
+    """A place and an altitude in words; angles in degrees."""
+    north, east = "N" if latitude >= 0.0 else "S", "E" if longitude >= 0.0 else "W"
+    degrees = f"{abs(float(latitude)):.2f}° {north}, {abs(float(longitude)):.2f}° {east}"
+    return f"{degrees}, {float(altitude) / 1e3:.2f} km"
+
+
+def _table(title: str, *headings: str) -> Table:
+    table = Table(title=title, title_justify="left", box=None, padding=(0, 1), pad_edge=False)
+    for number, heading in enumerate(headings):
+        table.add_column(heading, justify="right" if number else "left")
+    return table
+
+
+def _nights(nights: list[dict[str, Any]]) -> Table:
+    table = _table("nights", "begins", "ends", "hours", "at its begin\n[km]", "at its end\n[km]")
+    for night in nights[:_MOST_ROWS]:
+        altitudes = (f"{night[f'altitude_at_{name}_km']:.2f}" for name in ("begin", "end"))
+        ends = night["ends"] if night["whole"] else f"{night['ends']} *"
+        table.add_row(night["begins"], ends, f"{night['duration_h']:.2f}", *altitudes)
+    if not all(night["whole"] for night in nights[:_MOST_ROWS]):
+        table.caption = "* not the whole night: the mission begins or ends in it"
+        table.caption_justify = "left"
+    return table
+
+
+def _ensemble(found: dict[str, Any]) -> Table:
+    share = 100.0 * found["still_flying"]
+    table = _table(
+        f"{found['members']} flights, {share:.1f} % still flying at the end",
+        "95 % interval",
+        "from",
+        "median",
+        "to",
+    )
+    for name, key in (
+        ("time aloft [h]", "duration_h"),
+        ("altitude at the end [km]", "end_altitude_km"),
+        ("distance from the stated flyer's end [km]", "distance_from_nominal_end_km"),
+    ):
+        interval = found[key]
+        table.add_row(name, *(f"{interval[end]:.2f}" for end in ("low", "median", "high")))
+    return table
+
+
+def _launches(found: list[dict[str, Any]]) -> Table:
+    table = _table("launches", "released", "aloft [h]", "lowest [km]", "at the end [km]", "end")
+    for launch in found[:_MOST_ROWS]:
+        table.add_row(
+            launch["released"],
+            f"{launch['duration_h']:.2f}",
+            f"{launch['lowest_altitude_km']:.2f}",
+            f"{launch['end_altitude_km']:.2f}",
+            launch["end_reason"].replace("_", " "),
+        )
+    if len(found) > _MOST_ROWS:
+        table.caption = f"and {len(found) - _MOST_ROWS} more in the summary"
+        table.caption_justify = "left"
+    return table

@@ -1,0 +1,74 @@
+"""The bands of a prediction in words: lines and tables."""
+
+import re
+from typing import Any
+
+from rich.table import Table
+
+from lightflyer.files.result_text import NARROW, Parts, warning_lines, width_of
+
+_OF_MODEL = re.compile(r"force\.\w+_error")  # inputs that are errors of the force model itself
+
+
+def band_parts(uncertainty: dict[str, Any], width: int = NARROW) -> Parts:
+    """The 95 % bands of all results but those asked for one by one, from a summary."""
+    results, width = uncertainty["results"], min(width, NARROW)
+    share = uncertainty["share_that_levitates"]
+    if share is not None:
+        samples = uncertainty["samples"]
+        yield f"levitates in {100.0 * share:.0f} % of {samples} samples of the ± below"
+    both = ["first order", "Monte Carlo"]
+    kept = [*both, "samples"], both, ["Monte Carlo" if uncertainty["samples"] else "first order"]
+    tables = [_bands_table(results, columns) for columns in kept]
+    fitting = (table for table in tables if width_of(table).maximum <= width)
+    yield next(fitting, tables[-1])
+    correlation = uncertainty["tac_correlation"]
+    note = "" if correlation is None else f", TAC errors correlated by {correlation:g}"
+    sources = []
+    own = [name for name in uncertainty["inputs"] if _OF_MODEL.fullmatch(name)]
+    stated = [name for name in uncertainty["inputs"] if name not in own]
+    if stated:
+        sources.append(f"the ± of {', '.join(stated)}{note}")
+    if own:
+        sources.append(f"the force model's own errors ({', '.join(own)})")
+    if uncertainty["between_bounds"]:
+        names = ", ".join(uncertainty["between_bounds"])
+        sources.append(f"the bounds of {names}")
+    yield f"from {', and '.join(sources)}"
+    yield from warning_lines(uncertainty["warnings"])
+
+
+def _bands_table(results: dict[str, Any], columns: list[str]) -> Table:
+    """Table of bands by some methods, and of the samples that have such a result."""
+    table = Table(box=None, padding=(0, 1, 0, 0))  # so that it fits into 80 columns
+    table.add_column("95 % band of", no_wrap=True)
+    for heading in ("value", *columns):
+        table.add_column(heading, justify="right", no_wrap=True)
+    shown = ""
+    for name, result in results.items():
+        group, _, entry = name.rpartition(".")
+        if name.startswith("at["):
+            continue
+        if group != shown:
+            table.add_row(group)
+            shown = group
+        sampled = result.get("monte_carlo")
+        share = f"{100.0 * sampled['share_of_samples']:.0f} %" if sampled else "–"
+        spans = {
+            "first order": _span(result["first_order"]),
+            "Monte Carlo": _span(sampled),
+            "samples": share,
+        }
+        cells = [f"{result['value']:.4g}", *(spans[column] for column in columns)]
+        table.add_row(f"  {entry}" if group else entry, *cells)
+    return table
+
+
+def _span(band: dict[str, Any] | None) -> str:
+    if band is None:
+        return "–"
+    if band["low"] is None:
+        spread = band.get("standard_uncertainty")
+        return "–" if spread is None else f"± {spread:.3g}"
+    high = "∞" if band["high"] is None else f"{band['high']:.4g}"
+    return f"{band['low']:.4g} to {high}"

@@ -1,0 +1,138 @@
+"""Results as Python prints them: short texts with the numbers of the result and their units."""
+
+import equinox as eqx
+import jax
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.calibration import Points
+from lightflyer.files.result_text import PrintedResult, open_interval_text
+
+LONGEST = 30  # lines of a short text
+
+
+@pytest.fixture
+def setup(disk):
+    return lf.Setup(disk, lf.Earth(), lf.Lu2023())
+
+
+def words(result):
+    """The text with single spaces; it is also what a notebook shows."""
+    text = str(result)
+    assert repr(result) == text
+    assert len(text.splitlines()) <= LONGEST
+    return " ".join(text.split())
+
+
+def test_a_prediction_and_its_bands(setup):
+    faces = ("flyer.film.tac_top", "flyer.film.tac_bottom")
+    design = lf.design.ObjectDesign(setup, dict.fromkeys(faces, 0.01))
+    found = lf.predict(design, at=[72e3])
+    text = words(found)
+    ((low, high),) = found.bands
+    assert f"levitates {low / 1e3:.3f} km to {high / 1e3:.3f} km" in text
+    assert f"best payload {found.best.values['payload'] * 1e6:.4g} mg" in text
+    bands = lf.propagate(design, prediction=found, samples=0)
+    payload = bands.summary()["results"]["best.payload_mg"]
+    ends = payload["first_order"]
+    row = f"payload_mg {payload['value']:.4g} {ends['low']:.4g} to {ends['high']:.4g}"
+    assert row in words(bands)
+
+
+def test_levitation_and_equilibrium(disk, setup):
+    state = setup.environment.state(72e3)
+    light = lf.levitate(disk, state, setup.model)
+    assert f"irradiance to levitate {light.irradiance:.6g} W/m²" in words(light)
+    heat = lf.equilibrium(disk, state, setup.model)
+    assert f"temperature of film {heat.temperature:.6g} K" in words(heat)
+    broken = eqx.tree_at(lambda found: found.status, light, np.int8(2))
+    assert "warning: not converged: met a number that is not finite" in words(broken)
+
+
+def test_many_levitations_are_shown_by_their_ends(film, setup):
+    radii = np.geomspace(0.002, 0.03, 50)
+    light = lf.levitate(lf.Disk(film, radii), setup.environment.state(72e3), setup.model)
+    first, last = (f"{light.irradiance[end]:.6g}" for end in (0, -1))
+    text = words(light)
+    assert f"[{first}" in text
+    assert f"{last}] W/m²" in text
+
+
+def test_a_traced_result_has_a_text(film, setup):
+    state = setup.environment.state(72e3)
+    texts = []
+
+    def light(radius):
+        result = lf.levitate(lf.Disk(film, radius), state, setup.model)
+        texts.append(str(result))
+        return result.irradiance
+
+    jax.jit(light)(0.01)
+    assert "W/m²" in texts[0]
+
+
+def test_swarm_and_drift(disk, setup):
+    found = lf.swarm(setup, payload="1 g", altitude="72 km")
+    assert f"flyers {found.count} altitude 72 km" in words(found)
+    assert f"spare lift of one {found.spare_lift * 1e6:.4g} µN" in words(found)
+    moved = lf.drift(setup, altitude=70e3, tilt=0.3)
+    assert f"speed along the tilt {moved.speed:.6g} m/s" in words(moved)
+    assert f"warning: {moved.warnings[0]}" in words(moved)
+
+
+def test_optimum_and_sensitivity(setup):
+    over = {"altitude": {"from": "60 km", "to": "85 km"}}
+    best = lf.optimise(setup, maximise="payload", over=over, starts=1, beyond_range=True)
+    assert f"payload: {best.value * 1e6:.6g} mg" in words(best)
+    assert f"altitude {best.design['altitude'] / 1e3:.6g} km 60 85" in words(best)
+    inputs = {"flyer.film.tac_top": "0.80 ± 0.01", "flyer.film.absorptance": "0.75 ± 0.01"}
+    (shares,) = lf.sensitivity(setup, at={"altitude": "72 km"}, inputs=inputs, points=64)
+    factor, unit = shares.shown
+    assert f"payload {shares.nominal * factor:.4g} {unit}; over all inputs" in words(shares)
+
+
+def test_a_comparison(film, setup):
+    heavy = lf.Setup(lf.Disk(film, 0.01, payload="0.1 mg"), setup.environment, setup.model)
+    found = lf.compare({"bare": setup, "loaded": heavy}, samples=0)
+    best = found.best.prediction.best.values["payload"] * 1e6
+    assert f"{best:.4g} –" in words(found)
+    assert "best payload 95 % band" in words(found).replace("[mg]", "")
+
+
+def test_a_calibration(disk):
+    chamber, pressure = lf.Chamber(), np.geomspace(1.0, 20.0, 8)
+    light = lf.levitate(disk, chamber.state(pressure), lf.Lu2023(0.4, 3.0)).irradiance
+    light = light * (1.0 + 0.01 * (-1.0) ** np.arange(8))
+    points = Points("synthetic", ["disk"] * 8, {"pressure": pressure, "irradiance": light})
+    fit = lf.calibrate(disk, chamber, lf.Lu2023(0.5, 2.0), points=points)
+    low, high = fit.intervals[0]
+    assert f" c_fm {fit.values[0]:.4g} {low:.4g} to {high:.4g}" in words(fit)
+    assert "8 points of 1 samples" in words(fit)
+
+
+def test_missions_are_described(disk):
+    release = lf.Release("75 km", latitude=45.0, longitude=0.0, time="2026-06-21T12:00Z")
+    flown = lf.fly(disk, lf.Earth(), lf.FreeMolecular(), duration="2 h", release=release)
+    text = " ".join(lf.mission.describe(flown).split())
+    assert f"{float(flown.end_altitude) / 1e3:.2f} km because it is still flying" in text
+    assert "aloft 2.00 h" in text
+    swarm = lf.spread(
+        disk, lf.Earth(), lf.FreeMolecular(), duration="2 h", release=release,
+        ensemble=lf.Ensemble(members=20), areas=[lf.mission.Circle(45.0, 0.0, "300 km")],
+    )  # fmt: skip
+    text = " ".join(lf.mission.describe(swarm).split())
+    assert "after 2 h" in text
+    # Clopper and Pearson of 20 in 20: the lower end is 0.025 ** (1 / 20)
+    assert f"still flying 100 % {100.0 * 0.025 ** (1.0 / 20.0):.3g} % to 100 %" in text
+
+
+def test_open_intervals_in_words():
+    assert open_interval_text(0.0, 2.0) == "below 2"
+    assert open_interval_text(1.0, np.inf) == "above 1"
+    assert open_interval_text(0.0, np.inf) == "unknown"
+
+
+def test_a_result_without_a_text_says_so():
+    with pytest.raises(NotImplementedError):
+        str(PrintedResult())

@@ -108,30 +108,15 @@ class RadioLink(Checked):
     duty: Fraction = 1.0
 
     def transmit_power(self) -> Array:
-        """Power that the antenna sends while it sends [W].
-
-        Returns
-        -------
-        array, broadcast shape
-        """
+        """Power that the antenna sends while it sends [W]."""
         return _transmit_power(self)
 
     def consumed_power(self) -> Array:
-        """Mean power that the transmitter takes [W].
-
-        Returns
-        -------
-        array, broadcast shape
-        """
+        """Mean power that the transmitter takes [W]."""
         return self.transmit_power() * self.duty / self.efficiency
 
     def describe(self) -> str:
-        """The link in words, with its numbers.
-
-        Returns
-        -------
-        str
-        """
+        """The link in words, with its numbers."""
         return (
             f"radio link: {float(self.data_rate):g} bit/s over {float(self.distance) / 1e3:g} km "
             f"at {float(self.frequency) / 1e6:g} MHz, {float(self.noise_temperature):g} K, gains "

@@ -125,27 +125,11 @@ class Budget(Checked):
                 raise ParameterError(f'two items of the payload have the name "{name}"')
 
     def needs(self, light: Numeric) -> Needs:
-        """What the payload needs.
-
-        Parameters
-        ----------
-        light : array, shape (...)
-            Irradiance of its solar cells [W/m²].
-
-        Returns
-        -------
-        Needs
-            Of the broadcast shape.
-        """
+        """What the payload needs; of the broadcast shape."""
         return _needs(self, light)
 
     def describe(self) -> tuple[str, ...]:
-        """What is in it, in short texts with units.
-
-        Returns
-        -------
-        tuple of str
-        """
+        """What is in it, in short texts with units."""
         told = [
             f"{item.name} {float(item.mass) * 1e6:.4g} mg"
             + (f" {float(item.mean_power) * 1e6:.4g} µW" if float(item.power) else "")

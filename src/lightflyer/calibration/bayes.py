@@ -92,12 +92,7 @@ class Posterior(PrintedResult):
         return self.draws[..., self.names.index(name)].ravel()
 
     def plot(self) -> "Figure":
-        """Draw histograms of the parameters, chain by chain.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw histograms of the parameters, chain by chain."""
         from lightflyer.calibration.figures import posterior_figure
 
         return posterior_figure(self)

@@ -151,17 +151,7 @@ class Calibration(PrintedResult):
         return model.design.build(shared, model.prepared)
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the points with the fit, and the residuals.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Gets points and fit alone; by default a new figure has the residuals too.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw the points with the fit, and the residuals."""
         from lightflyer.calibration.figures import plot_calibration
 
         return plot_calibration(self, ax)

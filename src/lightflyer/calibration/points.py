@@ -187,16 +187,7 @@ class Points:
         return np.array([name == sample for name in self.samples], bool)
 
     def where(self, chosen: np.ndarray) -> "Points":
-        """Some of the points.
-
-        Parameters
-        ----------
-        chosen : bool array, shape (n,)
-
-        Returns
-        -------
-        Points
-        """
+        """Some of the points; ``chosen`` (n,)."""
 
         def some(values: list[str]) -> list[str]:
             return [value for value, kept in zip(values, chosen, strict=True) if kept]
@@ -210,18 +201,7 @@ class Points:
         )
 
     def without_ground_effect(self) -> "Points":
-        """The points whose sample is farther from the floor than its diameter.
-
-        Returns
-        -------
-        Points
-            With a note of what was left out.
-
-        Raises
-        ------
-        ParameterError
-            If none is left.
-        """
+        """The points whose sample is farther from the floor than its diameter."""
         near = self.near_floor
         if not near.any():
             return self
@@ -243,26 +223,10 @@ class Points:
         return replace(self.where(~near), notes=(*self.notes, *said))
 
     def stepped(self, step: float) -> "Points":
-        """Points whose light was raised in steps until the sample lifted off.
-
-        The light that suffices lies between the last one without levitation and the first one
-        with it. The points returned have the middle of the two and, where uncertainties are
-        stated, also that of the step.
-
-        Parameters
-        ----------
-        step : float
-            [W/m²]; 0 returns the points as they are.
-
-        Returns
-        -------
-        Points
-
-        Raises
-        ------
-        ParameterError
-            If the step is negative or not smaller than every irradiance.
-        """
+        """Points whose light was raised in steps until the sample lifted off."""
+        # The light that suffices lies between the last one without levitation and the first one
+        # with it. The points returned have the middle of the two and, where uncertainties are
+        # stated, also that of the step.
         require_step(step, self.irradiance, self.source)
         if step == 0.0:
             return self

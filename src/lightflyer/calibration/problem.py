@@ -175,19 +175,7 @@ class Problem:
     def linearised(
         self, log_parameters: np.ndarray, shifts: np.ndarray | None = None
     ) -> Linearised:
-        """Log-irradiance of the model at the points, and its derivatives.
-
-        Parameters
-        ----------
-        log_parameters : array, shape (p,)
-        shifts : array, shape (k,), optional
-            Errors of the inputs in their standard uncertainties.
-
-        Returns
-        -------
-        Linearised
-            Without derivatives where no irradiance levitates the flyer.
-        """
+        """Log-irradiance of the model at the points, and its derivatives; ``shifts`` (k,)."""
         moved = np.zeros(len(self.inputs.names)) if shifts is None else shifts
         found = _linearised(self.model, log_parameters, np.log(self.points.pressure), moved)
         value, *changes = (np.array(one) for one in found)

@@ -86,32 +86,13 @@ class Compared:
         return f"{self.setup.flyer.describe()}, {type(self.setup.model).__name__}"
 
     def band(self, output: str) -> tuple[np.ndarray, np.ndarray] | None:
-        """95 % band of an output on the common grid, in SI units; None where there is none.
-
-        Parameters
-        ----------
-        output : str
-
-        Returns
-        -------
-        low, high : array, shape (n,)
-        """
+        """95 % band of an output on the common grid, in SI units; None where there is none."""
         if self.uncertainty is None or output not in self.uncertainty.low:
             return None
         return self.uncertainty.low[output], self.uncertainty.high[output]
 
     def best_band(self, output: str) -> tuple[float, float] | None:
-        """95 % band of an output where the payload is largest, in SI units.
-
-        Parameters
-        ----------
-        output : str
-
-        Returns
-        -------
-        low, high : float
-            By Monte Carlo, by first order where there are no samples.
-        """
+        """95 % band of an output where the payload is largest, in SI units."""
         if self.uncertainty is None:
             return None
         key, scale = outputs_of(self.setup)[output].json
@@ -167,17 +148,7 @@ class Comparison(PrintedResult):
         return max(self.flyers, key=lambda found: found.prediction.best.values["payload"])
 
     def shown(self, output: str) -> tuple[float, str]:
-        """Factor from an output's SI unit, and the unit, that suit the best of all flyers.
-
-        Parameters
-        ----------
-        output : str
-
-        Returns
-        -------
-        factor : float
-        unit : str
-        """
+        """Factor from an output's SI unit, and the unit, that suit the best of all flyers."""
         return OUTPUTS[output].shown_for(
             [found.prediction.best.values[output] for found in self.flyers]
         )
@@ -212,25 +183,7 @@ class Comparison(PrintedResult):
         return (f"no band for {', '.join(without)}: no ± is stated",)
 
     def plot(self, output: str | None = None, ax: "Axes | None" = None) -> "Figure":
-        """Draw the flyers over altitude or pressure, with 95 % bands where ± are stated.
-
-        Parameters
-        ----------
-        output : str, optional
-            One of ``"payload"``, ``"payload_per_area"``, ``"lift_over_weight"``, ``"temperature"``;
-            by default all.
-        ax : matplotlib.axes.Axes, optional
-            For one of them; by default those of a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        ParameterError
-            If there is no such output, or axes are given for several.
-        """
+        """Draw the flyers over altitude or pressure, with 95 % bands where ± are stated."""
         from lightflyer.comparison.figures import plot_comparison
 
         return plot_comparison(self, output, ax)

@@ -112,42 +112,15 @@ class FlyerFile(Section):
         return {name: film for name, film in candidates.items() if isinstance(film, FilmSection)}
 
     def build(self) -> Setup:
-        """The flyer, environment and force model described.
-
-        Returns
-        -------
-        Setup
-
-        Raises
-        ------
-        MissingExtraError
-            If the atmosphere needs a package that is not installed.
-        """
+        """The flyer, environment and force model described."""
         return build(self.parts())
 
     def design(self, text: str = "") -> "FileDesign":
-        """The design described, whose numbers have the names that they have in the file.
-
-        Parameters
-        ----------
-        text : str
-            What the file says, for the record.
-
-        Returns
-        -------
-        FileDesign
-        """
+        """The design described, whose numbers have the names that they have in the file."""
         return FileDesign(self, text)
 
     def uncertainties(self) -> dict[str, float]:
-        """The standard uncertainties by dotted name, in the units of the values.
-
-        Returns
-        -------
-        dict of str to float
-            Those that the file states, such as ``{"film.tac_bottom": 0.03}``, and those of the
-            numbers that it leaves to the materials of its films.
-        """
+        """The standard uncertainties by dotted name, in the units of the values."""
         stated = {
             f"{part}.{name}": value
             for part, section in self.parts().items()

@@ -96,20 +96,7 @@ class Output:
         return _factor(self.unit, self.shown_unit), self.shown_unit or self.unit
 
     def shown_for(self, values: Any) -> tuple[float, str]:
-        """Factor and unit that suit some values.
-
-        Parameters
-        ----------
-        values : array, shape (...)
-            In SI units; what is not finite does not count.
-
-        Returns
-        -------
-        factor : float
-            From the SI unit.
-        unit : str
-            That of :attr:`shown`, or a larger one where these values have many digits in it.
-        """
+        """Factor and unit that suit some values; returns ``factor``, ``unit``."""
         size = np.abs(np.asarray(values, float))
         largest = float(np.max(size, where=np.isfinite(size), initial=0.0))
         units = _LARGER.get(self.shown_unit, (self.shown_unit,))

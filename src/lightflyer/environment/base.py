@@ -55,18 +55,7 @@ class Place(NamedTuple):
 
     @classmethod
     def at(cls, date: Any, latitude: Numeric, longitude: Numeric) -> "Place":
-        """A place from a date and degrees.
-
-        Parameters
-        ----------
-        date : datetime.datetime, numpy.datetime64, str, or number
-            UTC where it has no time zone; a number is the seconds themselves.
-        latitude, longitude : array, shape (...)
-            [deg].
-
-        Returns
-        -------
-        Place
+        """A place from a date and degrees; ``latitude``, ``longitude`` [deg].
 
         Examples
         --------
@@ -80,12 +69,7 @@ class Place(NamedTuple):
         return cls(latitude * RADIANS_PER_DEGREE, longitude * RADIANS_PER_DEGREE, seconds_of(date))
 
     def describe(self) -> str:
-        """Where and when in words, of one concrete place.
-
-        Returns
-        -------
-        str
-        """
+        """Where and when in words, of one concrete place."""
         latitude, longitude = (float(np.asarray(angle)) / RADIANS_PER_DEGREE for angle in self[:2])
         return (
             f"at {abs(latitude):.4g}° {'N' if latitude >= 0.0 else 'S'}, "

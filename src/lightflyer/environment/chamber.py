@@ -140,24 +140,7 @@ class Chamber(AbstractEnvironment):
         )
 
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:  # noqa: ARG002
-        """Surroundings at a pressure, which may lie outside the range of interest.
-
-        Parameters
-        ----------
-        coordinate : array, shape (...)
-            Pressure [Pa].
-        place : Place, optional
-            Has no effect: a chamber is the same everywhere.
-
-        Returns
-        -------
-        EnvironmentState
-
-        Raises
-        ------
-        ParameterError
-            If a concrete pressure is not positive.
-        """
+        """Surroundings at a pressure, which may lie outside the range of interest."""
         pressure = self.coordinate.quantity.number("pressure", coordinate)
         _PRESSURE.check("pressure", pressure)
         state = EnvironmentState(

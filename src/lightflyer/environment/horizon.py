@@ -145,17 +145,7 @@ class Limb(Checked):
     scale_height: Length = 6.38e3
 
     def at(self, height: Numeric) -> "Limb":
-        """The limb at another height, of the same air.
-
-        Parameters
-        ----------
-        height : array, shape (...)
-            [m].
-
-        Returns
-        -------
-        Limb
-        """
+        """The limb at another height, of the same air."""
         return Limb(height, _refractivity(self, height), self.scale_height)
 
 

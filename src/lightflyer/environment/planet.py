@@ -96,27 +96,11 @@ class Planet(Checked):
         return (radius / (radius + altitude)) ** 2
 
     def gravity_at(self, altitude: Numeric) -> Any:
-        """Acceleration of free fall at an altitude [m], without the planet's rotation [m/s²].
-
-        Raises
-        ------
-        ParameterError
-            If the planet has no ``gravity``.
-        """
+        """Acceleration of free fall at an altitude [m], without the planet's rotation [m/s²]."""
         return self._number("gravity") * self.view_from(altitude)  # the same inverse square
 
     def sunlight(self) -> Radiation:
-        """Sunlight from overhead above the air, and what the planet reflects and radiates.
-
-        Returns
-        -------
-        Radiation
-
-        Raises
-        ------
-        ParameterError
-            If the planet has no ``irradiance``.
-        """
+        """Sunlight from overhead above the air, and what the planet reflects and radiates."""
         return Radiation(
             self._number("irradiance"),
             albedo=self.albedo,
@@ -131,28 +115,12 @@ class Planet(Checked):
         return value
 
     def curvature_radius(self, latitude: Numeric, azimuth: Numeric) -> Array:
-        r"""Radius of curvature of the ellipsoid along a direction.
-
-        .. math:: \frac1{R} = \frac{\cos^2 A}{M} + \frac{\sin^2 A}{N}
-
-        with the radii of curvature M of the meridian and N of the prime vertical.
-
-        Parameters
-        ----------
-        latitude : array, shape (...)
-            Geodetic [rad].
-        azimuth : array, shape (...)
-            A, from north by way of east [rad].
-
-        Returns
-        -------
-        array, broadcast shape
-            [m].
-
-        Notes
-        -----
-        Euler's theorem on the curvature of surfaces. Differentiable.
-        """
+        r"""Radius of curvature of the ellipsoid along a direction [m]; ``latitude``: geodetic."""
+        # .. math:: \frac1{R} = \frac{\cos^2 A}{M} + \frac{\sin^2 A}{N}
+        #
+        # with the radii of curvature M of the meridian and N of the prime vertical.
+        #
+        # Euler's theorem on the curvature of surfaces. Differentiable.
         return _curvature_radius(self, latitude, azimuth)
 
 

@@ -97,12 +97,7 @@ class Planetary(AbstractEnvironment):
         return self.assumptions_of_light() + self.assumptions_of_air()
 
     def assumptions_of_light(self) -> tuple[str, ...]:
-        """What is assumed about light, heat radiation and solid ground, in short texts.
-
-        Returns
-        -------
-        tuple of str
-        """
+        """What is assumed about light, heat radiation and solid ground, in short texts."""
         told = self.radiation.describe(VIEW_OF_PLANET)
         if self.sky is not None and self.place is not None:
             altitudes = np.linspace(*self.coordinate.searched, _SHADOW_STEPS)
@@ -120,27 +115,7 @@ class Planetary(AbstractEnvironment):
         return (self.atmosphere.describe(), dust, *self.gas.assumptions())
 
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
-        """Surroundings at an altitude.
-
-        Parameters
-        ----------
-        coordinate : array, shape (...)
-            Geometric altitude [m].
-        place : Place, optional
-            Where and when: for an atmosphere that depends on it and for the sky, by default the
-            environment's own; and for the wind, which is there only if a place is given here.
-
-        Returns
-        -------
-        EnvironmentState
-
-        Raises
-        ------
-        ParameterError
-            If a concrete altitude is outside the atmosphere's range; traced ones give NaN.
-        ConfigurationError
-            If a sky or an atmosphere needs a place and there is none.
-        """
+        """Surroundings at an altitude; ``coordinate``: geometric altitude."""
         altitude = self.coordinate.quantity.number("altitude", coordinate)
         require_range("altitude [m]", altitude, *self.atmosphere.altitude_range)
         wind = None if place is None else self.wind

@@ -154,17 +154,7 @@ class Radiation(Checked):
         return self.visible_part(self.irradiance)
 
     def seen_from(self, ground_view: Numeric) -> "Radiation":
-        """The same, with this view factor to the ground where none is given.
-
-        Parameters
-        ----------
-        ground_view : array, shape (...)
-            [1].
-
-        Returns
-        -------
-        Radiation
-        """
+        """The same, with this view factor to the ground where none is given."""
         if self.ground_view is not None:
             return self
         return eqx.tree_at(
@@ -176,17 +166,6 @@ class Radiation(Checked):
 
     def describe(self, view: str = "1") -> tuple[str, ...]:
         """What reaches a flyer, in short texts with units.
-
-        Parameters
-        ----------
-        view : str
-            What is said of the ground's view factor where none is given.
-
-        Returns
-        -------
-        tuple of str
-            Light, its reflection from below, heat radiation, and how the ground is seen where that
-            matters. Arrays are given by their range.
 
         Examples
         --------
@@ -223,17 +202,7 @@ class Radiation(Checked):
         )
 
     def views_of_ground(self, attitude: Attitude | None) -> tuple[Numeric, Numeric]:
-        """View factors from the top and the bottom face to the ground [1].
-
-        Parameters
-        ----------
-        attitude : Attitude or None
-            None stands for a level flyer.
-
-        Returns
-        -------
-        top, bottom : array, shape (...)
-        """
+        """View factors from the top and the bottom face to the ground [1]."""
         view = 1.0 if self.ground_view is None else self.ground_view
         if attitude is None:
             return 0.0, view
@@ -243,17 +212,7 @@ class Radiation(Checked):
         )
 
     def on_faces(self, attitude: Attitude | None = None) -> FaceLight:
-        """Light on the two faces of a flat flyer.
-
-        Parameters
-        ----------
-        attitude : Attitude, optional
-            By default level.
-
-        Returns
-        -------
-        FaceLight
-        """
+        """Light on the two faces of a flat flyer; ``attitude``: by default level."""
         height = jnp.cos(self.zenith_angle)
         facing = height
         if attitude is not None:
@@ -277,55 +236,22 @@ class Radiation(Checked):
         return self.visible_part(facing_share(cosine, self.angular_radius))
 
     def visible_part(self, light: Numeric) -> Numeric:
-        """What is left of the light of all the source where only part of it is visible.
-
-        Parameters
-        ----------
-        light : array, shape (...)
-
-        Returns
-        -------
-        array, broadcast shape
-        """
+        """What is left of the light of all the source where only part of it is visible."""
         return light if self.visible is None else self.visible * light
 
     def beam_alone(self) -> "Radiation":
-        """The same with all of the source visible, and without its reflection from the ground.
-
-        Returns
-        -------
-        Radiation
-        """
+        """The same with all of the source visible, and without its reflection from the ground."""
         return replace(self, albedo=0.0, visible=None, scattered=None)
 
     def diffuse_light(self) -> tuple[Exitances, Exitances]:
-        """Light from sky and ground.
-
-        Returns
-        -------
-        of_beam : Exitances
-            What air and ground send on of the beam, per irradiance of the beam [1].
-        diffuse : Exitances
-            The sky's light, which does not depend on the beam [W/m²].
-        """
+        """Light from sky and ground; returns ``of_beam`` [1], ``diffuse`` [W/m²]."""
         lit = self.lit_ground
         lit = jnp.maximum(jnp.cos(self.zenith_angle), 0.0) if lit is None else lit
         scattered = 0.0 if self.scattered is None else self.scattered
         return Exitances(scattered, self.albedo * lit), Exitances(self.diffuse_above, 0.0)
 
     def infrared_exitances(self, gas_temperature: Numeric) -> Exitances:
-        """Exitances of sky and ground beyond that of a black body at the gas temperature.
-
-        Parameters
-        ----------
-        gas_temperature : array, shape (...)
-            [K].
-
-        Returns
-        -------
-        Exitances
-            [W/m²]; zero where the surroundings are None.
-        """
+        """Exitances of sky and ground beyond that of a black body at the gas temperature [W/m²]."""
         black = self.stefan_boltzmann * gas_temperature**4
         return Exitances(
             *(
@@ -341,56 +267,25 @@ class Radiation(Checked):
 
     @property
     def edge_of_ground(self) -> Array:
-        r"""Cosine of the half-angle :math:`\gamma` of the ground's disk [1].
-
-        Also the sine of the angle between the horizontal and the ground's edge.
-        """
+        r"""Cosine of the half-angle :math:`\gamma` of the ground's disk [1]."""
+        # Also the sine of the angle between the horizontal and the ground's edge.
         return 1.0 - 2.0 * self.sphere_view_of_ground
 
     def on_sphere(self) -> SphereLight:
-        """Light on a sphere, which intercepts a quarter of its surface of the beam.
-
-        Returns
-        -------
-        SphereLight
-        """
+        """Light on a sphere, which intercepts a quarter of its surface of the beam."""
         ground = self.sphere_view_of_ground
         reflected, diffuse = self.diffuse_light()
         beam = self.visible_part(_OF_BEAM) + reflected.seen(ground)
         return SphereLight(beam, diffuse.seen(ground))
 
     def infrared_excess_on_sphere(self, gas_temperature: Numeric) -> Array:
-        """Thermal irradiance of a sphere beyond that of black surroundings at gas temperature.
-
-        Parameters
-        ----------
-        gas_temperature : array, shape (...)
-            [K].
-
-        Returns
-        -------
-        array, shape (...)
-            Mean over the sphere's surface [W/m²].
-        """
+        """Thermal irradiance of a sphere beyond that of black surroundings at gas temperature."""
         return self.infrared_exitances(gas_temperature).seen(self.sphere_view_of_ground)
 
     def infrared_excess(
         self, gas_temperature: Numeric, attitude: Attitude | None = None
     ) -> tuple[Array, Array]:
-        """Thermal irradiance on each face beyond that of black surroundings at gas temperature.
-
-        Parameters
-        ----------
-        gas_temperature : array, shape (...)
-            [K].
-        attitude : Attitude, optional
-            By default level.
-
-        Returns
-        -------
-        top, bottom : array, shape (...)
-            [W/m²]; zero where both surroundings are None.
-        """
+        """Thermal irradiance on each face beyond that of black surroundings at gas temperature."""
         exitances = self.infrared_exitances(gas_temperature)
         top, bottom = self.views_of_ground(attitude)
         return exitances.seen(top), exitances.seen(bottom)

@@ -49,10 +49,8 @@ class EnvironmentSection(Alternative, abc.ABC):
 
     @property
     def default_infrared(self) -> tuple[float | None, float | None]:
-        """Heat radiation from above and below where the file gives none [W/m²].
-
-        None stands for black surroundings at the gas temperature.
-        """
+        """Heat radiation from above and below where the file gives none [W/m²]."""
+        # None stands for black surroundings at the gas temperature.
         return None, None
 
     @property
@@ -88,18 +86,7 @@ class EnvironmentSection(Alternative, abc.ABC):
         return (None if low is None else low.value, None if high is None else high.value)
 
     def require_search_range(self, environment: AbstractEnvironment) -> None:
-        """Raise where the range to search is outside that of the environment.
-
-        Parameters
-        ----------
-        environment : AbstractEnvironment
-            From :meth:`build`.
-
-        Raises
-        ------
-        ParameterError
-            Naming the key.
-        """
+        """Raise where the range to search is outside that of the environment."""
         where = environment.coordinate
         for key, end in zip(self.search_keys, self.search_range, strict=True):
             if end is not None and not where.lowest <= end <= where.highest:

@@ -68,18 +68,7 @@ class Table:
         return len(self.lines)
 
     def without(self, reasons: dict[int, str]) -> "Table":
-        """Reject further rows.
-
-        Parameters
-        ----------
-        reasons : dict of int to str
-            Reason by the index of the row.
-
-        Returns
-        -------
-        Table
-            Without these rows, which are added to the rejected ones.
-        """
+        """Reject further rows; without these rows, which are added to the rejected ones."""
         keep = np.ones(len(self), bool)
         keep[list(reasons)] = False
         out = [Rejected(self.source, int(self.lines[row]), why) for row, why in reasons.items()]

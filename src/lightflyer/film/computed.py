@@ -69,13 +69,12 @@ class ComputedFilm:
 
     @property
     def bounds(self) -> dict[str, tuple[FilmProperties, FilmProperties]]:
-        """The film at the bounds of what missing data leave open, by what is open.
-
-        ``"absorptance_without_data"`` and ``"emittance_without_data"``: the film at the lower
-        bound, where it absorbs nothing at wavelengths without data, and at the upper one, where it
-        absorbs everything. Both faces are at the same bound. ``"transmittance_without_data"`` and
-        ``"infrared_transmittance_without_data"``: nothing passes there, or everything that may.
-        """
+        """The film at the bounds of what missing data leave open, by what is open."""
+        # ``"absorptance_without_data"`` and ``"emittance_without_data"``: the film at the lower
+        # bound, where it absorbs nothing at wavelengths without data, and at the upper one, where
+        # it absorbs everything. Both faces are at the same bound. ``"transmittance_without_data"``
+        # and ``"infrared_transmittance_without_data"``: nothing passes there, or everything that
+        # may.
         found = {}
         for absorbing, passing in (("absorptance", "transmittance"),
                                    ("emittance", "infrared_transmittance")):  # fmt: skip
@@ -152,33 +151,7 @@ class ComputedFilm:
         highest_temperature: float | None = None,
         passing: bool = True,
     ) -> "ComputedFilm":
-        """Compute what has not been measured.
-
-        Parameters
-        ----------
-        film : Film
-        measured : dict of str to Measured
-            Must hold ``tac_top`` and ``tac_bottom``, which are never computed.
-        spectrum : Spectrum, optional
-            Spectrum of the light; by default sunlight above the atmosphere.
-        incidence : float
-            Angle between the light and the film's normal [rad].
-        highest_temperature : float, optional
-            Temperature that the film bears [K].
-        passing : bool
-            Whether it matters what passes the film; else transmittances that are not measured stay
-            zero.
-
-        Returns
-        -------
-        ComputedFilm
-
-        Raises
-        ------
-        ParameterError
-            If a density is unknown, a face emits no thermal radiation, or the film does not stand
-            free and whole, as a flyer's does.
-        """
+        """Compute what has not been measured."""
         require_free(film)
         given: dict[str, Any] = dict(measured)
         if not passing:

@@ -154,13 +154,11 @@ class LayeredFilmSection(FilmSection):
         ]
 
     def neighbours(self) -> list[tuple[Film, Film]]:
-        """Films one standard uncertainty above and below the file's, for each number with ±.
-
-        Thicknesses, densities and accommodation coefficients of layers are left out: the first two
-        are treated by themselves, the last change no optics. A value stays in its range. Numbers
-        whose errors are correlated, thicknesses too, move together: along each principal axis of
-        their covariance.
-        """
+        """Films one standard uncertainty above and below the file's, for each number with ±."""
+        # Thicknesses, densities and accommodation coefficients of layers are left out: the first
+        # two are treated by themselves, the last change no optics. A value stays in its range.
+        # Numbers whose errors are correlated, thicknesses too, move together: along each principal
+        # axis of their covariance.
         found = self._joint_neighbours()
         tied = set(self._correlation()[0])
         for name, quantity, value in self.numbers():
@@ -254,15 +252,8 @@ class LayeredFilmSection(FilmSection):
         return min(limits, default=None)
 
     def computed(self, incidence: float = 0.0, *, passing: bool = True) -> ComputedFilm:
-        """The film's properties with the origin of each, for light at an incidence [rad].
-
-        ``passing`` says whether transmittances matter.
-
-        Raises
-        ------
-        ConfigurationError
-            If a density or a TAC is neither known nor given.
-        """
+        """The film's properties with the origin of each, for light at an incidence [rad]."""
+        # ``passing`` says whether transmittances matter.
         lacking = self.lacking()
         if lacking:
             raise ConfigurationError(f"the film needs {lacking}")

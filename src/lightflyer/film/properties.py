@@ -134,70 +134,26 @@ class FilmProperties(Checked):
         return self.emittance_top + self.emittance_bottom
 
     def emittances_at(self, temperature: Numeric) -> tuple[Numeric, Numeric]:
-        """Emittance of the top and the bottom face at a temperature [1].
-
-        Parameters
-        ----------
-        temperature : array, shape (...)
-            [K].
-
-        Returns
-        -------
-        top, bottom : array
-        """
+        """Emittance of the top and the bottom face at a temperature [1]."""
         return (
             emittance_at(self.emittance_top, temperature),
             emittance_at(self.emittance_bottom, temperature),
         )
 
     def infrared_transmittance_at(self, temperature: Numeric) -> Numeric:
-        """Share of a black body's radiation that passes the film, by its temperature [1].
-
-        Parameters
-        ----------
-        temperature : array, shape (...)
-            [K].
-
-        Returns
-        -------
-        array
-        """
+        """Share of a black body's radiation that passes the film, by its temperature [1]."""
         return emittance_at(self.infrared_transmittance, temperature)
 
     def emission_growth(self, temperature: Numeric, excess: Numeric) -> Numeric:
-        r"""Growth of both faces' emission with temperature, over that of one black face.
-
-        .. math:: \sum_\mathrm{faces}\left[\varepsilon(T_h)(1+\theta)^4-\varepsilon(T)\right],
-            \qquad T_h=T(1+\theta)
-
-        Parameters
-        ----------
-        temperature : array, shape (...)
-            :math:`T` [K].
-        excess : array, shape (...)
-            :math:`\theta` [1].
-
-        Returns
-        -------
-        array, broadcast shape
-            [1].
-        """
+        r"""Growth of both faces' emission with temperature, over that of one black face [1]."""
+        # .. math:: \sum_\mathrm{faces}\left[\varepsilon(T_h)(1+\theta)^4-\varepsilon(T)\right],
+        #     \qquad T_h=T(1+\theta)
         if self._is_grey:
             return self.emittance_sum * _growth(excess)
         return sum(self.emission_growths(temperature, excess))
 
     def emission_growths(self, temperature: Numeric, excess: Numeric) -> tuple[Numeric, Numeric]:
-        """Growth of each face's emission with temperature, as :meth:`emission_growth`.
-
-        Parameters
-        ----------
-        temperature, excess : array, shape (...)
-
-        Returns
-        -------
-        top, bottom : array, broadcast shape
-            [1].
-        """
+        """Growth of each face's emission with temperature, as :meth:`emission_growth` [1]."""
         top, bottom = (
             face.growth(temperature, excess)
             if isinstance(face, EmittanceCurve)
@@ -207,20 +163,7 @@ class FilmProperties(Checked):
         return top, bottom
 
     def emission_bound(self, temperature: Numeric, power: Numeric) -> Numeric:
-        r"""Bound of :math:`(1+\theta)^4-1` in radiative equilibrium.
-
-        Parameters
-        ----------
-        temperature : array, shape (...)
-            Temperature of the surroundings [K].
-        power : array, shape (...)
-            Absorbed power over the emission of one black face at that temperature [1].
-
-        Returns
-        -------
-        array, broadcast shape
-            [1]; exact where the emittances are constant, else an upper bound of its magnitude.
-        """
+        r"""Bound of :math:`(1+\theta)^4-1` in radiative equilibrium [1]."""
         faces = (self.emittance_top, self.emittance_bottom)
         if self._is_grey:
             return power / self.emittance_sum

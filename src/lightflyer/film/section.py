@@ -115,109 +115,35 @@ class FilmSection(Alternative, abc.ABC):
     def bounds(
         self, incidence: float = 0.0, *, passing: bool = True
     ) -> dict[str, tuple[FilmProperties, FilmProperties]]:
-        """The film at the bounds of what missing data leave open.
-
-        Parameters
-        ----------
-        incidence : float
-            Angle between the light and the film's normal [rad].
-        passing : bool
-            Whether it matters what passes the film.
-
-        Returns
-        -------
-        dict of str to (FilmProperties, FilmProperties)
-            By what is open, such as ``"emittance_without_data"``: the film at the lower and at the
-            upper bound. Empty where nothing is.
-        """
+        """The film at the bounds of what missing data leave open."""
         del incidence, passing
         return {}
 
     def warnings(self, incidence: float = 0.0, *, passing: bool = True) -> tuple[str, ...]:
-        """What a reader of the film's properties must know, one line each.
-
-        Parameters
-        ----------
-        incidence : float
-            [rad].
-        passing : bool
-            Whether it matters what passes the film.
-
-        Returns
-        -------
-        tuple of str
-        """
+        """What a reader of the film's properties must know, one line each."""
         del incidence, passing
         return ()
 
     def report(self, incidence: float = 0.0, *, passing: bool = True) -> dict[str, Any]:
-        """Value and origin of each property of a film of layers, as a JSON object in SI units.
-
-        Parameters
-        ----------
-        incidence : float
-            [rad].
-        passing : bool
-            Whether it matters what passes the film.
-
-        Returns
-        -------
-        dict
-            Empty where nothing is computed.
-        """
+        """Value and origin of each property of a film of layers, as a JSON object in SI units."""
         del incidence, passing
         return {}
 
     @abc.abstractmethod
     def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:
-        """The film's properties, without their uncertainties.
-
-        Parameters
-        ----------
-        incidence : float
-            Angle between the light and the film's normal [rad].
-        passing : bool
-            Whether it matters what passes the film.
-
-        Returns
-        -------
-        FilmProperties
-        """
+        """The film's properties, without their uncertainties."""
 
     def lacking(self) -> str | None:
         """What the section must give beside its layers, in words; None where nothing lacks."""
         return None
 
     def with_optics(self, properties: FilmProperties | WholeFilm) -> "FilmSection":
-        """A copy that does not compute the optics of layers anew.
-
-        Parameters
-        ----------
-        properties : FilmProperties or WholeFilm
-            What :meth:`build` gave for other numbers, where their change leaves the optics alone;
-            or the film itself.
-
-        Returns
-        -------
-        FilmSection
-        """
+        """A copy that does not compute the optics of layers anew."""
         del properties
         return self
 
     def changes_optics(self, name: str, *, passing: bool = True) -> bool:
-        """Whether a number's change means computing the optics of layers anew.
-
-        Parameters
-        ----------
-        name : str
-            Dotted name within the section, or ``"incidence"``.
-        passing : bool
-            Whether it matters what passes the film.
-
-        Returns
-        -------
-        bool
-        """
+        """Whether a number's change means computing the optics of layers anew."""
         del name, passing
         return False
 

@@ -114,16 +114,7 @@ class Equilibrium(PrintedResult, eqx.Module):
         return self.status == SolverStatus.CONVERGED
 
     def temperature_of(self, node: str) -> Numeric:
-        """Temperature of a node by its name [K].
-
-        Parameters
-        ----------
-        node : str
-
-        Returns
-        -------
-        array
-        """
+        """Temperature of a node by its name [K]."""
         return self.temperatures[self.nodes.index(node)]
 
 

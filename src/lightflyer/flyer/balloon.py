@@ -142,18 +142,7 @@ class Balloon(AbstractFlyer):
         return self.film.highest_temperature
 
     def filling(self, state: EnvironmentState, excess: Numeric) -> Filling:
-        r"""Volume, mass and pressure of the gas within.
-
-        Parameters
-        ----------
-        state : EnvironmentState
-        excess : array, shape (...)
-            Relative temperature excess of the gas within [1].
-
-        Returns
-        -------
-        Filling
-        """
+        r"""Volume, mass and pressure of the gas within."""
         specific = self._gas_constant(state) * state.temperature * (1.0 + excess)
         if self.gas_mass is None:
             return Filling(self.volume, state.pressure * self.volume / specific, 0.0 * excess)
@@ -162,13 +151,11 @@ class Balloon(AbstractFlyer):
         return Filling(jnp.minimum(unbound, self.volume), self.gas_mass, full * state.pressure)
 
     def buoyancy(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Numeric:
-        r"""See :meth:`AbstractFlyer.buoyancy`.
-
-        .. math:: g\,(\rho_c V - m)
-
-        which for an open balloon of the surrounding gas is
-        :math:`\rho_c\,g\,V\,\theta/(1+\theta)`, written so.
-        """
+        r"""See :meth:`AbstractFlyer.buoyancy`."""
+        # .. math:: g\,(\rho_c V - m)
+        #
+        # which for an open balloon of the surrounding gas is
+        # :math:`\rho_c\,g\,V\,\theta/(1+\theta)`, written so.
         (excess,) = unknowns
         density = state.gas.density(state.pressure, state.temperature)
         if self.gas_mass is None:
@@ -195,11 +182,9 @@ class Balloon(AbstractFlyer):
         return (diffuse + infrared,)
 
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
-        r"""See :meth:`AbstractFlyer.heat_losses`.
-
-        What the envelope emits beyond that at the gas temperature, less what comes back to it
-        within.
-        """
+        r"""See :meth:`AbstractFlyer.heat_losses`."""
+        # What the envelope emits beyond that at the gas temperature, less what comes back to it
+        # within.
         (excess,) = unknowns
         out, within = self.film.emission_growths(state.temperature, excess)
         black = state.radiation.stefan_boltzmann * state.temperature**4

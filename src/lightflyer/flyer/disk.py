@@ -85,13 +85,12 @@ class Disk(AbstractFlyer):
         return (self.area * (diffuse + top * above + bottom * below),)
 
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
-        r"""See :meth:`AbstractFlyer.heat_losses`.
-
-        .. math:: A\sigma(\varepsilon_t+\varepsilon_b)\,T_c^4\,\theta(4+6\theta+4\theta^2+\theta^3)
-
-        which is the difference of fourth powers without its cancellation; where the emittance
-        depends on temperature, that of :math:`\varepsilon T^4`.
-        """
+        r"""See :meth:`AbstractFlyer.heat_losses`."""
+        # .. math::
+        #     A\sigma(\varepsilon_t+\varepsilon_b)\,T_c^4\,\theta(4+6\theta+4\theta^2+\theta^3)
+        #
+        # which is the difference of fourth powers without its cancellation; where the emittance
+        # depends on temperature, that of :math:`\varepsilon T^4`.
         (excess,) = unknowns
         return (self._black_power(state) * self.film.emission_growth(state.temperature, excess),)
 

@@ -212,10 +212,8 @@ class HollowBody(AbstractFlyer):
         return min(known) if known else None
 
     def buoyancy(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Numeric:
-        r"""See :meth:`AbstractFlyer.buoyancy`: that of the warm gas within.
-
-        .. math:: \rho_c\,g\,V\left(1 - T_c/T_i\right)
-        """
+        r"""See :meth:`AbstractFlyer.buoyancy`: that of the warm gas within."""
+        # .. math:: \rho_c\,g\,V\left(1 - T_c/T_i\right)
         inner = unknowns[0]
         density = state.gas.density(state.pressure, state.temperature)
         return density * state.gravity * self.volume * inner / (1.0 + inner)
@@ -253,11 +251,9 @@ class HollowBody(AbstractFlyer):
         return tuple(visible + heat for visible, heat in zip(*gains, strict=True))
 
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
-        r"""See :meth:`AbstractFlyer.heat_losses`.
-
-        Emission beyond that at the gas temperature, less what comes back within wall and body, and
-        conduction :math:`A_t f k (T_i - T_o)/L` through the channels' sheets.
-        """
+        r"""See :meth:`AbstractFlyer.heat_losses`."""
+        # Emission beyond that at the gas temperature, less what comes back within wall and body,
+        # and conduction :math:`A_t f k (T_i - T_o)/L` through the channels' sheets.
         inner_excess, outer_excess = unknowns[:2]
         black = state.radiation.stefan_boltzmann * state.temperature**4
         inner, outer = self._absorbed(

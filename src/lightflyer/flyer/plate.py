@@ -173,10 +173,8 @@ class Plate(AbstractFlyer):
         return self.sheets.highest_temperature
 
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
-        """See :meth:`AbstractFlyer.beam_areas`.
-
-        Light on the top face that enters a channel leaves it at the other end.
-        """
+        """See :meth:`AbstractFlyer.beam_areas`."""
+        # Light on the top face that enters a channel leaves it at the other end.
         light = state.radiation.on_faces(self.attitude)
         solid = self.solid_fraction * self.area
         top, bottom = (sheet_in_light(film, 0.0) for film in (self.top, self.bottom))
@@ -193,10 +191,8 @@ class Plate(AbstractFlyer):
         return self.sheets.heat_gains(state)
 
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
-        """See :meth:`AbstractFlyer.heat_losses`, and :meth:`Sandwich.heat_losses`.
-
-        Radiation, and conduction through the walls of the channels.
-        """
+        """See :meth:`AbstractFlyer.heat_losses`, and :meth:`Sandwich.heat_losses`."""
+        # Radiation, and conduction through the walls of the channels.
         return self.sheets.heat_losses(state, unknowns)
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:

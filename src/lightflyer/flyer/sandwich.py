@@ -161,12 +161,10 @@ class Sandwich(AbstractFlyer):
         return tuple(visible + heat for visible, heat in zip(diffuse, infrared, strict=True))
 
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
-        r"""See :meth:`AbstractFlyer.heat_losses`.
-
-        Emission beyond that at the gas temperature, with what the other membrane sends back, and
-        conduction :math:`A f_l k_l (T_b - T_t)/h` through the supports. Radiation between the
-        membranes is absorbed with the emittance at the gas temperature.
-        """
+        r"""See :meth:`AbstractFlyer.heat_losses`."""
+        # Emission beyond that at the gas temperature, with what the other membrane sends back, and
+        # conduction :math:`A f_l k_l (T_b - T_t)/h` through the supports. Radiation between the
+        # membranes is absorbed with the emittance at the gas temperature.
         top_excess, bottom_excess = unknowns
         black = state.radiation.stefan_boltzmann * state.temperature**4
         top, bottom = net_gains(
@@ -196,13 +194,11 @@ class Sandwich(AbstractFlyer):
 
     @property
     def passing_share(self) -> Array:
-        r"""Share of the free molecules arriving at the sandwich that pass it [1].
-
-        .. math:: \beta\left[d + \frac{1-d}{2-\beta}\right]
-
-        with the share :math:`d` of those leaving a hole that meet the one opposite. The others
-        forget where they came from.
-        """
+        r"""Share of the free molecules arriving at the sandwich that pass it [1]."""
+        # .. math:: \beta\left[d + \frac{1-d}{2-\beta}\right]
+        #
+        # with the share :math:`d` of those leaving a hole that meet the one opposite. The others
+        # forget where they came from.
         direct = coaxial_share(self.gap / self.hole_radius)
         return self.open_fraction * (direct + (1.0 - direct) / (2.0 - self.open_fraction))
 

@@ -52,19 +52,7 @@ class FlyerSection(Alternative):
         return super().keys_of(described) | films
 
     def build(self, film: FilmProperties | None, incidence: float) -> AbstractFlyer:
-        """The flyer.
-
-        Parameters
-        ----------
-        film : FilmProperties or None
-            What ``[film]`` says, where :attr:`needs_film`.
-        incidence : float
-            Of the light [rad], for the optics of layers.
-
-        Returns
-        -------
-        AbstractFlyer
-        """
+        """The flyer; ``film`` [film]; ``film``: what ```` says, where :attr:`needs_film`."""
         films = {
             name: film if name == _FILM else getattr(self, name).build(incidence)
             for name in _films(self.flyer_type)

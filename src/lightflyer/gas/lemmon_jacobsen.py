@@ -49,34 +49,14 @@ class LemmonJacobsen(NamedTuple):
     terms: tuple[tuple[float, float], ...]
 
     def viscosity(self, temperature: np.ndarray) -> np.ndarray:
-        """Dynamic viscosity as published [Pa s].
-
-        Parameters
-        ----------
-        temperature : array, shape (...)
-            [K].
-
-        Returns
-        -------
-        array, shape (...)
-        """
+        """Dynamic viscosity as published [Pa s]."""
         logarithm = np.log(temperature / self.energy)
         collision = np.exp(np.polynomial.polynomial.polyval(logarithm, _COLLISION))
         root = np.sqrt(self.molar_mass * temperature)
         return _VISCOSITY_SCALE * root / (self.diameter**2 * collision)
 
     def conductivity(self, temperature: np.ndarray) -> np.ndarray:
-        """Thermal conductivity as published [W/(m K)].
-
-        Parameters
-        ----------
-        temperature : array, shape (...)
-            [K].
-
-        Returns
-        -------
-        array, shape (...)
-        """
+        """Thermal conductivity as published [W/(m K)]."""
         total = self.of_viscosity * self.viscosity(temperature) / _MICROPASCAL_SECOND
         for scale, exponent in self.terms:
             total = total + scale * (temperature / self.critical_temperature) ** exponent

@@ -82,18 +82,7 @@ class MovingSolution:
     _outcome: Any = field(repr=False)
 
     def flow(self, radius: Any, height: Any) -> dict[str, np.ndarray]:
-        """Fields of the gas at points, per speed ratio, far away at rest.
-
-        Parameters
-        ----------
-        radius, height : array, shape (...)
-            Distance from the axis and height above the disk [disk radii].
-
-        Returns
-        -------
-        dict of str to array, shape (...)
-            As for :meth:`Solution.flow`.
-        """
+        """Fields of the gas at points, per speed ratio, far away at rest."""
         from lightflyer.kinetic.disk.flow import sample
 
         return sample(self._outcome, np.asarray(radius, float), np.asarray(height, float))

@@ -135,17 +135,7 @@ class Solution:
         )
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw temperature and streamlines of the gas in a plane through the axis.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            By default that of a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw temperature and streamlines of the gas in a plane through the axis."""
         from lightflyer.kinetic.figures import flow_figure
 
         return flow_figure(self, ax)
@@ -164,21 +154,7 @@ class Solution:
         }
 
     def flow(self, radius: Any, height: Any) -> dict[str, np.ndarray]:
-        """Fields of the gas at points.
-
-        Parameters
-        ----------
-        radius, height : array, shape (...)
-            Distance from the axis and height above the disk [disk radii]; inside the reservoir.
-
-        Returns
-        -------
-        dict of str to array, shape (...)
-            ``pressure`` and ``temperature``: relative deviations from those far away;
-            ``velocity_radial``, ``velocity_axial`` [√(2RT_c)]; ``heat_flux_radial``,
-            ``heat_flux_axial`` [p √(2RT_c)]; for a diatomic gas also ``rotational_temperature``.
-            In the linear problem all are per unit perturbation.
-        """
+        """Fields of the gas at points [√(2RT_c)]; ``radius``, ``height`` [disk radii]."""
         from lightflyer.kinetic.disk.flow import sample
 
         return sample(self._outcome, np.asarray(radius, float), np.asarray(height, float))

@@ -44,60 +44,22 @@ class Estimate:
     def normal(
         cls, value: float, uncertainty: float, unit: str = "", freedom: float = math.inf
     ) -> "Estimate":
-        """An estimate with a symmetric interval.
-
-        Parameters
-        ----------
-        value, uncertainty : float
-            Estimate and its standard uncertainty.
-        unit : str
-        freedom : float
-            Degrees of freedom of the uncertainty, for Student's factor.
-
-        Returns
-        -------
-        Estimate
-        """
+        """An estimate with a symmetric interval."""
         half = student_factor(freedom) * uncertainty
         return cls(float(value), (float(value - half), float(value + half)), unit, uncertainty)
 
     @classmethod
     def covering(cls, value: float, half: float, unit: str = "") -> "Estimate":
-        """An estimate whose uncertainty carries its 95 % interval on.
-
-        The standard error of few repeats is too small to be used as that of a normal distribution:
-        two repeats need 12.7 of them in place of 1.96. The uncertainty here is that of the normal
-        distribution with the same 95 % interval.
-
-        Parameters
-        ----------
-        value : float
-        half : float
-            Half width of the 95 % interval.
-        unit : str
-
-        Returns
-        -------
-        Estimate
-        """
+        """An estimate whose uncertainty carries its 95 % interval on."""
+        # The standard error of few repeats is too small to be used as that of a normal
+        # distribution: two repeats need 12.7 of them in place of 1.96. The uncertainty here is that
+        # of the normal distribution with the same 95 % interval.
         value, half = float(value), float(half)
         return cls(value, (value - half, value + half), unit, half / NORMAL_FACTOR)
 
     @classmethod
     def of_draws(cls, value: float, draws: np.ndarray, unit: str = "") -> "Estimate":
-        """An estimate with the percentile interval of draws.
-
-        Parameters
-        ----------
-        value : float
-            It belongs to its interval, even where all draws are on one side of it.
-        draws : array
-        unit : str
-
-        Returns
-        -------
-        Estimate
-        """
+        """An estimate with the percentile interval of draws."""
         low, high = map(float, central_interval(draws))
         return cls(value, (min(low, value), max(high, value)), unit, float(draws.std(ddof=1)))
 

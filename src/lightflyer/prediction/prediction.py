@@ -224,24 +224,7 @@ class Prediction(PrintedResult):
         }
 
     def plot(self, what: str | None = None, ax: "Axes | None" = None) -> "Figure":
-        """Draw irradiance, temperature, payload and, in a chamber, the map of temperatures.
-
-        Parameters
-        ----------
-        what : str, optional
-            One of ``"irradiance"``, ``"temperature"``, ``"payload"``, ``"map"``; by default all.
-        ax : matplotlib.axes.Axes, optional
-            For one of them; by default those of a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        ParameterError
-            If there is no such drawing, or axes are given for several.
-        """
+        """Draw irradiance, temperature, payload and, in a chamber, the map of temperatures."""
         from lightflyer.prediction.figures import plot_prediction
 
         return plot_prediction(self, what, ax)
@@ -252,19 +235,7 @@ class Prediction(PrintedResult):
         return Place(float(self.asked[index]), values)
 
     def place_summary(self, place: Place, names: Sequence[str]) -> dict[str, Any]:
-        """A place as a JSON object.
-
-        Parameters
-        ----------
-        place : Place
-        names : sequence of str
-            Names of outputs.
-
-        Returns
-        -------
-        dict
-            None for a number that is not finite.
-        """
+        """A place as a JSON object; none for a number that is not finite."""
         key, factor = self.coordinate_key
         known = outputs_of(self.setup)
         described: dict[str, Any] = {key: place.coordinate * factor}

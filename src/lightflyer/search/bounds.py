@@ -34,17 +34,7 @@ class Tolerance:
     relative: bool
 
     def spread(self, value: Any) -> Any:
-        """Standard uncertainty in the unit of the field.
-
-        Parameters
-        ----------
-        value : array, shape (...)
-            What is to be made; may be traced.
-
-        Returns
-        -------
-        array, shape (...)
-        """
+        """Standard uncertainty in the unit of the field."""
         return self.size * abs(value) if self.relative else self.size + 0.0 * value
 
 
@@ -70,17 +60,7 @@ class Bounds:
     tolerance: "Tolerance | None" = None
 
     def value(self, fraction: Any) -> Any:
-        """Value at a fraction of the way from the low end (0) to the high end (1).
-
-        Parameters
-        ----------
-        fraction : array, shape (...)
-            May be traced.
-
-        Returns
-        -------
-        array, shape (...)
-        """
+        """Value at a fraction of the way from the low end (0) to the high end (1)."""
         if self.logarithmic:
             return self.low * (self.high / self.low) ** fraction
         return self.low + fraction * (self.high - self.low)

@@ -69,12 +69,7 @@ class Front(PrintedResult):
         return xr.Dataset(variables, coordinates, attributes)
 
     def plot(self) -> "Figure":
-        """Draw the objectives, each against the first.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw the objectives, each against the first."""
         from lightflyer.search.figures import front_figure
 
         return front_figure(self)

@@ -110,12 +110,7 @@ class Optimum(PrintedResult):
         return predict_design(as_design(setup), () if coordinate is None else (coordinate,))
 
     def plot(self) -> "Figure":
-        """Draw the elasticities; ``prediction.plot()`` draws what the best design does.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw the elasticities; ``prediction.plot()`` draws what the best design does."""
         from lightflyer.search.figures import elasticity_figure
 
         return elasticity_figure(self)

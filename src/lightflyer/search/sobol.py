@@ -146,12 +146,7 @@ class Indices(PrintedResult):
     shown: tuple[float, str] = (1.0, "")
 
     def plot(self) -> "Figure":
-        """Draw the effect of each input, and the shares of the variance.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw the effect of each input, and the shares of the variance."""
         from lightflyer.search.figures import tornado_figure
 
         return tornado_figure(self)

@@ -101,18 +101,7 @@ class Inputs:
         }
 
     def build(self, values: Any) -> Any:
-        """Setup at other values of the inputs.
-
-        Parameters
-        ----------
-        values : array, shape (k, ...)
-            Concrete or traced; not checked.
-
-        Returns
-        -------
-        Setup
-            Numbers that depend on the inputs have the trailing shape of ``values``.
-        """
+        """Setup at other values of the inputs; ``values`` (k, ...)."""
         prepared = self.prepared
         for name, change in self.changes.items():
             row = self.names.index(name)
@@ -123,14 +112,7 @@ class Inputs:
         return self.design.build(numbers, prepared)
 
     def setup_and_tangents(self) -> tuple[Any, list[Any]]:
-        """Setup at the inputs' values, and its derivative in each of them.
-
-        Returns
-        -------
-        setup : Setup
-            Every number an array.
-        tangents : list of Setup, length k
-        """
+        """Setup at the inputs' values, and its derivative in each of them."""
         structure = jax.tree.structure(self.build(self.values))
 
         def leaves(inputs: Any) -> list[Any]:
@@ -149,17 +131,7 @@ class Inputs:
         return jax.tree.unflatten(structure, base), moved
 
     def setup_of(self, samples: np.ndarray) -> Any:
-        """Setup whose uncertain numbers are arrays over samples.
-
-        Parameters
-        ----------
-        samples : array, shape (samples, k)
-
-        Returns
-        -------
-        Setup
-            Numbers that depend on the inputs have shape (samples, 1).
-        """
+        """Setup whose uncertain numbers are arrays over samples; ``samples`` (samples, k)."""
         with float64(), warnings.catch_warnings():
             # a sample beyond what is usual is no news: its distribution was stated
             warnings.simplefilter("ignore", ParameterWarning)

@@ -214,26 +214,7 @@ class GlobalNRLMSIS(AbstractAtmosphere):
         return self._nan_outside(altitude, self._fields(altitude, place)[2])
 
     def zonal_means(self, seasons: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Zonal and daily means on the nodes of the table.
-
-        Parameters
-        ----------
-        seasons : array, shape (n,)
-            Times [s since 2000-01-01 12:00 UTC].
-
-        Returns
-        -------
-        latitude : array, shape (m,)
-            [rad].
-        altitude : array, shape (k,)
-            [m].
-        temperature : array, shape (n, m, k)
-            [K].
-        log_pressure : array, shape (n, m, k)
-            Mean of the logarithm [ln Pa].
-        molar_mass_ratio : array, shape (n, m, k)
-            [1].
-        """
+        """Zonal and daily means on the nodes of the table; ``seasons``: times."""
         yearly = _yearly(_TURN * seasons / TROPICAL_YEAR, np)
         fields = self.coefficients[1:-1, :, :, : yearly.shape[-1]] @ yearly.T
         latitude = _LATITUDES * RADIANS_PER_DEGREE

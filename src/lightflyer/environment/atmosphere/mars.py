@@ -126,30 +126,7 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
         molar_mass: float = MOLAR_MASS,
         name: str = "a profile of its own",
     ) -> "MarsAtmosphere":
-        """Atmosphere with a profile of one's own, such as one of the Mars Climate Database.
-
-        Parameters
-        ----------
-        altitude : array, shape (n,)
-            Increasing from 0 [m], four rows at least.
-        temperature : array, shape (n,)
-            [K].
-        surface_pressure : float
-            At altitude 0 [Pa].
-        molar_mass : float
-            [kg/kmol].
-        name : str
-            What results call it.
-
-        Returns
-        -------
-        MarsAtmosphere
-
-        Raises
-        ------
-        ParameterError
-            If the table cannot be used.
-        """
+        """Atmosphere with a profile of one's own, such as one of the Mars Climate Database."""
         altitudes, kelvin = np.asarray(altitude, float), np.asarray(temperature, float)
         if altitudes.ndim != 1 or altitudes.shape != kelvin.shape or altitudes.size < _FEWEST_ROWS:
             raise ParameterError(

@@ -213,13 +213,11 @@ class US1976(AbstractAtmosphere):
 
     @entry_point
     def mean_free_path(self, altitude: Numeric) -> Any:
-        r"""Mean free path as the standard defines it [m].
-
-        .. math:: L = \frac{R^* T}{\sqrt2\, \pi N_A \sigma^2 p}
-
-        with a fixed collision diameter: 4 % above :func:`lightflyer.gas.mean_free_path` at sea
-        level. The force models use the latter.
-        """
+        r"""Mean free path as the standard defines it [m]."""
+        # .. math:: L = \frac{R^* T}{\sqrt2\, \pi N_A \sigma^2 p}
+        #
+        # with a fixed collision diameter: 4 % above :func:`lightflyer.gas.mean_free_path` at sea
+        # level. The force models use the latter.
         cross_section = jnp.sqrt(2.0) * jnp.pi * _COLLISION_DIAMETER**2
         number_density = (
             constants.AVOGADRO_US1976

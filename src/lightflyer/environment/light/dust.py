@@ -85,27 +85,11 @@ class Dust(Checked):
     asymmetry: Fraction = ASYMMETRY
 
     def depth_above(self, share_of_pressure: Numeric) -> Array:
-        """Vertical optical depth of what is above.
-
-        Parameters
-        ----------
-        share_of_pressure : array, shape (...)
-            Pressure over that at altitude 0 [1].
-
-        Returns
-        -------
-        array, broadcast shape
-            [1].
-        """
+        """Vertical optical depth of what is above [1]."""
         return _depth_above(self, share_of_pressure)
 
     def describe(self) -> str:
-        """Dust in words.
-
-        Returns
-        -------
-        str
-        """
+        """Dust in words."""
         return (
             f"dust: optical depth {span(self.optical_depth)} above altitude 0, of which the part "
             "above the flyer dims the beam and scatters light down"

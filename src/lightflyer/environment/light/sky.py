@@ -146,18 +146,7 @@ class Daylight(AbstractSky, Checked):
         return _daylight(self, altitude, place)
 
     def over(self, start: float, stop: float) -> "Daylight":
-        """The same sky with the sun from a table, for many evaluations between two times.
-
-        Parameters
-        ----------
-        start, stop : float
-            [s since 2000-01-01 12:00 UTC].
-
-        Returns
-        -------
-        Daylight
-            NaN at other times.
-        """
+        """The same sky with the sun from a table, for many evaluations between two times."""
         return replace(self, sun=TabulatedSun(self.sun, self.planet.rotation_rate, start, stop))
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
@@ -165,44 +154,15 @@ class Daylight(AbstractSky, Checked):
         return self.ground.margins(place)
 
     def depression(self, altitude: Numeric, place: Place, sun: SunInSky) -> Array:
-        """Angle below the horizontal at which the limb hides the sun's centre.
-
-        Parameters
-        ----------
-        altitude : array, shape (...)
-            [m].
-        place : Place
-        sun : SunInSky
-            Seen from the place.
-
-        Returns
-        -------
-        array, broadcast shape
-            [rad].
-        """
+        """Angle below the horizontal at which the limb hides the sun's centre [rad]."""
         radius = self.planet.curvature_radius(place.latitude, sun.azimuth)
         return horizon_depression(self.limb, altitude, radius)
 
     @entry_point
     def light_hours(self, altitude: Numeric, place: Place) -> LightHours:
-        """First and last light of the day around a time.
-
-        Parameters
-        ----------
-        altitude : array, shape (...)
-            Geometric altitude [m].
-        place : Place
-            Noon is the nearest to its time.
-
-        Returns
-        -------
-        LightHours
-
-        Notes
-        -----
-        The sun's centre is on the horizon at first and last light; the edges of its disk are
-        about a minute before and after it at the equator. Differentiable where the sun rises.
-        """
+        """First and last light of the day around a time; ``altitude``: geometric altitude."""
+        # The sun's centre is on the horizon at first and last light; the edges of its disk are
+        # about a minute before and after it at the equator. Differentiable where the sun rises.
         moving = self.planet.rotation_rate
 
         def turn(time: Array) -> tuple[Array, Array]:

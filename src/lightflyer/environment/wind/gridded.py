@@ -111,23 +111,7 @@ class GriddedWind(AbstractWind):
     def from_file(
         cls, path: str | Path, atmosphere: AbstractAtmosphere | None = None
     ) -> "GriddedWind":
-        """Wind from a NetCDF file.
-
-        Parameters
-        ----------
-        path : str or path
-        atmosphere : AbstractAtmosphere, optional
-            As of the class.
-
-        Returns
-        -------
-        GriddedWind
-
-        Raises
-        ------
-        ConfigurationError
-            If the file cannot be read or used; the message names it.
-        """
+        """Wind from a NetCDF file; ``atmosphere``: as of the class."""
         dataset = open_dataset(path)
         try:
             return cls(dataset, atmosphere)

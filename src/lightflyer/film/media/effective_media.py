@@ -257,13 +257,7 @@ class Rule(enum.StrEnum):
 
     @classmethod
     def of(cls, name: "Rule | str") -> "Rule":
-        """The rule of a name.
-
-        Raises
-        ------
-        ParameterError
-            If there is none.
-        """
+        """The rule of a name."""
         try:
             return cls(name)
         except ValueError:

@@ -36,13 +36,7 @@ class Extrapolation(enum.StrEnum):
 
     @classmethod
     def of(cls, policy: "Extrapolation | str") -> "Extrapolation":
-        """The policy of a name.
-
-        Raises
-        ------
-        ParameterError
-            If there is none.
-        """
+        """The policy of a name."""
         try:
             return cls(policy)
         except ValueError:
@@ -91,25 +85,7 @@ class Medium(eqx.Module):
 
     @abc.abstractmethod
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:
-        """Refractive index and extinction coefficient.
-
-        Parameters
-        ----------
-        wavelength : array, shape (...)
-            Vacuum wavelength [m], concrete.
-
-        Returns
-        -------
-        n, k : array, shape (...)
-            Real and imaginary part of the complex index [1]; k is positive where the medium
-            absorbs. NumPy arrays where the medium's parameters are concrete, else traced.
-
-        Raises
-        ------
-        ParameterError
-            If a wavelength is outside the range and the policy is ERROR. The message names
-            medium, wavelength, range and policies.
-        """
+        """Refractive index and extinction coefficient [1]."""
 
     @property
     @abc.abstractmethod
@@ -128,21 +104,7 @@ class Medium(eqx.Module):
 
     @abc.abstractmethod
     def with_extrapolation(self, policy: Extrapolation | str) -> "Medium":
-        """The same medium with another policy outside its data.
-
-        Parameters
-        ----------
-        policy : Extrapolation or str
-
-        Returns
-        -------
-        Medium
-
-        Raises
-        ------
-        ParameterError
-            If the policy is unknown.
-        """
+        """The same medium with another policy outside its data."""
 
     @abc.abstractmethod
     def with_density(self, density: Numeric) -> "Medium":
@@ -150,18 +112,7 @@ class Medium(eqx.Module):
 
     @abc.abstractmethod
     def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
-        """What is extrapolated within a range of wavelengths, with the policy.
-
-        Parameters
-        ----------
-        shortest, longest : float
-            [m].
-
-        Returns
-        -------
-        tuple of str
-            Such as ``"PET: hold beyond 0.4 µm to 19.942 µm"``.
-        """
+        """What is extrapolated within a range of wavelengths, with the policy."""
 
     @property
     def diagnostics(self) -> tuple[str, ...]:
@@ -170,10 +121,8 @@ class Medium(eqx.Module):
 
     @property
     def sheets(self) -> tuple["Medium", ...]:
-        """Homogeneous media of equally thick sheets that stand for a layer, top to bottom.
-
-        One, the medium itself, unless the medium changes with depth.
-        """
+        """Homogeneous media of equally thick sheets that stand for a layer, top to bottom."""
+        # One, the medium itself, unless the medium changes with depth.
         return (self,)
 
     def flipped(self) -> "Medium":
@@ -181,17 +130,7 @@ class Medium(eqx.Module):
         return self
 
     def covers(self, wavelength: ArrayLike) -> np.ndarray:
-        """Whether there is data at each wavelength.
-
-        Parameters
-        ----------
-        wavelength : array, shape (...)
-            [m].
-
-        Returns
-        -------
-        bool array, shape (...)
-        """
+        """Whether there is data at each wavelength."""
         shortest, longest = self.wavelength_range
         wavelength = np.asarray(wavelength)
         above = wavelength >= shortest * (1.0 - _RANGE_TOLERANCE)

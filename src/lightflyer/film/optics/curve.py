@@ -55,17 +55,7 @@ class EmittanceCurve(eqx.Module):
 
     @classmethod
     def through(cls, emittance: Numeric) -> "EmittanceCurve":
-        """Curve through the emittances at :func:`node_temperatures`.
-
-        Parameters
-        ----------
-        emittance : array, shape (..., NODES)
-            [1].
-
-        Returns
-        -------
-        EmittanceCurve
-        """
+        """Curve through the emittances at :func:`node_temperatures`; ``emittance`` (..., NODES)."""
         if np.ndim(emittance) > 1:
             return cls(coefficients=emittance @ _to_coefficients().T)
         return cls(coefficients=_to_coefficients() @ emittance)
@@ -83,22 +73,8 @@ class EmittanceCurve(eqx.Module):
 
     @entry_point
     def growth(self, temperature: Numeric, excess: Numeric) -> Array:
-        r"""Change of :math:`\varepsilon T^4` over a temperature difference.
-
-        .. math:: \varepsilon(T_h)\,(1+\theta)^4-\varepsilon(T),\qquad T_h=T(1+\theta)
-
-        Parameters
-        ----------
-        temperature : array, shape (...)
-            [K].
-        excess : array, shape (...)
-            :math:`\theta` [1].
-
-        Returns
-        -------
-        array, broadcast shape
-            [1], accurate however small the excess is.
-        """
+        r"""Change of :math:`\varepsilon T^4` over a temperature difference [1]."""
+        # .. math:: \varepsilon(T_h)\,(1+\theta)^4-\varepsilon(T),\qquad T_h=T(1+\theta)
         fourth = excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
         x, y = self._scaled(temperature * (1.0 + excess)), self._scaled(temperature)
         value, slope = self._horner(x, y)

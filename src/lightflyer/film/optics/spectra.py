@@ -70,25 +70,7 @@ class Spectrum:
         return float(np.trapezoid(self.irradiance, self.wavelength))
 
     def between(self, shortest: float, longest: float) -> tuple[np.ndarray, np.ndarray]:
-        """Wavelengths and trapezoidal weights of the part between two wavelengths.
-
-        Parameters
-        ----------
-        shortest, longest : float
-            [m].
-
-        Returns
-        -------
-        wavelength : array, shape (m,)
-            [m].
-        weight : array, shape (m,)
-            Their sum is the share of the spectrum's power between the two [1].
-
-        Raises
-        ------
-        ParameterError
-            If the spectrum has no power there.
-        """
+        """Wavelengths and trapezoidal weights of the part between two wavelengths."""
         inside = (self.wavelength > shortest) & (self.wavelength < longest)
         ends = np.clip(self.wavelength[[0, -1]], shortest, longest)
         points = np.unique(np.concatenate([ends, self.wavelength[inside]]))

@@ -149,13 +149,7 @@ class Film(Checked):
 
     @property
     def areal_density(self) -> Numeric:
-        """Mass per area, with what the holes leave out [kg/m²].
-
-        Raises
-        ------
-        ParameterError
-            If a material has no density.
-        """
+        """Mass per area, with what the holes leave out [kg/m²]."""
         if self.unknown_density is not None:
             raise ParameterError(self.unknown_density)
         solid = sum(layer.thickness * layer.material.density for layer in self.layers)
@@ -180,15 +174,8 @@ class Film(Checked):
 
     @property
     def covered_range(self) -> tuple[float, float]:
-        """Wavelengths at which the film's optics can be computed [m].
-
-        The intersection of the ranges of all materials that do not extrapolate.
-
-        Raises
-        ------
-        ParameterError
-            If the intersection is empty.
-        """
+        """Wavelengths at which the film's optics can be computed [m]."""
+        # The intersection of the ranges of all materials that do not extrapolate.
         ranges = [medium.usable_range for medium in self.media]
         shortest = max((ends[0] for ends in ranges), default=0.0)
         longest = min((ends[1] for ends in ranges), default=np.inf)
@@ -199,39 +186,12 @@ class Film(Checked):
         return shortest, longest
 
     def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
-        """Materials whose data end within a range of wavelengths, with their policy.
-
-        Parameters
-        ----------
-        shortest, longest : float
-            [m].
-
-        Returns
-        -------
-        tuple of str
-            Such as ``"PET: hold beyond 0.4 µm to 19.942 µm"``.
-        """
+        """Materials whose data end within a range of wavelengths, with their policy."""
         found = (text for one in self.media for text in one.extrapolated(shortest, longest))
         return tuple(dict.fromkeys(found))
 
     def index(self, wavelength: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Refractive index and extinction coefficient of each layer.
-
-        Parameters
-        ----------
-        wavelength : array, shape (...)
-            Concrete [m].
-
-        Returns
-        -------
-        n, k : array, shape (layers, ...)
-            NumPy arrays where all media's parameters are concrete.
-
-        Raises
-        ------
-        ParameterError
-            If a wavelength is outside a material's data and its policy is ERROR.
-        """
+        """Refractive index and extinction coefficient of each layer, shape (layers, ...)."""
         wavelength = np.asarray(wavelength, float)
         pairs = [layer.material.index(wavelength) for layer in self.layers]
         empty = np.empty((0, *wavelength.shape))
@@ -258,25 +218,7 @@ class Film(Checked):
         return dataclasses.replace(self, layers=sheets)
 
     def structure(self, wavelength: np.ndarray, axes: int) -> Structure:
-        """What the film is besides its layers, at wavelengths.
-
-        Parameters
-        ----------
-        wavelength : array, shape (...)
-            Concrete [m].
-        axes : int
-            How many axes the optics have behind that of the layers.
-
-        Returns
-        -------
-        Structure
-
-        Raises
-        ------
-        ParameterError
-            If a wavelength is outside a medium's data and its policy is ERROR, or the medium above
-            absorbs.
-        """
+        """What the film is besides its layers, at wavelengths; ``wavelength``: concrete."""
         above, below = 1.0, (1.0, 0.0)
         if self.above is not None:
             above, lost = self.above.index(wavelength)
@@ -297,32 +239,9 @@ class Film(Checked):
     def optics(
         self, wavelength: np.ndarray | float, incidence: Numeric = 0.0, side: Side = "top"
     ) -> StackOptics:
-        """Reflectance, transmittance and absorptance for light from one side.
-
-        Parameters
-        ----------
-        wavelength : array, shape (...)
-            In vacuum, concrete [m].
-        incidence : array, shape (...)
-            Angle between the light and the film's normal [rad].
-        side : {"top", "bottom"}
-            Where the light comes from.
-
-        Returns
-        -------
-        StackOptics
-            The first axis is the polarisation, s then p; the lit layer comes first.
-
-        Raises
-        ------
-        ParameterError
-            If an angle is not in [0, 90°), or a wavelength is outside a material's data.
-
-        Notes
-        -----
-        Light interferes in coherent layers with parallel faces, up to about ten wavelengths thick.
-        Differentiable in the thicknesses, the media's parameters and the angle.
-        """
+        """Reflectance, transmittance and absorptance for light from one side."""
+        # Light interferes in coherent layers with parallel faces, up to about ten wavelengths
+        # thick. Differentiable in the thicknesses, the media's parameters and the angle.
         require_range("incidence", incidence, 0.0, GRAZING)
         film = self if side == "top" else self.flipped()
         wavelength = np.asarray(wavelength, float)

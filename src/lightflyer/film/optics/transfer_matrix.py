@@ -57,25 +57,13 @@ class StackOptics(eqx.Module):
         return self.layer_absorptance.sum(axis=0)
 
     def merged(self, sizes: Sequence[int]) -> "StackOptics":
-        """The absorptances of neighbouring layers added up.
-
-        Parameters
-        ----------
-        sizes : sequence of int
-            How many layers each group has, the lit side first.
-        """
+        """The absorptances of neighbouring layers added up."""
         groups = np.repeat(np.eye(len(sizes)), sizes, axis=1)
         absorptance = _summed(groups, self.layer_absorptance)
         return StackOptics(self.reflectance, self.transmittance, absorptance, self.scattered)
 
     def with_holes(self, share: Numeric) -> "StackOptics":
-        """Optics of the stack with holes, through which all light passes.
-
-        Parameters
-        ----------
-        share : array, shape (...)
-            Of the area that is holes [1].
-        """
+        """Optics of the stack with holes, through which all light passes."""
         solid = 1.0 - share
         return StackOptics(
             reflectance=solid * self.reflectance,

@@ -53,27 +53,7 @@ class AngularSummary:
     def of(
         cls, film: Film, light: Spectrum, incidence: np.ndarray, temperatures: np.ndarray
     ) -> "AngularSummary":
-        """Summary of a film.
-
-        Parameters
-        ----------
-        film : Film
-        light : Spectrum
-            Light on the film: sunlight or a lamp.
-        incidence : array, shape (angles,)
-            [rad].
-        temperatures : array, shape (m,)
-            [K].
-
-        Returns
-        -------
-        AngularSummary
-
-        Raises
-        ------
-        ParameterError
-            If an angle is not in [0, 90°), or the media's data do not overlap.
-        """
+        """Summary of a film; ``incidence`` (angles,); ``temperatures`` (m,)."""
         shortest, longest = film.covered_range
         ends = max(shortest, SPECTRUM_RANGE[0]), min(longest, SPECTRUM_RANGE[1])
         wavelength = np.geomspace(*ends, SPECTRUM_POINTS)

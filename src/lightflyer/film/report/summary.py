@@ -92,32 +92,7 @@ class FilmSummary:
         density_uncertainty: Sequence[float | None] = (),
         others: Sequence[tuple[Film, Film]] = (),
     ) -> "FilmSummary":
-        """Summary of a film.
-
-        Parameters
-        ----------
-        film : Film
-        light : Spectrum
-            Light on the film: sunlight or a lamp.
-        temperatures : array, shape (m,)
-            [K].
-        thickness_uncertainty : sequence of float or None, optional
-            Standard uncertainty of each layer's thickness, None where none is stated [m].
-        density_uncertainty : sequence of float or None, optional
-            That of each layer's density [kg/m³].
-        others : sequence of (Film, Film), optional
-            See :func:`~lightflyer.film.optics.thickness.thickness_uncertainty`.
-
-        Returns
-        -------
-        FilmSummary
-
-        Raises
-        ------
-        ParameterError
-            If the materials' data do not overlap, or lie outside the reported spectrum, or an
-            uncertainty is not below its thickness.
-        """
+        """Summary of a film; ``temperatures`` (m,)."""
         spreads = tuple(thickness_uncertainty) or (None,) * len(film.layers)
         densities = tuple(density_uncertainty) or (None,) * len(film.layers)
         shortest, longest = film.covered_range
@@ -162,34 +137,14 @@ class FilmSummary:
         return _values(self.film, self.light, averages)
 
     def interval(self, name: str) -> np.ndarray | None:
-        """95 % interval of a number of :meth:`values`, cut at what is possible.
-
-        Parameters
-        ----------
-        name : str
-
-        Returns
-        -------
-        array, shape (2,) or (2, m), or None
-            Lower and upper ends; None if no uncertainty is stated.
-        """
+        """95 % interval of a number of :meth:`values`, cut at what is possible, shape (2,)."""
         if self.uncertainty is None:
             return None
         highest = 1.0 if "tance" in name else np.inf  # absorptance and emittance
         return possible_interval(self.values()[name], self.uncertainty[name], highest)
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the spectra, and what each layer absorbs.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Gets the spectra alone; by default a new figure has the layers too.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw the spectra, and what each layer absorbs."""
         from lightflyer.film.report.figures import plot_film
 
         return plot_film(self, ax)

@@ -37,26 +37,7 @@ class Bounds:
         self.warnings: list[str] = []
 
     def cut(self, quantity: str, where: str, estimate: Estimate) -> Estimate:
-        """The estimate with what is possible of it.
-
-        Parameters
-        ----------
-        quantity : {"transmittance", "reflectance", "emissivity"}
-        where : str
-            Spectrum of the mean, such as "over the band".
-        estimate : Estimate
-            Of a share, with its uncut interval.
-
-        Returns
-        -------
-        Estimate
-            Its uncertainty is unchanged.
-
-        Raises
-        ------
-        ParameterError
-            If the whole interval is below 0 or above 1.
-        """
+        """The estimate with what is possible of it; its uncertainty is unchanged."""
         low, high = estimate.interval
         if high < 0.0 or low > 1.0:
             beyond = "below 0" if high < 0.0 else "above 1"

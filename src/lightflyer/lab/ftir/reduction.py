@@ -128,14 +128,7 @@ class Ftir:
         return _limit(self.emissivity or self.upper_bound)
 
     def total_bounds(self) -> dict[float, tuple[float, float]]:
-        """Bounds of the total emissivity, with nothing or everything emitted outside the data.
-
-        Returns
-        -------
-        dict of float to (float, float)
-            By temperature [K]. With reflectance, both ends include the 95 % interval. Without, the
-            lower end is 0 and the upper one is not exceeded at 95 % confidence, one-sided [1].
-        """
+        """Bounds of the total emissivity, with nothing or everything emitted outside the data."""
         found = {}
         for temperature, estimate in self.planck_emissivity.items():
             inside = 1.0 - self.uncovered[temperature]
@@ -146,17 +139,7 @@ class Ftir:
         return found
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the spectra with the band and the spectrum of a black body.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            By default that of a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw the spectra with the band and the spectrum of a black body."""
         from lightflyer.lab.ftir.figures import plot_spectra
 
         return plot_spectra(self, ax)

@@ -84,17 +84,7 @@ class LevitationCurve:
     warnings: tuple[str, ...] = ()
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw points, curve with its 99 % band, and minimum.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            By default that of a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw points, curve with its 99 % band, and minimum."""
         from lightflyer.lab.levitation.figures import plot_curve
 
         return plot_curve(self, ax)

@@ -126,17 +126,7 @@ class OpticsFit:
     warnings: tuple[str, ...] = ()
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the spectra with their fits.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            By default that of a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw the spectra with their fits; ``ax``: by default that of a new figure."""
         from lightflyer.lab.optics.figures import plot_spectra
 
         return plot_spectra(self, ax)

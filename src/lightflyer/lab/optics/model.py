@@ -84,17 +84,7 @@ class OpticalModel:
             raise ParameterError("the model is that of other bounds, spectra or wavelengths")
 
     def shares(self, position: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray]]:
-        """Share of the light at each point of each spectrum, and its derivatives.
-
-        Parameters
-        ----------
-        position : array, shape (free,)
-
-        Returns
-        -------
-        shares : list of array, shape (points,)
-        slopes : list of array, shape (points, free)
-        """
+        """Share of the light at each point of each spectrum, and its derivatives."""
         position = np.asarray(position, float)
         key = position.tobytes()
         if self._last is None or self._last[0] != key:
@@ -171,19 +161,7 @@ class Problem:
 
     @classmethod
     def of(cls, sample: OpticsSample, model: OpticalModel | None = None) -> "Problem":
-        """The problem with the noise of neighbouring points as standard error.
-
-        Parameters
-        ----------
-        sample : OpticsSample
-        model : OpticalModel, optional
-            That of a sample with the same film, bounds and wavelengths.
-
-        Raises
-        ------
-        ParameterError
-            If the model is another one's.
-        """
+        """The problem with the noise of neighbouring points as standard error."""
         model = OpticalModel(sample) if model is None else model
         model.require_fit(sample)
         spread = [max(point_noise(one.spectrum.value), LEAST_ERROR) for one in sample.spectra]
@@ -219,13 +197,7 @@ class Problem:
         return [share * (1.0 + s) + o for share, s, o in zip(shares, scale, zero, strict=True)]
 
     def residuals(self, vector: np.ndarray) -> np.ndarray:
-        """Residuals in standard errors, those of priors last.
-
-        Parameters
-        ----------
-        vector : array, shape (size,)
-            Positions of the free numbers, then errors of scale and zero of each spectrum.
-        """
+        """Residuals in standard errors, those of priors last; ``vector`` (size,)."""
         found = self._solution(vector)
         parts = [
             (reading - one.spectrum.value) / spread
@@ -273,24 +245,7 @@ class Problem:
         errors: np.ndarray | None = None,
         held: Mapping[int, float] | None = None,
     ) -> Solution:
-        """The minimum near a position.
-
-        Parameters
-        ----------
-        position : array, shape (free,)
-        errors : array, shape (spectra, 2), optional
-        held : mapping of int to float, optional
-            Positions of free numbers that are not fitted.
-
-        Returns
-        -------
-        Solution
-
-        Raises
-        ------
-        MissingExtraError
-            If lmfit is not installed.
-        """
+        """The minimum near a position; ``position`` (free,); ``errors`` (spectra, 2)."""
         lmfit = extra("lmfit", "fitting spectra", "lab")
         held = held or {}
         errors = np.zeros((len(self.spectra), 2)) if errors is None else errors
@@ -316,11 +271,9 @@ class Problem:
         return self._solution(vector(result.params), float(result.chisqr))
 
     def covariance(self, solution: Solution) -> np.ndarray:
-        """Covariance of the free numbers' positions, shape (free, free).
-
-        Numbers that the spectra do not tell have a variance that is large, not infinite: that of
-        ten times the distance between their bounds.
-        """
+        """Covariance of the free numbers' positions, shape (free, free)."""
+        # Numbers that the spectra do not tell have a variance that is large, not infinite: that of
+        # ten times the distance between their bounds.
         full, _ = self._inverse(solution)
         return np.asarray(full[: len(self.free), : len(self.free)])
 

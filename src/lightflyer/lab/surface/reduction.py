@@ -108,17 +108,7 @@ class Roughness:
         return float(self.mask.mean())
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the levelled map, as it is and with its mask.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Gets the map with its mask; by default a new figure has both.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw the levelled map, as it is and with its mask."""
         from lightflyer.lab.surface.figures import plot_roughness
 
         return plot_roughness(self, ax)

@@ -70,20 +70,7 @@ class TacAccuracy:
         return {f"{name}{units.get(name, '')}": value for name, value in asdict(self).items()}
 
     def errors(self, difference: np.ndarray, diameter: float) -> "CommonErrors":
-        r"""What one standard error of each does to the rows.
-
-        Parameters
-        ----------
-        difference : array, shape (m,)
-            Temperature of the heater above the gas [K].
-        diameter : float
-            Of the heater [m].
-
-        Returns
-        -------
-        CommonErrors
-            Those that are not zero.
-        """
+        r"""What one standard error of each does to the rows; ``difference`` (m,)."""
         wider = self.diameter / diameter
         same = np.ones_like(difference)
         effects = {

@@ -216,17 +216,7 @@ class TacFit:
         return {name: getattr(self, name) for name in PARAMETERS}
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the conductance against pressure with the fit, and that of the gas.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Gets the first of both; by default a new figure has both.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw the conductance against pressure with the fit, and that of the gas."""
         from lightflyer.lab.tac.figures import plot_tac
 
         return plot_tac(self, ax)

@@ -140,11 +140,9 @@ class Problem:
         return np.array_split(np.argsort(self.pressure, kind="stable"), _GROUPS)
 
     def grouped(self) -> "Problem":
-        """Rows of neighbouring pressure averaged, each group weighted by its size.
-
-        A profile of very many rows would take long. Within a group the model hardly changes, and
-        the scatter within it does not depend on the parameters.
-        """
+        """Rows of neighbouring pressure averaged, each group weighted by its size."""
+        # A profile of very many rows would take long. Within a group the model hardly changes, and
+        # the scatter within it does not depend on the parameters.
         if len(self.conductance) <= 2 * _GROUPS:
             return self
         groups = self._groups

@@ -91,23 +91,7 @@ class CameraBand:
         return f"{seen[0]:.4g} to {seen[1]:.4g} µm"
 
     def radiance(self, temperature: Any) -> np.ndarray:
-        """Radiance of a black body within the band, weighted by the response.
-
-        Parameters
-        ----------
-        temperature : array, shape (...)
-            [K].
-
-        Returns
-        -------
-        array, shape (...)
-            [W/(m² sr)], to a relative 1e-10 between 200 K and 2300 K.
-
-        Raises
-        ------
-        ParameterError
-            If a temperature is not positive.
-        """
+        """Radiance of a black body within the band, weighted by the response [W/(m² sr)]."""
         kelvin = np.asarray(temperature, float)
         require_positive(temperature=kelvin)
         if kelvin.size <= _MANY or not np.ptp(kelvin):
@@ -119,18 +103,7 @@ class CameraBand:
         return np.asarray(np.exp(logarithm(1.0 / kelvin)))
 
     def slope(self, temperature: Any) -> np.ndarray:
-        """Derivative of the radiance by the temperature.
-
-        Parameters
-        ----------
-        temperature : array, shape (...)
-            [K].
-
-        Returns
-        -------
-        array, shape (...)
-            [W/(m² sr K)].
-        """
+        """Derivative of the radiance by the temperature [W/(m² sr K)]."""
         kelvin = np.asarray(temperature, float)
         require_positive(temperature=kelvin)
         return self._integral(kelvin, lambda x: x / -np.expm1(-x)) / kelvin

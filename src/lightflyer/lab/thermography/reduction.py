@@ -100,12 +100,7 @@ class RadiativeProperties:
         return {remainder if key == "emissivity" else key: one for key, one in values.items()}
 
     def plot(self) -> "Figure":
-        """Draw the rows and the means with their intervals.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw the rows and the means with their intervals."""
         from lightflyer.lab.thermography.figures import plot_properties
 
         return plot_properties(self)

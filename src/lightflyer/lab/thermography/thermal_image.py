@@ -70,12 +70,7 @@ class ThermalImage:
     notes: tuple[str, ...] = ()
 
     def plot(self) -> "Figure":
-        """Draw the temperatures.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Draw the temperatures."""
         from lightflyer.lab.thermography.thermal_image_figures import plot_image
 
         return plot_image(self)

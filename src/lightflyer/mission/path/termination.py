@@ -15,10 +15,6 @@ class TerminationReason(enum.IntEnum):
     def describe(self) -> str:
         """Phrase for tables and messages.
 
-        Returns
-        -------
-        str
-
         Examples
         --------
         >>> TerminationReason.STILL_FLYING.describe()

@@ -35,32 +35,15 @@ _ERROR_CELL = re.compile(r"^\s*#(?:[A-Z\u00c0-\u00dc]+[!?]|DIV/0!|N/A|NV\b)")
 
 @dataclass(frozen=True)
 class Table:
-    """The columns that were read from a file.
+    """The columns that were read from a file."""
 
-    Attributes
-    ----------
-    source : str
-        Name of the file.
-    lines : array of int, shape (n,)
-        Line of each row in the file, counted from 1.
-    numbers : dict of str to array, shape (n,)
-        Columns of numbers in SI units, by name.
-    texts : dict of str to list of str
-        Columns of text, by name.
-    rejected : list of Rejected
-        Rejected rows in the order of the file.
-    unused : list of str
-        Unknown columns of the file.
-    notes : list of str
-        What a reader of the values must know of how they were read, one line each.
-    """
-
-    source: str
-    lines: np.ndarray
-    numbers: dict[str, np.ndarray]
-    texts: dict[str, list[str]] = field(default_factory=dict)
-    rejected: list[Rejected] = field(default_factory=list)
-    unused: list[str] = field(default_factory=list)
+    source: str  # Name of the file
+    lines: np.ndarray  # shape (n,); line of each row in the file, counted from 1
+    numbers: dict[str, np.ndarray]  # shape (n,); columns of numbers in SI units, by name
+    texts: dict[str, list[str]] = field(default_factory=dict)  # Columns of text, by name
+    rejected: list[Rejected] = field(default_factory=list)  # Rejected rows in the order of the file
+    unused: list[str] = field(default_factory=list)  # Unknown columns of the file
+    # What a reader of the values must know of how they were read, one line each
     notes: list[str] = field(default_factory=list)
 
     def __len__(self) -> int:
@@ -94,43 +77,7 @@ def read_table(
     closed: bool = False,
     preamble: bool | None = None,
 ) -> Table:
-    """Read the known columns of a table.
-
-    Parameters
-    ----------
-    path : str or path
-        Text (UTF-8, UTF-16 or Windows-1252) delimited by commas, semicolons, tabs or white space,
-        or a workbook (``.xlsx``), of which ``book.xlsx#sheet`` names a sheet. Lines that start
-        with ``#``, ``//`` or ``!`` are comments.
-    columns : sequence of Column
-        Known columns.
-    layout : str, optional
-        The columns in the order of the file, such as ``"pressure [mTorr], -, heater_power [W]"``,
-        in place of its header; ``-`` skips a column.
-    unique : bool
-        Reject a line that repeats an earlier one. Always so where there is a column ``time``.
-    strict : bool
-        Refuse the file at the first row that cannot be read, or where its numbers could be read
-        with a note only.
-    closed : bool
-        Refuse unknown columns, if there is no preamble.
-    preamble : bool, optional
-        Whether the header may be a comment and stand below an instrument's preamble. Otherwise it
-        is the first line that is not a comment. By default not if strict.
-
-    Returns
-    -------
-    Table
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names the file and the line or option: not text, an unknown, missing or
-        repeated column, a missing or wrong unit, numbers that can be read in two ways, an
-        impossible value, or no row that can be read.
-    MissingExtraError
-        If the file is a workbook, and openpyxl is not installed.
-    """
+    """Read the known columns of a table; ``layout`` [mTorr]; ``columns``: known columns."""
     first = strict if preamble is None else not preamble
 
     def layout_of(one: Lines) -> Layout:

@@ -46,48 +46,23 @@ def _normal(name: str) -> str:
 
 @dataclass(frozen=True)
 class Column:
-    """A column that a reader of tables knows.
+    """A column that a reader of tables knows."""
 
-    Attributes
-    ----------
-    name : str
-        Such as ``"heater_power"``.
-    kind : Quantity or annotation
-        SI unit and possible range of the values: a
-        :class:`~lightflyer.core.quantity.Quantity`, or an alias of one such as ``Pressure``.
-        By default any pure number.
-    aliases : tuple of str
-        Other names that headers may use.
-    required : bool
-        Whether a file without the column is refused.
-    outside : {"stop", "reject"}
-        What an impossible value does: refuse the file, or reject the row (a pressure gauge that
-        reads below zero does not cast doubt on the whole file).
-    text : bool
-        Whether the column holds text.
-    blank : bool
-        Whether a text may be empty.
-    difference : bool
-        Whether the values are differences, for which 1 °C is 1 K.
-    any_unit : bool
-        Take values as written, whatever the header adds to the name.
-    assumed_unit : str
-        Unit of the values where the header names none.
-    suggested_unit : str
-        Unit that messages propose, in place of the SI unit.
-    """
-
-    name: str
+    name: str  # Such as ``"heater_power"``
+    # SI unit and possible range of the values: a :class:`~lightflyer.core.quantity.Quantity`, or an
+    # alias of one such as ``Pressure``. By default any pure number
     kind: Any = None
-    aliases: tuple[str, ...] = ()
-    required: bool = False
+    aliases: tuple[str, ...] = ()  # Other names that headers may use
+    required: bool = False  # Whether a file without the column is refused
+    # What an impossible value does: refuse the file, or reject the row (a pressure gauge that reads
+    # below zero does not cast doubt on the whole file)
     outside: Literal["stop", "reject"] = "stop"
-    text: bool = False
-    blank: bool = True
-    difference: bool = False
-    any_unit: bool = False
-    assumed_unit: str = ""
-    suggested_unit: str = ""
+    text: bool = False  # Whether the column holds text
+    blank: bool = True  # Whether a text may be empty
+    difference: bool = False  # Whether the values are differences, for which 1 °C is 1 K
+    any_unit: bool = False  # Take values as written, whatever the header adds to the name
+    assumed_unit: str = ""  # Unit of the values where the header names none
+    suggested_unit: str = ""  # Unit that messages propose, in place of the SI unit
 
     @property
     def quantity(self) -> Quantity:

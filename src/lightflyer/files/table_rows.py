@@ -35,18 +35,10 @@ Row = tuple[int, str]
 
 
 class Rejected(NamedTuple):
-    """A row that was rejected.
-
-    Attributes
-    ----------
-    file : str
-    line : int
-        Counted from 1.
-    reason : str
-    """
+    """A row that was rejected."""
 
     file: str
-    line: int
+    line: int  # Counted from 1
     reason: str
 
     def __str__(self) -> str:

@@ -1,9 +1,6 @@
 from .computed import ComputedFilm as ComputedFilm
-from .layered_section import AnyFilmSection as AnyFilmSection
-from .layered_section import LayeredFilmSection as LayeredFilmSection
 from .media.catalogue import material as material
 from .media.catalogue import material_names as material_names
-from .media.database import DatabasePage as DatabasePage
 from .media.database import search_pages as search_pages
 from .media.dispersion import Cauchy as Cauchy
 from .media.dispersion import Drude as Drude
@@ -57,9 +54,6 @@ from .optics.transfer_matrix import stack_optics as stack_optics
 from .properties import FilmProperties as FilmProperties
 from .properties import area_weighted as area_weighted
 from .report.angular_summary import AngularSummary as AngularSummary
-from .report.figures import draw_layers as draw_layers
-from .report.figures import draw_spectra as draw_spectra
-from .report.figures import film_figures as film_figures
 from .report.summary import FilmSummary as FilmSummary
 from .section import FilmSection as FilmSection
 from .section import MeasuredFilmSection as MeasuredFilmSection

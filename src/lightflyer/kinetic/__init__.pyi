@@ -2,8 +2,6 @@ from .chamber.enclosure import Chamber as Chamber
 from .chamber.enclosure import Surface as Surface
 from .chamber.solution import ChamberSolution as ChamberSolution
 from .chamber.solution import solve_in_chamber as solve_in_chamber
-from .figures import draw_flow as draw_flow
-from .figures import flow_figure as flow_figure
 from .moving import MovingSolution as MovingSolution
 from .moving import solve_moving as solve_moving
 from .solver import Solution as Solution

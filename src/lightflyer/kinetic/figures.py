@@ -20,19 +20,7 @@ _LEVELS = 16
 
 
 def draw_flow(solution: "Solution | ChamberSolution", ax: Axes, extent: float = _EXTENT) -> Axes:
-    """Draw the temperature of the gas and its streamlines in a plane through the axis.
-
-    Parameters
-    ----------
-    solution : Solution or ChamberSolution
-    ax : matplotlib.axes.Axes
-    extent : float
-        Half-width and half-height of the plot [disk radii]; it ends at the walls of a chamber.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw the temperature of the gas and its streamlines in a plane through the axis."""
     chamber = getattr(solution, "chamber", None)
     side, low, high = extent, -extent, extent
     if chamber is not None:
@@ -84,18 +72,7 @@ def _draw_walls(chamber: "Chamber", ax: Axes) -> None:
 
 
 def flow_figure(solution: "Solution | ChamberSolution", ax: Axes | None = None) -> Figure:
-    """A figure with :func:`draw_flow`, up to the reservoir where there is one.
-
-    Parameters
-    ----------
-    solution : Solution or ChamberSolution
-    ax : matplotlib.axes.Axes, optional
-        By default that of a new figure.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """A figure with :func:`draw_flow`, up to the reservoir where there is one."""
     figure, ax = figure_for(ax, height=5.0)
     widest = _EXTENT if getattr(solution, "chamber", None) is None else _WIDEST
     draw_flow(solution, ax, min(widest, solution.boundary))

@@ -80,19 +80,12 @@ def film(coating: str, areal_density_g_m2: float | None = None) -> FilmPropertie
 
 @dataclass(frozen=True)
 class Column:
-    """A column of the report: one way to compute the paper's numbers.
-
-    Attributes
-    ----------
-    key, title, description : str
-    reading : Reading or None
-        Of the paper's model; None for kinetic theory in its place.
-    """
+    """A column of the report: one way to compute the paper's numbers."""
 
     key: str
     title: str
     description: str
-    reading: Reading | None
+    reading: Reading | None  # Of the paper's model; None for kinetic theory in its place
 
     @property
     def model(self) -> AbstractForceModel:

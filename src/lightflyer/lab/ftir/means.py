@@ -75,27 +75,9 @@ def band_mean(
 
 
 def planck_weights(wavenumber: np.ndarray, temperature: float, nodes: int = _NODES) -> np.ndarray:
-    r"""Weights of points for a Planck-weighted mean, linear between the points.
-
-    Parameters
-    ----------
-    wavenumber : array, shape (n,)
-        Increasing [1/m].
-    temperature : float
-        [K].
-    nodes : int
-        Nodes of Gauss-Legendre quadrature in each piece.
-
-    Returns
-    -------
-    array, shape (n,)
-        Their sum is one.
-
-    Notes
-    -----
-    The weight of a point is the integral of :math:`B_\nu(T)` times the hat function that is one at
-    the point and zero at its neighbours.
-    """
+    r"""Weights of points for a Planck-weighted mean, linear between the points, shape (n,)."""
+    # The weight of a point is the integral of :math:`B_\nu(T)` times the hat function that is one
+    # at the point and zero at its neighbours.
     per_metre = SECOND_RADIATION_CONSTANT / temperature
     steps = np.maximum(1, np.ceil(np.diff(wavenumber) * per_metre / _WIDEST_STEP)).astype(int)
     left = np.repeat(np.arange(len(steps)), steps)

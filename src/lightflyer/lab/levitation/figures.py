@@ -98,17 +98,7 @@ def levitation_figures(
     pressure_unit: str = "Pa",
     models: Mapping[str, ModelCurves] | None = None,
 ) -> dict[str, Figure]:
-    """Figure of several samples, by file name without suffix.
-
-    Parameters
-    ----------
-    curves, pressure_unit, models
-        See :func:`levitation_curves`.
-
-    Returns
-    -------
-    dict of str to matplotlib.figure.Figure
-    """
+    """Figure of several samples, by file name without suffix."""
     figure = new_figure(height=_HEIGHT)
     levitation_curves(curves, figure.axes[0], pressure_unit=pressure_unit, models=models)
     return {"levitation": figure}

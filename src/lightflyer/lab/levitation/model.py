@@ -22,25 +22,7 @@ _PRESSURES = 200
 
 
 def model_curve(points: LiftOffs, setup: Setup) -> tuple[np.ndarray, np.ndarray]:
-    """Irradiance at which the model levitates, over the pressures of a sample and a little beyond.
-
-    Parameters
-    ----------
-    points : LiftOffs
-        Known properties of the sample replace those of the flyer.
-    setup : Setup
-        Flyer, chamber and model.
-
-    Returns
-    -------
-    pressure, irradiance : array, shape (m,)
-        [Pa], [W/m²]; NaN where the model levitates at no irradiance.
-
-    Raises
-    ------
-    ParameterError
-        If the flyer has no number for a property of the sample.
-    """
+    """Irradiance at which the model levitates, a little beyond the pressures of a sample."""
     low, high = points.pressure.min() / _BEYOND, points.pressure.max() * _BEYOND
     pressure = np.geomspace(low, high, _PRESSURES)
     sample = _of_sample(setup, points)
@@ -66,29 +48,7 @@ def calibrate_curves(
     pressure_accuracy: float | None = None,
     irradiance_accuracy: float | None = None,
 ) -> Calibration:
-    """Fit the force coefficients to the points of all samples.
-
-    Parameters
-    ----------
-    curves : sequence of LevitationCurve
-    what : Setup, flyer file or other design
-        Flyer, chamber and model to start from; a file's ± go into the total intervals.
-    keep_ground_effect : bool
-        Fit the points in ground effect too; otherwise a warning names what was left out.
-    pressure_accuracy, irradiance_accuracy : float, optional
-        Relative standard uncertainty of the calibration of pressure gauge and light meter.
-
-    Returns
-    -------
-    Calibration
-        Its ``setup`` has the fitted coefficients.
-
-    Raises
-    ------
-    ParameterError
-        If all points are in ground effect, or the model has no coefficients to fit; see
-        :func:`~lightflyer.calibration.calibration.calibrate`.
-    """
+    """Fit the force coefficients to the points of all samples."""
     lots = [_points(curve, keep_ground_effect=keep_ground_effect) for curve in curves]
     shared = set.intersection(*(set(one.numbers) for one in lots))
     whole = Points(

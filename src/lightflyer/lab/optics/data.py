@@ -47,24 +47,14 @@ _FIXED = ("density", "tac", "grain", "at", "hole_diameter", "tac_top", "tac_bott
 
 @dataclass(frozen=True)
 class FreeNumber:
-    """A number of a film that spectra are to tell.
-
-    Attributes
-    ----------
-    name : str
-    start, lowest, highest : float
-        First value and bounds.
-    unit : str
-        SI unit.
-    prior : float or None
-        Standard uncertainty of ``start``, known before the spectra; None where nothing is known.
-    """
+    """A number of a film that spectra are to tell."""
 
     name: str
-    start: float
-    lowest: float
-    highest: float
-    unit: str = ""
+    start: float  # First value and bounds
+    lowest: float  # First value and bounds
+    highest: float  # First value and bounds
+    unit: str = ""  # SI unit
+    # Standard uncertainty of ``start``, known before the spectra; None where nothing is known
     prior: float | None = None
 
     def __post_init__(self) -> None:
@@ -80,27 +70,15 @@ class FreeNumber:
 
 @dataclass(frozen=True)
 class FilmSpectrum:
-    """A measured spectrum of a film, and how it was measured.
-
-    Attributes
-    ----------
-    spectrum : MeasuredSpectrum
-    incidence : float
-        Angle between the light and the film's normal [rad].
-    polarisation : {"s", "p", "none"}
-    side : {"top", "bottom"}
-        Where the light comes from.
-    scale_accuracy : float or None
-        Relative standard uncertainty of the ordinate's scale [1]; None where none is stated.
-    zero_accuracy : float or None
-        Standard uncertainty of the ordinate's zero [1]; None where none is stated.
-    """
+    """A measured spectrum of a film, and how it was measured."""
 
     spectrum: MeasuredSpectrum
-    incidence: float = 0.0
+    incidence: float = 0.0  # Angle between the light and the film's normal [rad]
     polarisation: Polarisation = "none"
-    side: Side = "top"
+    side: Side = "top"  # Where the light comes from
+    # Relative standard uncertainty of the ordinate's scale [1]; None where none is stated
     scale_accuracy: float | None = None
+    # Standard uncertainty of the ordinate's zero [1]; None where none is stated
     zero_accuracy: float | None = None
 
     def __post_init__(self) -> None:

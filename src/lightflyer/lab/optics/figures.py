@@ -96,16 +96,7 @@ def _axis(ax: Axes) -> None:
 
 
 def optics_figures(result: "OpticsFit") -> dict[str, Figure]:
-    """Figures of a fit, by file name without suffix.
-
-    Parameters
-    ----------
-    result : OpticsFit
-
-    Returns
-    -------
-    dict of str to matplotlib.figure.Figure
-    """
+    """Figures of a fit, by file name without suffix."""
     fits = new_figure(columns=2, height=_HEIGHT)
     spectra(result, fits.axes[0])
     residuals(result, fits.axes[1])

@@ -33,14 +33,9 @@ _POLARISATIONS = {"s": [1.0, 0.0], "p": [0.0, 1.0], "none": [0.5, 0.5]}
 
 
 class OpticalModel:
-    """What the instruments would read of a film without their own errors.
+    """What the instruments would read of a film without their own errors."""
 
-    Compiled once for a film and the wavelengths of its spectra.
-
-    Parameters
-    ----------
-    sample : OpticsSample
-    """
+    # Compiled once for a film and the wavelengths of its spectra.
 
     def __init__(self, sample: OpticsSample):
         self.free = sample.free

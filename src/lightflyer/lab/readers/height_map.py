@@ -124,24 +124,7 @@ def read_height_map(
 
 
 def list_channels(path: str | Path) -> list[Channel]:
-    """Channels of a height map's file.
-
-    Parameters
-    ----------
-    path : str or path
-        Any format of :func:`read_height_map` but a text file.
-
-    Returns
-    -------
-    list of Channel
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names the file.
-    MissingExtraError
-        If the package that reads the format is not installed.
-    """
+    """Channels of a height map's file."""
     source = read_source(Path(path))
     kind = find_format(source, HEIGHT_MAP_FORMATS)
     if kind is None:

@@ -47,38 +47,16 @@ class Objects(NamedTuple):
 
 
 def find_particles(height: np.ndarray, *, threshold: float = THRESHOLD, order: int = 2) -> Objects:
-    """Level a map and mask the particles on it and the holes in it.
-
-    Parameters
-    ----------
-    height : array, shape (rows, columns)
-        [m].
-    threshold : float
-        Least relief, in robust standard deviations at the scale of the particle.
-    order : int
-        Order of the levelling polynomial.
-
-    Returns
-    -------
-    Objects
-
-    Raises
-    ------
-    ConfigurationError
-        If more than 90 % of the map is masked.
-
-    Notes
-    -----
-    The relief of a pixel is its height less the median on a ring around it, for rings of 3 to 40
-    pixels and three widths of smoothing, and less the median of the map. It is taken after the
-    longer tail of the heights is compressed by the logarithm that makes quantiles at 10 to 25 %
-    and 75 to 90 % symmetric. The standard deviation at each scale is 1.4826 times the median
-    absolute deviation over the whole map, or that of the opposite tail where this is larger; it
-    does not shrink as pixels are masked, so that the mask cannot eat its way into the surface.
-    A map with fewer than 400 independent patches does not show the tail of its distribution:
-    there only rings up to half the correlation length count, within which a surface is smooth.
-    Particles that look like the peaks of a skewed surface are left.
-    """
+    """Level a map and mask the particles on it and the holes in it; ``height`` (rows, columns)."""
+    # The relief of a pixel is its height less the median on a ring around it, for rings of 3 to 40
+    # pixels and three widths of smoothing, and less the median of the map. It is taken after the
+    # longer tail of the heights is compressed by the logarithm that makes quantiles at 10 to 25 %
+    # and 75 to 90 % symmetric. The standard deviation at each scale is 1.4826 times the median
+    # absolute deviation over the whole map, or that of the opposite tail where this is larger; it
+    # does not shrink as pixels are masked, so that the mask cannot eat its way into the surface. A
+    # map with fewer than 400 independent patches does not show the tail of its distribution: there
+    # only rings up to half the correlation length count, within which a surface is smooth.
+    # Particles that look like the peaks of a skewed surface are left.
     above = below = np.zeros(height.shape, bool)
     smallest = _ROUNDING * float(np.ptp(height))
     for _ in range(_PASSES):

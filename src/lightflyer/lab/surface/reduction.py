@@ -140,22 +140,8 @@ def count_objects(mask: np.ndarray) -> int:
 
 
 def surface_parameters(height: np.ndarray) -> np.ndarray:
-    """Root-mean-square height Sq, mean absolute height Sa, skewness Ssk and kurtosis Sku.
-
-    Parameters
-    ----------
-    height : array
-        [m].
-
-    Returns
-    -------
-    array, shape (4,)
-        [m], [m], [1], [1]; the last two are NaN where all heights are equal.
-
-    References
-    ----------
-    [ISO25178]_ sections 4.2.1 to 4.2.7.
-    """
+    """Root-mean-square height Sq, mean absolute height Sa, skewness Ssk and kurtosis Sku [m]."""
+    # Source: [ISO25178]_ sections 4.2.1 to 4.2.7.
     deviation = height - height.mean()
     square = deviation**2
     rms = np.sqrt(square.mean())

@@ -6,18 +6,10 @@ from lightflyer.core.errors import ParameterError
 
 
 class Example(NamedTuple):
-    """Synthetic files and the commands that reduce them.
+    """Synthetic files and the commands that reduce them."""
 
-    Attributes
-    ----------
-    files : dict of str to (str or bytes)
-        Content by file name.
-    commands : list of str
-        Arguments of ``lightflyer lab``.
-    """
-
-    files: dict[str, str | bytes]
-    commands: list[str]
+    files: dict[str, str | bytes]  # Content by file name
+    commands: list[str]  # Arguments of ``lightflyer lab``
 
 
 def example_files(name: str, seed: int = 0) -> Example:

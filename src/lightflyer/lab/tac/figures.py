@@ -109,16 +109,7 @@ def gas_part(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
 
 
 def tac_figures(fits: "Sequence[TacFit]") -> dict[str, Figure]:
-    """Figure of one or several runs, by file name without suffix.
-
-    Parameters
-    ----------
-    fits : sequence of TacFit
-
-    Returns
-    -------
-    dict of str to matplotlib.figure.Figure
-    """
+    """Figure of one or several runs, by file name without suffix."""
     figure = new_figure(columns=2, height=_HEIGHT)
     left, right = figure.axes
     effective_conductance(fits, left)

@@ -271,26 +271,7 @@ def heater_power(
     law: AbstractHeatLaw = KINETIC_LAW,
     gas: AbstractGas = AIR,
 ) -> np.ndarray:
-    """Power that holds a heater at its temperature: the inverse of :func:`fit_tac`.
-
-    Parameters
-    ----------
-    pressure : array, shape (n,)
-        [Pa].
-    heater_temperature, ambient_temperature : array, shape (n,)
-        [K].
-    tac, area_ratio : float
-        Accommodation coefficient and ratio of effective to nominal area [1].
-    offset : float
-        Conductance without gas [W/(m² K)].
-    diameter, law, gas
-        See :func:`fit_tac`.
-
-    Returns
-    -------
-    array, shape (n,)
-        [W].
-    """
+    """Power that holds a heater at its temperature: the inverse of :func:`fit_tac` [W]."""
     difference = heater_temperature - ambient_temperature
     limits = law.limits(pressure, ambient_temperature, heater_temperature, diameter, gas)
     conductance = area_ratio * (limits.conductance(tac) + offset)

@@ -141,20 +141,13 @@ class AbstractHeatLaw(abc.ABC):
 
 @dataclass(frozen=True)
 class KineticLaw(AbstractHeatLaw):
-    r"""Heat loss from the solved kinetic equation, as of :class:`lightflyer.Kinetic`.
+    r"""Heat loss from the solved kinetic equation, as of :class:`lightflyer.Kinetic`."""
 
-    Attributes
-    ----------
-    wall_distance : float, optional
-        Distance of the chamber's walls from the heater's centre [m]; open space if None.
+    # Right for a thin disk in gas at rest at any Knudsen number; natural convection is left out.
+    # Below the table's smallest Knudsen number the conductance goes over into that of an isothermal
+    # disk, :math:`8r\kappa`, with the gas's conductivity at the mean temperature.
 
-    Notes
-    -----
-    Right for a thin disk in gas at rest at any Knudsen number; natural convection is left out.
-    Below the table's smallest Knudsen number the conductance goes over into that of an isothermal
-    disk, :math:`8r\kappa`, with the gas's conductivity at the mean temperature.
-    """
-
+    # Distance of the chamber's walls from the heater's centre [m]; open space if None
     wall_distance: float | None = None
     name: str = KINETIC
 
@@ -207,16 +200,9 @@ def _kinetic(
 
 @dataclass(frozen=True)
 class Lu2023Law(AbstractHeatLaw):
-    """Heat loss by the paper's interpolation, [Lu2023]_ Eqs. (3)-(10).
+    """Heat loss by the paper's interpolation, [Lu2023]_ Eqs. (3)-(10)."""
 
-    Attributes
-    ----------
-    reading : Reading
-        Conventions of the heat loss.
-    name : str
-    """
-
-    reading: Reading
+    reading: Reading  # Conventions of the heat loss
     name: str
 
     def at(

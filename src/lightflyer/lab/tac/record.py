@@ -19,16 +19,7 @@ _ROUNDING = 1e-12  # relative
 
 
 def mean_tac(fits: Sequence[TacFit]) -> Estimate:
-    """Mean accommodation coefficient of several runs; see :func:`mean_of`.
-
-    Parameters
-    ----------
-    fits : sequence of TacFit
-
-    Returns
-    -------
-    Estimate
-    """
+    """Mean accommodation coefficient of several runs; see :func:`mean_of`."""
     return mean_of(fits, "tac")
 
 

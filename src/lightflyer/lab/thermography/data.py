@@ -43,21 +43,12 @@ _LIGHT = Quantity("", 0.0)
 
 
 class Method(NamedTuple):
-    """Kind of reading.
+    """Kind of reading."""
 
-    Attributes
-    ----------
-    readings : tuple of str
-        Names of the readings of source, reflection, transmission and background.
-    quantities : tuple of Quantity
-        Unit and possible range of each.
-    remainder : str
-        Name of the part that is neither reflected nor transmitted.
-    """
-
+    # Names of the readings of source, reflection, transmission and background
     readings: tuple[str, str, str, str]
-    quantities: tuple[Quantity, Quantity, Quantity, Quantity]
-    remainder: str
+    quantities: tuple[Quantity, Quantity, Quantity, Quantity]  # Unit and possible range of each
+    remainder: str  # Name of the part that is neither reflected nor transmitted
 
     @property
     def unit(self) -> str:

@@ -61,14 +61,5 @@ def plot_properties(result: "RadiativeProperties") -> Figure:
 
 
 def thermography_figures(result: "RadiativeProperties") -> dict[str, Figure]:
-    """Figure of the properties, by file name without suffix.
-
-    Parameters
-    ----------
-    result : RadiativeProperties
-
-    Returns
-    -------
-    dict of str to matplotlib.figure.Figure
-    """
+    """Figure of the properties, by file name without suffix."""
     return {"thermography": plot_properties(result)}

@@ -241,22 +241,7 @@ def setting_warnings(image: ThermalImage, ambient: float) -> tuple[str, ...]:
 
 
 def parse_regions(text: str) -> dict[str, tuple[slice, slice]]:
-    """Parse named rectangles of an image.
-
-    Parameters
-    ----------
-    text : str
-        First and last rows, then columns: ``"hotplate=10:40,20:60; upper=50:80,20:60"``.
-
-    Returns
-    -------
-    dict of str to (slice, slice)
-
-    Raises
-    ------
-    ConfigurationError
-        If a part is not a rectangle, or an empty one, or has an unknown or repeated name.
-    """
+    """Parse named rectangles of an image."""
     found = {}
     for part in filter(str.strip, text.split(";")):
         match = _REGION.match(part)
@@ -277,28 +262,7 @@ def parse_regions(text: str) -> dict[str, tuple[slice, slice]]:
 def region_temperatures(
     image: np.ndarray, regions: dict[str, tuple[slice, slice]], source: str
 ) -> dict[str, Measured]:
-    """Mean temperature of each region with the scatter of its pixels.
-
-    Parameters
-    ----------
-    image : array, shape (rows, columns)
-        [K].
-    regions : dict of str to (slice, slice)
-    source : str
-        Name of the image, for messages.
-
-    Returns
-    -------
-    dict of str to Measured
-        [K], by the name of the region with ``_temperature`` appended. The uncertainty is the
-        standard deviation of the pixels and not that of their mean: neighbouring pixels deviate
-        together, and the film need not see the mean of the hotplate.
-
-    Raises
-    ------
-    ConfigurationError
-        If a region extends beyond the image, or has pixels without a temperature.
-    """
+    """Mean temperature of each region with the scatter of its pixels [K]."""
     found = {}
     for name, (rows, columns) in regions.items():
         if rows.stop > image.shape[0] or columns.stop > image.shape[1]:
@@ -317,19 +281,7 @@ def region_temperatures(
 
 
 def region_warnings(image: np.ndarray, regions: dict[str, tuple[slice, slice]]) -> tuple[str, ...]:
-    """What is wrong with the regions of an image.
-
-    Parameters
-    ----------
-    image : array, shape (rows, columns)
-        [K].
-    regions : dict of str to (slice, slice)
-
-    Returns
-    -------
-    tuple of str
-        One line for each region that is not uniform, or saturated.
-    """
+    """What is wrong with the regions of an image; ``image`` (rows, columns)."""
     said = []
     for name, place in regions.items():
         pixels = image[place]

@@ -26,38 +26,14 @@ _EIGHT_BITS = 8
 
 
 class Scale(NamedTuple):
-    """What numbers of an image mean.
+    """What numbers of an image mean."""
 
-    Attributes
-    ----------
-    step : float
-        [K] for a number of one.
-    zero : float
-        Temperature of the number zero [K].
-    """
-
-    step: float
-    zero: float
+    step: float  # [K] for a number of one
+    zero: float  # Temperature of the number zero [K]
 
 
 def parse_scale(unit: str, zero: str | None = None) -> Scale:
     """Scale from options.
-
-    Parameters
-    ----------
-    unit : str
-        Such as ``"K"``, ``"°C"``, or ``"0.01 K"`` for hundredths of a kelvin.
-    zero : str, optional
-        Temperature of the number zero, such as ``"-100 °C"``; by default that of the unit.
-
-    Returns
-    -------
-    Scale
-
-    Raises
-    ------
-    ConfigurationError
-        If one is no temperature.
 
     Examples
     --------

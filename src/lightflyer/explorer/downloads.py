@@ -68,7 +68,7 @@ def python_lines(document: Document) -> str:
     if MISSION in document:
         lines += (
             "\n# mission.toml is another download of the explorer\n"
-            'mission = lf.read_mission_file("mission.toml")\n'
+            'mission = lf.mission.read_mission_file("mission.toml")\n'
             "flown = lf.fly(mission.design, **mission.arguments())\n"
             'print(flown.attrs["end"])\n'
         )

@@ -96,7 +96,7 @@ class _Swarm:
         return int(sequence.generate_state(1)[0])
 
 
-def spread(
+def disperse_ensemble(
     what: Any,
     environment: AbstractEnvironment | None = None,
     model: AbstractForceModel | None = None,
@@ -156,10 +156,10 @@ def spread(
     --------
     >>> import lightflyer as lf
     >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    >>> swarm = lf.spread(
+    >>> swarm = lf.mission.disperse_ensemble(
     ...     lf.Disk(film, radius=0.005), lf.Earth(), lf.Lu2023(), duration="6 h", every="3 h",
     ...     release=lf.Release("75 km", latitude=45.0, longitude=0.0, time="2026-06-21T12:00Z"),
-    ...     ensemble=lf.Ensemble(members=50, wind=15.0),
+    ...     ensemble=lf.mission.Ensemble(members=50, wind=15.0),
     ...     areas=[lf.mission.Circle(45.0, 0.0, "300 km")],
     ... )
     >>> f"{float(swarm.inside[0, -1]):.2f}"

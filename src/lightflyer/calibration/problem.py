@@ -85,7 +85,7 @@ class LevitationModel(eqx.Module):
 
 
 @entry_point
-def _linearised(
+def _linearise(
     model: LevitationModel, log_parameters: Any, log_pressure: Any, shifts: Any
 ) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
     # the root is searched once; a loop over directions compiles faster than vmap
@@ -189,7 +189,7 @@ class Problem:
             Without derivatives where no irradiance levitates the flyer.
         """
         moved = np.zeros(len(self.inputs.names)) if shifts is None else shifts
-        found = _linearised(self.model, log_parameters, np.log(self.points.pressure), moved)
+        found = _linearise(self.model, log_parameters, np.log(self.points.pressure), moved)
         value, *changes = (np.array(one) for one in found)
         lost = ~np.isfinite(value)
         for change in changes:

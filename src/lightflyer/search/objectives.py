@@ -113,7 +113,7 @@ class ObjectiveFunction:
 
     @cached_property
     def _quick_films(self) -> Callable[[Mapping[str, Any]], Any]:
-        compiled = _compiled(lambda values, tables: self._quick(values, tables))  # type: ignore[misc]
+        compiled = _compile(lambda values, tables: self._quick(values, tables))  # type: ignore[misc]
         return lambda values: compiled(values, self._context.tables)
 
     def given(self, point: Any, changed: Mapping[str, Any] | None = None) -> dict[str, Any]:
@@ -295,7 +295,7 @@ class ObjectiveFunction:
         return self._in_context(both)
 
     def _in_context(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        compiled = _compiled(function)
+        compiled = _compile(function)
         return lambda *arguments: compiled(*arguments, self._context)
 
     @cached_property
@@ -334,7 +334,7 @@ class ObjectiveFunction:
         }
 
 
-def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+def _compile(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function compiled for NumPy arrays in double precision."""
     compiled: Any = jax.jit(function)
 

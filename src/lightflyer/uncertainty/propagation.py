@@ -275,7 +275,9 @@ def propagate(
             (prediction.coordinates[0], prediction.coordinates[-1]),
             logarithmic=prediction.coordinate.logarithmic,
         )
-        sampled = {target.name: _sampled(target, found, table, grid.size) for target in targets}
+        sampled = {
+            target.name: _sample_result(target, found, table, grid.size) for target in targets
+        }
         bands = _quantiles({name: table[name][:, : grid.size] for name in names})
     else:
         bands = _normal_bands(slopes, names, grid.size)
@@ -442,7 +444,7 @@ def _spread(target: _Target, slopes: Derivatives, before: int) -> float:
     return target.scale * slopes.spread(moving)
 
 
-def _sampled(
+def _sample_result(
     target: _Target, found: monte_carlo.SampledPredictions, table: Table, before: int
 ) -> np.ndarray:
     """One result in each sample, shape (samples,); fixed points follow ``before`` columns."""

@@ -35,8 +35,8 @@ def diagnose(
 ) -> tuple[str, ...]:
     """Warnings of a fit, one line each; ``correlation`` (free, free)."""
     return (
-        *_undetermined(sample, numbers, open_ends),
-        *_tied(list(numbers), correlation),
+        *_undetermined_lines(sample, numbers, open_ends),
+        *_tied_lines(list(numbers), correlation),
         *_rivals(fit),
         *_beforehand(sample, numbers),
         *_misfits(sample, fit),
@@ -51,7 +51,7 @@ def diagnose(
     )
 
 
-def _undetermined(
+def _undetermined_lines(
     sample: OpticsSample,
     numbers: Mapping[str, Estimate],
     open_ends: Mapping[str, tuple[bool, bool]],
@@ -75,7 +75,7 @@ def _undetermined(
     return found
 
 
-def _tied(names: list[str], correlation: np.ndarray) -> list[str]:
+def _tied_lines(names: list[str], correlation: np.ndarray) -> list[str]:
     return [
         f"{names[i]} and {names[j]} are hardly told apart: their errors have a correlation of "
         f"{correlation[i, j]:+.3f}"

@@ -68,7 +68,7 @@ def spread(
     """
     values = height[~mask]
     rms, mean = np.sqrt(np.mean(values**2)), np.abs(values).mean()
-    lost = _lost(np.where(mask, 0.0, height / rms), kept, rng, pixel_aspect)
+    lost = _loss(np.where(mask, 0.0, height / rms), kept, rng, pixel_aspect)
     # levelling takes low frequencies from the squares too
     missing = 1.0 + min(_LOST_IN_SQUARES * float(np.median(lost)), _MOST_LOST_IN_SQUARES)
     scaled = np.stack([(height / rms) ** 2 - 1.0, 2.0 * (np.abs(height) / mean - 1.0)])
@@ -101,7 +101,7 @@ def _cosine_power(values: np.ndarray) -> np.ndarray:
     return fft.dct(along, axis=1, norm="ortho")[:, :modes] ** 2
 
 
-def _lost(
+def _loss(
     scaled: np.ndarray, kept: np.ndarray, rng: np.random.Generator, pixel_aspect: float
 ) -> np.ndarray:
     r"""Draws of the power that levelling took, over the power left."""

@@ -166,7 +166,7 @@ class Comparison(PrintedResult):
         """The flyer of the largest payload."""
         return max(self.flyers, key=lambda found: found.prediction.best.values["payload"])
 
-    def shown(self, output: str) -> tuple[float, str]:
+    def display_unit(self, output: str) -> tuple[float, str]:
         """Factor from an output's SI unit, and the unit, that suit the best of all flyers.
 
         Parameters

@@ -100,7 +100,7 @@ class ObjectiveFunction:
     def _given_film(self, point: np.ndarray) -> dict[str, float]:
         """Values at a point, without the coordinate."""
         coordinate = self.problem.design.coordinate_name
-        given = self.given(point).items()
+        given = self.all_values(point).items()
         return {name: float(value) for name, value in given if name != coordinate}
 
     def match(self, point: np.ndarray) -> None:
@@ -116,7 +116,7 @@ class ObjectiveFunction:
         compiled = _compile(lambda values, tables: self._quick(values, tables))  # type: ignore[misc]
         return lambda values: compiled(values, self._context.tables)
 
-    def given(self, point: Any, changed: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    def all_values(self, point: Any, changed: Mapping[str, Any] | None = None) -> dict[str, Any]:
         """Values of all numbers that are free, fixed or uncertain, at a point; may be traced."""
         problem = self.problem
         free = {
@@ -215,7 +215,7 @@ class ObjectiveFunction:
         self, point: Any, changed: Mapping[str, Any] | None = None, context: "Context | None" = None
     ) -> Any:
         """Objectives, larger is better, then constraints, positive where satisfied; traced."""
-        given = self.given(point, changed)
+        given = self.all_values(point, changed)
         context = self._context if context is None else context
         return self._scores(given, self._films(given, context), context)
 

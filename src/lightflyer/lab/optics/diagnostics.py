@@ -65,7 +65,7 @@ def _undetermined_lines(
             )
         elif any(open_ends[one.name]):
             ends = " and ".join(
-                f"{name} bound {shown(end, one.unit)}"
+                f"{name} bound {amount_text(end, one.unit)}"
                 for name, end, is_open in zip(
                     ("lower", "upper"), (one.lowest, one.highest), open_ends[one.name], strict=True
                 )
@@ -93,7 +93,7 @@ def _rivals(fit: Fit) -> list[str]:
             continue
         values = fit.problem.model.values(solution.position)
         told = ", ".join(
-            f"{one.name} = {shown(value, one.unit)}"
+            f"{one.name} = {amount_text(value, one.unit)}"
             for one, value in zip(fit.problem.free, values, strict=True)
         )
         found.append(
@@ -109,10 +109,10 @@ def _beforehand(sample: OpticsSample, numbers: Mapping[str, Estimate]) -> list[s
         if one.prior is None:
             continue
         value = numbers[one.name]
-        known = f"{shown(one.start, one.unit)} ± {shown(one.prior, one.unit)}"
+        known = f"{amount_text(one.start, one.unit)} ± {amount_text(one.prior, one.unit)}"
         if abs(value.value - one.start) > _FAR * one.prior:
             found.append(
-                f"{one.name} = {shown(value.value, one.unit)} contradicts what was stated, {known}"
+                f"{one.name} = {amount_text(value.value, one.unit)} contradicts what was stated, {known}"
             )
         elif (value.uncertainty or 0.0) > TIED * one.prior:
             found.append(f"{one.name} is as stated, {known}: the spectra tell nothing of it")
@@ -166,13 +166,13 @@ def _rough(sample: OpticsSample, film: Film) -> list[str]:
     ]
 
 
-def shown(value: float, unit: str) -> str:
+def amount_text(value: float, unit: str) -> str:
     """A number with its unit, lengths in nanometres and energies in electronvolts."""
-    scale, name = written(unit)
+    scale, name = display_unit(unit)
     return f"{value / scale:.4g} {name}".rstrip()
 
 
-def written(unit: str) -> tuple[float, str]:
+def display_unit(unit: str) -> tuple[float, str]:
     """Unit that people write an SI unit's numbers of films in, with its size."""
     return _WRITTEN.get(unit, (1.0, unit))
 

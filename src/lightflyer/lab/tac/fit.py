@@ -414,7 +414,7 @@ def _weigh(problem: Problem) -> tuple[Problem, tuple[float, float, float]]:
     for _ in range(_WEIGHTINGS):
         problem = problem.weighted(1.0 / problem.model(*guess))
         require_distinct(problem, guess)
-        plain = problem.held([0.0] * len(problem.errors.names)).grouped()
+        plain = problem.with_common_errors([0.0] * len(problem.errors.names)).grouped()
         found = minimise(plain, guess)[1].params
         guess = (float(found["tac"]), float(found["area_ratio"]), float(found["offset"]))
     return problem, guess

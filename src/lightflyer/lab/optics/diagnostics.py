@@ -112,7 +112,8 @@ def _beforehand(sample: OpticsSample, numbers: Mapping[str, Estimate]) -> list[s
         known = f"{amount_text(one.start, one.unit)} ± {amount_text(one.prior, one.unit)}"
         if abs(value.value - one.start) > _FAR * one.prior:
             found.append(
-                f"{one.name} = {amount_text(value.value, one.unit)} contradicts what was stated, {known}"
+                f"{one.name} = {amount_text(value.value, one.unit)} contradicts what was stated, "
+                f"{known}"
             )
         elif (value.uncertainty or 0.0) > TIED * one.prior:
             found.append(f"{one.name} is as stated, {known}: the spectra tell nothing of it")
